@@ -1,0 +1,48 @@
+/* Little-endian numbers in byte arrays, whatever the machine's order and alignment. The caller has checked the bounds.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_BYTES_H
+#define VXS_BYTES_H
+
+#include <stdint.h>
+#include <string.h>
+
+static inline uint16_t vxs_load16(const uint8_t *p) { return (uint16_t)(p[0] | p[1] << 8); }
+
+static inline uint32_t vxs_load32(const uint8_t *p) { return vxs_load16(p) | (uint32_t)vxs_load16(p + 2) << 16; }
+
+static inline uint64_t vxs_load64(const uint8_t *p) { return vxs_load32(p) | (uint64_t)vxs_load32(p + 4) << 32; }
+
+static inline double vxs_load_f64(const uint8_t *p)
+{
+    uint64_t bits = vxs_load64(p);
+    double   value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static inline void vxs_store16(uint8_t *p, uint16_t v)
+{
+    p[0] = (uint8_t)v;
+    p[1] = (uint8_t)(v >> 8);
+}
+
+static inline void vxs_store32(uint8_t *p, uint32_t v)
+{
+    vxs_store16(p, (uint16_t)v);
+    vxs_store16(p + 2, (uint16_t)(v >> 16));
+}
+
+static inline void vxs_store64(uint8_t *p, uint64_t v)
+{
+    vxs_store32(p, (uint32_t)v);
+    vxs_store32(p + 4, (uint32_t)(v >> 32));
+}
+
+static inline void vxs_store_f64(uint8_t *p, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    vxs_store64(p, bits);
+}
+
+#endif

@@ -1,0 +1,122 @@
+/* Reading and writing .vxs bytes (formats/vxs.md). This layer knows bytes: no scenes, no OpenGL, no printing.
+ * Games use runtime/vxs.h, which stands on this.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_FILE_H
+#define VXS_FILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "vxs_format.h"
+#include "vxs_result.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One light as it is stored and looked up. */
+typedef struct vxs_light {
+    char     name[VXS_LIGHT_NAME_BYTES]; /* UTF-8, NUL-terminated, unique in the file */
+    uint32_t kind;                       /* VXS_LIGHT_KIND_DIRECTIONAL */
+    uint32_t levels;                     /* the map has 2^levels texels a side and 2^levels voxels in depth; 3..18 */
+    double   vx_from_ws[12];   /* rows of a 3 x 4 matrix: world metres to texels u, v and voxels of depth; (0,0,0) is the corner
+                                  of the map nearest the light */
+    double   texel_metres;     /* side of a texel */
+    double   voxel_metres;     /* depth of a voxel */
+    double   direction_ws[3];  /* unit vector, the way the light travels */
+
+    const uint32_t *words;      /* [word_count] the DAG as vxs_lookup.h reads it */
+    uint32_t        word_count;
+    uint32_t        node_count[VXS_LEVELS_MAX]; /* by height: [0] slice nodes, [levels - 3] the root */
+    uint32_t        node_words[VXS_LEVELS_MAX]; /* words that they take */
+    uint32_t        mask_count;
+} vxs_light;
+
+/* Where memory comes from. A NULL allocator, or one with NULL functions, is malloc and free. */
+typedef struct vxs_allocator {
+    void *(*alloc)(size_t size_bytes, void *user); /* NULL when there is none */
+    void (*free)(void *memory, size_t size_bytes, void *user);
+    void *user;
+} vxs_allocator;
+
+/* Called for each thing that is wrong: a number of vxs_findings.h, its text, and where (section is -1 for header and directory). */
+typedef void vxs_finding_fn(void *user, int number, const char *text, int section, uint64_t offset_bytes);
+
+typedef struct vxs_read_desc {
+    const vxs_allocator *allocator;          /* NULL: malloc and free; copied, but its functions must outlive what was read */
+    uint64_t             memory_limit_bytes; /* 0: 4 GiB. More than this is refused before it is allocated */
+    vxs_finding_fn      *finding;            /* NULL: nobody asks */
+    void                *finding_user;
+    int                  find_all; /* 1: go on after a finding where that makes sense, to report the others too */
+} vxs_read_desc;
+
+typedef struct vxs_section {
+    uint32_t kind, flags, light, level;
+    uint64_t offset_bytes, stored_bytes, inflated_bytes, hash;
+} vxs_section;
+
+/* What a file holds, decoded. Release with vxs_contents_free. */
+typedef struct vxs_contents {
+    uint32_t      version;
+    uint32_t      light_count;
+    vxs_light    *lights;
+    uint32_t      section_count;
+    vxs_section  *sections;
+    char         *metadata; /* JSON text, NUL-terminated; NULL when the file has none */
+    size_t        metadata_bytes;
+    vxs_allocator allocator;
+} vxs_contents;
+
+/* Check every byte of a file and decode it, so that a lookup may trust every offset.
+ * bytes     [size_bytes] the whole file; only read, not kept
+ * desc      NULL: all defaults
+ * contents  [out] written only when VXS_OK is returned
+ * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT: the first finding's result; VXS_E_MEMORY.
+ * Bad bytes never abort, and cost no more memory than the limit; zstd's own working memory (some 160 KiB) comes from malloc and is
+ * not counted. Threads: none shared. */
+vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
+
+/* Accepts a zeroed object. */
+void vxs_contents_free(vxs_contents *contents);
+
+/* A DAG to be written. Nodes are eight references: 0 lit, 1 shadow, 2 + index into the level below (or into the masks). */
+typedef struct vxs_dag_view {
+    const uint32_t *nodes[VXS_LEVELS_MAX]; /* [l] 8 * count[l] references; [0] slice nodes, [level_count - 1] holds the root */
+    uint32_t        count[VXS_LEVELS_MAX];
+    uint32_t        level_count;
+    const uint64_t *masks; /* [mask_count] */
+    uint32_t        mask_count;
+    uint32_t        root; /* index into the top level */
+} vxs_dag_view;
+
+/* A light to be written: of `light`, what describes the DAG (words, counts) is ignored. */
+typedef struct vxs_write_light {
+    vxs_light    light;
+    vxs_dag_view dag;
+} vxs_write_light;
+
+typedef struct vxs_write_desc {
+    const vxs_write_light *lights;
+    uint32_t               light_count;
+    const char            *metadata; /* JSON text, NUL-terminated; NULL: none */
+    int                    zstd_level; /* 1..19 */
+} vxs_write_desc;
+
+typedef struct vxs_bytes {
+    uint8_t *data;
+    size_t   size_bytes, capacity_bytes;
+} vxs_bytes;
+
+/* Encode a whole file in memory. Nodes that the root does not reach are left out; same input, same bytes for one zstd version.
+ * out  [out] grown with realloc; zero it first, release with free(out->data).
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, or words; an empty,
+ * unterminated or repeated name; a DAG without as many levels, or without its root), or zstd_level is out of range. A light's other
+ * numbers are written as they are: vxs_read says whether they make sense.
+ * The runtime library does not hold this function: games only read. */
+vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

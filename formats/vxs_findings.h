@@ -1,0 +1,44 @@
+/* What can be wrong with a .vxs file: one list of stable numbers, the result each gives, and its text (formats/vxs.md section 8).
+ * Numbers are only ever appended within their hundred, and never reused.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_FINDINGS_H
+#define VXS_FINDINGS_H
+
+/* clang-format off */
+#define VXS_FINDINGS(X)                                                                                \
+    X(101, VXS_E_TRUNCATED, "the file is shorter than a header")                                       \
+    X(102, VXS_E_NOT_VXS,   "the file does not start with the magic bytes of a .vxs file")             \
+    X(103, VXS_E_VERSION,   "the format version is not one that this reader knows")                    \
+    X(104, VXS_E_CORRUPT,   "the checksum of the header does not match")                               \
+    X(105, VXS_E_CORRUPT,   "reserved bytes of the header are not zero")                               \
+    X(106, VXS_E_TRUNCATED, "the file is shorter than its header says")                                \
+    X(107, VXS_E_CORRUPT,   "the file is longer than its header says")                                 \
+    X(108, VXS_E_CORRUPT,   "the number of sections is out of range")                                  \
+    X(109, VXS_E_CORRUPT,   "the checksum of the directory does not match")                            \
+    X(201, VXS_E_CORRUPT,   "a section has flags that are not defined")                                \
+    X(202, VXS_E_CORRUPT,   "a section does not start where the one before it ends")                   \
+    X(203, VXS_E_CORRUPT,   "a section ends beyond the end of the file")                               \
+    X(204, VXS_E_CORRUPT,   "bytes follow the last section")                                           \
+    X(205, VXS_E_VERSION,   "a section that is not optional has a kind that this reader does not know") \
+    X(206, VXS_E_CORRUPT,   "the checksum of a section does not match")                                \
+    X(207, VXS_E_CORRUPT,   "a section is not one zstd frame of the size that the directory says")     \
+    X(208, VXS_E_CORRUPT,   "a section is there twice")                                                \
+    X(209, VXS_E_CORRUPT,   "a section is missing")                                                    \
+    X(210, VXS_E_CORRUPT,   "a section belongs to a light or a level that is not there")               \
+    X(211, VXS_E_MEMORY,    "the file needs more memory than the limit allows")                        \
+    X(301, VXS_E_CORRUPT,   "the light table has a size that its count does not give")                 \
+    X(302, VXS_E_VERSION,   "a light has a kind that this reader does not know")                       \
+    X(303, VXS_E_CORRUPT,   "a light's number of levels is out of range")                              \
+    X(304, VXS_E_CORRUPT,   "a light's transform is not finite or not invertible")                     \
+    X(305, VXS_E_CORRUPT,   "a light's texel size, voxel size or direction is out of range")           \
+    X(306, VXS_E_CORRUPT,   "a light's name is empty, not terminated or not unique")                   \
+    X(307, VXS_E_CORRUPT,   "reserved bytes of a light are not zero")                                  \
+    X(401, VXS_E_CORRUPT,   "a level has a size that its node count does not give")                    \
+    X(402, VXS_E_CORRUPT,   "a node repeats a neighbour that is not there")                            \
+    X(403, VXS_E_CORRUPT,   "a node refers to a child beyond those seen so far")                       \
+    X(404, VXS_E_CORRUPT,   "a level or the masks hold other nodes than are referred to")              \
+    X(405, VXS_E_CORRUPT,   "a reference is not written in the shortest form")                         \
+    X(406, VXS_E_CORRUPT,   "a light's word count is not that of its levels")
+/* clang-format on */
+
+#endif

@@ -1,0 +1,149 @@
+/* How a node is laid out, and how a lookup walks: one text for C99, C++ and GLSL 4.3.
+ *
+ * A light's DAG is an array of 32-bit words (formats/vxs.md section 6). The root is at word 0. A node is
+ *
+ *     word 0      bits 2c, 2c+1: what child c is (VXS_CHILD_*), c = 0..7; bits 16..31 are zero
+ *     word 1...   one offset for each child that is VXS_CHILD_OWN, in the order of c
+ *
+ * A node of side 16 voxels and more is an octree node: c = x + 2y + 4z, z away from the light; an offset is the word where
+ * the child starts. A node of side 8 is a stack of eight slices, c = z; an offset is the word where a visibility mask of
+ * 8 x 8 texels starts: texel (x, y) is bit x + 8y of two words, low word first, 1 for shadow.
+ *
+ *     octree node      [states][child 1][child 4]                   children 0..7, two of them own
+ *     slice node       [states][mask a][mask b]                     slices  ..aaab#  .. lit, # shadow, aa the same mask
+ *     mask             [rows 0 to 3][rows 4 to 7]
+ *
+ * GLSL: declare `uint vxs_words[]` (a buffer of all lights' words) before including this text; `dag` is then the word where the
+ * light's DAG starts, and offsets count from there. C: `dag` is the address of the light's words.
+ * Nothing here checks an offset: vxs_read.c does once, before a lookup may trust it.
+ * Source: [CPVS16] 3 and 5; [Sintorn 2014] for PCF by popcount.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_LOOKUP_H
+#define VXS_LOOKUP_H
+
+#ifdef GL_core_profile
+#define VXS_FN
+#define VXS_DAG              uint
+#define vxs_u32              uint
+#define vxs_i32              int
+#define VXS_OUT(type)        out type
+#define VXS_ADDRESS(x)       x
+#define VXS_DEREF(x)         x
+#define vxs_word(dag, i)     vxs_words[(dag) + (i)]
+#define vxs_popcount(x)      uint(bitCount(x))
+#define VXS_U(x)             uint(x)
+#define VXS_I(x)             int(x)
+#else
+#include <stdint.h>
+typedef uint32_t vxs_u32;
+typedef int32_t  vxs_i32;
+#define VXS_FN               static inline
+#define VXS_DAG              const uint32_t *
+#define VXS_OUT(type)        type *
+#define VXS_ADDRESS(x)       &x
+#define VXS_DEREF(x)         (*(x))
+#define vxs_word(dag, i)     (dag)[i]
+#define VXS_U(x)             ((vxs_u32)(x))
+#define VXS_I(x)             ((vxs_i32)(x))
+#if defined(__GNUC__) && defined(__POPCNT__)
+#define vxs_popcount(x)      ((vxs_u32)__builtin_popcount(x))
+#else
+static inline vxs_u32 vxs_popcount(vxs_u32 x)
+{
+    x = x - ((x >> 1) & 0x55555555u);
+    x = (x & 0x33333333u) + ((x >> 2) & 0x33333333u);
+    return (((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24;
+}
+#endif
+#endif
+
+/* The states (low bit of each pair) of the children that have an offset of their own: binary 10. */
+VXS_FN vxs_u32 vxs_own(vxs_u32 states) { return (states >> 1) & ~states & 0x5555u; }
+
+/* The words of an 8 x 8 x 1 slice: the tile of 8 x 8 texels at (tile_x, tile_y), depth k voxels. One bit a texel, 1 for shadow.
+ * dag     the light's words;   levels  the map has 2^levels texels a side, and as many voxels in depth
+ * tile_x, tile_y  [0, 2^(levels-3));   k  [0, 2^levels)
+ * low, high  [out] rows 0 to 3 and rows 4 to 7. */
+VXS_FN void vxs_slice(VXS_DAG dag, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k, VXS_OUT(vxs_u32) low,
+                      VXS_OUT(vxs_u32) high)
+{
+    vxs_u32 node = 0u;
+    vxs_u32 states, state;
+    for (vxs_u32 level = levels - 3u; level > 0u; level--) {
+        vxs_u32 bit = level - 1u;
+        vxs_u32 xy  = ((tile_x >> bit) & 1u) | (((tile_y >> bit) & 1u) << 1);
+        vxs_u32 c   = xy | (((k >> (bit + 3u)) & 1u) << 2);
+        states      = vxs_word(dag, node);
+        state       = (states >> (2u * c)) & 3u;
+        if (state == 3u) { /* VXS_CHILD_SAME: the sibling with z = 0 owns the offset */
+            c     = xy;
+            state = 2u;
+        }
+        if (state != 2u) {
+            VXS_DEREF(low)  = 0u - state;
+            VXS_DEREF(high) = 0u - state;
+            return;
+        }
+        node = vxs_word(dag, node + 1u + vxs_popcount(vxs_own(states) & ((1u << (2u * c)) - 1u)));
+    }
+
+    vxs_u32 slice = k & 7u;
+    states        = vxs_word(dag, node);
+    state         = (states >> (2u * slice)) & 3u;
+    if (state < 2u) {
+        VXS_DEREF(low)  = 0u - state;
+        VXS_DEREF(high) = 0u - state;
+        return;
+    }
+    /* the last slice at or before this one that owns a mask: VXS_CHILD_SAME needs no case of its own */
+    vxs_u32 mask    = vxs_word(dag, node + vxs_popcount(vxs_own(states) & ((2u << (2u * slice)) - 1u)));
+    VXS_DEREF(low)  = vxs_word(dag, mask);
+    VXS_DEREF(high) = vxs_word(dag, mask + 1u);
+}
+
+/* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
+VXS_FN vxs_u32 vxs_shadow(VXS_DAG dag, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
+{
+    vxs_u32 low, high;
+    vxs_slice(dag, levels, i >> 3, j >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
+    return (((j & 4u) != 0u ? high : low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
+}
+
+/* Bits of one word of a mask that texel columns [x0, x1) and rows [y0, y1) cover; the word holds rows 0 to 3. Ranges are
+ * clamped to the word. */
+VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
+{
+    x0 = x0 < 0 ? 0 : x0;
+    y0 = y0 < 0 ? 0 : y0;
+    x1 = x1 > 8 ? 8 : x1;
+    y1 = y1 > 4 ? 4 : y1;
+    if (x0 >= x1 || y0 >= y1) return 0u;
+    vxs_u32 row  = ((1u << VXS_U(x1)) - (1u << VXS_U(x0))) & 0xffu;
+    vxs_u32 rows = row * 0x01010101u;
+    vxs_u32 keep = y1 == 4 ? 0xffffffffu : (1u << VXS_U(8 * y1)) - 1u;
+    return rows & keep & (0xffffffffu << VXS_U(8 * y0));
+}
+
+/* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
+ * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
+ * filter  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
+VXS_FN vxs_u32 vxs_shadow_count(VXS_DAG dag, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+{
+    vxs_i32 half_px = filter_px / 2;
+    vxs_i32 side    = VXS_I(1) << levels;
+    vxs_i32 x0      = i - half_px < 0 ? 0 : i - half_px;
+    vxs_i32 y0      = j - half_px < 0 ? 0 : j - half_px;
+    vxs_i32 x1      = i + half_px + 1 > side ? side : i + half_px + 1;
+    vxs_i32 y1      = j + half_px + 1 > side ? side : j + half_px + 1;
+    vxs_u32 count   = 0u;
+    for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
+        for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
+            vxs_u32 low, high;
+            vxs_slice(dag, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
+            count += vxs_popcount(low & vxs_cover(x0 - x, x1 - x, y0 - y, y1 - y));
+            count += vxs_popcount(high & vxs_cover(x0 - x, x1 - x, y0 - y - 4, y1 - y - 4));
+        }
+    return count;
+}
+
+#endif

@@ -1,0 +1,33 @@
+/* Results of every fallible vxs function: one list of name, pinned value, text.
+ *
+ * Values are grouped with gaps, only ever appended, and never reused, so that a stored value keeps its meaning.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_RESULT_H
+#define VXS_RESULT_H
+
+/* clang-format off */
+#define VXS_RESULTS(X)                                                         \
+    X(VXS_OK,             0, "success")                                        \
+    X(VXS_E_ARGUMENT,     1, "an argument is outside its range")               \
+    X(VXS_E_MEMORY,       2, "out of memory")                                  \
+    X(VXS_E_READ,         3, "a file cannot be read")                          \
+    X(VXS_E_WRITE,        4, "a file cannot be written")                       \
+    X(VXS_E_INTERRUPTED,  5, "interrupted")                                    \
+    X(VXS_E_NOT_VXS,     10, "not a .vxs file")                                \
+    X(VXS_E_VERSION,     11, "a format version that this library cannot read") \
+    X(VXS_E_TRUNCATED,   12, "the file ends before its contents")              \
+    X(VXS_E_CORRUPT,     13, "the file breaks a rule of its format")           \
+    X(VXS_E_SCENE,       20, "the scene breaks a rule of glTF")                \
+    X(VXS_E_UNSUPPORTED, 21, "the scene requires what vxs does not read")      \
+    X(VXS_E_NO_CASTER,   22, "the scene has no triangle that casts a shadow")  \
+    X(VXS_E_NO_LIGHT,    23, "the scene has no light to bake")                 \
+    X(VXS_E_GL,          30, "OpenGL is not available")
+/* clang-format on */
+
+typedef enum vxs_result {
+#define VXS_RESULT_ENUM(name, value, text) name = value,
+    VXS_RESULTS(VXS_RESULT_ENUM)
+#undef VXS_RESULT_ENUM
+} vxs_result;
+
+#endif

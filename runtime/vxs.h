@@ -1,0 +1,82 @@
+/* libvxs: lookups in baked shadows. The one header that a game includes.
+ *
+ *     vxs_asset *asset;
+ *     if (vxs_asset_open_file(&asset, "level.vxs", NULL) != VXS_OK) ...
+ *     const vxs_light *sun = vxs_asset_light(asset, 0);
+ *     float lit = vxs_lookup(sun, position_ws, normal_ws, 9);      // 9 x 9 PCF: 0 dark .. 1 lit, VXS_OUTSIDE
+ *     vxs_asset_close(asset);
+ *
+ * The library allocates in open only, never prints, never exits, and keeps no global state. An open asset is read-only: any
+ * number of threads may look it up at once. For lookups on a GPU upload a light's words and include vxs_lookup.h in the shader.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_H
+#define VXS_H
+
+#include "vxs_file.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define VXS_VERSION_MAJOR 0
+#define VXS_VERSION_MINOR 1
+#define VXS_VERSION_PATCH 0
+
+/* What a lookup returns for a point outside the light's volume. */
+#define VXS_OUTSIDE (-1.0f)
+
+typedef struct vxs_asset vxs_asset;
+
+/* Check a whole file in memory and make it ready for lookups.
+ * asset  [out] NULL on failure; closed with vxs_asset_close
+ * bytes  [size_bytes] a .vxs file; only read, may be freed after the call
+ * desc   allocator, memory limit, findings (vxs_file.h); NULL: all defaults
+ * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT for bad bytes, which never abort; VXS_E_MEMORY. */
+vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
+
+/* The same for a file, whose bytes count towards the memory limit while it is read. Also returns VXS_E_READ (no such file, a folder,
+ * an error while reading): errno says why. */
+vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc);
+
+/* Accepts NULL. */
+void vxs_asset_close(vxs_asset *asset);
+
+/* At least 1. */
+uint32_t vxs_asset_light_count(const vxs_asset *asset);
+
+/* Light `index`, in file order; NULL when there are fewer. Valid until vxs_asset_close. */
+const vxs_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
+
+/* The light of a name, or NULL. */
+const vxs_light *vxs_asset_find_light(const vxs_asset *asset, const char *name);
+
+/* Everything that was read: sections, metadata. Valid until vxs_asset_close. */
+const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
+
+/* The voxel of a point, [0] and [1] texels, [2] depth; may lie outside the map. Coordinates beyond +-2^30 are clamped to it.
+ * normal_ws  NULL, or a unit normal: the voxel is moved by half the filter's width along it, in whole voxels away from the surface,
+ *            so that a surface does not shadow itself ([CPVS16] 5)
+ * filter_px  width of the filter that the voxel is for */
+void vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3]);
+
+/* The lit fraction of filter_px x filter_px taps in light space around a point: a box PCF ([CPVS16] 5).
+ * point_ws   world space, metres, finite
+ * normal_ws  NULL, or as for vxs_voxel
+ * filter_px  odd, 1 (a single tap) to VXS_FILTER_MAX
+ * Returns [0, 1], or VXS_OUTSIDE when the point's texel is not in the map. The volume of a directional light is the prism over its
+ * map: in front of the map all is lit, and what is behind it is in the shadow of the map's last voxel. Taps outside the map are lit.
+ * Cost: one walk of at most `levels` nodes for each tile of 8 x 8 texels that the filter touches. Threads: any. */
+float vxs_lookup(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px);
+
+/* The same for many points.
+ * points_ws  [3 * count];   normals_ws  [3 * count] or NULL;   lit  [out] [count] */
+void vxs_lookup_many(const vxs_light *light, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
+                     float *lit);
+
+/* "out of memory" and the like; never NULL. */
+const char *vxs_result_text(vxs_result result);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
