@@ -1,0 +1,930 @@
+/* The glTF loader: small files made here for each feature and each refusal, then the real scenes with their known figures.
+ * In the JSON below ' stands for ", so that it can be read.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene.h" /* before cmocka.h, which has a macro named fail */
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static scene   s;
+static message m;
+static char    folder[] = "/tmp/vxs_gltf_XXXXXX";
+static char    path[256];
+
+/* ---- making files ---- */
+
+/* What the binary chunk of most files here holds: a unit square and ways to index it. */
+typedef struct square {
+    float    corners[4][3];
+    uint8_t  u8[8];
+    uint16_t u16[8];
+    uint32_t u32[8];
+    float    moved[2][3];   /* sparse values: corners 1 and 3 */
+    float    strided[4][6]; /* corners at byte 8 of 24 */
+    uint8_t  at8[4];        /* sparse indices */
+    uint16_t at16[2];
+    uint32_t at32[2];
+    float    broken[3][3]; /* one position is not finite */
+    uint8_t  wild[4];      /* an index too far */
+} square;
+
+static square make_square(void)
+{
+    square q = {.corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                .u8      = {0, 1, 2, 0, 2, 3},
+                .u16     = {0, 1, 2, 0, 2, 3},
+                .u32     = {0, 1, 2, 0, 2, 3},
+                .moved   = {{1, 0, 5}, {0, 1, 7}},
+                .at8     = {1, 3},
+                .at16    = {1, 3},
+                .at32    = {1, 3},
+                .broken  = {{0, 0, 0}, {1, 0, 0}, {0, NAN, 0}},
+                .wild    = {0, 1, 4}};
+    for (int i = 0; i < 4; i++) memcpy(&q.strided[i][2], q.corners[i], sizeof q.corners[i]);
+    return q;
+}
+
+/* bufferViews: 0 all of it; 1 the strided corners. Accessors are named by number in the tests:
+ * 0 corners; 1, 2, 3 indices of 8, 16, 32 bits; 4 strided corners; 5, 6, 7 sparse corners by index type; 8 sparse without a
+ * bufferView; 9 a broken position; 10 an index out of range; 11 the first three indices of 1; 12 corners as shorts */
+static void square_json(char *out, size_t size, const char *rest)
+{
+    const char *position = "'componentType':5126,'type':'VEC3'";
+    int         at       = 0;
+#define VIEW(member) (int)offsetof(square, member)
+    at += snprintf(out + at, size - (size_t)at,
+                   "{'asset':{'version':'2.0'},'buffers':[{'byteLength':%d}],'bufferViews':["
+                   "{'buffer':0,'byteLength':%d},{'buffer':0,'byteOffset':%d,'byteLength':96,'byteStride':24}],'accessors':["
+                   "{'bufferView':0,%s,'count':4},",
+                   (int)sizeof(square), (int)sizeof(square), VIEW(strided), position);
+    at += snprintf(out + at, size - (size_t)at,
+                   "{'bufferView':0,'byteOffset':%d,'componentType':5121,'type':'SCALAR','count':6},"
+                   "{'bufferView':0,'byteOffset':%d,'componentType':5123,'type':'SCALAR','count':6},"
+                   "{'bufferView':0,'byteOffset':%d,'componentType':5125,'type':'SCALAR','count':6},"
+                   "{'bufferView':1,'byteOffset':8,%s,'count':4},",
+                   VIEW(u8), VIEW(u16), VIEW(u32), position);
+    for (int i = 0; i < 4; i++)
+        at += snprintf(out + at, size - (size_t)at,
+                       "{%s%s,'count':4,'sparse':{'count':2,'indices':{'bufferView':0,'byteOffset':%d,'componentType':%d},"
+                       "'values':{'bufferView':0,'byteOffset':%d}}},",
+                       i < 3 ? "'bufferView':0," : "", position,
+                       i == 1   ? VIEW(at16)
+                       : i == 2 ? VIEW(at32)
+                                : VIEW(at8),
+                       i == 1   ? 5123
+                       : i == 2 ? 5125
+                                : 5121,
+                       VIEW(moved));
+    snprintf(out + at, size - (size_t)at,
+             "{'bufferView':0,'byteOffset':%d,%s,'count':3},"
+             "{'bufferView':0,'byteOffset':%d,'componentType':5121,'type':'SCALAR','count':3},"
+             "{'bufferView':0,'byteOffset':%d,'componentType':5121,'type':'SCALAR','count':3},"
+             "{'bufferView':0,'componentType':5122,'type':'VEC3','count':4}],%s}",
+             VIEW(broken), position, VIEW(wild), VIEW(u8), rest);
+#undef VIEW
+}
+
+static void write_file(const char *name, const void *bytes, size_t size)
+{
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static char *quoted(const char *json)
+{
+    char *text = strdup(json);
+    assert_non_null(text);
+    for (char *c = text; *c; c++)
+        if (*c == '\'') *c = '"';
+    return text;
+}
+
+/* A GLB in memory, to be freed. */
+static uint8_t *make_glb(const char *json, const void *bin, size_t bin_size, size_t *size)
+{
+    char    *text      = quoted(json);
+    uint32_t text_size = (uint32_t)(strlen(text) + 3) / 4 * 4;
+    uint32_t padded    = (uint32_t)(bin_size + 3) / 4 * 4;
+    *size              = 20 + text_size + (bin_size ? 8 + padded : 0);
+    uint8_t *glb       = calloc(1, *size);
+    assert_non_null(glb);
+    memset(glb + 20, ' ', text_size);
+    memcpy(glb + 20, text, strlen(text));
+    memcpy(glb, "glTF", 4);
+    memcpy(glb + 4, (uint32_t[]){2, (uint32_t)*size, text_size, 0x4e4f534a}, 16);
+    if (bin_size) {
+        memcpy(glb + 20 + text_size, (uint32_t[]){padded, 0x004e4942}, 8);
+        memcpy(glb + 28 + text_size, bin, bin_size);
+    }
+    free(text);
+    return glb;
+}
+
+/* ---- loading them ---- */
+
+static void forget(void)
+{
+    scene_free(&s);
+    message_free(&m);
+    memset(&m, 0, sizeof m);
+    m.quiet = 1;
+}
+
+static vxs_result load_file(const char *file, const char *which)
+{
+    forget();
+    return scene_load_gltf(&s, file, which, &m);
+}
+
+static vxs_result load_text(const char *json, const char *which)
+{
+    char *text = quoted(json);
+    write_file("text.gltf", text, strlen(text));
+    free(text);
+    return load_file(path, which);
+}
+
+static vxs_result load_square(const char *rest, const char *which)
+{
+    char   json[8192];
+    square q = make_square();
+    size_t size;
+    square_json(json, sizeof json, rest);
+    uint8_t *glb = make_glb(json, &q, sizeof q, &size);
+    write_file("square.glb", glb, size);
+    free(glb);
+    return load_file(path, which);
+}
+
+/* The square drawn by one node: members of the node and of the primitive. */
+static vxs_result load_placed(const char *node, const char *primitive)
+{
+    char rest[2048];
+    snprintf(rest, sizeof rest, "'nodes':[{'mesh':0%s}],'meshes':[{'primitives':[{%s}]}]", node, primitive);
+    return load_square(rest, NULL);
+}
+
+static void must(vxs_result r)
+{
+    if (r != VXS_OK) fail_msg("%s", m.error);
+}
+
+static void must_fail(vxs_result r, vxs_result expected, const char *words)
+{
+    if (r != expected || !strstr(m.error, words)) fail_msg("%d '%s', expected %d '%s'", r, m.error, expected, words);
+    assert_null(strchr(m.error, '\n'));
+    assert_true(s.vertex_count == 0 && !s.positions_ws && !s.indices && !s.lights && !s.name);
+}
+
+static void must_warn(const char *words)
+{
+    for (size_t i = 0; i < m.warning_count; i++)
+        if (strstr(m.warnings[i], words)) return;
+    fail_msg("no warning with '%s'", words);
+}
+
+static void expect_corner(size_t triangle, int corner, double x, double y, double z)
+{
+    assert_true(triangle < s.triangle_count);
+    uint32_t v = s.indices[3 * triangle + (size_t)corner];
+    assert_true(v < s.vertex_count);
+    const double *p = s.positions_ws + 3 * v;
+    if (fabs(p[0] - x) > 1e-12 || fabs(p[1] - y) > 1e-12 || fabs(p[2] - z) > 1e-12)
+        fail_msg("triangle %zu corner %d is (%g %g %g), expected (%g %g %g)", triangle, corner, p[0], p[1], p[2], x, y, z);
+}
+
+/* The square as two triangles, turned to +z. */
+static void expect_square(void)
+{
+    assert_int_equal(s.triangle_count, 2);
+    expect_corner(0, 0, 0, 0, 0);
+    expect_corner(0, 1, 1, 0, 0);
+    expect_corner(0, 2, 1, 1, 0);
+    expect_corner(1, 0, 0, 0, 0);
+    expect_corner(1, 1, 1, 1, 0);
+    expect_corner(1, 2, 0, 1, 0);
+}
+
+/* ---- geometry ---- */
+
+static void test_indices_of_every_type(void **state)
+{
+    (void)state;
+    for (int accessor = 1; accessor <= 3; accessor++) {
+        char primitive[64];
+        snprintf(primitive, sizeof primitive, "'attributes':{'POSITION':0},'indices':%d", accessor);
+        must(load_placed("", primitive));
+        expect_square();
+        assert_int_equal(s.vertex_count, 4);
+        assert_int_equal(s.triangle_flags[0], 0);
+        assert_int_equal(m.warning_count, 0);
+    }
+}
+
+static void test_no_indices_ignore_a_partial_triangle(void **state)
+{
+    (void)state;
+    must(load_placed("", "'attributes':{'POSITION':0}"));
+    assert_int_equal(s.triangle_count, 1);
+    assert_int_equal(s.vertex_count, 3); /* the fourth is in no triangle */
+    expect_corner(0, 2, 1, 1, 0);
+    must_warn("not a multiple of 3");
+}
+
+static void test_strip_alternates_its_winding(void **state)
+{
+    (void)state;
+    must(load_placed("", "'attributes':{'POSITION':0},'mode':5"));
+    assert_int_equal(s.triangle_count, 2);
+    expect_corner(0, 0, 0, 0, 0);
+    expect_corner(0, 1, 1, 0, 0);
+    expect_corner(0, 2, 1, 1, 0);
+    expect_corner(1, 0, 1, 0, 0);
+    expect_corner(1, 1, 0, 1, 0);
+    expect_corner(1, 2, 1, 1, 0);
+}
+
+static void test_fan_ends_every_triangle_at_its_first_vertex(void **state)
+{
+    (void)state;
+    must(load_placed("", "'attributes':{'POSITION':0},'mode':6"));
+    assert_int_equal(s.triangle_count, 2);
+    expect_corner(0, 0, 1, 0, 0);
+    expect_corner(0, 1, 1, 1, 0);
+    expect_corner(0, 2, 0, 0, 0);
+    expect_corner(1, 0, 1, 1, 0);
+    expect_corner(1, 1, 0, 1, 0);
+    expect_corner(1, 2, 0, 0, 0);
+}
+
+static void test_stride_and_offset(void **state)
+{
+    (void)state;
+    must(load_placed("", "'attributes':{'POSITION':4},'indices':1"));
+    expect_square();
+}
+
+static void test_sparse_replaces_positions(void **state)
+{
+    (void)state;
+    for (int accessor = 5; accessor <= 7; accessor++) {
+        char primitive[64];
+        snprintf(primitive, sizeof primitive, "'attributes':{'POSITION':%d},'indices':1", accessor);
+        must(load_placed("", primitive));
+        expect_corner(0, 1, 1, 0, 5);
+        expect_corner(0, 2, 1, 1, 0);
+        expect_corner(1, 2, 0, 1, 7);
+    }
+    must(load_placed("", "'attributes':{'POSITION':8},'indices':1"));
+    expect_corner(0, 1, 1, 0, 5);
+    expect_corner(0, 2, 0, 0, 0); /* no bufferView: the rest is zero */
+    expect_corner(1, 2, 0, 1, 7);
+}
+
+static void test_transforms_are_applied_scale_first(void **state)
+{
+    (void)state;
+    must(load_placed(",'translation':[10,20,30],'rotation':[0,0,0.7071067811865476,0.7071067811865476],'scale':[2,3,4]",
+                     "'attributes':{'POSITION':0},'indices':1"));
+    expect_corner(0, 1, 10, 22, 30);
+    expect_corner(0, 2, 7, 22, 30);
+    must(load_placed(",'matrix':[0,2,0,0, -3,0,0,0, 0,0,4,0, 10,20,30,1]", "'attributes':{'POSITION':0},'indices':1"));
+    expect_corner(0, 1, 10, 22, 30);
+    expect_corner(0, 2, 7, 22, 30);
+}
+
+static void test_hierarchy_multiplies(void **state)
+{
+    (void)state;
+    must(load_square("'nodes':[{'mesh':0,'translation':[1,0,0]},{'children':[0],'scale':[2,2,2],'translation':[0,5,0]}],"
+                     "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],"
+                     "'scene':0,'scenes':[{'name':'one','nodes':[1]}]",
+                     NULL));
+    assert_string_equal(s.name, "one");
+    expect_corner(0, 0, 2, 5, 0);
+    expect_corner(0, 2, 4, 7, 0);
+}
+
+static void test_mirrored_nodes_turn_the_winding_back(void **state)
+{
+    (void)state;
+    must(load_placed(",'scale':[-1,1,1]", "'attributes':{'POSITION':0},'indices':1"));
+    expect_corner(0, 0, 0, 0, 0);
+    expect_corner(0, 1, -1, 1, 0);
+    expect_corner(0, 2, -1, 0, 0);
+    must(load_placed(",'scale':[-1,-1,1]", "'attributes':{'POSITION':0},'indices':1"));
+    expect_corner(0, 1, -1, 0, 0);
+    expect_corner(0, 2, -1, -1, 0);
+}
+
+static void test_vertices_are_shared_within_a_node(void **state)
+{
+    (void)state;
+    const char *both = "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1},"
+                       "{'attributes':{'POSITION':0},'indices':2}]}]";
+    char        rest[512];
+    snprintf(rest, sizeof rest, "'nodes':[{'mesh':0}],%s", both);
+    must(load_square(rest, NULL));
+    assert_int_equal(s.triangle_count, 4);
+    assert_int_equal(s.vertex_count, 4);
+    snprintf(rest, sizeof rest, "'nodes':[{'mesh':0},{'mesh':0,'translation':[0,0,1]}],%s", both);
+    must(load_square(rest, NULL));
+    assert_int_equal(s.triangle_count, 8);
+    assert_int_equal(s.vertex_count, 8);
+    expect_corner(4, 0, 0, 0, 1);
+    must(load_placed("", "'attributes':{'POSITION':0},'indices':11"));
+    assert_int_equal(s.vertex_count, 3); /* only what is referenced */
+}
+
+static void test_morph_targets_take_default_weights(void **state)
+{
+    (void)state;
+    const char *mesh = "'meshes':[{'weights':[0.5],'primitives':[{'attributes':{'POSITION':0},'indices':1,"
+                       "'targets':[{'POSITION':8}]}]}]";
+    char        rest[512];
+    snprintf(rest, sizeof rest, "'nodes':[{'mesh':0}],%s", mesh);
+    must(load_square(rest, NULL));
+    expect_corner(0, 1, 1.5, 0, 2.5);
+    must_warn("morph targets");
+    snprintf(rest, sizeof rest, "'nodes':[{'mesh':0,'weights':[0]}],%s", mesh);
+    must(load_square(rest, NULL));
+    expect_square();
+    snprintf(rest, sizeof rest, "'nodes':[{'mesh':0,'weights':[1,1]}],%s", mesh);
+    must_fail(load_square(rest, NULL), VXS_E_SCENE, "2 weights for 1 morph targets");
+}
+
+static void test_materials_set_flags(void **state)
+{
+    (void)state;
+    must(load_square("'nodes':[{'mesh':0}],'materials':[{'name':'leaf','alphaMode':'MASK','doubleSided':true},"
+                     "{'alphaMode':'BLEND'}],'meshes':[{'primitives':["
+                     "{'attributes':{'POSITION':0},'indices':11,'material':0},"
+                     "{'attributes':{'POSITION':0},'indices':11,'material':1}]}]",
+                     NULL));
+    assert_int_equal(s.triangle_flags[0], TRIANGLE_ALPHA_MASK | TRIANGLE_DOUBLE_SIDED);
+    assert_int_equal(s.triangle_flags[1], 0);
+    assert_int_equal(m.warning_count, 1);
+    assert_string_equal(m.warnings[0], "material 'leaf' is alpha-masked: baked as opaque");
+}
+
+static void test_points_lines_and_skins_are_warned_about(void **state)
+{
+    (void)state;
+    must(load_square("'nodes':[{'mesh':0,'skin':0}],'skins':[{'name':'arm','joints':[0]}],'meshes':[{'primitives':["
+                     "{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':1},"
+                     "{'attributes':{'POSITION':0},'mode':3},{'attributes':{'NORMAL':0}}]}]",
+                     NULL));
+    assert_int_equal(s.triangle_count, 0);
+    must_warn("points skipped: 1");
+    must_warn("lines skipped: 2");
+    must_warn("skin 0 'arm'");
+    must_warn("no POSITION");
+}
+
+/* ---- lights, cameras, scenes ---- */
+
+#define LIGHTS "'extensions':{'KHR_lights_punctual':{'lights':["
+#define USE(n) "'extensions':{'KHR_lights_punctual':{'light':" #n "}}"
+#define HEAD   "{'asset':{'version':'2.0'},"
+
+static void test_lights_follow_their_nodes(void **state)
+{
+    (void)state;
+    must(load_text(
+        HEAD "'extensionsRequired':['KHR_lights_punctual']," LIGHTS
+             "{'type':'directional','name':'sun'},{'type':'spot','spot':{}},{'type':'point','name':'sun'}]}},"
+             "'nodes':[{" USE(0) ",'rotation':[-0.7071067811865476,0,0,0.7071067811865476]},"
+                                 "{'translation':[1,2,3],'scale':[2,2,2],'children':[2,3]},{'translation':[1,0,0]," USE(
+                                     1) "},"
+                                        "{" USE(2) "},{" USE(0) "}]}",
+        NULL));
+    assert_int_equal(s.light_count, 4);
+    assert_string_equal(s.lights[0].name, "sun");
+    assert_string_equal(s.lights[1].name, "light1");
+    assert_string_equal(s.lights[2].name, "sun#2");
+    assert_string_equal(s.lights[3].name, "sun#3");
+    assert_int_equal(s.lights[0].kind, LIGHT_DIRECTIONAL);
+    assert_int_equal(s.lights[1].kind, LIGHT_SPOT);
+    assert_int_equal(s.lights[2].kind, LIGHT_POINT);
+    assert_true(fabs(s.lights[0].direction_ws[1] + 1) < 1e-12); /* turned to shine straight down */
+    assert_true(s.lights[1].position_ws[0] == 3 && s.lights[1].position_ws[1] == 2 && s.lights[1].position_ws[2] == 3);
+    assert_true(s.lights[1].direction_ws[2] == -1);
+}
+
+static void test_cameras_are_positions(void **state)
+{
+    (void)state;
+    must(load_text(HEAD "'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':1}}],"
+                        "'nodes':[{'camera':0,'translation':[1,2,3]}]}",
+                   NULL));
+    assert_int_equal(s.camera_count, 1);
+    assert_true(s.camera_positions_ws[0] == 1 && s.camera_positions_ws[1] == 2 && s.camera_positions_ws[2] == 3);
+}
+
+static void test_scenes_are_chosen_by_name_or_index(void **state)
+{
+    (void)state;
+    const char *rest = "'nodes':[{'mesh':0},{'mesh':0,'translation':[0,0,1]}],"
+                       "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}],"
+                       "'scene':1,'scenes':[{'name':'day','nodes':[0]},{'nodes':[1]},{'name':'0','nodes':[0,1]}]";
+    must(load_square(rest, NULL));
+    expect_corner(0, 0, 0, 0, 1);
+    assert_string_equal(s.name, "");
+    must(load_square(rest, "day"));
+    expect_square();
+    must(load_square(rest, "1"));
+    expect_corner(0, 0, 0, 0, 1);
+    must(load_square(rest, "0")); /* a name goes before an index */
+    assert_int_equal(s.triangle_count, 4);
+    must_fail(load_square(rest, "night"), VXS_E_ARGUMENT, "no scene 'night'; the file has 3: scene 0 'day', scene 1");
+    must_fail(load_square(rest, "3"), VXS_E_ARGUMENT, "no scene '3'");
+    must_fail(load_square(rest, ""), VXS_E_ARGUMENT, "no scene ''");
+}
+
+static void test_empty_things_are_fine(void **state)
+{
+    (void)state;
+    const char *texts[] = {HEAD "'nodes':[]}", HEAD "'scenes':[{}]}",
+                           HEAD "'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{}]}",
+                           HEAD "'nodes':[{'mesh':0}],'meshes':[{'primitives':[]}]}"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        must(load_text(texts[i], NULL));
+        assert_int_equal(s.triangle_count, 0);
+        assert_non_null(s.name);
+    }
+    must(load_square("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]", NULL));
+    assert_int_equal(s.triangle_count, 0);
+}
+
+static void test_deep_node_trees_do_not_recurse(void **state)
+{
+    (void)state;
+    int    count = 200000, at;
+    size_t size  = (size_t)count * 48 + 256;
+    char  *text  = malloc(size);
+    assert_non_null(text);
+    at = snprintf(text, size, HEAD "'nodes':[");
+    for (int i = 0; i + 1 < count; i++)
+        at += snprintf(text + at, size - (size_t)at, "{'children':[%d],'translation':[1,0,0]},", i + 1);
+    snprintf(text + at, size - (size_t)at, "{" USE(0) "}]," LIGHTS "{'type':'point'}]}}}");
+    must(load_text(text, NULL));
+    assert_true(s.lights[0].position_ws[0] == count - 1);
+    free(text);
+}
+
+/* ---- files that must be refused ---- */
+
+static void test_broken_scenes_say_why(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        vxs_result  code;
+        const char *words;
+    } broken[] = {
+        {"[]", VXS_E_SCENE, "not an object"},
+        {"{'asset'", VXS_E_SCENE, "parse error at line 1"},
+        {"{}", VXS_E_SCENE, "'asset' is missing"},
+        {"{'asset':{'version':'1.0'}}", VXS_E_UNSUPPORTED, "asset.version is 1.0"},
+        {"{'asset':{'version':'2.0','minVersion':'2.1'}}", VXS_E_UNSUPPORTED, "minVersion is 2.1"},
+        {HEAD "'extensionsRequired':['KHR_draco_mesh_compression']}", VXS_E_UNSUPPORTED, "KHR_draco_mesh_compression"},
+        {HEAD "'extensionsRequired':['KHR_mesh_quantization']}", VXS_E_UNSUPPORTED, "KHR_mesh_quantization"},
+        {HEAD "'nodes':{}}", VXS_E_SCENE, "'nodes' is not an array of objects"},
+        {HEAD "'nodes':[{'mesh':'a'}]}", VXS_E_SCENE, "node 0: 'mesh' is not an integer"},
+        {HEAD "'nodes':[{'mesh':-1}]}", VXS_E_SCENE, "node 0: 'mesh' is not an integer"},
+        {HEAD "'nodes':[{'mesh':0}]}", VXS_E_SCENE, "node 0: mesh 0 does not exist"},
+        {HEAD "'nodes':[{'camera':3}]}", VXS_E_SCENE, "camera 3 does not exist"},
+        {HEAD "'nodes':[{'children':[1]}]}", VXS_E_SCENE, "child 1 does not exist"},
+        {HEAD "'nodes':[{'children':[1]},{'children':[0]}]}", VXS_E_SCENE, "loop"},
+        {HEAD "'nodes':[{'children':[0]}]}", VXS_E_SCENE, "loop"},
+        {HEAD "'nodes':[{'children':[2]},{'children':[2]},{}]}", VXS_E_SCENE, "node 2 has two parents, node 0 and node 1"},
+        {HEAD "'nodes':[{'translation':[1,2]}]}", VXS_E_SCENE, "'translation' is not 3 numbers"},
+        {HEAD "'nodes':[{'rotation':[0,0,0,0]}]}", VXS_E_SCENE, "unit quaternion"},
+        {HEAD "'nodes':[{'matrix':[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}]}", VXS_E_SCENE, "last row"},
+        {HEAD "'scene':2,'scenes':[{}]}", VXS_E_SCENE, "default scene 2 does not exist"},
+        {HEAD "'scenes':[{'nodes':[1]}],'nodes':[{'children':[1]},{}]}", VXS_E_SCENE, "node 1 is not a root"},
+        {HEAD "'scenes':[{'nodes':[0,0]}],'nodes':[{}]}", VXS_E_SCENE, "node 0 twice"},
+        {HEAD "'nodes':[{" USE(0) "}]}", VXS_E_SCENE, "light 0 does not exist"},
+        {HEAD LIGHTS "{'type':'area'}]}},'nodes':[{" USE(0) "}]}", VXS_E_SCENE, "unknown type 'area'"},
+        {HEAD LIGHTS "{'type':'directional'}]}},'nodes':[{'scale':[0,0,0]," USE(0) "}]}", VXS_E_SCENE, "no direction"},
+        {HEAD "'buffers':[{'byteLength':4}]}", VXS_E_SCENE, "buffer 0 has neither a uri nor a GLB chunk"},
+        {HEAD "'buffers':[{'byteLength':4,'extensions':{'EXT_meshopt_compression':{'fallback':true}}}]}", VXS_E_UNSUPPORTED,
+         "EXT_meshopt_compression"},
+        {HEAD "'buffers':[{'byteLength':4,'uri':'data:foo'}]}", VXS_E_SCENE, "data URI"},
+        {HEAD "'buffers':[{'byteLength':4,'uri':'data:text/plain;base64,AA=='}]}", VXS_E_SCENE, "decode"},
+        {HEAD "'buffers':[{'byteLength':4,'uri':'gone.bin'}]}", VXS_E_READ, "gone.bin': No such file"},
+        {HEAD "'buffers':[{'byteLength':4,'uri':'.'}]}", VXS_E_READ, "Is a directory"},
+        {HEAD
+         "'buffers':[{'byteLength':1,'uri':'data:text/plain;base64,AA=='}],'bufferViews':[{'buffer':0,'byteLength':2}]}",
+         VXS_E_SCENE, "bufferView 0: 2 bytes at byte 0 do not fit"},
+        {HEAD "'bufferViews':[{'buffer':0,'byteLength':2}]}", VXS_E_SCENE, "buffer 0 does not exist"},
+    };
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
+        must_fail(load_text(broken[i].text, NULL), broken[i].code, broken[i].words);
+}
+
+static void test_broken_primitives_say_why(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *primitive;
+        vxs_result  code;
+        const char *words;
+    } broken[] = {
+        {"'attributes':{'POSITION':99}", VXS_E_SCENE, "POSITION accessor 99 does not exist"},
+        {"'attributes':{'POSITION':0},'indices':99", VXS_E_SCENE, "out of bounds"},
+        {"'attributes':{'POSITION':0},'indices':0", VXS_E_SCENE, "not unsigned scalars"},
+        {"'attributes':{'POSITION':1}", VXS_E_SCENE, "not a VEC3"},
+        {"'attributes':{'POSITION':12}", VXS_E_UNSUPPORTED, "KHR_mesh_quantization"},
+        {"'attributes':{'POSITION':9}", VXS_E_SCENE, "accessor 9: position 2 is not finite"},
+        {"'attributes':{'POSITION':0},'indices':10", VXS_E_SCENE, "accessor 10: index 2 is 4, expected less than 4"},
+        {"'attributes':{'POSITION':0},'mode':7", VXS_E_SCENE, "unknown mode 7"},
+        {"'attributes':{'POSITION':0},'material':0", VXS_E_SCENE, "material 0 does not exist"},
+        {"'attributes':[0]", VXS_E_SCENE, "'attributes' is not an object"},
+        {"'attributes':{'POSITION':0},'targets':[{'POSITION':9}]", VXS_E_SCENE, "3 elements, expected 4"},
+    };
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
+        must_fail(load_placed("", broken[i].primitive), broken[i].code, broken[i].words);
+    must_fail(load_placed(",'scale':[1e308,1e308,1e308],'translation':[1e308,0,0]", "'attributes':{'POSITION':0}"),
+              VXS_E_SCENE, "node 0: a vertex of its mesh is not finite once placed");
+    must_fail(load_placed(",'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{}}}", "'attributes':{'POSITION':0}"),
+              VXS_E_UNSUPPORTED, "node 0 uses EXT_mesh_gpu_instancing");
+}
+
+/* Accessors that leave their bufferView, sums that leave 64 bits, promises that no memory could keep. */
+static void test_accessors_stay_in_their_buffer(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *accessor, *words;
+    } broken[] = {
+        {"'bufferView':0,'count':4,'byteOffset':1", "do not fit in bufferView 0"},
+        {"'bufferView':0,'count':5", "do not fit in bufferView 0"},
+        {"'bufferView':0,'count':9007199254740991", "do not fit in bufferView 0"},
+        {"'bufferView':0,'count':1,'byteOffset':9007199254740991", "do not fit in bufferView 0"},
+        {"'bufferView':0,'count':18446744073709551615", "'count' is not an integer"},
+        {"'bufferView':7,'count':1", "bufferView 7 does not exist"},
+        {"'bufferView':1,'count':1", "byteStride 4 is less"},
+        {"'bufferView':0,'count':1.5", "'count' is not an integer"},
+        {"'count':100000000", "sparse accessors would hold more"},
+        {"'count':4,'sparse':{'count':5,'indices':{'bufferView':0,'componentType':5121},'values':{'bufferView':0}}",
+         "sparse count 5 exceeds"},
+        {"'count':4,'sparse':{'count':2,'indices':{'bufferView':0,'componentType':5121},'values':{'bufferView':0}}",
+         "sparse index 1 is 0"},
+        {"'count':4,'sparse':{'count':4,'indices':{'bufferView':0,'byteOffset':45,'componentType':5121},"
+         "'values':{'bufferView':0}}",
+         "sparse indices: 4 elements at byte 45 do not fit"},
+        {"'count':4,'sparse':{'count':2,'indices':{'bufferView':0,'componentType':5126},'values':{'bufferView':0}}",
+         "componentType 5126"},
+        {"'count':4,'sparse':{'count':2}", "sparse: 'indices' is missing"},
+    };
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) {
+        char    json[1024];
+        uint8_t bin[48] = {0};
+        size_t  size;
+        snprintf(json, sizeof json,
+                 HEAD "'buffers':[{'byteLength':48}],'bufferViews':[{'buffer':0,'byteLength':48},"
+                      "{'buffer':0,'byteLength':48,'byteStride':4}],"
+                      "'accessors':[{'componentType':5126,'type':'VEC3',%s}],'nodes':[{'mesh':0}],"
+                      "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}",
+                 broken[i].accessor);
+        uint8_t *glb = make_glb(json, bin, sizeof bin, &size);
+        write_file("accessor.glb", glb, size);
+        free(glb);
+        vxs_result r = load_file(path, NULL);
+        must_fail(r, strstr(broken[i].words, "would hold") ? VXS_E_UNSUPPORTED : VXS_E_SCENE, broken[i].words);
+    }
+}
+
+static void test_instancing_is_counted_before_it_is_allocated(void **state)
+{
+    (void)state;
+    size_t size = 100000 * 16 + 4096;
+    char  *rest = malloc(size);
+    assert_non_null(rest);
+    int at = snprintf(rest, size, "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0}");
+    for (int i = 0; i < 100000; i++) at += snprintf(rest + at, size - (size_t)at, ",{'mesh':0}");
+    char *json = malloc(size);
+    assert_non_null(json);
+    snprintf(json, size, HEAD "'accessors':[{'componentType':5126,'type':'VEC3','count':33000000}],%s]}", rest);
+    must_fail(load_text(json, NULL), VXS_E_UNSUPPORTED, "more than 715827882 triangles");
+    free(json);
+    free(rest);
+}
+
+static void test_deep_json_is_refused(void **state)
+{
+    (void)state;
+    size_t depth = 100000;
+    char  *text  = malloc(2 * depth + 64);
+    assert_non_null(text);
+    int at = sprintf(text, HEAD "'extras':");
+    memset(text + at, '[', depth);
+    memset(text + at + depth, ']', depth);
+    strcpy(text + at + 2 * depth, "}");
+    must_fail(load_text(text, NULL), VXS_E_SCENE, "nested too deeply");
+    free(text);
+}
+
+static void test_every_prefix_of_a_glb_is_refused(void **state)
+{
+    (void)state;
+    square q = make_square();
+    char   json[8192];
+    size_t size;
+    square_json(json, sizeof json, "'nodes':[{'mesh':0}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]");
+    uint8_t *glb = make_glb(json, &q, sizeof q, &size);
+    for (size_t length = 0; length < size; length += length < 32 || size - length < 700 ? 1 : 61) {
+        write_file("prefix.glb", glb, length);
+        assert_int_not_equal(load_file(path, NULL), VXS_OK);
+        /* and with a header that admits to it */
+        if (length >= 20) {
+            uint8_t *copy = malloc(length);
+            assert_non_null(copy);
+            memcpy(copy, glb, length);
+            memcpy(copy + 8, &(uint32_t){(uint32_t)length}, 4);
+            write_file("prefix.glb", copy, length);
+            free(copy);
+            assert_int_not_equal(load_file(path, NULL), VXS_OK);
+        }
+        assert_true(m.error[0]);
+    }
+    write_file("prefix.glb", glb, size);
+    must(load_file(path, NULL));
+    glb[4] = 1;
+    write_file("prefix.glb", glb, size);
+    must_fail(load_file(path, NULL), VXS_E_UNSUPPORTED, "GLB version 1");
+    free(glb);
+}
+
+static void test_unreadable_files_say_why(void **state)
+{
+    (void)state;
+    char gone[300];
+    snprintf(gone, sizeof gone, "%s/gone.glb", folder);
+    must_fail(load_file(gone, NULL), VXS_E_READ, "gone.glb': No such file or directory");
+    must_fail(load_file(folder, NULL), VXS_E_READ, "Is a directory");
+    write_file("empty.glb", "", 0);
+    must_fail(load_file(path, NULL), VXS_E_READ, "the file is empty");
+}
+
+/* A buffer beside the file: its name is percent-encoded, a plus is a plus, and bytes after byteLength do not matter. */
+static void test_buffers_beside_the_file(void **state)
+{
+    (void)state;
+    const char *json =
+        HEAD "'buffers':[{'byteLength':36,'uri':'%s'}],'bufferViews':[{'buffer':0,'byteLength':36}],"
+             "'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':3}],'nodes':[{'mesh':0}],"
+             "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}";
+    char   text[1024];
+    square q = make_square();
+    snprintf(text, sizeof text, json, "a%20b+c%25.bin");
+    write_file("a b+c%.bin", &q, 36);
+    must(load_text(text, NULL));
+    expect_corner(0, 2, 1, 1, 0);
+    write_file("a b+c%.bin", &q, 48);
+    must(load_text(text, NULL));
+    assert_int_equal(s.triangle_count, 1);
+    write_file("a b+c%.bin", &q, 35);
+    must_fail(load_text(text, NULL), VXS_E_READ, "ends after 35 bytes, expected 36");
+    snprintf(text, sizeof text, json,
+             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAA");
+    must(load_text(text, NULL));
+    expect_corner(0, 2, 1, 1, 0);
+}
+
+/* ---- real scenes ---- */
+
+typedef struct known_scene {
+    const char *file;
+    size_t      triangles;
+    double      min[3], max[3]; /* four significant digits, as printed */
+} known_scene;
+
+#define SPOT(name)                                                                                                          \
+    {                                                                                                                       \
+        "encodings/" name, 5856, {-0.4716, -0.7368, -0.6689},                                                               \
+        {                                                                                                                   \
+            0.4716, 0.9536, 1.049                                                                                           \
+        }                                                                                                                   \
+    }
+
+/* clang-format off */
+static const known_scene known[] = {
+    {"sponza.glb", 262267, {-15.37, -1.012, -9.462}, {14.4, 11.44, 8.843}},
+    {"dream_apartment.glb", 177934, {0.4438, -0.09928, -11.43}, {12.81, 2.681, -0.13}},
+    {"pandora_indoor.glb", 60810, {-736, 0, -416}, {736, 448, 416}},
+    {"stanford_bunny_closed.glb", 144046, {-0.9559, 0.021, -0.543}, {0.6579, 1.642, 0.6895}},
+    {"voxel_district.glb", 672420, {-19.3, 0, -12.8}, {19.3, 6.4, 12.8}},
+    {"kaykit_city.glb", 177426, {-13, 0, -13}, {13, 3.05, 13.09}},
+    {"mountains_heightfield.glb", 25600, {-1, -0.08558, -1}, {1.002, 0.2493, 1.006}},
+    {"low_poly_terrain.glb", 3868, {-8.513, -1.085, -8.224}, {8.17, 9.056, 8.515}},
+    {"truck_town.glb", 30477, {-1024, -4.64, -1024}, {1024, 17.76, 1024}},
+    {"dutch_ship_mask.glb", 69162, {-10.33, -2, -3.488}, {13.74, 22.66, 3.321}},
+    {"chess_board.glb", 178848, {-157.5, -1.346, -136.5}, {179.6, 42.25, 136.5}},
+    {"room_with_spheres_closed.glb", 63720, {-5, 0, -5}, {5, 5, 5}},
+    {"japanese_bridge_garden.glb", 21883, {-5.527, 0.3775, -5.265}, {5.833, 7.39, 6.101}},
+    {"camp_and_cave_two_scenes.glb", 5894, {-6.031, -0.7172, -12.03}, {6.227, 5.954, 9.747}},
+    {"sunlit_primitives.glb", 10610, {-3.238, 0.1682, -3.238}, {3.238, 1.175, 3.238}},
+    {"skylight_hall_directional.glb", 360, {-3.16, 0.01578, -6.742}, {3.16, 6.322, 6.742}},
+    {"features/lights_point_spot_directional.glb", 12, {-1, -1, -1}, {1, 1, 1}},
+    {"features/cubes_point_light.glb", 36, {-4.284, -1.938, -2.994}, {4.603, 3.591, 3.639}},
+    {"features/primitives_four_materials.glb", 12, {-1, -1, -1}, {1, 1, 1}},
+    {"features/sparse_morph_cube.glb", 12, {-0.005, -0.005, -0.005}, {0.005, 0.005, 0.005}},
+    {"features/negative_scale_cube.gltf", 12, {-3, -1, -2}, {3, 1, 2}},
+    {"features/subpass_scene_mirrored.gltf", 23388, {-11, -9.714, -11}, {11, 0.4864, 11}},
+    {"features/duck.glb", 4212, {-0.693, 0.09929, -0.6133}, {0.9618, 1.64, 0.5393}},
+    {"features/Lantern/Lantern.gltf", 5394, {-3.922, 0.1839, -2.316}, {11.57, 25.85, 2.316}},
+    {"features/CesiumMilkTruck/CesiumMilkTruck.gltf", 3624, {-3.601, -1.621, -2.191}, {1.548, 3.002, 2.191}},
+    {"features/Box/Box.gltf", 12, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}},
+    {"features/Box.glb", 12, {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}},
+    {"features/RiggedFigure/RiggedFigure.gltf", 256, {-0.5895, 0, -0.1309}, {0.5895, 1.45, 0.195}},
+    {"features/Fox.glb", 576, {-12.59, -0.1217, -88.1}, {12.59, 78.91, 66.62}},
+    {"features/AnimatedMorphCube/AnimatedMorphCube.gltf", 12, {-1, -1, -1}, {1, 1, 1}},
+    {"features/TriangleWithoutIndices.gltf", 1, {0, 0, 0}, {1, 1, 0}},
+    {"features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf", 0, {0, 0, 0}, {0, 0, 0}},
+    {"features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_04.gltf", 2, {-0.5, -0.5, 0}, {0.5, 0.5, 0}},
+    {"features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_05.gltf", 2, {-0.5, -0.5, 0}, {0.5, 0.5, 0}},
+    {"features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_06.gltf", 2, {-0.5, -0.5, 0}, {0.5, 0.5, 0}},
+    {"features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_14.gltf", 2, {-0.5, -0.5, 0}, {0.5, 0.5, 0}},
+    {"features/02_node_hierarchy/02_node_hierarchy.gltf", 60, {-1, -1, -1}, {5, 5, 1}},
+    {"features/01_single_vs_double_sided/01_single_vs_double_sided.gltf", 1480, {-3.5, -0.9432, -1}, {1, 0.9432, 1}},
+    {"features/01_vertex_count_16bit/01_vertex_count_16bit.gltf", 130378, {-1, -1, -2.627}, {1, 1, 2.8}},
+    {"features/00_no_scenes/00_no_scenes.gltf", 12, {-1, -1, -1}, {1, 1, 1}},
+    {"features/00_empty_scene/00_empty_scene.gltf", 0, {0, 0, 0}, {0, 0, 0}},
+    {"features/mesh_without_node.gltf", 0, {0, 0, 0}, {0, 0, 0}},
+    SPOT("spot.glb"), SPOT("spot_u32.glb"), SPOT("spot_noindex.glb"), SPOT("spot_u8_chunks.glb"), SPOT("spot_fans.glb"),
+    SPOT("spot_sparse.glb"), SPOT("spot_sparse_no_view.glb"), SPOT("spot_strided.glb"), SPOT("spot_negative_scale.glb"),
+    SPOT("spot_deep_nodes.glb"), SPOT("spot_separate/spot.gltf"), SPOT("spot_datauri.gltf"),
+    {"encodings/spot_strip.glb", 35131, {-0.4716, -0.7368, -0.6689}, {0.4716, 0.9536, 1.049}},
+};
+static const struct { const char *file, *extension; } unsupported[] = {
+    {"kaykit_city_gpu_instancing.glb", "EXT_mesh_gpu_instancing"},
+    {"features/simple_instancing.glb", "EXT_mesh_gpu_instancing"},
+    {"features/pirate_meshopt_quantized.glb", "KHR_mesh_quantization"},
+    {"features/heart_draco.glb", "KHR_draco_mesh_compression"},
+    {"encodings/spot_quantized.glb", "KHR_mesh_quantization"},
+    {"encodings/spot_draco.glb", "KHR_draco_mesh_compression"},
+    {"encodings/spot_meshopt.glb", "EXT_meshopt_compression"},
+};
+/* clang-format on */
+
+static const char *scenes_folder(void)
+{
+    const char *given = getenv("VXS_SCENES");
+    const char *found = given && *given ? given : "../shared/scenes";
+    struct stat status;
+    if (!stat(found, &status)) return found;
+    print_message("no scenes at %s (VXS_SCENES)\n", found);
+    skip();
+    return NULL;
+}
+
+/* Equal once printed with as many digits as the known figure has. */
+static void expect_printed(const char *file, double value, double printed)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.4g", value);
+    if (strtod(text, NULL) != printed) fail_msg("%s: bound %s, expected %g", file, text, printed);
+}
+
+static void expect_bounds(const known_scene *k)
+{
+    for (size_t axis = 0; axis < 3; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < s.vertex_count; i++) {
+            low  = fmin(low, s.positions_ws[3 * i + axis]);
+            high = fmax(high, s.positions_ws[3 * i + axis]);
+        }
+        expect_printed(k->file, low, k->min[axis]);
+        expect_printed(k->file, high, k->max[axis]);
+    }
+}
+
+/* Six times the enclosed volume: positive when a closed surface is turned outward. */
+static double volume(void)
+{
+    double sum = 0;
+    for (size_t t = 0; t < s.triangle_count; t++) {
+        const double *a = s.positions_ws + 3 * s.indices[3 * t], *b = s.positions_ws + 3 * s.indices[3 * t + 1],
+                     *c = s.positions_ws + 3 * s.indices[3 * t + 2];
+        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return sum;
+}
+
+static void test_real_scenes_have_their_known_figures(void **state)
+{
+    (void)state;
+    const char *scenes = scenes_folder();
+    double      spot   = 0;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        char file[512];
+        snprintf(file, sizeof file, "%s/real/%s", scenes, known[i].file);
+        must(load_file(file, NULL));
+        if (s.triangle_count != known[i].triangles) fail_msg("%s: %zu triangles", known[i].file, s.triangle_count);
+        for (size_t k = 0; k < 3 * s.triangle_count; k++) assert_true(s.indices[k] < s.vertex_count);
+        if (s.triangle_count) expect_bounds(&known[i]);
+        if (!strncmp(known[i].file, "encodings/", 10)) {
+            if (!spot) spot = volume();
+            assert_true(spot > 0 && fabs(volume() - spot) < 1e-6 * spot); /* same surface, same side outward */
+        }
+        if (strstr(known[i].file, "spot_fans")) assert_int_equal(s.vertex_count, 2930);
+    }
+}
+
+static void test_real_scenes_that_need_more_say_what(void **state)
+{
+    (void)state;
+    const char *scenes = scenes_folder();
+    for (size_t i = 0; i < sizeof unsupported / sizeof *unsupported; i++) {
+        char file[512];
+        snprintf(file, sizeof file, "%s/real/%s", scenes, unsupported[i].file);
+        must_fail(load_file(file, NULL), VXS_E_UNSUPPORTED, unsupported[i].extension);
+    }
+}
+
+static void test_real_lights_and_scenes(void **state)
+{
+    (void)state;
+    char        file[512];
+    const char *scenes = scenes_folder();
+    snprintf(file, sizeof file, "%s/real/features/lights_point_spot_directional.glb", scenes);
+    must(load_file(file, NULL));
+    int count[3] = {0, 0, 0};
+    for (size_t i = 0; i < s.light_count; i++) count[s.lights[i].kind]++;
+    assert_true(count[LIGHT_DIRECTIONAL] == 1 && count[LIGHT_SPOT] == 2 && count[LIGHT_POINT] == 1);
+    snprintf(file, sizeof file, "%s/real/camp_and_cave_two_scenes.glb", scenes);
+    must(load_file(file, "1"));
+    assert_int_equal(s.triangle_count, 5894);
+    must(load_file(file, "0"));
+    assert_int_not_equal(s.triangle_count, 5894);
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    forget();
+    static const char *const names[] = {"text.gltf", "square.glb", "accessor.glb", "prefix.glb", "empty.glb", "a b+c%.bin"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        unlink(path);
+    }
+    return rmdir(folder);
+}
+
+static int make_folder(void **state)
+{
+    (void)state;
+    m.quiet = 1;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_indices_of_every_type),
+        cmocka_unit_test(test_no_indices_ignore_a_partial_triangle),
+        cmocka_unit_test(test_strip_alternates_its_winding),
+        cmocka_unit_test(test_fan_ends_every_triangle_at_its_first_vertex),
+        cmocka_unit_test(test_stride_and_offset),
+        cmocka_unit_test(test_sparse_replaces_positions),
+        cmocka_unit_test(test_transforms_are_applied_scale_first),
+        cmocka_unit_test(test_hierarchy_multiplies),
+        cmocka_unit_test(test_mirrored_nodes_turn_the_winding_back),
+        cmocka_unit_test(test_vertices_are_shared_within_a_node),
+        cmocka_unit_test(test_morph_targets_take_default_weights),
+        cmocka_unit_test(test_materials_set_flags),
+        cmocka_unit_test(test_points_lines_and_skins_are_warned_about),
+        cmocka_unit_test(test_lights_follow_their_nodes),
+        cmocka_unit_test(test_cameras_are_positions),
+        cmocka_unit_test(test_scenes_are_chosen_by_name_or_index),
+        cmocka_unit_test(test_empty_things_are_fine),
+        cmocka_unit_test(test_deep_node_trees_do_not_recurse),
+        cmocka_unit_test(test_broken_scenes_say_why),
+        cmocka_unit_test(test_broken_primitives_say_why),
+        cmocka_unit_test(test_accessors_stay_in_their_buffer),
+        cmocka_unit_test(test_instancing_is_counted_before_it_is_allocated),
+        cmocka_unit_test(test_deep_json_is_refused),
+        cmocka_unit_test(test_every_prefix_of_a_glb_is_refused),
+        cmocka_unit_test(test_unreadable_files_say_why),
+        cmocka_unit_test(test_buffers_beside_the_file),
+        cmocka_unit_test(test_real_scenes_have_their_known_figures),
+        cmocka_unit_test(test_real_scenes_that_need_more_say_what),
+        cmocka_unit_test(test_real_lights_and_scenes),
+    };
+    return cmocka_run_group_tests_name("scene_gltf", tests, make_folder, remove_files);
+}
