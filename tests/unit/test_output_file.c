@@ -1,0 +1,185 @@
+/* A file appears complete or not at all.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/output_file.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* Each test runs in an empty folder of its own. */
+static int enter_folder(void **state)
+{
+    static char folder[32];
+    strcpy(folder, "/tmp/vxs-output-XXXXXX");
+    *state = folder;
+    return !mkdtemp(folder) || chdir(folder);
+}
+
+static int leave_folder(void **state)
+{
+    unlink("a");
+    unlink("b");
+    return chdir("/") || rmdir(*state); /* fails when a temporary file was left */
+}
+
+static int file_count(void)
+{
+    int  count  = 0;
+    DIR *folder = opendir(".");
+    assert_non_null(folder);
+    for (struct dirent *e; (e = readdir(folder));) count += strcmp(e->d_name, ".") && strcmp(e->d_name, "..");
+    closedir(folder);
+    return count;
+}
+
+static void check_content(const char *path, const char *wanted)
+{
+    char  content[64] = {0};
+    FILE *file        = fopen(path, "rb");
+    assert_non_null(file);
+    fread(content, 1, sizeof content - 1, file);
+    fclose(file);
+    assert_string_equal(content, wanted);
+}
+
+static void write_file(const char *path, const char *content)
+{
+    message     m = {0};
+    output_file f;
+    assert_int_equal(output_file_open(&f, path, &m), VXS_OK);
+    assert_int_equal(output_file_write(&f, content, strlen(content), &m), VXS_OK);
+    assert_int_equal(output_file_commit(&f, &m), VXS_OK);
+}
+
+static void test_commit_replaces(void **state)
+{
+    (void)state;
+    write_file("a", "first");
+    write_file("a", "second");
+    check_content("a", "second");
+    assert_int_equal(file_count(), 1);
+}
+
+static void test_old_file_stays_until_commit(void **state)
+{
+    (void)state;
+    message     m = {0};
+    output_file f;
+    write_file("a", "old");
+    assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
+    assert_int_equal(output_file_write(&f, "new", 3, &m), VXS_OK);
+    fflush(f.stream);
+    check_content("a", "old");
+    output_file_abort(&f);
+    check_content("a", "old");
+    assert_int_equal(file_count(), 1);
+}
+
+static void test_two_files_at_once(void **state)
+{
+    (void)state;
+    message     m = {0};
+    output_file f, g;
+    assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
+    assert_int_equal(output_file_open(&g, "b", &m), VXS_OK);
+    fputs("one", f.stream);
+    fputs("two", g.stream);
+    assert_int_equal(output_file_commit(&g, &m), VXS_OK);
+    assert_int_equal(output_file_commit(&f, &m), VXS_OK);
+    check_content("a", "one");
+    check_content("b", "two");
+}
+
+static void test_abort_is_harmless_twice(void **state)
+{
+    (void)state;
+    message     m = {0};
+    output_file f = {0};
+    output_file_abort(&f);
+    assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
+    assert_int_equal(output_file_commit(&f, &m), VXS_OK);
+    output_file_abort(&f);
+    assert_int_equal(file_count(), 1);
+}
+
+/* The bytes fit the buffer, so that only the last flush meets the limit. */
+static void test_commit_sees_a_full_disk(void **state)
+{
+    (void)state;
+    message       m = {0};
+    output_file   f;
+    struct rlimit old, tight;
+    getrlimit(RLIMIT_FSIZE, &old);
+    tight                = old;
+    tight.rlim_cur       = 2;
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+
+    write_file("a", "old");
+    assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
+    assert_int_equal(output_file_write(&f, "longer", 6, &m), VXS_OK);
+    setrlimit(RLIMIT_FSIZE, &tight);
+    vxs_result r = output_file_commit(&f, &m);
+    setrlimit(RLIMIT_FSIZE, &old);
+    signal(SIGXFSZ, handler);
+
+    assert_int_equal(r, VXS_E_WRITE);
+    assert_non_null(strstr(m.error, "a: cannot write: "));
+    assert_null(f.stream);
+    check_content("a", "old");
+    assert_int_equal(file_count(), 1);
+}
+
+static void test_commit_sees_a_full_standard_output(void **state)
+{
+    (void)state;
+    message     m = {0};
+    output_file f;
+    fflush(stdout);
+    int terminal = dup(STDOUT_FILENO), full = open("/dev/full", O_WRONLY);
+    assert_true(terminal >= 0 && full >= 0);
+    dup2(full, STDOUT_FILENO);
+    vxs_result opened = output_file_open(&f, "-", &m), written = output_file_write(&f, "x", 1, &m);
+    vxs_result committed = output_file_commit(&f, &m);
+    dup2(terminal, STDOUT_FILENO);
+    fflush(stdout);
+    clearerr(stdout);
+    close(terminal);
+    close(full);
+
+    assert_true(opened == VXS_OK && written == VXS_OK && committed == VXS_E_WRITE);
+    assert_string_equal(m.error, "standard output: cannot write: No space left on device");
+}
+
+static void test_a_folder_is_no_file(void **state)
+{
+    (void)state;
+    message     m = {0};
+    output_file f;
+    assert_int_equal(output_file_open(&f, ".", &m), VXS_E_WRITE);
+    assert_string_equal(m.error, ".: cannot write: it is a folder, expected a file name");
+    assert_true(!f.stream && !f.name && !f.target && !f.temporary);
+}
+
+int main(void)
+{
+#define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
+    const struct CMUnitTest tests[] = {
+        IN_FOLDER(test_commit_replaces),         IN_FOLDER(test_old_file_stays_until_commit),
+        IN_FOLDER(test_two_files_at_once),       IN_FOLDER(test_abort_is_harmless_twice),
+        IN_FOLDER(test_commit_sees_a_full_disk), IN_FOLDER(test_commit_sees_a_full_standard_output),
+        IN_FOLDER(test_a_folder_is_no_file),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
