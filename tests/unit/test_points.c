@@ -1,0 +1,278 @@
+/* Point lines and the choice of lights: what is accepted, what is said about the rest.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/light_choice.h"
+#include "baker/points.h"
+
+#include <cmocka.h> /* last: it makes a macro of fail */
+
+#define CAPACITY 8
+
+/* Read everything that `bytes` holds, in blocks of `block` points; the first CAPACITY points are kept. */
+static vxs_result read_bytes(const char *bytes, size_t size, size_t block, query_point *points, size_t *total, message *m)
+{
+    FILE *file = tmpfile();
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    rewind(file);
+
+    point_reader reader;
+    query_point  some[CAPACITY];
+    size_t       count = 0;
+    vxs_result   r     = point_reader_init(&reader, file, "standard input", m);
+    assert_int_equal(r, VXS_OK);
+    *total = 0;
+    do {
+        r = points_read(&reader, some, block, &count, m);
+        for (size_t i = 0; i < count; i++, ++*total)
+            if (*total < CAPACITY) points[*total] = some[i];
+    } while (r == VXS_OK && count);
+    point_reader_free(&reader);
+    fclose(file);
+    return r;
+}
+
+static size_t good(const char *text, query_point *points)
+{
+    message m = {0};
+    size_t  total;
+    assert_int_equal(read_bytes(text, strlen(text), 3, points, &total, &m), VXS_OK);
+    assert_string_equal(m.error, "");
+    return total;
+}
+
+static void bad_bytes(const char *bytes, size_t size, const char *why, size_t points_before)
+{
+    message     m = {0};
+    query_point points[CAPACITY];
+    size_t      total;
+    assert_int_equal(read_bytes(bytes, size, 3, points, &total, &m), VXS_E_READ);
+    assert_string_equal(m.error, why);
+    assert_int_equal(total, points_before);
+}
+
+static void bad(const char *text, const char *why, size_t points_before)
+{
+    bad_bytes(text, strlen(text), why, points_before);
+}
+
+static void points_are_read(void **state)
+{
+    (void)state;
+    query_point p[CAPACITY];
+    assert_int_equal(good("1 -2 3.5\n  4e1\t5 6   0 -3 4  \n", p), 2);
+    assert_true(p[0].position_ws[0] == 1 && p[0].position_ws[1] == -2 && p[0].position_ws[2] == 3.5);
+    assert_false(p[0].has_normal);
+    assert_true(p[1].position_ws[0] == 40 && p[1].position_ws[1] == 5 && p[1].position_ws[2] == 6);
+    assert_true(p[1].has_normal);
+    assert_true(p[1].normal_ws[0] == 0 && p[1].normal_ws[1] == -0.6 && p[1].normal_ws[2] == 0.8);
+}
+
+static void blank_lines_and_comments_are_skipped(void **state)
+{
+    (void)state;
+    query_point p[CAPACITY];
+    assert_int_equal(good("", p), 0);
+    assert_int_equal(good("\n\n", p), 0);
+    assert_int_equal(good("# 1 2 3\n\n \t\n  # x\n1 2 3\n#", p), 1);
+    assert_int_equal(good("1 2 3\n4 5 6\n7 8 9\n1 2 3\n", p), 4); /* more than a block */
+}
+
+static void line_ends_may_be_crlf_or_missing(void **state)
+{
+    (void)state;
+    query_point p[CAPACITY];
+    assert_int_equal(good("1 2 3\r\n\r\n4 5 6\r\n", p), 2);
+    assert_int_equal(good("1 2 3\n4 5 7", p), 2);
+    assert_true(p[1].position_ws[2] == 7);
+    assert_int_equal(good("1 2 3\r\n4 5 8\r", p), 2);
+    assert_true(p[1].position_ws[2] == 8);
+}
+
+static void wrong_lines_are_named(void **state)
+{
+    (void)state;
+    bad("1 2 3\n\n1 2 3 4\n", "standard input: line 3: expected 3 or 6 numbers, found 4", 1);
+    bad("1 2\n", "standard input: line 1: expected 3 or 6 numbers, found 2", 0);
+    bad("1 2 3 4 5 6 7", "standard input: line 1: expected 3 or 6 numbers, found 7", 0);
+    bad("# no\n1,2,3\n", "standard input: line 2: expected a finite number, found '1,2,3'", 0);
+    bad("1 two 3\n", "standard input: line 1: expected a finite number, found 'two'", 0);
+    bad("1 2 nan\n", "standard input: line 1: expected a finite number, found 'nan'", 0);
+    bad("1 -inf 2\r\n", "standard input: line 1: expected a finite number, found '-inf'", 0);
+    bad("1 2 1e999\n", "standard input: line 1: expected a finite number, found '1e999'", 0);
+    bad("1 2 3 0 0 -0\n", "standard input: line 1: the normal is zero", 0);
+    bad_bytes("1 2 3\0 4\n", 9, "standard input: line 1: holds a NUL byte", 0);
+}
+
+/* A line of `length` characters, "1 2 3" and blanks, and then another point. */
+static size_t long_line(char *text, size_t length, const char *end)
+{
+    memset(text, ' ', length);
+    memcpy(text, "1 2 3", 5);
+    return length + (size_t)sprintf(text + length, "%s4 5 6\n", end);
+}
+
+static void overlong_lines_are_refused(void **state)
+{
+    (void)state;
+    static char text[1 << 18];
+    const char *why = "standard input: line 1: longer than 4096 characters";
+    query_point p[CAPACITY];
+    long_line(text, POINT_LINE_MAX, "\n");
+    assert_int_equal(good(text, p), 2);
+    long_line(text, POINT_LINE_MAX, "\r\n");
+    assert_int_equal(good(text, p), 2);
+    bad_bytes(text, long_line(text, POINT_LINE_MAX + 1, "\n"), why, 0);
+    bad_bytes(text, long_line(text, POINT_LINE_MAX + 1, "\r\n"), why, 0);
+    bad_bytes(text, long_line(text, 200000, "\n"), why, 0);
+    memset(text, '1', 200000);
+    bad_bytes(text, 200000, why, 0);
+}
+
+/* Lines of many lengths cross the ends of the reader's buffer in every way. */
+static void long_input_is_read_in_pieces(void **state)
+{
+    (void)state;
+    enum { LINES = 10000 };
+    char *text = malloc(LINES * 512);
+    assert_non_null(text);
+    size_t size = 0;
+    for (int i = 0; i < LINES; i++)
+        size += (size_t)sprintf(text + size, "%d %*d 0.5%s\n", i, 1 + i % 401, i, i % 3 ? "" : "\r");
+
+    FILE *file = fmemopen(text, size, "r");
+    assert_non_null(file);
+    message      m = {0};
+    point_reader reader;
+    query_point  some[CAPACITY];
+    size_t       count, next = 0;
+    assert_int_equal(point_reader_init(&reader, file, "text", &m), VXS_OK);
+    do {
+        assert_int_equal(points_read(&reader, some, 7, &count, &m), VXS_OK);
+        for (size_t i = 0; i < count; i++, next++)
+            assert_true(some[i].position_ws[0] == (double)next && some[i].position_ws[1] == (double)next);
+    } while (count);
+    assert_int_equal(next, LINES);
+    point_reader_free(&reader);
+    fclose(file);
+    free(text);
+}
+
+static void unreadable_files_are_errors(void **state)
+{
+    (void)state;
+    FILE *file = fopen(".", "r"); /* opens, but cannot be read */
+    assert_non_null(file);
+    message      m = {0};
+    point_reader reader;
+    query_point  p[CAPACITY];
+    size_t       count;
+    assert_int_equal(point_reader_init(&reader, file, "folder", &m), VXS_OK);
+    assert_int_equal(points_read(&reader, p, CAPACITY, &count, &m), VXS_E_READ);
+    assert_string_equal(m.error, "folder: cannot be read: Is a directory");
+    point_reader_free(&reader);
+    fclose(file);
+}
+
+/* -- lights ---------------------------------------------------------------------------------------------- */
+
+static scene_light scene_lights[] = {
+    {.name = (char *)"lamp", .kind = LIGHT_SPOT},
+    {.name = (char *)"moon", .kind = LIGHT_DIRECTIONAL, .direction_ws = {1, 0, 0}},
+    {.name = (char *)"sun", .kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}},
+};
+static const scene  lit_scene  = {.light_count = 3, .lights = scene_lights};
+static const scene  dark_scene = {.light_count = 1, .lights = scene_lights};
+static const double sun[3]     = {0, 0, -2};
+
+/* The names chosen, "a b", or the error. */
+static const char *choose(const scene *s, const char **names, size_t name_count, const double *sun_option,
+                          vxs_result expected)
+{
+    static char     text[2048];
+    light_choice    chosen;
+    message         m    = {0};
+    const text_list list = {.items = names, .count = name_count};
+    assert_int_equal(lights_choose(s, &list, sun_option != NULL, sun_option, &chosen, &m), expected);
+    if (expected != VXS_OK) {
+        assert_null(chosen.lights);
+        return strcpy(text, m.error);
+    }
+
+    text[0] = '\0';
+    for (size_t i = 0; i < chosen.count; i++) {
+        strcat(strcat(text, i ? " " : ""), chosen.lights[i].name);
+        if (strcmp(chosen.lights[i].name, "sun")) continue;
+        assert_true(chosen.lights[i].direction_ws[1] == (sun_option ? 0 : -1)); /* --sun replaces the scene's */
+        assert_true(chosen.lights[i].direction_ws[2] == (sun_option ? -1 : 0)); /* and is made a unit vector */
+    }
+    light_choice_free(&chosen);
+    return text;
+}
+
+static void lights_are_chosen(void **state)
+{
+    (void)state;
+    assert_string_equal(choose(&lit_scene, NULL, 0, NULL, VXS_OK), "moon sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"sun", "moon"}, 2, NULL, VXS_OK), "sun moon");
+    assert_string_equal(choose(&lit_scene, NULL, 0, sun, VXS_OK), "sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"moon"}, 1, sun, VXS_OK), "moon sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"sun", "moon"}, 2, sun, VXS_OK), "sun moon");
+    assert_string_equal(choose(&dark_scene, NULL, 0, sun, VXS_OK), "sun");
+}
+
+static void wrong_choices_are_explained(void **state)
+{
+    (void)state;
+    const scene  empty   = {0};
+    const double zero[3] = {0, 0, 0};
+    assert_string_equal(choose(&dark_scene, NULL, 0, NULL, VXS_E_NO_LIGHT),
+                        "the scene has no directional light: --sun X,Y,Z gives one");
+    assert_string_equal(choose(&lit_scene, NULL, 0, zero, VXS_E_ARGUMENT), "--sun 0,0,0: expected a direction, not zero");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, NULL, VXS_E_ARGUMENT),
+                        "--light son: no such light; the scene has lamp (spot), moon (directional), sun (directional)");
+    assert_string_equal(choose(&empty, (const char *[]){"son"}, 1, NULL, VXS_E_ARGUMENT),
+                        "--light son: the scene has no lights; --sun X,Y,Z gives one");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, sun, VXS_E_UNSUPPORTED),
+                        "--light lamp: is a spot light, but only directional lights are supported");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"moon", "moon"}, 2, NULL, VXS_E_ARGUMENT),
+                        "--light moon: given twice");
+}
+
+static void long_lists_of_lights_are_cut(void **state)
+{
+    (void)state;
+    enum { LIGHTS = 500 };
+    static scene_light many[LIGHTS];
+    static char        names[LIGHTS][16];
+    for (int i = 0; i < LIGHTS; i++) {
+        sprintf(names[i], "light %d", i);
+        many[i] = (scene_light){.name = names[i]};
+    }
+    const scene s     = {.light_count = LIGHTS, .lights = many};
+    const char *error = choose(&s, (const char *[]){"x"}, 1, NULL, VXS_E_ARGUMENT);
+    assert_int_equal(strcmp(error + strlen(error) - 3, "..."), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_are_read),
+        cmocka_unit_test(blank_lines_and_comments_are_skipped),
+        cmocka_unit_test(line_ends_may_be_crlf_or_missing),
+        cmocka_unit_test(wrong_lines_are_named),
+        cmocka_unit_test(overlong_lines_are_refused),
+        cmocka_unit_test(long_input_is_read_in_pieces),
+        cmocka_unit_test(unreadable_files_are_errors),
+        cmocka_unit_test(lights_are_chosen),
+        cmocka_unit_test(wrong_choices_are_explained),
+        cmocka_unit_test(long_lists_of_lights_are_cut),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
