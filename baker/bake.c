@@ -199,6 +199,11 @@ static vxs_result bake_light(const bake_options *o, gl_context *gl, const caster
 
     stage_timer timer = stage_begin(report);
     if ((r = light_fit(&light->light, c, &fit, m)) != VXS_OK) goto done;
+    for (const light_report *other = report->lights; other < light; other++)
+        if (!strcmp(other->light.name, light->light.name)) {
+            r = fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", light->light.name);
+            goto done;
+        }
     uint32_t side = 1u << light->light.levels;
     uint32_t tile = min_u32(side, TILE_MAX_PX);
     uint32_t sub  = min_u32(tile / 4, SUB_DAG_MAX_PX);

@@ -3,7 +3,6 @@
 #include "baker/light_fit.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct range {
@@ -55,6 +54,18 @@ static uint32_t log2_u32(uint32_t power)
     return log;
 }
 
+/* The format has room for 63 bytes: longer names are cut at a whole UTF-8 character. */
+static void set_name(vxs_light *light, const char *name, message *m)
+{
+    size_t length = strlen(name);
+    if (length > VXS_LIGHT_NAME_BYTES - 1) {
+        length = VXS_LIGHT_NAME_BYTES - 1;
+        while (length && ((unsigned char)name[length] & 0xc0) == 0x80) length--;
+        warn(m, "light '%s': the name is cut to its first %zu bytes", name, length);
+    }
+    memcpy(light->name, name, length);
+}
+
 vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m)
 {
     double axes[3][3];
@@ -86,8 +97,9 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
                     desc->name);
 
     memset(light, 0, sizeof *light);
-    snprintf(light->name, sizeof light->name, "%s", desc->name);
+    set_name(light, desc->name, m);
     light->kind         = VXS_LIGHT_KIND_DIRECTIONAL;
+    light->flags        = desc->region_ws ? VXS_LIGHT_BOUNDED : 0;
     light->levels       = log2_u32(side);
     light->texel_metres = texel;
     light->voxel_metres = voxel;

@@ -19,7 +19,8 @@ typedef struct light_fit_desc {
  *
  * u is horizontal, so that vertical edges (most edges of buildings) run along texel columns. Around the casters lie one texel, one
  * voxel in front, and two behind: what is outside the map is lit, and its last voxel is behind every caster, so that points beyond
- * it can be answered from it. A voxel is never flatter than a texel is wide: the map knows no position better than that.
+ * it can be answered from it. A map of a region ends at the region, because casters in front of it are flattened to its near side and
+ * those behind it are left out: it is bounded. A voxel is never flatter than a texel is wide: the map knows no position better than that.
  * light  [out] all but the DAG.   Returns VXS_OK, VXS_E_ARGUMENT. */
 vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m);
 

@@ -80,7 +80,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
         fprintf(to, "%-12s %7.1f ms %14s\n", bake_stage_name((bake_stage)s), 1e3 * r->stage[s].seconds,
                 size_text(a, r->stage[s].peak_bytes));
     fprintf(to, "%-12s %7.1f ms %14s\n", "total", 1e3 * r->total_seconds, size_text(a, r->peak_bytes));
-    if (r->baseline_seconds > 0)
+    if (o->baseline != BASELINE_OFF)
         fprintf(to, "%-12s %7.1f ms    not part of the total: --baseline off leaves it out\n", "baseline", 1e3 * r->baseline_seconds);
     fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
 }

@@ -18,6 +18,7 @@ extern "C" {
 typedef struct vxs_light {
     char     name[VXS_LIGHT_NAME_BYTES]; /* UTF-8, NUL-terminated, unique in the file */
     uint32_t kind;                       /* VXS_LIGHT_KIND_DIRECTIONAL */
+    uint32_t flags;                      /* VXS_LIGHT_BOUNDED or 0 */
     uint32_t levels;                     /* the map has 2^levels texels a side and 2^levels voxels in depth; 3..18 */
     double   vx_from_ws[12];   /* rows of a 3 x 4 matrix: world metres to texels u, v and voxels of depth; (0,0,0) is the corner
                                   of the map nearest the light */

@@ -41,15 +41,16 @@
 #define VXS_LIGHT_KIND              0
 #define VXS_LIGHT_LEVELS            4
 #define VXS_LIGHT_WORD_COUNT        8
-#define VXS_LIGHT_RESERVED          12
+#define VXS_LIGHT_FLAGS             12
 #define VXS_LIGHT_VX_FROM_WS        16
 #define VXS_LIGHT_TEXEL_METRES      112
 #define VXS_LIGHT_VOXEL_METRES      120
 #define VXS_LIGHT_DIRECTION         128
-#define VXS_LIGHT_RESERVED_2        152
+#define VXS_LIGHT_RESERVED          152
 #define VXS_LIGHT_NAME              192
 #define VXS_LIGHT_NAME_BYTES        64
 #define VXS_LIGHT_KIND_DIRECTIONAL  1u
+#define VXS_LIGHT_BOUNDED           1u /* flag: the volume ends at the map's near and far sides */
 
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX            20480u

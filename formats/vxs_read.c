@@ -231,9 +231,8 @@ static void check_light(reader *r, const vxs_light *light, const uint8_t *record
     for (const vxs_light *other = r->out.lights; other < light && good; other++) good = strcmp(other->name, light->name) != 0;
     if (!good) found(r, 306, section, at + VXS_LIGHT_NAME);
 
-    if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_VX_FROM_WS - VXS_LIGHT_RESERVED) ||
-        !zeros(record + VXS_LIGHT_RESERVED_2, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED_2))
-        found(r, 307, section, at + VXS_LIGHT_RESERVED_2);
+    if (light->flags & ~VXS_LIGHT_BOUNDED) found(r, 307, section, at + VXS_LIGHT_FLAGS);
+    if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED)) found(r, 307, section, at + VXS_LIGHT_RESERVED);
 }
 
 static void read_light_records(reader *r, int section, const uint8_t *table, uint64_t size)
@@ -255,6 +254,7 @@ static void read_light_records(reader *r, int section, const uint8_t *table, uin
         light->kind           = vxs_load32(record + VXS_LIGHT_KIND);
         light->levels         = vxs_load32(record + VXS_LIGHT_LEVELS);
         light->word_count     = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
+        light->flags          = vxs_load32(record + VXS_LIGHT_FLAGS);
         for (int k = 0; k < 12; k++) light->vx_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_VX_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);
         light->voxel_metres = vxs_load_f64(record + VXS_LIGHT_VOXEL_METRES);

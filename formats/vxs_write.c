@@ -159,6 +159,7 @@ static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t wo
     vxs_store32(at + VXS_LIGHT_KIND, light->kind);
     vxs_store32(at + VXS_LIGHT_LEVELS, light->levels);
     vxs_store32(at + VXS_LIGHT_WORD_COUNT, word_count);
+    vxs_store32(at + VXS_LIGHT_FLAGS, light->flags);
     for (int n = 0; n < 12; n++) vxs_store_f64(at + VXS_LIGHT_VX_FROM_WS + n * 8, light->vx_from_ws[n]);
     vxs_store_f64(at + VXS_LIGHT_TEXEL_METRES, light->texel_metres);
     vxs_store_f64(at + VXS_LIGHT_VOXEL_METRES, light->voxel_metres);

@@ -41,6 +41,7 @@ float vxs_lookup(const vxs_light *light, const double point_ws[3], const double 
     int32_t side = 1 << light->levels;
     vxs_voxel(light, point_ws, normal_ws, filter_px, voxel);
     if (voxel[0] < 0 || voxel[1] < 0 || voxel[0] >= side || voxel[1] >= side) return VXS_OUTSIDE;
+    if ((light->flags & VXS_LIGHT_BOUNDED) && (voxel[2] < 0 || voxel[2] >= side)) return VXS_OUTSIDE;
     if (voxel[2] < 0) return 1.0f;
 
     uint32_t k = (uint32_t)(voxel[2] < side ? voxel[2] : side - 1);

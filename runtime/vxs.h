@@ -64,7 +64,8 @@ void vxs_voxel(const vxs_light *light, const double point_ws[3], const double no
  * normal_ws  NULL, or as for vxs_voxel
  * filter_px  odd, 1 (a single tap) to VXS_FILTER_MAX
  * Returns [0, 1], or VXS_OUTSIDE when the point's texel is not in the map. The volume of a directional light is the prism over its
- * map: in front of the map all is lit, and what is behind it is in the shadow of the map's last voxel. Taps outside the map are lit.
+ * map: in front of the map all is lit, and what is behind it is in the shadow of the map's last voxel. A bounded one (baked for a
+ * region) ends at its near and far sides too. Taps outside the map are lit.
  * Cost: one walk of at most `levels` nodes for each tile of 8 x 8 texels that the filter touches. Threads: any. */
 float vxs_lookup(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px);
 
