@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/pages.h"
 #include "baker/parallel.h"
 
 vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, int with_exit, message *m)
@@ -15,12 +16,12 @@ vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, i
     d->depth_vx = depth_vx;
 
     size_t texels = (size_t)side_px * side_px;
-    d->enter      = malloc(texels * sizeof *d->enter);
-    d->exit       = with_exit ? malloc(texels * sizeof *d->exit) : d->enter;
+    d->enter      = pages_alloc(texels * sizeof *d->enter);
+    d->exit       = with_exit ? pages_alloc(texels * sizeof *d->exit) : d->enter;
 
     size_t squares = 0;
     for (uint32_t side = side_px / 8; side; side /= 2) squares += (size_t)side * side;
-    d->pyramid[0] = malloc(squares * sizeof *d->pyramid[0]);
+    d->pyramid[0] = pages_alloc(squares * sizeof *d->pyramid[0]);
     if (!d->enter || !d->exit || !d->pyramid[0]) {
         depth_maps_free(d);
         return fail(m, VXS_E_MEMORY, "out of memory for depth maps of %u x %u texels", side_px, side_px);
