@@ -1,0 +1,265 @@
+# vxs compare and vxs picture on a small baked city: an honest asset passes, a wrong one fails and says where.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import pathlib
+import struct
+import subprocess
+import zlib
+
+import jsonschema
+import pytest
+import small_scene
+
+SCHEMA = pathlib.Path(__file__).resolve().parents[2] / "docs" / "compare.schema.json"
+SUN = "-0.3,-1,-0.2"
+
+
+@pytest.fixture(scope="module")
+def city(vxs, tmp_path_factory):
+    """Folder with two cities and an asset of the first at two resolutions."""
+    at = tmp_path_factory.mktemp("city")
+    for seed in (1, 2):
+        vxs("scene", "city", "--triangles", 4000, "--blocks", 3, "--seed", seed, "-o", at / f"city{seed}.glb")
+    for resolution in (128, 512):
+        vxs("bake", at / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution, "--baseline", "off",
+            "-o", at / f"{resolution}.vxs")
+    return at
+
+
+@pytest.fixture(scope="module")
+def compare(vxs, city):
+    """compare(scene, asset, *options, status=0): the JSON report, checked against its schema and its own sums."""
+    schema = json.loads(SCHEMA.read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+
+    def run(scene, asset, *options, status=0):
+        done = vxs("compare", city / scene, city / asset, "--json", "-", *options, status=status)
+        report = json.loads(done.stdout)
+        jsonschema.Draft202012Validator(schema).validate(report)
+        counts = [light[kind] for light in report["lights"] for kind in ("random", "surface")]
+        for c in counts:
+            assert c["points"] == report["points"] == c["outside"] + c["inside_solid"] + c["checked"]
+            assert c["wrong"] == c["leaks"] + c["false_shadows"]
+            assert c["wrong"] == c["near_boundary"] + c["near_surface"] + c["unexplained"]
+        for key in ("checked", "wrong", "unexplained"):
+            assert report[key] == sum(c[key] for c in counts)
+        assert report["passed"] == (status == 0)
+        return report
+
+    return run
+
+
+def without_time(report):
+    for light in report["lights"]:
+        del light["time"]
+    return report
+
+
+def test_errors_are_explained_and_fall_with_resolution(compare):
+    coarse, fine = (compare("city1.glb", asset, "--points", 50000) for asset in ("128.vxs", "512.vxs"))
+    assert coarse["unexplained"] == fine["unexplained"] == 0
+    for kind in ("random", "surface"):
+        assert 0 < fine["lights"][0][kind]["wrong_share"] < 0.6 * coarse["lights"][0][kind]["wrong_share"]
+    assert fine["lights"][0]["random"]["wrong_share"] < 0.01
+    assert fine["lights"][0]["random"]["inside_solid"] > 0
+    assert fine["lights"][0]["unexplained"] == []
+    time = fine["lights"][0]["time"]
+    assert 0 < time["lookup_ns"] and 0 < time["ray_ns"] and "filter_lookup_ns" not in time
+
+
+def test_filter_is_compared_with_the_same_filter_over_rays(compare):
+    light = compare("city1.glb", "512.vxs", "--points", 3000, "--filter", 5)["lights"][0]
+    assert light["filter"]["filter_px"] == 5 and light["time"]["filter_lookup_ns"] > light["time"]["lookup_ns"]
+    for kind in ("random", "surface"):
+        error = light["filter"][kind]
+        assert 0 < error["points"] <= 3000 and 0 < error["rmse"] < 0.1 and error["rmse"] <= error["max_error"]
+
+
+def test_another_scene_is_found_wrong(compare):
+    report = compare("city2.glb", "512.vxs", "--points", 20000, status=1)
+    assert report["unexplained"] > 100
+    examples = report["lights"][0]["unexplained"]
+    assert len(examples) == 10
+    for example in examples:
+        assert example["asset_lit"] != example["truth_lit"]
+        assert (example["normal"] is None) == (example["kind"] == "random")
+
+
+def test_examples_are_what_query_and_truth_say(vxs, compare, city):
+    examples = compare("city2.glb", "512.vxs", "--points", 20000, status=1)["lights"][0]["unexplained"]
+    examples = [e for e in examples if e["kind"] == "random"]
+    points = "".join("%.9g %.9g %.9g\n" % tuple(e["point_m"]) for e in examples)
+    lit = vxs("query", city / "512.vxs", input=points).stdout.split()
+    true = vxs("truth", city / "city2.glb", "--light", "sun", "--sun", SUN, input=points).stdout.split()
+    assert examples and lit == [str(int(e["asset_lit"])) for e in examples]
+    assert true == [str(int(e["truth_lit"])) for e in examples]
+
+
+def test_every_light_is_compared_by_its_own_direction(vxs, compare, city):
+    lights = [("noon", "directional", (0, -1, 0)), ("morning", "directional", (1, -1, 0))]
+    small_scene.write(city / "two.gltf", lights=lights)
+    vxs("bake", city / "two.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "two.vxs")
+    small_scene.write(city / "none.gltf", lights=[])  # the scene's own lights do not matter
+    report = compare("none.gltf", "two.vxs", "--points", 20000)
+    assert report["unexplained"] == 0 and report["wrong_share"] < 0.05
+    assert [light["name"] for light in report["lights"]] == ["noon", "morning"]
+    assert report["lights"][1]["direction"] == pytest.approx([0.5 ** 0.5, -(0.5 ** 0.5), 0])
+
+
+def test_a_block_that_moved_leaves_a_shadow_and_a_leak(vxs, compare, city):
+    moved = ((3, 2, 3), (5, 3, 5))
+    small_scene.write(city / "before.gltf")
+    small_scene.write(city / "after.gltf", boxes=(small_scene.GROUND, moved))
+    vxs("bake", city / "before.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "before.vxs")
+    assert compare("before.gltf", "before.vxs", "--points", 20000)["unexplained"] == 0
+    light = compare("after.gltf", "before.vxs", "--points", 20000, status=1)["lights"][0]
+    assert light["random"]["leaks"] > 100 and light["random"]["false_shadows"] > 100
+    for example in light["unexplained"]:
+        x, y, z = example["point_m"]
+        at = (-1, 1) if example["truth_lit"] else (3, 5)  # under where the block was, under where it is
+        assert at[0] <= x <= at[1] and at[0] <= z <= at[1] and y < 3
+
+
+def test_max_error_decides_the_exit_status(compare):
+    share = compare("city1.glb", "512.vxs", "--points", 5000)["wrong_share"]
+    assert compare("city1.glb", "512.vxs", "--points", 5000, "--max-error", share * 1.01)["max_error"] > share
+    compare("city1.glb", "512.vxs", "--points", 5000, "--max-error", share * 0.99, status=1)
+
+
+def test_same_seed_same_counts_at_any_thread_count(compare):
+    options = ("--points", 5000, "--filter", 3)
+    one = without_time(compare("city1.glb", "512.vxs", *options, "--threads", 1))
+    assert one == without_time(compare("city1.glb", "512.vxs", *options, "--threads", 3))
+    assert one != without_time(compare("city1.glb", "512.vxs", *options, "--seed", 2))
+
+
+def test_solids_are_those_of_the_bake(vxs, compare, city):
+    vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", 128, "--closed", "off",
+        "--baseline", "off", "-o", city / "sheets.vxs")
+    report = compare("city1.glb", "sheets.vxs", "--points", 1000)
+    assert (report["closed"], report["solid_triangles"], report["lights"][0]["random"]["inside_solid"]) == ("off", 0, 0)
+    report = compare("city1.glb", "sheets.vxs", "--points", 1000, "--closed", "auto")
+    assert report["closed"] == "auto" and report["solid_triangles"] > 0
+
+
+def test_scene_option(vxs, compare, city):
+    assert compare("city1.glb", "512.vxs", "--points", 1000, "--scene", 0)["passed"]
+    assert "scene" in vxs("compare", city / "city1.glb", city / "512.vxs", "--scene", "no such", status=2).stderr
+
+
+def test_table_for_people(vxs, city):
+    table = vxs("compare", city / "city1.glb", city / "512.vxs", "--points", 1000, "--filter", 3).stdout
+    for word in ("light sun: 512 x 512", "random", "surface", "3 x 3 filter", "ns", "unexplained: 0"):
+        assert word in table
+    table = vxs("compare", city / "city2.glb", city / "512.vxs", "--points", 20000, status=1).stdout
+    assert table.count("  unexplained: (") == 10 and "FAILED" in table
+
+
+@pytest.mark.parametrize("options, words", [
+    (["--filter", 4], "--filter 4: expected an odd number"),
+    (["--filter", 19], "--filter 19: expected a whole number from 1 to 17"),
+    (["--points", 0], "--points 0"),
+    (["--max-error", 2], "--max-error 2"),
+    (["--closed", "maybe"], "--closed maybe: expected one of auto|on|off"),
+])
+def test_compare_options_are_checked(vxs, city, options, words):
+    done = vxs("compare", city / "city1.glb", city / "512.vxs", *options, status=2)
+    assert done.stderr.startswith("vxs: error: ") and words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_compare_files_are_checked(vxs, city):
+    assert "cannot read" in vxs("compare", city / "city1.glb", city / "none.vxs", status=3).stderr
+    assert "not a valid .vxs" in vxs("compare", city / "city1.glb", city / "city1.glb", status=3).stderr
+    assert "none.glb" in vxs("compare", city / "none.glb", city / "512.vxs", status=3).stderr
+    assert "too few arguments" in vxs("compare", city / "city1.glb", status=2).stderr
+
+
+# -- pictures ----------------------------------------------------------------------------------------------
+
+def read_png(data):
+    """Width, height and rows of RGB bytes, after the container's own checks and the five filters."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, chunks = 8, {}
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        body = data[at + 8:at + 8 + length]
+        assert zlib.crc32(kind + body) == struct.unpack_from(">I", data, at + 8 + length)[0]
+        chunks[kind] = chunks.get(kind, b"") + body
+        at += 12 + length
+    width, height, depth, colour = struct.unpack_from(">IIBB", chunks[b"IHDR"])
+    assert (depth, colour) == (8, 2) and b"IEND" in chunks
+    raw, stride = zlib.decompress(chunks[b"IDAT"]), 3 * width
+    rows, above = [], bytes(stride)
+    for y in range(height):
+        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for x in range(stride):
+            a, b, c = row[x - 3] if x >= 3 else 0, above[x], above[x - 3] if x >= 3 else 0
+            nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+            row[x] = (row[x] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
+        rows.append(bytes(row))
+        above = row
+    return width, height, rows
+
+
+@pytest.fixture(scope="module")
+def picture(vxs, city):
+    def run(*options, asset="512.vxs"):
+        vxs("picture", city / "city1.glb", city / asset, "-o", city / "out.png", "--width", 160, "--height", 90, *options)
+        return read_png((city / "out.png").read_bytes())
+
+    return run
+
+
+def brightness(rows):
+    return sum(map(sum, rows)) / sum(map(len, rows))
+
+
+def test_picture_shows_something(picture):
+    width, height, rows = picture()
+    assert (width, height) == (160, 90)
+    values = b"".join(rows)
+    assert max(values) > 200 and min(values) < 100 and len(set(values)) > 50
+
+
+def test_picture_is_the_same_at_any_thread_count(picture):
+    assert picture("--threads", 1) == picture("--threads", 3)
+
+
+def test_picture_has_the_shadows_of_the_asset(vxs, picture, city):
+    """With an asset whose only caster lies below everything that is seen, the picture is brighter."""
+    small_scene.write(city / "below.gltf", boxes=[((-1000, -200, -1000), (1000, -199, 1000))])
+    vxs("bake", city / "below.gltf", "--sun", SUN, "--resolution", 64, "--baseline", "off", "-o", city / "lit.vxs")
+    shadowed, lit = brightness(picture()[2]), brightness(picture(asset="lit.vxs")[2])
+    assert lit > shadowed + 2
+
+
+def test_picture_camera_and_light(picture):
+    down = picture("--eye", "0,500,0", "--target", "0,0,0", "--fov", 60, "--light", "sun", "--filter", 1, "--scene", 0)
+    assert down[:2] == (160, 90) and down != picture() and len(set(b"".join(down[2]))) > 50
+    away = picture("--eye", "0,500,0", "--target", "0,1000,0")[2]
+    assert len(set(b"".join(away))) < 50  # nothing but sky
+
+
+@pytest.mark.parametrize("options, words", [
+    (["--filter", 2], "--filter 2: expected an odd number"),
+    (["--width", 8], "--width 8: expected a whole number from 16 to 8192"),
+    (["--height", 9000], "--height 9000"),
+    (["--fov", 0], "--fov 0"),
+    (["--eye", "0,0,0"], "--target is missing"),
+    (["--target", "0,0,0"], "--eye is missing"),
+    (["--eye", "1,2,3", "--target", "1,2,3"], "the same point"),
+    (["--light", "moon"], "--light moon: the file has no light of that name (the first is sun)"),
+])
+def test_picture_options_are_checked(vxs, city, options, words):
+    done = vxs("picture", city / "city1.glb", city / "512.vxs", "-o", city / "bad.png", *options, status=2)
+    assert done.stderr.startswith("vxs: error: ") and words in done.stderr and done.stderr.count("\n") == 1
+    assert not (city / "bad.png").exists()
+
+
+def test_picture_output(vxs, vxs_path, city):
+    files = city / "city1.glb", city / "512.vxs"
+    assert "-o" in vxs("picture", *files, status=2).stderr
+    assert "cannot write" in vxs("picture", *files, "-o", city / "no" / "x.png", status=4).stderr
+    done = subprocess.run([vxs_path, "picture", *files, "-o", "-", "--width", "32", "--height", "16"], capture_output=True,
+                          timeout=60)
+    assert done.returncode == 0 and read_png(done.stdout)[:2] == (32, 16)
