@@ -1,6 +1,5 @@
 /* Opening and closing assets; see vxs.h.
  * SPDX-License-Identifier: MIT */
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,9 +47,10 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
-/* The size of an open file, or -1 when it has none (a folder, a pipe). */
+/* The size of an open file, or -1 when it has none (a folder, a pipe): errno says why. */
 static long long file_size(FILE *f)
 {
+    if (fgetc(f) == EOF && ferror(f)) return -1; /* a folder may have a size, but cannot be read */
     if (fseeko(f, 0, SEEK_END)) return -1;
     long long size = ftello(f);
     if (fseeko(f, 0, SEEK_SET)) return -1;
@@ -69,10 +69,7 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     long long     size   = file_size(f);
     vxs_read_desc rest   = desc ? *desc : (vxs_read_desc){0};
     uint64_t      limit  = rest.memory_limit_bytes ? rest.memory_limit_bytes : (uint64_t)4 << 30;
-    if (size < 0 || size == INT64_MAX) {
-        errno = size < 0 ? errno : EISDIR; /* Linux gives a folder this size */
-        goto done;
-    }
+    if (size < 0) goto done;
     r = VXS_E_MEMORY;
     if ((uint64_t)size >= limit || (uint64_t)size > SIZE_MAX) goto done;
     rest.memory_limit_bytes = limit - (uint64_t)size;

@@ -1,0 +1,343 @@
+# The format's spec, formats/vxs.md, is true: its tables hold the numbers of the headers, its dump is a file that is read, and
+# a reader written from it alone gives the answers of the command. And headers stand alone, in each language they are for.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import ctypes
+import ctypes.util
+import itertools
+import os
+import random
+import re
+import shutil
+import struct
+import subprocess
+
+import pytest
+
+from conftest import ROOT
+
+SPEC = (ROOT / "formats" / "vxs.md").read_text()
+GOLDEN = ROOT / "tests" / "golden"
+
+
+def section(number):
+    """The text of a section of the spec."""
+    return re.search(rf"^## {number}\. .*?(?=^## |\Z)", SPEC, re.S | re.M)[0]
+
+
+def tables(text):
+    """Each table as a list of rows, each row a dict by the table's head."""
+    found = []
+    for block in re.findall(r"(?:^\|.*\n)+", text, re.M):
+        rows = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in block.splitlines()]
+        found.append([dict(zip(rows[0], row)) for row in rows[2:]])
+    return found
+
+
+def macros():
+    """Every number that vxs_format.h defines."""
+    text = (ROOT / "formats" / "vxs_format.h").read_text()
+    return {name: int(value, 0) for name, value in re.findall(r"^#define (VXS_\w+) +(0x[0-9a-f]+|\d+)u?\b", text, re.M)}
+
+
+def code_blocks(text):
+    return re.findall(r"^```\n(.*?)^```", text, re.S | re.M)
+
+
+def dump_bytes(text):
+    """The bytes of a dump: offset, two blanks, bytes, notes; each line's offset is where the one before it ends."""
+    data = b""
+    for offset, line in re.findall(r"^([0-9a-f]{8})  ((?:[0-9a-f]{2} ?)+)(?=  |$)", text, re.M):
+        assert int(offset, 16) == len(data), f"the dump at {offset}"
+        data += bytes.fromhex(line)
+    return data
+
+
+# tables ---------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number, prefix, size", [(3, "HEADER", "HEADER_BYTES"), (4, "ENTRY", "ENTRY_BYTES"),
+                                                  (5, "LIGHT", "LIGHT_BYTES")])
+def test_fields(number, prefix, size):
+    fields, end = tables(section(number))[0], 0
+    defined = macros()
+    for field in fields:
+        assert int(field["offset"]) == end, f"{field['name']} leaves a gap"
+        end += int(field["size"])
+        count, _, kind = field["type"].rpartition(" ")
+        if kind != "bytes":
+            assert int(field["size"]) == int(count or 1) * int(kind[1:]) // 8, field["name"]
+        for finding in field["otherwise"].split(", "):
+            assert f"X({finding}," in (ROOT / "formats" / "vxs_findings.h").read_text()
+    assert end == defined[f"VXS_{size}"]
+
+    spec = {f"VXS_{prefix}_{field['name'].upper()}": int(field["offset"]) for field in fields}
+    for name in spec.keys() - {"VXS_HEADER_MAGIC"}:
+        assert defined[name] == spec[name], name
+    # and nothing is defined that the spec does not have, but sizes and values
+    others = {"VXS_HEADER_BYTES", "VXS_ENTRY_BYTES", "VXS_LIGHT_BYTES", "VXS_LIGHT_NAME_BYTES", "VXS_LIGHT_KIND_DIRECTIONAL",
+              "VXS_LIGHT_BOUNDED"}
+    assert {name for name in defined if name.startswith(f"VXS_{prefix}_")} - others == spec.keys() - {"VXS_HEADER_MAGIC"}
+
+
+def test_sizes_in_prose():
+    defined = macros()
+    assert f"first {defined['VXS_HEADER_BYTES']} bytes" in section(3)
+    assert f"entries of {defined['VXS_ENTRY_BYTES']} bytes" in section(4)
+    assert f"size of a record, {defined['VXS_LIGHT_BYTES']};" in section(5)
+    assert defined["VXS_LIGHTS_PREFIX_BYTES"] == 8 and defined["VXS_MAGIC_BYTES"] == 8
+    assert defined["VXS_LIGHT_NAME_BYTES"] == int(next(f for f in tables(section(5))[0] if f["name"] == "name")["size"])
+    assert defined["VXS_NO_LIGHT"] == 0xffffffff and "`ffffffff`: none" in section(4)
+    assert defined["VXS_SECTION_OPTIONAL"] == 1 and defined["VXS_LIGHT_BOUNDED"] == 1
+    assert defined["VXS_LIGHT_KIND_DIRECTIONAL"] == 1 and "| 1: directional |" in section(5)
+
+
+def test_kinds():
+    names = {"LGHT": "LIGHTS", "LEVL": "LEVEL", "MASK": "MASKS", "META": "METADATA"}
+    kinds = tables(section(4))[1]
+    assert [kind["kind"].strip("`") for kind in kinds] == list(names)
+    for kind in kinds:
+        letters = kind["kind"].strip("`")
+        assert int(kind["value"], 16) == int.from_bytes(letters.encode(), "little") == macros()[f"VXS_KIND_{names[letters]}"]
+
+
+def test_states():
+    states = tables(section(6))[1]
+    assert [int(state["state"]) for state in states] == [0, 1, 2, 3]
+    for state in states:
+        assert macros()[f"VXS_CHILD_{state['name'].upper()}"] == int(state["state"])
+
+
+def test_limits():
+    limits = {row["name"]: int(row["value"]) for row in tables(section(9))[0]}
+    assert limits == {name: macros()[name] for name in limits}
+    assert {name for name in macros() if re.search("_(MIN|MAX)$", name)} <= limits.keys()
+
+
+def test_findings():
+    text = (ROOT / "formats" / "vxs_findings.h").read_text()
+    listed = re.findall(r'X\((\d+), (VXS_E_\w+), +"(.*?)"\)', text)
+    assert listed == [(row["number"], row["result"], row["text"]) for row in tables(section(8))[0]]
+    numbers = [int(number) for number, _, _ in listed]
+    assert numbers == sorted(set(numbers)), "numbers only grow"
+    results = (ROOT / "formats" / "vxs_result.h").read_text()
+    for _, result, _ in listed:
+        assert f"X({result}," in results
+    # every finding that the text names is in the list
+    assert {int(n) for n in re.findall(r"\((\d{3})(?=[,)])|, (\d{3})\)", SPEC) for n in n if n} <= set(numbers)
+
+
+def test_citations():
+    """Where a source names a section of the spec, there is one, and it is on what the source says."""
+    titles = {int(n): title.lower() for n, title in re.findall(r"^## (\d+)\. (.*)$", SPEC, re.M)}
+    assert list(titles) == list(range(1, 13))
+    cited = 0
+    for path in itertools.chain.from_iterable(ROOT.glob(f"{folder}/*.[ch]") for folder in ("formats", "runtime", "baker")):
+        for first, last, topic in re.findall(r"vxs\.md sections? (\d+)(?: to (\d+))?(?:: (\w+))?", path.read_text()):
+            cited += 1
+            assert int(first) in titles and int(last or first) in titles, path
+            if topic in ("header", "directory", "lights", "limits"):
+                assert topic in titles[int(first)], f"{path}: section {first} is not on {topic}"
+    assert cited >= 8
+
+
+# a reader, from the spec ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def libraries():
+    """inflate(frame, size) and xxh64(bytes) from the libraries of the system."""
+    names = {name: ctypes.util.find_library(name) for name in ("zstd", "xxhash")}
+    if not all(names.values()):
+        pytest.skip(f"no shared library of {' or '.join(name for name in names if not names[name])}")
+    zstd, xxhash = (ctypes.CDLL(names[name]) for name in ("zstd", "xxhash"))
+    zstd.ZSTD_decompress.restype = ctypes.c_size_t
+    xxhash.XXH64.restype = ctypes.c_uint64
+
+    def inflate(frame, size):
+        out = ctypes.create_string_buffer(size + 1)
+        assert zstd.ZSTD_decompress(out, ctypes.c_size_t(size), frame, ctypes.c_size_t(len(frame))) == size
+        return out.raw[:size]
+
+    return inflate, lambda data: xxhash.XXH64(data, ctypes.c_size_t(len(data)), ctypes.c_uint64(0))
+
+
+class Light:
+    """A light's record, and its words as section 6 lays them out."""
+
+    def __init__(self, record, levels, masks):
+        self.levels, self.word_count, self.flags = struct.unpack_from("<3I", record, 4)
+        self.matrix = struct.unpack_from("<12d", record, 16)
+        self.name = record[192:].rstrip(b"\0").decode()
+        self.decode(levels, masks)
+
+    def decode(self, levels, masks):
+        parsed, starts, at = {}, {}, 0
+        for level in reversed(range(self.levels - 2)):
+            count, = struct.unpack_from("<I", levels[level])
+            states = struct.unpack_from(f"<{count}H", levels[level], 4)
+            parsed[level] = states, self.references(levels[level][4 + 2 * count:])
+            starts[level] = []
+            for s in states:
+                starts[level].append(at)
+                at += 1 + sum(s >> 2 * c & 3 == 2 for c in range(8))
+        at += at % 2
+        starts[-1] = [at + 2 * n for n in range(len(masks) // 8)]
+        assert at + len(masks) // 4 == self.word_count
+
+        self.words = [0] * at + list(struct.unpack(f"<{len(masks) // 4}I", masks))
+        for level, (states, references) in parsed.items():
+            below, following = starts[level - 1], 0
+            for s, start in zip(states, starts[level]):
+                self.words[start] = s
+                for n in range(sum(s >> 2 * c & 3 == 2 for c in range(8))):
+                    code = next(references)
+                    self.words[start + 1 + n] = below[following - code]
+                    following += code == 0
+            assert following == len(below) and next(references, None) is None
+
+    @staticmethod
+    def references(data):
+        value = shift = 0
+        for byte in data:
+            value |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                yield value
+                value = shift = 0
+
+    def shadow(self, i, j, k):
+        """Section 6, to the letter."""
+        node = 0
+        for level in range(self.levels - 3, -1, -1):
+            states = self.words[node]
+            bit = level + 2
+            c = (i >> bit & 1) + 2 * (j >> bit & 1) + 4 * (k >> bit & 1) if level else k & 7
+            state = states >> 2 * c & 3
+            while state == 3:
+                c -= 4 if level else 1
+                state = states >> 2 * c & 3
+            if state < 2:
+                return state
+            node = self.words[node + 1 + sum(states >> 2 * before & 3 == 2 for before in range(c))]
+        bit = i % 8 + 8 * (j % 8)
+        return self.words[node + bit // 32] >> bit % 32 & 1
+
+    def answer(self, point, filter_px):
+        """Section 2: the lit fraction, or None for outside."""
+        m, side = self.matrix, 1 << self.levels
+        i, j, k = (int((sum(a * b for a, b in zip(m[4 * r:4 * r + 3], point)) + m[4 * r + 3]) // 1) for r in range(3))
+        if not (0 <= i < side and 0 <= j < side) or self.flags & 1 and not 0 <= k < side:
+            return None
+        if k < 0:
+            return 1
+        taps = [(x, y) for x in range(i - filter_px // 2, i + filter_px // 2 + 1) for y in range(j - filter_px // 2, j + filter_px // 2 + 1)]
+        dark = sum(self.shadow(x, y, min(k, side - 1)) for x, y in taps if 0 <= x < side and 0 <= y < side)
+        return (len(taps) - dark) / len(taps)
+
+
+def read(path, libraries):
+    inflate, xxh64 = libraries
+    data = path.read_bytes()
+    magic, version, count, size, directory_hash = struct.unpack_from("<8s2I2Q", data)
+    assert magic == bytes.fromhex("8f5658530d0a1a0a") and version == 1 and size == len(data)
+    assert data[32:56] == bytes(24) and struct.unpack_from("<Q", data, 56)[0] == xxh64(data[:56])
+    assert directory_hash == xxh64(data[64:64 + 48 * count])
+    sections, end = {}, 64 + 48 * count
+    for kind, _, light, level, offset, stored, inflated, check in struct.iter_unpack("<4s3I4Q", data[64:64 + 48 * count]):
+        assert offset == end and xxh64(data[offset:offset + stored]) == check
+        end += stored
+        sections[kind.decode(), light, level] = inflate(data[offset:offset + stored], inflated)
+    assert end == size
+
+    table, lights = sections["LGHT", 0xffffffff, 0], []
+    assert struct.unpack_from("<2I", table) == (len(table) // 256, 256)
+    for n in range(len(table) // 256):
+        levels = {level: content for (kind, light, level), content in sections.items() if kind == "LEVL" and light == n}
+        lights.append(Light(table[8 + 256 * n:8 + 256 * (n + 1)], levels, sections["MASK", n, 0]))
+    return lights, sections
+
+
+def test_dump_is_the_golden_file(libraries):
+    file, contents, words = code_blocks(section(10))
+    assert dump_bytes(file) == (GOLDEN / "smallest.vxs").read_bytes()
+    (light,), sections = read(GOLDEN / "smallest.vxs", libraries)
+    parts = re.split(r"^([A-Z]{4})$", contents, flags=re.M)[1:]
+    assert {kind: dump_bytes(text) for kind, text in zip(parts[::2], parts[1::2])} == {key[0]: c for key, c in sections.items()}
+    assert light.words == [int(word, 16) for word in re.findall(r"^word \d+  ([0-9a-f]{8})", words, re.M)]
+
+
+@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs"])
+@pytest.mark.parametrize("filter_px", [1, 5])
+def test_reader_from_the_spec_answers_like_the_command(vxs, libraries, name, filter_px):
+    lights, _ = read(GOLDEN / name, libraries)
+    dice = random.Random(1)
+    points = [(dice.randrange(-32, 160) / 8, dice.randrange(-240, 120) / 8, dice.randrange(-32, 200) / 8)
+              for _ in range(20000 if filter_px == 1 else 2000)]
+    done = vxs("query", GOLDEN / name, "--filter", filter_px, input="".join("%r %r %r\n" % point for point in points))
+    kinds = set()
+    for point, line in zip(points, done.stdout.splitlines(), strict=True):
+        for light, answer in zip(lights, line.split(), strict=True):
+            wanted = light.answer(point, filter_px)
+            assert (answer == "out") == (wanted is None) and (wanted is None or abs(float(answer) - wanted) < 1e-6), (point, line)
+            kinds.add(wanted)
+    assert {None, 0, 1} <= kinds and (len(kinds) > 6) == (filter_px > 1)
+
+
+# the command ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs"])
+def test_golden_files_are_valid(vxs, name):
+    done = vxs("validate", GOLDEN / name)
+    assert done.stdout.endswith("valid\n") and "finding" not in done.stdout
+
+
+@pytest.mark.parametrize("change, number", [
+    (lambda data: data[:40], 101),
+    (lambda data: b"glTF" + data[4:], 102),
+    (lambda data: data[:8] + b"\2" + data[9:], 103),
+    (lambda data: data[:-1], 106),
+    (lambda data: data + b"\0", 107),
+    (lambda data: data[:-1] + b"\0", 206),
+])
+def test_damaged_files_are_refused(vxs, tmp_path, change, number):
+    path = tmp_path / "damaged.vxs"
+    path.write_bytes(change((GOLDEN / "sample.vxs").read_bytes()))
+    text = next(row["text"] for row in tables(section(8))[0] if row["number"] == str(number))
+    assert f"finding {number}: {text}" in vxs("validate", path, status=1).stdout
+
+
+# headers --------------------------------------------------------------------------------------------------------------------
+
+HEADERS = sorted(path.relative_to(ROOT) for folder in ("formats", "runtime") for path in (ROOT / folder).glob("*.h"))
+WARNINGS = ["-Wall", "-Wextra", "-Werror", "-pedantic-errors", "-fsyntax-only"]
+
+
+@pytest.mark.parametrize("language, standard", [("c", "c99"), ("c", "c11"), ("c++", "c++11"), ("c++", "c++17")])
+def test_headers_stand_alone(language, standard, tmp_path):
+    """First and alone, and once more: each header brings what it needs, and can be there twice."""
+    assert len(HEADERS) >= 7
+    compiler = os.environ.get("CC", "cc") if language == "c" else os.environ.get("CXX", "c++")
+    if not shutil.which(compiler.split()[0]):
+        pytest.skip(f"no compiler {compiler}")
+    for header in HEADERS:
+        source = tmp_path / "alone"
+        source.write_text(f'#include "{header}"\n#include "{header}"\nint nothing;\n')
+        done = subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", *WARNINGS, "-I.", "-Iformats", str(source)],
+                              cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 0, f"{header} as {standard}: {done.stderr}"
+
+
+def test_lookup_header_is_glsl(tmp_path):
+    """The same text as a compute shader; tests/unit/test_lookup.c runs it."""
+    compiler = shutil.which("glslangValidator")
+    if not compiler:
+        pytest.skip("no glslangValidator")
+    shader = tmp_path / "lookup.comp"
+    shader.write_text("#version 430 core\n"
+                      "layout(local_size_x = 1) in;\n"
+                      "layout(std430, binding = 0) buffer words { uint vxs_words[]; };\n"
+                      + (ROOT / "formats" / "vxs_lookup.h").read_text() +
+                      "void main() { vxs_words[0] = vxs_shadow_count(1u, 8u, 5, 6, 7u, 9) + vxs_shadow(1u, 8u, 5u, 6u, 7u); }\n")
+    done = subprocess.run([compiler, str(shader)], capture_output=True, text=True)
+    assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout
