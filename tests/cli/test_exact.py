@@ -1,0 +1,142 @@
+# The contract of an asset, voxel by voxel: tests/exact/exact.c bakes, renders the depth maps again, and compares.
+# EXACT: that program (default tests/exact/exact beside the command, where the Makefile puts it).
+# SPDX-License-Identifier: GPL-3.0-or-later
+import itertools
+import json
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCENES = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "scenes")) / "real"
+
+SUNS = ["0.3,-1,0.2", "-1,-0.25,0.6"]
+RULES = ["greedy", "shadow"]
+STOPS = ["insert", "partial", "final"]
+GENERATED = ["city", "landscape"]
+
+# what no option makes loadable, and the exit status that says so: an extension that is required, or no triangle
+REFUSED = {
+    "encodings/spot_draco.glb": 3,
+    "encodings/spot_meshopt.glb": 3,
+    "encodings/spot_quantized.glb": 3,
+    "features/heart_draco.glb": 3,
+    "features/pirate_meshopt_quantized.glb": 3,
+    "features/simple_instancing.glb": 3,
+    "kaykit_city_gpu_instancing.glb": 3,
+    "features/00_empty_scene/00_empty_scene.gltf": 5,
+    "features/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf": 5,
+    "features/mesh_without_node.gltf": 5,
+}
+FOUND = sorted(str(p.relative_to(SCENES)) for p in SCENES.rglob("*.gl*") if p.suffix in (".glb", ".gltf"))
+LOADABLE = [name for name in FOUND if name not in REFUSED]
+EVERY_OPTION = GENERATED + [
+    "sponza.glb",
+    "kaykit_city.glb",
+    "japanese_bridge_garden.glb",
+    "features/subpass_scene_mirrored.gltf",
+]
+FINE = GENERATED + ["sponza.glb", "dream_apartment.glb", "kaykit_city.glb", "voxel_district.glb", "truck_town.glb"]
+FAULTS = ["depth", "tile", "square", "mask", "until", "inserted", "compressed", "merged", "word"]
+
+
+@pytest.fixture(scope="session")
+def exact(vxs_path):
+    """run(scene, *options, status=0): the counts of one run, whose exit status is checked."""
+    path = (ROOT / os.environ.get("EXACT", vxs_path.parent / "tests" / "exact" / "exact")).resolve()
+    if not path.is_file():
+        pytest.skip(f"no program at {path}: build it, or set EXACT")
+
+    def run(scene, *options, status=0):
+        done = subprocess.run([path, scene, *map(str, options)], capture_output=True, text=True, timeout=300)
+        found = f"status {done.returncode}, expected {status}: {done.stdout}{done.stderr}"
+        assert done.returncode == status, f"{options}: {found}"
+        return json.loads(done.stdout) if done.stdout else None
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def scene(vxs, tmp_path_factory):
+    """The path of a scene by name: generated, or one of the shared ones."""
+    folder = tmp_path_factory.mktemp("generated")
+
+    def find(name):
+        if name in GENERATED:
+            path = folder / f"{name}.glb"
+            if not path.exists():
+                vxs("scene", name, "--triangles", 20000, "-o", path)
+            return path
+        if not (SCENES / name).is_file():
+            pytest.skip(f"no shared scene {SCENES / name}: set VXS_SCENES")
+        return SCENES / name
+
+    return find
+
+
+def assert_complete(counts, resolution):
+    assert counts["resolution"] == resolution and counts["columns"] == resolution**2 and counts["voxels"] == resolution**3
+
+
+@pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")
+@pytest.mark.parametrize("name", LOADABLE)
+def test_every_voxel_of_every_scene(exact, scene, name):
+    for sun in SUNS:
+        assert_complete(exact(scene(name), "--sun", sun), 512)
+
+
+@pytest.mark.parametrize("name", sorted(REFUSED))
+def test_refused_scenes_say_so(exact, scene, name):
+    assert exact(scene(name), "--sun", SUNS[0], status=REFUSED[name]) is None
+
+
+@pytest.mark.parametrize("name", EVERY_OPTION)
+def test_every_voxel_after_every_stage_with_each_rule(exact, scene, name):
+    for sun, stop, rule in itertools.product(SUNS, STOPS, RULES):
+        assert_complete(exact(scene(name), "--sun", sun, "--stop", stop, "--rule", rule), 512)
+
+
+@pytest.mark.parametrize("name", EVERY_OPTION)
+def test_every_voxel_without_reuse_and_compressed_either_way(exact, scene, name):
+    for reuse, order, stop in itertools.product(["on", "off"], ["top-down", "bottom-up"], ["partial", "final"]):
+        assert_complete(exact(scene(name), "--sun", SUNS[0], "--reuse", reuse, "--compress", order, "--stop", stop), 512)
+
+
+@pytest.mark.parametrize("name", EVERY_OPTION)
+def test_every_voxel_whatever_is_solid(exact, scene, name):
+    for closed, depth in itertools.product(["on", "off"], ["peel", "back"]):
+        assert_complete(exact(scene(name), "--sun", SUNS[1], "--closed", closed, "--exit", depth), 512)
+
+
+@pytest.mark.parametrize("name", EVERY_OPTION)
+@pytest.mark.parametrize("sun", ["0,-1,0", "1,0,0", "0,0.001,-1"])
+def test_every_voxel_of_suns_along_an_axis(exact, scene, name, sun):
+    assert_complete(exact(scene(name), "--sun", sun, "--resolution", 256), 256)
+
+
+@pytest.mark.parametrize("resolution", [8, 16, 32, 64, 128, 1024])
+def test_every_voxel_at_every_resolution(exact, scene, resolution):
+    for name, sun in itertools.product(GENERATED, SUNS):
+        assert_complete(exact(scene(name), "--sun", sun, "--resolution", resolution), resolution)
+
+
+@pytest.mark.parametrize("name", FINE)
+def test_a_million_columns_at_4096(exact, scene, name):
+    counts = exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", 1000000)
+    assert counts["columns"] == 1000000 and counts["voxels"] > 20000000
+
+
+def test_several_map_tiles(exact, scene):
+    """8192 texels are four tiles that are rendered one by one."""
+    assert exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000)["columns"] == 1000000
+
+
+@pytest.mark.parametrize("fault", ["stages"] + FAULTS)
+def test_faults_are_seen(exact, scene, fault):
+    """Proof that the comparison sees what it is there to see: one fault in one stage, in places that a seed picks."""
+    for name, seed in itertools.product(GENERATED, [1, 2, 3]):
+        options = ["--sun", SUNS[1], "--fault", fault, "--seed", seed, "--rule", RULES[seed % 2]]
+        counts = exact(scene(name), *options, status=int(fault != "stages"))
+        assert (counts["wrong_lit"] + counts["wrong_shadow"] > 0) == (fault != "stages")

@@ -1,0 +1,807 @@
+/* Rendered enter and exit depths against a brute-force reference in double: every triangle through every texel centre,
+ * sorted and counted (baker/depth_gl.h; what e and x are stands in depth_gl.c).
+ *
+ * The scenes are written in the light's space, u and v in texels and z in voxels, so that the light's matrix is the
+ * identity. Rasterizers snap vertices to 1/256 texel and interpolate in float: texels whose centre is within 1/128 of an
+ * edge are not asked, and depths may differ by a tolerance that grows with a triangle's slope. Faces within it of each other
+ * may swap places; then x has a range instead of a value. SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/depth_gl.h" /* before cmocka, whose fail() is a macro */
+#include "baker/light_fit.h"
+#include "baker/random.h"
+#include "baker/vec3.h"
+
+#include <cmocka.h>
+
+static gl_context *gl;
+
+static int open_gl(void **state)
+{
+    message m = {0};
+    (void)state;
+    if (gl_context_create(&gl, GL_BACKEND_OSMESA, 2, &m) == VXS_OK) return 0;
+    fprintf(stderr, "%s\n", m.error);
+    return -1;
+}
+
+static int close_gl(void **state)
+{
+    (void)state;
+    gl_context_destroy(gl);
+    return 0;
+}
+
+/* --- scenes: solids are added before sheets
+ * ---------------------------------------------------------------------------------- */
+
+typedef struct mesh {
+    casters c;
+    double  turn[3][3]; /* rotation of what is added, about `pivot` */
+    double  pivot[3];
+    int     reversed; /* turn what is added inside out */
+} mesh;
+
+static void mesh_init(mesh *k)
+{
+    memset(k, 0, sizeof *k);
+    for (int n = 0; n < 3; n++) k->turn[n][n] = 1;
+}
+
+static double unit(rng *r)
+{
+    return rng_u32(r) / 4294967296.0;
+}
+
+/* What follows is turned by random angles about a point. */
+static void turn_randomly(mesh *k, rng *r, double u, double v, double z)
+{
+    double a[3] = {unit(r) - 0.5, unit(r) - 0.5, unit(r) - 0.5}, b[3] = {unit(r) - 0.5, unit(r) - 0.5, unit(r) + 0.5};
+    double side[3];
+    vec3_cross(a, b, side);
+    assert_true(vec3_unit(a, k->turn[0]) && vec3_unit(side, k->turn[1]));
+    vec3_cross(k->turn[0], k->turn[1], k->turn[2]);
+    k->pivot[0] = u;
+    k->pivot[1] = v;
+    k->pivot[2] = z;
+}
+
+static void add_triangle(mesh *k, const double a[3], const double b[3], const double c[3])
+{
+    casters      *m         = &k->c;
+    const double *corner[3] = {a, k->reversed ? c : b, k->reversed ? b : c};
+    m->positions_ws         = realloc(m->positions_ws, (m->vertex_count + 3) * 3 * sizeof *m->positions_ws);
+    m->indices              = realloc(m->indices, (m->triangle_count + 1) * 3 * sizeof *m->indices);
+    assert_non_null(m->positions_ws);
+    assert_non_null(m->indices);
+    for (int n = 0; n < 3; n++) {
+        double from[3];
+        vec3_sub(corner[n], k->pivot, from);
+        double *to = m->positions_ws + 3 * m->vertex_count;
+        for (int row = 0; row < 3; row++)
+            to[row] = k->pivot[row] + k->turn[row][0] * from[0] + k->turn[row][1] * from[1] + k->turn[row][2] * from[2];
+        m->indices[3 * m->triangle_count + (size_t)n] = (uint32_t)m->vertex_count++;
+    }
+    m->triangle_count++;
+}
+
+static void add_quad(mesh *k, const double a[3], const double b[3], const double c[3], const double d[3])
+{
+    add_triangle(k, a, b, c);
+    add_triangle(k, a, c, d);
+}
+
+/* Faces outward: counter-clockwise seen from outside. */
+static void add_box(mesh *k, double u0, double v0, double z0, double u1, double v1, double z1)
+{
+    double p[8][3];
+    for (int n = 0; n < 8; n++) {
+        p[n][0] = n & 1 ? u1 : u0;
+        p[n][1] = n & 2 ? v1 : v0;
+        p[n][2] = n & 4 ? z1 : z0;
+    }
+    static const uint8_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    for (int f = 0; f < 6; f++) add_quad(k, p[faces[f][0]], p[faces[f][1]], p[faces[f][2]], p[faces[f][3]]);
+}
+
+static void add_sphere(mesh *k, double u, double v, double z, double radius)
+{
+    enum { STACKS = 10, SLICES = 16 };
+    const double pi = acos(-1);
+    double       p[STACKS + 1][SLICES + 1][3];
+    for (int s = 0; s <= STACKS; s++)
+        for (int t = 0; t <= SLICES; t++) {
+            double a = pi * s / STACKS, b = 2 * pi * (t % SLICES) / SLICES;
+            p[s][t][0] = u + radius * (s == STACKS ? 0 : sin(a)) * cos(b);
+            p[s][t][1] = v + radius * (s == STACKS ? 0 : sin(a)) * sin(b);
+            p[s][t][2] = z + radius * cos(a);
+        }
+    for (int s = 0; s < STACKS; s++)
+        for (int t = 0; t < SLICES; t++) {
+            if (s) add_triangle(k, p[s][t], p[s + 1][t], p[s][t + 1]);
+            if (s + 1 < STACKS) add_triangle(k, p[s][t + 1], p[s + 1][t], p[s + 1][t + 1]);
+        }
+}
+
+static void add_sheet(mesh *k, double u0, double v0, double u1, double v1, double z, double slope)
+{
+    double a[3] = {u0, v0, z}, b[3] = {u1, v0, z + slope}, c[3] = {u1, v1, z + slope}, d[3] = {u0, v1, z};
+    add_quad(k, a, b, c, d);
+}
+
+static void solids_end(mesh *k)
+{
+    k->c.solid_triangle_count = k->c.triangle_count;
+}
+
+/* --- the reference
+ * ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct hit {
+    double depth, tolerance;
+    int    front, solid;
+} hit;
+
+enum { HITS_MAX = 64 };
+
+typedef struct texel_hits {
+    hit hits[HITS_MAX];
+    int count;
+    int unsure; /* an edge passes too near */
+} texel_hits;
+
+static double segment_distance(const double p[2], const double a[2], const double b[2])
+{
+    double d[2] = {b[0] - a[0], b[1] - a[1]}, length2 = d[0] * d[0] + d[1] * d[1];
+    double t = length2 > 0 ? ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / length2 : 0;
+    t        = fmin(fmax(t, 0), 1);
+    return hypot(p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]);
+}
+
+static double area2(const double a[2], const double b[2], const double c[2])
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/* corners: u and v as they are for coverage, and snapped for the plane of depths. */
+static void hit_texel(texel_hits *t, const double p[2], double flat[3][2], double snapped[3][2], const double z[3],
+                      int solid, uint32_t side)
+{
+    for (int n = 0; n < 3; n++) t->unsure |= segment_distance(p, flat[n], flat[(n + 1) % 3]) < 1.0 / 128;
+    double w[3] = {area2(flat[1], flat[2], p), area2(flat[2], flat[0], p), area2(flat[0], flat[1], p)};
+    int    in   = (w[0] > 0 && w[1] > 0 && w[2] > 0) || (w[0] < 0 && w[1] < 0 && w[2] < 0);
+    double area = area2(snapped[0], snapped[1], snapped[2]);
+    if (!in || t->unsure || area == 0) return;
+
+    /* depth as a plane over the first corner, and how steep it is */
+    double du = ((z[1] - z[0]) * (snapped[2][1] - snapped[0][1]) - (z[2] - z[0]) * (snapped[1][1] - snapped[0][1])) / area;
+    double dv = ((z[2] - z[0]) * (snapped[1][0] - snapped[0][0]) - (z[1] - z[0]) * (snapped[2][0] - snapped[0][0])) / area;
+    assert_true(t->count < HITS_MAX);
+    t->hits[t->count++] = (hit){.depth     = z[0] + du * (p[0] - snapped[0][0]) + dv * (p[1] - snapped[0][1]),
+                                .tolerance = 3e-7 + (fabs(du) + fabs(dv)) * (side < 512 ? side : 512) * 3e-7,
+                                .front     = area < 0, /* the normal points to the light */
+                                .solid     = solid};
+}
+
+/* Of the texels [u0, u0 + side) x [v0, v0 + side) of a map of map_side texels. */
+static texel_hits *cast_rays(const casters *c, uint32_t u0, uint32_t v0, uint32_t side, uint32_t map_side)
+{
+    texel_hits *all = calloc((size_t)side * side, sizeof *all);
+    assert_non_null(all);
+    for (size_t n = 0; n < c->triangle_count; n++) {
+        double flat[3][2], snapped[3][2], z[3], low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
+        for (int corner = 0; corner < 3; corner++) {
+            const double *p = c->positions_ws + 3 * (size_t)c->indices[3 * n + (size_t)corner];
+            for (int axis = 0; axis < 2; axis++) {
+                flat[corner][axis]    = p[axis];
+                snapped[corner][axis] = rint(p[axis] * 256) / 256;
+                low[axis]             = fmin(low[axis], p[axis] - (axis ? v0 : u0));
+                high[axis]            = fmax(high[axis], p[axis] - (axis ? v0 : u0));
+            }
+            z[corner] = p[2] / map_side;
+        }
+        for (int64_t v = (int64_t)fmax(floor(low[1] - 1), 0); v < side && (double)v < high[1] + 1; v++)
+            for (int64_t u = (int64_t)fmax(floor(low[0] - 1), 0); u < side && (double)u < high[0] + 1; u++) {
+                double p[2] = {(double)u + u0 + 0.5, (double)v + v0 + 0.5};
+                hit_texel(&all[v * side + u], p, flat, snapped, z, n < c->solid_triangle_count, map_side);
+            }
+    }
+    return all;
+}
+
+typedef struct range {
+    double low, high;
+} range;
+
+static range nearest(const texel_hits *t, int solid)
+{
+    range r = {1, 1};
+    for (int n = 0; n < t->count; n++) {
+        if (t->hits[n].solid != solid) continue;
+        r.low  = fmin(r.low, t->hits[n].depth - t->hits[n].tolerance);
+        r.high = fmin(r.high, t->hits[n].depth + t->hits[n].tolerance);
+    }
+    return r;
+}
+
+/* Where a ray leaves the union of solids: at the first back face at or before which there are no more front faces than back
+ * faces. low: the first that may be it, however depths are rounded. high: the first that is it when faces within the
+ * tolerance are taken together, since the last of them to be peeled has all others behind it. */
+static range first_exit(const texel_hits *t)
+{
+    range r = {2, 2};
+    for (int n = 0; n < t->count; n++) {
+        const hit *b = &t->hits[n];
+        if (!b->solid || b->front) continue;
+        int    least = 0, most = 0;
+        double last = b->depth + b->tolerance;
+        for (int k = 0; k < t->count; k++) {
+            const hit *o     = &t->hits[k];
+            double     slack = o->tolerance + b->tolerance;
+            if (!o->solid) continue;
+            least += o->front ? o->depth < b->depth - slack : -(o->depth <= b->depth + slack);
+            most += o->front ? o->depth <= b->depth + 3 * slack : -(o->depth <= b->depth + slack);
+            if (!o->front && o->depth <= b->depth + slack) last = fmax(last, o->depth + o->tolerance);
+        }
+        if (least <= 0) r.low = fmin(r.low, b->depth - b->tolerance);
+        if (most <= 0) r.high = fmin(r.high, last);
+    }
+    return r;
+}
+
+static range first_back(const texel_hits *t)
+{
+    range r = {2, 2};
+    for (int n = 0; n < t->count; n++) {
+        const hit *b = &t->hits[n];
+        if (!b->solid || b->front) continue;
+        r.low  = fmin(r.low, b->depth - b->tolerance);
+        r.high = fmin(r.high, b->depth + b->tolerance);
+    }
+    return r;
+}
+
+/* --- rendering and comparing
+ * ------------------------------------------------------------------------------------------------- */
+
+static vxs_light identity_light(uint32_t side)
+{
+    vxs_light l;
+    memset(&l, 0, sizeof l);
+    while (1u << l.levels < side) l.levels++;
+    l.vx_from_ws[0] = l.vx_from_ws[5] = l.vx_from_ws[10] = 1;
+    l.texel_metres = l.voxel_metres = 1;
+    l.direction_ws[2]               = 1;
+    return l;
+}
+
+/* The square (i, j) of tile_px texels of a map. */
+static depth_stats render_light(const casters *c, const vxs_light *light, exit_mode mode, uint32_t threads, uint32_t tile_px,
+                                uint32_t i, uint32_t j, depth_maps *maps)
+{
+    depth_renderer *r;
+    message         m = {0};
+    assert_int_equal(depth_renderer_create(&r, gl, c, light, mode, threads, &m), VXS_OK);
+    assert_int_equal(depth_renderer_has_exit(r), c->solid_triangle_count != 0);
+    assert_int_equal(depth_maps_init(maps, tile_px, 1u << light->levels, depth_renderer_has_exit(r), &m), VXS_OK);
+    assert_int_equal(depth_renderer_tile(r, maps, i, j, &m), VXS_OK);
+    depth_stats stats = depth_renderer_stats(r);
+    depth_renderer_destroy(r);
+    return stats;
+}
+
+static depth_stats render(const casters *c, uint32_t side, exit_mode mode, depth_maps *maps)
+{
+    vxs_light light = identity_light(side);
+    return render_light(c, &light, mode, 2, side, 0, 0, maps);
+}
+
+typedef struct compared {
+    size_t asked, sure; /* texels with casters; of them, those whose exit has one value */
+    size_t early; /* those that left the union before its farthest possible exit: right, but for a smaller free range */
+    double worst; /* farthest e from the reference, in tolerances */
+} compared;
+
+static compared compare_maps(const texel_hits *all, const depth_maps *maps, exit_mode mode)
+{
+    compared result = {0};
+    for (size_t n = 0; n < (size_t)maps->side_px * maps->side_px; n++) {
+        const texel_hits *t = &all[n];
+        double            e = maps->enter[n], x = maps->exit[n];
+        assert_true(0 <= e && e <= x && x <= 1);
+        if (t->unsure) continue;
+        range s = nearest(t, 1), h = nearest(t, 0);
+        range exit = mode == EXIT_BACK ? first_back(t) : first_exit(t);
+        assert_true(e >= fmin(s.low, h.low) && e <= fmin(s.high, h.high));
+        int sheet_first = h.low <= s.high, solid_first = s.low <= h.high; /* both: too near to tell */
+        int right = (sheet_first && x == e) || (solid_first && x >= fmin(exit.low, 1) && x <= exit.high);
+        if (!right)
+            print_error("texel %zu: e %.9g, x %.9g, expected s %.9g..%.9g h %.9g..%.9g x %.9g..%.9g\n", n, e, x, s.low,
+                        s.high, h.low, h.high, exit.low, exit.high);
+        assert_true(right);
+        result.asked += t->count > 0;
+        result.sure += t->count > 0 && solid_first && !sheet_first && exit.high - exit.low < 1e-3;
+        result.early += solid_first && !sheet_first && x < exit.high - 1e-3;
+        if (t->count)
+            result.worst = fmax(result.worst, fabs(2 * e - fmin(s.low, h.low) - fmin(s.high, h.high)) /
+                                                  (fmin(s.high, h.high) - fmin(s.low, h.low)));
+    }
+    return result;
+}
+
+/* Peeled and nearest-back exits of a scene in a map of `side` texels. */
+static depth_stats check_scene(mesh *k, uint32_t side)
+{
+    depth_maps  peel, back;
+    depth_stats stats = render(&k->c, side, EXIT_PEEL, &peel);
+    render(&k->c, side, EXIT_BACK, &back);
+    texel_hits *all = cast_rays(&k->c, 0, 0, side, side);
+    compared    c   = compare_maps(all, &peel, EXIT_PEEL);
+    compare_maps(all, &back, EXIT_BACK);
+    for (size_t n = 0; n < (size_t)side * side; n++) {
+        assert_true(back.enter[n] == peel.enter[n]);
+        assert_true(back.exit[n] <= peel.exit[n]); /* never behind it */
+    }
+    if (getenv("DEPTH_VERBOSE"))
+        print_message("%u: %zu triangles, %zu texels, %zu sure, %zu early, worst %.2f, %u passes\n", side,
+                      k->c.triangle_count, c.asked, c.sure, c.early, c.worst, stats.peel_passes_max);
+    if (side >= 64) assert_true(c.asked > (size_t)side * side / 100);
+    free(all);
+    depth_maps_free(&peel);
+    depth_maps_free(&back);
+    casters_free(&k->c);
+    return stats;
+}
+
+/* --- solids
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+static void boxes_that_intersect(void **state)
+{
+    (void)state;
+    for (uint32_t side = 8; side <= 256; side *= 2)
+        for (uint64_t seed = 0; seed < (side < 256 ? 10 : 4); seed++) {
+            rng    r = rng_split(seed, side);
+            mesh   k;
+            double s = side;
+            mesh_init(&k);
+            for (int n = 0; n < 30; n++) {
+                double u = s * (0.2 + 0.6 * unit(&r)), v = s * (0.2 + 0.6 * unit(&r)), z = s * (0.2 + 0.6 * unit(&r));
+                double a = s * 0.1 * (0.1 + unit(&r)), b = s * 0.1 * (0.1 + unit(&r)), c = s * 0.1 * (0.1 + unit(&r));
+                turn_randomly(&k, &r, u, v, z);
+                add_box(&k, u - a, v - b, z - c, u + a, v + b, z + c);
+            }
+            solids_end(&k);
+            check_scene(&k, side);
+        }
+}
+
+static void boxes_inside_boxes(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        rng  r = rng_split(seed, 1);
+        mesh k;
+        mesh_init(&k);
+        turn_randomly(&k, &r, 128, 128, 128);
+        for (int n = 1; n <= 6; n++)
+            add_box(&k, 128 - 10.3 * n, 128 - 9.7 * n, 128 - 8.1 * n, 128 + 9 * n, 128 + 10 * n, 128 + 11 * n);
+        solids_end(&k);
+        depth_stats stats = check_scene(&k, 256);
+        assert_true(stats.peel_passes_max > 1);
+        assert_int_equal(stats.blocks_rendered, 1);
+    }
+}
+
+static void spheres(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        rng  r = rng_split(seed, 2);
+        mesh k;
+        mesh_init(&k);
+        for (int n = 0; n < 8; n++)
+            add_sphere(&k, 64 + 128 * unit(&r), 64 + 128 * unit(&r), 64 + 128 * unit(&r), 10 + 40 * unit(&r));
+        solids_end(&k);
+        check_scene(&k, 256);
+    }
+}
+
+/* Walls that share a face exactly, boxes that are there twice, stacks along the light: one face ends where another starts.
+ */
+static void boxes_that_share_faces(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        rng  r = rng_split(seed, 3);
+        mesh k;
+        mesh_init(&k);
+        if (seed) turn_randomly(&k, &r, 128, 128, 128);
+        double z = 70;
+        for (int n = 0; n < 5; n++) { /* a stack */
+            double more = 5 + 15 * unit(&r);
+            add_box(&k, 70.3, 80.1, z, 120.7, 130.9, z + more);
+            z += more;
+        }
+        for (int n = 0; n < 4; n++) add_box(&k, 130.5 + 10 * n, 90.2, 100, 140.5 + 10 * n, 150.3, 140); /* side by side */
+        for (int n = 0; n < 3; n++) add_box(&k, 90.4, 140.6, 90, 110.8, 170.2, 120); /* the same box again */
+        add_box(&k, 90.4, 140.6, 120, 110.8, 170.2, 130);                            /* on all three */
+        add_box(&k, 160.2, 160.7, 80, 180.4, 175.1, 160);
+        add_box(&k, 165.2, 162.7, 80, 175.4, 173.1, 160); /* both ends in common */
+        solids_end(&k);
+        check_scene(&k, 256);
+    }
+}
+
+/* Faces across the light have depths that float holds: here the exit must be exact, not merely in a range. */
+static void stacks_along_the_light_are_exact(void **state)
+{
+    (void)state;
+    mesh k;
+    mesh_init(&k);
+    for (int n = 0; n < 8; n++) add_box(&k, 4, 4, 8 + 4 * n, 28, 28, 12 + 4 * n); /* 8 .. 40 in eight */
+    for (int n = 0; n < 3; n++) add_box(&k, 36, 4, 16, 60, 28, 24);               /* 16 .. 24 thrice */
+    add_box(&k, 4, 36, 8, 28, 60, 20), add_box(&k, 4, 36, 12, 28, 60, 20);        /* ends together */
+    add_box(&k, 4, 36, 20, 28, 60, 44), add_box(&k, 4, 36, 48, 28, 60, 56);       /* goes on; then a gap */
+    add_box(&k, 36, 36, 8, 60, 60, 16), add_box(&k, 36, 36, 8, 60, 60, 32);       /* starts together */
+    solids_end(&k);
+    const double expected[4][2] = {{8, 40}, {16, 24}, {8, 44}, {8, 32}};
+    depth_maps   maps;
+    render(&k.c, 64, EXIT_PEEL, &maps);
+    for (uint32_t v = 0; v < 64; v++)
+        for (uint32_t u = 0; u < 64; u++) {
+            int    inside = u % 32 >= 4 && u % 32 < 28 && v % 32 >= 4 && v % 32 < 28;
+            size_t which  = u / 32 + 2 * (v / 32);
+            assert_true(maps.enter[v * 64 + u] * 64 == (inside ? expected[which][0] : 64));
+            assert_true(maps.exit[v * 64 + u] * 64 == (inside ? expected[which][1] : 64));
+        }
+    depth_maps_free(&maps);
+    casters_free(&k.c);
+}
+
+/* A surface that turns itself inside out: lobes whose faces point inward, apart from solids, within one, and across its
+ * wall. */
+static void inverted_lobes(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        rng  r = rng_split(seed, 4);
+        mesh k;
+        mesh_init(&k);
+        turn_randomly(&k, &r, 128, 128, 128);
+        add_box(&k, 80, 80, 80, 150, 150, 150);
+        k.reversed = 1;
+        add_box(&k, 60.3, 100.7, 90.1, 90.2, 120.3, 200.9);
+        add_box(&k, 100.1, 100.2, 100.3, 120.1, 120.2, 120.3);
+        add_sphere(&k, 150, 120, 130, 25);
+        add_box(&k, 155, 155, 100, 180, 180, 120);
+        solids_end(&k);
+        check_scene(&k, 256);
+    }
+}
+
+/* --- sheets
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+static void sheets_among_solids(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        rng  r = rng_split(seed, 5);
+        mesh k;
+        mesh_init(&k);
+        turn_randomly(&k, &r, 128, 128, 128);
+        for (int n = 0; n < 6; n++) {
+            double u = 70 + 80 * unit(&r), v = 70 + 80 * unit(&r), z = 70 + 80 * unit(&r);
+            add_box(&k, u, v, z, u + 10 + 30 * unit(&r), v + 10 + 30 * unit(&r), z + 10 + 30 * unit(&r));
+        }
+        solids_end(&k);
+        for (int n = 0; n < 12; n++) {
+            turn_randomly(&k, &r, 128, 128, 128);
+            double u = 70 + 80 * unit(&r), v = 70 + 80 * unit(&r);
+            add_sheet(&k, u, v, u + 10 + 30 * unit(&r), v + 10 + 30 * unit(&r), 60 + 130 * unit(&r), 20 * unit(&r));
+        }
+        check_scene(&k, 256);
+    }
+}
+
+/* In front of a solid, on its front, inside, on its back, behind it; and nothing but a sheet. */
+static void a_sheet_first_has_no_inside(void **state)
+{
+    (void)state;
+    mesh k;
+    mesh_init(&k);
+    add_box(&k, 0, 0, 16, 64, 32, 48);
+    solids_end(&k);
+    const double depths[5]      = {8, 16, 32, 48, 56};
+    const double expected[5][2] = {{8, 8}, {16, 16}, {16, 48}, {16, 48}, {16, 48}};
+    for (int n = 0; n < 5; n++) add_sheet(&k, 12 * n, 0, 12 * n + 12, 64, depths[n], 0);
+    depth_maps maps;
+    render(&k.c, 64, EXIT_PEEL, &maps);
+    for (uint32_t v = 0; v < 64; v++)
+        for (uint32_t u = 0; u < 60; u++) {
+            assert_true(maps.enter[v * 64 + u] * 64 == (v < 32 ? expected[u / 12][0] : depths[u / 12]));
+            assert_true(maps.exit[v * 64 + u] * 64 == (v < 32 ? expected[u / 12][1] : depths[u / 12]));
+        }
+    depth_maps_free(&maps);
+    casters_free(&k.c);
+}
+
+static void sheets_alone_share_one_map(void **state)
+{
+    (void)state;
+    rng  r = {6};
+    mesh k;
+    mesh_init(&k);
+    for (int n = 0; n < 40; n++) {
+        turn_randomly(&k, &r, 128, 128, 128);
+        double u = 60 + 80 * unit(&r), v = 60 + 80 * unit(&r);
+        add_sheet(&k, u, v, u + 60 * unit(&r), v + 60 * unit(&r), 60 + 130 * unit(&r), 20 * unit(&r));
+    }
+    depth_maps  maps;
+    depth_stats stats = render(&k.c, 256, EXIT_AUTO, &maps);
+    texel_hits *all   = cast_rays(&k.c, 0, 0, 256, 256);
+    assert_ptr_equal(maps.enter, maps.exit);
+    assert_int_equal(stats.peel_passes, 0);
+    compare_maps(all, &maps, EXIT_PEEL);
+    free(all);
+    depth_maps_free(&maps);
+    casters_free(&k.c);
+}
+
+/* --- triangles that rasterizers have trouble with
+ * ---------------------------------------------------------------------------- */
+
+static void assert_depths_within(const depth_maps *maps, double low, double high)
+{
+    const double slack = 2e-6;
+    for (size_t n = 0; n < (size_t)maps->side_px * maps->side_px; n++) {
+        double e = maps->enter[n], x = maps->exit[n];
+        assert_true(e <= x);
+        assert_true(e == 1 || (e >= low - slack && e <= high + slack));
+        assert_true(x == 1 ? e == 1 : x >= low - slack && x <= high + slack);
+    }
+}
+
+/* Walls along the light, and off it by less than any texel: no depth may run off the walls' ends. */
+static void walls_along_the_light(void **state)
+{
+    static const double leans[] = {0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1};
+    (void)state;
+    for (size_t lean = 0; lean < sizeof leans / sizeof *leans; lean++)
+        for (int solid = 0; solid < 2; solid++) {
+            rng  r = rng_split(lean, 7);
+            mesh k;
+            mesh_init(&k);
+            k.turn[0][2] = leans[lean];
+            k.turn[1][2] = -leans[lean] / 3;
+            for (int n = 0; n < 40; n++) {
+                /* on texel centres, on their edges, and anywhere */
+                double u = 20 + rng_below(&r, 400) * 0.5, v = 20 + rng_below(&r, 400) * 0.5, thin = n % 3 ? 2.5 : 0.01;
+                if (n % 2) u += unit(&r), v += unit(&r);
+                add_box(&k, u, v, 64, u + thin, v + 20 * unit(&r), 128);
+            }
+            if (solid) solids_end(&k);
+            depth_maps maps;
+            render(&k.c, 256, EXIT_PEEL, &maps);
+            assert_depths_within(&maps, 64 / 256.0, 128 / 256.0);
+            depth_maps_free(&maps);
+            casters_free(&k.c);
+        }
+}
+
+static void needles(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        rng    r = rng_split(seed, 8);
+        mesh   k;
+        double width = pow(10, -6 + 0.3 * (double)seed);
+        mesh_init(&k);
+        for (int n = 0; n < 300; n++) {
+            double a[3] = {256 * unit(&r), 256 * unit(&r), 64 + 64 * unit(&r)};
+            double b[3] = {256 * unit(&r), 256 * unit(&r), 64 + 64 * unit(&r)};
+            double t    = unit(&r), c[3];
+            for (int axis = 0; axis < 3; axis++)
+                c[axis] = a[axis] + t * (b[axis] - a[axis]) + (axis < 2 ? width * (unit(&r) - 0.5) : 0);
+            c[2] = 64 + 64 * unit(&r); /* as steep as it can be */
+            add_triangle(&k, a, b, c);
+        }
+        if (seed % 2) solids_end(&k); /* not closed: still no depth out of range */
+        depth_maps maps;
+        render(&k.c, 256, EXIT_PEEL, &maps);
+        assert_depths_within(&maps, 64 / 256.0, 128 / 256.0);
+        depth_maps_free(&maps);
+        casters_free(&k.c);
+    }
+}
+
+/* Casters that reach out of the map: before it they count at depth 0, beside it and behind it not at all. */
+static void casters_beyond_the_map(void **state)
+{
+    (void)state;
+    mesh k;
+    mesh_init(&k);
+    add_box(&k, -1e6, 8, -1e6, 32, 24, 16); /* out at the left and in front */
+    add_box(&k, 40, 8, -100, 60, 24, -50);  /* wholly in front */
+    add_box(&k, 8, 40, 32, 24, 60, 1e6);    /* out at the back */
+    add_box(&k, 40, 40, 65, 60, 60, 80);    /* wholly behind */
+    add_box(&k, 1e5, 1e5, 8, 1e6, 1e6, 9);  /* wholly beside */
+    solids_end(&k);
+    depth_maps maps;
+    render(&k.c, 64, EXIT_PEEL, &maps);
+    for (uint32_t v = 0; v < 64; v++)
+        for (uint32_t u = 0; u < 64; u++) {
+            float e = maps.enter[v * 64 + u] * 64, x = maps.exit[v * 64 + u] * 64;
+            if (v >= 8 && v < 24 && u < 32)
+                assert_true(e == 0 && x == 16);
+            else if (v >= 8 && v < 24 && u >= 40 && u < 60)
+                assert_true(e == 0 && x == 0);
+            else if (v >= 40 && v < 60 && u >= 8 && u < 24)
+                assert_true(e == 32 && x >= e);
+            else
+                assert_true(e == 64 && x == 64);
+        }
+    depth_maps_free(&maps);
+    casters_free(&k.c);
+}
+
+/* --- tiles, blocks, threads, lights
+ * ------------------------------------------------------------------------------------------ */
+
+static mesh city(uint64_t seed, uint32_t side)
+{
+    rng    r = rng_split(seed, 9);
+    mesh   k;
+    double s = side;
+    mesh_init(&k);
+    for (int n = 0; n < 60; n++) {
+        double u = s * 0.9 * unit(&r), v = s * 0.9 * unit(&r), z = s * (0.2 + 0.5 * unit(&r));
+        turn_randomly(&k, &r, u, v, z);
+        add_box(&k, u, v, z, u + s * 0.1 * unit(&r), v + s * 0.1 * unit(&r), z + s * 0.2 * unit(&r));
+    }
+    solids_end(&k);
+    return k;
+}
+
+static void tiles_make_up_the_map(void **state)
+{
+    (void)state;
+    enum { SIDE = 2048, TILE = 512 };
+    mesh            k     = city(1, SIDE);
+    vxs_light       light = identity_light(SIDE);
+    depth_maps      whole;
+    depth_renderer *r;
+    message         m = {0};
+    render_light(&k.c, &light, EXIT_PEEL, 2, SIDE, 0, 0, &whole);
+    assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, EXIT_PEEL, 2, &m), VXS_OK);
+    depth_maps tile;
+    assert_int_equal(depth_maps_init(&tile, TILE, SIDE, 1, &m), VXS_OK);
+    for (uint32_t j = 0; j < SIDE / TILE; j++)
+        for (uint32_t i = 0; i < SIDE / TILE; i++) {
+            int any = 0;
+            assert_int_equal(depth_renderer_tile(r, &tile, i, j, &m), VXS_OK);
+            for (uint32_t row = 0; row < TILE; row++) {
+                size_t at = (size_t)(j * TILE + row) * SIDE + i * TILE;
+                assert_memory_equal(tile.enter + (size_t)row * TILE, whole.enter + at, TILE * sizeof *tile.enter);
+                assert_memory_equal(tile.exit + (size_t)row * TILE, whole.exit + at, TILE * sizeof *tile.exit);
+                for (uint32_t n = 0; n < TILE; n++) any |= whole.enter[at + n] < 1;
+            }
+            if (any) assert_true(depth_renderer_has_casters(r, TILE, i, j));
+        }
+    assert_true(depth_renderer_has_casters(r, SIDE, 0, 0));
+    depth_renderer_destroy(r);
+
+    /* across the corner of four blocks, against the reference */
+    texel_hits *all = cast_rays(&k.c, 960, 960, 128, SIDE);
+    depth_maps  part;
+    assert_int_equal(depth_maps_init(&part, 128, SIDE, 1, &m), VXS_OK);
+    for (size_t row = 0; row < 128; row++) {
+        memcpy(part.enter + row * 128, whole.enter + (960 + row) * SIDE + 960, 128 * sizeof *part.enter);
+        memcpy(part.exit + row * 128, whole.exit + (960 + row) * SIDE + 960, 128 * sizeof *part.exit);
+    }
+    compare_maps(all, &part, EXIT_PEEL);
+    free(all);
+    depth_maps_free(&part);
+    depth_maps_free(&tile);
+    depth_maps_free(&whole);
+    casters_free(&k.c);
+}
+
+static void empty_squares_have_no_casters(void **state)
+{
+    (void)state;
+    mesh k;
+    mesh_init(&k);
+    add_box(&k, 70, 70, 10, 120, 120, 20); /* in the square (1, 1) of 64 texels */
+    solids_end(&k);
+    vxs_light       light = identity_light(256);
+    depth_renderer *r;
+    message         m = {0};
+    assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, EXIT_AUTO, 1, &m), VXS_OK);
+    for (uint32_t j = 0; j < 4; j++)
+        for (uint32_t i = 0; i < 4; i++) assert_int_equal(depth_renderer_has_casters(r, 64, i, j), i == 1 && j == 1);
+    depth_renderer_destroy(r);
+    depth_renderer_destroy(NULL);
+    casters_free(&k.c);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void)state;
+    mesh       k     = city(2, 1024);
+    vxs_light  light = identity_light(1024);
+    depth_maps one, many;
+    render_light(&k.c, &light, EXIT_PEEL, 1, 1024, 0, 0, &one);
+    render_light(&k.c, &light, EXIT_PEEL, 8, 1024, 0, 0, &many);
+    assert_memory_equal(one.enter, many.enter, (size_t)1024 * 1024 * sizeof *one.enter);
+    assert_memory_equal(one.exit, many.exit, (size_t)1024 * 1024 * sizeof *one.exit);
+    depth_maps_free(&one);
+    depth_maps_free(&many);
+    casters_free(&k.c);
+}
+
+/* World space to the light's and back through a fitted light: the same scene, seen from anywhere, far from the origin. */
+static void fitted_lights(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        rng       r = rng_split(seed, 10);
+        mesh      k = city(seed, 256);
+        double    direction[3], v[3] = {unit(&r) - 0.5, unit(&r) - 0.5, unit(&r) - 0.5};
+        vxs_light light;
+        message   m = {0};
+        assert_true(vec3_unit(v, direction));
+        for (size_t n = 0; n < 3 * k.c.vertex_count; n++) k.c.positions_ws[n] += seed % 2 ? 1e5 : 0;
+        light_fit_desc fit = {.name = "sun", .direction_ws = direction, .resolution = 256};
+        assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
+        depth_maps maps;
+        render_light(&k.c, &light, EXIT_PEEL, 2, 256, 0, 0, &maps);
+
+        mesh seen           = k; /* the same triangles in the light's space */
+        seen.c.positions_ws = malloc(3 * k.c.vertex_count * sizeof(double));
+        assert_non_null(seen.c.positions_ws);
+        for (size_t n = 0; n < k.c.vertex_count; n++)
+            for (size_t row = 0; row < 3; row++) {
+                const double *a = light.vx_from_ws + 4 * row, *p = k.c.positions_ws + 3 * n;
+                seen.c.positions_ws[3 * n + row] = a[0] * p[0] + a[1] * p[1] + a[2] * p[2] + a[3];
+            }
+        texel_hits *all = cast_rays(&seen.c, 0, 0, 256, 256);
+        compared    c   = compare_maps(all, &maps, EXIT_PEEL);
+        assert_true(c.asked > 1000);
+        free(all);
+        free(seen.c.positions_ws);
+        depth_maps_free(&maps);
+        casters_free(&k.c);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boxes_that_intersect),
+        cmocka_unit_test(boxes_inside_boxes),
+        cmocka_unit_test(spheres),
+        cmocka_unit_test(boxes_that_share_faces),
+        cmocka_unit_test(stacks_along_the_light_are_exact),
+        cmocka_unit_test(inverted_lobes),
+        cmocka_unit_test(sheets_among_solids),
+        cmocka_unit_test(a_sheet_first_has_no_inside),
+        cmocka_unit_test(sheets_alone_share_one_map),
+        cmocka_unit_test(walls_along_the_light),
+        cmocka_unit_test(needles),
+        cmocka_unit_test(casters_beyond_the_map),
+        cmocka_unit_test(tiles_make_up_the_map),
+        cmocka_unit_test(empty_squares_have_no_casters),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(fitted_lights),
+    };
+    return cmocka_run_group_tests_name("depth_gl", tests, open_gl, close_gl);
+}

@@ -1,0 +1,364 @@
+/* Visibility masks of tiles against the rules as their papers state them, slice by slice, and against the least number that
+ * can be (baker/masks.h). masks.c is compiled a second time without SIMD: both must give the same runs.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/masks.h" /* before cmocka, whose fail() is a macro */
+#include "baker/random.h"
+
+#include <cmocka.h>
+
+vxs_result plain_tile_masks_build(tile_masks *out, const column_source *source, uint32_t i, uint32_t j, uint32_t side_tiles,
+                                  mask_rule rule);
+void       plain_tile_masks_free(tile_masks *t);
+
+#undef __SSE2__
+#define tile_masks_build plain_tile_masks_build
+#define tile_masks_free  plain_tile_masks_free
+#include "baker/masks.c"
+#undef tile_masks_build
+#undef tile_masks_free
+
+/* tiles that are written down
+ * ------------------------------------------------------------------------------------------------- */
+
+enum { TILES = 4 }; /* a side */
+
+/* bounds may be made loose by that many voxels */
+typedef struct fixture {
+    column_tile tiles[TILES * TILES];
+    uint32_t    depth, loose;
+} fixture;
+
+static column_bounds fixture_bounds(const void *data, uint32_t level, uint32_t i, uint32_t j)
+{
+    const fixture *f = data;
+    column_bounds  b = {UINT32_MAX, 0, UINT32_MAX, 0};
+    assert_int_equal(level, 0);
+    for (int n = 0; n < 64; n++) {
+        uint32_t e = f->tiles[j * TILES + i].e[n], x = f->tiles[j * TILES + i].x[n];
+        b.emin = e < b.emin ? e : b.emin;
+        b.emax = e > b.emax ? e : b.emax;
+        b.xmin = x < b.xmin ? x : b.xmin;
+        b.xmax = x > b.xmax ? x : b.xmax;
+    }
+    b.emin = b.emin > f->loose ? b.emin - f->loose : 0;
+    b.xmin = b.xmin > f->loose ? b.xmin - f->loose : 0;
+    b.emax = b.emax + f->loose < f->depth ? b.emax + f->loose : f->depth;
+    b.xmax = b.xmax + f->loose < f->depth ? b.xmax + f->loose : f->depth;
+    return b;
+}
+
+static void fixture_tile(const void *data, uint32_t i, uint32_t j, column_tile *out)
+{
+    *out = ((const fixture *)data)->tiles[j * TILES + i];
+}
+
+static column_source source_of(const fixture *f)
+{
+    return (column_source){
+        .data = f, .side_px = TILES * 8, .depth_vx = f->depth, .bounds = fixture_bounds, .tile = fixture_tile};
+}
+
+/* how a random tile is filled */
+typedef enum tile_kind {
+    TILE_EMPTY,     /* e = x = depth */
+    TILE_DARK,      /* e = x = 0 */
+    TILE_NOISE,     /* anything */
+    TILE_SHEET,     /* x = e */
+    TILE_FEW,       /* four depths, ties everywhere */
+    TILE_CLIFF,     /* two groups at either end */
+    TILE_AND_EMPTY, /* noise beside texels without a caster */
+    TILE_NEAR,      /* all within 16 voxels */
+    TILE_FREE,      /* e = 0, x = depth: everything may be anything */
+    TILE_KINDS
+} tile_kind;
+
+static void fill_tile(column_tile *t, tile_kind kind, uint32_t depth, rng *r)
+{
+    uint32_t base = rng_below(r, depth > 16 ? depth - 16 : 1);
+    for (int n = 0; n < 64; n++) {
+        uint32_t e = rng_below(r, depth + 1), x = e + rng_below(r, depth - e + 1);
+        switch (kind) {
+        case TILE_EMPTY: e = x = depth; break;
+        case TILE_DARK: e = x = 0; break;
+        case TILE_NOISE: break;
+        case TILE_SHEET: x = e; break;
+        case TILE_FEW: e = rng_below(r, 4) * (depth / 4), x = e + rng_below(r, 2) * (depth / 4); break;
+        case TILE_CLIFF: e = n % 2 ? 0 : depth - rng_below(r, 3), x = n % 2 ? rng_below(r, 3) : depth; break;
+        case TILE_AND_EMPTY:
+            if (rng_below(r, 2)) e = x = depth;
+            break;
+        case TILE_NEAR: e = base + rng_below(r, 9), x = e + rng_below(r, 8); break;
+        default: e = 0, x = depth; break;
+        }
+        t->e[n] = e < depth ? e : depth;
+        t->x[n] = x < depth ? x : depth;
+    }
+}
+
+/* the rules, by the book
+ * ------------------------------------------------------------------------------------------------------ */
+
+typedef struct run {
+    uint64_t mask;
+    uint32_t until;
+} run;
+
+/* all texels that are beyond their enter depth */
+static uint64_t darkest_mask(const column_tile *t, uint32_t k)
+{
+    uint64_t mask = 0;
+    for (int n = 0; n < 64; n++) mask |= (uint64_t)(k >= t->e[n]) << n;
+    return mask;
+}
+
+static uint32_t nearest_exit(const column_tile *t)
+{
+    uint32_t least = UINT32_MAX;
+    for (int n = 0; n < 64; n++) least = t->x[n] < least ? t->x[n] : least;
+    return least;
+}
+
+static uint32_t farthest_enter(const column_tile *t)
+{
+    uint32_t most = 0;
+    for (int n = 0; n < 64; n++) most = t->e[n] > most ? t->e[n] : most;
+    return most;
+}
+
+/* [CPVS16] 3.4: "... this visibility mask can then be re-used for all depths until the closest exit depth of the remaining
+ * cells". */
+static uint32_t greedy_runs(const column_tile *t, run out[64])
+{
+    uint32_t count = 0, k = nearest_exit(t), end = farthest_enter(t);
+    while (k < end) {
+        uint64_t mask  = darkest_mask(t, k);
+        uint32_t until = end;
+        for (int n = 0; n < 64; n++)
+            if (!(mask >> n & 1) && t->x[n] < until) until = t->x[n];
+        out[count++] = (run){mask, until};
+        k            = until;
+    }
+    return count;
+}
+
+/* [Sintorn 2014], a slice at a time: from the first depth that must not be lit to the last that must not be dark, what may
+ * be dark is. Equal neighbours are one run. */
+static uint32_t shadow_runs(const column_tile *t, run out[64])
+{
+    uint32_t count = 0;
+    for (uint32_t k = nearest_exit(t); k < farthest_enter(t); k++) {
+        uint64_t mask = darkest_mask(t, k);
+        if (!count || out[count - 1].mask != mask) out[count++].mask = mask;
+        out[count - 1].until = k + 1;
+    }
+    return count;
+}
+
+/* The least number of masks: best[k] for the slices [k, end). One mask serves [a, b) when no texel must be lit at a and dark
+ * at b-1. */
+static uint32_t least_runs(const column_tile *t)
+{
+    uint32_t begin = nearest_exit(t), end = farthest_enter(t);
+    uint32_t best[257];
+    if (begin >= end) return 0;
+    best[end - begin] = 0;
+    for (uint32_t a = end; a-- > begin;) {
+        best[a - begin] = UINT32_MAX;
+        for (uint32_t b = a + 1; b <= end; b++) {
+            int serves = 1;
+            for (int n = 0; n < 64; n++) serves &= !(a < t->e[n] && b - 1 >= t->x[n]);
+            if (!serves) break;
+            uint32_t with   = best[b - begin] + 1;
+            best[a - begin] = with < best[a - begin] ? with : best[a - begin];
+        }
+    }
+    return best[0];
+}
+
+/* checks
+ * ---------------------------------------------------------------------------------------------------------------------- */
+
+static void assert_contract(const tile_masks *m, uint32_t tile, const column_tile *t)
+{
+    uint32_t k = m->xmin[tile];
+    for (uint32_t r = m->first[tile]; r < m->first[tile + 1]; r++) {
+        assert_true(m->until[r] > k);
+        for (int n = 0; n < 64; n++) {
+            int dark = m->mask[r] >> n & 1;
+            assert_false(dark && k < t->e[n]); /* lit voxels end at e: the first of the run is the one to ask */
+            assert_false(!dark && m->until[r] - 1 >= t->x[n]); /* dark ones begin at x: the last */
+        }
+        k = m->until[r];
+    }
+    if (m->first[tile] < m->first[tile + 1]) assert_int_equal(k, m->emax[tile]);
+    for (int n = 0; n < 64; n++) {
+        assert_true(m->xmin[tile] <= t->x[n]); /* lit before xmin */
+        assert_true(m->emax[tile] >= t->e[n]); /* dark behind emax */
+    }
+}
+
+static void assert_runs(const tile_masks *m, uint32_t tile, const run *runs, uint32_t count)
+{
+    assert_int_equal(m->first[tile + 1] - m->first[tile], count);
+    for (uint32_t n = 0; n < count; n++) {
+        assert_true(m->mask[m->first[tile] + n] == runs[n].mask);
+        assert_int_equal(m->until[m->first[tile] + n], runs[n].until);
+    }
+}
+
+static void assert_same(const tile_masks *a, const tile_masks *b)
+{
+    size_t tiles = (size_t)a->side_tiles * a->side_tiles;
+    assert_int_equal(a->run_count, b->run_count);
+    assert_memory_equal(a->first, b->first, (tiles + 1) * sizeof *a->first);
+    assert_memory_equal(a->xmin, b->xmin, tiles * sizeof *a->xmin);
+    assert_memory_equal(a->emax, b->emax, tiles * sizeof *a->emax);
+    if (!a->run_count) return;
+    assert_memory_equal(a->mask, b->mask, a->run_count * sizeof *a->mask);
+    assert_memory_equal(a->until, b->until, a->run_count * sizeof *a->until);
+}
+
+/* Tiles of one kind, or of all kinds mixed, with everything that is known about them. */
+static void check_fixture(fixture *f)
+{
+    column_source s = source_of(f);
+    for (mask_rule rule = MASK_RULE_GREEDY; rule <= MASK_RULE_SHADOW; rule++) {
+        tile_masks tight, loose, plain;
+        f->loose = 0;
+        assert_int_equal(tile_masks_build(&tight, &s, 0, 0, TILES, rule), VXS_OK);
+        assert_int_equal(plain_tile_masks_build(&plain, &s, 0, 0, TILES, rule), VXS_OK);
+        assert_same(&tight, &plain);
+        f->loose = 5;
+        assert_int_equal(tile_masks_build(&loose, &s, 0, 0, TILES, rule), VXS_OK);
+
+        for (uint32_t tile = 0; tile < TILES * TILES; tile++) {
+            const column_tile *t = &f->tiles[tile];
+            run                runs[64];
+            uint32_t           count = rule == MASK_RULE_GREEDY ? greedy_runs(t, runs) : shadow_runs(t, runs);
+            assert_contract(&tight, tile, t);
+            assert_contract(&loose, tile, t);
+            assert_runs(&tight, tile, runs, count);
+            assert_runs(&loose, tile, runs, count);
+            if (rule == MASK_RULE_GREEDY && f->depth <= 256) assert_int_equal(count, least_runs(t));
+        }
+        tile_masks_free(&tight);
+        tile_masks_free(&loose);
+        plain_tile_masks_free(&plain);
+    }
+}
+
+static void rules_are_those_of_the_papers(void **state)
+{
+    static const uint32_t depths[] = {8, 64, 256, 4096};
+    (void)state;
+    for (int d = 0; d < 4; d++)
+        for (uint32_t kind = 0; kind <= TILE_KINDS; kind++)
+            for (uint64_t seed = 0; seed < 20; seed++) {
+                fixture f = {.depth = depths[d]};
+                rng     r = rng_split(seed, kind);
+                for (int t = 0; t < TILES * TILES; t++)
+                    fill_tile(&f.tiles[t], kind < TILE_KINDS ? kind : (tile_kind)rng_below(&r, TILE_KINDS), f.depth, &r);
+                check_fixture(&f);
+            }
+}
+
+/* 16 bits are not enough for these: both sides of where they end. */
+static void cliffs_beyond_16_bits(void **state)
+{
+    (void)state;
+    fixture f = {.depth = 131072};
+    rng     r = {9};
+    for (uint32_t t = 0; t < TILES * TILES; t++)
+        for (int n = 0; n < 64; n++) {
+            uint32_t height = 32760 + t + (t > 12 ? 40000 : 0); /* 32760 ... 32775, and more */
+            f.tiles[t].x[n] = n == 0 ? 1000 : 1000 + height - rng_below(&r, 3);
+            f.tiles[t].e[n] = n == 1 ? 1000 + height : f.tiles[t].x[n] - rng_below(&r, 900);
+            if (n == 1) f.tiles[t].x[n] = 1000 + height + rng_below(&r, 30000);
+        }
+    check_fixture(&f);
+
+    for (int t = 0; t < TILES * TILES; t++) fill_tile(&f.tiles[t], TILE_NOISE, f.depth, &r);
+    check_fixture(&f);
+    for (int t = 0; t < TILES * TILES; t++) fill_tile(&f.tiles[t], TILE_SHEET, f.depth, &r);
+    check_fixture(&f);
+}
+
+/* 64 different depths of sheets take 63 masks: the first depth is where the first mask begins. */
+static void most_runs_of_a_tile(void **state)
+{
+    (void)state;
+    fixture f = {.depth = 256};
+    for (int t = 0; t < TILES * TILES; t++)
+        for (uint32_t n = 0; n < 64; n++) f.tiles[t].e[n] = f.tiles[t].x[n] = 3 * ((n * 37 + (uint32_t)t) % 64);
+    check_fixture(&f);
+    column_source s = source_of(&f);
+    tile_masks    m;
+    f.loose = 0;
+    assert_int_equal(tile_masks_build(&m, &s, 0, 0, TILES, MASK_RULE_GREEDY), VXS_OK);
+    assert_int_equal(m.run_count, TILES * TILES * 63);
+    tile_masks_free(&m);
+}
+
+/* By hand: drawn in masks.c. */
+static void an_example(void **state)
+{
+    (void)state;
+    fixture f = {.depth = 64};
+    for (int t = 0; t < TILES * TILES; t++)
+        for (int n = 0; n < 64; n++) {
+            f.tiles[t].e[n] = n == 0 ? 15 : n == 1 ? 18 : 38;
+            f.tiles[t].x[n] = n == 0 ? 20 : n == 1 ? 29 : 48;
+        }
+    column_source s = source_of(&f);
+    for (mask_rule rule = MASK_RULE_GREEDY; rule <= MASK_RULE_SHADOW; rule++) {
+        tile_masks m;
+        assert_int_equal(tile_masks_build(&m, &s, 1, 2, 1, rule), VXS_OK);
+        assert_int_equal(m.run_count, 1);
+        assert_int_equal(m.xmin[0], 20);
+        assert_int_equal(m.emax[0], 38);
+        assert_int_equal(m.mask[0], 3);
+        assert_int_equal(m.until[0], 38);
+        tile_masks_free(&m);
+    }
+}
+
+/* A square of a source is what lies there. */
+static void squares_of_a_source(void **state)
+{
+    (void)state;
+    fixture f = {.depth = 64};
+    rng     r = {4};
+    for (int t = 0; t < TILES * TILES; t++) fill_tile(&f.tiles[t], TILE_NOISE, f.depth, &r);
+    column_source s = source_of(&f);
+    tile_masks    whole, part;
+    assert_int_equal(tile_masks_build(&whole, &s, 0, 0, TILES, MASK_RULE_GREEDY), VXS_OK);
+    assert_int_equal(tile_masks_build(&part, &s, 2, 1, 2, MASK_RULE_GREEDY), VXS_OK);
+    for (uint32_t tile = 0; tile < 4; tile++) {
+        uint32_t from = (1 + tile / 2) * TILES + 2 + tile % 2, runs = part.first[tile + 1] - part.first[tile];
+        assert_int_equal(whole.first[from + 1] - whole.first[from], runs);
+        assert_memory_equal(whole.mask + whole.first[from], part.mask + part.first[tile], runs * sizeof *part.mask);
+        assert_memory_equal(whole.until + whole.first[from], part.until + part.first[tile], runs * sizeof *part.until);
+        assert_int_equal(whole.xmin[from], part.xmin[tile]);
+        assert_int_equal(whole.emax[from], part.emax[tile]);
+    }
+    tile_masks_free(&whole);
+    tile_masks_free(&part);
+    tile_masks_free(&part); /* a zeroed object is accepted */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rules_are_those_of_the_papers), cmocka_unit_test(cliffs_beyond_16_bits),
+        cmocka_unit_test(most_runs_of_a_tile),           cmocka_unit_test(an_example),
+        cmocka_unit_test(squares_of_a_source),
+    };
+    return cmocka_run_group_tests_name("masks", tests, NULL, NULL);
+}
