@@ -3,6 +3,7 @@
 #include "baker/asset_open.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 
 typedef struct first_finding {
@@ -26,6 +27,8 @@ vxs_result asset_open(vxs_asset **asset, const char *path, message *m)
     if (r == VXS_OK) return r;
     if (r == VXS_E_READ) return fail(m, r, "cannot read '%s': %s", path, strerror(errno ? errno : EIO));
     if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
-    return fail(m, r, "'%s' is not a valid .vxs file: %s (finding %d at byte %llu of %s %d)", path, f.text, f.number,
-                (unsigned long long)f.offset, f.section < 0 ? "the header," : "section", f.section < 0 ? 0 : f.section);
+    char where[32] = "the header";
+    if (f.section >= 0) snprintf(where, sizeof where, "section %d", f.section);
+    return fail(m, r, "'%s' is not a valid .vxs file: %s (finding %d at byte %llu, in %s)", path, f.text, f.number,
+                (unsigned long long)f.offset, where);
 }

@@ -9,9 +9,11 @@
 #include "baker/parallel.h"
 #include "baker/report.h"
 
-static vxs_result check_options(bake_options *o, int resolution_given, int texel_given, message *m)
+static vxs_result check_options(bake_options *o, int resolution_given, int texel_given, const char *json_path, message *m)
 {
     if (!o->output_path) return fail(m, VXS_E_ARGUMENT, "bake needs -o OUT.vxs");
+    if (json_path && !strcmp(json_path, "-") && !strcmp(o->output_path, "-"))
+        return fail(m, VXS_E_ARGUMENT, "-o - and --json - exclude each other: both would go to standard output");
     if (resolution_given && texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
     if (texel_given) o->resolution = 0;
     if (o->resolution & (o->resolution - 1))
@@ -78,7 +80,7 @@ int cmd_bake(int argc, char **argv)
         o.gl         = (gl_backend)gl;
         o.baseline   = (baseline_mode)baseline;
         o.progress   = isatty(STDERR_FILENO);
-        if ((r = check_options(&o, resolution_given, texel_given, &m)) == VXS_OK) r = bake(&o, &report, &m);
+        if ((r = check_options(&o, resolution_given, texel_given, json_path, &m)) == VXS_OK) r = bake(&o, &report, &m);
         /* what goes to standard output stays alone there */
         int to_stdout = !strcmp(o.output_path ? o.output_path : "", "-") || (json_path && !strcmp(json_path, "-"));
         if (r == VXS_OK) report_print(to_stdout ? stderr : stdout, &o, &report);

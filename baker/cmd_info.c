@@ -67,7 +67,7 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
         const vxs_light *l      = &c->lights[n];
         json_t          *matrix = json_array();
         for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->vx_from_ws[k]));
-        json_array_append_new(lights, json_pack("{s:s, s:s, s:I, s:f, s:f, s:[f,f,f], s:o, s:I}", "name", l->name, "kind", "directional",
+        json_array_append_new(lights, json_pack("{s:o, s:s, s:I, s:f, s:f, s:[f,f,f], s:o, s:I}", "name", json_text(l->name), "kind", "directional",
                                                 "resolution_px", (json_int_t)1 << l->levels, "texel_m", l->texel_metres, "voxel_m",
                                                 l->voxel_metres, "direction", l->direction_ws[0], l->direction_ws[1], l->direction_ws[2],
                                                 "vx_from_ws", matrix, "memory_bytes", (json_int_t)l->word_count * 4));
@@ -79,11 +79,11 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
         json_t *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", section_name(s->kind), "offset_bytes", (json_int_t)s->offset_bytes,
                                   "stored_bytes", (json_int_t)s->stored_bytes, "inflated_bytes", (json_int_t)s->inflated_bytes,
                                   "memory_bytes", (json_int_t)memory, "count", (json_int_t)count);
-        if (s->light < c->light_count) json_object_set_new(entry, "light", json_string(c->lights[s->light].name));
+        if (s->light < c->light_count) json_object_set_new(entry, "light", json_text(c->lights[s->light].name));
         if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer((json_int_t)8 << s->level));
         json_array_append_new(sections, entry);
     }
-    json_t *root = json_pack("{s:s, s:i, s:I, s:o, s:o}", "file", path, "version", (int)c->version, "file_bytes", (json_int_t)file_bytes,
+    json_t *root = json_pack("{s:o, s:i, s:I, s:o, s:o}", "file", json_text(path), "version", (int)c->version, "file_bytes", (json_int_t)file_bytes,
                              "lights", lights, "sections", sections);
     json_t *metadata = c->metadata ? json_loads(c->metadata, 0, NULL) : NULL;
     if (root && metadata) json_object_set_new(root, "metadata", metadata);

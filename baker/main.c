@@ -31,13 +31,14 @@ static void print_usage(FILE *to)
 
 int main(int argc, char **argv)
 {
+    message m = {0};
     if (argc >= 2 && (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))) {
         print_usage(stdout);
-        return 0;
+        return command_end(&m, VXS_OK);
     }
     if (argc >= 2 && !strcmp(argv[1], "--version")) {
         printf("vxs %s\n", VXS_VERSION);
-        return 0;
+        return command_end(&m, VXS_OK);
     }
     for (int n = 0; argc >= 2 && n < COMMAND_COUNT; n++)
         if (!strcmp(argv[1], commands[n].name)) return commands[n].run(argc - 1, argv + 1);

@@ -151,6 +151,9 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, const cha
 
 int command_end(message *m, vxs_result code)
 {
+    /* what was printed counts as written only when it has arrived */
+    if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK)
+        code = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
     if (code != VXS_OK) fprintf(stderr, "vxs: error: %s\n", m->error[0] ? m->error : "unknown");
     message_free(m);
     return exit_status(code);

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/report.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "baker/output_file.h"
@@ -118,7 +119,7 @@ static json_t *light_json(const light_report *l)
 {
     double  texels = texels_of(l);
     json_t *o      = json_pack(
-        "{s:s, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name", l->light.name,
+        "{s:o, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name", json_text(l->light.name),
         "resolution_px", (json_int_t)1 << l->light.levels, "texel_m", l->light.texel_metres, "voxel_m", l->light.voxel_metres,
         "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles", (json_int_t)l->tiles,
         "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered", (json_int_t)l->depth.blocks_rendered,
@@ -147,6 +148,18 @@ static json_t *stages_json(const bake_report *r)
     return stages;
 }
 
+json_t *json_text(const char *text)
+{
+    json_t *value = json_string(text);
+    char   *ascii = value ? NULL : strdup(text);
+    if (!ascii) return value;
+    for (char *c = ascii; *c; c++)
+        if ((unsigned char)*c > 0x7f) *c = '?';
+    value = json_string(ascii);
+    free(ascii);
+    return value;
+}
+
 vxs_result json_write(const char *path, json_t *value, message *m)
 {
     char       *text = value ? json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
@@ -165,8 +178,8 @@ vxs_result report_write_json(const char *path, const bake_options *o, const bake
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root = json_pack("{s:s, s:s, s:s, s:s, s:I, s:i, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene", o->scene_path,
-                             "output", o->output_path, "renderer", r->renderer, "file_bytes", (json_int_t)r->file_bytes, "threads",
+    json_t *root = json_pack("{s:s, s:o, s:o, s:s, s:I, s:i, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene", json_text(o->scene_path),
+                             "output", json_text(o->output_path), "renderer", r->renderer, "file_bytes", (json_int_t)r->file_bytes, "threads",
                              (int)o->threads, "casters", casters_json(r), "lights", lights, "stages", stages_json(r), "total_seconds",
                              r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
     return json_write(path, root, m);

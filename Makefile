@@ -1,0 +1,152 @@
+# vxs: precomputed voxelized shadows. The only build description.
+#
+#   make                build the command and the runtime library: build/release/vxs, build/release/libvxs.a
+#   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
+#   make check          install what is missing, build, run every test
+#   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
+#   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
+#   make install        to $(DESTDIR)$(prefix); uninstall takes it away
+#   make format         lay the sources out with clang-format
+#   make clean
+#
+# config=debug|release|asan|tsan selects flags; each has its own object tree, so flags never mix. werror=1 makes warnings
+# errors. CFLAGS, CXXFLAGS, CPPFLAGS and LDFLAGS are the user's and come last. V=1 prints the commands. packages=skip
+# leaves the system alone. Settings to keep go to Makefile.config.
+
+-include Makefile.config
+
+config     ?= release
+prefix     ?= /usr/local
+BENCH_JSON ?= build/bench.json
+PKG_CONFIG ?= pkg-config
+B          := build/$(config)
+Q          := $(if $(V),,@)
+
+# --- packages of Debian; docs/dependencies.md says what each is for -------------------------------------------------------
+
+packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
+                  nlohmann-json3-dev libstb-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev
+packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools
+# Debian's, which sees Debian's packages; another one may come first on PATH
+python         := /usr/bin/python3
+
+# --- flags ----------------------------------------------------------------------------------------------------------------
+
+opt.debug   := -Og -g
+opt.release := -O2 -g1
+opt.asan    := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+opt.tsan    := -O1 -g -fsanitize=thread
+opt         := $(or $(opt.$(config)),$(error unknown config '$(config)': expected debug, release, asan or tsan))
+
+warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
+flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt)
+cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
+cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
+# looked up when the first link needs it: before, pkg-config itself may not be there
+libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs osmesa libzstd libxxhash jansson) -lembree3 -lgmp -lmpfr -ldl -lm)$(libs)
+
+# --- what is built --------------------------------------------------------------------------------------------------------
+
+runtime.c := $(wildcard runtime/*.c) formats/vxs_read.c
+format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
+baker.c   := $(filter-out baker/main.c,$(wildcard baker/*.c))
+runtime.o := $(runtime.c:%=$B/%.o)
+baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*.cc)) $(format.c:%=$B/%.o)
+unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
+helper    := $(patsubst %.c,$B/%,$(wildcard tests/exact/*.c tests/bench/*.c))
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper))
+objects   := $B/baker/main.c.o $(baker.o) $(runtime.o) $(test.o)
+
+.DELETE_ON_ERROR:
+.PHONY: all unit demo check check-unit bench packages install uninstall format clean
+all: $B/vxs $B/libvxs.a
+unit: $(unit) $(helper)
+
+$B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
+$(unit) $(helper): $B/%: $B/%.c.o $(baker.o) $B/libvxs.a
+$(unit): test_libs := -lcmocka
+$B/vxs $(unit) $(helper):
+	@echo "  link $@"
+	$Q$(CXX) $(opt) -pthread -o $@ $(filter %.o %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
+
+$B/libvxs.a: $(runtime.o)
+	@echo "  ar   $@"
+	$Q$(RM) $@ && $(AR) rcs $@ $^
+
+$B/baker/casters_cgal.cc.o: cxxflags += -frounding-math # CGAL's exact predicates need it
+
+$B/%.c.o: %.c
+	@echo "  cc   $<"
+	$Q mkdir -p $(@D) && $(CC) $(cflags) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
+
+$B/%.cc.o: %.cc
+	@echo "  c++  $<"
+	$Q mkdir -p $(@D) && $(CXX) $(cxxflags) $(CPPFLAGS) $(CXXFLAGS) -c $< -o $@
+
+# --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
+
+ifneq ($(filter demo check check-unit bench packages,$(MAKECMDGOALS)),)
+jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
+MAKEFLAGS += $(jobs)
+$(objects): | packages # nothing is compiled before the headers are there
+endif
+
+# `make demo` compiles no tests, and needs none of their packages
+needed = $(packages.build) $(if $(filter check check-unit bench packages,$(MAKECMDGOALS)),$(packages.test))
+packages:
+ifneq ($(packages),skip)
+	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \
+	missing=; for p in $(needed); do echo "$$here" | grep -qxF -e "$$p" || missing="$$missing $$p"; done; \
+	[ -n "$$missing" ] || exit 0; \
+	how="install them, or what takes their place, and run make again with packages=skip"; \
+	echo "vxs needs packages that are not installed:$$missing"; \
+	command -v apt-get >/dev/null || { echo "there is no apt-get here: $$how" >&2; exit 1; }; \
+	root=; [ "$$(id -u)" = 0 ] || root=sudo; \
+	[ -z "$$root" ] || command -v sudo >/dev/null || { echo "not root, and there is no sudo: $$how" >&2; exit 1; }; \
+	install="$$root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends$$missing"; \
+	echo "installing: $$install"; \
+	apt-get install -s --no-install-recommends $$missing >/dev/null 2>&1 || $$root apt-get update -q; \
+	$$install
+endif
+
+D := build/demo
+demo: $B/vxs
+	@mkdir -p $D
+	$B/vxs scene city -o $D/city.glb
+	$B/vxs bake $D/city.glb -o $D/city.vxs --json $D/bake.json
+	$B/vxs compare $D/city.glb $D/city.vxs --points 100000 --json $D/compare.json
+	$B/vxs picture $D/city.glb $D/city.vxs -o $D/city.png
+	@echo; echo "scene $D/city.glb, shadows $D/city.vxs, picture $D/city.png, reports $D/bake.json and $D/compare.json"
+
+check: all unit
+	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B
+check-unit: unit
+	@$(python) tests/run --build $B --unit
+
+bench: all $(helper)
+	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
+
+# --- install --------------------------------------------------------------------------------------------------------------
+
+version  = $(shell sed -n 's/^\#define VXS_VERSION_[MP][A-Z]* *//p' runtime/vxs.h | paste -sd.)
+headers := runtime/vxs.h $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h)
+to       = $(DESTDIR)$(prefix)
+
+install: all
+	install -d $(to)/bin $(to)/lib/pkgconfig $(to)/include/vxs
+	install $B/vxs $(to)/bin
+	install -m 644 $B/libvxs.a $(to)/lib
+	install -m 644 $(headers) $(to)/include/vxs
+	sed 's|@prefix@|$(prefix)|; s|@version@|$(version)|' runtime/vxs.pc.in >$(to)/lib/pkgconfig/vxs.pc
+
+uninstall:
+	$(RM) $(to)/bin/vxs $(to)/lib/libvxs.a $(to)/lib/pkgconfig/vxs.pc $(addprefix $(to)/include/vxs/,$(notdir $(headers)))
+	rmdir $(to)/include/vxs
+
+format:
+	clang-format -i $(wildcard $(foreach d,baker formats runtime tests/unit tests/exact tests/bench,$d/*.c $d/*.cc $d/*.h))
+
+clean:
+	$(RM) -r build
+
+-include $(objects:.o=.d)

@@ -1,0 +1,194 @@
+# The documents hold what they say: options and exit statuses, links, schemas, and the listings of the runtime guide.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import jsonschema
+import pytest
+
+import small_scene
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+COMMANDS = ["bake", "info", "validate", "query", "truth", "compare", "picture", "scene"]
+PAGES = sorted([ROOT / "README.md", *DOCS.glob("*.md"), *(ROOT / "scenes").glob("*.md"), *(ROOT / "formats").glob("*.md")])
+
+
+@pytest.fixture(scope="module")
+def asset(vxs, tmp_path_factory):
+    """A baked scene: the folder, with scene.gltf, a.vxs and bake.json."""
+    folder = tmp_path_factory.mktemp("docs")
+    small_scene.write(folder / "scene.gltf")
+    vxs("bake", folder / "scene.gltf", "-o", folder / "a.vxs", "--resolution", 64, "--json", folder / "bake.json")
+    return folder
+
+
+# --- the manual ---------------------------------------------------------------------------------------------------------------
+
+
+def manual_section(command):
+    text = (DOCS / "manual.md").read_text()
+    return re.search(rf"^## {command}\n(.*?)(?=^## )", text, re.MULTILINE | re.DOTALL)[1]
+
+
+def manual_options(command):
+    """What each row of a section's table names: "--stop insert|partial|final"."""
+    rows = re.findall(r"^\| `(-[^`]*)` \|(.*)\|$", manual_section(command), re.MULTILINE)
+    assert all(len(re.split(r"(?<!\\)\|", rest)) == 3 for _, rest in rows), "option, unit, default, effect"
+    return [name.replace("\\|", "|") for name, _ in rows]
+
+
+def help_options(vxs, command):
+    return re.findall(r"^  (-\S+ \S+|-\S+)", vxs(command, "--help").stdout, re.MULTILINE)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_manual_has_every_option(vxs, command):
+    assert manual_options(command) == help_options(vxs, command)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_says_every_default_of_the_manual(vxs, command):
+    """A default that is a number stands in the help too."""
+    text = vxs(command, "--help").stdout
+    for name, default in re.findall(r"^\| `(-\S+) [^`]*` \|[^|]*\| ([-\d.,]*\d)[^|]*\|", manual_section(command), re.MULTILINE):
+        line = re.search(rf"^  {name} .*$", text, re.MULTILINE)[0]
+        assert re.search(rf"default:? {re.escape(default)}\b", line)
+
+
+def test_manual_has_every_command(vxs):
+    listed = re.findall(r"^  (\w+) ", vxs("--help").stdout, re.MULTILINE)
+    assert listed == COMMANDS
+    assert re.findall(r"^## (bake|info|validate|query|truth|compare|picture|scene)$", (DOCS / "manual.md").read_text(),
+                      re.MULTILINE) == COMMANDS
+
+
+def test_manual_has_every_exit_status():
+    source = (ROOT / "baker" / "message.c").read_text()
+    body = source[source.index("int exit_status"):]
+    used = {int(n) for n in re.findall(r"return (\d+);", body)} | {1}
+    listed = {int(n) for n in re.findall(r"^\| (\d+) \|", (DOCS / "manual.md").read_text(), re.MULTILINE)}
+    assert listed == used
+
+
+# --- links ----------------------------------------------------------------------------------------------------------------------
+
+
+def anchors(page):
+    """As forges make them of headings: lower case, blanks to dashes, no punctuation."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+        if re.match(r"https?:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        other = (page.parent / path).resolve() if path else page
+        assert other.exists(), f"{page.name}: {target}"
+        assert not anchor or anchor in anchors(other), f"{page.name}: {target}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_files_that_are_named_exist(page):
+    for name in re.findall(r"`((?:baker|formats|runtime|tests|docs)/[\w./-]*)`", page.read_text()):
+        assert (ROOT / name).exists(), f"{page.name}: {name}"
+
+
+def test_every_page_is_linked():
+    linked = set()
+    for page in PAGES:
+        linked |= {(page.parent / t.partition("#")[0]).resolve() for t in re.findall(r"\]\(([^)\s]+)\)", page.read_text())}
+    assert {p for p in PAGES if p.parent == DOCS} <= linked
+    assert {p for p in DOCS.glob("*.schema.json") if "bench" not in p.name} <= linked
+
+
+def test_packages_are_explained():
+    makefile = (ROOT / "Makefile").read_text().replace("\\\n", " ")
+    packages = " ".join(re.findall(r"^packages\.\w+\s*:= (.*)$", makefile, re.MULTILINE)).split()
+    text = (DOCS / "dependencies.md").read_text()
+    assert len(packages) > 15 and [p for p in packages if f"`{p}`" not in text] == []
+
+
+# --- schemas --------------------------------------------------------------------------------------------------------------------
+
+
+def validator(name):
+    schema = json.loads((DOCS / f"{name}.schema.json").read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def test_bake_report_schema(vxs, asset, tmp_path):
+    report = json.loads((asset / "bake.json").read_text())
+    validator("bake-report").validate(report)
+    done = vxs("bake", asset / "scene.gltf", "-o", tmp_path / "b.vxs", "--resolution", 8, "--baseline", "off", "--closed", "off",
+               "--json", "-")
+    validator("bake-report").validate(json.loads(done.stdout))
+    with pytest.raises(jsonschema.ValidationError):
+        validator("bake-report").validate({k: v for k, v in report.items() if k != "stages"})
+
+
+def test_info_schema(vxs, asset):
+    validator("info").validate(json.loads(vxs("info", asset / "a.vxs", "--json", "-").stdout))
+
+
+def test_validate_schema(vxs, asset, tmp_path):
+    validator("validate").validate(json.loads(vxs("validate", asset / "a.vxs", "--json", "-").stdout))
+    data = bytearray((asset / "a.vxs").read_bytes())
+    data[-1] ^= 1
+    (tmp_path / "broken.vxs").write_bytes(data)
+    report = json.loads(vxs("validate", tmp_path / "broken.vxs", "--json", "-", status=1).stdout)
+    validator("validate").validate(report)
+    assert report["findings"]
+
+
+def test_bench_schema(vxs_path, tmp_path):
+    """The bench itself, at a size that takes no time."""
+    if not (vxs_path.parent / "tests" / "bench" / "lookups").is_file():
+        pytest.skip("the bench is not built: make check builds it")
+    environment = os.environ | {"BENCH_RESOLUTIONS": "64", "BENCH_RUNS": "1", "VXS_SCENES": str(tmp_path)}
+    done = subprocess.run(["/usr/bin/python3", ROOT / "tests" / "bench" / "bench.py", "--build", vxs_path.parent, "--json",
+                           tmp_path / "bench.json"], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    validator("bench").validate(json.loads((tmp_path / "bench.json").read_text()))
+    assert "peak memory, city" in done.stdout
+
+
+# --- the runtime guide (VXS_FLAGS: what libvxs.a was compiled with, sanitizers for instance) ------------------------------------------------------------------------------------------------------------
+
+
+def listing(language):
+    (text,) = re.findall(rf"^```{language}\n(.*?)^```", (DOCS / "runtime.md").read_text(), re.MULTILINE | re.DOTALL)
+    return text
+
+
+def test_listing_in_c(vxs, vxs_path, asset, tmp_path):
+    library = vxs_path.parent / "libvxs.a"
+    if not library.is_file():
+        pytest.skip(f"no {library}")
+    (tmp_path / "game.c").write_text(listing("c"))
+    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
+                    tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
+                    "-o", tmp_path / "game"], check=True)
+    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
+    game = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True).stdout
+    assert game == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
+    assert len(set(game.split())) > 10, "lit, dark, and between"
+    assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
+
+
+def test_listing_in_glsl(tmp_path):
+    if not shutil.which("glslangValidator"):
+        pytest.skip("no glslangValidator: package glslang-tools")
+    header = (ROOT / "formats" / "vxs_lookup.h").read_text()
+    shader = tmp_path / "lit.frag"
+    shader.write_text(listing("glsl").replace('#include "vxs_lookup.h"\n', header))
+    done = subprocess.run(["glslangValidator", shader], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout

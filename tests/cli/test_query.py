@@ -1,0 +1,131 @@
+# vxs query as its users meet it: points in, lit fractions out; every option, every error.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import subprocess
+
+import pytest
+
+import small_scene
+from small_scene import MORNING, NOON
+
+N = 64  # texels a side; one lies around the scene, which is 16 m wide
+
+
+@pytest.fixture(scope="module")
+def asset(vxs, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("query")
+    lights = (("noon", "directional", NOON), ("morning", "directional", MORNING))
+    vxs("bake", small_scene.write(folder / "small.gltf", lights=lights), "-o", folder / "small.vxs", "--resolution", N)
+    return folder / "small.vxs"
+
+
+@pytest.fixture
+def query(vxs, asset):
+    def run(text, *options):
+        return vxs("query", asset, *options, input=text).stdout
+
+    return run
+
+
+@pytest.fixture
+def fails(vxs, asset):
+    def run(status, *options, input="", says=""):
+        done = vxs("query", asset, *options, input=input, status=status)
+        assert done.stderr.startswith("vxs: error: ") and done.stderr.count("\n") == 1 and says in done.stderr
+        return done.stdout
+
+    return run
+
+
+def test_one_column_a_light_one_line_a_point(query):
+    assert query("0 0.5 0\n2 0.5 0\n5 0.5 5\n") == "0 1\n1 0\n1 1\n"
+
+
+def test_lights_in_the_order_asked_for(query):
+    assert query("0 0.5 0\n", "--light", "morning") == "1\n"
+    assert query("0 0.5 0\n", "--light", "morning", "--light", "noon") == "1 0\n"
+    assert query("0 0.5 0\n", "--light=noon") == "0\n"
+
+
+def test_outside_of_the_volume(query):
+    assert query("99 0 0\n0 0 -99\n0 50 0\n1e300 1e300 1e300\n") == "out out\nout out\n1 out\nout out\n"
+    assert query("0 100 0\n0 -100 0\n", "--light", "noon") == "1\n0\n", "a sun's volume is a prism: lit above, dark below"
+
+
+@pytest.mark.parametrize("k", [3, 5, 9, 17])
+def test_filter_is_the_mean_of_single_taps(query, k):
+    texel = 16 / (N - 2)
+    half = k // 2
+    row = range(-9 - half, 10 + half)
+
+    def ask(xs, zs, *options):
+        text = "".join(f"{(x + 0.5) * texel} 0.5 {(z + 0.5) * texel}\n" for x in xs for z in zs)
+        return [float(answer) for answer in query(text, "--light", "noon", *options).split()]
+
+    taps = dict(zip([(x, z) for x in row for z in row], ask(row, row)))
+    assert set(taps.values()) == {0, 1}, "the block's shadow, and the light around it"
+    inner = range(-9, 10, 3)
+    expected = [sum(taps[x + i, z + j] for i in range(-half, half + 1) for j in range(-half, half + 1)) / k**2
+                for x in inner for z in inner]
+    assert ask(inner, inner, "--filter", k) == pytest.approx(expected, abs=1e-5)
+
+
+def test_filter_of_one_is_the_default(query):
+    points = "".join(f"{x / 3} 0.5 0.1\n" for x in range(-20, 20))
+    assert query(points) == query(points, "--filter", 1)
+    assert set(query(points, "--light", "noon").split()) == {"0", "1"}
+
+
+def test_normal_lifts_a_point_off_its_surface(query):
+    on_ground = "5 0 5"
+    assert query(f"{on_ground} 0 1 0\n", "--light", "noon") == "1\n"
+    assert query(f"{on_ground} 0 -1 0\n", "--light", "noon", "--filter", 17) == "0\n", "half of 17 texels: right through"
+    assert query(f"{on_ground} 0 1 0\n", "--light", "noon", "--filter", 17) == "1\n"
+    assert query(f"{on_ground} 0 1 0\n") == query(f"{on_ground} 0 7 0\n"), "a normal may have any length but zero"
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "# nothing\n", "  \t \n"])
+def test_no_points(query, text):
+    assert query(text) == ""
+
+
+@pytest.mark.parametrize("text", ["0 0.5 0", "0 0.5 0\r\n", "\t0  0.5\t0 \n", "+0 5e-1 -0.0\n", "# first\n\n0 0.5 0\n", "0x0 0x.8p0 0\n"])
+def test_forms_of_a_point(query, text):
+    assert query(text) == "0 1\n"
+
+
+def test_many_points(query):
+    count = 70000  # more than a block
+    assert query("0 0.5 0\n5 0.5 5\n" * count) == "0 1\n1 1\n" * count
+
+
+@pytest.mark.parametrize("line, says", [
+    ("0 0", "3 or 6 numbers, found 2"), ("0 0 0 0", "found 4"), ("0 0 0 0 1 0 0", "found 7"), ("0 0 zero", "found 'zero'"),
+    ("nan 0 0", "found 'nan'"), ("0 inf 0", "found 'inf'"), ("0 0 1e999", "found '1e999'"), ("0,0,0", "found '0,0,0'"),
+    ("0 0 0 0 0 0", "the normal is zero"), ("0 0 0\0", "NUL"), ("1 " * 3000, "longer than"),
+])
+def test_wrong_points(fails, line, says):
+    answered = fails(3, input=f"0 0.5 0\n{line}\n5 0.5 5\n", says=says)
+    assert answered in ("", "0 1\n")
+    fails(3, input=f"# one\n\n{line}\n", says="line 3")
+
+
+@pytest.mark.parametrize("options, says", [
+    (("--filter", "4"), "odd"), (("--filter", "0"), "from 1 to 17"), (("--filter", "19"), "from 1 to 17"),
+    (("--filter", "-3"), "from 1 to 17"), (("--filter", "three"), "whole number"), (("--filter",), "needs a value"),
+    (("--light", "evening"), "noon"), (("--light", "noon", "--light", "noon"), "twice"), (("--sun", "0,-1,0"), "unknown option"),
+    (("other.vxs",), "unexpected argument"),
+])
+def test_wrong_options(fails, options, says):
+    assert fails(2, *options, input="0 0 0\n", says=says) == ""
+
+
+def test_reader_that_goes_away(vxs_path, asset):
+    """`vxs query | head -1` ends, whatever its status."""
+    with subprocess.Popen([vxs_path, "query", asset], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as p:
+        p.stdout.close()
+        try:
+            p.stdin.write(b"0 0.5 0\n" * 200000)
+            p.stdin.close()
+        except BrokenPipeError:
+            pass
+        assert p.wait(60) != 0

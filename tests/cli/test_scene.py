@@ -1,0 +1,239 @@
+# vxs scene: the same options give the same valid GLB, and everything else gives one clear line and no file.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import hashlib
+import json
+import os
+import resource
+import signal
+import stat
+import struct
+import subprocess
+
+import pytest
+
+KINDS = ["city", "landscape"]
+
+
+def read_glb(data):
+    """The JSON and the binary chunk, after every check of the container."""
+    magic, version, length = struct.unpack_from("<4sII", data)
+    assert (magic, version, length) == (b"glTF", 2, len(data)) and length % 4 == 0
+    json_length, json_kind = struct.unpack_from("<I4s", data, 12)
+    bin_at = 20 + json_length
+    bin_length, bin_kind = struct.unpack_from("<I4s", data, bin_at)
+    assert json_kind == b"JSON" and bin_kind == b"BIN\0" and json_length % 4 == 0
+    assert bin_at + 8 + bin_length == len(data)
+    text = data[20:bin_at].decode()
+    assert text.rstrip(" ").endswith("}")
+    return json.loads(text), data[bin_at + 8:]
+
+
+def read_accessor(gltf, binary, index):
+    a = gltf["accessors"][index]
+    view = gltf["bufferViews"][a["bufferView"]]
+    width, letter = {("VEC3", 5126): (3, "f"), ("SCALAR", 5125): (1, "I")}[a["type"], a["componentType"]]
+    assert a["byteOffset"] % 4 == 0 and a["byteOffset"] + 4 * width * a["count"] <= view["byteLength"]
+    return struct.unpack_from(f"<{width * a['count']}{letter}", binary, view["byteOffset"] + a["byteOffset"])
+
+
+def triangle_count(gltf):
+    return sum(gltf["accessors"][p["indices"]]["count"] // 3 for m in gltf["meshes"] for p in m["primitives"])
+
+
+def sun_direction(gltf):
+    """Where the node "sun" turns -Z, the way a glTF light shines."""
+    (node,) = [n for n in gltf["nodes"] if n.get("name") == "sun"]
+    light = gltf["extensions"]["KHR_lights_punctual"]["lights"][node["extensions"]["KHR_lights_punctual"]["light"]]
+    assert light["type"] == "directional" and light["name"] == "sun" and "KHR_lights_punctual" in gltf["extensionsUsed"]
+    x, y, z, w = node["rotation"]
+    assert abs(x * x + y * y + z * z + w * w - 1) < 1e-14
+    return -2 * (x * z + w * y), -2 * (y * z - w * x), -(1 - 2 * (x * x + y * y))
+
+
+def assert_one_line(done, *words):
+    assert done.stderr.startswith("vxs: error: ") and done.stderr.count("\n") == 1
+    for word in words:
+        assert word in done.stderr
+    assert done.stdout == ""
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_same_options_same_bytes(vxs, tmp_path, kind):
+    def digest(name, *options):
+        vxs("scene", kind, "-o", tmp_path / name, "--triangles", 20000, *options)
+        return hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+
+    first = digest("a.glb")
+    assert first == digest("b.glb") == digest("c.glb", "--seed", 1) == digest("d.glb", "--sun", "-0.5,-1,-0.3")
+    assert first != digest("e.glb", "--seed", 2)
+    assert first != digest("f.glb", "--sun", "0,-1,0")
+    assert sorted(p.name for p in tmp_path.iterdir()) == [f"{c}.glb" for c in "abcdef"], "a temporary file was left"
+
+
+# Pinned, so that a change of compiler, flags or machine that changes a scene is seen; so is a change of the generators.
+@pytest.mark.parametrize("kind, digest", [
+    ("city", "758dc3e566feddb3bc70a7bb99ba653dde1e8ba7aaf74cb405122e1aa9efd664"),
+    ("landscape", "75f467c9ff2f85fdc1e20564bfeb1c3de418df64769d7b3984dc9cdd994c937e"),
+])
+def test_bytes_of_the_geometry_are_pinned(vxs, tmp_path, kind, digest):
+    vxs("scene", kind, "-o", tmp_path / "a.glb")
+    _, binary = read_glb((tmp_path / "a.glb").read_bytes())
+    assert hashlib.sha256(binary).hexdigest() == digest
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_glb_is_valid(vxs, tmp_path, kind):
+    vxs("scene", kind, "-o", tmp_path / "a.glb", "--triangles", 12345)
+    gltf, binary = read_glb((tmp_path / "a.glb").read_bytes())
+    assert gltf["asset"] == {"version": "2.0", "generator": "vxs"}
+    assert gltf["buffers"] == [{"byteLength": len(binary)}]
+    assert gltf["scenes"][gltf["scene"]]["nodes"] == list(range(len(gltf["nodes"])))
+    for mesh in gltf["meshes"]:
+        (primitive,) = mesh["primitives"]
+        bounds = gltf["accessors"][primitive["attributes"]["POSITION"]]
+        positions = read_accessor(gltf, binary, primitive["attributes"]["POSITION"])
+        indices = read_accessor(gltf, binary, primitive["indices"])
+        assert [min(positions[i::3]) for i in range(3)] == bounds["min"]
+        assert [max(positions[i::3]) for i in range(3)] == bounds["max"]
+        assert set(indices) == set(range(bounds["count"])) and len(indices) % 3 == 0
+
+
+@pytest.mark.parametrize("options", [
+    ["city"], ["city", "--triangles", 1000], ["city", "--triangles", 1000, "--blocks", 64],
+    ["city", "--triangles", 40007, "--blocks", 3], ["city", "--triangles", 300000, "--blocks", 1],
+    ["city", "--triangles", 1000000, "--blocks", 30], ["landscape"], ["landscape", "--triangles", 1000],
+    ["landscape", "--triangles", 1234567]])
+def test_triangle_target_is_met(vxs, tmp_path, options):
+    vxs("scene", *options, "-o", tmp_path / "a.glb")
+    target = dict(zip(options[1::2], options[2::2])).get("--triangles", 100000)
+    gltf, _ = read_glb((tmp_path / "a.glb").read_bytes())
+    assert abs(triangle_count(gltf) - target) <= 0.02 * target
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("sun", [(-0.5, -1, -0.3), (0, -1, 0), (0, 0, 1), (0, 0, -1), (1e-9, 0, 1), (3, 4, 0),
+                                 (1e300, -1e300, 0)])
+def test_sun_shines_as_asked(vxs, tmp_path, kind, sun):
+    vxs("scene", kind, "--triangles", 1000, "--sun", ",".join(map(str, sun)), "-o", tmp_path / "a.glb")
+    gltf, _ = read_glb((tmp_path / "a.glb").read_bytes())
+    largest = max(map(abs, sun))
+    length = sum((s / largest) ** 2 for s in sun) ** 0.5 * largest
+    assert max(abs(a - b / length) for a, b in zip(sun_direction(gltf), sun)) < 1e-15
+
+
+def test_default_sun_is_oblique(vxs, tmp_path):
+    vxs("scene", "city", "--triangles", 1000, "-o", tmp_path / "a.glb")
+    gltf, _ = read_glb((tmp_path / "a.glb").read_bytes())
+    assert sun_direction(gltf) == pytest.approx([d / 1.34 ** 0.5 for d in (-0.5, -1, -0.3)], abs=1e-15)
+
+
+def test_landscape_has_the_size_and_height_asked(vxs, tmp_path):
+    vxs("scene", "landscape", "--size", 300, "--height", 17.5, "-o", tmp_path / "a.glb")
+    gltf, _ = read_glb((tmp_path / "a.glb").read_bytes())
+    assert gltf["accessors"][0]["min"] == [-150, -300 / 32, -150]
+    assert gltf["accessors"][0]["max"] == [150, 17.5, 150]
+
+
+def test_blocks_make_a_wider_city(vxs, tmp_path):
+    def width(blocks):
+        vxs("scene", "city", "--blocks", blocks, "-o", tmp_path / "a.glb")
+        gltf, _ = read_glb((tmp_path / "a.glb").read_bytes())
+        assert len(gltf["meshes"]) == blocks * blocks + 1
+        return gltf["accessors"][0]["max"][0] - gltf["accessors"][0]["min"][0]
+
+    assert width(8) - width(3) == 5 * 72
+
+
+def test_standard_output(vxs, vxs_path, tmp_path):
+    vxs("scene", "city", "-o", tmp_path / "a.glb")
+    done = subprocess.run([vxs_path, "scene", "city", "-o", "-"], capture_output=True, check=True)
+    assert done.stdout == (tmp_path / "a.glb").read_bytes() and done.stderr == b""
+
+
+def test_help(vxs):
+    done = vxs("scene", "--help")
+    for word in ["city", "landscape", "-o", "--blocks", "--triangles", "--seed", "--sun", "--size", "--height"]:
+        assert word in done.stdout
+
+
+@pytest.mark.parametrize("options, words", [
+    ([], ["too few arguments", "KIND"]),
+    (["village"], ["village", "city or landscape"]),
+    (["city", "landscape"], ["unexpected argument 'landscape'"]),
+    (["city", "--height", "3"], ["--height applies to landscape only"]),
+    (["city", "--size", "3"], ["--size applies to landscape only"]),
+    (["landscape", "--blocks", "8"], ["--blocks applies to city only"]),
+    (["city", "--blocks", "0"], ["--blocks 0", "1 to 64"]),
+    (["city", "--blocks", "65"], ["--blocks 65", "1 to 64"]),
+    (["city", "--triangles", "999"], ["--triangles 999", "1000 to 5000000"]),
+    (["city", "--triangles", "5000001"], ["--triangles 5000001"]),
+    (["city", "--seed", "-1"], ["--seed -1"]),
+    (["city", "--sun", "0,0,0"], ["--sun 0,0,0", "direction"]),
+    (["city", "--sun", "1,2"], ["--sun 1,2", "3 numbers"]),
+    (["landscape", "--size", "0"], ["--size 0"]),
+    (["landscape", "--height", "-1"], ["--height -1"]),
+    (["city", "--lamps", "3"], ["unknown option '--lamps'"]),
+])
+def test_wrong_options(vxs, tmp_path, options, words):
+    assert_one_line(vxs("scene", *options, "-o", tmp_path / "a.glb", status=2), *words)
+    assert not list(tmp_path.iterdir())
+
+
+def test_output_is_required(vxs):
+    assert_one_line(vxs("scene", "city", status=2), "-o")
+
+
+def test_unwritable_outputs(vxs, tmp_path):
+    (tmp_path / "folder").mkdir()
+    assert_one_line(vxs("scene", "city", "-o", tmp_path / "folder", status=4), "folder", "file name")
+    assert_one_line(vxs("scene", "city", "-o", tmp_path / "none" / "a.glb", status=4), "none/a.glb", "No such file")
+    assert_one_line(vxs("scene", "city", "-o", "", status=4), "empty")
+    assert_one_line(vxs("scene", "city", "-o", "/dev/full", status=4), "/dev/full", "No space left")
+    if os.geteuid() != 0:  # root may write anywhere
+        (tmp_path / "locked").mkdir(mode=0o555)
+        assert_one_line(vxs("scene", "city", "-o", tmp_path / "locked" / "a.glb", status=4), "Permission denied")
+    assert [p.name for p in tmp_path.rglob("*") if p.is_file()] == []
+
+
+def test_full_standard_output(vxs_path):
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([vxs_path, "scene", "city", "-o", "-"], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 4 and "standard output: cannot write" in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("limit", [1, 4096, 100000, 2000000])
+def test_failed_write_leaves_the_old_file_and_no_other(vxs_path, tmp_path, limit):
+    """A limit on the size of files stands for a full disk: the write fails half-way."""
+    def limited():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    (tmp_path / "a.glb").write_text("old")
+    done = subprocess.run([vxs_path, "scene", "city", "-o", tmp_path / "a.glb"], preexec_fn=limited, capture_output=True,
+                          text=True)
+    assert done.returncode == 4
+    assert_one_line(done, "a.glb: cannot write")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.glb"] and (tmp_path / "a.glb").read_text() == "old"
+
+
+def test_output_replaces_a_file_and_follows_a_link(vxs, tmp_path):
+    (tmp_path / "real.glb").write_text("old")
+    (tmp_path / "link.glb").symlink_to("real.glb")
+    vxs("scene", "city", "-o", tmp_path / "link.glb")
+    assert (tmp_path / "link.glb").is_symlink() and (tmp_path / "real.glb").read_bytes()[:4] == b"glTF"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_output_has_the_permissions_that_umask_leaves(vxs_path, tmp_path):
+    subprocess.run([vxs_path, "scene", "city", "-o", tmp_path / "a.glb"], preexec_fn=lambda: os.umask(0o027), check=True)
+    assert stat.S_IMODE((tmp_path / "a.glb").stat().st_mode) == 0o640
+
+
+def test_output_in_the_current_folder(vxs_path, tmp_path):
+    subprocess.run([vxs_path, "scene", "landscape", "-o", "a.glb"], cwd=tmp_path, check=True)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.glb"]
+
+
+def test_device_stays_a_device(vxs):
+    vxs("scene", "city", "-o", "/dev/null")
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
