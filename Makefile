@@ -33,7 +33,7 @@ python         := /usr/bin/python3
 # --- flags ----------------------------------------------------------------------------------------------------------------
 
 opt.debug   := -Og -g
-opt.release := -O2 -g1
+opt.release := -O3 -g1
 opt.asan    := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 opt.tsan    := -O1 -g -fsanitize=thread
 opt         := $(or $(opt.$(config)),$(error unknown config '$(config)': expected debug, release, asan or tsan))
@@ -49,9 +49,9 @@ libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs osmesa libzstd libxxh
 
 runtime.c := $(wildcard runtime/*.c) formats/vxs_read.c
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
-baker.c   := $(filter-out baker/main.c,$(wildcard baker/*.c))
+baker.c   := $(filter-out baker/main.c,$(wildcard baker/*.c baker/*/*.c))
 runtime.o := $(runtime.c:%=$B/%.o)
-baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*.cc)) $(format.c:%=$B/%.o)
+baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,$(wildcard tests/exact/*.c tests/bench/*.c))
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper))
@@ -73,7 +73,7 @@ $B/libvxs.a: $(runtime.o)
 	@echo "  ar   $@"
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
-$B/baker/casters_cgal.cc.o: cxxflags += -frounding-math # CGAL's exact predicates need it
+$B/baker/scene/casters_cgal.cc.o: cxxflags += -frounding-math # CGAL's exact predicates need it
 
 $B/%.c.o: %.c
 	@echo "  cc   $<"
@@ -144,7 +144,7 @@ uninstall:
 	rmdir $(to)/include/vxs
 
 format:
-	clang-format -i $(wildcard $(foreach d,baker formats runtime tests/unit tests/exact tests/bench,$d/*.c $d/*.cc $d/*.h))
+	clang-format -i $(wildcard $(foreach d,baker baker/* formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))
 
 clean:
 	$(RM) -r build

@@ -8,15 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/baseline.h"
-#include "baker/clock.h"
-#include "baker/light_choice.h"
-#include "baker/light_fit.h"
-#include "baker/output_file.h"
-#include "baker/parallel.h"
-#include "baker/version.h"
+#include "baker/base/clock.h"
+#include "baker/base/output_file.h"
+#include "baker/base/parallel.h"
+#include "baker/base/version.h"
+#include "baker/command/light_choice.h"
+#include "baker/maps/baseline.h"
+#include "baker/maps/light_fit.h"
 
-static uint32_t min_u32(uint32_t a, uint32_t b) { return a < b ? a : b; }
+static uint32_t min_u32(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
 
 /* time and memory by stage ---------------------------------------------------------------------------------------------------- */
 
@@ -45,7 +48,10 @@ static void stage_end(stage_timer *t, bake_stage stage)
 static const char *const stage_names[STAGE_COUNT] = {"load",   "solids",   "gl",    "maps",   "pyramid", "masks",
                                                      "insert", "compress", "merge", "encode", "write"};
 
-const char *bake_stage_name(bake_stage stage) { return stage_names[stage]; }
+const char *bake_stage_name(bake_stage stage)
+{
+    return stage_names[stage];
+}
 
 /* one map tile into sub-DAGs -------------------------------------------------------------------------------------------------- */
 
@@ -119,9 +125,9 @@ static vxs_result add_tile(const bake_options *o, depth_maps *maps, uint32_t i, 
 
     tile_job t = {.o = o, .source = depth_maps_columns(maps), .sub_px = min_u32(maps->side_px / 4, SUB_DAG_MAX_PX)};
     if (t.sub_px < 8) t.sub_px = 8;
-    t.sub_side      = maps->side_px / t.sub_px;
-    uint32_t count  = t.sub_side * t.sub_side;
-    t.subs          = calloc(count, sizeof *t.subs);
+    t.sub_side     = maps->side_px / t.sub_px;
+    uint32_t count = t.sub_side * t.sub_side;
+    t.subs         = calloc(count, sizeof *t.subs);
     if (!t.subs) return VXS_E_MEMORY;
 
     parallel_for(o->threads, count, 1, masks_of_sub, &t);
@@ -186,12 +192,12 @@ static vxs_result bake_tiles(const bake_options *o, depth_renderer *renderer, da
 static vxs_result bake_light(const bake_options *o, gl_context *gl, const casters *c, const chosen_light *chosen, dag *out,
                              baseline *base, bake_report *report, light_report *light, message *m)
 {
-    light_fit_desc fit = {.name           = chosen->name,
-                          .direction_ws   = chosen->direction_ws,
-                          .resolution     = o->resolution,
-                          .resolution_max = RESOLUTION_MAX_PX,
-                          .texel_metres   = o->texel_metres,
-                          .region_ws      = o->region_given ? o->region_ws : NULL};
+    light_fit_desc  fit      = {.name           = chosen->name,
+                                .direction_ws   = chosen->direction_ws,
+                                .resolution     = o->resolution,
+                                .resolution_max = RESOLUTION_MAX_PX,
+                                .texel_metres   = o->texel_metres,
+                                .region_ws      = o->region_given ? o->region_ws : NULL};
     depth_renderer *renderer = NULL;
     dag_merger     *merger   = NULL;
     depth_maps      maps     = {0};
@@ -229,10 +235,10 @@ done:
 
 /* the file -------------------------------------------------------------------------------------------------------------------- */
 
-static const char *const rule_names[]     = {"greedy", "shadow"};
-static const char *const stop_names[]     = {"insert", "partial", "final"};
-static const char *const exit_names[]     = {"auto", "peel", "back"};
-static const char *const closed_names[]   = {"auto", "on", "off"};
+static const char *const rule_names[]   = {"greedy", "shadow"};
+static const char *const stop_names[]   = {"insert", "partial", "final"};
+static const char *const exit_names[]   = {"auto", "peel", "back"};
+static const char *const closed_names[] = {"auto", "on", "off"};
 
 /* What made the file, for people and tools; a lookup needs none of it. No clock, no path: same input, same bytes. */
 static char *metadata_text(const bake_options *o, const bake_report *report)
@@ -249,7 +255,8 @@ static char *metadata_text(const bake_options *o, const bake_report *report)
 
 static vxs_dag_view view_of(const dag *d)
 {
-    vxs_dag_view v = {.level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count, .root = d->roots[0] - REF_FIRST};
+    vxs_dag_view v = {
+        .level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count, .root = d->roots[0] - REF_FIRST};
     for (uint32_t l = 0; l < d->level_count; l++) {
         v.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
         v.count[l] = d->level[l].count;
@@ -288,7 +295,7 @@ static void report_contents(const vxs_contents *c, bake_report *report)
         for (uint32_t s = 0; s < c->section_count; s++) {
             const vxs_section *section = &c->sections[s];
             if (section->light != n) continue;
-            int masks                           = section->kind == VXS_KIND_MASKS;
+            int masks                          = section->kind == VXS_KIND_MASKS;
             light->level[light->level_count++] = (level_report){
                 .side_voxels  = masks ? 0 : 8u << section->level,
                 .count        = masks ? stored->mask_count : stored->node_count[section->level],
@@ -321,11 +328,11 @@ static vxs_result write_file(const bake_options *o, const vxs_bytes *file, bake_
 
 static void report_casters(bake_report *report, const casters *c, const scene *s)
 {
-    report->scene_triangles           = s->triangle_count;
-    report->scene_lights              = s->light_count;
-    report->casters                   = *c;
-    report->casters.positions_ws      = NULL;
-    report->casters.indices           = NULL;
+    report->scene_triangles      = s->triangle_count;
+    report->scene_lights         = s->light_count;
+    report->casters              = *c;
+    report->casters.positions_ws = NULL;
+    report->casters.indices      = NULL;
     for (int axis = 0; axis < 3; axis++) {
         report->casters_min_ws[axis] = INFINITY;
         report->casters_max_ws[axis] = -INFINITY;

@@ -3,10 +3,10 @@
 #ifndef BAKE_H
 #define BAKE_H
 
-#include "baker/casters.h"
-#include "baker/dag.h"
-#include "baker/depth_gl.h"
-#include "baker/options.h"
+#include "baker/command/options.h"
+#include "baker/dag/dag.h"
+#include "baker/maps/depth_gl.h"
+#include "baker/scene/casters.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MAX_PX = 4096, SUB_DAG_MAX_PX = 1024 };
 
@@ -20,12 +20,12 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 
 typedef struct bake_options {
     const char    *scene_path;
-    const char    *output_path;  /* "-" is standard output */
-    const char    *scene_name;   /* NULL: the default scene */
-    text_list      light_names;  /* none: all directional lights, or the sun */
+    const char    *output_path; /* "-" is standard output */
+    const char    *scene_name;  /* NULL: the default scene */
+    text_list      light_names; /* none: all directional lights, or the sun */
     int            sun_given;
-    double         sun[3];       /* the way sunlight travels; any length but zero */
-    uint32_t       resolution;   /* texels a side; 0: from texel_metres */
+    double         sun[3];     /* the way sunlight travels; any length but zero */
+    uint32_t       resolution; /* texels a side; 0: from texel_metres */
     double         texel_metres;
     int            region_given;
     double         region_ws[6]; /* min xyz, max xyz */
@@ -70,16 +70,16 @@ typedef struct level_report {
 } level_report;
 
 typedef struct light_report {
-    vxs_light    light;       /* words is NULL */
+    vxs_light    light; /* words is NULL */
     depth_stats  depth;
-    uint64_t     tiles, tiles_skipped;   /* map tiles of TILE_MAX_PX at most; without casters */
-    uint64_t     mask_tiles, mask_runs;  /* 8 x 8 tiles that need masks; masks before merging */
+    uint64_t     tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
+    uint64_t     mask_tiles, mask_runs;          /* 8 x 8 tiles that need masks; masks before merging */
     uint64_t     inserted_nodes, inserted_masks; /* before compression */
     uint64_t     memory_bytes, stored_bytes;
-    level_report level[VXS_LEVELS_MAX];  /* the root first, masks last */
+    level_report level[VXS_LEVELS_MAX]; /* the root first, masks last */
     uint32_t     level_count;
-    double       depth_zstd19_ratio;  /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
-    double       depth_sample_share;  /* of its texels that this was measured on */
+    double       depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
+    double       depth_sample_share; /* of its texels that this was measured on */
 } light_report;
 
 typedef struct bake_report {
@@ -90,7 +90,7 @@ typedef struct bake_report {
     char          renderer[128];
     uint64_t      file_bytes;
     size_t        scene_triangles, scene_lights;
-    casters       casters;     /* counts only: no arrays */
+    casters       casters; /* counts only: no arrays */
     double        casters_min_ws[3], casters_max_ws[3];
     light_report *lights;
     uint32_t      light_count;

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/options.h"
-#include "baker/version.h"
+#include "baker/base/version.h"
+#include "baker/command/options.h"
 
 static const struct {
     const char *name;
@@ -25,7 +25,8 @@ enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
 static void print_usage(FILE *to)
 {
-    fprintf(to, "vxs %s: baked voxelized shadows\n\nusage: vxs COMMAND [arguments], vxs COMMAND --help\n\ncommands:\n", VXS_VERSION);
+    fprintf(to, "vxs %s: baked voxelized shadows\n\nusage: vxs COMMAND [arguments], vxs COMMAND --help\n\ncommands:\n",
+            VXS_VERSION);
     for (int n = 0; n < COMMAND_COUNT; n++) fprintf(to, "  %-10s %s\n", commands[n].name, commands[n].summary);
 }
 

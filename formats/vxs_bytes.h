@@ -6,11 +6,20 @@
 #include <stdint.h>
 #include <string.h>
 
-static inline uint16_t vxs_load16(const uint8_t *p) { return (uint16_t)(p[0] | p[1] << 8); }
+static inline uint16_t vxs_load16(const uint8_t *p)
+{
+    return (uint16_t)(p[0] | p[1] << 8);
+}
 
-static inline uint32_t vxs_load32(const uint8_t *p) { return vxs_load16(p) | (uint32_t)vxs_load16(p + 2) << 16; }
+static inline uint32_t vxs_load32(const uint8_t *p)
+{
+    return vxs_load16(p) | (uint32_t)vxs_load16(p + 2) << 16;
+}
 
-static inline uint64_t vxs_load64(const uint8_t *p) { return vxs_load32(p) | (uint64_t)vxs_load32(p + 4) << 32; }
+static inline uint64_t vxs_load64(const uint8_t *p)
+{
+    return vxs_load32(p) | (uint64_t)vxs_load32(p + 4) << 32;
+}
 
 static inline double vxs_load_f64(const uint8_t *p)
 {

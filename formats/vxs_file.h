@@ -20,13 +20,13 @@ typedef struct vxs_light {
     uint32_t kind;                       /* VXS_LIGHT_KIND_DIRECTIONAL */
     uint32_t flags;                      /* VXS_LIGHT_BOUNDED or 0 */
     uint32_t levels;                     /* the map has 2^levels texels a side and 2^levels voxels in depth; 3..18 */
-    double   vx_from_ws[12];   /* rows of a 3 x 4 matrix: world metres to texels u, v and voxels of depth; (0,0,0) is the corner
+    double   vx_from_ws[12];  /* rows of a 3 x 4 matrix: world metres to texels u, v and voxels of depth; (0,0,0) is the corner
                                   of the map nearest the light */
-    double   texel_metres;     /* side of a texel */
-    double   voxel_metres;     /* depth of a voxel */
-    double   direction_ws[3];  /* unit vector, the way the light travels */
+    double   texel_metres;    /* side of a texel */
+    double   voxel_metres;    /* depth of a voxel */
+    double   direction_ws[3]; /* unit vector, the way the light travels */
 
-    const uint32_t *words;      /* [word_count] the DAG as vxs_lookup.h reads it */
+    const uint32_t *words; /* [word_count] the DAG as vxs_lookup.h reads it */
     uint32_t        word_count;
     uint32_t        node_count[VXS_LEVELS_MAX]; /* by height: [0] slice nodes, [levels - 3] the root */
     uint32_t        node_words[VXS_LEVELS_MAX]; /* words that they take */
@@ -99,7 +99,7 @@ typedef struct vxs_write_light {
 typedef struct vxs_write_desc {
     const vxs_write_light *lights;
     uint32_t               light_count;
-    const char            *metadata; /* JSON text, NUL-terminated; NULL: none */
+    const char            *metadata;   /* JSON text, NUL-terminated; NULL: none */
     int                    zstd_level; /* 1..19 */
 } vxs_write_desc;
 

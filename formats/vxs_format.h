@@ -7,62 +7,62 @@
 #define VXS_FORMAT_VERSION 1
 
 /* vxs.md section 3: header */
-#define VXS_MAGIC                   "\x8fVXS\r\n\x1a\n"
-#define VXS_MAGIC_BYTES             8
-#define VXS_HEADER_BYTES            64
-#define VXS_HEADER_VERSION          8
-#define VXS_HEADER_SECTION_COUNT    12
-#define VXS_HEADER_FILE_BYTES       16
-#define VXS_HEADER_DIRECTORY_HASH   24
-#define VXS_HEADER_RESERVED         32
-#define VXS_HEADER_HASH             56
+#define VXS_MAGIC                 "\x8fVXS\r\n\x1a\n"
+#define VXS_MAGIC_BYTES           8
+#define VXS_HEADER_BYTES          64
+#define VXS_HEADER_VERSION        8
+#define VXS_HEADER_SECTION_COUNT  12
+#define VXS_HEADER_FILE_BYTES     16
+#define VXS_HEADER_DIRECTORY_HASH 24
+#define VXS_HEADER_RESERVED       32
+#define VXS_HEADER_HASH           56
 
 /* vxs.md section 4: directory */
-#define VXS_ENTRY_BYTES             48
-#define VXS_ENTRY_KIND              0
-#define VXS_ENTRY_FLAGS             4
-#define VXS_ENTRY_LIGHT             8
-#define VXS_ENTRY_LEVEL             12
-#define VXS_ENTRY_OFFSET            16
-#define VXS_ENTRY_STORED_BYTES      24
-#define VXS_ENTRY_INFLATED_BYTES    32
-#define VXS_ENTRY_HASH              40
+#define VXS_ENTRY_BYTES          48
+#define VXS_ENTRY_KIND           0
+#define VXS_ENTRY_FLAGS          4
+#define VXS_ENTRY_LIGHT          8
+#define VXS_ENTRY_LEVEL          12
+#define VXS_ENTRY_OFFSET         16
+#define VXS_ENTRY_STORED_BYTES   24
+#define VXS_ENTRY_INFLATED_BYTES 32
+#define VXS_ENTRY_HASH           40
 
-#define VXS_KIND_LIGHTS             0x5448474cu /* "LGHT" */
-#define VXS_KIND_LEVEL              0x4c56454cu /* "LEVL" */
-#define VXS_KIND_MASKS              0x4b53414du /* "MASK" */
-#define VXS_KIND_METADATA           0x4154454du /* "META" */
-#define VXS_SECTION_OPTIONAL        1u          /* entry flag: a reader that does not know the kind skips the section */
-#define VXS_NO_LIGHT                0xffffffffu /* entry belongs to the file, not to one light */
+#define VXS_KIND_LIGHTS      0x5448474cu /* "LGHT" */
+#define VXS_KIND_LEVEL       0x4c56454cu /* "LEVL" */
+#define VXS_KIND_MASKS       0x4b53414du /* "MASK" */
+#define VXS_KIND_METADATA    0x4154454du /* "META" */
+#define VXS_SECTION_OPTIONAL 1u          /* entry flag: a reader that does not know the kind skips the section */
+#define VXS_NO_LIGHT         0xffffffffu /* entry belongs to the file, not to one light */
 
 /* vxs.md section 5: lights */
-#define VXS_LIGHTS_PREFIX_BYTES     8
-#define VXS_LIGHT_BYTES             256
-#define VXS_LIGHT_KIND              0
-#define VXS_LIGHT_LEVELS            4
-#define VXS_LIGHT_WORD_COUNT        8
-#define VXS_LIGHT_FLAGS             12
-#define VXS_LIGHT_VX_FROM_WS        16
-#define VXS_LIGHT_TEXEL_METRES      112
-#define VXS_LIGHT_VOXEL_METRES      120
-#define VXS_LIGHT_DIRECTION         128
-#define VXS_LIGHT_RESERVED          152
-#define VXS_LIGHT_NAME              192
-#define VXS_LIGHT_NAME_BYTES        64
-#define VXS_LIGHT_KIND_DIRECTIONAL  1u
-#define VXS_LIGHT_BOUNDED           1u /* flag: the volume ends at the map's near and far sides */
+#define VXS_LIGHTS_PREFIX_BYTES    8
+#define VXS_LIGHT_BYTES            256
+#define VXS_LIGHT_KIND             0
+#define VXS_LIGHT_LEVELS           4
+#define VXS_LIGHT_WORD_COUNT       8
+#define VXS_LIGHT_FLAGS            12
+#define VXS_LIGHT_VX_FROM_WS       16
+#define VXS_LIGHT_TEXEL_METRES     112
+#define VXS_LIGHT_VOXEL_METRES     120
+#define VXS_LIGHT_DIRECTION        128
+#define VXS_LIGHT_RESERVED         152
+#define VXS_LIGHT_NAME             192
+#define VXS_LIGHT_NAME_BYTES       64
+#define VXS_LIGHT_KIND_DIRECTIONAL 1u
+#define VXS_LIGHT_BOUNDED          1u /* flag: the volume ends at the map's near and far sides */
 
 /* vxs.md section 9: limits */
-#define VXS_SECTIONS_MAX            20480u
-#define VXS_LIGHTS_MAX              1024u
-#define VXS_LEVELS_MIN              3u  /* a map of 8 x 8 texels: the root is a slice node */
-#define VXS_LEVELS_MAX              18u /* a map of 262144 x 262144 texels */
-#define VXS_FILTER_MAX              17  /* widest box filter of a lookup, texels */
+#define VXS_SECTIONS_MAX 20480u
+#define VXS_LIGHTS_MAX   1024u
+#define VXS_LEVELS_MIN   3u  /* a map of 8 x 8 texels: the root is a slice node */
+#define VXS_LEVELS_MAX   18u /* a map of 262144 x 262144 texels */
+#define VXS_FILTER_MAX   17  /* widest box filter of a lookup, texels */
 
 /* vxs.md section 6: what a child of a node is, two bits each */
-#define VXS_CHILD_LIT               0u
-#define VXS_CHILD_SHADOW            1u
-#define VXS_CHILD_OWN               2u /* the node stores an offset for it */
-#define VXS_CHILD_SAME              3u /* the same as its neighbour nearer the light */
+#define VXS_CHILD_LIT    0u
+#define VXS_CHILD_SHADOW 1u
+#define VXS_CHILD_OWN    2u /* the node stores an offset for it */
+#define VXS_CHILD_SAME   3u /* the same as its neighbour nearer the light */
 
 #endif

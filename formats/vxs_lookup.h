@@ -23,30 +23,30 @@
 
 #ifdef GL_core_profile
 #define VXS_FN
-#define VXS_DAG              uint
-#define vxs_u32              uint
-#define vxs_i32              int
-#define VXS_OUT(type)        out type
-#define VXS_ADDRESS(x)       x
-#define VXS_DEREF(x)         x
-#define vxs_word(dag, i)     vxs_words[(dag) + (i)]
-#define vxs_popcount(x)      uint(bitCount(x))
-#define VXS_U(x)             uint(x)
-#define VXS_I(x)             int(x)
+#define VXS_DAG          uint
+#define vxs_u32          uint
+#define vxs_i32          int
+#define VXS_OUT(type)    out type
+#define VXS_ADDRESS(x)   x
+#define VXS_DEREF(x)     x
+#define vxs_word(dag, i) vxs_words[(dag) + (i)]
+#define vxs_popcount(x)  uint(bitCount(x))
+#define VXS_U(x)         uint(x)
+#define VXS_I(x)         int(x)
 #else
 #include <stdint.h>
 typedef uint32_t vxs_u32;
 typedef int32_t  vxs_i32;
-#define VXS_FN               static inline
-#define VXS_DAG              const uint32_t *
-#define VXS_OUT(type)        type *
-#define VXS_ADDRESS(x)       &x
-#define VXS_DEREF(x)         (*(x))
-#define vxs_word(dag, i)     (dag)[i]
-#define VXS_U(x)             ((vxs_u32)(x))
-#define VXS_I(x)             ((vxs_i32)(x))
+#define VXS_FN           static inline
+#define VXS_DAG          const uint32_t *
+#define VXS_OUT(type)    type *
+#define VXS_ADDRESS(x)   &x
+#define VXS_DEREF(x)     (*(x))
+#define vxs_word(dag, i) (dag)[i]
+#define VXS_U(x)         ((vxs_u32)(x))
+#define VXS_I(x)         ((vxs_i32)(x))
 #if defined(__GNUC__) && defined(__POPCNT__)
-#define vxs_popcount(x)      ((vxs_u32)__builtin_popcount(x))
+#define vxs_popcount(x) ((vxs_u32)__builtin_popcount(x))
 #else
 static inline vxs_u32 vxs_popcount(vxs_u32 x)
 {
@@ -58,7 +58,10 @@ static inline vxs_u32 vxs_popcount(vxs_u32 x)
 #endif
 
 /* The states (low bit of each pair) of the children that have an offset of their own: binary 10. */
-VXS_FN vxs_u32 vxs_own(vxs_u32 states) { return (states >> 1) & ~states & 0x5555u; }
+VXS_FN vxs_u32 vxs_own(vxs_u32 states)
+{
+    return (states >> 1) & ~states & 0x5555u;
+}
 
 /* The words of an 8 x 8 x 1 slice: the tile of 8 x 8 texels at (tile_x, tile_y), depth k voxels. One bit a texel, 1 for shadow.
  * dag     the light's words;   levels  the map has 2^levels texels a side, and as many voxels in depth

@@ -49,7 +49,10 @@ static void found(reader *r, int number, int section, uint64_t offset)
 }
 
 /* Whether to go on: nothing was found, or everything is wanted. */
-static int go_on(const reader *r) { return r->result == VXS_OK || r->desc.find_all; }
+static int go_on(const reader *r)
+{
+    return r->result == VXS_OK || r->desc.find_all;
+}
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -102,7 +105,8 @@ static int check_header(reader *r)
     if (r->size < VXS_HEADER_BYTES) return found(r, 101, HEADER, r->size), 0;
     if (vxs_load32(h + VXS_HEADER_VERSION) != VXS_FORMAT_VERSION) return found(r, 103, HEADER, VXS_HEADER_VERSION), 0;
     if (XXH64(h, VXS_HEADER_HASH, 0) != vxs_load64(h + VXS_HEADER_HASH)) return found(r, 104, HEADER, VXS_HEADER_HASH), 0;
-    if (!zeros(h + VXS_HEADER_RESERVED, VXS_HEADER_HASH - VXS_HEADER_RESERVED)) return found(r, 105, HEADER, VXS_HEADER_RESERVED), 0;
+    if (!zeros(h + VXS_HEADER_RESERVED, VXS_HEADER_HASH - VXS_HEADER_RESERVED))
+        return found(r, 105, HEADER, VXS_HEADER_RESERVED), 0;
 
     uint64_t recorded = vxs_load64(h + VXS_HEADER_FILE_BYTES);
     if (r->size != recorded) return found(r, r->size < recorded ? 106 : 107, HEADER, VXS_HEADER_FILE_BYTES), 0;
@@ -146,14 +150,14 @@ static int check_directory(reader *r)
         const uint8_t *e  = r->bytes + VXS_HEADER_BYTES + (size_t)n * VXS_ENTRY_BYTES;
         uint64_t       at = (uint64_t)(e - r->bytes);
         vxs_section    s  = {
-                 .kind           = vxs_load32(e + VXS_ENTRY_KIND),
-                 .flags          = vxs_load32(e + VXS_ENTRY_FLAGS),
-                 .light          = vxs_load32(e + VXS_ENTRY_LIGHT),
-                 .level          = vxs_load32(e + VXS_ENTRY_LEVEL),
-                 .offset_bytes   = vxs_load64(e + VXS_ENTRY_OFFSET),
-                 .stored_bytes   = vxs_load64(e + VXS_ENTRY_STORED_BYTES),
-                 .inflated_bytes = vxs_load64(e + VXS_ENTRY_INFLATED_BYTES),
-                 .hash           = vxs_load64(e + VXS_ENTRY_HASH),
+                .kind           = vxs_load32(e + VXS_ENTRY_KIND),
+                .flags          = vxs_load32(e + VXS_ENTRY_FLAGS),
+                .light          = vxs_load32(e + VXS_ENTRY_LIGHT),
+                .level          = vxs_load32(e + VXS_ENTRY_LEVEL),
+                .offset_bytes   = vxs_load64(e + VXS_ENTRY_OFFSET),
+                .stored_bytes   = vxs_load64(e + VXS_ENTRY_STORED_BYTES),
+                .inflated_bytes = vxs_load64(e + VXS_ENTRY_INFLATED_BYTES),
+                .hash           = vxs_load64(e + VXS_ENTRY_HASH),
         };
         r->out.sections[n] = s;
         if (s.flags & ~VXS_SECTION_OPTIONAL) found(r, 201, (int)n, at + VXS_ENTRY_FLAGS);
@@ -213,7 +217,10 @@ static int transform_valid(const double *m)
     return isfinite(det) && det != 0.0;
 }
 
-static int measure_valid(double metres) { return isfinite(metres) && metres > 0.0; }
+static int measure_valid(double metres)
+{
+    return isfinite(metres) && metres > 0.0;
+}
 
 static void check_light(reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
@@ -292,10 +299,10 @@ static void check_owners(reader *r)
 
 /* A level while its light is decoded. */
 typedef struct level {
-    int      section;
-    uint8_t *content; /* inflated: node count, states, references */
-    uint64_t size;
-    uint32_t count;
+    int       section;
+    uint8_t  *content; /* inflated: node count, states, references */
+    uint64_t  size;
+    uint32_t  count;
     uint32_t *word; /* [count] where each node starts in the light's words */
 } level;
 
@@ -309,7 +316,10 @@ typedef struct light_reader {
     uint64_t   words; /* used so far */
 } light_reader;
 
-static uint32_t level_states(const level *l, uint32_t node) { return vxs_load16(l->content + 4 + (size_t)node * 2); }
+static uint32_t level_states(const level *l, uint32_t node)
+{
+    return vxs_load16(l->content + 4 + (size_t)node * 2);
+}
 
 /* A child that repeats its neighbour nearer the light has one: an octree child z = 1 one that is its own, a slice any mask. */
 static int states_valid(uint32_t states, int slices)
@@ -380,9 +390,9 @@ static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint3
     uint32_t     next  = 0;
     uint64_t     at    = 4 + (uint64_t)l->count * 2;
     for (uint32_t n = 0; n < l->count; n++) {
-        uint32_t states = level_states(l, n);
-        uint32_t *word  = words + l->word[n];
-        *word++         = states;
+        uint32_t  states = level_states(l, n);
+        uint32_t *word   = words + l->word[n];
+        *word++          = states;
         for (uint32_t own = vxs_popcount(vxs_own(states)); own; own--) {
             uint64_t start = at;
             uint32_t code;
@@ -412,7 +422,7 @@ static int decode_light(light_reader *lr)
     if (total != lr->light->word_count) return found(r, 406, lr->mask_section, 0), 0;
     uint32_t *words = take(r, total, sizeof *words, lr->mask_section);
     if (!words) return 0;
-    lr->light->words = words;
+    lr->light->words                     = words;
     words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
     for (uint32_t l = 0; l < lr->level_count; l++)
         if (!decode_level(lr, l, words, mask_word)) return 0;

@@ -132,9 +132,9 @@ static vxs_result add_light(sections *s, const vxs_dag_view *view, uint32_t ligh
     order[0]     = view->root;
     vxs_result r = VXS_OK;
     for (uint32_t level = view->level_count; level-- > 0 && r == VXS_OK;) {
-        uint32_t  room   = level ? view->count[level - 1] : view->mask_count;
-        uint32_t *below  = malloc(((size_t)room + 1) * sizeof *below);
-        uint32_t *number = calloc((size_t)room + 1, sizeof *number);
+        uint32_t  room        = level ? view->count[level - 1] : view->mask_count;
+        uint32_t *below       = malloc(((size_t)room + 1) * sizeof *below);
+        uint32_t *number      = calloc((size_t)room + 1, sizeof *number);
         uint32_t  below_count = 0;
         r = below && number ? encode_level(&content, view, level, order, count, below, &below_count, number, &words) : VXS_E_MEMORY;
         if (r == VXS_OK) r = add_section(s, VXS_KIND_LEVEL, 0, light, level, &content);

@@ -73,7 +73,7 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     r = VXS_E_MEMORY;
     if ((uint64_t)size >= limit || (uint64_t)size > SIZE_MAX) goto done;
     rest.memory_limit_bytes = limit - (uint64_t)size;
-    bytes = memory.alloc(size ? (size_t)size : 1, memory.user);
+    bytes                   = memory.alloc(size ? (size_t)size : 1, memory.user);
     if (!bytes) goto done;
     r = fread(bytes, 1, (size_t)size, f) == (size_t)size ? vxs_asset_open(asset, bytes, (size_t)size, &rest) : VXS_E_READ;
     memory.free(bytes, size ? (size_t)size : 1, memory.user);
@@ -90,7 +90,10 @@ void vxs_asset_close(vxs_asset *asset)
     memory.free(asset, sizeof *asset, memory.user);
 }
 
-uint32_t vxs_asset_light_count(const vxs_asset *asset) { return asset->contents.light_count; }
+uint32_t vxs_asset_light_count(const vxs_asset *asset)
+{
+    return asset->contents.light_count;
+}
 
 const vxs_light *vxs_asset_light(const vxs_asset *asset, uint32_t index)
 {
@@ -104,12 +107,15 @@ const vxs_light *vxs_asset_find_light(const vxs_asset *asset, const char *name)
     return NULL;
 }
 
-const vxs_contents *vxs_asset_contents(const vxs_asset *asset) { return &asset->contents; }
+const vxs_contents *vxs_asset_contents(const vxs_asset *asset)
+{
+    return &asset->contents;
+}
 
 const char *vxs_result_text(vxs_result result)
 {
     switch (result) {
-#define VXS_RESULT_CASE(name, value, text) \
+#define VXS_RESULT_CASE(name, value, text)                                                                                         \
     case name: return text;
         VXS_RESULTS(VXS_RESULT_CASE)
 #undef VXS_RESULT_CASE

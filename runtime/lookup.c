@@ -25,7 +25,7 @@ static double away_from_zero(double step)
 void vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3])
 {
     for (int row = 0; row < 3; row++) {
-        const double *m = light->vx_from_ws + 4 * row;
+        const double *m          = light->vx_from_ws + 4 * row;
         double        coordinate = floor(m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3]);
         if (normal_ws) {
             double along = m[0] * normal_ws[0] + m[1] * normal_ws[1] + m[2] * normal_ws[2];
@@ -51,7 +51,8 @@ float vxs_lookup(const vxs_light *light, const double point_ws[3], const double 
     return (float)(taps - dark) / (float)taps;
 }
 
-void vxs_lookup_many(const vxs_light *light, const double *points_ws, const double *normals_ws, size_t count, int filter_px, float *lit)
+void vxs_lookup_many(const vxs_light *light, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
+                     float *lit)
 {
     for (size_t n = 0; n < count; n++)
         lit[n] = vxs_lookup(light, points_ws + 3 * n, normals_ws ? normals_ws + 3 * n : NULL, filter_px);

@@ -21,12 +21,12 @@
 
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
-#include "baker/asset_open.h"
 #include "baker/bake.h"
-#include "baker/light_choice.h"
-#include "baker/light_fit.h"
-#include "baker/parallel.h"
-#include "baker/random.h"
+#include "baker/base/parallel.h"
+#include "baker/base/random.h"
+#include "baker/command/asset_open.h"
+#include "baker/command/light_choice.h"
+#include "baker/maps/light_fit.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16 };
 
@@ -208,8 +208,8 @@ static void add_tallies(tally *to, const tally *worker)
 }
 
 /* A light of the file against depths that are rendered anew. */
-static vxs_result check_light(const exact_options *o, const world *w, const vxs_light *light, const uint32_t *words,
-                              tally *sum, message *m)
+static vxs_result check_light(const exact_options *o, const world *w, const vxs_light *light, const uint32_t *words, tally *sum,
+                              message *m)
 {
     casters         solids_only = w->c;
     depth_renderer *renderer = NULL, *solid_renderer = NULL;
@@ -234,19 +234,16 @@ static vxs_result check_light(const exact_options *o, const world *w, const vxs_
             /* one renderer at a time sets up the context */
             depth_renderer_destroy(renderer);
             renderer = NULL;
-            if ((r = depth_renderer_create(&solid_renderer, w->gl, &solids_only, light, EXIT_BACK, o->bake.threads, m)) !=
-                VXS_OK)
+            if ((r = depth_renderer_create(&solid_renderer, w->gl, &solids_only, light, EXIT_BACK, o->bake.threads, m)) != VXS_OK)
                 break;
             if ((r = depth_renderer_tile(solid_renderer, &solids, i, j, m)) != VXS_OK) break;
             depth_renderer_destroy(solid_renderer);
             solid_renderer = NULL;
-            if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, o->bake.exit, o->bake.threads, m)) != VXS_OK)
-                break;
+            if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, o->bake.exit, o->bake.threads, m)) != VXS_OK) break;
         }
         sum->insane += insane_texels(&maps, any ? &solids : NULL);
 
-        *c =
-            (check){.maps = &maps, .words = words, .levels = light->levels, .side_vx = side, .i0 = i * tile, .j0 = j * tile};
+        *c      = (check){.maps = &maps, .words = words, .levels = light->levels, .side_vx = side, .i0 = i * tile, .j0 = j * tile};
         c->seed = rng_split(o->seed, n).state;
         if (o->columns)
             parallel_for(o->bake.threads, o->columns / tiles, 1024, ask_random_columns, c);
@@ -358,8 +355,7 @@ static vxs_result build_sub(const exact_options *o, const column_source *source,
 
     if ((r = tile_masks_build(&masks, source, i * tiles, j * tiles, tiles, o->bake.rule)) != VXS_OK) goto done;
     if (*left && o->fault == FAULT_MASK) *left -= spoil_some_tile(&masks, source, i * tiles, j * tiles, random, spoil_mask);
-    if (*left && o->fault == FAULT_UNTIL)
-        *left -= spoil_some_tile(&masks, source, i * tiles, j * tiles, random, spoil_until);
+    if (*left && o->fault == FAULT_UNTIL) *left -= spoil_some_tile(&masks, source, i * tiles, j * tiles, random, spoil_until);
     if ((r = dag_insert(&d, source, i, j, levels, &masks, o->bake.reuse)) != VXS_OK) goto done;
     uint32_t level = rng_below(random, levels);
     if (*left && o->fault == FAULT_INSERTED) *left -= spoil_node(&d, level, random);
@@ -419,8 +415,8 @@ static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
     if ((r = build_dag(o, w, &out.light, &d, m)) != VXS_OK) goto done;
 
-    out.dag = (vxs_dag_view){
-        .level_count = d.level_count, .masks = d.masks, .mask_count = d.mask_count, .root = d.roots[0] - REF_FIRST};
+    out.dag =
+        (vxs_dag_view){.level_count = d.level_count, .masks = d.masks, .mask_count = d.mask_count, .root = d.roots[0] - REF_FIRST};
     for (uint32_t l = 0; l < d.level_count; l++) {
         out.dag.nodes[l] = d.level[l].nodes ? d.level[l].nodes[0].child : NULL;
         out.dag.count[l] = d.level[l].count;
@@ -467,8 +463,7 @@ static vxs_result spoilt_asset(const world *w, const exact_options *o, vxs_asset
     vxs_result r;
     if (o->bake.resolution < 64 || o->bake.resolution > TILE_MAX_PX)
         return fail(m, VXS_E_ARGUMENT, "--fault needs --resolution 64 to %d", TILE_MAX_PX);
-    if ((r = build_file(w, o, &file, m)) == VXS_OK &&
-        (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
+    if ((r = build_file(w, o, &file, m)) == VXS_OK && (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
         fail(m, r, "the asset cannot be read back");
     free(file.data);
     return r;
@@ -500,8 +495,8 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
 
     const option options[] = {
         {"--sun", OPTION_VECTOR, o->bake.sun, 0, 3, NULL, "X,Y,Z", "as bake", &o->bake.sun_given},
-        {"--resolution", OPTION_U32, &o->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N",
-         "as bake (default 512)", NULL},
+        {"--resolution", OPTION_U32, &o->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 512)",
+         NULL},
         {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, "auto|peel|back", NULL, "as bake", NULL},
         {"--closed", OPTION_CHOICE, &closed, 0, 0, "auto|on|off", NULL, "as bake", NULL},
         {"--rule", OPTION_CHOICE, &rule, 0, 0, "greedy|shadow", NULL, "as bake", NULL},
@@ -510,8 +505,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
         {"--stop", OPTION_CHOICE, &stop, 0, 0, "insert|partial|final", NULL, "as bake", NULL},
         {"--threads", OPTION_U32, &o->bake.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "as bake", NULL},
         {"--columns", OPTION_TEXT, &columns, 0, 0, NULL, "COUNT", "random columns to look at, or all (default)", NULL},
-        {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)",
-         NULL},
+        {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
         {"--fault", OPTION_CHOICE, &planted, 0, 0, fault_names, NULL, "spoil one thing", NULL},
     };
     const command_line line = {"exact",
@@ -541,11 +535,11 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
 
 static int print_result(const exact_options *o, const tally *t)
 {
-    json_t *line   = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
-                               (json_int_t)o->bake.resolution, "columns", (json_int_t)t->columns, "voxels",
-                               (json_int_t)t->voxels, "wrong_lit", (json_int_t)t->wrong_lit, "wrong_shadow",
-                               (json_int_t)t->wrong_shadow, "insane_depths", (json_int_t)t->insane);
-    int     failed = !line || json_dumpf(line, stdout, JSON_COMPACT) || puts("") < 0 || fflush(stdout);
+    json_t *line =
+        json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution", (json_int_t)o->bake.resolution,
+                  "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "wrong_lit", (json_int_t)t->wrong_lit,
+                  "wrong_shadow", (json_int_t)t->wrong_shadow, "insane_depths", (json_int_t)t->insane);
+    int failed = !line || json_dumpf(line, stdout, JSON_COMPACT) || puts("") < 0 || fflush(stdout);
     json_decref(line);
     return !failed && !t->wrong_lit && !t->wrong_shadow && !t->insane && t->columns;
 }

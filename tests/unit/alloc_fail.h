@@ -32,7 +32,7 @@ static inline void *alloc_fail_alloc(size_t size, void *user)
 
 static inline void alloc_fail_free(void *memory, size_t size, void *user)
 {
-    alloc_fail *a = user;
+    alloc_fail *a     = user;
     char       *start = (char *)memory - ALLOC_FAIL_HEAD;
     size_t      taken;
     memcpy(&taken, start, sizeof taken);

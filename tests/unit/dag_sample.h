@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/random.h"
+#include "baker/base/random.h"
 #include "formats/vxs_file.h"
 
 typedef struct dag_sample {
@@ -41,7 +41,10 @@ static inline void dag_sample_nodes(rng *r, uint32_t *child, uint32_t count, uin
     }
 }
 
-static inline uint32_t dag_sample_tiles(const dag_sample *s) { return 1u << (s->levels - 3); }
+static inline uint32_t dag_sample_tiles(const dag_sample *s)
+{
+    return 1u << (s->levels - 3);
+}
 
 /* Write what `ref`, a child at `level` or a mask (-1), means into its cube: tiles from (x, y), slices from k. */
 static inline void dag_sample_fill(dag_sample *s, int level, uint32_t ref, uint32_t x, uint32_t y, uint32_t k)
@@ -76,10 +79,10 @@ static inline void dag_sample_init(dag_sample *s, rng *r, uint32_t levels, uint3
     for (uint32_t m = 0; m < s->view.mask_count; m++) s->masks[m] = (uint64_t)rng_u32(r) << 32 | rng_u32(r);
     uint32_t below = s->view.mask_count;
     for (uint32_t l = 0; l < s->view.level_count; l++) {
-        uint32_t count    = 1 + rng_below(r, count_max);
-        s->nodes[l]       = dag_sample_alloc(count, 8 * sizeof **s->nodes);
-        s->view.nodes[l]  = s->nodes[l];
-        s->view.count[l]  = count;
+        uint32_t count   = 1 + rng_below(r, count_max);
+        s->nodes[l]      = dag_sample_alloc(count, 8 * sizeof **s->nodes);
+        s->view.nodes[l] = s->nodes[l];
+        s->view.count[l] = count;
         dag_sample_nodes(r, s->nodes[l], count, below, l == 0);
         below = count;
     }

@@ -1,4 +1,4 @@
-/* Which components are solids, which are sheets, and that welding loses nothing (baker/casters.h).
+/* Which components are solids, which are sheets, and that welding loses nothing (baker/scene/casters.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/casters.h" /* before cmocka, whose fail() is a macro */
+#include "baker/scene/casters.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -125,8 +125,7 @@ static void add_cells(fixture *b, int nx, int ny, int nz, const char *cells)
                     at[side / 2] += side % 2 ? 1 : -1;
                     int          within = at[0] >= 0 && at[0] < nx && at[1] >= 0 && at[1] < ny && at[2] >= 0 && at[2] < nz;
                     const double low[3] = {x, y, z}, high[3] = {x + 1, y + 1, z + 1};
-                    if (!within || cells[(at[2] * ny + at[1]) * nx + at[0]] != '#')
-                        add_side(b, low, high, side / 2, side % 2, 0);
+                    if (!within || cells[(at[2] * ny + at[1]) * nx + at[0]] != '#') add_side(b, low, high, side / 2, side % 2, 0);
                 }
 }
 
@@ -196,12 +195,10 @@ static double volume_of(const casters *c, size_t triangle_count)
 {
     double volume = 0;
     for (size_t t = 0; t < triangle_count; t++) {
-        const double *p = &c->positions_ws[3 * (size_t)c->indices[3 * t]],
-                     *q = &c->positions_ws[3 * (size_t)c->indices[3 * t + 1]],
+        const double *p = &c->positions_ws[3 * (size_t)c->indices[3 * t]], *q = &c->positions_ws[3 * (size_t)c->indices[3 * t + 1]],
                      *r = &c->positions_ws[3 * (size_t)c->indices[3 * t + 2]];
         volume +=
-            (p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) + p[2] * (q[0] * r[1] - q[1] * r[0])) /
-            6;
+            (p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) + p[2] * (q[0] * r[1] - q[1] * r[0])) / 6;
     }
     return volume;
 }

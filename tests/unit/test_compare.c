@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/compare.h"
+#include "baker/truth/compare.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -123,8 +123,7 @@ static void filters_are_compared(void **state)
     compare_result exact = compared(&words_exact, o), lit = compared(&words_lit, o);
     for (int kind = 0; kind < COMPARE_KINDS; kind++) {
         assert_int_equal(exact.filter[kind].points, exact.counts[kind].checked);
-        assert_true(exact.filter[kind].rmse <
-                    0.3 * lit.filter[kind].rmse); /* not 0: taps beyond the map are lit, rays are not */
+        assert_true(exact.filter[kind].rmse < 0.3 * lit.filter[kind].rmse); /* not 0: taps beyond the map are lit, rays are not */
         assert_true(lit.filter[kind].max_error == 1 && lit.filter[kind].rmse > 0.6 && lit.filter[kind].rmse < 0.8);
     }
     assert_true(exact.time.filter_s > 0);

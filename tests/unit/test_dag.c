@@ -1,5 +1,5 @@
 /* Insertion, compression and merge of DAGs: expanded back to voxels against the columns, counted against brute force
- * (baker/dag.h). SPDX-License-Identifier: GPL-3.0-or-later */
+ * (baker/dag/dag.h). SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "baker/bake.h" /* before cmocka, whose fail() is a macro */
-#include "baker/generate.h"
-#include "baker/ref_table.h"
+#include "baker/dag/ref_table.h"
+#include "baker/scene/generate.h"
 
 #include <cmocka.h>
 
@@ -22,8 +22,7 @@ typedef struct build_options {
     int       reuse;
 } build_options;
 
-static const build_options ways[] = {
-    {MASK_RULE_GREEDY, 1}, {MASK_RULE_GREEDY, 0}, {MASK_RULE_SHADOW, 1}, {MASK_RULE_SHADOW, 0}};
+static const build_options ways[] = {{MASK_RULE_GREEDY, 1}, {MASK_RULE_GREEDY, 0}, {MASK_RULE_SHADOW, 1}, {MASK_RULE_SHADOW, 0}};
 
 /* --- making and reading DAGs
  * ------------------------------------------------------------------------------------------------- */
@@ -251,8 +250,7 @@ static void reuse_changes_no_voxel(void **state)
         for (mask_rule rule = MASK_RULE_GREEDY; rule <= MASK_RULE_SHADOW; rule++) {
             depth_maps maps;
             make_maps(&maps, 32, 128, kind, 5);
-            dag on  = insert(&maps, 32, 0, 0, (build_options){rule, 1}),
-                off = insert(&maps, 32, 0, 0, (build_options){rule, 0});
+            dag on = insert(&maps, 32, 0, 0, (build_options){rule, 1}), off = insert(&maps, 32, 0, 0, (build_options){rule, 0});
             assert_same_voxels(&on, &off, 32, 128);
             assert_true(dag_node_count(&on) <= dag_node_count(&off));
             assert_true(on.mask_count <= off.mask_count);
@@ -449,8 +447,7 @@ static void equal_subtrees_are_kept_once(void **state)
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /* The map of maps->side_px texels from sub-DAGs of `sub` texels. compress: 0 as inserted, else before merging. */
-static dag merge(const depth_maps *maps, uint32_t sub, build_options o, int compress, int unify, int backwards,
-                 uint64_t keep)
+static dag merge(const depth_maps *maps, uint32_t sub, build_options o, int compress, int unify, int backwards, uint64_t keep)
 {
     dag_merger *merger;
     dag         d;

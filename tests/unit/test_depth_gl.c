@@ -1,5 +1,5 @@
 /* Rendered enter and exit depths against a brute-force reference in double: every triangle through every texel centre,
- * sorted and counted (baker/depth_gl.h; what e and x are stands in depth_gl.c).
+ * sorted and counted (baker/maps/depth_gl.h; what e and x are stands in depth_gl.c).
  *
  * The scenes are written in the light's space, u and v in texels and z in voxels, so that the light's matrix is the
  * identity. Rasterizers snap vertices to 1/256 texel and interpolate in float: texels whose centre is within 1/128 of an
@@ -14,10 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/depth_gl.h" /* before cmocka, whose fail() is a macro */
-#include "baker/light_fit.h"
-#include "baker/random.h"
-#include "baker/vec3.h"
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "baker/maps/depth_gl.h" /* before cmocka, whose fail() is a macro */
+#include "baker/maps/light_fit.h"
 
 #include <cmocka.h>
 
@@ -171,8 +171,8 @@ static double area2(const double a[2], const double b[2], const double c[2])
 }
 
 /* corners: u and v as they are for coverage, and snapped for the plane of depths. */
-static void hit_texel(texel_hits *t, const double p[2], double flat[3][2], double snapped[3][2], const double z[3],
-                      int solid, uint32_t side)
+static void hit_texel(texel_hits *t, const double p[2], double flat[3][2], double snapped[3][2], const double z[3], int solid,
+                      uint32_t side)
 {
     for (int n = 0; n < 3; n++) t->unsure |= segment_distance(p, flat[n], flat[(n + 1) % 3]) < 1.0 / 128;
     double w[3] = {area2(flat[1], flat[2], p), area2(flat[2], flat[0], p), area2(flat[0], flat[1], p)};
@@ -305,8 +305,8 @@ static depth_stats render(const casters *c, uint32_t side, exit_mode mode, depth
 
 typedef struct compared {
     size_t asked, sure; /* texels with casters; of them, those whose exit has one value */
-    size_t early; /* those that left the union before its farthest possible exit: right, but for a smaller free range */
-    double worst; /* farthest e from the reference, in tolerances */
+    size_t early;       /* those that left the union before its farthest possible exit: right, but for a smaller free range */
+    double worst;       /* farthest e from the reference, in tolerances */
 } compared;
 
 static compared compare_maps(const texel_hits *all, const depth_maps *maps, exit_mode mode)
@@ -323,8 +323,8 @@ static compared compare_maps(const texel_hits *all, const depth_maps *maps, exit
         int sheet_first = h.low <= s.high, solid_first = s.low <= h.high; /* both: too near to tell */
         int right = (sheet_first && x == e) || (solid_first && x >= fmin(exit.low, 1) && x <= exit.high);
         if (!right)
-            print_error("texel %zu: e %.9g, x %.9g, expected s %.9g..%.9g h %.9g..%.9g x %.9g..%.9g\n", n, e, x, s.low,
-                        s.high, h.low, h.high, exit.low, exit.high);
+            print_error("texel %zu: e %.9g, x %.9g, expected s %.9g..%.9g h %.9g..%.9g x %.9g..%.9g\n", n, e, x, s.low, s.high,
+                        h.low, h.high, exit.low, exit.high);
         assert_true(right);
         result.asked += t->count > 0;
         result.sure += t->count > 0 && solid_first && !sheet_first && exit.high - exit.low < 1e-3;
@@ -350,8 +350,8 @@ static depth_stats check_scene(mesh *k, uint32_t side)
         assert_true(back.exit[n] <= peel.exit[n]); /* never behind it */
     }
     if (getenv("DEPTH_VERBOSE"))
-        print_message("%u: %zu triangles, %zu texels, %zu sure, %zu early, worst %.2f, %u passes\n", side,
-                      k->c.triangle_count, c.asked, c.sure, c.early, c.worst, stats.peel_passes_max);
+        print_message("%u: %zu triangles, %zu texels, %zu sure, %zu early, worst %.2f, %u passes\n", side, k->c.triangle_count,
+                      c.asked, c.sure, c.early, c.worst, stats.peel_passes_max);
     if (side >= 64) assert_true(c.asked > (size_t)side * side / 100);
     free(all);
     depth_maps_free(&peel);
@@ -431,8 +431,8 @@ static void boxes_that_share_faces(void **state)
             z += more;
         }
         for (int n = 0; n < 4; n++) add_box(&k, 130.5 + 10 * n, 90.2, 100, 140.5 + 10 * n, 150.3, 140); /* side by side */
-        for (int n = 0; n < 3; n++) add_box(&k, 90.4, 140.6, 90, 110.8, 170.2, 120); /* the same box again */
-        add_box(&k, 90.4, 140.6, 120, 110.8, 170.2, 130);                            /* on all three */
+        for (int n = 0; n < 3; n++) add_box(&k, 90.4, 140.6, 90, 110.8, 170.2, 120);                    /* the same box again */
+        add_box(&k, 90.4, 140.6, 120, 110.8, 170.2, 130);                                               /* on all three */
         add_box(&k, 160.2, 160.7, 80, 180.4, 175.1, 160);
         add_box(&k, 165.2, 162.7, 80, 175.4, 173.1, 160); /* both ends in common */
         solids_end(&k);

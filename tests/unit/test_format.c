@@ -36,7 +36,7 @@ typedef struct findings {
 
 static vxs_result result_of(int number)
 {
-#define RESULT_OF(n, result, text) \
+#define RESULT_OF(n, result, text)                                                                                                 \
     if (number == n) return result;
     VXS_FINDINGS(RESULT_OF)
 #undef RESULT_OF
@@ -368,8 +368,7 @@ static void round_trip(uint64_t seed, uint32_t light_count, const uint32_t *leve
 static void test_round_trip_small(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 200; seed++)
-        round_trip(seed, 1, (uint32_t[]){3 + (uint32_t)(seed % 4)}, seed % 3 ? 5 : 60);
+    for (uint64_t seed = 0; seed < 200; seed++) round_trip(seed, 1, (uint32_t[]){3 + (uint32_t)(seed % 4)}, seed % 3 ? 5 : 60);
 }
 
 static void test_round_trip_large(void **state)
@@ -403,11 +402,11 @@ static void test_unreachable_nodes_are_left_out(void **state)
     vxs_write_light light         = dag_sample_light(&none, "sun");
     light.dag = (vxs_dag_view){.nodes = {slices}, .count = {3}, .level_count = 1, .masks = masks, .mask_count = 4, .root = 0};
 
-    vxs_write_desc desc = {.lights = &light, .light_count = 1, .zstd_level = 1};
-    vxs_bytes      file = {0};
-    alloc_fail      a         = {0};
-    vxs_allocator   allocator = alloc_fail_allocator(&a);
-    vxs_contents    contents;
+    vxs_write_desc desc      = {.lights = &light, .light_count = 1, .zstd_level = 1};
+    vxs_bytes      file      = {0};
+    alloc_fail     a         = {0};
+    vxs_allocator  allocator = alloc_fail_allocator(&a);
+    vxs_contents   contents;
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &(vxs_read_desc){.allocator = &allocator}), VXS_OK);
     const vxs_light *l = contents.lights;
@@ -431,9 +430,9 @@ static void test_write_refuses(void **state)
     vxs_write_desc  desc      = {.lights = lights, .light_count = 2, .zstd_level = 1};
     vxs_bytes       file      = {0};
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
-#define REFUSES(change, undo)                                \
-    change;                                                  \
-    assert_int_equal(vxs_write(&file, &desc), VXS_E_ARGUMENT); \
+#define REFUSES(change, undo)                                                                                                      \
+    change;                                                                                                                        \
+    assert_int_equal(vxs_write(&file, &desc), VXS_E_ARGUMENT);                                                                     \
     undo
     REFUSES(desc.light_count = 0, desc.light_count = 2);
     REFUSES(desc.light_count = VXS_LIGHTS_MAX + 1, desc.light_count = 2);
@@ -493,7 +492,7 @@ static void test_every_prefix_is_refused(void **state)
     }
     vxs_bytes longer = {0};
     set_bytes(&longer, file.data, file.size_bytes);
-    longer.data = realloc(longer.data, ++longer.size_bytes);
+    longer.data                        = realloc(longer.data, ++longer.size_bytes);
     longer.data[longer.size_bytes - 1] = 0;
     refused(&longer, 107);
     free(longer.data);
@@ -628,7 +627,10 @@ static void finding_after(int number, change_fn *change)
 }
 
 /* The content of a section, to change; its stored bytes follow with `store`. */
-static uint8_t *content_of(parts *p, uint32_t kind, uint32_t level) { return find_part(p, kind, level)->content.data; }
+static uint8_t *content_of(parts *p, uint32_t kind, uint32_t level)
+{
+    return find_part(p, kind, level)->content.data;
+}
 
 static void set_content(parts *p, uint32_t kind, uint32_t level, const void *content, size_t size)
 {
@@ -646,10 +648,22 @@ static void drop(parts *p, uint32_t kind)
     p->count--;
 }
 
-static void undefined_flag(parts *p) { p->part[0].flags = 2; }
-static void unknown_kind(parts *p) { add_part(p, 0x20202020, 0, "?", 1); }
-static void not_a_frame(parts *p) { p->part[0].stored.data[0] ^= 1; }
-static void wrong_size(parts *p) { p->part[0].inflated_bytes++; }
+static void undefined_flag(parts *p)
+{
+    p->part[0].flags = 2;
+}
+static void unknown_kind(parts *p)
+{
+    add_part(p, 0x20202020, 0, "?", 1);
+}
+static void not_a_frame(parts *p)
+{
+    p->part[0].stored.data[0] ^= 1;
+}
+static void wrong_size(parts *p)
+{
+    p->part[0].inflated_bytes++;
+}
 static void two_frames(parts *p)
 {
     vxs_bytes *b = &p->part[0].stored;
@@ -671,15 +685,33 @@ static void skippable_frame(parts *p)
 }
 static void empty_section(parts *p)
 {
-    part *text = find_part(p, VXS_KIND_METADATA, 0);
+    part *text              = find_part(p, VXS_KIND_METADATA, 0);
     text->stored.size_bytes = 0;
 }
-static void endless_section(parts *p) { find_part(p, VXS_KIND_MASKS, 0)->inflated_bytes = UINT64_MAX; }
-static void twice(parts *p) { add_part(p, VXS_KIND_METADATA, 0, "{}", 2); }
-static void no_lights(parts *p) { drop(p, VXS_KIND_LIGHTS); }
-static void no_masks(parts *p) { drop(p, VXS_KIND_MASKS); }
-static void no_level(parts *p) { drop(p, VXS_KIND_LEVEL); }
-static void other_light(parts *p) { add_part(p, VXS_KIND_MASKS, 0, "", 0)->light = 2; }
+static void endless_section(parts *p)
+{
+    find_part(p, VXS_KIND_MASKS, 0)->inflated_bytes = UINT64_MAX;
+}
+static void twice(parts *p)
+{
+    add_part(p, VXS_KIND_METADATA, 0, "{}", 2);
+}
+static void no_lights(parts *p)
+{
+    drop(p, VXS_KIND_LIGHTS);
+}
+static void no_masks(parts *p)
+{
+    drop(p, VXS_KIND_MASKS);
+}
+static void no_level(parts *p)
+{
+    drop(p, VXS_KIND_LEVEL);
+}
+static void other_light(parts *p)
+{
+    add_part(p, VXS_KIND_MASKS, 0, "", 0)->light = 2;
+}
 static void masks_of_a_level(parts *p)
 {
     part *masks  = add_part(p, VXS_KIND_MASKS, 0, "", 0);
@@ -692,7 +724,10 @@ static void level_too_high(parts *p)
     level->light = 0;
     level->level = 2;
 }
-static void metadata_of_a_light(parts *p) { find_part(p, VXS_KIND_METADATA, 0)->light = 0; }
+static void metadata_of_a_light(parts *p)
+{
+    find_part(p, VXS_KIND_METADATA, 0)->light = 0;
+}
 
 static void test_directory_findings(void **state)
 {
@@ -726,8 +761,8 @@ static void test_directory_findings(void **state)
     parts     p;
     take_apart(&p, &file);
     p.part[p.count - 1].stored.size_bytes--; /* the last section says less than there is */
-    vxs_bytes shorter = put_together(&p);
-    shorter.data      = realloc(shorter.data, ++shorter.size_bytes);
+    vxs_bytes shorter                    = put_together(&p);
+    shorter.data                         = realloc(shorter.data, ++shorter.size_bytes);
     shorter.data[shorter.size_bytes - 1] = 0;
     vxs_store64(shorter.data + VXS_HEADER_FILE_BYTES, shorter.size_bytes);
     seal(&shorter);
@@ -764,8 +799,14 @@ static void table_short(parts *p)
     find_part(p, VXS_KIND_LIGHTS, 0)->content.size_bytes--;
     store(find_part(p, VXS_KIND_LIGHTS, 0));
 }
-static void table_tiny(parts *p) { set_content(p, VXS_KIND_LIGHTS, 0, "\1", 1); }
-static void table_empty(parts *p) { set_content(p, VXS_KIND_LIGHTS, 0, "\0\0\0\0\0\1\0\0", 8); }
+static void table_tiny(parts *p)
+{
+    set_content(p, VXS_KIND_LIGHTS, 0, "\1", 1);
+}
+static void table_empty(parts *p)
+{
+    set_content(p, VXS_KIND_LIGHTS, 0, "\0\0\0\0\0\1\0\0", 8);
+}
 static void table_of_others(parts *p)
 {
     vxs_store32(content_of(p, VXS_KIND_LIGHTS, 0) + 4, VXS_LIGHT_BYTES + 8);
@@ -862,24 +903,25 @@ static void test_level_findings(void **state)
     assert_int_equal(find_part(&p, VXS_KIND_LEVEL, 1)->content.size_bytes, sizeof root);
     assert_memory_equal(content_of(&p, VXS_KIND_LEVEL, 1), root, sizeof root);
     parts_free(&p);
-#define LEVEL(number, level, ...) level_finding(number, level, (const uint8_t[]){__VA_ARGS__}, sizeof((const uint8_t[]){__VA_ARGS__}))
-    LEVEL(401, 1, 1, 0, 0);                                         /* no count */
-    LEVEL(401, 1, 2, 0, 0, 0, 0, 0);                                /* states missing */
+#define LEVEL(number, level, ...)                                                                                                  \
+    level_finding(number, level, (const uint8_t[]){__VA_ARGS__}, sizeof((const uint8_t[]){__VA_ARGS__}))
+    LEVEL(401, 1, 1, 0, 0);          /* no count */
+    LEVEL(401, 1, 2, 0, 0, 0, 0, 0); /* states missing */
     LEVEL(401, 1, 255, 255, 255, 255, 0, 0);
-    LEVEL(401, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0);                    /* a reference missing */
-    LEVEL(401, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 0x80);              /* half of one */
-    LEVEL(401, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 2, 9);              /* one too many */
-    LEVEL(402, 1, 1, 0, 0, 0, 0x3a, 0x93, 0, 0, 2);                 /* child 2 has no neighbour nearer */
-    LEVEL(402, 1, 1, 0, 0, 0, 0x1a, 0xd3, 0, 0);                    /* child 7 repeats child 3, which is lit */
-    LEVEL(402, 0, 1, 0, 0, 0, 3, 0);                                /* slice 0 has none before it */
-    LEVEL(402, 0, 1, 0, 0, 0, 0x0d, 0);                             /* slice 1 repeats slice 0, which is shadow */
-    LEVEL(403, 1, 1, 0, 0, 0, 0x1a, 0x93, 1, 0, 0);                 /* back from nothing */
+    LEVEL(401, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0);       /* a reference missing */
+    LEVEL(401, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 0x80); /* half of one */
+    LEVEL(401, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 2, 9); /* one too many */
+    LEVEL(402, 1, 1, 0, 0, 0, 0x3a, 0x93, 0, 0, 2);    /* child 2 has no neighbour nearer */
+    LEVEL(402, 1, 1, 0, 0, 0, 0x1a, 0xd3, 0, 0);       /* child 7 repeats child 3, which is lit */
+    LEVEL(402, 0, 1, 0, 0, 0, 3, 0);                   /* slice 0 has none before it */
+    LEVEL(402, 0, 1, 0, 0, 0, 0x0d, 0);                /* slice 1 repeats slice 0, which is shadow */
+    LEVEL(403, 1, 1, 0, 0, 0, 0x1a, 0x93, 1, 0, 0);    /* back from nothing */
     LEVEL(403, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 2, 0);
-    LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 0);                 /* a third node, where there are two */
-    LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 1, 1);                 /* the second is nobody's */
-    LEVEL(404, 1, 0, 0, 0, 0);                                      /* no root */
-    LEVEL(404, 1, 2, 0, 0, 0, 0, 0, 0, 0);                          /* two */
-    LEVEL(405, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0x80, 0x00, 1);        /* 0 in two bytes */
+    LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0, 0);          /* a third node, where there are two */
+    LEVEL(404, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 1, 1);          /* the second is nobody's */
+    LEVEL(404, 1, 0, 0, 0, 0);                               /* no root */
+    LEVEL(404, 1, 2, 0, 0, 0, 0, 0, 0, 0);                   /* two */
+    LEVEL(405, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0x80, 0x00, 1); /* 0 in two bytes */
     LEVEL(405, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0xff, 0xff, 0xff, 0xff, 0x7f, 1);
     LEVEL(405, 1, 1, 0, 0, 0, 0x1a, 0x93, 0, 0x80, 0x80, 0x80, 0x80, 0x80, 0x01, 1);
 #undef LEVEL
@@ -997,7 +1039,7 @@ static void test_repeated_sections_are_found_once_each(void **state)
 static void test_every_finding_was_produced(void **state)
 {
     (void)state;
-#define WAS_PRODUCED(number, result, text) \
+#define WAS_PRODUCED(number, result, text)                                                                                         \
     if (!produced[number]) fail_msg("no test produced finding %d", number);
     VXS_FINDINGS(WAS_PRODUCED)
 #undef WAS_PRODUCED

@@ -1,7 +1,7 @@
 /* Procedural scenes: what scenes/README.md promises of them, looked up in the arrays themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/generate.h"
-#include "baker/random.h"
+#include "baker/base/random.h"
+#include "baker/scene/generate.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Where a sun's map lies: all casters inside with the margins that lookups count on (baker/light_fit.h).
+/* Where a sun's map lies: all casters inside with the margins that lookups count on (baker/maps/light_fit.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/light_fit.h" /* before cmocka, whose fail() is a macro */
-#include "baker/random.h"
-#include "baker/vec3.h"
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "baker/maps/light_fit.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -53,8 +53,7 @@ static void assert_axes(const vxs_light *l, const double direction[3])
 {
     double axis[3][3], cross[3];
     for (int row = 0; row < 3; row++)
-        for (int n = 0; n < 3; n++)
-            axis[row][n] = l->vx_from_ws[4 * row + n] * (row < 2 ? l->texel_metres : l->voxel_metres);
+        for (int n = 0; n < 3; n++) axis[row][n] = l->vx_from_ws[4 * row + n] * (row < 2 ? l->texel_metres : l->voxel_metres);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) assert_true(fabs(vec3_dot(axis[a], axis[b]) - (a == b)) < 1e-12);
     vec3_cross(axis[0], axis[1], cross);
@@ -119,9 +118,9 @@ static void every_caster_is_inside(void **state)
 /* Straight down, straight up, along the horizon, and so nearly so that no axis may get lost. */
 static void special_directions(void **state)
 {
-    static const double directions[][3] = {
-        {0, -1, 0},       {0, 1, 0},     {1, 0, 0},     {0, 0, 1},       {0, 0, -1},      {1e-9, -1, 0},  {0, -1, 1e-4},
-        {1e-3, -1, 1e-3}, {2e-3, -1, 0}, {-1, 1e-7, 0}, {0, -1e-300, 1}, {1e-160, -1, 0}, {0.7, -0.7, 0}, {-0.5, -1, -0.3}};
+    static const double directions[][3] = {{0, -1, 0},      {0, 1, 0},       {1, 0, 0},        {0, 0, 1},       {0, 0, -1},
+                                           {1e-9, -1, 0},   {0, -1, 1e-4},   {1e-3, -1, 1e-3}, {2e-3, -1, 0},   {-1, 1e-7, 0},
+                                           {0, -1e-300, 1}, {1e-160, -1, 0}, {0.7, -0.7, 0},   {-0.5, -1, -0.3}};
     (void)state;
     cloud k;
     make_cloud(&k, (const double[3]){1, 2, 3}, (const double[3]){10, 20, 30}, 1);
@@ -220,8 +219,7 @@ static void texel_sizes(void **state)
     const struct {
         double   texel;
         uint32_t side;
-    } cases[] = {{100, 8},           {20, 8},     {100 / 6.0, 8},        {16, 16}, {1, 128},
-                 {100 / 126.0, 128}, {0.79, 256}, {100 / 16382.0, 16384}};
+    } cases[] = {{100, 8}, {20, 8}, {100 / 6.0, 8}, {16, 16}, {1, 128}, {100 / 126.0, 128}, {0.79, 256}, {100 / 16382.0, 16384}};
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         light_fit_desc d = desc_of(down, 0);
         vxs_light      l;

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup.h" /* first: it needs nothing before it */
 
-#include "baker/gl.h"
+#include "baker/maps/gl.h"
 
 #include <GL/osmesa.h>
 #include <stdio.h>
@@ -92,8 +92,9 @@ static void test_count_exhaustive(void **state)
         for (int y = 1; y < TABLE; y++)
             for (int x = 1; x < TABLE; x++) {
                 int      i = x - 1 - PAD, j = y - 1 - PAD;
-                uint32_t shadow = i >= 0 && j >= 0 && i < SIDE && j < SIDE && dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k);
-                sum[y][x]       = shadow + sum[y - 1][x] + sum[y][x - 1] - sum[y - 1][x - 1];
+                uint32_t shadow =
+                    i >= 0 && j >= 0 && i < SIDE && j < SIDE && dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k);
+                sum[y][x] = shadow + sum[y - 1][x] + sum[y][x - 1] - sum[y - 1][x - 1];
             }
         for (int filter_px = 1; filter_px <= VXS_FILTER_MAX; filter_px += 2)
             for (int j = -10; j < SIDE + 10; j++)
@@ -143,12 +144,12 @@ static void test_lookups_random(void **state)
 
 /* the same text as a shader ---------------------------------------------------------------------------------------------------- */
 
-#define COMPUTE_FUNCTIONS(X)                        \
-    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)      \
-    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)    \
-    X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)  \
-    X(PFNGLGETSHADERIVPROC, GetShaderiv)            \
-    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)  \
+#define COMPUTE_FUNCTIONS(X)                                                                                                       \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                     \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
+    X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                                 \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                                           \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                                 \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)
 
 typedef struct compute {
@@ -250,8 +251,8 @@ static void test_shader_answers_like_c(void **state)
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();
     }
-#define COMPUTE_LOAD(type, name)                             \
-    c.name = (type)OSMesaGetProcAddress("gl" #name);         \
+#define COMPUTE_LOAD(type, name)                                                                                                   \
+    c.name = (type)OSMesaGetProcAddress("gl" #name);                                                                               \
     assert_true(c.name != NULL);
     COMPUTE_FUNCTIONS(COMPUTE_LOAD)
 #undef COMPUTE_LOAD
@@ -265,7 +266,7 @@ static void test_shader_answers_like_c(void **state)
     rng       r          = {9};
     for (uint32_t n = 0; n < QUERIES; n++) {
         uint32_t levels = s[n % 3].sample.levels;
-        int32_t  i      = tricky_texel(&r, 1 << levels), j = tricky_texel(&r, 1 << levels);
+        int32_t  i = tricky_texel(&r, 1 << levels), j = tricky_texel(&r, 1 << levels);
         queries[n] = (query){dag[n % 3], levels, i, j, rng_below(&r, 1u << levels), 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2)};
     }
     bind_buffer(&c, 0, word_count * sizeof *words, words);
@@ -280,7 +281,7 @@ static void test_shader_answers_like_c(void **state)
         const query     *q     = &queries[n];
         const vxs_light *light = vxs_asset_light(s[n % 3].asset, 0);
         int32_t          last  = (1 << q->levels) - 1;
-        uint32_t         i = (uint32_t)(q->i < 0 ? 0 : q->i < last ? q->i : last), j = (uint32_t)(q->j < 0 ? 0 : q->j < last ? q->j : last);
+        uint32_t i = (uint32_t)(q->i < 0 ? 0 : q->i < last ? q->i : last), j = (uint32_t)(q->j < 0 ? 0 : q->j < last ? q->j : last);
         assert_int_equal(answers[2 * n], vxs_shadow_count(light->words, q->levels, q->i, q->j, q->k, q->filter_px));
         assert_int_equal(answers[2 * n + 1], vxs_shadow(light->words, q->levels, i, j, q->k));
     }

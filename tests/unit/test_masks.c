@@ -1,5 +1,5 @@
 /* Visibility masks of tiles against the rules as their papers state them, slice by slice, and against the least number that
- * can be (baker/masks.h). masks.c is compiled a second time without SIMD: both must give the same runs.
+ * can be (baker/dag/masks.h). masks.c is compiled a second time without SIMD: both must give the same runs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/masks.h" /* before cmocka, whose fail() is a macro */
-#include "baker/random.h"
+#include "baker/base/random.h"
+#include "baker/dag/masks.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -20,7 +20,7 @@ void       plain_tile_masks_free(tile_masks *t);
 #undef __SSE2__
 #define tile_masks_build plain_tile_masks_build
 #define tile_masks_free  plain_tile_masks_free
-#include "baker/masks.c"
+#include "baker/dag/masks.c"
 #undef tile_masks_build
 #undef tile_masks_free
 
@@ -61,8 +61,7 @@ static void fixture_tile(const void *data, uint32_t i, uint32_t j, column_tile *
 
 static column_source source_of(const fixture *f)
 {
-    return (column_source){
-        .data = f, .side_px = TILES * 8, .depth_vx = f->depth, .bounds = fixture_bounds, .tile = fixture_tile};
+    return (column_source){.data = f, .side_px = TILES * 8, .depth_vx = f->depth, .bounds = fixture_bounds, .tile = fixture_tile};
 }
 
 /* how a random tile is filled */
@@ -192,7 +191,7 @@ static void assert_contract(const tile_masks *m, uint32_t tile, const column_til
         assert_true(m->until[r] > k);
         for (int n = 0; n < 64; n++) {
             int dark = m->mask[r] >> n & 1;
-            assert_false(dark && k < t->e[n]); /* lit voxels end at e: the first of the run is the one to ask */
+            assert_false(dark && k < t->e[n]);                 /* lit voxels end at e: the first of the run is the one to ask */
             assert_false(!dark && m->until[r] - 1 >= t->x[n]); /* dark ones begin at x: the last */
         }
         k = m->until[r];

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/light_choice.h"
-#include "baker/points.h"
+#include "baker/command/light_choice.h"
+#include "baker/command/points.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 
@@ -143,8 +143,7 @@ static void long_input_is_read_in_pieces(void **state)
     char *text = malloc(LINES * 512);
     assert_non_null(text);
     size_t size = 0;
-    for (int i = 0; i < LINES; i++)
-        size += (size_t)sprintf(text + size, "%d %*d 0.5%s\n", i, 1 + i % 401, i, i % 3 ? "" : "\r");
+    for (int i = 0; i < LINES; i++) size += (size_t)sprintf(text + size, "%d %*d 0.5%s\n", i, 1 + i % 401, i, i % 3 ? "" : "\r");
 
     FILE *file = fmemopen(text, size, "r");
     assert_non_null(file);
@@ -192,8 +191,7 @@ static const scene  dark_scene = {.light_count = 1, .lights = scene_lights};
 static const double sun[3]     = {0, 0, -2};
 
 /* The names chosen, "a b", or the error. */
-static const char *choose(const scene *s, const char **names, size_t name_count, const double *sun_option,
-                          vxs_result expected)
+static const char *choose(const scene *s, const char **names, size_t name_count, const double *sun_option, vxs_result expected)
 {
     static char     text[2048];
     light_choice    chosen;
@@ -241,8 +239,7 @@ static void wrong_choices_are_explained(void **state)
                         "--light son: the scene has no lights; --sun X,Y,Z gives one");
     assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, sun, VXS_E_UNSUPPORTED),
                         "--light lamp: is a spot light, but only directional lights are supported");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"moon", "moon"}, 2, NULL, VXS_E_ARGUMENT),
-                        "--light moon: given twice");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"moon", "moon"}, 2, NULL, VXS_E_ARGUMENT), "--light moon: given twice");
 }
 
 static void long_lists_of_lights_are_cut(void **state)

@@ -174,8 +174,8 @@ static void ws_from_vx(double point_ws[3], double u, double v, double depth)
     point_ws[2] = (v + 4) / 2;
 }
 
-static void check_voxel(const vxs_light *light, const double *point_ws, const double *normal_ws, int filter_px, int32_t u, int32_t v,
-                        int32_t depth)
+static void check_voxel(const vxs_light *light, const double *point_ws, const double *normal_ws, int filter_px, int32_t u,
+                        int32_t v, int32_t depth)
 {
     int32_t voxel[3];
     vxs_voxel(light, point_ws, normal_ws, filter_px, voxel);
@@ -209,13 +209,13 @@ static void test_voxel_bias(void **state)
     const vxs_light *light = vxs_asset_light(f->asset, 0);
     double           p[3];
     ws_from_vx(p, 30.5, 30.5, 30.5);
-    check_voxel(light, p, (double[3]){1, 0, 0}, 1, 31, 30, 30);    /* 0.5 -> 1 */
+    check_voxel(light, p, (double[3]){1, 0, 0}, 1, 31, 30, 30); /* 0.5 -> 1 */
     check_voxel(light, p, (double[3]){-1, 0, 0}, 1, 29, 30, 30);
-    check_voxel(light, p, (double[3]){1, 0, 0}, 9, 35, 30, 30);    /* 4.5 -> 5 */
-    check_voxel(light, p, (double[3]){0, 0, -1}, 17, 30, 21, 30);  /* 8.5 -> 9 */
-    check_voxel(light, p, (double[3]){0, 1, 0}, 9, 30, 30, 27);    /* up is to the light: 2.25 -> 3 */
+    check_voxel(light, p, (double[3]){1, 0, 0}, 9, 35, 30, 30);   /* 4.5 -> 5 */
+    check_voxel(light, p, (double[3]){0, 0, -1}, 17, 30, 21, 30); /* 8.5 -> 9 */
+    check_voxel(light, p, (double[3]){0, 1, 0}, 9, 30, 30, 27);   /* up is to the light: 2.25 -> 3 */
     check_voxel(light, p, (double[3]){0, -1, 0}, 9, 30, 30, 33);
-    check_voxel(light, p, (double[3]){0.8, 0.6, 0}, 9, 34, 30, 28); /* 3.6 -> 4, 1.35 -> 2 */
+    check_voxel(light, p, (double[3]){0.8, 0.6, 0}, 9, 34, 30, 28);        /* 3.6 -> 4, 1.35 -> 2 */
     check_voxel(light, p, (double[3]){1 / 1.5, 0.0, 1e-9}, 9, 33, 30, 30); /* 3 and a rounding error is 3, an error alone is 0 */
     check_voxel(light, p, (double[3]){0, 0, 0}, 9, 30, 30, 30);
 
@@ -244,7 +244,7 @@ static void test_lookup(void **state)
 {
     const fixture   *f   = *state;
     const vxs_light *sun = vxs_asset_light(f->asset, 0), *moon = vxs_asset_light(f->asset, 1);
-    rng              r   = {7};
+    rng              r      = {7};
     int              partly = 0;
     for (int n = 0; n < 30000; n++) {
         int32_t i = rng_between(&r, -10, SIDE + 9), j = rng_between(&r, -10, SIDE + 9), k = rng_between(&r, -10, SIDE + 9);
@@ -301,7 +301,8 @@ static void test_lookup_many(void **state)
     static double    points[3 * COUNT], normals[3 * COUNT];
     static float     lit[COUNT + 1];
     for (int n = 0; n < COUNT; n++) {
-        ws_from_vx(points + 3 * n, rng_between(&r, -40, 680) / 10.0, rng_between(&r, -40, 680) / 10.0, rng_between(&r, 0, 640) / 10.0);
+        ws_from_vx(points + 3 * n, rng_between(&r, -40, 680) / 10.0, rng_between(&r, -40, 680) / 10.0,
+                   rng_between(&r, 0, 640) / 10.0);
         normals[3 * n + rng_below(&r, 3)] = rng_below(&r, 2) ? 1 : -1;
     }
     for (int with_normals = 0; with_normals < 2; with_normals++) {

@@ -1,7 +1,7 @@
 /* The glTF loader: small files made here for each feature and each refusal, then the real scenes with their known figures.
  * In the JSON below ' stands for ", so that it can be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/scene.h" /* before cmocka.h, which has a macro named fail */
+#include "baker/scene/scene.h" /* before cmocka.h, which has a macro named fail */
 
 #include <math.h>
 #include <setjmp.h>
@@ -403,14 +403,13 @@ static void test_points_lines_and_skins_are_warned_about(void **state)
 static void test_lights_follow_their_nodes(void **state)
 {
     (void)state;
-    must(load_text(
-        HEAD "'extensionsRequired':['KHR_lights_punctual']," LIGHTS
-             "{'type':'directional','name':'sun'},{'type':'spot','spot':{}},{'type':'point','name':'sun'}]}},"
-             "'nodes':[{" USE(0) ",'rotation':[-0.7071067811865476,0,0,0.7071067811865476]},"
-                                 "{'translation':[1,2,3],'scale':[2,2,2],'children':[2,3]},{'translation':[1,0,0]," USE(
-                                     1) "},"
-                                        "{" USE(2) "},{" USE(0) "}]}",
-        NULL));
+    must(load_text(HEAD "'extensionsRequired':['KHR_lights_punctual']," LIGHTS
+                        "{'type':'directional','name':'sun'},{'type':'spot','spot':{}},{'type':'point','name':'sun'}]}},"
+                        "'nodes':[{" USE(0) ",'rotation':[-0.7071067811865476,0,0,0.7071067811865476]},"
+                                            "{'translation':[1,2,3],'scale':[2,2,2],'children':[2,3]},{'translation':[1,0,0]," USE(
+                                                1) "},"
+                                                   "{" USE(2) "},{" USE(0) "}]}",
+                   NULL));
     assert_int_equal(s.light_count, 4);
     assert_string_equal(s.lights[0].name, "sun");
     assert_string_equal(s.lights[1].name, "light1");
@@ -457,8 +456,7 @@ static void test_scenes_are_chosen_by_name_or_index(void **state)
 static void test_empty_things_are_fine(void **state)
 {
     (void)state;
-    const char *texts[] = {HEAD "'nodes':[]}", HEAD "'scenes':[{}]}",
-                           HEAD "'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{}]}",
+    const char *texts[] = {HEAD "'nodes':[]}", HEAD "'scenes':[{}]}", HEAD "'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{}]}",
                            HEAD "'nodes':[{'mesh':0}],'meshes':[{'primitives':[]}]}"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         must(load_text(texts[i], NULL));
@@ -527,8 +525,7 @@ static void test_broken_scenes_say_why(void **state)
         {HEAD "'buffers':[{'byteLength':4,'uri':'data:text/plain;base64,AA=='}]}", VXS_E_SCENE, "decode"},
         {HEAD "'buffers':[{'byteLength':4,'uri':'gone.bin'}]}", VXS_E_READ, "gone.bin': No such file"},
         {HEAD "'buffers':[{'byteLength':4,'uri':'.'}]}", VXS_E_READ, "Is a directory"},
-        {HEAD
-         "'buffers':[{'byteLength':1,'uri':'data:text/plain;base64,AA=='}],'bufferViews':[{'buffer':0,'byteLength':2}]}",
+        {HEAD "'buffers':[{'byteLength':1,'uri':'data:text/plain;base64,AA=='}],'bufferViews':[{'buffer':0,'byteLength':2}]}",
          VXS_E_SCENE, "bufferView 0: 2 bytes at byte 0 do not fit"},
         {HEAD "'bufferViews':[{'buffer':0,'byteLength':2}]}", VXS_E_SCENE, "buffer 0 does not exist"},
     };
@@ -558,8 +555,8 @@ static void test_broken_primitives_say_why(void **state)
     };
     for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
         must_fail(load_placed("", broken[i].primitive), broken[i].code, broken[i].words);
-    must_fail(load_placed(",'scale':[1e308,1e308,1e308],'translation':[1e308,0,0]", "'attributes':{'POSITION':0}"),
-              VXS_E_SCENE, "node 0: a vertex of its mesh is not finite once placed");
+    must_fail(load_placed(",'scale':[1e308,1e308,1e308],'translation':[1e308,0,0]", "'attributes':{'POSITION':0}"), VXS_E_SCENE,
+              "node 0: a vertex of its mesh is not finite once placed");
     must_fail(load_placed(",'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{}}}", "'attributes':{'POSITION':0}"),
               VXS_E_UNSUPPORTED, "node 0 uses EXT_mesh_gpu_instancing");
 }
@@ -685,12 +682,11 @@ static void test_unreadable_files_say_why(void **state)
 static void test_buffers_beside_the_file(void **state)
 {
     (void)state;
-    const char *json =
-        HEAD "'buffers':[{'byteLength':36,'uri':'%s'}],'bufferViews':[{'buffer':0,'byteLength':36}],"
-             "'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':3}],'nodes':[{'mesh':0}],"
-             "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}";
-    char   text[1024];
-    square q = make_square();
+    const char *json = HEAD "'buffers':[{'byteLength':36,'uri':'%s'}],'bufferViews':[{'buffer':0,'byteLength':36}],"
+                            "'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':3}],'nodes':[{'mesh':0}],"
+                            "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}";
+    char        text[1024];
+    square      q = make_square();
     snprintf(text, sizeof text, json, "a%20b+c%25.bin");
     write_file("a b+c%.bin", &q, 36);
     must(load_text(text, NULL));
@@ -700,8 +696,7 @@ static void test_buffers_beside_the_file(void **state)
     assert_int_equal(s.triangle_count, 1);
     write_file("a b+c%.bin", &q, 35);
     must_fail(load_text(text, NULL), VXS_E_READ, "ends after 35 bytes, expected 36");
-    snprintf(text, sizeof text, json,
-             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAA");
+    snprintf(text, sizeof text, json, "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAA");
     must(load_text(text, NULL));
     expect_corner(0, 2, 1, 1, 0);
 }
@@ -714,12 +709,12 @@ typedef struct known_scene {
     double      min[3], max[3]; /* four significant digits, as printed */
 } known_scene;
 
-#define SPOT(name)                                                                                                          \
-    {                                                                                                                       \
-        "encodings/" name, 5856, {-0.4716, -0.7368, -0.6689},                                                               \
-        {                                                                                                                   \
-            0.4716, 0.9536, 1.049                                                                                           \
-        }                                                                                                                   \
+#define SPOT(name)                                                                                                                 \
+    {                                                                                                                              \
+        "encodings/" name, 5856, {-0.4716, -0.7368, -0.6689},                                                                      \
+        {                                                                                                                          \
+            0.4716, 0.9536, 1.049                                                                                                  \
+        }                                                                                                                          \
     }
 
 /* clang-format off */

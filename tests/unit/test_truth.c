@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/parallel.h"
-#include "baker/random.h"
-#include "baker/truth.h"
-#include "baker/vec3.h"
+#include "baker/base/parallel.h"
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "baker/truth/truth.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 
@@ -215,8 +215,7 @@ static double brute_distance(size_t t, const double point[3])
             moved = 0;
             for (int way = 0; way < 6; way++) {
                 static const double ways[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}};
-                double              u          = fmin(1, fmax(0, b[0] + step * ways[way][0])),
-                       v                       = fmin(1 - u, fmax(0, b[1] + step * ways[way][1]));
+                double u = fmin(1, fmax(0, b[0] + step * ways[way][0])), v = fmin(1 - u, fmax(0, b[1] + step * ways[way][1]));
                 double p[3];
                 for (int i = 0; i < 3; i++) p[i] = (1 - u - v) * c[0][i] + u * c[1][i] + v * c[2][i];
                 double length2 = vec3_dot(p, p);
@@ -416,8 +415,7 @@ static void inside_agrees_with_analytic_solids(void **state)
             vec3_sub(p, balls[b], d);
             double distance = sqrt(vec3_dot(d, d));
             expected |= distance < balls[b][3];
-            near |=
-                distance < balls[b][3] && distance > 0.99 * balls[b][3]; /* the mesh is a little smaller than its sphere */
+            near |= distance < balls[b][3] && distance > 0.99 * balls[b][3]; /* the mesh is a little smaller than its sphere */
         }
         if (near) continue;
         asked++;
@@ -450,9 +448,8 @@ static void inside_survives_a_direction_through_edges(void **state)
         double along = i % 3 ? uniform(&r) : 0, back = 3 * uniform(&r), p[3];
         for (int k = 0; k < 3; k++)
             p[k] = (1 - along) * corner_of(which, 0)[k] + along * corner_of(which, 1)[k] - back * asked_along[0][k];
-        double from_first  = sqrt(vec3_dot(p, p)),
-               from_second = sqrt((p[0] - 0.3) * (p[0] - 0.3) + p[1] * p[1] + p[2] * p[2]);
-        double nearer      = fmin(from_first, from_second);
+        double from_first = sqrt(vec3_dot(p, p)), from_second = sqrt((p[0] - 0.3) * (p[0] - 0.3) + p[1] * p[1] + p[2] * p[2]);
+        double nearer = fmin(from_first, from_second);
         if (nearer > 0.98 && nearer < 1.001) continue;
         assert_int_equal(truth_inside_solid(t, p), nearer < 1);
     }
@@ -635,8 +632,7 @@ typedef struct visits {
 static void visit(void *user, size_t begin, size_t end, uint32_t worker)
 {
     visits *v = user;
-    if (worker >= v->threads || atomic_fetch_add(&v->busy[worker], 1) || begin % v->grain || end - begin > v->grain ||
-        begin >= end)
+    if (worker >= v->threads || atomic_fetch_add(&v->busy[worker], 1) || begin % v->grain || end - begin > v->grain || begin >= end)
         v->wrong++;
     for (size_t i = begin; i < end; i++) v->seen[i]++;
     atomic_fetch_sub(&v->busy[worker], 1);

@@ -1,0 +1,79 @@
+/* Errors, warnings and exit statuses; see message.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/message.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Names from a file may hold anything: one line stays one line on a terminal. */
+static void keep_one_line(char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = '?';
+}
+
+vxs_result fail(message *m, vxs_result code, const char *format, ...)
+{
+    if (!m->error[0]) {
+        va_list args;
+        va_start(args, format);
+        vsnprintf(m->error, sizeof m->error, format, args);
+        va_end(args);
+        keep_one_line(m->error);
+    }
+    return code;
+}
+
+void warn(message *m, const char *format, ...)
+{
+    char    text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    keep_one_line(text);
+
+    for (size_t i = 0; i < m->warning_count; i++)
+        if (!strcmp(m->warnings[i], text)) return;
+    if (!m->quiet) fprintf(stderr, "vxs: warning: %s\n", text);
+
+    /* out of memory while warning: the line was printed, the report goes without it */
+    char **grown = realloc(m->warnings, (m->warning_count + 1) * sizeof *grown);
+    if (!grown) return;
+    m->warnings = grown;
+    char *copy  = malloc(strlen(text) + 1);
+    if (!copy) return;
+    m->warnings[m->warning_count++] = strcpy(copy, text);
+}
+
+void message_free(message *m)
+{
+    for (size_t i = 0; i < m->warning_count; i++) free(m->warnings[i]);
+    free(m->warnings);
+    m->warnings      = NULL;
+    m->warning_count = 0;
+}
+
+int exit_status(vxs_result code)
+{
+    switch (code) {
+    case VXS_OK: return 0;
+    case VXS_E_ARGUMENT: return 2;
+    case VXS_E_READ:
+    case VXS_E_NOT_VXS:
+    case VXS_E_VERSION:
+    case VXS_E_TRUNCATED:
+    case VXS_E_CORRUPT:
+    case VXS_E_SCENE:
+    case VXS_E_UNSUPPORTED: return 3;
+    case VXS_E_WRITE: return 4;
+    case VXS_E_NO_CASTER:
+    case VXS_E_NO_LIGHT: return 5;
+    case VXS_E_MEMORY:
+    case VXS_E_GL: return 6;
+    case VXS_E_INTERRUPTED: return 130;
+    }
+    return 6;
+}

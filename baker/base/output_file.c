@@ -1,0 +1,125 @@
+/* A file that appears complete or not at all; see output_file.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/output_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* enough for the files of earlier runs that were killed and had the same process number */
+enum { TEMPORARY_NAMES = 1000 };
+
+static vxs_result out_of_memory(const char *path, message *m)
+{
+    return fail(m, VXS_E_MEMORY, "out of memory while opening %s", path);
+}
+
+static vxs_result cannot_write(const output_file *f, int error, message *m)
+{
+    return fail(m, VXS_E_WRITE, "%s: cannot write: %s", f->name, strerror(error));
+}
+
+/* Make a new file in the folder of f->target. Process number and O_EXCL make its name unique. mkstemp would not do: it
+ * gives the permissions 0600, and umask cannot be asked for without changing it. */
+static vxs_result open_temporary(output_file *f, message *m)
+{
+    const char *slash  = strrchr(f->target, '/');
+    int         folder = slash ? (int)(slash + 1 - f->target) : 0;
+
+    for (int n = 0; n < TEMPORARY_NAMES; n++) {
+        if (asprintf(&f->temporary, "%.*s.vxs-%ld-%d.tmp", folder, f->target, (long)getpid(), n) < 0) {
+            f->temporary = NULL;
+            return out_of_memory(f->name, m);
+        }
+        int descriptor = open(f->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0) {
+            f->stream = fdopen(descriptor, "wb");
+            if (f->stream) return VXS_OK;
+            close(descriptor);
+            unlink(f->temporary);
+            return out_of_memory(f->name, m);
+        }
+        int error = errno;
+        free(f->temporary);
+        f->temporary = NULL;
+        if (error != EEXIST) return cannot_write(f, error, m);
+    }
+    return cannot_write(f, EEXIST, m);
+}
+
+static vxs_result open_directly(output_file *f, const char *path, message *m)
+{
+    f->stream = fopen(path, "wbe");
+    return f->stream ? VXS_OK : cannot_write(f, errno, m);
+}
+
+/* A path that exists is replaced where its links lead; a new one stays as it was given. */
+static vxs_result open_beside(output_file *f, const char *path, int exists, message *m)
+{
+    f->target = exists ? realpath(path, NULL) : strdup(path);
+    if (!f->target) return errno == ENOMEM ? out_of_memory(path, m) : cannot_write(f, errno, m);
+    return open_temporary(f, m);
+}
+
+static void release(output_file *f)
+{
+    free(f->name);
+    free(f->target);
+    free(f->temporary);
+    *f = (output_file){0};
+}
+
+vxs_result output_file_open(output_file *f, const char *path, message *m)
+{
+    int is_stdout = !strcmp(path, "-");
+    *f            = (output_file){.name = strdup(is_stdout ? "standard output" : path)};
+    if (!f->name) return out_of_memory(path, m);
+    if (is_stdout) {
+        f->stream = stdout;
+        return VXS_OK;
+    }
+
+    struct stat status;
+    int         exists = !stat(path, &status);
+    vxs_result  r;
+    if (!path[0])
+        r = fail(m, VXS_E_WRITE, "the output's name is empty: expected a file name, or - for standard output");
+    else if (exists && S_ISDIR(status.st_mode))
+        r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a folder, expected a file name", path);
+    else if (exists && !S_ISREG(status.st_mode))
+        r = open_directly(f, path, m);
+    else
+        r = open_beside(f, path, exists, m);
+    if (r != VXS_OK) release(f);
+    return r;
+}
+
+vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m)
+{
+    if (size_bytes && fwrite(bytes, 1, size_bytes, f->stream) != size_bytes) return cannot_write(f, errno, m);
+    return VXS_OK;
+}
+
+vxs_result output_file_commit(output_file *f, message *m)
+{
+    int failed = ferror(f->stream); /* an earlier write through stdio that nobody checked; its errno is lost */
+    int error  = EIO;
+    if (fflush(f->stream)) failed = 1, error = errno;
+    if (f->stream != stdout && fclose(f->stream) && !failed) failed = 1, error = errno;
+    if (!failed && f->temporary && rename(f->temporary, f->target)) failed = 1, error = errno;
+
+    vxs_result r = failed ? cannot_write(f, error, m) : VXS_OK;
+    if (failed && f->temporary) unlink(f->temporary);
+    release(f);
+    return r;
+}
+
+void output_file_abort(output_file *f)
+{
+    if (f->stream && f->stream != stdout) fclose(f->stream);
+    if (f->stream && f->temporary) unlink(f->temporary);
+    release(f);
+}

@@ -1,0 +1,56 @@
+/* A file that appears complete or not at all.
+ *
+ * Bytes go to a new file ".vxs-PID-N.tmp" in the folder of the output; commit renames it over the old file, which POSIX
+ * does atomically; abort removes it. So a reader never sees half a file, and a failed run leaves the old one alone:
+ *
+ *     output_file out = {0};
+ *     if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
+ *     if ((r = output_file_write(&out, bytes, size_bytes, m)) != VXS_OK) goto done;
+ *     r = output_file_commit(&out, m);
+ * done:
+ *     output_file_abort(&out);      // does nothing after a commit, or when nothing was opened
+ *
+ * Two kinds of path are written directly, because nothing can be renamed over them: "-", which is standard output, and
+ * whatever exists and is neither a regular file nor a folder (a device, a pipe). What went there cannot be taken back.
+ * A symbolic link is followed: its target is replaced, the link stays.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef OUTPUT_FILE_H
+#define OUTPUT_FILE_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+#include "baker/base/message.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct output_file {
+    FILE *stream;    /* NULL when not open. May be written with stdio as well; output_file_commit sees its error flag */
+    char *name;      /* how messages call it: the path as given, or "standard output"; owned */
+    char *target;    /* where the file goes, links resolved; NULL when written directly; owned */
+    char *temporary; /* where the bytes are until then; NULL when written directly; owned */
+} output_file;
+
+/* Start writing `path`. A new file gets the permissions that umask leaves of 0666.
+ * f  [out] zeroed on failure; otherwise ends with output_file_commit or output_file_abort.
+ * Returns VXS_OK; VXS_E_WRITE when the path is empty or a folder, or no file can be made beside it; VXS_E_MEMORY.
+ * One line in m says which. */
+vxs_result output_file_open(output_file *f, const char *path, message *m);
+
+/* Append size_bytes bytes (0 is allowed). Buffered: a full disk may show only in output_file_commit.
+ * Returns VXS_OK or VXS_E_WRITE; after a failure only output_file_abort makes sense. */
+vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m);
+
+/* Write out what is buffered, close, and give the file its name. Either way f is released and zeroed.
+ * Returns VXS_OK, or VXS_E_WRITE: then the temporary file is gone and an older file of that name is as it was. */
+vxs_result output_file_commit(output_file *f, message *m);
+
+/* Give up: close and remove the temporary file. Accepts a zeroed object, so that one exit serves all. */
+void output_file_abort(output_file *f);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

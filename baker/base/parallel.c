@@ -1,0 +1,69 @@
+/* A loop over [0, count) shared by threads; see parallel.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/parallel.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+
+typedef struct loop {
+    atomic_size_t next; /* the chunk to hand out next; counts chunks, so that it cannot wrap */
+    size_t        chunk_count;
+    size_t        count;
+    size_t        grain;
+    void (*body)(void *user, size_t begin, size_t end, uint32_t worker);
+    void *user;
+} loop;
+
+typedef struct worker {
+    loop     *shared;
+    uint32_t  index;
+    pthread_t thread;
+} worker;
+
+static void *work(void *argument)
+{
+    const worker *w = argument;
+    loop         *l = w->shared;
+    for (;;) {
+        size_t chunk = atomic_fetch_add_explicit(&l->next, 1, memory_order_relaxed);
+        if (chunk >= l->chunk_count) return NULL;
+        size_t begin = chunk * l->grain;
+        size_t end   = l->count - begin > l->grain ? begin + l->grain : l->count;
+        l->body(l->user, begin, end, w->index);
+    }
+}
+
+void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
+                  void *user)
+{
+    if (!count) return;
+    if (!grain) grain = 1;
+    if (threads < 1) threads = 1;
+    if (threads > PARALLEL_THREADS_MAX) threads = PARALLEL_THREADS_MAX;
+
+    loop l = {.chunk_count = (count - 1) / grain + 1, .count = count, .grain = grain, .body = body, .user = user};
+    atomic_init(&l.next, 0);
+    if (threads > l.chunk_count) threads = (uint32_t)l.chunk_count;
+
+    /* the caller is worker 0; the first thread that cannot be started is the last one tried */
+    worker   workers[PARALLEL_THREADS_MAX];
+    uint32_t started = 1;
+    workers[0]       = (worker){.shared = &l, .index = 0};
+    while (started < threads) {
+        worker *w = &workers[started];
+        *w        = (worker){.shared = &l, .index = started};
+        if (pthread_create(&w->thread, NULL, work, w) != 0) break;
+        started++;
+    }
+    work(&workers[0]);
+    for (uint32_t i = 1; i < started; i++) pthread_join(workers[i].thread, NULL);
+}
+
+uint32_t parallel_default_threads(void)
+{
+    cpu_set_t allowed;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
+    int count = CPU_COUNT(&allowed);
+    return count < 1 ? 1 : count > PARALLEL_THREADS_MAX ? PARALLEL_THREADS_MAX : (uint32_t)count;
+}

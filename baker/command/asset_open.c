@@ -1,0 +1,34 @@
+/* Opening a .vxs file; see asset_open.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/command/asset_open.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct first_finding {
+    int         number, section;
+    uint64_t    offset;
+    const char *text;
+} first_finding;
+
+static void keep_first(void *user, int number, const char *text, int section, uint64_t offset)
+{
+    first_finding *f = user;
+    if (!f->number) *f = (first_finding){number, section, offset, text};
+}
+
+vxs_result asset_open(vxs_asset **asset, const char *path, message *m)
+{
+    first_finding f    = {0};
+    vxs_read_desc desc = {.finding = keep_first, .finding_user = &f};
+    errno              = 0;
+    vxs_result r       = vxs_asset_open_file(asset, path, &desc);
+    if (r == VXS_OK) return r;
+    if (r == VXS_E_READ) return fail(m, r, "cannot read '%s': %s", path, strerror(errno ? errno : EIO));
+    if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
+    char where[32] = "the header";
+    if (f.section >= 0) snprintf(where, sizeof where, "section %d", f.section);
+    return fail(m, r, "'%s' is not a valid .vxs file: %s (finding %d at byte %llu, in %s)", path, f.text, f.number,
+                (unsigned long long)f.offset, where);
+}

@@ -1,0 +1,114 @@
+/* vxs info: what a .vxs file holds.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <jansson.h>
+#include <stdio.h>
+
+#include "baker/command/asset_open.h"
+#include "baker/command/options.h"
+#include "baker/report.h"
+
+static const char *section_name(uint32_t kind)
+{
+    switch (kind) {
+    case VXS_KIND_LIGHTS: return "lights";
+    case VXS_KIND_LEVEL: return "nodes";
+    case VXS_KIND_MASKS: return "masks";
+    case VXS_KIND_METADATA: return "metadata";
+    default: return "unknown";
+    }
+}
+
+/* Nodes or masks of a section, and the words that they take; 0 for others. */
+static uint32_t section_count(const vxs_contents *c, const vxs_section *s, uint64_t *memory_bytes)
+{
+    *memory_bytes = 0;
+    if (s->kind == VXS_KIND_LEVEL) {
+        *memory_bytes = (uint64_t)c->lights[s->light].node_words[s->level] * 4;
+        return c->lights[s->light].node_count[s->level];
+    }
+    if (s->kind == VXS_KIND_MASKS) {
+        *memory_bytes = (uint64_t)c->lights[s->light].mask_count * 8;
+        return c->lights[s->light].mask_count;
+    }
+    return 0;
+}
+
+static void print_info(const char *path, const vxs_contents *c, uint64_t file_bytes)
+{
+    char a[32], b[32];
+    printf("%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
+    if (c->metadata) printf("metadata     %s\n", c->metadata);
+    for (uint32_t n = 0; n < c->light_count; n++) {
+        const vxs_light *l    = &c->lights[n];
+        unsigned         side = 1u << l->levels;
+        printf("light %s: directional (%.6g, %.6g, %.6g), %u x %u texels of %.4g m, voxels %.4g m deep, %s in memory\n", l->name,
+               l->direction_ws[0], l->direction_ws[1], l->direction_ws[2], side, side, l->texel_metres, l->voxel_metres,
+               size_text(a, (uint64_t)l->word_count * 4));
+    }
+    printf("%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
+    for (uint32_t n = 0; n < c->section_count; n++) {
+        const vxs_section *s = &c->sections[n];
+        char               name[32], memory_text[32];
+        uint64_t           memory;
+        uint32_t           count = section_count(c, s, &memory);
+        if (s->kind == VXS_KIND_LEVEL)
+            snprintf(name, sizeof name, "%u^3", 8u << s->level);
+        else
+            snprintf(name, sizeof name, "%s", section_name(s->kind));
+        printf("%-10s %-16s %10u %12s %12s %12s\n", name, s->light < c->light_count ? c->lights[s->light].name : "-", count,
+               size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
+    }
+}
+
+static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_bytes)
+{
+    json_t *lights = json_array(), *sections = json_array();
+    for (uint32_t n = 0; n < c->light_count; n++) {
+        const vxs_light *l      = &c->lights[n];
+        json_t          *matrix = json_array();
+        for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->vx_from_ws[k]));
+        json_array_append_new(lights,
+                              json_pack("{s:o, s:s, s:I, s:f, s:f, s:[f,f,f], s:o, s:I}", "name", json_text(l->name), "kind",
+                                        "directional", "resolution_px", (json_int_t)1 << l->levels, "texel_m", l->texel_metres,
+                                        "voxel_m", l->voxel_metres, "direction", l->direction_ws[0], l->direction_ws[1],
+                                        l->direction_ws[2], "vx_from_ws", matrix, "memory_bytes", (json_int_t)l->word_count * 4));
+    }
+    for (uint32_t n = 0; n < c->section_count; n++) {
+        const vxs_section *s = &c->sections[n];
+        uint64_t           memory;
+        uint32_t           count = section_count(c, s, &memory);
+        json_t            *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", section_name(s->kind), "offset_bytes",
+                                             (json_int_t)s->offset_bytes, "stored_bytes", (json_int_t)s->stored_bytes, "inflated_bytes",
+                                             (json_int_t)s->inflated_bytes, "memory_bytes", (json_int_t)memory, "count", (json_int_t)count);
+        if (s->light < c->light_count) json_object_set_new(entry, "light", json_text(c->lights[s->light].name));
+        if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer((json_int_t)8 << s->level));
+        json_array_append_new(sections, entry);
+    }
+    json_t *root     = json_pack("{s:o, s:i, s:I, s:o, s:o}", "file", json_text(path), "version", (int)c->version, "file_bytes",
+                                 (json_int_t)file_bytes, "lights", lights, "sections", sections);
+    json_t *metadata = c->metadata ? json_loads(c->metadata, 0, NULL) : NULL;
+    if (root && metadata) json_object_set_new(root, "metadata", metadata);
+    return root;
+}
+
+int cmd_info(int argc, char **argv)
+{
+    const char  *json_path = NULL, *path = NULL;
+    const option options[] = {
+        {"--json", OPTION_TEXT, &json_path, 0, 0, NULL, "FILE", "the same as JSON; - is standard output", NULL}};
+    const command_line line  = {"info", "FILE.vxs [--json FILE]", "Lights, resolution, nodes and bytes of a .vxs file.", options, 1,
+                                1};
+    message            m     = {0};
+    vxs_asset         *asset = NULL;
+    int                help_shown;
+    vxs_result         r = options_parse(&line, argc, argv, &path, &help_shown, &m);
+    if (r == VXS_OK && !help_shown && (r = asset_open(&asset, path, &m)) == VXS_OK) {
+        const vxs_contents *c          = vxs_asset_contents(asset);
+        const vxs_section  *last       = &c->sections[c->section_count - 1];
+        uint64_t            file_bytes = last->offset_bytes + last->stored_bytes;
+        if (!json_path || (json_path[0] != '-' || json_path[1])) print_info(path, c, file_bytes);
+        if (json_path) r = json_write(json_path, info_json(path, c, file_bytes), &m);
+    }
+    vxs_asset_close(asset);
+    return command_end(&m, r);
+}

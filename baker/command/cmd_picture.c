@@ -1,0 +1,113 @@
+/* vxs picture: a PNG of a scene in the shadows of a .vxs file.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/parallel.h"
+#include "baker/command/asset_open.h"
+#include "baker/command/options.h"
+#include "baker/truth/picture.h"
+
+enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
+
+typedef struct picture_command {
+    const char     *files[2]; /* scene, asset */
+    const char     *scene_name, *light_name, *out;
+    picture_options options;
+    int             eye_given, target_given;
+} picture_command;
+
+static vxs_result check_options(const picture_command *c, message *m)
+{
+    const picture_camera *camera = &c->options.camera;
+    if (!c->out) return fail(m, VXS_E_ARGUMENT, "picture needs -o OUT.png");
+    if (c->options.filter_px % 2 == 0)
+        return fail(m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d", c->options.filter_px, VXS_FILTER_MAX);
+    if (c->eye_given != c->target_given)
+        return fail(m, VXS_E_ARGUMENT, "--eye and --target go together: %s is missing", c->eye_given ? "--target" : "--eye");
+    if (c->eye_given && !memcmp(camera->eye_ws, camera->target_ws, sizeof camera->eye_ws))
+        return fail(m, VXS_E_ARGUMENT, "--eye and --target are the same point: expected two");
+    return VXS_OK;
+}
+
+static vxs_result find_light(const vxs_asset *asset, const char *name, const vxs_light **light, message *m)
+{
+    *light = name ? vxs_asset_find_light(asset, name) : vxs_asset_light(asset, 0);
+    if (*light) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", name,
+                vxs_asset_light(asset, 0)->name);
+}
+
+static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *light, output_file *out,
+                       message *m)
+{
+    picture_options *o = &c->options;
+    if (!c->eye_given) picture_frame(&o->camera, casting, light->direction_ws, (double)o->width_px / o->height_px);
+    uint8_t *rgb = malloc((size_t)3 * o->width_px * o->height_px);
+    if (!rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px);
+    picture_render(rgb, o, t, casting, light);
+    vxs_result r = picture_write_png(out, rgb, o->width_px, o->height_px, m);
+    free(rgb);
+    return r;
+}
+
+static vxs_result run(picture_command *c, message *m)
+{
+    vxs_asset       *asset   = NULL;
+    const vxs_light *light   = NULL;
+    scene            s       = {0};
+    casters          casting = {0};
+    truth           *t       = NULL;
+    output_file      out     = {0};
+    vxs_result       r;
+
+    if ((r = check_options(c, m)) != VXS_OK) goto done;
+    if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;
+    if ((r = find_light(asset, c->light_name, &light, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s, c->files[0], c->scene_name, m)) != VXS_OK) goto done;
+    /* solids and sheets look the same */
+    if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
+    if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;
+    if ((r = output_file_open(&out, c->out, m)) != VXS_OK) goto done;
+    if ((r = draw(c, t, &casting, light, &out, m)) != VXS_OK) goto done;
+    r = output_file_commit(&out, m);
+done:
+    output_file_abort(&out);
+    truth_destroy(t);
+    casters_free(&casting);
+    scene_free(&s);
+    vxs_asset_close(asset);
+    return r;
+}
+
+int cmd_picture(int argc, char **argv)
+{
+    picture_command  c = {.options = {.width_px = 1280, .height_px = 720, .filter_px = 5, .threads = parallel_default_threads()}};
+    picture_options *o = &c.options;
+    o->camera.fov_degrees  = 35;
+    const option options[] = {
+        {"-o", OPTION_TEXT, &c.out, 0, 0, NULL, "OUT.png", "where the picture goes; - is standard output", NULL},
+        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", NULL},
+        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", NULL},
+        {"--eye", OPTION_VECTOR, o->camera.eye_ws, 0, 3, NULL, "X,Y,Z",
+         "where to stand, metres (default: the scene fills the view)", &c.eye_given},
+        {"--target", OPTION_VECTOR, o->camera.target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye", &c.target_given},
+        {"--fov", OPTION_F64, &o->camera.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
+        {"--light", OPTION_TEXT, &c.light_name, 0, 0, NULL, "NAME", "the light that shines (default: the file's first)", NULL},
+        {"--filter", OPTION_U32, &o->filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 5)",
+         NULL},
+        {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
+        {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all processors)", NULL},
+    };
+    const command_line line = {"picture",
+                               "SCENE FILE.vxs -o OUT.png [options]",
+                               "A picture of a scene, its sun shadows looked up in a .vxs file and all else ray traced.",
+                               options,
+                               sizeof options / sizeof *options,
+                               2};
+    message            m    = {0};
+    int                help_shown;
+    vxs_result         r = options_parse(&line, argc, argv, c.files, &help_shown, &m);
+    if (r == VXS_OK && !help_shown) r = run(&c, &m);
+    return command_end(&m, r);
+}

@@ -1,0 +1,66 @@
+/* Command-line options as a table: parsing, checking and help come from the same rows.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef OPTIONS_H
+#define OPTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "baker/base/message.h"
+
+typedef enum option_kind {
+    OPTION_SWITCH, /* int, set to 1; takes no value */
+    OPTION_U32,    /* uint32_t in [min, max] */
+    OPTION_F64,    /* double in [min, max], finite */
+    OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
+    OPTION_TEXT,   /* const char *, borrowed from argv */
+    OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
+    OPTION_CHOICE  /* int: index of the value in `choices` */
+} option_kind;
+
+typedef struct text_list {
+    const char **items; /* owned; the strings are argv's */
+    size_t       count;
+} text_list;
+
+typedef struct option {
+    const char *name; /* "--resolution", "-o" */
+    option_kind kind;
+    void       *target; /* holds the default on entry */
+    double      min, max;
+    const char *choices; /* OPTION_CHOICE: "auto|peel|back" */
+    const char *value;   /* name of the value in help: "N", "FILE"; NULL for switches and choices */
+    const char *help;    /* one line: what, unit, default */
+    int        *given;   /* NULL, or set to 1 when the option was given */
+} option;
+
+typedef struct command_line {
+    const char   *name;     /* "bake" */
+    const char   *synopsis; /* "SCENE -o OUT.vxs [options]" */
+    const char   *summary;  /* one sentence */
+    const option *options;
+    size_t        option_count;
+    size_t        operand_count; /* how many operands (file names and the like) must be given, exactly */
+} command_line;
+
+/* Parse argv[1..argc). `--name value` and `--name=value` are the same; "-" alone is an operand; "--" ends the options; a
+ * value may begin with '-' ("--sun -1,-2,0").
+ * operands  [operand_count] borrowed from argv.
+ * Returns VXS_OK, VXS_E_ARGUMENT (one line in m: the option, what was given, what was expected), or VXS_E_MEMORY;
+ * *help_shown is set when --help was given and printed, and the command is done. */
+vxs_result options_parse(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m);
+
+/* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`. */
+int command_end(message *m, vxs_result code);
+
+/* The commands: argv[0] is the command's own name; the result is the exit status (docs/manual.md). */
+int cmd_bake(int argc, char **argv);
+int cmd_info(int argc, char **argv);
+int cmd_validate(int argc, char **argv);
+int cmd_query(int argc, char **argv);
+int cmd_truth(int argc, char **argv);
+int cmd_compare(int argc, char **argv);
+int cmd_picture(int argc, char **argv);
+int cmd_scene(int argc, char **argv);
+
+#endif

@@ -1,0 +1,45 @@
+/* Enter and exit depth maps of the casters, rendered with OpenGL.
+ * Source: [CPVS16] 3.3.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEPTH_GL_H
+#define DEPTH_GL_H
+
+#include "baker/maps/depth_maps.h"
+#include "baker/maps/gl.h"
+#include "baker/scene/casters.h"
+#include "formats/vxs_file.h"
+
+typedef enum exit_mode {
+    EXIT_AUTO, /* peel where there are solids */
+    EXIT_PEEL, /* exit depth of the union of solids, by depth peeling */
+    EXIT_BACK  /* the nearest back face: never behind the true exit, often before it */
+} exit_mode;
+
+typedef struct depth_stats {
+    uint64_t blocks_rendered, blocks_empty; /* blocks are the squares that are rendered at once */
+    uint64_t triangles_drawn;               /* over all passes */
+    uint64_t peel_passes;                   /* over all blocks */
+    uint32_t peel_passes_max;               /* of the block that took most */
+} depth_stats;
+
+typedef struct depth_renderer depth_renderer;
+
+/* Set up for one light. gl, casters and light are borrowed until depth_renderer_destroy. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, exit_mode mode,
+                                 uint32_t threads, message *m);
+
+/* 1 when some caster may touch the square of side_px texels at (i, j), counted in such squares. */
+int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
+
+/* 1 when some caster is a solid: only then do exit depths differ from enter depths. */
+int depth_renderer_has_exit(const depth_renderer *r);
+
+/* Render the square (i, j), counted in squares of maps->side_px, into maps->enter and maps->exit. maps->exit may be the same array as
+ * enter only when there is no solid. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m);
+
+depth_stats depth_renderer_stats(const depth_renderer *r);
+
+void depth_renderer_destroy(depth_renderer *r);
+
+#endif

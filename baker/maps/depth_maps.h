@@ -1,0 +1,33 @@
+/* A pair of depth maps and its min-max pyramid: the column source of everything that is rendered or stored.
+ * Source: [CPVS16] 3 (min-max hierarchy), 6.1 (down to one entry per 8 x 8 tile).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEPTH_MAPS_H
+#define DEPTH_MAPS_H
+
+#include "baker/base/message.h"
+#include "baker/maps/columns.h"
+
+enum { PYRAMID_LEVELS_MAX = 16 };
+
+typedef struct depth_maps {
+    uint32_t side_px;  /* texels a side; a power of two, at least 8 */
+    uint32_t depth_vx; /* voxels that depth 1 stands for; a power of two, so that scaling is exact */
+    float   *enter;    /* [side_px * side_px] rows of texels, depth in [0, 1]; 1 where there is no caster */
+    float   *exit;     /* same; never less than enter. May be the same array as enter: then everything is a sheet */
+
+    uint32_t       pyramid_levels;
+    column_bounds *pyramid[PYRAMID_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
+} depth_maps;
+
+/* Allocate maps without contents. with_exit 0: exit shares the array of enter. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, int with_exit, message *m);
+
+/* Compute the pyramid from the maps; call again whenever they change. */
+void depth_maps_reduce(depth_maps *d, uint32_t threads);
+
+/* The maps as a column source; borrowed, valid until depth_maps_free. */
+column_source depth_maps_columns(const depth_maps *d);
+
+void depth_maps_free(depth_maps *d);
+
+#endif

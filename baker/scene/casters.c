@@ -1,0 +1,531 @@
+/* The triangles that cast shadows, welded and told apart; see casters.h.
+ *
+ *   scene ---weld---> soup ---edges---> components ---measure, judge---> kinds ---emit---> casters
+ *
+ * Only inside solids may later stages choose freely between lit and shadowed ([CPVS16] 3.3), so a solid has to be shown to
+ * be one, and what is not shown stays a sheet.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/casters.h"
+
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "baker/scene/casters_cgal.h"
+
+#define NONE UINT32_MAX
+
+enum { EDGE_OPEN = 0x80 }; /* beside the scene's TRIANGLE_* */
+
+typedef struct component {
+    uint32_t       triangle_count;
+    uint8_t        flags; /* of all its triangles */
+    component_kind kind;
+    double         origin[3]; /* one of its corners: volumes are summed from there, so that large coordinates cancel */
+    double         volume;    /* signed: positive when its faces look outward */
+} component;
+
+/* Everything between the scene and the result; vertex numbers are welded ones. */
+typedef struct work {
+    size_t    vertex_count;
+    double   *positions_ws; /* [3 * vertex_count] */
+    size_t    triangle_count;
+    uint32_t *indices;      /* [3 * triangle_count] */
+    uint8_t  *flags;        /* [triangle_count] */
+    uint32_t *component_of; /* [triangle_count] while edges are joined: the parent in the union-find forest */
+
+    size_t     component_count;
+    component *components; /* in the order of their first triangles */
+    double    *boxes;      /* [6 * component_count] min xyz, max xyz */
+} work;
+
+static void work_free(work *w)
+{
+    free(w->positions_ws);
+    free(w->indices);
+    free(w->flags);
+    free(w->component_of);
+    free(w->components);
+    free(w->boxes);
+}
+
+/* Zeroed; a count of 0 is no failure, as it may be for calloc. */
+static void *allocate(size_t count, size_t size)
+{
+    return calloc(count ? count : 1, size);
+}
+
+static vxs_result out_of_memory(message *m, size_t triangle_count)
+{
+    return fail(m, VXS_E_MEMORY, "out of memory while sorting %zu triangles into solids and sheets", triangle_count);
+}
+
+/* --- weld ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct welder {
+    uint32_t *slots; /* [mask + 1] open addressing: welded vertex or NONE; at most half full */
+    size_t    mask;
+    uint32_t *welded_of; /* [scene vertices] or NONE: not met yet */
+} welder;
+
+static vxs_result welder_init(welder *d, size_t vertex_count)
+{
+    size_t slot_count = 16;
+    while (slot_count < 2 * vertex_count) slot_count *= 2;
+    d->mask      = slot_count - 1;
+    d->slots     = malloc(slot_count * sizeof *d->slots);
+    d->welded_of = malloc((vertex_count + 1) * sizeof *d->welded_of);
+    if (!d->slots || !d->welded_of) return VXS_E_MEMORY;
+    memset(d->slots, 0xff, slot_count * sizeof *d->slots);
+    memset(d->welded_of, 0xff, vertex_count * sizeof *d->welded_of);
+    return VXS_OK;
+}
+
+/* The welded vertex at a position, a new one when nobody was there before. */
+static uint32_t weld_position(work *w, welder *d, const double *position_ws)
+{
+    double p[3];
+    for (int axis = 0; axis < 3; axis++) p[axis] = position_ws[axis] + 0.0; /* -0 becomes +0 */
+
+    for (size_t at = XXH3_64bits(p, sizeof p) & d->mask;; at = (at + 1) & d->mask) {
+        uint32_t v = d->slots[at];
+        if (v == NONE) {
+            d->slots[at] = v = (uint32_t)w->vertex_count++;
+            memcpy(&w->positions_ws[3 * (size_t)v], p, sizeof p);
+            return v;
+        }
+        if (!memcmp(&w->positions_ws[3 * (size_t)v], p, sizeof p)) return v;
+    }
+}
+
+static int is_finite_position(const double *p)
+{
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
+/* Vertices that no triangle uses are left out: they may be anything and must not widen the bounds. */
+static vxs_result weld_triangles(work *w, welder *d, const scene *s, message *m)
+{
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        uint32_t *corners = &w->indices[3 * w->triangle_count];
+        for (size_t i = 0; i < 3; i++) {
+            uint32_t v = s->indices[3 * t + i];
+            assert(v < s->vertex_count);
+            if (d->welded_of[v] == NONE) {
+                const double *p = &s->positions_ws[3 * (size_t)v];
+                if (!is_finite_position(p))
+                    return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
+                                p[2]);
+                d->welded_of[v] = weld_position(w, d, p);
+            }
+            corners[i] = d->welded_of[v];
+        }
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+        w->flags[w->triangle_count++] = s->triangle_flags[t] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+    }
+    return VXS_OK;
+}
+
+static vxs_result weld(work *w, const scene *s, message *m)
+{
+    vxs_result r = VXS_OK;
+    welder     d = {0};
+
+    /* half-edges are numbered with 32 bits */
+    if (s->triangle_count >= NONE / 3 || s->vertex_count >= NONE)
+        return fail(m, VXS_E_SCENE, "%zu triangles with %zu vertices, expected fewer than %u and %u", s->triangle_count,
+                    s->vertex_count, NONE / 3, NONE);
+    w->positions_ws = malloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
+    w->indices      = malloc((3 * s->triangle_count + 3) * sizeof *w->indices);
+    w->flags        = malloc(s->triangle_count + 1);
+    if (!w->positions_ws || !w->indices || !w->flags || welder_init(&d, s->vertex_count) != VXS_OK) {
+        r = out_of_memory(m, s->triangle_count);
+        goto done;
+    }
+    r = weld_triangles(w, &d, s, m);
+done:
+    free(d.slots);
+    free(d.welded_of);
+    return r;
+}
+
+/* --- edges ------------------------------------------------------------------------------------------------------------ */
+
+static uint32_t find_root(uint32_t *parents, uint32_t t)
+{
+    while (parents[t] != t) t = parents[t] = parents[parents[t]];
+    return t;
+}
+
+/* The smaller number becomes the root, so that a component is named by its first triangle. */
+static void join(uint32_t *parents, uint32_t a, uint32_t b)
+{
+    a = find_root(parents, a);
+    b = find_root(parents, b);
+    if (a < b)
+        parents[b] = a;
+    else
+        parents[a] = b;
+}
+
+/* Half-edge h = 3 t + i runs from corner i of triangle t to the next one. */
+static uint32_t edge_end(const uint32_t *indices, uint32_t h)
+{
+    return indices[h % 3 == 2 ? h - 2 : h + 1];
+}
+
+static uint32_t edge_low(const uint32_t *indices, uint32_t h)
+{
+    uint32_t a = indices[h], b = edge_end(indices, h);
+    return a < b ? a : b;
+}
+
+static uint32_t edge_high(const uint32_t *indices, uint32_t h)
+{
+    uint32_t a = indices[h], b = edge_end(indices, h);
+    return a < b ? b : a;
+}
+
+/* counts[k] items of key k become the place where the first of them goes. */
+static void counts_to_places(uint32_t *counts, size_t key_count)
+{
+    uint32_t place = 0;
+    for (size_t k = 0; k < key_count; k++) {
+        uint32_t count = counts[k];
+        counts[k]      = place;
+        place += count;
+    }
+}
+
+/* Sort all half-edges by (low, high) in two stable counting passes: linear, however many faces meet in a vertex.
+ * sorted, scratch  [3 * triangle_count];  places  [vertex_count] */
+static void sort_edges(const work *w, uint32_t *sorted, uint32_t *scratch, uint32_t *places)
+{
+    uint32_t edge_count = (uint32_t)(3 * w->triangle_count);
+
+    memset(places, 0, w->vertex_count * sizeof *places);
+    for (uint32_t h = 0; h < edge_count; h++) places[edge_high(w->indices, h)]++;
+    counts_to_places(places, w->vertex_count);
+    for (uint32_t h = 0; h < edge_count; h++) scratch[places[edge_high(w->indices, h)]++] = h;
+
+    memset(places, 0, w->vertex_count * sizeof *places);
+    for (uint32_t h = 0; h < edge_count; h++) places[edge_low(w->indices, h)]++;
+    counts_to_places(places, w->vertex_count);
+    for (uint32_t i = 0; i < edge_count; i++) sorted[places[edge_low(w->indices, scratch[i])]++] = scratch[i];
+}
+
+/* Join the triangles of each edge, and mark those of an edge that is not used equally often in both directions. An edge of
+ * four or six faces may well balance: two boxes that touch along an edge are still two closed boxes. */
+static void join_edges(work *w, const uint32_t *sorted)
+{
+    uint32_t edge_count = (uint32_t)(3 * w->triangle_count);
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        uint32_t first = sorted[begin], low = edge_low(w->indices, first), high = edge_high(w->indices, first);
+        int64_t  balance = 0;
+        for (end = begin; end < edge_count; end++) {
+            uint32_t h = sorted[end];
+            if (edge_low(w->indices, h) != low || edge_high(w->indices, h) != high) break;
+            balance += w->indices[h] == low ? 1 : -1;
+            join(w->component_of, first / 3, h / 3);
+        }
+        if (balance) w->flags[first / 3] |= EDGE_OPEN;
+    }
+}
+
+/* Number the components in the order of their first triangles. */
+static void number_components(work *w)
+{
+    uint32_t *component_of = w->component_of;
+    for (uint32_t t = 0; t < w->triangle_count; t++) component_of[t] = find_root(component_of, t);
+    /* a root is the first of its component: it has its number before anyone asks for it */
+    for (uint32_t t = 0; t < w->triangle_count; t++)
+        component_of[t] = component_of[t] == t ? (uint32_t)w->component_count++ : component_of[component_of[t]];
+}
+
+static vxs_result connect(work *w, message *m)
+{
+    vxs_result r          = VXS_OK;
+    size_t     edge_count = 3 * w->triangle_count;
+    uint32_t  *sorted     = malloc(edge_count * sizeof *sorted);
+    uint32_t  *scratch    = malloc(edge_count * sizeof *scratch);
+    uint32_t  *places     = malloc(w->vertex_count * sizeof *places);
+
+    w->component_of = malloc(w->triangle_count * sizeof *w->component_of);
+    if (!sorted || !scratch || !places || !w->component_of) {
+        r = out_of_memory(m, w->triangle_count);
+        goto done;
+    }
+    for (uint32_t t = 0; t < w->triangle_count; t++) w->component_of[t] = t;
+    sort_edges(w, sorted, scratch, places);
+    join_edges(w, sorted);
+    number_components(w);
+done:
+    free(sorted);
+    free(scratch);
+    free(places);
+    return r;
+}
+
+/* --- measure ---------------------------------------------------------------------------------------------------------- */
+
+static void start_component(component *c, double *box, const double *corner)
+{
+    memcpy(c->origin, corner, sizeof c->origin);
+    memcpy(box, corner, 3 * sizeof *box);
+    memcpy(box + 3, corner, 3 * sizeof *box);
+}
+
+static void grow_box(double *box, const double *p)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (p[axis] < box[axis]) box[axis] = p[axis];
+        if (p[axis] > box[3 + axis]) box[3 + axis] = p[axis];
+    }
+}
+
+static double tetrahedron_volume(const double *o, const double *const p[3])
+{
+    double e[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int axis = 0; axis < 3; axis++) e[i][axis] = p[i][axis] - o[axis];
+    return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+           6;
+}
+
+static vxs_result measure_components(work *w, message *m)
+{
+    w->components = allocate(w->component_count, sizeof *w->components);
+    w->boxes      = allocate(w->component_count, 6 * sizeof *w->boxes);
+    if (!w->components || !w->boxes) return out_of_memory(m, w->triangle_count);
+
+    for (size_t t = 0; t < w->triangle_count; t++) {
+        const uint32_t *v    = &w->indices[3 * t];
+        component      *c    = &w->components[w->component_of[t]];
+        double         *box  = &w->boxes[6 * (size_t)w->component_of[t]];
+        const double   *p[3] = {&w->positions_ws[3 * (size_t)v[0]], &w->positions_ws[3 * (size_t)v[1]],
+                                &w->positions_ws[3 * (size_t)v[2]]};
+        if (!c->triangle_count++) start_component(c, box, p[0]);
+        for (int i = 0; i < 3; i++) grow_box(box, p[i]);
+        c->flags |= w->flags[t];
+        c->volume += tetrahedron_volume(c->origin, p);
+    }
+    return VXS_OK;
+}
+
+/* The least volume that is more than rounding: of the sum, whose terms are products of the box's three sides, and of the
+ * coordinates, which are only known to the last bit of the largest. */
+static double least_volume(const double *box)
+{
+    double side[3], longest = 0, reach = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        side[axis] = box[3 + axis] - box[axis];
+        longest    = fmax(longest, side[axis]);
+        reach      = fmax(reach, fmax(fabs(box[axis]), fabs(box[3 + axis])));
+    }
+    return 1e-9 * (side[0] * side[1] * side[2]) + 4 * DBL_EPSILON * reach * longest * longest;
+}
+
+/* --- judge ------------------------------------------------------------------------------------------------------------ */
+
+/* The kind as far as the component alone shows. Occupied ones are still among the solids.
+ *
+ * A positive volume does not say that no part is inside out: of two lobes joined along one edge, the smaller may be. There
+ * the winding number is negative: a ray leaves before it enters. The peeling of exit depths counts both and calls only a
+ * positive count inside, so the volume is enough here. Sizes beyond 1e100, whose volume is not a number, make sheets. */
+static component_kind judge(const component *c, const double *box, closed_mode closed)
+{
+    if (closed == CLOSED_OFF) return COMPONENT_SHEET_FORCED;
+    if (c->flags & TRIANGLE_ALPHA_MASK) return COMPONENT_SHEET_ALPHA_MASK;
+    if (c->flags & EDGE_OPEN) return COMPONENT_SHEET_OPEN;
+    if (closed == CLOSED_ON) return fabs(c->volume) > least_volume(box) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
+    if (c->flags & TRIANGLE_DOUBLE_SIDED) return COMPONENT_SHEET_DOUBLE_SIDED;
+    return c->volume > least_volume(box) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
+}
+
+static void add_point(double *points, size_t *count, const double *at_ws)
+{
+    /* what is nowhere is not inside either */
+    if (is_finite_position(at_ws)) memcpy(&points[3 * (*count)++], at_ws, 3 * sizeof *points);
+}
+
+/* Where lights and cameras are; sunlight comes from nowhere.  points  [3 * (light_count + camera_count)] */
+static size_t collect_points(double *points, const scene *s)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < s->light_count; i++)
+        if (s->lights[i].kind != LIGHT_DIRECTIONAL) add_point(points, &count, s->lights[i].position_ws);
+    for (size_t i = 0; i < s->camera_count; i++) add_point(points, &count, &s->camera_positions_ws[3 * i]);
+    return count;
+}
+
+/* Bring the triangles together by component.  first  [component_count + 1];  members  [triangle_count] */
+static void group_triangles(const work *w, uint32_t *first, uint32_t *members)
+{
+    memset(first, 0, (w->component_count + 1) * sizeof *first);
+    for (size_t t = 0; t < w->triangle_count; t++) first[w->component_of[t]]++;
+    counts_to_places(first, w->component_count);
+    for (uint32_t t = 0; t < w->triangle_count; t++) members[first[w->component_of[t]]++] = t;
+    /* each place has moved on to where the next component begins */
+    memmove(first + 1, first, w->component_count * sizeof *first);
+    first[0] = 0;
+}
+
+/* Solids with something inside become sheets, for whoever is inside wants to know where light reaches.
+ *
+ * Copies of a solid: exact ones share their edges, so they are one component, whose winding number tells what they are
+ * together (2 inside when both look outward, 0 when one is turned). Copies with other vertices lie in each other, and all
+ * become sheets: right, only larger. */
+static vxs_result evict_occupied(work *w, const scene *s, message *m)
+{
+    vxs_result r        = VXS_OK;
+    double    *points   = allocate(s->light_count + s->camera_count, 3 * sizeof *points);
+    uint32_t  *first    = malloc((w->component_count + 1) * sizeof *first);
+    uint32_t  *members  = malloc(w->triangle_count * sizeof *members);
+    uint8_t   *wanted   = allocate(w->component_count, 1);
+    uint8_t   *occupied = allocate(w->component_count, 1);
+
+    if (!points || !first || !members || !wanted || !occupied) {
+        r = out_of_memory(m, w->triangle_count);
+        goto done;
+    }
+    group_triangles(w, first, members);
+    for (size_t i = 0; i < w->component_count; i++) wanted[i] = w->components[i].kind == COMPONENT_SOLID;
+
+    shell_set shells = {.positions_ws = w->positions_ws,
+                        .indices      = w->indices,
+                        .count        = w->component_count,
+                        .first        = first,
+                        .members      = members,
+                        .boxes        = w->boxes,
+                        .point_count  = collect_points(points, s),
+                        .points       = points};
+    if ((r = shells_find_occupied(&shells, wanted, occupied)) != VXS_OK) {
+        out_of_memory(m, w->triangle_count);
+        goto done;
+    }
+    for (size_t i = 0; i < w->component_count; i++)
+        if (occupied[i]) w->components[i].kind = COMPONENT_SHEET_OCCUPIED;
+done:
+    free(points);
+    free(first);
+    free(members);
+    free(wanted);
+    free(occupied);
+    return r;
+}
+
+static vxs_result judge_components(work *w, const scene *s, closed_mode closed, message *m)
+{
+    for (size_t i = 0; i < w->component_count; i++) w->components[i].kind = judge(&w->components[i], &w->boxes[6 * i], closed);
+    return closed == CLOSED_AUTO ? evict_occupied(w, s, m) : VXS_OK;
+}
+
+/* --- emit ------------------------------------------------------------------------------------------------------------- */
+
+static void count_kinds(casters *c, const work *w)
+{
+    for (size_t i = 0; i < w->component_count; i++) {
+        c->component_count[w->components[i].kind]++;
+        c->triangles_of_kind[w->components[i].kind] += w->components[i].triangle_count;
+    }
+}
+
+/* A vertex gets its number when it is first used; those of collapsed triangles alone get none. */
+static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uint32_t v)
+{
+    if (emitted_as[v] == NONE) {
+        memcpy(&c->positions_ws[3 * c->vertex_count], &w->positions_ws[3 * (size_t)v], 3 * sizeof *c->positions_ws);
+        emitted_as[v] = (uint32_t)c->vertex_count++;
+    }
+    return emitted_as[v];
+}
+
+static void emit_triangles(casters *c, const work *w, uint32_t *emitted_as, int solids)
+{
+    for (size_t t = 0; t < w->triangle_count; t++) {
+        const component *of = &w->components[w->component_of[t]];
+        if ((of->kind == COMPONENT_SOLID) != solids) continue;
+        const uint32_t *from = &w->indices[3 * t];
+        uint32_t       *to   = &c->indices[3 * c->triangle_count++];
+        int             turn = solids && of->volume < 0; /* only --closed on lets such a one be a solid */
+        to[0]                = emit_vertex(c, w, emitted_as, from[0]);
+        to[1]                = emit_vertex(c, w, emitted_as, from[turn ? 2 : 1]);
+        to[2]                = emit_vertex(c, w, emitted_as, from[turn ? 1 : 2]);
+    }
+}
+
+static vxs_result emit(casters *c, const work *w, message *m)
+{
+    uint32_t *emitted_as = malloc(w->vertex_count * sizeof *emitted_as);
+    c->positions_ws      = malloc(3 * w->vertex_count * sizeof *c->positions_ws);
+    c->indices           = malloc(3 * w->triangle_count * sizeof *c->indices);
+    if (!emitted_as || !c->positions_ws || !c->indices) {
+        free(emitted_as);
+        return out_of_memory(m, w->triangle_count);
+    }
+    memset(emitted_as, 0xff, w->vertex_count * sizeof *emitted_as);
+    emit_triangles(c, w, emitted_as, 1);
+    c->solid_triangle_count = c->triangle_count;
+    emit_triangles(c, w, emitted_as, 0);
+    count_kinds(c, w);
+    free(emitted_as);
+    return VXS_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result no_caster(const scene *s, message *m)
+{
+    if (!s->triangle_count) return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: the scene has no triangles");
+    return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: each of the scene's %zu triangles collapses to a line or a point",
+                s->triangle_count);
+}
+
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, message *m)
+{
+    vxs_result r;
+    work       w = {0};
+
+    *c = (casters){0};
+    if ((r = weld(&w, s, m)) != VXS_OK) goto done;
+    c->collapsed_count = s->triangle_count - w.triangle_count;
+    if (!w.triangle_count) {
+        r = no_caster(s, m);
+        goto done;
+    }
+    if ((r = connect(&w, m)) != VXS_OK) goto done;
+    if ((r = measure_components(&w, m)) != VXS_OK) goto done;
+    if ((r = judge_components(&w, s, closed, m)) != VXS_OK) goto done;
+    r = emit(c, &w, m);
+done:
+    if (r != VXS_OK) casters_free(c);
+    work_free(&w);
+    return r;
+}
+
+void casters_free(casters *c)
+{
+    free(c->positions_ws);
+    free(c->indices);
+    *c = (casters){0};
+}
+
+const char *component_kind_name(component_kind kind)
+{
+    static const char *const names[COMPONENT_KINDS] = {
+        [COMPONENT_SOLID]              = "solid",
+        [COMPONENT_SHEET_FORCED]       = "forced",
+        [COMPONENT_SHEET_ALPHA_MASK]   = "alpha mask",
+        [COMPONENT_SHEET_OPEN]         = "open",
+        [COMPONENT_SHEET_DOUBLE_SIDED] = "double sided",
+        [COMPONENT_SHEET_INWARD]       = "inward",
+        [COMPONENT_SHEET_OCCUPIED]     = "occupied",
+    };
+    return (unsigned)kind < COMPONENT_KINDS ? names[kind] : "unknown";
+}

@@ -1,0 +1,56 @@
+/* The triangles that cast shadows, welded and told apart: solids first, then sheets.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CASTERS_H
+#define CASTERS_H
+
+#include "baker/scene/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Why a connected component is a sheet, or that it is a solid. The order is the order of the tests. */
+typedef enum component_kind {
+    COMPONENT_SOLID,
+    COMPONENT_SHEET_FORCED,       /* --closed off */
+    COMPONENT_SHEET_ALPHA_MASK,   /* has holes that geometry does not show */
+    COMPONENT_SHEET_OPEN,         /* an edge whose triangles do not cancel: open or inconsistently oriented */
+    COMPONENT_SHEET_DOUBLE_SIDED, /* a material says that both sides are seen */
+    COMPONENT_SHEET_INWARD,       /* encloses no positive volume: turned inside out, or flat */
+    COMPONENT_SHEET_OCCUPIED,     /* a light, a camera or another whole component is inside */
+    COMPONENT_KINDS
+} component_kind;
+
+typedef enum closed_mode { CLOSED_AUTO, CLOSED_ON, CLOSED_OFF } closed_mode;
+
+typedef struct casters {
+    size_t  vertex_count;
+    double *positions_ws; /* [3 * vertex_count] welded: no two vertices have the same position */
+
+    size_t    triangle_count;
+    size_t    solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, the rest to sheets */
+    uint32_t *indices;              /* [3 * triangle_count], in the scene's order within solids and within sheets */
+
+    size_t component_count[COMPONENT_KINDS]; /* components of each kind */
+    size_t triangles_of_kind[COMPONENT_KINDS];
+    size_t collapsed_count; /* triangles dropped because two corners welded together */
+} casters;
+
+/* Weld vertices at bit-equal world positions (-0 equals +0), drop triangles that collapse, split into components connected by
+ * edges, and decide which are solids (docs/overview.md, "Solids and sheets"; design: [CPVS16] 3.3 needs closed objects).
+ * CLOSED_ON   every closed component is a solid, whatever its material or contents; inward ones are turned outward.
+ * CLOSED_OFF  everything is a sheet.
+ * A sheet is always right, only larger, so every doubt makes a sheet.
+ * c  [out] zeroed on failure; released with casters_free.
+ * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  Deterministic; threads: none. */
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, message *m);
+
+void casters_free(casters *c);
+
+/* "solid", "open", ... for reports. */
+const char *component_kind_name(component_kind kind);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

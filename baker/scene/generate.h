@@ -1,0 +1,54 @@
+/* Procedural test scenes: the same options give the same scene on every machine.
+ *
+ * Nothing here calls libm except sqrt, and floating point is plain +, -, *, / in double with one rounding to float at
+ * the end, so that no rounding is left to a library or a compiler.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef GENERATE_H
+#define GENERATE_H
+
+#include <stdint.h>
+
+#include "baker/scene/glb_write.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* limits of the options, checked by the caller */
+#define GENERATE_TRIANGLES_MIN 1000
+#define GENERATE_TRIANGLES_MAX 5000000
+#define CITY_BLOCKS_MAX        64
+#define LANDSCAPE_SIZE_MIN     1.0
+#define LANDSCAPE_SIZE_MAX     100000.0
+#define LANDSCAPE_HEIGHT_MAX   10000.0
+
+typedef struct city_options {
+    uint32_t blocks;    /* a side: blocks x blocks; [1, CITY_BLOCKS_MAX] */
+    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met to the nearest dozen */
+    uint32_t seed;
+    double   sun[3]; /* the way the light travels; not zero */
+} city_options;
+
+/* A city of closed boxes, 12 triangles and 8 vertices of its own each: ground, kerbs, buildings, street lamps, roof and
+ * wall clutter. Boxes touch or intersect as solids do in real levels; each touches one before it or the ground, none lies
+ * wholly inside another. One mesh for the ground, then one a block that got any box.
+ * s  [out] zeroed on failure; released with glb_scene_free.
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (so many triangles do not fit so few blocks). */
+vxs_result generate_city(glb_scene *s, const city_options *o, message *m);
+
+typedef struct landscape_options {
+    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
+    uint32_t seed;
+    double   size_metres;   /* a side; [LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
+    double   height_metres; /* lowest to highest point; [0, LANDSCAPE_HEIGHT_MAX] */
+    double   sun[3];        /* the way the light travels; not zero */
+} landscape_options;
+
+/* Fractal terrain as one closed mesh: a heightfield, skirts, and a flat bottom.
+ * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
+vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

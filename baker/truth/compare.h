@@ -1,0 +1,79 @@
+/* How often a baked light is wrong, where, and how fast it answers: lookups against the ray-traced truth.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMPARE_H
+#define COMPARE_H
+
+#include "baker/truth/truth.h"
+#include "formats/vxs_file.h"
+
+enum { COMPARE_EXAMPLES_MAX = 10, COMPARE_FILTER_POINTS_MAX = 20000, COMPARE_TIMED_POINTS_MAX = 1000000 };
+
+/* Where the points come from. */
+typedef enum compare_kind {
+    COMPARE_RANDOM,  /* uniform in the casters' bounding box, 5 % larger; looked up without a normal */
+    COMPARE_SURFACE, /* uniform by area on casters, both sides of sheets; looked up with the normal */
+    COMPARE_KINDS
+} compare_kind;
+
+typedef struct compare_options {
+    uint32_t points; /* of each kind */
+    uint32_t seed;
+    uint32_t filter_px; /* 1: only single taps are compared */
+    uint32_t threads;
+} compare_options;
+
+/* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained. */
+typedef struct compare_counts {
+    uint64_t points;
+    uint64_t outside;      /* the light's map does not reach there */
+    uint64_t inside_solid; /* nobody asks there, the answer is undefined */
+    uint64_t checked;
+    uint64_t leaks;         /* the asset says lit, the truth shadow */
+    uint64_t false_shadows; /* the asset says shadow, the truth lit */
+    uint64_t near_boundary; /* within two voxels the truth is what the asset says */
+    uint64_t near_surface;  /* not that, but a caster is within two texels */
+    uint64_t unexplained;   /* neither: a fault */
+} compare_counts;
+
+/* An unexplained answer. */
+typedef struct compare_example {
+    compare_kind kind;
+    double       point_ws[3];
+    double       normal_ws[3]; /* zero for random points */
+    int32_t      voxel[3];     /* that was looked up */
+    int          asset_lit, truth_lit;
+} compare_example;
+
+/* K x K lookups against the same filter over rays. */
+typedef struct compare_filter {
+    uint64_t points; /* compared: neither outside nor inside a solid */
+    double   rmse, max_error;
+} compare_filter;
+
+typedef struct compare_time {
+    uint64_t points;                      /* random points inside the map */
+    double   lookup_s, filter_s, truth_s; /* for one point, on one thread: the median of five runs; filter_s 0: no filter */
+} compare_time;
+
+typedef struct compare_result {
+    compare_counts  counts[COMPARE_KINDS];
+    compare_filter  filter[COMPARE_KINDS];
+    compare_example examples[COMPARE_EXAMPLES_MAX];
+    uint32_t        example_count;
+    compare_time    time;
+} compare_result;
+
+/* Compare one light with the truth.
+ *
+ * Of a surface point the truth is asked half a filter's width off the surface, which is where the lookup's bias goes.
+ * Two voxels from a boundary means: among rays from 5 x 5 x 5 voxels about the point, and rays through the centre of the
+ * texel that was looked up (and as near to it as a rasterizer may move an edge), one has the answer of the asset.
+ * t      of c;   c  with the solids that the light was baked with
+ * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o,
+                         message *m);
+
+/* Leaks and false shadows. */
+uint64_t compare_wrong(const compare_counts *n);
+
+#endif

@@ -1,0 +1,312 @@
+/* A picture of a scene in the shadows of a baked light; see picture.h.
+ *
+ * A pixel is the mean of 2 x 2 rays. What a ray meets is one matt material under three lights:
+ *
+ *     sun       lambert, times the lookup in the asset at the point, with its normal, filtered
+ *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
+ *     haze      mixed over both, by distance behind the nearest corner of the scene
+ *
+ * Colours are linear until the end.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/truth/picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/parallel.h"
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "runtime/vxs.h"
+
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb/stb_image_write.h>
+
+enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE };
+
+static const double pi = 3.14159265358979323846;
+
+static const double albedo[3]      = {0.66, 0.62, 0.56};
+static const double sun_colour[3]  = {2.05, 1.76, 1.34};
+static const double sky_zenith[3]  = {0.20, 0.40, 0.86};
+static const double sky_horizon[3] = {0.70, 0.81, 0.95};
+static const double sky_below[3]   = {0.56, 0.61, 0.68};
+static const double bounce[3]      = {0.09, 0.08, 0.07};
+
+typedef struct view {
+    const picture_options *options;
+    const truth           *truth;
+    const vxs_light       *light;
+    uint8_t               *rgb;
+    double                 forward[3];
+    double                 right[3], up[3]; /* reach from the picture's middle to its edges, at distance 1 */
+    double                 near_metres;     /* haze begins */
+    double                 haze_metres;     /* it takes 1 - 1/e in so much */
+    double                 sky_metres;      /* what is this far away shuts out half of the sky behind it */
+} view;
+
+/* the camera ------------------------------------------------------------------------------------------ */
+
+typedef struct box {
+    double min[3], max[3];
+} box;
+
+static box bounds_of(const casters *c)
+{
+    box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (size_t n = 0; n < 3 * c->triangle_count; n++)
+        for (int i = 0; i < 3; i++) {
+            double p = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)i];
+            b.min[i] = fmin(b.min[i], p);
+            b.max[i] = fmax(b.max[i], p);
+        }
+    return b;
+}
+
+static double diagonal_of(const box *b)
+{
+    double extent[3];
+    vec3_sub(b->max, b->min, extent);
+    return sqrt(vec3_dot(extent, extent));
+}
+
+static void corner_of(const box *b, int n, double corner[3])
+{
+    for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
+}
+
+/* Unit axes of a camera that looks along forward, level with the horizon unless it looks straight up or down. */
+static void camera_axes(const double forward[3], double right[3], double up[3])
+{
+    double across[3];
+    vec3_cross(forward, (double[3]){0, 1, 0}, across);
+    if (!vec3_unit(across, right)) memcpy(right, (double[3]){1, 0, 0}, 3 * sizeof *right);
+    vec3_cross(right, forward, up);
+}
+
+/* How far the box reaches to both sides of the target along an axis, seen from `distance`, as slopes. */
+static void slopes_of(const box *b, const double target[3], double distance, const double forward[3], const double axis[3],
+                      double *low, double *high)
+{
+    *low  = INFINITY;
+    *high = -INFINITY;
+    for (int n = 0; n < 8; n++) {
+        double corner[3], from[3];
+        corner_of(b, n, corner);
+        vec3_sub(corner, target, from);
+        double slope = vec3_dot(from, axis) / (distance + vec3_dot(from, forward));
+        *low         = fmin(*low, slope);
+        *high        = fmax(*high, slope);
+    }
+}
+
+/* Wide and flat scenes are mostly ground: they may lose corners of it, for a better view of what stands there. */
+static double closer(const box *b)
+{
+    double flatness = (b->max[1] - b->min[1]) / fmax(fmax(b->max[0] - b->min[0], b->max[2] - b->min[2]), 1e-9);
+    return fmin(fmax(0.57 + 0.72 * flatness, 0.75), 1);
+}
+
+void picture_frame(picture_camera *camera, const casters *c, const double sun_ws[3], double aspect)
+{
+    const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
+    box          b     = bounds_of(c);
+    double       size  = fmax(diagonal_of(&b), 1e-9);
+    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
+    double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
+    double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
+    double       right[3], up[3], target[3], distance = 0;
+    camera_axes(forward, right, up);
+    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b.min[i] + b.max[i]);
+
+    /* centre what is seen, step back until it fits, and again, since perspective moves the centre */
+    for (int round = 0; round < 8; round++) {
+        double low, high;
+        distance = 0;
+        for (int n = 0; n < 8; n++) {
+            double corner[3], from[3];
+            corner_of(&b, n, corner);
+            vec3_sub(corner, target, from);
+            double behind = vec3_dot(from, forward);
+            distance      = fmax(distance, fabs(vec3_dot(from, right)) / tan_x - behind);
+            distance      = fmax(distance, fabs(vec3_dot(from, up)) / tan_y - behind);
+        }
+        distance = fmax(distance, size * 1e-3);
+        slopes_of(&b, target, distance, forward, right, &low, &high);
+        vec3_mad(target, 0.5 * (low + high) * distance, right, target);
+        slopes_of(&b, target, distance, forward, up, &low, &high);
+        vec3_mad(target, 0.5 * (low + high) * distance, up, target);
+    }
+    memcpy(camera->target_ws, target, sizeof target);
+    vec3_mad(target, -distance * closer(&b), forward, camera->eye_ws);
+}
+
+/* How far the eye is from the box; 0 inside. */
+static double distance_to_box(const box *b, const double eye[3])
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++) {
+        double outside = fmax(fmax(b->min[i] - eye[i], eye[i] - b->max[i]), 0);
+        square += outside * outside;
+    }
+    return sqrt(square);
+}
+
+static view make_view(const picture_options *o, const truth *t, const casters *c, const vxs_light *light, uint8_t *rgb)
+{
+    box    b    = bounds_of(c);
+    double size = fmax(diagonal_of(&b), 1e-9), tan_y = tan(o->camera.fov_degrees * pi / 360), along[3];
+    view   v = {.options = o, .truth = t, .light = light, .rgb = rgb};
+    vec3_sub(o->camera.target_ws, o->camera.eye_ws, along);
+    vec3_unit(along, v.forward);
+    camera_axes(v.forward, v.right, v.up);
+    for (int i = 0; i < 3; i++) {
+        v.right[i] *= tan_y * o->width_px / o->height_px;
+        v.up[i] *= tan_y;
+    }
+    v.near_metres = distance_to_box(&b, o->camera.eye_ws);
+    v.haze_metres = 4 * size;
+    v.sky_metres  = 0.03 * size;
+    return v;
+}
+
+/* light ----------------------------------------------------------------------------------------------- */
+
+static void mix(const double a[3], const double b[3], double share, double out[3])
+{
+    for (int i = 0; i < 3; i++) out[i] = a[i] + share * (b[i] - a[i]);
+}
+
+static void sky_colour(const double direction[3], double out[3])
+{
+    double y = direction[1];
+    if (y >= 0)
+        mix(sky_horizon, sky_zenith, 1 - pow(1 - y, 2.5), out);
+    else
+        mix(sky_horizon, sky_below, 1 - pow(1 + y, 2), out);
+}
+
+/* A frame around a unit normal. */
+static void frame_of(const double normal[3], double a[3], double b[3])
+{
+    double axis[3] = {fabs(normal[0]) < 0.5, fabs(normal[0]) >= 0.5, 0};
+    vec3_cross(normal, axis, a);
+    double length = sqrt(vec3_dot(a, a));
+    for (int i = 0; i < 3; i++) a[i] /= length;
+    vec3_cross(normal, a, b);
+}
+
+/* Light from the sky and from what stands before it, by cosine-distributed rays: a square of cells, a ray in each, bent to
+ * a disk and lifted to the hemisphere. The samples of a pixel share the cells. */
+static void sky_light(const view *v, const double from_ws[3], const double normal[3], int sample, rng *r, double out[3])
+{
+    double a[3], b[3];
+    frame_of(normal, a, b);
+    memset(out, 0, 3 * sizeof *out);
+    for (int n = 0; n < SKY_RAYS; n++) {
+        int    row    = n / SKY_RAYS_SIDE * SIDE_SAMPLES + sample / SIDE_SAMPLES;
+        int    column = n % SKY_RAYS_SIDE * SIDE_SAMPLES + sample % SIDE_SAMPLES;
+        double square = (column + ldexp((double)rng_u32(r), -32)) / (SKY_RAYS_SIDE * SIDE_SAMPLES);
+        double angle  = (row + ldexp((double)rng_u32(r), -32)) / (SKY_RAYS_SIDE * SIDE_SAMPLES) * 2 * pi;
+        double radius = sqrt(square), height = sqrt(1 - square), distance, direction[3], sky[3];
+        for (int i = 0; i < 3; i++) direction[i] = radius * cos(angle) * a[i] + radius * sin(angle) * b[i] + height * normal[i];
+        sky_colour(direction, sky);
+        if (truth_first_hit(v->truth, from_ws, direction, &distance, NULL, NULL))
+            mix(bounce, sky, distance / (distance + v->sky_metres) * 0.85, sky);
+        for (int i = 0; i < 3; i++) out[i] += sky[i] / SKY_RAYS;
+    }
+}
+
+/* Of the sun, what the asset lets through. Beyond its map nothing casts a shadow. */
+static double sun_light(const view *v, const double point_ws[3], const double normal[3])
+{
+    double facing = -vec3_dot(normal, v->light->direction_ws);
+    if (facing <= 0) return 0;
+    float lit = vxs_lookup(v->light, point_ws, normal, (int)v->options->filter_px);
+    return facing * (lit < 0 ? 1 : (double)lit);
+}
+
+/* What comes back along one ray from the eye. */
+static void trace(const view *v, const double direction[3], int sample, rng *r, double out[3])
+{
+    double distance, normal[3], point[3], lifted[3], haze[3];
+    sky_colour(direction, haze);
+    if (!truth_first_hit(v->truth, v->options->camera.eye_ws, direction, &distance, normal, NULL)) {
+        memcpy(out, haze, sizeof haze);
+        return;
+    }
+    double turn = vec3_dot(normal, direction) > 0 ? -1 : 1; /* a sheet may be seen from behind */
+    for (int i = 0; i < 3; i++) normal[i] *= turn;
+    vec3_mad(v->options->camera.eye_ws, distance, direction, point);
+    truth_lift(v->truth, point, normal, lifted);
+
+    double sky[3], sun = sun_light(v, point, normal);
+    sky_light(v, lifted, normal, sample, r, sky);
+    for (int i = 0; i < 3; i++) out[i] = albedo[i] * (sun * sun_colour[i] + 0.42 * sky[i]);
+    mix(out, haze, 1 - exp(-fmax(distance - v->near_metres, 0) / v->haze_metres), out);
+}
+
+/* pixels ---------------------------------------------------------------------------------------------- */
+
+/* A soft shoulder, so that sunlit walls keep their drawing, then the sRGB curve. */
+static uint8_t encode(double linear)
+{
+    double x = 0.80 * linear;
+    x        = x < 0.6 ? x : 0.6 + 0.4 * (1 - exp(-(x - 0.6) / 0.4));
+    x        = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+    return (uint8_t)(255 * fmin(fmax(x, 0), 1) + 0.5);
+}
+
+static void render_pixel(const view *v, size_t index, uint8_t rgb[3])
+{
+    const picture_options *o      = v->options;
+    double                 sum[3] = {0};
+    for (int n = 0; n < SIDE_SAMPLES * SIDE_SAMPLES; n++) {
+        rng    r = rng_split(index, (uint64_t)n);
+        double x = (double)(index % o->width_px) + (n % SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
+        double y = (double)(index / o->width_px) + (n / SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
+        double along[3], direction[3], colour[3];
+        vec3_mad(v->forward, 2 * x / o->width_px - 1, v->right, along);
+        vec3_mad(along, 1 - 2 * y / o->height_px, v->up, along);
+        vec3_unit(along, direction);
+        trace(v, direction, n, &r, colour);
+        for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
+    }
+    for (int i = 0; i < 3; i++) rgb[i] = encode(sum[i]);
+}
+
+static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const view *v = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) render_pixel(v, n, v->rgb + 3 * n);
+}
+
+void picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *light)
+{
+    view v = make_view(o, t, c, light, rgb);
+    parallel_for(o->threads, (size_t)o->width_px * o->height_px, o->width_px, render_pixels, &v);
+}
+
+/* the file -------------------------------------------------------------------------------------------- */
+
+typedef struct png_sink {
+    output_file *out;
+    message     *m;
+    vxs_result   result;
+} png_sink;
+
+static void write_bytes(void *context, void *data, int size)
+{
+    png_sink *sink = context;
+    if (sink->result == VXS_OK) sink->result = output_file_write(sink->out, data, (size_t)size, sink->m);
+}
+
+vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m)
+{
+    png_sink sink = {out, m, VXS_OK};
+    if (!stbi_write_png_to_func(write_bytes, &sink, (int)width_px, (int)height_px, 3, rgb, (int)(3 * width_px)))
+        return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width_px, height_px);
+    return sink.result;
+}

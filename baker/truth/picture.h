@@ -1,0 +1,37 @@
+/* A picture of a scene in the shadows of a baked light: to look at what was baked.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PICTURE_H
+#define PICTURE_H
+
+#include <stdint.h>
+
+#include "baker/base/output_file.h"
+#include "baker/truth/truth.h"
+#include "formats/vxs_file.h"
+
+typedef struct picture_camera {
+    double eye_ws[3], target_ws[3];
+    double fov_degrees; /* from top to bottom, above 0, below 180 */
+} picture_camera;
+
+typedef struct picture_options {
+    uint32_t       width_px, height_px;
+    uint32_t       filter_px; /* of lookups: odd, 1 to VXS_FILTER_MAX */
+    uint32_t       threads;
+    picture_camera camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
+} picture_options;
+
+/* Stand where the casters fill the view, from above, the sun to the side.
+ * camera     fov_degrees is read; eye and target are written
+ * sun_ws     unit, the way the light travels
+ * aspect     width / height */
+void picture_frame(picture_camera *camera, const casters *c, const double sun_ws[3], double aspect);
+
+/* Render: shadows from the light's lookups, all else (what is seen, light from the sky) by rays.
+ * rgb  [out] [3 * width * height] sRGB, top row first.   The same at any thread count. */
+void picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *light);
+
+/* Encode as PNG. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
+vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m);
+
+#endif
