@@ -40,6 +40,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                         \
     X(PFNGLENABLEPROC, Enable)                                     \
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)   \
+    X(PFNGLFLUSHPROC, Flush)                                       \
     X(PFNGLFRAMEBUFFERTEXTUREPROC, FramebufferTexture)             \
     X(PFNGLFRONTFACEPROC, FrontFace)                               \
     X(PFNGLGENBUFFERSPROC, GenBuffers)                             \
