@@ -395,6 +395,7 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     vxs_bytes    file   = {0};
     vxs_result   r;
 
+    if ((r = output_file_check(o->output_path, o->scene_path, m)) != VXS_OK) goto done;
     stage_timer timer = stage_begin(report);
     if ((r = scene_load_gltf(&s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_LOAD);

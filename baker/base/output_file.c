@@ -97,6 +97,21 @@ vxs_result output_file_open(output_file *f, const char *path, message *m)
     return r;
 }
 
+vxs_result output_file_check(const char *path, const char *input, message *m)
+{
+    struct stat out, in;
+    if (!strcmp(path, "-")) return VXS_OK;
+    int exists = !stat(path, &out);
+    if (exists && input && !stat(input, &in) && out.st_dev == in.st_dev && out.st_ino == in.st_ino)
+        return fail(m, VXS_E_ARGUMENT, "%s: is the input itself: expected another name for the output", path);
+    if (exists && !S_ISREG(out.st_mode) && !S_ISDIR(out.st_mode)) return VXS_OK;
+
+    output_file f = {0};
+    vxs_result  r = output_file_open(&f, path, m);
+    output_file_abort(&f);
+    return r;
+}
+
 vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m)
 {
     if (size_bytes && fwrite(bytes, 1, size_bytes, f->stream) != size_bytes) return cannot_write(f, errno, m);

@@ -39,6 +39,11 @@ typedef struct output_file {
  * One line in m says which. */
 vxs_result output_file_open(output_file *f, const char *path, message *m);
 
+/* Find out before long work whether a file could be written there: as output_file_open followed by output_file_abort, but never opens
+ * a device or a pipe.
+ * input  NULL, or a file that must not be overwritten: VXS_E_ARGUMENT when both are one file. */
+vxs_result output_file_check(const char *path, const char *input, message *m);
+
 /* Append size_bytes bytes (0 is allowed). Buffered: a full disk may show only in output_file_commit.
  * Returns VXS_OK or VXS_E_WRITE; after a failure only output_file_abort makes sense. */
 vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "baker/bake.h"
+#include "baker/base/output_file.h"
 #include "baker/base/parallel.h"
 #include "baker/report.h"
 
@@ -84,7 +85,9 @@ int cmd_bake(int argc, char **argv)
         o.gl         = (gl_backend)gl;
         o.baseline   = (baseline_mode)baseline;
         o.progress   = isatty(STDERR_FILENO);
-        if ((r = check_options(&o, resolution_given, texel_given, json_path, &m)) == VXS_OK) r = bake(&o, &report, &m);
+        r            = check_options(&o, resolution_given, texel_given, json_path, &m);
+        if (r == VXS_OK && json_path) r = output_file_check(json_path, scene_path, &m);
+        if (r == VXS_OK) r = bake(&o, &report, &m);
         /* what goes to standard output stays alone there */
         int to_stdout = !strcmp(o.output_path ? o.output_path : "", "-") || (json_path && !strcmp(json_path, "-"));
         if (r == VXS_OK) report_print(to_stdout ? stderr : stdout, &o, &report);

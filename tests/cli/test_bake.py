@@ -369,6 +369,21 @@ def test_outputs_that_cannot_be_written(fails, scene, tmp_path):
     fails(4, "bake", scene, "-o", "/dev/full", *SMALL, says="No space left")
 
 
+def test_an_unwritable_output_is_told_before_the_work(fails, scene, tmp_path):
+    out = tmp_path / "a.vxs"
+    fails(4, "bake", tmp_path / "nobody.glb", "-o", tmp_path / "nobody" / "a.vxs", says="a.vxs")  # not the missing scene
+    fails(4, "bake", scene, "-o", out, *SMALL, "--json", tmp_path / "nobody" / "a.json", says="a.json")
+    assert not out.exists()
+
+
+def test_the_scene_is_never_overwritten(fails, tmp_path):
+    scene = small_scene.write(tmp_path / "own.gltf")
+    before = scene.read_bytes()
+    fails(2, "bake", scene, "-o", scene, *SMALL, says="input itself")
+    fails(2, "bake", scene, "-o", tmp_path / "a.vxs", "--json", scene, *SMALL, says="input itself")
+    assert scene.read_bytes() == before
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_output_folder_that_may_not_be_written(fails, scene, tmp_path):
     tmp_path.chmod(0o555)
