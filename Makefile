@@ -141,7 +141,7 @@ install: all
 
 uninstall:
 	$(RM) $(to)/bin/vxs $(to)/lib/libvxs.a $(to)/lib/pkgconfig/vxs.pc $(addprefix $(to)/include/vxs/,$(notdir $(headers)))
-	rmdir $(to)/include/vxs
+	[ ! -d $(to)/include/vxs ] || rmdir $(to)/include/vxs
 
 format:
 	clang-format -i $(wildcard $(foreach d,baker baker/* formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))

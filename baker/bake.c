@@ -9,17 +9,13 @@
 #include <string.h>
 
 #include "baker/base/clock.h"
+#include "baker/base/integer.h"
 #include "baker/base/output_file.h"
 #include "baker/base/parallel.h"
 #include "baker/base/version.h"
-#include "baker/command/light_choice.h"
 #include "baker/maps/baseline.h"
 #include "baker/maps/light_fit.h"
-
-static uint32_t min_u32(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
+#include "baker/scene/light_choice.h"
 
 /* time and memory by stage ---------------------------------------------------------------------------------------------------- */
 
@@ -69,6 +65,13 @@ typedef struct tile_job {
     uint32_t            sub_side; /* sub-DAGs a side of the tile */
     sub_dag            *subs;     /* [sub_side * sub_side] */
 } tile_job;
+
+/* A sub-DAG is a sixteenth of a map tile, so that threads have something to share, and at most SUB_DAG_MAX_PX wide. */
+static uint32_t sub_dag_side(uint32_t tile_px)
+{
+    uint32_t side = min_u32(tile_px / 4, SUB_DAG_MAX_PX);
+    return side < 8 ? 8 : side;
+}
 
 static uint32_t levels_of(uint32_t side_px)
 {
@@ -123,8 +126,7 @@ static vxs_result add_tile(const bake_options *o, depth_maps *maps, uint32_t i, 
     depth_maps_reduce(maps, o->threads);
     stage_end(&timer, STAGE_PYRAMID);
 
-    tile_job t = {.o = o, .source = depth_maps_columns(maps), .sub_px = min_u32(maps->side_px / 4, SUB_DAG_MAX_PX)};
-    if (t.sub_px < 8) t.sub_px = 8;
+    tile_job t     = {.o = o, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->side_px)};
     t.sub_side     = maps->side_px / t.sub_px;
     uint32_t count = t.sub_side * t.sub_side;
     t.subs         = calloc(count, sizeof *t.subs);
@@ -161,8 +163,12 @@ static void say_progress(const bake_options *o, const char *light, uint32_t done
     if (!o->progress) return;
     double spent = clock_seconds() - since;
     fprintf(stderr, "\r\033[Kvxs: light %s: tile %u of %u, about %.0f s left", light, done, of, spent / done * (of - done));
-    if (done == of) fputs("\r\033[K", stderr);
     fflush(stderr);
+}
+
+static void end_progress(const bake_options *o)
+{
+    if (o->progress) fputs("\r\033[K", stderr);
 }
 
 static vxs_result bake_tiles(const bake_options *o, depth_renderer *renderer, dag_merger *merger, depth_maps *maps, baseline *base,
@@ -173,19 +179,21 @@ static vxs_result bake_tiles(const bake_options *o, depth_renderer *renderer, da
     vxs_result r     = VXS_OK;
     for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
         uint32_t i = n % side, j = n / side;
+        int      empty = !depth_renderer_has_casters(renderer, maps->side_px, i, j);
         light->tiles++;
-        if (!depth_renderer_has_casters(renderer, maps->side_px, i, j)) {
-            light->tiles_skipped++;
-            continue;
-        }
+        light->tiles_skipped += (uint64_t)empty;
         stage_timer timer = stage_begin(report);
-        r                 = depth_renderer_tile(renderer, maps, i, j, m);
-        stage_end(&timer, STAGE_MAPS);
-        if (r == VXS_OK && o->baseline != BASELINE_OFF && !baseline_add(base, maps->enter, maps->side_px)) r = VXS_E_MEMORY;
+        if (!empty) {
+            r = depth_renderer_tile(renderer, maps, i, j, m);
+            stage_end(&timer, STAGE_MAPS);
+        }
+        if (r == VXS_OK && o->baseline != BASELINE_OFF && !baseline_add(base, empty ? NULL : maps->enter, maps->side_px))
+            r = VXS_E_MEMORY;
         report->baseline_seconds += clock_seconds() - timer.start;
-        if (r == VXS_OK) r = add_tile(o, maps, i, j, merger, report, light);
+        if (r == VXS_OK && !empty) r = add_tile(o, maps, i, j, merger, report, light);
         say_progress(o, light->light.name, n + 1, side * side, since);
     }
+    end_progress(o);
     return r;
 }
 
@@ -212,10 +220,9 @@ static vxs_result bake_light(const bake_options *o, gl_context *gl, const caster
         }
     uint32_t side = 1u << light->light.levels;
     uint32_t tile = min_u32(side, TILE_MAX_PX);
-    uint32_t sub  = min_u32(tile / 4, SUB_DAG_MAX_PX);
     if ((r = depth_renderer_create(&renderer, gl, c, &light->light, o->exit, o->threads, m)) != VXS_OK) goto done;
     if ((r = depth_maps_init(&maps, tile, side, depth_renderer_has_exit(renderer), m)) != VXS_OK) goto done;
-    if ((r = dag_merger_create(&merger, side, sub < 8 ? 8 : sub, o->stop == STOP_FINAL)) != VXS_OK) goto done;
+    if ((r = dag_merger_create(&merger, side, sub_dag_side(tile), o->stop == STOP_FINAL)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_GL);
 
     base->limit_per_map = o->baseline == BASELINE_FULL ? 0 : ((size_t)256 << 10) / ((side / tile) * (side / tile));
@@ -235,19 +242,43 @@ done:
 
 /* the file -------------------------------------------------------------------------------------------------------------------- */
 
-static const char *const rule_names[]   = {"greedy", "shadow"};
-static const char *const stop_names[]   = {"insert", "partial", "final"};
-static const char *const exit_names[]   = {"auto", "peel", "back"};
-static const char *const closed_names[] = {"auto", "on", "off"};
+static int set_word(json_t *object, const char *key, const char *choices, int index)
+{
+    char word[32];
+    return json_object_set_new(object, key, json_string(choice_word(word, choices, index)));
+}
+
+json_t *bake_choices_json(const bake_options *o)
+{
+    json_t *object = json_object();
+    set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
+    set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
+    set_word(object, "rule", RULE_CHOICES, (int)o->rule);
+    set_word(object, "stop", STOP_CHOICES, (int)o->stop);
+    return object;
+}
+
+json_t *bake_options_json(const bake_options *o)
+{
+    json_t       *object = bake_choices_json(o);
+    const double *b      = o->region_ws;
+    set_word(object, "reuse", REUSE_CHOICES, o->reuse);
+    set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
+    set_word(object, "gl", GL_CHOICES, (int)o->gl);
+    set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
+    json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
+    json_object_set_new(object, "threads", json_integer(o->threads));
+    if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
+    return object;
+}
 
 /* What made the file, for people and tools; a lookup needs none of it. No clock, no path: same input, same bytes. */
 static char *metadata_text(const bake_options *o, const bake_report *report)
 {
-    json_t *root = json_pack("{s:s, s:I, s:I, s:I, s:{s:s, s:s, s:s, s:s}}", "generator", "vxs " VXS_VERSION, "triangles",
+    json_t *root = json_pack("{s:s, s:I, s:I, s:I, s:o}", "generator", "vxs " VXS_VERSION, "triangles",
                              (json_int_t)report->casters.triangle_count, "solids",
                              (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
-                             (json_int_t)report->casters.solid_triangle_count, "options", "rule", rule_names[o->rule], "stop",
-                             stop_names[o->stop], "exit", exit_names[o->exit], "closed", closed_names[o->closed]);
+                             (json_int_t)report->casters.solid_triangle_count, "options", bake_choices_json(o));
     char   *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
     json_decref(root);
     return text;
@@ -326,10 +357,8 @@ static vxs_result write_file(const bake_options *o, const vxs_bytes *file, bake_
 
 /* all lights ------------------------------------------------------------------------------------------------------------------ */
 
-static void report_casters(bake_report *report, const casters *c, const scene *s)
+static void report_casters(bake_report *report, const casters *c)
 {
-    report->scene_triangles      = s->triangle_count;
-    report->scene_lights         = s->light_count;
     report->casters              = *c;
     report->casters.positions_ws = NULL;
     report->casters.indices      = NULL;
@@ -341,6 +370,21 @@ static void report_casters(bake_report *report, const casters *c, const scene *s
             report->casters_max_ws[axis] = fmax(report->casters_max_ws[axis], c->positions_ws[3 * n + axis]);
         }
     }
+}
+
+static vxs_result report_left_out(bake_report *report, const scene *s, const light_choice *chosen, message *m)
+{
+    report->left_out = calloc(s->light_count + 1, sizeof *report->left_out);
+    if (!report->left_out) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", s->light_count);
+    for (size_t n = 0; n < s->light_count; n++) {
+        int is_chosen = 0;
+        for (size_t k = 0; k < chosen->count; k++) is_chosen |= !strcmp(s->lights[n].name, chosen->lights[k].name);
+        if (is_chosen) continue;
+        light_left_out *l = &report->left_out[report->left_out_count++];
+        snprintf(l->name, sizeof l->name, "%s", s->lights[n].name);
+        l->why = s->lights[n].kind == LIGHT_DIRECTIONAL ? "not asked for" : "not directional";
+    }
+    return VXS_OK;
 }
 
 static vxs_result bake_lights(const bake_options *o, const casters *c, const light_choice *chosen, vxs_bytes *file,
@@ -401,7 +445,8 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     stage_end(&timer, STAGE_LOAD);
     if ((r = casters_from_scene(&c, &s, o->closed, m)) != VXS_OK) goto done;
     if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &chosen, m)) != VXS_OK) goto done;
-    report_casters(report, &c, &s);
+    report_casters(report, &c);
+    if ((r = report_left_out(report, &s, &chosen, m)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_SOLIDS);
 
     if ((r = bake_lights(o, &c, &chosen, &file, report, m)) != VXS_OK) goto done;
@@ -421,5 +466,6 @@ done:
 void bake_report_free(bake_report *r)
 {
     free(r->lights);
+    free(r->left_out);
     memset(r, 0, sizeof *r);
 }

@@ -3,7 +3,9 @@
 #ifndef BAKE_H
 #define BAKE_H
 
-#include "baker/command/options.h"
+#include <jansson.h>
+
+#include "baker/base/text.h"
 #include "baker/dag/dag.h"
 #include "baker/maps/depth_gl.h"
 #include "baker/scene/casters.h"
@@ -17,6 +19,16 @@ typedef enum stop_stage {
 } stop_stage;
 
 typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
+
+/* The words of the options below, in the order of their enums. */
+#define CLOSED_CHOICES   "auto|on|off"
+#define EXIT_CHOICES     "auto|peel|back"
+#define RULE_CHOICES     "greedy|shadow"
+#define REUSE_CHOICES    "off|on"
+#define COMPRESS_CHOICES "top-down|bottom-up"
+#define STOP_CHOICES     "insert|partial|final"
+#define GL_CHOICES       "osmesa|egl"
+#define BASELINE_CHOICES "sample|full|off"
 
 typedef struct bake_options {
     const char    *scene_path;
@@ -82,19 +94,30 @@ typedef struct light_report {
     double       depth_sample_share; /* of its texels that this was measured on */
 } light_report;
 
+/* A light of the scene that was not baked. */
+typedef struct light_left_out {
+    char        name[VXS_LIGHT_NAME_BYTES];
+    const char *why;
+} light_left_out;
+
 typedef struct bake_report {
-    stage_report  stage[STAGE_COUNT];
-    double        total_seconds; /* from start to the file under its name */
-    double        baseline_seconds;
-    uint64_t      peak_bytes;
-    char          renderer[128];
-    uint64_t      file_bytes;
-    size_t        scene_triangles, scene_lights;
-    casters       casters; /* counts only: no arrays */
-    double        casters_min_ws[3], casters_max_ws[3];
-    light_report *lights;
-    uint32_t      light_count;
+    stage_report    stage[STAGE_COUNT];
+    double          total_seconds; /* from start to the file under its name */
+    double          baseline_seconds;
+    uint64_t        peak_bytes;
+    char            renderer[128];
+    uint64_t        file_bytes;
+    casters         casters; /* counts only: no arrays */
+    double          casters_min_ws[3], casters_max_ws[3];
+    light_report   *lights;
+    uint32_t        light_count;
+    light_left_out *left_out;
+    size_t          left_out_count;
 } bake_report;
+
+/* Words for the options that decide what is baked, and for all that make a difference to the report. */
+json_t *bake_choices_json(const bake_options *o);
+json_t *bake_options_json(const bake_options *o);
 
 /* Bake a scene. The output is complete under its name, or untouched.
  * report  [out] zero it first; released with bake_report_free, whatever is returned.

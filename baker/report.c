@@ -5,19 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/output_file.h"
+#include "baker/base/json_file.h"
+#include "baker/base/text.h"
 #include "baker/base/version.h"
-
-const char *size_text(char text[32], uint64_t bytes)
-{
-    if (bytes < 10 * 1024)
-        snprintf(text, 32, "%llu B", (unsigned long long)bytes);
-    else if (bytes < 10 * 1024 * 1024)
-        snprintf(text, 32, "%.1f KiB", (double)bytes / 1024);
-    else
-        snprintf(text, 32, "%.1f MiB", (double)bytes / (1024 * 1024));
-    return text;
-}
 
 static double texels_of(const light_report *l)
 {
@@ -49,7 +39,8 @@ static void print_light(FILE *to, const light_report *l)
 {
     char     a[32], b[32], c[32];
     unsigned side = 1u << l->light.levels;
-    fprintf(to, "light %s\n", l->light.name);
+    char     name[VXS_LIGHT_NAME_BYTES];
+    fprintf(to, "light %s\n", one_line(strcpy(name, l->light.name)));
     fprintf(to, "  map        %u x %u texels of %.4g m, voxels %.4g m deep\n", side, side, l->light.texel_metres,
             l->light.voxel_metres);
     fprintf(to, "  tiles      %llu, left out without casters: %llu; rendered in %llu blocks, left out: %llu\n",
@@ -64,9 +55,9 @@ static void print_light(FILE *to, const light_report *l)
     fprintf(to, "  %-12s %10s %12s %12s\n", "level", "count", "memory", "on disk");
     for (uint32_t n = 0; n < l->level_count; n++) {
         const level_report *v = &l->level[n];
-        char                name[32];
-        snprintf(name, sizeof name, v->side_voxels ? "%u^3" : "masks", v->side_voxels);
-        fprintf(to, "  %-12s %10u %12s %12s\n", name, v->count, size_text(a, v->memory_bytes), size_text(b, v->stored_bytes));
+        char                what[32];
+        snprintf(what, sizeof what, v->side_voxels ? "%u^3" : "masks", v->side_voxels);
+        fprintf(to, "  %-12s %10u %12s %12s\n", what, v->count, size_text(a, v->memory_bytes), size_text(b, v->stored_bytes));
     }
     fprintf(to, "  size       %s in memory, %s on disk: %.4g and %.4g bit/texel\n", size_text(a, l->memory_bytes),
             size_text(b, l->stored_bytes), 8.0 * (double)l->memory_bytes / texels_of(l),
@@ -87,6 +78,10 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "scene        %s\n", o->scene_path);
     print_casters(to, r);
     for (uint32_t n = 0; n < r->light_count; n++) print_light(to, &r->lights[n]);
+    for (size_t n = 0; n < r->left_out_count; n++) {
+        char name[VXS_LIGHT_NAME_BYTES];
+        fprintf(to, "left out     light %s: %s\n", one_line(strcpy(name, r->left_out[n].name)), r->left_out[n].why);
+    }
     fprintf(to, "%-12s %10s %14s\n", "stage", "time", "peak memory");
     for (int s = 0; s < STAGE_COUNT; s++)
         fprintf(to, "%-12s %7.1f ms %14s\n", bake_stage_name((bake_stage)s), 1e3 * r->stage[s].seconds,
@@ -161,40 +156,30 @@ static json_t *stages_json(const bake_report *r)
     return stages;
 }
 
-json_t *json_text(const char *text)
+static json_t *left_out_json(const bake_report *r)
 {
-    json_t *value = json_string(text);
-    char   *ascii = value ? NULL : strdup(text);
-    if (!ascii) return value;
-    for (char *c = ascii; *c; c++)
-        if ((unsigned char)*c > 0x7f) *c = '?';
-    value = json_string(ascii);
-    free(ascii);
-    return value;
+    json_t *lights = json_array();
+    for (size_t n = 0; n < r->left_out_count; n++)
+        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
+    return lights;
 }
 
-vxs_result json_write(const char *path, json_t *value, message *m)
+static json_t *warnings_json(const message *m)
 {
-    char       *text = value ? json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
-    output_file out  = {0};
-    vxs_result  r    = text ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
-    if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
-    if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
-    if (r == VXS_OK) r = output_file_commit(&out, m);
-    output_file_abort(&out);
-    free(text);
-    json_decref(value);
-    return r;
+    json_t *warnings = json_array();
+    for (size_t n = 0; n < m->warning_count; n++) json_array_append_new(warnings, json_text(m->warnings[n]));
+    return warnings;
 }
 
 vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root = json_pack("{s:s, s:o, s:o, s:s, s:I, s:i, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
-                             json_text(o->scene_path), "output", json_text(o->output_path), "renderer", r->renderer, "file_bytes",
-                             (json_int_t)r->file_bytes, "threads", (int)o->threads, "casters", casters_json(r), "lights", lights,
-                             "stages", stages_json(r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes,
-                             "baseline_seconds", r->baseline_seconds);
+    json_t *root =
+        json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
+                  json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
+                  r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", casters_json(r), "lights", lights,
+                  "lights_left_out", left_out_json(r), "warnings", warnings_json(m), "stages", stages_json(r), "total_seconds",
+                  r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
     return json_write(path, root, m);
 }

@@ -80,7 +80,11 @@ vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes
 /* Accepts a zeroed object. */
 void vxs_contents_free(vxs_contents *contents);
 
-/* A DAG to be written. Nodes are eight references: 0 lit, 1 shadow, 2 + index into the level below (or into the masks). */
+/* A reference, while a DAG is built and written: VXS_REF_LIT, VXS_REF_SHADOW, or VXS_REF_FIRST + index into the level below (or
+ * into the masks). */
+enum { VXS_REF_LIT = 0, VXS_REF_SHADOW = 1, VXS_REF_FIRST = 2 };
+
+/* A DAG to be written. Nodes are eight references. */
 typedef struct vxs_dag_view {
     const uint32_t *nodes[VXS_LEVELS_MAX]; /* [l] 8 * count[l] references; [0] slice nodes, [level_count - 1] holds the root */
     uint32_t        count[VXS_LEVELS_MAX];

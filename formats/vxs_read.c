@@ -5,7 +5,6 @@
  * so that a child lies in its level and levels only go down; no check is left for a lookup.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
 #include <zstd.h>
@@ -14,6 +13,7 @@
 #include "vxs_file.h"
 #include "vxs_findings.h"
 #include "vxs_lookup.h"
+#include "vxs_memory.h"
 
 enum { HEADER = -1 };
 
@@ -55,19 +55,6 @@ static int go_on(const reader *r)
 }
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
-
-static void *default_alloc(size_t size, void *user)
-{
-    (void)user;
-    return malloc(size);
-}
-
-static void default_free(void *memory, size_t size, void *user)
-{
-    (void)user;
-    (void)size;
-    free(memory);
-}
 
 /* count elements of `size` bytes, within the limit; NULL (a finding, or VXS_E_MEMORY) otherwise. */
 static void *take(reader *r, uint64_t count, size_t size, int section)
@@ -469,11 +456,8 @@ vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes
 {
     reader r = {.bytes = bytes, .size = size_bytes};
     if (desc) r.desc = *desc;
-    if (r.desc.allocator && r.desc.allocator->alloc && r.desc.allocator->free)
-        r.allocator = *r.desc.allocator;
-    else
-        r.allocator = (vxs_allocator){default_alloc, default_free, NULL};
-    r.memory_left   = r.desc.memory_limit_bytes ? r.desc.memory_limit_bytes : (uint64_t)4 << 30;
+    r.allocator     = vxs_allocator_of(desc);
+    r.memory_left   = vxs_memory_limit_of(desc);
     r.out.allocator = r.allocator;
 
     read_all(&r);

@@ -8,8 +8,6 @@
 #include "vxs_bytes.h"
 #include "vxs_file.h"
 
-enum { REF_LIT = 0, REF_SHADOW = 1, REF_FIRST = 2 };
-
 /* `size` more bytes at the end of `b`, or NULL without memory. */
 static uint8_t *append(vxs_bytes *b, size_t size)
 {
@@ -61,7 +59,7 @@ static vxs_result add_section(sections *s, uint32_t kind, uint32_t flags, uint32
 /* What child c of a node is; VXS_CHILD_SAME spares the offset of a child that repeats its neighbour nearer the light. */
 static uint32_t child_state(const uint32_t *child, unsigned c, int slices)
 {
-    if (child[c] < REF_FIRST) return child[c];
+    if (child[c] < VXS_REF_FIRST) return child[c];
     unsigned nearer  = slices ? c - 1 : c - 4;
     int      has_one = slices ? c >= 1 : c >= 4;
     return has_one && child[c] == child[nearer] ? VXS_CHILD_SAME : VXS_CHILD_OWN;
@@ -98,10 +96,10 @@ static vxs_result encode_level(vxs_bytes *content, const vxs_dag_view *view, uin
             states |= state << (2 * c);
             if (state != VXS_CHILD_OWN) continue;
 
-            uint32_t *seen = &number[child[c] - REF_FIRST];
+            uint32_t *seen = &number[child[c] - VXS_REF_FIRST];
             uint32_t  code = *seen ? *below_count + 1 - *seen : 0;
             if (!*seen) {
-                below[(*below_count)++] = child[c] - REF_FIRST;
+                below[(*below_count)++] = child[c] - VXS_REF_FIRST;
                 *seen                   = *below_count;
             }
             if (!append_varint(content, code)) return VXS_E_MEMORY;

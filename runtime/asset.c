@@ -1,39 +1,20 @@
 /* Opening and closing assets; see vxs.h.
  * SPDX-License-Identifier: MIT */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "vxs.h"
+#include "vxs_memory.h"
 
 struct vxs_asset {
     vxs_contents  contents;
     vxs_allocator allocator;
 };
 
-static void *default_alloc(size_t size, void *user)
-{
-    (void)user;
-    return malloc(size);
-}
-
-static void default_free(void *memory, size_t size, void *user)
-{
-    (void)user;
-    (void)size;
-    free(memory);
-}
-
-static vxs_allocator allocator_of(const vxs_read_desc *desc)
-{
-    if (desc && desc->allocator && desc->allocator->alloc && desc->allocator->free) return *desc->allocator;
-    return (vxs_allocator){default_alloc, default_free, NULL};
-}
-
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
 {
     *asset               = NULL;
-    vxs_allocator memory = allocator_of(desc);
+    vxs_allocator memory = vxs_allocator_of(desc);
     vxs_asset    *a      = memory.alloc(sizeof *a, memory.user);
     if (!a) return VXS_E_MEMORY;
     memset(a, 0, sizeof *a);
@@ -63,12 +44,12 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     FILE *f = fopen(path, "rb");
     if (!f) return VXS_E_READ;
 
-    vxs_allocator memory = allocator_of(desc);
+    vxs_allocator memory = vxs_allocator_of(desc);
     vxs_result    r      = VXS_E_READ;
     uint8_t      *bytes  = NULL;
     long long     size   = file_size(f);
     vxs_read_desc rest   = desc ? *desc : (vxs_read_desc){0};
-    uint64_t      limit  = rest.memory_limit_bytes ? rest.memory_limit_bytes : (uint64_t)4 << 30;
+    uint64_t      limit  = vxs_memory_limit_of(desc);
     if (size < 0) goto done;
     r = VXS_E_MEMORY;
     if ((uint64_t)size >= limit || (uint64_t)size > SIZE_MAX) goto done;

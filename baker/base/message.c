@@ -7,11 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Names from a file may hold anything: one line stays one line on a terminal. */
-static void keep_one_line(char *text)
+char *one_line(char *text)
 {
-    for (; *text; text++)
-        if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = '?';
+    for (unsigned char *c = (unsigned char *)text; *c; c++) {
+        int control_8_bit = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0; /* U+0080 to U+009F in UTF-8 */
+        if (control_8_bit) *c++ = '?';
+        if (control_8_bit || *c < 0x20 || *c == 0x7f) *c = '?';
+    }
+    return text;
 }
 
 vxs_result fail(message *m, vxs_result code, const char *format, ...)
@@ -21,7 +24,7 @@ vxs_result fail(message *m, vxs_result code, const char *format, ...)
         va_start(args, format);
         vsnprintf(m->error, sizeof m->error, format, args);
         va_end(args);
-        keep_one_line(m->error);
+        one_line(m->error);
     }
     return code;
 }
@@ -33,7 +36,7 @@ void warn(message *m, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    keep_one_line(text);
+    one_line(text);
 
     for (size_t i = 0; i < m->warning_count; i++)
         if (!strcmp(m->warnings[i], text)) return;

@@ -35,6 +35,10 @@ vxs_result fail(message *m, vxs_result code, const char *format, ...) MESSAGE_PR
 /* Keep a warning for the report and print "vxs: warning: ..." to standard error. Equal warnings are kept once. */
 void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
 
+/* Make text that comes from a file fit to print, in place: control characters, which would break the line or speak to the terminal,
+ * become '?'. fail and warn do so themselves. Returns text. */
+char *one_line(char *text);
+
 /* Release the warnings. Accepts a zeroed object. */
 void message_free(message *m);
 

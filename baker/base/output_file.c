@@ -4,13 +4,67 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 /* enough for the files of earlier runs that were killed and had the same process number */
-enum { TEMPORARY_NAMES = 1000 };
+enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };
+
+/* The temporary files that there are, for a signal handler: it may not lock or allocate, so names are copied to where they are
+ * never freed, and only a state tells which of them count. Files may be opened and closed by several threads. */
+enum { SLOT_FREE, SLOT_TAKEN, SLOT_PENDING };
+
+static struct {
+    atomic_int state;
+    char       name[PATH_MAX];
+} pending[PENDING_MAX];
+
+/* The number of a slot for `name`, from 1; 0 when there is none. */
+static int remember(const char *name)
+{
+    if (strlen(name) >= PATH_MAX) return 0;
+    for (int n = 0; n < PENDING_MAX; n++) {
+        int state = SLOT_FREE;
+        if (!atomic_compare_exchange_strong(&pending[n].state, &state, SLOT_TAKEN)) continue;
+        strcpy(pending[n].name, name);
+        atomic_store(&pending[n].state, SLOT_PENDING);
+        return n + 1;
+    }
+    return 0;
+}
+
+static void forget(int slot)
+{
+    if (slot) atomic_store(&pending[slot - 1].state, SLOT_FREE);
+}
+
+/* The signal handler: only what is safe in one. A file that another thread commits meanwhile is either complete or gone. */
+static void end_run(int number)
+{
+    for (int n = 0; n < PENDING_MAX; n++)
+        if (atomic_load(&pending[n].state) == SLOT_PENDING) unlink(pending[n].name);
+    if (number == SIGINT) _exit(exit_status(VXS_E_INTERRUPTED));
+    signal(number, SIG_DFL);
+    raise(number); /* takes effect when the handler returns */
+}
+
+void output_file_catch_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM};
+    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+        struct sigaction action;
+        if (sigaction(numbers[n], NULL, &action) || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL) continue;
+        action = (struct sigaction){.sa_handler = end_run, .sa_flags = SA_RESTART};
+        sigfillset(&action.sa_mask);
+        sigaction(numbers[n], &action, NULL);
+    }
+}
 
 static vxs_result out_of_memory(const char *path, message *m)
 {
@@ -20,6 +74,21 @@ static vxs_result out_of_memory(const char *path, message *m)
 static vxs_result cannot_write(const output_file *f, int error, message *m)
 {
     return fail(m, VXS_E_WRITE, "%s: cannot write: %s", f->name, strerror(error));
+}
+
+/* Make f->temporary, a file that is not there yet, and remember it; -1, and errno, when that fails. No signal comes between the two
+ * steps: the name alone would not do, since the file may be that of another process until it was made. */
+static int create_temporary(output_file *f)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    int descriptor = open(f->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    int error      = errno;
+    if (descriptor >= 0) f->pending = remember(f->temporary);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    errno = error;
+    return descriptor;
 }
 
 /* Make a new file in the folder of f->target. Process number and O_EXCL make its name unique. mkstemp would not do: it
@@ -34,7 +103,7 @@ static vxs_result open_temporary(output_file *f, message *m)
             f->temporary = NULL;
             return out_of_memory(f->name, m);
         }
-        int descriptor = open(f->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        int descriptor = create_temporary(f);
         if (descriptor >= 0) {
             f->stream = fdopen(descriptor, "wb");
             if (f->stream) return VXS_OK;
@@ -66,6 +135,7 @@ static vxs_result open_beside(output_file *f, const char *path, int exists, mess
 
 static void release(output_file *f)
 {
+    forget(f->pending);
     free(f->name);
     free(f->target);
     free(f->temporary);

@@ -31,7 +31,13 @@ typedef struct output_file {
     char *name;      /* how messages call it: the path as given, or "standard output"; owned */
     char *target;    /* where the file goes, links resolved; NULL when written directly; owned */
     char *temporary; /* where the bytes are until then; NULL when written directly; owned */
+    int   pending;   /* what a signal removes; 0: nothing */
 } output_file;
+
+/* From now on SIGINT and SIGTERM remove the temporary files first, and then end the process: SIGINT with the exit status of an
+ * interrupted run, SIGTERM as it does by default. A signal that is ignored stays ignored, a handler of the caller's stays too.
+ * Call once, before threads are started. Up to 8 files are remembered at a time; further ones would be left behind. */
+void output_file_catch_signals(void);
 
 /* Start writing `path`. A new file gets the permissions that umask leaves of 0666.
  * f  [out] zeroed on failure; otherwise ends with output_file_commit or output_file_abort.

@@ -1,4 +1,4 @@
-/* Vectors of three doubles: the few operations that the ray-traced truth and the light choice share.
+/* Vectors of three doubles: the few operations that lights, maps and the ray-traced truth share.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef VEC3_H
 #define VEC3_H

@@ -29,6 +29,15 @@ vxs_result asset_open(vxs_asset **asset, const char *path, message *m)
     if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
     char where[32] = "the header";
     if (f.section >= 0) snprintf(where, sizeof where, "section %d", f.section);
-    return fail(m, r, "'%s' is not a valid .vxs file: %s (finding %d at byte %llu, in %s)", path, f.text, f.number,
+    const char *judgement = r == VXS_E_MEMORY ? "cannot be opened" : "is not a valid .vxs file";
+    return fail(m, r, "'%s' %s: %s (finding %d at byte %llu, in %s)", path, judgement, f.text, f.number,
                 (unsigned long long)f.offset, where);
+}
+
+vxs_result asset_find_light(const vxs_light **light, const vxs_asset *asset, const char *name, message *m)
+{
+    *light = vxs_asset_find_light(asset, name);
+    if (*light) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", name,
+                vxs_asset_light(asset, 0)->name);
 }

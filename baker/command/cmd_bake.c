@@ -8,11 +8,14 @@
 #include "baker/bake.h"
 #include "baker/base/output_file.h"
 #include "baker/base/parallel.h"
+#include "baker/command/options.h"
 #include "baker/report.h"
 
 static vxs_result check_options(bake_options *o, int resolution_given, int texel_given, const char *json_path, message *m)
 {
     if (!o->output_path) return fail(m, VXS_E_ARGUMENT, "bake needs -o OUT.vxs");
+    if (json_path && !strcmp(json_path, o->output_path) && strcmp(json_path, "-"))
+        return fail(m, VXS_E_ARGUMENT, "-o and --json are both %s: expected two names", json_path);
     if (json_path && !strcmp(json_path, "-") && !strcmp(o->output_path, "-"))
         return fail(m, VXS_E_ARGUMENT, "-o - and --json - exclude each other: both would go to standard output");
     if (resolution_given && texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
@@ -32,7 +35,7 @@ int cmd_bake(int argc, char **argv)
     bake_options o = {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .zstd_level = 12, .threads = parallel_default_threads()};
     int          resolution_given = 0, texel_given = 0, help_shown = 0;
     int          closed = CLOSED_AUTO, exit_choice = EXIT_AUTO, rule = MASK_RULE_GREEDY, stop = STOP_FINAL, gl = GL_BACKEND_OSMESA;
-    int          compress = COMPRESS_TOP_DOWN, reuse_choice = 0, baseline = BASELINE_SAMPLE, maps = 0;
+    int          compress = COMPRESS_TOP_DOWN, baseline = BASELINE_SAMPLE, maps = 0;
     const char  *json_path = NULL, *scene_path = NULL;
 
     const option options[] = {
@@ -48,23 +51,23 @@ int cmd_bake(int argc, char **argv)
          "x,y,z,x,y,z of the box that will be looked up, metres (default: all casters)", &o.region_given},
         {"--scene", OPTION_TEXT, &o.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
         {"--maps", OPTION_CHOICE, &maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto, which is gl)", NULL},
-        {"--gl", OPTION_CHOICE, &gl, 0, 0, "osmesa|egl", NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
-        {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, "auto|peel|back", NULL,
+        {"--gl", OPTION_CHOICE, &gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
+        {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, EXIT_CHOICES, NULL,
          "exit depth of solids: peeled, or the nearest back face (default auto, which peels)", NULL},
-        {"--closed", OPTION_CHOICE, &closed, 0, 0, "auto|on|off", NULL,
+        {"--closed", OPTION_CHOICE, &closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
-        {"--rule", OPTION_CHOICE, &rule, 0, 0, "greedy|shadow", NULL,
+        {"--rule", OPTION_CHOICE, &rule, 0, 0, RULE_CHOICES, NULL,
          "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
-        {"--reuse", OPTION_CHOICE, &reuse_choice, 0, 0, "on|off", NULL,
+        {"--reuse", OPTION_CHOICE, &o.reuse, 0, 0, REUSE_CHOICES, NULL,
          "insertion refers to an equal neighbour nearer the light (default on)", NULL},
-        {"--compress", OPTION_CHOICE, &compress, 0, 0, "top-down|bottom-up", NULL,
-         "order of sub-DAG compression (default top-down)", NULL},
-        {"--stop", OPTION_CHOICE, &stop, 0, 0, "insert|partial|final", NULL,
+        {"--compress", OPTION_CHOICE, &compress, 0, 0, COMPRESS_CHOICES, NULL, "order of sub-DAG compression (default top-down)",
+         NULL},
+        {"--stop", OPTION_CHOICE, &stop, 0, 0, STOP_CHOICES, NULL,
          "after insertion, sub-DAG compression, or the merge (default final)", NULL},
         {"--level", OPTION_U32, &o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
          "threads (default: all processors); never changes the bytes", NULL},
-        {"--baseline", OPTION_CHOICE, &baseline, 0, 0, "sample|full|off", NULL,
+        {"--baseline", OPTION_CHOICE, &baseline, 0, 0, BASELINE_CHOICES, NULL,
          "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
         {"--json", OPTION_TEXT, &json_path, 0, 0, NULL, "FILE", "the report as JSON; - is standard output", NULL},
     };
@@ -79,7 +82,6 @@ int cmd_bake(int argc, char **argv)
         o.closed     = (closed_mode)closed;
         o.exit       = (exit_mode)exit_choice;
         o.rule       = (mask_rule)rule;
-        o.reuse      = reuse_choice == 0;
         o.compress   = (compress_order)compress;
         o.stop       = (stop_stage)stop;
         o.gl         = (gl_backend)gl;

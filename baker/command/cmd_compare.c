@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/json_file.h"
 #include "baker/base/parallel.h"
 #include "baker/base/version.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options.h"
-#include "baker/report.h"
 #include "baker/truth/compare.h"
 
 /* What the command returns when it worked and found the asset wrong. */
@@ -57,50 +57,53 @@ static int passes(const compare_command *c, const compare_counts *sum)
 
 /* for people ------------------------------------------------------------------------------------------ */
 
-static void print_counts(const char *name, const compare_counts *n)
+static void print_counts(FILE *to, const char *name, const compare_counts *n)
 {
-    printf("  %-9s %10llu %10llu %10llu %9.4f %% %9llu %9llu %9llu %9llu %11llu\n", name, (unsigned long long)n->checked,
-           (unsigned long long)n->outside, (unsigned long long)n->inside_solid, 100 * share(compare_wrong(n), n->checked),
-           (unsigned long long)n->leaks, (unsigned long long)n->false_shadows, (unsigned long long)n->near_boundary,
-           (unsigned long long)n->near_surface, (unsigned long long)n->unexplained);
+    fprintf(to, "  %-9s %10llu %10llu %10llu %9.4f %% %9llu %9llu %9llu %9llu %11llu\n", name, (unsigned long long)n->checked,
+            (unsigned long long)n->outside, (unsigned long long)n->inside_solid, 100 * share(compare_wrong(n), n->checked),
+            (unsigned long long)n->leaks, (unsigned long long)n->false_shadows, (unsigned long long)n->near_boundary,
+            (unsigned long long)n->near_surface, (unsigned long long)n->unexplained);
 }
 
-static void print_example(const compare_example *e)
+static void print_example(FILE *to, const compare_example *e)
 {
-    printf("  unexplained: (%.9g, %.9g, %.9g)", e->point_ws[0], e->point_ws[1], e->point_ws[2]);
-    if (e->kind == COMPARE_SURFACE) printf(", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
-    printf(", voxel (%d, %d, %d): asset %s, truth %s\n", e->voxel[0], e->voxel[1], e->voxel[2], e->asset_lit ? "lit" : "shadow",
-           e->truth_lit ? "lit" : "shadow");
+    fprintf(to, "  unexplained: (%.9g, %.9g, %.9g)", e->point_ws[0], e->point_ws[1], e->point_ws[2]);
+    if (e->kind == COMPARE_SURFACE) fprintf(to, ", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
+    fprintf(to, ", voxel (%d, %d, %d): asset %s, truth %s\n", e->voxel[0], e->voxel[1], e->voxel[2],
+            e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
 }
 
-static void print_light(const compare_command *c, const vxs_light *l, const compare_result *r)
+static void print_light(FILE *to, const compare_command *c, const vxs_light *l, const compare_result *r)
 {
-    unsigned side = 1u << l->levels, filter_px = c->options.filter_px;
-    printf("light %s: %u x %u texels of %.4g m, voxels %.4g m deep\n", l->name, side, side, l->texel_metres, l->voxel_metres);
-    printf("  %-9s %10s %10s %10s %11s %9s %9s %9s %9s %11s\n", "points", "checked", "outside", "in solids", "wrong", "leaks",
-           "shadows", "boundary", "surface", "unexplained");
-    for (int kind = 0; kind < COMPARE_KINDS; kind++) print_counts(kind_names[kind], &r->counts[kind]);
-    for (uint32_t n = 0; n < r->example_count; n++) print_example(&r->examples[n]);
+    const compare_counts *surface = &r->counts[COMPARE_SURFACE];
+    unsigned              side = 1u << l->levels, filter_px = c->options.filter_px;
+    fprintf(to, "light %s: %u x %u texels of %.4g m, voxels %.4g m deep\n", l->name, side, side, l->texel_metres, l->voxel_metres);
+    fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s %9s %9s %11s\n", "points", "checked", "outside", "in solids", "wrong", "leaks",
+            "shadows", "boundary", "surface", "unexplained");
+    for (int kind = 0; kind < COMPARE_KINDS; kind++) print_counts(to, kind_names[kind], &r->counts[kind]);
+    fprintf(to, "  at the surface itself: %.4f %% wrong\n", 100 * share(surface->wrong_at_surface, surface->checked_at_surface));
+    for (uint32_t n = 0; n < r->example_count; n++) print_example(to, &r->examples[n]);
     for (int kind = 0; kind < COMPARE_KINDS && filter_px > 1; kind++)
-        printf("  %u x %u filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_px, filter_px, kind_names[kind],
-               r->filter[kind].rmse, r->filter[kind].max_error, (unsigned long long)r->filter[kind].points);
-    printf("  one thread: lookup %.1f ns", 1e9 * r->time.lookup_s);
-    if (filter_px > 1) printf(", %u x %u lookup %.1f ns", filter_px, filter_px, 1e9 * r->time.filter_s);
-    if (r->time.truth_s > 0) printf(", ray %.1f ns (%.3g million rays a second)", 1e9 * r->time.truth_s, 1e-6 / r->time.truth_s);
-    printf("\n");
+        fprintf(to, "  %u x %u filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_px, filter_px,
+                kind_names[kind], r->filter[kind].rmse, r->filter[kind].max_error, (unsigned long long)r->filter[kind].points);
+    fprintf(to, "  one thread: lookup %.1f ns", 1e9 * r->time.lookup_s);
+    if (filter_px > 1) fprintf(to, ", %u x %u lookup %.1f ns", filter_px, filter_px, 1e9 * r->time.filter_s);
+    if (r->time.truth_s > 0)
+        fprintf(to, ", ray %.1f ns (%.3g million rays a second)", 1e9 * r->time.truth_s, 1e-6 / r->time.truth_s);
+    fprintf(to, "\n");
 }
 
-static void print_report(const compare_command *c, const vxs_asset *asset)
+static void print_report(FILE *to, const compare_command *c, const vxs_asset *asset)
 {
     uint32_t       lights = vxs_asset_light_count(asset);
     compare_counts sum    = total(c, lights);
-    printf("scene        %s: %zu triangles, %zu of solids (--closed %s)\n", c->files[0], c->triangle_count, c->solid_triangle_count,
-           closed_names[c->closed]);
-    printf("asset        %s: %u lights\n", c->files[1], lights);
-    for (uint32_t n = 0; n < lights; n++) print_light(c, vxs_asset_light(asset, n), &c->results[n]);
-    printf("%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
-           (unsigned long long)sum.checked, 100 * share(compare_wrong(&sum), sum.checked), (unsigned long long)sum.unexplained,
-           passes(c, &sum) ? "" : "; FAILED");
+    fprintf(to, "scene        %s: %zu triangles, %zu of solids (--closed %s)\n", c->files[0], c->triangle_count,
+            c->solid_triangle_count, closed_names[c->closed]);
+    fprintf(to, "asset        %s: %u lights\n", c->files[1], lights);
+    for (uint32_t n = 0; n < lights; n++) print_light(to, c, vxs_asset_light(asset, n), &c->results[n]);
+    fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
+            (unsigned long long)sum.checked, 100 * share(compare_wrong(&sum), sum.checked), (unsigned long long)sum.unexplained,
+            passes(c, &sum) ? "" : "; FAILED");
 }
 
 /* for machines ---------------------------------------------------------------------------------------- */
@@ -118,6 +121,16 @@ static json_t *counts_json(const compare_counts *n)
                      (json_int_t)n->leaks, "false_shadows", (json_int_t)n->false_shadows, "near_boundary",
                      (json_int_t)n->near_boundary, "near_surface", (json_int_t)n->near_surface, "unexplained",
                      (json_int_t)n->unexplained);
+}
+
+/* Surface points have the counts at the surface too. */
+static json_t *surface_json(const compare_counts *n)
+{
+    json_t *counts = counts_json(n);
+    json_object_set_new(counts, "checked_at_surface", json_integer((json_int_t)n->checked_at_surface));
+    json_object_set_new(counts, "wrong_at_surface", json_integer((json_int_t)n->wrong_at_surface));
+    json_object_set_new(counts, "wrong_at_surface_share", json_real(share(n->wrong_at_surface, n->checked_at_surface)));
+    return counts;
 }
 
 static json_t *examples_json(const compare_result *r)
@@ -143,10 +156,10 @@ static json_t *light_json(const compare_command *c, const vxs_light *l, const co
 {
     json_t *time = json_pack("{s:I, s:f, s:f}", "points", (json_int_t)r->time.points, "lookup_ns", 1e9 * r->time.lookup_s, "ray_ns",
                              1e9 * r->time.truth_s);
-    json_t *light = json_pack("{s:s, s:o, s:I, s:f, s:f, s:o, s:o, s:o, s:o}", "name", l->name, "direction",
+    json_t *light = json_pack("{s:o, s:o, s:I, s:f, s:f, s:o, s:o, s:o, s:o}", "name", json_text(l->name), "direction",
                               vector_json(l->direction_ws), "resolution_px", (json_int_t)1 << l->levels, "texel_m", l->texel_metres,
                               "voxel_m", l->voxel_metres, "random", counts_json(&r->counts[COMPARE_RANDOM]), "surface",
-                              counts_json(&r->counts[COMPARE_SURFACE]), "unexplained", examples_json(r), "time", time);
+                              surface_json(&r->counts[COMPARE_SURFACE]), "unexplained", examples_json(r), "time", time);
     if (light && c->options.filter_px > 1) {
         json_object_set_new(time, "filter_lookup_ns", json_real(1e9 * r->time.filter_s));
         json_object_set_new(light, "filter",
@@ -163,12 +176,13 @@ static json_t *report_json(const compare_command *c, const vxs_asset *asset)
     uint32_t       count  = vxs_asset_light_count(asset);
     compare_counts sum    = total(c, count);
     for (uint32_t n = 0; n < count; n++) json_array_append_new(lights, light_json(c, vxs_asset_light(asset, n), &c->results[n]));
-    json_t *root = json_pack(
-        "{s:s, s:s, s:s, s:I, s:I, s:s, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "vxs", VXS_VERSION, "scene", c->files[0], "asset",
-        c->files[1], "triangles", (json_int_t)c->triangle_count, "solid_triangles", (json_int_t)c->solid_triangle_count, "closed",
-        closed_names[c->closed], "points", (json_int_t)c->options.points, "seed", (json_int_t)c->options.seed, "lights", lights,
-        "checked", (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share",
-        share(compare_wrong(&sum), sum.checked), "unexplained", (json_int_t)sum.unexplained, "passed", passes(c, &sum));
+    json_t *root =
+        json_pack("{s:s, s:o, s:o, s:I, s:I, s:s, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "vxs", VXS_VERSION, "scene",
+                  json_text(c->files[0]), "asset", json_text(c->files[1]), "triangles", (json_int_t)c->triangle_count,
+                  "solid_triangles", (json_int_t)c->solid_triangle_count, "closed", closed_names[c->closed], "points",
+                  (json_int_t)c->options.points, "seed", (json_int_t)c->options.seed, "lights", lights, "checked",
+                  (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share",
+                  share(compare_wrong(&sum), sum.checked), "unexplained", (json_int_t)sum.unexplained, "passed", passes(c, &sum));
     if (root && c->max_error_given) json_object_set_new(root, "max_error", json_real(c->max_error));
     return root;
 }
@@ -188,6 +202,20 @@ static int closed_of_asset(const vxs_asset *asset)
     return closed;
 }
 
+/* A comparison that checked nothing says nothing. */
+static vxs_result require_checked(const compare_command *c, const vxs_light *l, const compare_result *result, message *m)
+{
+    uint64_t checked = 0, inside = 0;
+    for (int kind = 0; kind < COMPARE_KINDS; kind++) {
+        checked += result->counts[kind].checked;
+        inside += result->counts[kind].inside_solid;
+    }
+    if (checked) return VXS_OK;
+    if (!inside) return fail(m, VXS_E_ARGUMENT, "no point of %s lies in the volume of light '%s'", c->files[0], l->name);
+    return fail(m, VXS_E_ARGUMENT, "all points of %s in the volume of light '%s' lie inside solids: expected more --points",
+                c->files[0], l->name);
+}
+
 static vxs_result compare_lights(compare_command *c, const vxs_asset *asset, message *m)
 {
     uint32_t   count   = vxs_asset_light_count(asset);
@@ -205,7 +233,8 @@ static vxs_result compare_lights(compare_command *c, const vxs_asset *asset, mes
     c->results = calloc(count, sizeof *c->results);
     if (!c->results) r = fail(m, VXS_E_MEMORY, "out of memory for the results of %u lights", count);
     for (uint32_t n = 0; n < count && r == VXS_OK; n++)
-        r = compare_light(&c->results[n], t, &casting, vxs_asset_light(asset, n), &c->options, m);
+        if ((r = compare_light(&c->results[n], t, &casting, vxs_asset_light(asset, n), &c->options, m)) == VXS_OK)
+            r = require_checked(c, vxs_asset_light(asset, n), &c->results[n], m);
 done:
     truth_destroy(t);
     casters_free(&casting);
@@ -226,7 +255,7 @@ static vxs_result run(compare_command *c, int *passed, message *m)
     compare_counts sum = total(c, vxs_asset_light_count(asset));
     *passed            = passes(c, &sum);
     /* JSON that goes to standard output stays alone there */
-    if (!c->json_path || strcmp(c->json_path, "-")) print_report(c, asset);
+    print_report(c->json_path && !strcmp(c->json_path, "-") ? stderr : stdout, c, asset);
     if (c->json_path) r = json_write(c->json_path, report_json(c, asset), m);
 done:
     vxs_asset_close(asset);

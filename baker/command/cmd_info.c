@@ -2,10 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "baker/base/json_file.h"
+#include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options.h"
-#include "baker/report.h"
 
 static const char *section_name(uint32_t kind)
 {
@@ -37,25 +40,29 @@ static void print_info(const char *path, const vxs_contents *c, uint64_t file_by
 {
     char a[32], b[32];
     printf("%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
-    if (c->metadata) printf("metadata     %s\n", c->metadata);
+    char *metadata = c->metadata ? strdup(c->metadata) : NULL;
+    if (metadata) printf("metadata     %s\n", one_line(metadata));
+    free(metadata);
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_light *l    = &c->lights[n];
         unsigned         side = 1u << l->levels;
-        printf("light %s: directional (%.6g, %.6g, %.6g), %u x %u texels of %.4g m, voxels %.4g m deep, %s in memory\n", l->name,
-               l->direction_ws[0], l->direction_ws[1], l->direction_ws[2], side, side, l->texel_metres, l->voxel_metres,
-               size_text(a, (uint64_t)l->word_count * 4));
+        char             name[VXS_LIGHT_NAME_BYTES];
+        printf("light %s: directional (%.6g, %.6g, %.6g), %u x %u texels of %.4g m, voxels %.4g m deep, %s in memory\n",
+               one_line(strcpy(name, l->name)), l->direction_ws[0], l->direction_ws[1], l->direction_ws[2], side, side,
+               l->texel_metres, l->voxel_metres, size_text(a, (uint64_t)l->word_count * 4));
     }
     printf("%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) {
         const vxs_section *s = &c->sections[n];
-        char               name[32], memory_text[32];
+        char               name[32], memory_text[32], light[VXS_LIGHT_NAME_BYTES];
         uint64_t           memory;
         uint32_t           count = section_count(c, s, &memory);
         if (s->kind == VXS_KIND_LEVEL)
             snprintf(name, sizeof name, "%u^3", 8u << s->level);
         else
             snprintf(name, sizeof name, "%s", section_name(s->kind));
-        printf("%-10s %-16s %10u %12s %12s %12s\n", name, s->light < c->light_count ? c->lights[s->light].name : "-", count,
+        printf("%-10s %-16s %10u %12s %12s %12s\n", name,
+               one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].name : "-")), count,
                size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
     }
 }

@@ -30,12 +30,11 @@ static vxs_result check_options(const picture_command *c, message *m)
     return VXS_OK;
 }
 
-static vxs_result find_light(const vxs_asset *asset, const char *name, const vxs_light **light, message *m)
+static vxs_result choose_light(const vxs_asset *asset, const char *name, const vxs_light **light, message *m)
 {
-    *light = name ? vxs_asset_find_light(asset, name) : vxs_asset_light(asset, 0);
-    if (*light) return VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", name,
-                vxs_asset_light(asset, 0)->name);
+    if (name) return asset_find_light(light, asset, name, m);
+    *light = vxs_asset_light(asset, 0);
+    return VXS_OK;
 }
 
 static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *light, output_file *out,
@@ -63,7 +62,7 @@ static vxs_result run(picture_command *c, message *m)
 
     if ((r = check_options(c, m)) != VXS_OK) goto done;
     if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;
-    if ((r = find_light(asset, c->light_name, &light, m)) != VXS_OK) goto done;
+    if ((r = choose_light(asset, c->light_name, &light, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->files[0], c->scene_name, m)) != VXS_OK) goto done;
     /* solids and sheets look the same */
     if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;

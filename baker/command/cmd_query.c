@@ -23,10 +23,9 @@ static vxs_result choose_lights(const vxs_asset *asset, const text_list *names, 
     if (!names->count)
         for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) lights[(*count)++] = vxs_asset_light(asset, n);
     for (size_t n = 0; n < names->count; n++) {
-        const vxs_light *light = vxs_asset_find_light(asset, names->items[n]);
-        if (!light)
-            return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", names->items[n],
-                        vxs_asset_light(asset, 0)->name);
+        const vxs_light *light;
+        vxs_result       r = asset_find_light(&light, asset, names->items[n], m);
+        if (r != VXS_OK) return r;
         for (uint32_t before = 0; before < *count; before++)
             if (lights[before] == light) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
         lights[(*count)++] = light;

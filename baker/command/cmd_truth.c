@@ -5,16 +5,15 @@
  *     text   | 1 0 1\n | 0 0 1\n | ...      2 characters a light, so a point's line begins where its index says
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/parallel.h"
-#include "baker/command/light_choice.h"
 #include "baker/command/options.h"
 #include "baker/command/points.h"
 #include "baker/scene/casters.h"
+#include "baker/scene/light_choice.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/truth.h"
 
@@ -146,7 +145,6 @@ int cmd_truth(int argc, char **argv)
         .operand_count = 1,
     };
 
-    signal(SIGPIPE, SIG_IGN); /* a reader that has gone away is an error of writing, reported like the others */
     vxs_result r = options_parse(&line, argc, argv, &o.scene_path, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(&o, &m);
     free(o.light_names.items);

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "baker/base/message.h"
+#include "baker/base/text.h"
 
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
@@ -17,11 +18,6 @@ typedef enum option_kind {
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
     OPTION_CHOICE  /* int: index of the value in `choices` */
 } option_kind;
-
-typedef struct text_list {
-    const char **items; /* owned; the strings are argv's */
-    size_t       count;
-} text_list;
 
 typedef struct option {
     const char *name; /* "--resolution", "-o" */

@@ -38,7 +38,8 @@ uint32_t dag_add_mask(dag *d, uint64_t mask)
     return REF_FIRST + d->mask_count++;
 }
 
-uint64_t dag_child_hash(const dag *d, uint32_t level, uint32_t ref)
+/* The hash of a subtree as its parent at `level` refers to it. */
+static uint64_t child_hash(const dag *d, uint32_t level, uint32_t ref)
 {
     if (ref < REF_FIRST) return ref;
     /* a mask is hashed as it is: its parent's hash mixes it */
@@ -48,7 +49,7 @@ uint64_t dag_child_hash(const dag *d, uint32_t level, uint32_t ref)
 uint64_t dag_node_hash(const dag *d, uint32_t level, const dag_node *node)
 {
     uint64_t children[8];
-    for (int c = 0; c < 8; c++) children[c] = dag_child_hash(d, level, node->child[c]);
+    for (int c = 0; c < 8; c++) children[c] = child_hash(d, level, node->child[c]);
     return XXH3_64bits(children, sizeof children);
 }
 

@@ -15,8 +15,9 @@
 
 #include "baker/base/message.h"
 #include "baker/dag/masks.h"
+#include "formats/vxs_file.h"
 
-enum { REF_LIT = 0, REF_SHADOW = 1, REF_FIRST = 2, DAG_LEVELS_MAX = 16 };
+enum { REF_LIT = VXS_REF_LIT, REF_SHADOW = VXS_REF_SHADOW, REF_FIRST = VXS_REF_FIRST, DAG_LEVELS_MAX = 16 };
 
 typedef struct dag_node {
     uint32_t child[8];
@@ -43,9 +44,6 @@ void dag_free(dag *d);
 uint32_t dag_add_mask(dag *d, uint64_t mask);
 uint32_t dag_add_node(dag *d, uint32_t level, const dag_node *node);
 uint32_t dag_add_node_hashed(dag *d, uint32_t level, const dag_node *node, uint64_t hash);
-
-/* The hash of a subtree as its parent at `level` refers to it. */
-uint64_t dag_child_hash(const dag *d, uint32_t level, uint32_t ref);
 
 /* The hash of a node at `level`, from its children's. */
 uint64_t dag_node_hash(const dag *d, uint32_t level, const dag_node *node);

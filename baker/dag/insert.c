@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/integer.h"
 #include "baker/dag/dag.h"
 
 /* What is known of a square of columns: its bounds, and the last volume in it that became a node. */
@@ -34,11 +35,6 @@ typedef struct inserter {
     int               reuse;
     int               failed;
 } inserter;
-
-static uint32_t min_u32(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
 
 /* The reference to a tile's mask at depth k; *until becomes the depth to which it holds. */
 static uint32_t slice_ref(inserter *s, uint32_t tile, uint32_t k, uint32_t *until)

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/integer.h"
 #include "baker/dag/dag.h"
 #include "baker/dag/ref_table.h"
 
@@ -19,13 +20,6 @@ struct dag_merger {
     uint32_t  sub_levels; /* levels of a sub-DAG */
     int       unify;
 };
-
-static uint32_t log2_u32(uint32_t power)
-{
-    uint32_t log = 0;
-    while (power >>= 1) log++;
-    return log;
-}
 
 vxs_result dag_merger_create(dag_merger **out, uint32_t side_px, uint32_t sub_side_px, int unify)
 {

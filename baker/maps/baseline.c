@@ -30,7 +30,7 @@ int baseline_add(baseline *b, const float *depth, uint32_t side_px)
         size_t from = (size_t)((uint64_t)n * bands / keep) * band;
         size_t size = all - from < band ? all - from : band;
         for (size_t k = 0; k < size; k++) {
-            float d               = depth[from + k] * 65536.0f;
+            float d               = depth ? depth[from + k] * 65536.0f : 65536.0f;
             b->texels[b->count++] = (uint16_t)(d < 65535.0f ? d : 65535.0f);
         }
     }

@@ -13,7 +13,7 @@ typedef struct baseline {
     size_t    limit_per_map; /* texels to keep of each map; 0: all */
 } baseline;
 
-/* Add a map of side x side depths in [0, 1]. Returns 0 without memory. */
+/* Add a map of side x side depths in [0, 1]; NULL: one without casters, all 1. Returns 0 without memory. */
 int baseline_add(baseline *b, const float *depth, uint32_t side_px);
 
 /* Compressed size over raw size of what was kept; 0 when nothing was kept or memory ran out. *share: of all texels. */

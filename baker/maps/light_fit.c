@@ -5,35 +5,26 @@
 #include <math.h>
 #include <string.h>
 
+#include "baker/base/integer.h"
+#include "baker/base/vec3.h"
+
 typedef struct range {
     double min, max;
 } range;
-
-static double dot3(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross3(double *out, const double *a, const double *b)
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 static void axes_from_direction(double axes[3][3], const double *direction)
 {
     static const double up[3] = {0, 1, 0}, east[3] = {1, 0, 0};
     double              v[3];
-    cross3(axes[0], up, direction);
+    vec3_cross(up, direction, axes[0]);
     /* light from straight above has no horizontal axis across it: take the one that keeps world x along u */
-    if (dot3(axes[0], axes[0]) < 1e-6) {
-        cross3(v, direction, east);
-        cross3(axes[0], v, direction);
+    if (vec3_dot(axes[0], axes[0]) < 1e-6) {
+        vec3_cross(direction, east, v);
+        vec3_cross(v, direction, axes[0]);
     }
-    double length = sqrt(dot3(axes[0], axes[0]));
+    double length = sqrt(vec3_dot(axes[0], axes[0]));
     for (int n = 0; n < 3; n++) axes[0][n] /= length;
-    cross3(axes[1], direction, axes[0]);
+    vec3_cross(direction, axes[0], axes[1]);
     memcpy(axes[2], direction, sizeof axes[2]);
 }
 
@@ -45,19 +36,12 @@ static void extend(range *r, double value)
 
 static void extend_along(range extent[3], double axes[3][3], const double *point)
 {
-    for (int n = 0; n < 3; n++) extend(&extent[n], dot3(axes[n], point));
+    for (int n = 0; n < 3; n++) extend(&extent[n], vec3_dot(axes[n], point));
 }
 
 static double length_of(range r)
 {
     return r.max - r.min;
-}
-
-static uint32_t log2_u32(uint32_t power)
-{
-    uint32_t log = 0;
-    while (power >>= 1) log++;
-    return log;
 }
 
 /* The format has room for 63 bytes: longer names are cut at a whole UTF-8 character. */
@@ -113,11 +97,17 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
     memcpy(light->direction_ws, desc->direction_ws, sizeof light->direction_ws);
 
     /* rows of vx_from_ws: casters in the middle of u and v, one voxel behind the near plane */
+    double determinant = 1;
     for (int row = 0; row < 3; row++) {
         double unit   = row < 2 ? texel : voxel;
         double before = row < 2 ? (side - length_of(extent[row]) / texel) / 2 : 1;
         for (int n = 0; n < 3; n++) light->vx_from_ws[row * 4 + n] = axes[row][n] / unit;
         light->vx_from_ws[row * 4 + 3] = before - extent[row].min / unit;
+        determinant /= unit;
     }
+    /* what the format asks of a transform */
+    if (!isfinite(determinant) || determinant == 0)
+        return fail(m, VXS_E_ARGUMENT, "%s spans %g x %g m seen from light '%s': no map can be fitted to it",
+                    desc->region_ws ? "--region" : "the scene", width, depth, desc->name);
     return VXS_OK;
 }

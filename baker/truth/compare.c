@@ -3,6 +3,9 @@
  * Points are made from (seed, kind, index), so none is stored and every thread makes its own. A pass over all of them
  * writes one verdict each; counts and examples are taken from the verdicts in order.
  *
+ * A lookup with a normal is moved off the surface by whole voxels, and the truth is asked there: that judges the map. The
+ * answer is also held against a ray from the surface, which judges map and bias together; it is counted apart.
+ *
  * Single taps: the asset samples the truth at texel centres and whole voxels. So an honest wrong answer has a point nearby
  * where it would be right, and the search for one looks where the asset looked:
  *
@@ -26,7 +29,7 @@
 #include "baker/base/vec3.h"
 #include "runtime/vxs.h"
 
-enum { POINTS_AT_A_TIME = 256, REACH = 2, TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000 };
+enum { POINTS_AT_A_TIME = 256, REACH = 2, TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000, TRIES = 100 };
 
 /* A rasterizer may move an edge by half of this, and its corner by as much again: in texels. */
 #define SNAP (1.0 / 256)
@@ -38,8 +41,10 @@ typedef enum verdict {
     VERDICT_NEAR_BOUNDARY,
     VERDICT_NEAR_SURFACE,
     VERDICT_UNEXPLAINED,
-    VERDICT_CAUSE = 7, /* a mask for the above */
-    VERDICT_LEAK  = 8  /* a flag for the wrong ones: asset lit, truth shadow */
+    VERDICT_CAUSE            = 7,  /* a mask for the above */
+    VERDICT_LEAK             = 8,  /* a flag for the wrong ones: asset lit, truth shadow */
+    VERDICT_AT_SURFACE       = 16, /* flags for surface points: checked there, */
+    VERDICT_WRONG_AT_SURFACE = 32  /* and wrong */
 } verdict;
 
 typedef struct comparison {
@@ -49,6 +54,7 @@ typedef struct comparison {
     const compare_options *options;
     double                 box_min_ws[3], box_max_ws[3];
     double                 ws_from_vx[12];
+    int                    from_map; /* random points are drawn in the map, not the box */
 
     compare_kind kind;     /* of the pass in work */
     uint8_t     *verdicts; /* [options->points] */
@@ -100,6 +106,19 @@ static void measure_box(comparison *c)
     }
 }
 
+/* Random points lie both in the box and in the light's volume: draw in the smaller, leave out what is not in the other. A volume
+ * that no region bounds has no end along the light, and was fitted to the casters. */
+static void choose_where_to_draw(comparison *c)
+{
+    double axes[3][3], across[3], box = 1;
+    for (int i = 0; i < 3; i++) {
+        box *= c->box_max_ws[i] - c->box_min_ws[i];
+        for (int k = 0; k < 3; k++) axes[k][i] = ldexp(c->ws_from_vx[4 * i + k], (int)c->light->levels);
+    }
+    vec3_cross(axes[0], axes[1], across);
+    c->from_map = (c->light->flags & VXS_LIGHT_BOUNDED) && fabs(vec3_dot(across, axes[2])) < box;
+}
+
 /* points ---------------------------------------------------------------------------------------------- */
 
 static double uniform(rng *r)
@@ -107,11 +126,31 @@ static double uniform(rng *r)
     return ldexp((double)rng_u32(r), -32);
 }
 
-static void random_sample(const comparison *c, rng *r, sample *s)
+static void draw_point(const comparison *c, rng *r, double point_ws[3])
 {
+    double u[3] = {uniform(r), uniform(r), uniform(r)}, p[3];
+    for (int i = 0; i < 3; i++) p[i] = ldexp(u[i], (int)c->light->levels);
+    if (c->from_map) transform(c->ws_from_vx, p, point_ws);
+    for (int i = 0; i < 3 && !c->from_map; i++) point_ws[i] = c->box_min_ws[i] + u[i] * (c->box_max_ws[i] - c->box_min_ws[i]);
+}
+
+static int in_box(const comparison *c, const double point_ws[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (point_ws[i] < c->box_min_ws[i] || point_ws[i] > c->box_max_ws[i]) return 0;
+    return 1;
+}
+
+static int random_sample(const comparison *c, rng *r, sample *s)
+{
+    int found = 0;
     s->normal = NULL;
-    for (int i = 0; i < 3; i++) s->point_ws[i] = c->box_min_ws[i] + uniform(r) * (c->box_max_ws[i] - c->box_min_ws[i]);
+    for (int n = 0; n < TRIES && !found; n++) {
+        draw_point(c, r, s->point_ws);
+        found = in_box(c, s->point_ws) && vxs_lookup(c->light, s->point_ws, NULL, 1) >= 0;
+    }
     memcpy(s->truth_ws, s->point_ws, sizeof s->truth_ws);
+    return found;
 }
 
 /* Move the truth by what a lookup with this normal is moved by: whole voxels. Asking both from one place leaves the error of the map,
@@ -140,14 +179,13 @@ static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sampl
     return 1;
 }
 
-/* Point `index` of the kind in work. Returns 0 when there is none: casters without area. */
+/* Point `index` of the kind in work. Returns 0 when there is none: casters without area, or outside the light's volume. */
 static int make_sample(const comparison *c, size_t index, uint32_t filter_px, sample *s)
 {
     rng kind = rng_split(c->options->seed, (uint64_t)c->kind);
     rng r    = rng_split(kind.state, index);
     if (c->kind == COMPARE_SURFACE) return surface_sample(c, filter_px, &r, s);
-    random_sample(c, &r, s);
-    return 1;
+    return random_sample(c, &r, s);
 }
 
 /* single taps ----------------------------------------------------------------------------------------- */
@@ -183,17 +221,31 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
     return truth_distance(c->truth, s->truth_ws, 2 * reach) <= reach ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 
+/* The answer against a ray from the surface itself. */
+static uint8_t judge_at_surface(const comparison *c, const sample *s, int asset_lit)
+{
+    double p[3];
+    truth_lift(c->truth, s->point_ws, s->normal, p);
+    if (truth_inside_solid(c->truth, p)) return 0;
+    int wrong = truth_lit(c->truth, p, c->light->direction_ws) != asset_lit;
+    return VERDICT_AT_SURFACE | (wrong ? VERDICT_WRONG_AT_SURFACE : 0);
+}
+
+/* The answer against a ray from where it was looked up. */
+static uint8_t judge_lookup(const comparison *c, const sample *s, int asset_lit)
+{
+    if (truth_inside_solid(c->truth, s->truth_ws)) return VERDICT_INSIDE_SOLID;
+    if (truth_lit(c->truth, s->truth_ws, c->light->direction_ws) == asset_lit) return VERDICT_RIGHT;
+    return (uint8_t)(explain(c, s, asset_lit) | (asset_lit ? VERDICT_LEAK : 0));
+}
+
 static uint8_t judge(const comparison *c, size_t index)
 {
     sample s;
     if (!make_sample(c, index, 1, &s)) return VERDICT_OUTSIDE;
     float lookup = vxs_lookup(c->light, s.point_ws, s.normal, 1);
     if (lookup < 0) return VERDICT_OUTSIDE;
-    if (truth_inside_solid(c->truth, s.truth_ws)) return VERDICT_INSIDE_SOLID;
-
-    int asset_lit = lookup > 0;
-    if (truth_lit(c->truth, s.truth_ws, c->light->direction_ws) == asset_lit) return VERDICT_RIGHT;
-    return (uint8_t)(explain(c, &s, asset_lit) | (asset_lit ? VERDICT_LEAK : 0));
+    return judge_lookup(c, &s, lookup > 0) | (s.normal ? judge_at_surface(c, &s, lookup > 0) : 0);
 }
 
 static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
@@ -229,6 +281,8 @@ static void count_verdicts(const comparison *c, compare_result *out)
         n->near_boundary += cause == VERDICT_NEAR_BOUNDARY;
         n->near_surface += cause == VERDICT_NEAR_SURFACE;
         n->unexplained += cause == VERDICT_UNEXPLAINED;
+        n->checked_at_surface += (c->verdicts[i] & VERDICT_AT_SURFACE) != 0;
+        n->wrong_at_surface += (c->verdicts[i] & VERDICT_WRONG_AT_SURFACE) != 0;
         if (cause == VERDICT_UNEXPLAINED) add_example(c, i, leak, out);
     }
 }
@@ -322,15 +376,13 @@ static double time_runs(void (*run)(timed *t), timed *t)
     return seconds[TIMED_RUNS / 2] / (double)t->count;
 }
 
-/* The random points that the map reaches: others cost nothing, and would flatter. */
+/* Only points that the map reaches: others cost nothing, and would flatter. */
 static void gather_timed_points(comparison *c, timed *t, size_t limit)
 {
     sample s;
     c->kind = COMPARE_RANDOM;
-    for (size_t n = 0; n < limit; n++) {
-        if (!make_sample(c, n, 1, &s) || vxs_lookup(c->light, s.point_ws, NULL, 1) < 0) continue;
-        memcpy(t->points_ws + 3 * t->count++, s.point_ws, sizeof s.point_ws);
-    }
+    for (size_t n = 0; n < limit; n++)
+        if (make_sample(c, n, 1, &s)) memcpy(t->points_ws + 3 * t->count++, s.point_ws, sizeof s.point_ws);
 }
 
 static vxs_result measure_time(comparison *c, compare_time *out, message *m)
@@ -368,6 +420,7 @@ vxs_result compare_light(compare_result *out, const truth *t, const casters *c, 
     memset(out, 0, sizeof *out);
     measure_box(&work);
     invert(light->vx_from_ws, work.ws_from_vx);
+    choose_where_to_draw(&work);
 
     work.verdicts = malloc(o->points);
     work.errors   = malloc(filtered * sizeof *work.errors);

@@ -10,7 +10,7 @@ enum { COMPARE_EXAMPLES_MAX = 10, COMPARE_FILTER_POINTS_MAX = 20000, COMPARE_TIM
 
 /* Where the points come from. */
 typedef enum compare_kind {
-    COMPARE_RANDOM,  /* uniform in the casters' bounding box, 5 % larger; looked up without a normal */
+    COMPARE_RANDOM,  /* uniform in the light's volume, where the casters' bounding box, 5 % larger, is; without a normal */
     COMPARE_SURFACE, /* uniform by area on casters, both sides of sheets; looked up with the normal */
     COMPARE_KINDS
 } compare_kind;
@@ -25,7 +25,7 @@ typedef struct compare_options {
 /* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained. */
 typedef struct compare_counts {
     uint64_t points;
-    uint64_t outside;      /* the light's map does not reach there */
+    uint64_t outside;      /* the light's map does not reach there; random points: nor to any place in the box that was tried */
     uint64_t inside_solid; /* nobody asks there, the answer is undefined */
     uint64_t checked;
     uint64_t leaks;         /* the asset says lit, the truth shadow */
@@ -33,6 +33,10 @@ typedef struct compare_counts {
     uint64_t near_boundary; /* within two voxels the truth is what the asset says */
     uint64_t near_surface;  /* not that, but a caster is within two texels */
     uint64_t unexplained;   /* neither: a fault */
+
+    /* Surface points only, and apart from the above: the same answers against rays from the surface itself. */
+    uint64_t checked_at_surface; /* neither outside nor, just above the surface, inside a solid */
+    uint64_t wrong_at_surface;
 } compare_counts;
 
 /* An unexplained answer. */
@@ -65,7 +69,9 @@ typedef struct compare_result {
 
 /* Compare one light with the truth.
  *
- * Of a surface point the truth is asked half a filter's width off the surface, which is where the lookup's bias goes.
+ * Of a surface point the truth is asked where the lookup goes: off the surface by the bias of vxs_voxel, which is whole voxels.
+ * So the error that the bias brings is in neither leaks nor false_shadows; wrong_at_surface has it, from rays that start at
+ * truth_lift.
  * Two voxels from a boundary means: among rays from 5 x 5 x 5 voxels about the point, and rays through the centre of the
  * texel that was looked up (and as near to it as a rasterizer may move an edge), one has the answer of the asset.
  * t      of c;   c  with the solids that the light was baked with

@@ -73,7 +73,7 @@ def bake(vxs, name, scene, options, resolution, folder):
         "peak_bytes": max(r["peak_bytes"] for r in reports),
         "file_bytes": reports[0]["file_bytes"], "memory_bytes": size["memory_bytes"],
         "file_bit_per_texel": 8 * reports[0]["file_bytes"] / resolution**2,
-        "threads": reports[0]["threads"], "renderer": reports[0]["renderer"],
+        "threads": reports[0]["options"]["threads"], "renderer": reports[0]["renderer"],
     }
 
 

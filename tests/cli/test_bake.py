@@ -5,6 +5,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import time
 
 import pytest
 
@@ -160,8 +161,8 @@ def test_sun_takes_the_place_of_the_scenes_own(bake, scene):
 @pytest.mark.parametrize("options, status, says", [
     (("--light", "nobody"), 2, "noon (directional), lamp (spot)"),
     (("--light", "noon", "--light", "noon"), 2, "twice"),
-    (("--light", "lamp"), 3, "spot"),
-    (("--light", "bulb"), 3, "point"),
+    (("--light", "lamp"), 2, "spot"),
+    (("--light", "bulb"), 2, "point"),
     (("--sun", "0,0,0"), 2, "not zero"),
     (("--sun", "1,2"), 2, "3 numbers"),
     (("--sun", "1,2,3,4"), 2, "3 numbers"),
@@ -229,7 +230,7 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--exit", "front"), "auto|peel|back"),
     (("--closed", "maybe"), "auto|on|off"),
     (("--rule", "golden"), "greedy|shadow"),
-    (("--reuse", "yes"), "on|off"),
+    (("--reuse", "yes"), "off|on"),
     (("--compress", "sideways"), "top-down|bottom-up"),
     (("--stop", "early"), "insert|partial|final"),
     (("--baseline", "some"), "sample|full|off"),
@@ -384,6 +385,30 @@ def test_the_scene_is_never_overwritten(fails, tmp_path):
     assert scene.read_bytes() == before
 
 
+def test_outputs_are_two_files(fails, scene, tmp_path):
+    fails(2, "bake", scene, "-o", tmp_path / "a", "--json", tmp_path / "a", *SMALL, says="two names")
+
+
+def test_a_region_without_size_in_numbers(fails, scene, tmp_path):
+    fails(2, "bake", scene, "-o", tmp_path / "a.vxs", *SMALL, "--region", "1e300,1e300,1e300,1.1e300,1.1e300,1.1e300", says="--region")
+
+
+def test_the_report_says_what_was_left_out(bake, tmp_path):
+    lights = (("sun", "directional", NOON), ("lamp", "spot", NOON), ("moon", "directional", MORNING))
+    scene = small_scene.write(tmp_path / "lights.gltf", lights=lights)
+    assert bake(scene, *SMALL)["lights_left_out"] == [{"name": "lamp", "why": "not directional"}]
+    assert bake(scene, *SMALL, "--light", "moon")["lights_left_out"] == [
+        {"name": "sun", "why": "not asked for"}, {"name": "lamp", "why": "not directional"}]
+
+
+def test_the_baseline_counts_tiles_without_casters(bake, tmp_path):
+    far = ((600, 0, 0), (601, 1, 1))  # two small boxes in opposite tiles of a map of 2 x 2
+    scene = small_scene.write(tmp_path / "far.gltf", boxes=(((0, 0, 600), (1, 1, 601)), far))
+    light = bake(scene, "--resolution", 8192, "--baseline", "full")["lights"][0]
+    assert light["tiles"] == 4 and light["tiles_without_casters"] == 2
+    assert light["size"]["depth16_zstd19_sample_share"] == 1
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_output_folder_that_may_not_be_written(fails, scene, tmp_path):
     tmp_path.chmod(0o555)
@@ -409,15 +434,46 @@ def test_failure_keeps_the_old_output(vxs, scene, tmp_path):
     assert old.read_bytes() == b"old" and list(tmp_path.iterdir()) == [old]
 
 
-def test_interrupt_leaves_nothing(vxs, vxs_path, tmp_path):
-    vxs("scene", "city", "-o", tmp_path / "city.glb")
-    with subprocess.Popen([vxs_path, "bake", tmp_path / "city.glb", "-o", tmp_path / "a.vxs", "--resolution", "16384"],
+def heed_interrupts():
+    """A shell starts what runs in the background with SIGINT ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+@pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM)])
+@pytest.mark.parametrize("command", [
+    ("bake", "city.glb", "-o", "a.vxs", "--resolution", "16384"),
+    ("scene", "city", "-o", "a.glb", "--triangles", "5000000", "--blocks", "64"),
+    ("picture", "city.glb", "city.vxs", "-o", "a.png", "--width", "8192", "--height", "8192"),
+    ("query", "city.vxs"),
+], ids=lambda command: command[0])
+def test_interrupt_leaves_nothing(vxs, vxs_path, bake, city, tmp_path, command, number, status):
+    bake(city, *SMALL)["path"].rename(tmp_path / "city.vxs")
+    (tmp_path / "city.glb").write_bytes(city.read_bytes())
+    before = sorted(tmp_path.iterdir())
+    with subprocess.Popen([vxs_path, *command], cwd=tmp_path, preexec_fn=heed_interrupts, stdin=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
-        with pytest.raises(subprocess.TimeoutExpired):
-            process.wait(0.5)
-        process.send_signal(signal.SIGINT)
-        assert process.wait(20) in (130, -signal.SIGINT)
-    assert [p.name for p in tmp_path.iterdir()] == ["city.glb"]
+        if command[0] in ("scene", "picture"):
+            while not list(tmp_path.glob(".vxs-*.tmp")):  # the signal is to find a file to remove
+                assert process.poll() is None
+                time.sleep(0.002)
+        else:
+            with pytest.raises(subprocess.TimeoutExpired):
+                process.wait(0.3)
+        process.send_signal(number)
+        assert process.wait(20) == status
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("command", ["bake", "scene", "picture", "query", "info", "truth", "--help"])
+def test_reader_that_has_gone_away(vxs_path, bake, city, command):
+    asset = bake(city, *SMALL)["path"]
+    operands = {"bake": [city, "-o", "-", *SMALL], "scene": ["city", "-o", "-"], "query": [asset], "info": [asset], "truth": [city],
+                "picture": [city, asset, "-o", "-", "--width", 64, "--height", 64]}.get(command, [])
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run([vxs_path, command, *map(str, operands)], stdout=writer, stderr=subprocess.PIPE, input=b"0 0 0\n" * 100000)
+    os.close(writer)
+    assert done.returncode == 4 and b"standard output" in done.stderr and done.stderr.count(b"\n") == 1
 
 
 @pytest.mark.parametrize("name", ["sponza.glb", "skylight_hall_directional.glb", "features/00_no_scenes/00_no_scenes.gltf"])

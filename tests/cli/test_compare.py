@@ -1,6 +1,7 @@
 # vxs compare and vxs picture on a small baked city: an honest asset passes, a wrong one fails and says where.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
+import os
 import pathlib
 import struct
 import subprocess
@@ -12,6 +13,10 @@ import small_scene
 
 SCHEMA = pathlib.Path(__file__).resolve().parents[2] / "docs" / "compare.schema.json"
 SUN = "-0.3,-1,-0.2"
+POINTS = int(os.environ.get("VXS_COMPARE_POINTS", 50000))  # of each kind, on the real scenes
+REAL = ("sponza dream_apartment kaykit_city voxel_district truck_town chess_board room_with_spheres_closed "
+        "stanford_bunny_closed low_poly_terrain mountains_heightfield pandora_indoor dutch_ship_mask japanese_bridge_garden "
+        "camp_and_cave_two_scenes sunlit_primitives skylight_hall_directional").split()
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +46,8 @@ def compare(vxs, city):
             assert c["points"] == report["points"] == c["outside"] + c["inside_solid"] + c["checked"]
             assert c["wrong"] == c["leaks"] + c["false_shadows"]
             assert c["wrong"] == c["near_boundary"] + c["near_surface"] + c["unexplained"]
+        for light in report["lights"]:
+            assert light["surface"]["wrong_at_surface"] <= light["surface"]["checked_at_surface"] <= light["surface"]["points"]
         for key in ("checked", "wrong", "unexplained"):
             assert report[key] == sum(c[key] for c in counts)
         assert report["passed"] == (status == 0)
@@ -65,6 +72,50 @@ def test_errors_are_explained_and_fall_with_resolution(compare):
     assert fine["lights"][0]["unexplained"] == []
     time = fine["lights"][0]["time"]
     assert 0 < time["lookup_ns"] and 0 < time["ray_ns"] and "filter_lookup_ns" not in time
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_scene(vxs, compare, scenes, tmp_path, name):
+    """No fault at either size, and eight times the texels leave at most a third of the wrong random points."""
+    wrong = {}
+    for resolution in (512, 4096):
+        asset = tmp_path / f"{resolution}.vxs"
+        vxs("bake", scenes / "real" / f"{name}.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution,
+            "--baseline", "off", "-o", asset)
+        report = compare(scenes / "real" / f"{name}.glb", asset, "--points", POINTS)
+        light, = report["lights"]
+        assert report["unexplained"] == 0
+        assert light["random"]["outside"] == 0 and light["surface"]["wrong_at_surface_share"] > 0
+        wrong[resolution] = light["random"]["wrong_share"]
+        print(f"{name} {resolution}: wrong {100 * wrong[resolution]:.4f} % random, "
+              f"{100 * light['surface']['wrong_share']:.4f} % surface, "
+              f"{100 * light['surface']['wrong_at_surface_share']:.4f} % at the surface itself")
+    assert 0 < wrong[512] and wrong[4096] < wrong[512] / 3
+
+
+def test_points_are_drawn_where_the_region_is(vxs, compare, city):
+    vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", 256, "--region", "0,0,0,10,5,10",
+        "--baseline", "off", "-o", city / "region.vxs")
+    light, = compare("city1.glb", "region.vxs", "--points", 20000)["lights"]
+    assert light["random"]["outside"] == 0 and light["random"]["checked"] > 5000
+    assert light["surface"]["outside"] > 10000
+
+
+def test_a_comparison_that_checks_nothing_fails(vxs, city):
+    vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", 64, "--region", "0,5000,0,10,5005,10",
+        "--baseline", "off", "-o", city / "far.vxs")
+    done = vxs("compare", city / "city1.glb", city / "far.vxs", "--points", 1000, status=2)
+    assert done.stderr == f"vxs: error: no point of {city / 'city1.glb'} lies in the volume of light 'sun'\n"
+    assert done.stdout == ""
+
+
+def test_names_that_are_not_utf8(vxs_path, city):
+    scene = os.path.join(os.fsencode(city), b"caf\xe9.glb")
+    pathlib.Path(os.fsdecode(scene)).write_bytes((city / "city1.glb").read_bytes())
+    done = subprocess.run([vxs_path, "compare", scene, city / "512.vxs", "--points", "1000", "--json", "-"],
+                          capture_output=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["scene"].endswith("/caf?.glb")
 
 
 def test_filter_is_compared_with_the_same_filter_over_rays(compare):
@@ -147,9 +198,14 @@ def test_scene_option(vxs, compare, city):
     assert "scene" in vxs("compare", city / "city1.glb", city / "512.vxs", "--scene", "no such", status=2).stderr
 
 
+def test_table_stays_beside_json_on_standard_output(vxs, city):
+    done = vxs("compare", city / "city1.glb", city / "512.vxs", "--points", 1000, "--json", "-")
+    assert json.loads(done.stdout)["passed"] and "light sun: 512 x 512" in done.stderr
+
+
 def test_table_for_people(vxs, city):
     table = vxs("compare", city / "city1.glb", city / "512.vxs", "--points", 1000, "--filter", 3).stdout
-    for word in ("light sun: 512 x 512", "random", "surface", "3 x 3 filter", "ns", "unexplained: 0"):
+    for word in ("light sun: 512 x 512", "random", "surface", "at the surface itself: ", "3 x 3 filter", "ns", "unexplained: 0"):
         assert word in table
     table = vxs("compare", city / "city2.glb", city / "512.vxs", "--points", 20000, status=1).stdout
     assert table.count("  unexplained: (") == 10 and "FAILED" in table

@@ -1,5 +1,8 @@
 # vxs query as its users meet it: points in, lit fractions out; every option, every error.
 # SPDX-License-Identifier: GPL-3.0-or-later
+import ctypes
+import ctypes.util
+import struct
 import subprocess
 
 import pytest
@@ -129,3 +132,28 @@ def test_reader_that_goes_away(vxs_path, asset):
         except BrokenPipeError:
             pass
         assert p.wait(60) != 0
+
+
+def test_file_that_needs_too_much_memory(vxs, tmp_path):
+    """One section, whose zstd frame claims 5 GiB: not broken, but beyond the limit."""
+    if not (name := ctypes.util.find_library("xxhash")):
+        pytest.skip("no shared library of xxhash")
+    library = ctypes.CDLL(name)
+    library.XXH64.restype = ctypes.c_uint64
+
+    def xxh64(data):
+        return library.XXH64(data, ctypes.c_size_t(len(data)), ctypes.c_uint64(0))
+
+    claimed = 5 << 30
+    frame = struct.pack("<IBQ", 0xFD2FB528, 0xE0, claimed) + b"\1\0\0"
+    entry = struct.pack("<4s3I4Q", b"LGHT", 0, 0xFFFFFFFF, 0, 64 + 48, len(frame), claimed, xxh64(frame))
+    head = struct.pack("<8s2I2Q24x", b"\x8fVXS\r\n\x1a\n", 1, 1, 64 + 48 + len(frame), xxh64(entry))
+    (tmp_path / "large.vxs").write_bytes(head + struct.pack("<Q", xxh64(head)) + entry + frame)
+    said = vxs("query", tmp_path / "large.vxs", input="", status=6).stderr
+    assert "cannot be opened: the file needs more memory" in said and "finding 211" in said and said.count("\n") == 1
+    assert "not a valid" not in said
+
+
+def test_control_characters_stay_off_the_terminal(fails):
+    """Escape sequences, of 7 and of 8 bits; other characters beyond ASCII are kept."""
+    fails(2, "--light", "a\x1b[31m\u009bx\u00e9", says="--light a?[31m??x\u00e9:")

@@ -25,8 +25,9 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/light_choice.h"
+#include "baker/command/options.h"
 #include "baker/maps/light_fit.h"
+#include "baker/scene/light_choice.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16 };
 

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/command/light_choice.h"
 #include "baker/command/points.h"
+#include "baker/scene/light_choice.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 
@@ -237,8 +237,8 @@ static void wrong_choices_are_explained(void **state)
                         "--light son: no such light; the scene has lamp (spot), moon (directional), sun (directional)");
     assert_string_equal(choose(&empty, (const char *[]){"son"}, 1, NULL, VXS_E_ARGUMENT),
                         "--light son: the scene has no lights; --sun X,Y,Z gives one");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, sun, VXS_E_UNSUPPORTED),
-                        "--light lamp: is a spot light, but only directional lights are supported");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, sun, VXS_E_ARGUMENT),
+                        "--light lamp: is a spot light: only directional lights can be baked yet");
     assert_string_equal(choose(&lit_scene, (const char *[]){"moon", "moon"}, 2, NULL, VXS_E_ARGUMENT), "--light moon: given twice");
 }
 

@@ -3,7 +3,7 @@
 #ifndef LIGHT_CHOICE_H
 #define LIGHT_CHOICE_H
 
-#include "baker/command/options.h"
+#include "baker/base/text.h"
 #include "baker/scene/scene.h"
 
 /* The name of the light that --sun adds. */
@@ -27,8 +27,8 @@ typedef struct light_choice {
  * sun_given  nonzero when --sun was given
  * sun        the way sunlight travels, of any length but zero; not looked at unless sun_given
  * chosen     [out] zeroed on failure; released with light_choice_free; borrows names from s and names
- * Returns VXS_OK, VXS_E_NO_LIGHT (neither option, and no directional light), VXS_E_ARGUMENT (unknown name, name given twice,
- * sun of length zero), VXS_E_UNSUPPORTED (a spot or point light), VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_NO_LIGHT (neither option, and no directional light), VXS_E_ARGUMENT (unknown name, a spot or point light,
+ * name given twice, sun of length zero), VXS_E_MEMORY. */
 vxs_result lights_choose(const scene *s, const text_list *names, int sun_given, const double sun[3], light_choice *chosen,
                          message *m);
 

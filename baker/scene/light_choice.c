@@ -1,6 +1,6 @@
 /* Which lights a command works on; see light_choice.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/command/light_choice.h"
+#include "baker/scene/light_choice.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,7 +49,7 @@ static vxs_result add_named(const scene *s, const char *name, const double *sun_
         const scene_light *light = &s->lights[i];
         if (strcmp(light->name, name) != 0) continue;
         if (light->kind != LIGHT_DIRECTIONAL)
-            return fail(m, VXS_E_UNSUPPORTED, "--light %s: is a %s light, but only directional lights are supported", name,
+            return fail(m, VXS_E_ARGUMENT, "--light %s: is a %s light: only directional lights can be baked yet", name,
                         kind_name(light->kind));
         add(chosen, light->name, light->direction_ws);
         return VXS_OK;

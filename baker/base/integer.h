@@ -1,0 +1,21 @@
+/* Small questions about unsigned integers.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef INTEGER_H
+#define INTEGER_H
+
+#include <stdint.h>
+
+static inline uint32_t min_u32(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* The exponent of a power of two. */
+static inline uint32_t log2_u32(uint32_t power)
+{
+    uint32_t log = 0;
+    while (power >>= 1) log++;
+    return log;
+}
+
+#endif

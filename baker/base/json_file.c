@@ -1,0 +1,34 @@
+/* JSON to files; see json_file.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/json_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/output_file.h"
+
+json_t *json_text(const char *text)
+{
+    json_t *value = json_string(text);
+    char   *ascii = value ? NULL : strdup(text);
+    if (!ascii) return value;
+    for (char *c = ascii; *c; c++)
+        if ((unsigned char)*c > 0x7f) *c = '?';
+    value = json_string(ascii);
+    free(ascii);
+    return value;
+}
+
+vxs_result json_write(const char *path, json_t *value, message *m)
+{
+    char       *text = value ? json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
+    output_file out  = {0};
+    vxs_result  r    = text ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
+    if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
+    if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    free(text);
+    json_decref(value);
+    return r;
+}

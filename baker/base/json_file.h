@@ -1,0 +1,17 @@
+/* JSON to files.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef JSON_FILE_H
+#define JSON_FILE_H
+
+#include <jansson.h>
+
+#include "baker/base/message.h"
+
+/* Write any JSON value as an output file ("-" is standard output), indented, with a newline at its end; the value is released.
+ * Returns VXS_OK, VXS_E_WRITE, or VXS_E_MEMORY, also when the value is NULL. */
+vxs_result json_write(const char *path, json_t *value, message *m);
+
+/* A text as JSON; what is not UTF-8, as a file's name may be, gets '?' for each byte beyond ASCII. NULL without memory. */
+json_t *json_text(const char *text);
+
+#endif

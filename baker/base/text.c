@@ -1,0 +1,24 @@
+/* Texts; see text.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char *size_text(char text[32], uint64_t bytes)
+{
+    if (bytes < 10 * 1024)
+        snprintf(text, 32, "%llu B", (unsigned long long)bytes);
+    else if (bytes < 10 * 1024 * 1024)
+        snprintf(text, 32, "%.1f KiB", (double)bytes / 1024);
+    else
+        snprintf(text, 32, "%.1f MiB", (double)bytes / (1024 * 1024));
+    return text;
+}
+
+const char *choice_word(char word[32], const char *choices, int index)
+{
+    while (index-- > 0) choices += strcspn(choices, "|") + 1;
+    snprintf(word, 32, "%.*s", (int)strcspn(choices, "|"), choices);
+    return word;
+}

@@ -1,0 +1,21 @@
+/* Texts for people and from people.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef TEXT_H
+#define TEXT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Values of an option that may be repeated. */
+typedef struct text_list {
+    const char **items; /* owned; the strings are argv's */
+    size_t       count;
+} text_list;
+
+/* "12.3 MiB" into text. Returns text. */
+const char *size_text(char text[32], uint64_t bytes);
+
+/* Word `index` of "auto|on|off" into word, cut to what fits. Returns word. */
+const char *choice_word(char word[32], const char *choices, int index);
+
+#endif
