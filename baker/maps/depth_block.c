@@ -48,12 +48,12 @@ vxs_result depth_block_init(depth_block *b, block_context *context, message *m)
     b->triangles = malloc(c->triangle_count * sizeof *b->triangles);
     int ok       = b->positions && b->indices && b->triangles;
     if (solids) {
-        b->sheet     = malloc(texels * sizeof *b->sheet);
-        b->layer[0]  = malloc(texels * sizeof *b->layer[0]);
-        b->layer[1]  = malloc(texels * sizeof *b->layer[1]);
-        b->count     = calloc(texels, sizeof *b->count);
-        b->cell_open = malloc((size_t)context->cell_side * context->cell_side);
-        ok           = ok && b->sheet && b->layer[0] && b->layer[1] && b->count && b->cell_open;
+        b->sheet    = malloc(texels * sizeof *b->sheet);
+        b->layer[0] = malloc(texels * sizeof *b->layer[0]);
+        b->layer[1] = malloc(texels * sizeof *b->layer[1]);
+        b->count    = calloc(texels, sizeof *b->count);
+        b->cell     = malloc((size_t)context->cell_side * context->cell_side);
+        ok          = ok && b->sheet && b->layer[0] && b->layer[1] && b->count && b->cell;
     }
     if (!ok) return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
 
@@ -90,7 +90,7 @@ void depth_block_free(depth_block *b)
     free(b->layer[0]);
     free(b->layer[1]);
     free(b->count);
-    free(b->cell_open);
+    free(b->cell);
     *b = (depth_block){0};
 }
 
@@ -129,11 +129,12 @@ static void gather_triangles(depth_block *b)
     const casters *c  = x->casters;
     b->triangle_count = b->solid_count = b->vertex_count = 0;
     x->gather++;
-    for (size_t n = 0; n < c->triangle_count; n++) {
-        if (!texel_box_touches(&x->boxes[n], b->u0, b->v0, (int32_t)x->block_px)) continue;
-        for (int k = 0; k < 3; k++) b->indices[3 * (size_t)b->triangle_count + k] = block_vertex(b, c->indices[3 * n + k]);
-        b->triangles[b->triangle_count++] = (uint32_t)n;
-        b->solid_count += n < c->solid_triangle_count;
+    for (size_t n = 0; n < x->candidate_count; n++) {
+        size_t t = x->candidates[n];
+        if (!texel_box_touches(&x->boxes[t], b->u0, b->v0, (int32_t)x->block_px)) continue;
+        for (int k = 0; k < 3; k++) b->indices[3 * (size_t)b->triangle_count + k] = block_vertex(b, c->indices[3 * t + k]);
+        b->triangles[b->triangle_count++] = (uint32_t)t;
+        b->solid_count += t < c->solid_triangle_count;
     }
 }
 
@@ -148,7 +149,7 @@ static int touches_open_cell(const depth_block *b, const texel_box *box)
     j1 = j1 > last ? last : j1;
     for (int32_t j = j0; j <= j1; j++)
         for (int32_t i = i0; i <= i1; i++)
-            if (b->cell_open[j * cells + i]) return 1;
+            if (b->cell[j * cells + i] == CELL_OPEN) return 1;
     return 0;
 }
 
@@ -185,6 +186,7 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
     b->v0     = v0;
     b->pass   = 0;
     b->open   = whole_block(b);
+    if (b->cell) memset(b->cell, CELL_OPEN, (size_t)b->context->cell_side * b->context->cell_side);
     gather_triangles(b);
     b->has_sheets = b->triangle_count > b->solid_count;
     if (b->triangle_count) {
@@ -238,11 +240,14 @@ static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t 
     draw(b, b->context->program_depth, first, count);
 }
 
-/* Draw the nearest back faces of all texels, the first layer. */
-static void draw_first_layer(depth_block *b)
+/* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray enters
+ * solids: a back face only where a solid is turned inside out in part. */
+static void draw_first_layers(depth_block *b)
 {
     gl_context *gl = b->context->gl;
     gl->Enable(GL_CULL_FACE);
+    gl->CullFace(GL_BACK);
+    draw_nearest(b, b->texture_solid, 0, b->solid_count);
     gl->CullFace(GL_FRONT);
     draw_nearest(b, b->texture_layer[0], 0, b->solid_count);
     gl->Disable(GL_CULL_FACE);
@@ -303,8 +308,7 @@ void depth_block_issue(depth_block *b)
         uint32_t sheets = b->triangle_count - b->solid_count;
         if (sheets) draw_nearest(b, b->texture_sheet, b->solid_count, sheets);
         if (b->solid_count) {
-            draw_nearest(b, b->texture_solid, 0, b->solid_count);
-            draw_first_layer(b);
+            draw_first_layers(b);
             if (b->context->mode != EXIT_BACK) draw_count(b);
         }
     }
@@ -346,19 +350,22 @@ void depth_block_read(depth_block *b)
 
 /* exit depths ----------------------------------------------------------------------------------------------------------------- */
 
-/* A run of at most CELL_PX texels of one cell after the first pass: the first layer is everybody's exit for now, and stays it for
- * those that are done. `next` is where the next pass starts from. Returns whether one is open.
+/* A run of at most CELL_PX texels of one cell after the first pass. `enter` holds front faces and becomes the nearer of front and
+ * back: where a ray enters solids. The first layer is everybody's exit for now, and stays it for those that are done. `next` is where
+ * the next pass starts from. Returns whether one is open.
  * These two loops see every texel of every pass: each load stands alone and nothing branches, so that compilers vectorize them. */
-static int resolve_first_run(const float *restrict enter, const float *restrict layer, const uint8_t *restrict open_solids,
-                             uint32_t peel, float *restrict exit, float *restrict next, uint32_t count)
+static int resolve_first_run(float *restrict enter, const float *restrict layer, const uint8_t *restrict open_solids, uint32_t peel,
+                             float *restrict exit, float *restrict next, uint32_t count)
 {
     uint32_t solids[CELL_PX], any = 0;
     for (uint32_t n = 0; n < count; n++) solids[n] = open_solids[n];
     for (uint32_t n = 0; n < count; n++) {
-        float    e = enter[n], b = layer[n];
+        float    f = enter[n], b = layer[n];
+        float    e     = b < f ? b : f;
         float    first = b < 1.0f ? b : e;
         uint32_t open  = peel & (uint32_t)(b < 1.0f) & (uint32_t)(solids[n] > 0);
-        exit[n]        = first > e ? first : e;
+        enter[n]       = e;
+        exit[n]        = first;
         next[n]        = open ? 1.0f : 0.0f;
         any |= open;
     }
@@ -383,38 +390,42 @@ static int resolve_next_run(const float *restrict layer, const uint8_t *restrict
     return any != 0;
 }
 
-/* Exits of the texels that were open, and which of them stay open. */
-static void resolve_layer(depth_block *b)
+/* One row of texels of a cell after a pass. Returns whether one is open. A cell that the last pass closed still has that pass's layer
+ * where the next one starts from: done texels start from 0. */
+static int resolve_row(depth_block *b, cell_state state, uint32_t u, uint32_t row)
 {
-    uint32_t     block_px = b->context->block_px, cell_side = b->context->cell_side;
-    uint32_t     run  = block_px < CELL_PX ? block_px : CELL_PX;
-    uint32_t     peel = b->context->mode != EXIT_BACK;
-    const float *now  = b->layer[b->pass & 1];
-    float       *old  = b->layer[(b->pass + 1) & 1];
-    memset(b->cell_open, 0, (size_t)cell_side * cell_side);
-    for (uint32_t row = b->open.v; row < b->open.v + b->open.height; row++)
-        for (uint32_t u = b->open.u; u < b->open.u + b->open.width; u += CELL_PX) {
-            size_t at = (size_t)row * block_px + u, out = (size_t)row * b->row_px + u;
-            int    open = b->pass ? resolve_next_run(now + at, b->count + at, b->exit + out, old + at, run)
-                                  : resolve_first_run(b->enter + out, now + at, b->count + at, peel, b->exit + out, old + at, run);
-            if (open) b->cell_open[row / CELL_PX * cell_side + u / CELL_PX] = 1;
-        }
+    uint32_t     block_px = b->context->block_px;
+    uint32_t     run      = block_px < CELL_PX ? block_px : CELL_PX;
+    size_t       at = (size_t)row * block_px + u, out = (size_t)row * b->row_px + u;
+    const float *now = b->layer[b->pass & 1] + at;
+    float       *old = b->layer[(b->pass + 1) & 1] + at;
+    if (state == CELL_CLOSED) memset(old, 0, run * sizeof *old);
+    if (state != CELL_OPEN) return 0;
+    if (b->pass) return resolve_next_run(now, b->count + at, b->exit + out, old, run);
+    return resolve_first_run(b->enter + out, now, b->count + at, b->context->mode != EXIT_BACK, b->exit + out, old, run);
 }
 
-/* The rectangle of open cells; 0 when there is none. */
-static int find_open(depth_block *b)
+/* Exits of the texels that were open, and the rectangle of those that stay so; 0 when there are none. */
+static int resolve_layer(depth_block *b)
 {
-    uint32_t side = b->context->cell_side;
+    uint32_t side = b->context->cell_side, block_px = b->context->block_px;
+    uint32_t cell = block_px < CELL_PX ? block_px : CELL_PX;
     uint32_t u0 = side, v0 = side, u1 = 0, v1 = 0;
-    for (uint32_t v = 0; v < side; v++)
-        for (uint32_t u = 0; u < side; u++) {
-            if (!b->cell_open[v * side + u]) continue;
+    for (uint32_t v = b->open.v / cell; v < (b->open.v + b->open.height) / cell; v++) {
+        uint8_t  open[BLOCK_MAX_PX / CELL_PX] = {0};
+        uint8_t *state                        = b->cell + (size_t)v * side;
+        uint32_t first = b->open.u / cell, end = (b->open.u + b->open.width) / cell;
+        for (uint32_t row = v * cell; row < (v + 1) * cell; row++)
+            for (uint32_t u = first; u < end; u++) open[u] |= (uint8_t)resolve_row(b, (cell_state)state[u], u * cell, row);
+        for (uint32_t u = first; u < end; u++) {
+            state[u] = open[u] ? CELL_OPEN : state[u] == CELL_OPEN ? CELL_CLOSED : CELL_CLEAN;
+            if (!open[u]) continue;
             u0 = u < u0 ? u : u0;
             v0 = v < v0 ? v : v0;
             u1 = u + 1 > u1 ? u + 1 : u1;
-            v1 = v + 1 > v1 ? v + 1 : v1;
+            v1 = v + 1;
         }
-    uint32_t cell = b->context->block_px < CELL_PX ? b->context->block_px : CELL_PX;
+    }
     if (u0 < u1) b->open = (block_rect){u0 * cell, v0 * cell, (u1 - u0) * cell, (v1 - v0) * cell};
     return u0 < u1;
 }
@@ -446,8 +457,7 @@ int depth_block_resolve(depth_block *b)
         copy_enter(b);
         return 0;
     }
-    resolve_layer(b);
-    if (find_open(b)) {
+    if (resolve_layer(b)) {
         gather_open_triangles(b);
         b->pass++;
         return 1;

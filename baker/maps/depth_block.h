@@ -31,9 +31,11 @@ typedef struct block_context {
     const casters *casters;
     exit_mode      mode;
     uint32_t       block_px;
-    uint32_t       cell_side;   /* cells a side of a block */
-    vertex_ls     *vertices;    /* [casters->vertex_count] */
-    texel_box     *boxes;       /* [casters->triangle_count] */
+    uint32_t       cell_side;  /* cells a side of a block */
+    vertex_ls     *vertices;   /* [casters->vertex_count] */
+    texel_box     *boxes;      /* [casters->triangle_count] */
+    uint32_t      *candidates; /* [candidate_count] triangles that may touch the tile in work, in the casters' order */
+    size_t         candidate_count;
     uint32_t      *vertex_slot; /* [casters->vertex_count] of the block gathered last: valid where vertex_gather is its number */
     uint32_t      *vertex_gather;
     uint32_t       gather;
@@ -41,6 +43,13 @@ typedef struct block_context {
     GLuint         program_depth, program_count, program_next;
     depth_stats    stats;
 } block_context;
+
+/* Cells are the squares of a block that are left out when none of their texels is open any more. */
+typedef enum cell_state {
+    CELL_OPEN,   /* some texel's exit is not yet found */
+    CELL_CLOSED, /* since the last pass */
+    CELL_CLEAN   /* for longer: nothing has to be done */
+} cell_state;
 
 /* A rectangle of a block's texels. */
 typedef struct block_rect {
@@ -61,11 +70,11 @@ typedef struct depth_block {
     int       has_sheets;
 
     /* [block_px * block_px] each */
-    float     *sheet;     /* enter depth of sheets */
-    float     *layer[2];  /* back layers, this pass and the last; before a pass 1 for open texels, 0 for done ones */
-    uint8_t   *count;     /* solids that are open behind the layer */
-    uint8_t   *cell_open; /* [cell_side^2] some texel of the cell is open */
-    block_rect open;      /* holds all open cells */
+    float     *sheet;    /* enter depth of sheets */
+    float     *layer[2]; /* back layers, this pass and the last; before a pass 1 for open texels, 0 for done ones */
+    uint8_t   *count;    /* solids that are open behind the layer */
+    uint8_t   *cell;     /* [cell_side^2] CELL_* */
+    block_rect open;     /* holds all open cells */
 
     GLuint vertex_array, buffers[2];
     GLuint texture_solid, texture_sheet, texture_layer[2], texture_count;

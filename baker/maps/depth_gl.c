@@ -125,8 +125,9 @@ static vxs_result set_up(depth_renderer *r, message *m)
     x->vertices      = malloc(c->vertex_count * sizeof *x->vertices);
     x->boxes         = malloc(c->triangle_count * sizeof *x->boxes);
     x->vertex_slot   = malloc(c->vertex_count * sizeof *x->vertex_slot);
+    x->candidates    = malloc(c->triangle_count * sizeof *x->candidates);
     x->vertex_gather = calloc(c->vertex_count, sizeof *x->vertex_gather);
-    if (!x->vertices || !x->boxes || !x->vertex_slot || !x->vertex_gather)
+    if (!x->vertices || !x->boxes || !x->candidates || !x->vertex_slot || !x->vertex_gather)
         return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
     vxs_result result = set_up_gl(x, m);
     for (int n = 0; n < LANES && result == VXS_OK; n++) result = depth_block_init(&r->lane[n], x, m);
@@ -170,6 +171,7 @@ void depth_renderer_destroy(depth_renderer *r)
     gl->DeleteProgram(x->program_next);
     free(x->vertices);
     free(x->boxes);
+    free(x->candidates);
     free(x->vertex_slot);
     free(x->vertex_gather);
     free(r);
@@ -215,6 +217,14 @@ static int start_next(depth_block *lane, tile_blocks *t)
     return 0;
 }
 
+static void gather_candidates(block_context *x, const tile_blocks *t)
+{
+    x->candidate_count = 0;
+    for (size_t n = 0; n < x->casters->triangle_count; n++)
+        if (texel_box_touches(&x->boxes[n], (int32_t)t->u0, (int32_t)t->v0, (int32_t)t->maps->side_px))
+            x->candidates[x->candidate_count++] = (uint32_t)n;
+}
+
 /* Lanes take turns: while one is read and resolved, the rasterizer works on the other. */
 static void render_blocks(depth_renderer *r, tile_blocks *t)
 {
@@ -240,6 +250,7 @@ vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, 
 {
     uint32_t    blocks = maps->side_px / r->context.block_px;
     tile_blocks t      = {.maps = maps, .u0 = i * maps->side_px, .v0 = j * maps->side_px, .count = blocks * blocks};
+    gather_candidates(&r->context, &t);
     render_blocks(r, &t);
     GLenum error = r->context.gl->GetError();
     if (error != GL_NO_ERROR) return fail(m, VXS_E_GL, "OpenGL failed while rendering depth maps (error 0x%04x)", error);
