@@ -73,13 +73,6 @@ static uint32_t sub_dag_side(uint32_t tile_px)
     return side < 8 ? 8 : side;
 }
 
-static uint32_t levels_of(uint32_t side_px)
-{
-    uint32_t levels = 1;
-    while (side_px > 8) side_px /= 2, levels++;
-    return levels;
-}
-
 static void masks_of_sub(void *user, size_t begin, size_t end, uint32_t worker)
 {
     tile_job *t     = user;
@@ -102,7 +95,7 @@ static void insert_sub(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) {
         sub_dag *s = &t->subs[n];
         if (s->result != VXS_OK) continue;
-        s->result = dag_insert(&s->dag, &t->source, (uint32_t)(n % t->sub_side), (uint32_t)(n / t->sub_side), levels_of(t->sub_px),
+        s->result = dag_insert(&s->dag, &t->source, (uint32_t)(n % t->sub_side), (uint32_t)(n / t->sub_side), dag_levels(t->sub_px),
                                &s->masks, t->o->reuse);
         tile_masks_free(&s->masks);
         s->nodes      = dag_node_count(&s->dag);

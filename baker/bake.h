@@ -21,7 +21,6 @@ typedef enum stop_stage {
 typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
 
 /* The words of the options below, in the order of their enums. */
-#define CLOSED_CHOICES   "auto|on|off"
 #define EXIT_CHOICES     "auto|peel|back"
 #define RULE_CHOICES     "greedy|shadow"
 #define REUSE_CHOICES    "off|on"

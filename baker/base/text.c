@@ -22,3 +22,14 @@ const char *choice_word(char word[32], const char *choices, int index)
     snprintf(word, 32, "%.*s", (int)strcspn(choices, "|"), choices);
     return word;
 }
+
+int choice_index(const char *choices, const char *word)
+{
+    size_t length = strlen(word);
+    for (int index = 0;; index++) {
+        size_t n = strcspn(choices, "|");
+        if (n == length && !memcmp(choices, word, n)) return index;
+        if (!choices[n]) return -1;
+        choices += n + 1;
+    }
+}

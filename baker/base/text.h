@@ -18,4 +18,7 @@ const char *size_text(char text[32], uint64_t bytes);
 /* Word `index` of "auto|on|off" into word, cut to what fits. Returns word. */
 const char *choice_word(char word[32], const char *choices, int index);
 
+/* The index of a word of "auto|on|off", or -1. */
+int choice_index(const char *choices, const char *word);
+
 #endif

@@ -27,8 +27,7 @@ typedef struct compare_command {
     compare_result *results; /* [light count] */
 } compare_command;
 
-static const char *const closed_names[] = {"auto", "on", "off"};
-static const char *const kind_names[]   = {"random", "surface"};
+static const char *const kind_names[] = {"random", "surface"};
 
 static double share(uint64_t part, uint64_t whole)
 {
@@ -97,8 +96,9 @@ static void print_report(FILE *to, const compare_command *c, const vxs_asset *as
 {
     uint32_t       lights = vxs_asset_light_count(asset);
     compare_counts sum    = total(c, lights);
+    char           closed[32];
     fprintf(to, "scene        %s: %zu triangles, %zu of solids (--closed %s)\n", c->files[0], c->triangle_count,
-            c->solid_triangle_count, closed_names[c->closed]);
+            c->solid_triangle_count, choice_word(closed, CLOSED_CHOICES, c->closed));
     fprintf(to, "asset        %s: %u lights\n", c->files[1], lights);
     for (uint32_t n = 0; n < lights; n++) print_light(to, c, vxs_asset_light(asset, n), &c->results[n]);
     fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
@@ -175,12 +175,13 @@ static json_t *report_json(const compare_command *c, const vxs_asset *asset)
     json_t        *lights = json_array();
     uint32_t       count  = vxs_asset_light_count(asset);
     compare_counts sum    = total(c, count);
+    char           closed[32];
     for (uint32_t n = 0; n < count; n++) json_array_append_new(lights, light_json(c, vxs_asset_light(asset, n), &c->results[n]));
     json_t *root =
         json_pack("{s:s, s:o, s:o, s:I, s:I, s:s, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "vxs", VXS_VERSION, "scene",
                   json_text(c->files[0]), "asset", json_text(c->files[1]), "triangles", (json_int_t)c->triangle_count,
-                  "solid_triangles", (json_int_t)c->solid_triangle_count, "closed", closed_names[c->closed], "points",
-                  (json_int_t)c->options.points, "seed", (json_int_t)c->options.seed, "lights", lights, "checked",
+                  "solid_triangles", (json_int_t)c->solid_triangle_count, "closed", choice_word(closed, CLOSED_CHOICES, c->closed),
+                  "points", (json_int_t)c->options.points, "seed", (json_int_t)c->options.seed, "lights", lights, "checked",
                   (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share",
                   share(compare_wrong(&sum), sum.checked), "unexplained", (json_int_t)sum.unexplained, "passed", passes(c, &sum));
     if (root && c->max_error_given) json_object_set_new(root, "max_error", json_real(c->max_error));
@@ -195,11 +196,9 @@ static int closed_of_asset(const vxs_asset *asset)
     const char *metadata = vxs_asset_contents(asset)->metadata;
     json_t     *root     = metadata ? json_loads(metadata, 0, NULL) : NULL;
     const char *text     = json_string_value(json_object_get(json_object_get(root, "options"), "closed"));
-    int         closed   = CLOSED_AUTO;
-    for (int n = 0; text && n < 3; n++)
-        if (!strcmp(text, closed_names[n])) closed = n;
+    int         closed   = text ? choice_index(CLOSED_CHOICES, text) : -1;
     json_decref(root);
-    return closed;
+    return closed < 0 ? CLOSED_AUTO : closed;
 }
 
 /* A comparison that checked nothing says nothing. */
@@ -271,7 +270,7 @@ int cmd_compare(int argc, char **argv)
            {"--filter", OPTION_U32, &c.options.filter_px, 1, VXS_FILTER_MAX, NULL, "K",
             "also compare K x K box filters, K odd, 1 to 17 texels (default 1: single taps only)", NULL},
            {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: its own)", NULL},
-           {"--closed", OPTION_CHOICE, &c.closed, 0, 0, "auto|on|off", NULL,
+           {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL,
             "which casters are solids (default: as the asset was baked)", &c.closed_given},
            {"--threads", OPTION_U32, &c.options.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all processors)",
             NULL},

@@ -39,17 +39,6 @@ static const char *parse_number(const char *text, double *number)
     return end == text || !isfinite(*number) ? NULL : end;
 }
 
-static int parse_choice(const char *choices, const char *value)
-{
-    size_t length = strlen(value);
-    for (int index = 0;; index++) {
-        size_t n = strcspn(choices, "|");
-        if (n == length && !memcmp(choices, value, n)) return index;
-        if (!choices[n]) return -1;
-        choices += n + 1;
-    }
-}
-
 static vxs_result set_vector(const option *o, const char *value, message *m)
 {
     size_t      count = (size_t)o->max;
@@ -85,7 +74,7 @@ static vxs_result set_option(const option *o, const char *value, message *m)
         break;
     }
     case OPTION_CHOICE: {
-        int index = parse_choice(o->choices, value);
+        int index = choice_index(o->choices, value);
         if (index < 0) return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s", o->name, value, o->choices);
         *(int *)o->target = index;
         break;

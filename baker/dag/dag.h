@@ -13,6 +13,7 @@
 
 #include <stdint.h>
 
+#include "baker/base/integer.h"
 #include "baker/base/message.h"
 #include "baker/dag/masks.h"
 #include "formats/vxs_file.h"
@@ -37,6 +38,12 @@ typedef struct dag {
     uint32_t *roots; /* [root_count] references to nodes of the top level, near to far */
     uint32_t  root_count;
 } dag;
+
+/* Levels of the DAG of a square of side_px texels: one for 8, one more for each doubling. */
+static inline uint32_t dag_levels(uint32_t side_px)
+{
+    return log2_u32(side_px) - 2;
+}
 
 void dag_free(dag *d);
 

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/integer.h"
 #include "baker/dag/dag.h"
 #include "baker/dag/ref_table.h"
 
@@ -28,8 +27,8 @@ vxs_result dag_merger_create(dag_merger **out, uint32_t side_px, uint32_t sub_si
     if (!g) return VXS_E_MEMORY;
     g->unify              = unify;
     g->grid_side          = side_px / sub_side_px;
-    g->sub_levels         = log2_u32(sub_side_px) - 2;
-    g->merged.level_count = log2_u32(side_px) - 2;
+    g->sub_levels         = dag_levels(sub_side_px);
+    g->merged.level_count = dag_levels(side_px);
     g->grid               = calloc((size_t)g->grid_side * g->grid_side * g->grid_side, sizeof *g->grid);
     if (!g->grid) {
         dag_merger_destroy(g);
@@ -47,6 +46,12 @@ void dag_merger_destroy(dag_merger *g)
     dag_free(&g->merged);
     free(g->grid);
     free(g);
+}
+
+/* Room in a table, which only unifying needs. */
+static int reserve(const dag_merger *g, ref_table *table, uint64_t more)
+{
+    return !g->unify || ref_table_reserve(table, more);
 }
 
 static uint32_t merged_mask(dag_merger *g, uint64_t mask)
@@ -77,13 +82,13 @@ static uint32_t merged_node(dag_merger *g, uint32_t level, const dag_node *node,
 vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t i, uint32_t j)
 {
     uint32_t *below = malloc(((size_t)sub->mask_count + 1) * sizeof *below);
-    int       ok    = below && ref_table_reserve(&g->mask_table, sub->mask_count);
+    int       ok    = below && reserve(g, &g->mask_table, sub->mask_count);
     for (uint32_t n = 0; n < sub->mask_count && ok; n++) ok = (below[n] = merged_mask(g, sub->masks[n])) != 0;
 
     for (uint32_t level = 0; level < g->sub_levels && ok; level++) {
         const dag_level *l   = &sub->level[level];
         uint32_t        *ref = malloc(((size_t)l->count + 1) * sizeof *ref);
-        ok                   = ref && ref_table_reserve(&g->table[level], l->count);
+        ok                   = ref && reserve(g, &g->table[level], l->count);
         for (uint32_t n = 0; n < l->count && ok; n++) {
             dag_node node = l->nodes[n];
             for (int c = 0; c < 8; c++)
@@ -111,7 +116,7 @@ static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, ui
         *ref = node->child[0];
         return 1;
     }
-    if (!ref_table_reserve(&g->table[level], 1)) return 0;
+    if (!reserve(g, &g->table[level], 1)) return 0;
     *ref = merged_node(g, level, node, dag_node_hash(&g->merged, level, node));
     return *ref != 0;
 }

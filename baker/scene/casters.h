@@ -22,6 +22,7 @@ typedef enum component_kind {
 } component_kind;
 
 typedef enum closed_mode { CLOSED_AUTO, CLOSED_ON, CLOSED_OFF } closed_mode;
+#define CLOSED_CHOICES "auto|on|off" /* their words, in that order */
 
 typedef struct casters {
     size_t  vertex_count;

@@ -499,7 +499,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
         {"--resolution", OPTION_U32, &o->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 512)",
          NULL},
         {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, "auto|peel|back", NULL, "as bake", NULL},
-        {"--closed", OPTION_CHOICE, &closed, 0, 0, "auto|on|off", NULL, "as bake", NULL},
+        {"--closed", OPTION_CHOICE, &closed, 0, 0, CLOSED_CHOICES, NULL, "as bake", NULL},
         {"--rule", OPTION_CHOICE, &rule, 0, 0, "greedy|shadow", NULL, "as bake", NULL},
         {"--reuse", OPTION_CHOICE, &reuse, 0, 0, "on|off", NULL, "as bake", NULL},
         {"--compress", OPTION_CHOICE, &compress, 0, 0, "top-down|bottom-up", NULL, "as bake", NULL},
