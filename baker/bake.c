@@ -194,7 +194,7 @@ static vxs_result bake_light(const bake_options *o, gl_context *gl, const caster
                              baseline *base, bake_report *report, light_report *light, message *m)
 {
     light_fit_desc  fit      = {.name           = chosen->name,
-                                .direction_ws   = chosen->direction_ws,
+                                .shape          = &chosen->shape,
                                 .resolution     = o->resolution,
                                 .resolution_max = RESOLUTION_MAX_PX,
                                 .texel_metres   = o->texel_metres,
@@ -280,7 +280,7 @@ static char *metadata_text(const bake_options *o, const bake_report *report)
 static vxs_dag_view view_of(const dag *d)
 {
     vxs_dag_view v = {
-        .level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count, .root = d->roots[0] - REF_FIRST};
+        .level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count, .roots = {d->roots[0] - REF_FIRST}};
     for (uint32_t l = 0; l < d->level_count; l++) {
         v.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
         v.count[l] = d->level[l].count;
@@ -375,7 +375,7 @@ static vxs_result report_left_out(bake_report *report, const scene *s, const lig
         if (is_chosen) continue;
         light_left_out *l = &report->left_out[report->left_out_count++];
         snprintf(l->name, sizeof l->name, "%s", s->lights[n].name);
-        l->why = s->lights[n].kind == LIGHT_DIRECTIONAL ? "not asked for" : "not directional";
+        l->why = "not asked for";
     }
     return VXS_OK;
 }

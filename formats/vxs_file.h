@@ -17,14 +17,18 @@ extern "C" {
 /* One light as it is stored and looked up. */
 typedef struct vxs_light {
     char     name[VXS_LIGHT_NAME_BYTES]; /* UTF-8, NUL-terminated, unique in the file */
-    uint32_t kind;                       /* VXS_LIGHT_KIND_DIRECTIONAL */
-    uint32_t flags;                      /* VXS_LIGHT_BOUNDED or 0 */
-    uint32_t levels;                     /* the map has 2^levels texels a side and 2^levels voxels in depth; 3..18 */
-    double   vx_from_ws[12];  /* rows of a 3 x 4 matrix: world metres to texels u, v and voxels of depth; (0,0,0) is the corner
-                                  of the map nearest the light */
-    double   texel_metres;    /* side of a texel */
-    double   voxel_metres;    /* depth of a voxel */
-    double   direction_ws[3]; /* unit vector, the way the light travels */
+    uint32_t kind;                       /* VXS_LIGHT_KIND_* */
+    uint32_t flags;                      /* VXS_LIGHT_BOUNDED (directional), VXS_LIGHT_CUBE (point; spot with a wide cone) */
+    uint32_t levels;                     /* a map has 2^levels texels a side and 2^levels voxels in depth; 3..18 */
+    double ls_from_ws[12];  /* rows of a 3 x 4 matrix from world metres. Directional: to texels u, v and voxels of depth; (0,0,0) is
+                                  the corner of the map nearest the light. Spot and point: to metres about the light, x and y
+                                  across its direction and z along it */
+    double texel_metres;    /* side of a texel; spot and point: at one metre from the light along its map's axis */
+    double voxel_metres;    /* depth of a voxel; spot and point: of one metre from the light, log(far / near) / 2^levels */
+    double direction_ws[3]; /* unit vector, the way the light travels; the third axis of a point light's cube */
+    double near_metres;     /* spot and point: depth 0 is so far from the light along its map's axis; else 0 */
+    double cos_outer;       /* spot: cosine of the angle between its direction and the edge of its cone, [0, 1); else 0 */
+    double range_metres;    /* spot and point: metres from the light to where its volume ends; 0: no end; else 0 */
 
     const uint32_t *words; /* [word_count] the DAG as vxs_lookup.h reads it */
     uint32_t        word_count;
@@ -91,7 +95,7 @@ typedef struct vxs_dag_view {
     uint32_t        level_count;
     const uint64_t *masks; /* [mask_count] */
     uint32_t        mask_count;
-    uint32_t        root; /* index into the top level */
+    uint32_t        roots[VXS_CUBE_FACES]; /* indices into the top level, one for each map of the light */
 } vxs_dag_view;
 
 /* A light to be written: of `light`, what describes the DAG (words, counts) is ignored. */
@@ -115,7 +119,7 @@ typedef struct vxs_bytes {
 /* Encode a whole file in memory. Nodes that the root does not reach are left out; same input, same bytes for one zstd version.
  * out  [out] grown with realloc; zero it first, release with free(out->data).
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, or words; an empty,
- * unterminated or repeated name; a DAG without as many levels, or without its root), or zstd_level is out of range. A light's other
+ * unterminated or repeated name; a DAG without as many levels, or without its roots), or zstd_level is out of range. A light's other
  * numbers are written as they are: vxs_read says whether they make sense.
  * The runtime library does not hold this function: games only read. */
 vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc);

@@ -33,6 +33,7 @@
     X(305, VXS_E_CORRUPT,   "a light's texel size, voxel size or direction is out of range")           \
     X(306, VXS_E_CORRUPT,   "a light's name is empty, not terminated or not unique")                   \
     X(307, VXS_E_CORRUPT,   "reserved bytes or undefined flags of a light are not zero")               \
+    X(308, VXS_E_CORRUPT,   "a light's near distance, cone or range is not one of its kind")           \
     X(401, VXS_E_CORRUPT,   "a level has a size that its node count does not give")                    \
     X(402, VXS_E_CORRUPT,   "a node repeats a neighbour that is not there")                            \
     X(403, VXS_E_CORRUPT,   "a node refers to a child beyond those seen so far")                       \

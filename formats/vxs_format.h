@@ -42,15 +42,22 @@
 #define VXS_LIGHT_LEVELS           4
 #define VXS_LIGHT_WORD_COUNT       8
 #define VXS_LIGHT_FLAGS            12
-#define VXS_LIGHT_VX_FROM_WS       16
+#define VXS_LIGHT_LS_FROM_WS       16
 #define VXS_LIGHT_TEXEL_METRES     112
 #define VXS_LIGHT_VOXEL_METRES     120
 #define VXS_LIGHT_DIRECTION        128
-#define VXS_LIGHT_RESERVED         152
+#define VXS_LIGHT_NEAR_METRES      152
+#define VXS_LIGHT_COS_OUTER        160
+#define VXS_LIGHT_RANGE_METRES     168
+#define VXS_LIGHT_RESERVED         176
 #define VXS_LIGHT_NAME             192
 #define VXS_LIGHT_NAME_BYTES       64
 #define VXS_LIGHT_KIND_DIRECTIONAL 1u
+#define VXS_LIGHT_KIND_SPOT        2u
+#define VXS_LIGHT_KIND_POINT       3u
 #define VXS_LIGHT_BOUNDED          1u /* flag: the volume ends at the map's near and far sides */
+#define VXS_LIGHT_CUBE             2u /* flag: six maps, one for each face of a cube about the light */
+#define VXS_CUBE_FACES             6u
 
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u

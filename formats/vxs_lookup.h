@@ -1,6 +1,7 @@
 /* How a node is laid out, and how a lookup walks: one text for C99, C++ and GLSL 4.3.
  *
- * A light's DAG is an array of 32-bit words (formats/vxs.md section 6). The root is at word 0. A node is
+ * A light's DAG is an array of 32-bit words (formats/vxs.md section 6). The root is at word 0; a light with six maps has six
+ * roots, and words 0 to 5 say where they start. A node is
  *
  *     word 0      bits 2c, 2c+1: what child c is (VXS_CHILD_*), c = 0..7; bits 16..31 are zero
  *     word 1...   one offset for each child that is VXS_CHILD_OWN, in the order of c
@@ -63,14 +64,21 @@ VXS_FN vxs_u32 vxs_own(vxs_u32 states)
     return (states >> 1) & ~states & 0x5555u;
 }
 
+/* Where the root of map `face` of a light with six maps starts; the root of a light with one map is 0. */
+VXS_FN vxs_u32 vxs_face_root(VXS_DAG dag, vxs_u32 face)
+{
+    return vxs_word(dag, face);
+}
+
 /* The words of an 8 x 8 x 1 slice: the tile of 8 x 8 texels at (tile_x, tile_y), depth k voxels. One bit a texel, 1 for shadow.
- * dag     the light's words;   levels  the map has 2^levels texels a side, and as many voxels in depth
+ * dag     the light's words;   root  0, or vxs_face_root of the map
+ * levels  the map has 2^levels texels a side, and as many voxels in depth
  * tile_x, tile_y  [0, 2^(levels-3));   k  [0, 2^levels)
  * low, high  [out] rows 0 to 3 and rows 4 to 7. */
-VXS_FN void vxs_slice(VXS_DAG dag, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k, VXS_OUT(vxs_u32) low,
+VXS_FN void vxs_slice(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k, VXS_OUT(vxs_u32) low,
                       VXS_OUT(vxs_u32) high)
 {
-    vxs_u32 node = 0u;
+    vxs_u32 node = root;
     vxs_u32 states, state;
     for (vxs_u32 level = levels - 3u; level > 0u; level--) {
         vxs_u32 bit = level - 1u;
@@ -105,10 +113,10 @@ VXS_FN void vxs_slice(VXS_DAG dag, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_
 }
 
 /* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
-VXS_FN vxs_u32 vxs_shadow(VXS_DAG dag, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
+VXS_FN vxs_u32 vxs_shadow(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
     vxs_u32 low, high;
-    vxs_slice(dag, levels, i >> 3, j >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
+    vxs_slice(dag, root, levels, i >> 3, j >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
     return (((j & 4u) != 0u ? high : low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
 }
 
@@ -130,7 +138,7 @@ VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
 /* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
  * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
  * filter  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
-VXS_FN vxs_u32 vxs_shadow_count(VXS_DAG dag, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+VXS_FN vxs_u32 vxs_shadow_count(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_i32 half_px = filter_px / 2;
     vxs_i32 side    = VXS_I(1) << levels;
@@ -142,7 +150,7 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_DAG dag, vxs_u32 levels, vxs_i32 i, vxs_i32 
     for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
         for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
             vxs_u32 low, high;
-            vxs_slice(dag, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
+            vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
             count += vxs_popcount(low & vxs_cover(x0 - x, x1 - x, y0 - y, y1 - y));
             count += vxs_popcount(high & vxs_cover(x0 - x, x1 - x, y0 - y - 4, y1 - y - 4));
         }

@@ -209,12 +209,32 @@ static int measure_valid(double metres)
     return isfinite(metres) && metres > 0.0;
 }
 
+/* Directional lights have no reach, and say 0; what the others say is theirs. */
+static int reach_valid(const vxs_light *l)
+{
+    if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) return l->near_metres == 0 && l->cos_outer == 0 && l->range_metres == 0;
+    int cone = l->kind == VXS_LIGHT_KIND_SPOT ? l->cos_outer >= 0 && l->cos_outer < 1 : l->cos_outer == 0;
+    return measure_valid(l->near_metres) && cone && isfinite(l->range_metres) && l->range_metres >= 0;
+}
+
+/* A flag has to belong to the light's kind; a point light has six maps. */
+static int flags_valid(const vxs_light *l)
+{
+    if (l->kind == VXS_LIGHT_KIND_POINT) return l->flags == VXS_LIGHT_CUBE;
+    return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
+}
+
+static uint32_t map_count(const vxs_light *light)
+{
+    return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
+}
+
 static void check_light(reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
     const double *d = light->direction_ws;
-    if (light->kind != VXS_LIGHT_KIND_DIRECTIONAL) found(r, 302, section, at + VXS_LIGHT_KIND);
+    if (light->kind < VXS_LIGHT_KIND_DIRECTIONAL || light->kind > VXS_LIGHT_KIND_POINT) found(r, 302, section, at + VXS_LIGHT_KIND);
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) found(r, 303, section, at + VXS_LIGHT_LEVELS);
-    if (!transform_valid(light->vx_from_ws)) found(r, 304, section, at + VXS_LIGHT_VX_FROM_WS);
+    if (!transform_valid(light->ls_from_ws)) found(r, 304, section, at + VXS_LIGHT_LS_FROM_WS);
     if (!measure_valid(light->texel_metres) || !measure_valid(light->voxel_metres) ||
         !(fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1.0) < 1e-6))
         found(r, 305, section, at + VXS_LIGHT_TEXEL_METRES);
@@ -225,7 +245,8 @@ static void check_light(reader *r, const vxs_light *light, const uint8_t *record
     for (const vxs_light *other = r->out.lights; other < light && good; other++) good = strcmp(other->name, light->name) != 0;
     if (!good) found(r, 306, section, at + VXS_LIGHT_NAME);
 
-    if (light->flags & ~VXS_LIGHT_BOUNDED) found(r, 307, section, at + VXS_LIGHT_FLAGS);
+    if (!reach_valid(light)) found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
+    if (!flags_valid(light)) found(r, 307, section, at + VXS_LIGHT_FLAGS);
     if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED)) found(r, 307, section, at + VXS_LIGHT_RESERVED);
 }
 
@@ -249,10 +270,13 @@ static void read_light_records(reader *r, int section, const uint8_t *table, uin
         light->levels         = vxs_load32(record + VXS_LIGHT_LEVELS);
         light->word_count     = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
         light->flags          = vxs_load32(record + VXS_LIGHT_FLAGS);
-        for (int k = 0; k < 12; k++) light->vx_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_VX_FROM_WS + k * 8);
+        for (int k = 0; k < 12; k++) light->ls_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);
         light->voxel_metres = vxs_load_f64(record + VXS_LIGHT_VOXEL_METRES);
         for (int k = 0; k < 3; k++) light->direction_ws[k] = vxs_load_f64(record + VXS_LIGHT_DIRECTION + k * 8);
+        light->near_metres  = vxs_load_f64(record + VXS_LIGHT_NEAR_METRES);
+        light->cos_outer    = vxs_load_f64(record + VXS_LIGHT_COS_OUTER);
+        light->range_metres = vxs_load_f64(record + VXS_LIGHT_RANGE_METRES);
         memcpy(light->name, record + VXS_LIGHT_NAME, VXS_LIGHT_NAME_BYTES - 1);
         check_light(r, light, record, section, at);
     }
@@ -301,6 +325,7 @@ typedef struct light_reader {
     uint8_t   *masks;
     int        mask_section;
     uint64_t   words; /* used so far */
+    uint32_t   maps;
 } light_reader;
 
 static uint32_t level_states(const level *l, uint32_t node)
@@ -399,9 +424,11 @@ static int decode_light(light_reader *lr)
 {
     reader *r       = lr->r;
     lr->level_count = lr->light->levels - 2;
+    lr->maps        = map_count(lr->light);
+    lr->words       = lr->maps > 1 ? lr->maps : 0;
     for (uint32_t l = lr->level_count; l-- > 0;)
         if (!lay_out_level(lr, l)) return 0;
-    if (lr->level[lr->level_count - 1].count != 1) return found(r, 404, lr->level[lr->level_count - 1].section, 0), 0;
+    if (lr->level[lr->level_count - 1].count != lr->maps) return found(r, 404, lr->level[lr->level_count - 1].section, 0), 0;
     if (!lay_out_masks(lr)) return 0;
 
     uint32_t mask_word = (uint32_t)lr->words;
@@ -411,6 +438,7 @@ static int decode_light(light_reader *lr)
     if (!words) return 0;
     lr->light->words                     = words;
     words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
+    for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
     for (uint32_t l = 0; l < lr->level_count; l++)
         if (!decode_level(lr, l, words, mask_word)) return 0;
     for (uint32_t n = 0; n < 2 * lr->light->mask_count; n++) words[mask_word + n] = vxs_load32(lr->masks + (size_t)n * 4);

@@ -119,15 +119,21 @@ static vxs_result encode_masks(vxs_bytes *content, const vxs_dag_view *view, con
     return VXS_OK;
 }
 
+/* A root is a node of its own for each map, even where two are equal. */
+static uint32_t map_count(const vxs_light *light)
+{
+    return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
+}
+
 /* Sections of one light, the root's level first, the masks last; *word_count is what a reader will need. */
-static vxs_result add_light(sections *s, const vxs_dag_view *view, uint32_t light, uint32_t *word_count)
+static vxs_result add_light(sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count)
 {
     vxs_bytes content = {0};
-    uint64_t  words   = 0;
-    uint32_t  count   = 1;
-    uint32_t *order   = malloc(sizeof *order);
+    uint64_t  words   = maps > 1 ? maps : 0; /* where each root starts */
+    uint32_t  count   = maps;
+    uint32_t *order   = malloc(maps * sizeof *order);
     if (!order) return VXS_E_MEMORY;
-    order[0]     = view->root;
+    memcpy(order, view->roots, maps * sizeof *order);
     vxs_result r = VXS_OK;
     for (uint32_t level = view->level_count; level-- > 0 && r == VXS_OK;) {
         uint32_t  room        = level ? view->count[level - 1] : view->mask_count;
@@ -158,10 +164,13 @@ static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t wo
     vxs_store32(at + VXS_LIGHT_LEVELS, light->levels);
     vxs_store32(at + VXS_LIGHT_WORD_COUNT, word_count);
     vxs_store32(at + VXS_LIGHT_FLAGS, light->flags);
-    for (int n = 0; n < 12; n++) vxs_store_f64(at + VXS_LIGHT_VX_FROM_WS + n * 8, light->vx_from_ws[n]);
+    for (int n = 0; n < 12; n++) vxs_store_f64(at + VXS_LIGHT_LS_FROM_WS + n * 8, light->ls_from_ws[n]);
     vxs_store_f64(at + VXS_LIGHT_TEXEL_METRES, light->texel_metres);
     vxs_store_f64(at + VXS_LIGHT_VOXEL_METRES, light->voxel_metres);
     for (int n = 0; n < 3; n++) vxs_store_f64(at + VXS_LIGHT_DIRECTION + n * 8, light->direction_ws[n]);
+    vxs_store_f64(at + VXS_LIGHT_NEAR_METRES, light->near_metres);
+    vxs_store_f64(at + VXS_LIGHT_COS_OUTER, light->cos_outer);
+    vxs_store_f64(at + VXS_LIGHT_RANGE_METRES, light->range_metres);
     memcpy(at + VXS_LIGHT_NAME, light->name, strlen(light->name));
 }
 
@@ -204,7 +213,7 @@ static vxs_result add_sections(sections *s, const vxs_write_desc *desc)
     vxs_store32(at + 4, VXS_LIGHT_BYTES);
     for (uint32_t n = 0; n < desc->light_count && r == VXS_OK; n++) {
         uint32_t words = 0;
-        r              = add_light(s, &desc->lights[n].dag, n, &words);
+        r              = add_light(s, &desc->lights[n].dag, map_count(&desc->lights[n].light), n, &words);
         encode_light_record(table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES, &desc->lights[n].light, words);
     }
     if (r == VXS_OK) r = add_section(s, VXS_KIND_LIGHTS, 0, VXS_NO_LIGHT, 0, &table);
@@ -222,7 +231,9 @@ static int light_fits(const vxs_write_light *lights, uint32_t n)
     const vxs_light    *light = &lights[n].light;
     const vxs_dag_view *dag   = &lights[n].dag;
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) return 0;
-    if (dag->level_count != light->levels - 2 || dag->root >= dag->count[dag->level_count - 1]) return 0;
+    if (dag->level_count != light->levels - 2) return 0;
+    for (uint32_t map = 0; map < map_count(light); map++)
+        if (dag->roots[map] >= dag->count[dag->level_count - 1]) return 0;
     if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return 0;
     for (uint32_t other = 0; other < n; other++)
         if (!strcmp(lights[other].light.name, light->name)) return 0;

@@ -25,7 +25,7 @@ static double away_from_zero(double step)
 void vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3])
 {
     for (int row = 0; row < 3; row++) {
-        const double *m          = light->vx_from_ws + 4 * row;
+        const double *m          = light->ls_from_ws + 4 * row;
         double        coordinate = floor(m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3]);
         if (normal_ws) {
             double along = m[0] * normal_ws[0] + m[1] * normal_ws[1] + m[2] * normal_ws[2];
@@ -45,8 +45,8 @@ float vxs_lookup(const vxs_light *light, const double point_ws[3], const double 
     if (voxel[2] < 0) return 1.0f;
 
     uint32_t k = (uint32_t)(voxel[2] < side ? voxel[2] : side - 1);
-    if (filter_px == 1) return vxs_shadow(light->words, light->levels, (uint32_t)voxel[0], (uint32_t)voxel[1], k) ? 0.0f : 1.0f;
-    uint32_t dark = vxs_shadow_count(light->words, light->levels, voxel[0], voxel[1], k, filter_px);
+    if (filter_px == 1) return vxs_shadow(light->words, 0, light->levels, (uint32_t)voxel[0], (uint32_t)voxel[1], k) ? 0.0f : 1.0f;
+    uint32_t dark = vxs_shadow_count(light->words, 0, light->levels, voxel[0], voxel[1], k, filter_px);
     uint32_t taps = (uint32_t)(filter_px * filter_px);
     return (float)(taps - dark) / (float)taps;
 }

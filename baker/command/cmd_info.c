@@ -73,12 +73,12 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_light *l      = &c->lights[n];
         json_t          *matrix = json_array();
-        for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->vx_from_ws[k]));
+        for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->ls_from_ws[k]));
         json_array_append_new(lights,
                               json_pack("{s:o, s:s, s:I, s:f, s:f, s:[f,f,f], s:o, s:I}", "name", json_text(l->name), "kind",
                                         "directional", "resolution_px", (json_int_t)1 << l->levels, "texel_m", l->texel_metres,
                                         "voxel_m", l->voxel_metres, "direction", l->direction_ws[0], l->direction_ws[1],
-                                        l->direction_ws[2], "vx_from_ws", matrix, "memory_bytes", (json_int_t)l->word_count * 4));
+                                        l->direction_ws[2], "ls_from_ws", matrix, "memory_bytes", (json_int_t)l->word_count * 4));
     }
     for (uint32_t n = 0; n < c->section_count; n++) {
         const vxs_section *s = &c->sections[n];

@@ -67,7 +67,7 @@ static void trace_points(void *user, size_t begin, size_t end, uint32_t worker)
         memcpy(from_ws, point->position_ws, sizeof from_ws);
         if (point->has_normal) truth_lift(b->truth, point->position_ws, point->normal_ws, from_ws);
         for (size_t k = 0; k < b->lights->count; k++) {
-            line[2 * k]     = truth_lit(b->truth, from_ws, b->lights->lights[k].direction_ws) ? '1' : '0';
+            line[2 * k]     = truth_lit(b->truth, from_ws, &b->lights->lights[k].shape) ? '1' : '0';
             line[2 * k + 1] = k + 1 < b->lights->count ? ' ' : '\n';
         }
     }

@@ -13,7 +13,7 @@ enum { LANES = 2 }; /* blocks in work: one is rasterized while the other's texel
 struct depth_renderer {
     block_context context;
     depth_block   lane[LANES];
-    const double *vx_from_ws; /* [12] */
+    const double *ls_from_ws; /* [12] */
     uint32_t      side_px;    /* of the map */
 };
 
@@ -82,7 +82,7 @@ static vxs_result set_up_gl(block_context *x, message *m)
 static void transform_vertices(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const depth_renderer *r = user;
-    const double         *m = r->vx_from_ws;
+    const double         *m = r->ls_from_ws;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
         const double *p        = r->context.casters->positions_ws + 3 * n;
@@ -140,7 +140,7 @@ vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const cas
     *out              = NULL;
     depth_renderer *r = calloc(1, sizeof *r);
     if (!r) return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
-    r->vx_from_ws        = light->vx_from_ws;
+    r->ls_from_ws        = light->ls_from_ws;
     r->side_px           = 1u << light->levels;
     r->context.gl        = gl;
     r->context.casters   = c;

@@ -60,7 +60,7 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
 {
     double axes[3][3];
     range  extent[3] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
-    axes_from_direction(axes, desc->direction_ws);
+    axes_from_direction(axes, desc->shape->direction_ws);
     if (desc->region_ws)
         for (int corner = 0; corner < 8; corner++) {
             const double *b = desc->region_ws;
@@ -94,15 +94,15 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
     light->levels       = log2_u32(side);
     light->texel_metres = texel;
     light->voxel_metres = voxel;
-    memcpy(light->direction_ws, desc->direction_ws, sizeof light->direction_ws);
+    memcpy(light->direction_ws, desc->shape->direction_ws, sizeof light->direction_ws);
 
-    /* rows of vx_from_ws: casters in the middle of u and v, one voxel behind the near plane */
+    /* rows of ls_from_ws: casters in the middle of u and v, one voxel behind the near plane */
     double determinant = 1;
     for (int row = 0; row < 3; row++) {
         double unit   = row < 2 ? texel : voxel;
         double before = row < 2 ? (side - length_of(extent[row]) / texel) / 2 : 1;
-        for (int n = 0; n < 3; n++) light->vx_from_ws[row * 4 + n] = axes[row][n] / unit;
-        light->vx_from_ws[row * 4 + 3] = before - extent[row].min / unit;
+        for (int n = 0; n < 3; n++) light->ls_from_ws[row * 4 + n] = axes[row][n] / unit;
+        light->ls_from_ws[row * 4 + 3] = before - extent[row].min / unit;
         determinant /= unit;
     }
     /* what the format asks of a transform */

@@ -7,12 +7,12 @@
 #include "formats/vxs_file.h"
 
 typedef struct light_fit_desc {
-    const char   *name;
-    const double *direction_ws;   /* [3] unit, the way the light travels */
-    uint32_t      resolution;     /* texels a side, a power of two from 8; 0: from texel_metres */
-    uint32_t      resolution_max; /* of a map that texel_metres asks for */
-    double        texel_metres;   /* used when resolution is 0 */
-    const double *region_ws;      /* [6] min xyz, max xyz of the box that is looked up; NULL: all casters */
+    const char        *name;
+    const light_shape *shape;
+    uint32_t           resolution;     /* texels a side, a power of two from 8; 0: from texel_metres */
+    uint32_t           resolution_max; /* of a map that texel_metres asks for */
+    double             texel_metres;   /* used when resolution is 0 */
+    const double      *region_ws;      /* [6] min xyz, max xyz of the box that is looked up; NULL: all casters */
 } light_fit_desc;
 
 /* Fit the orthographic map of a directional light to the casters, or to a region.

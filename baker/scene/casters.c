@@ -359,7 +359,7 @@ static size_t collect_points(double *points, const scene *s)
 {
     size_t count = 0;
     for (size_t i = 0; i < s->light_count; i++)
-        if (s->lights[i].kind != LIGHT_DIRECTIONAL) add_point(points, &count, s->lights[i].position_ws);
+        if (s->lights[i].shape.kind != LIGHT_DIRECTIONAL) add_point(points, &count, s->lights[i].shape.position_ws);
     for (size_t i = 0; i < s->camera_count; i++) add_point(points, &count, &s->camera_positions_ws[3 * i]);
     return count;
 }

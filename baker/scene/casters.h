@@ -30,7 +30,14 @@ typedef struct casters {
 
     size_t    triangle_count;
     size_t    solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, the rest to sheets */
-    uint32_t *indices;              /* [3 * triangle_count], in the scene's order within solids and within sheets */
+    size_t    masked_first;         /* triangles [masked_first, triangle_count) have holes; they are sheets */
+    uint32_t *indices;              /* [3 * triangle_count], in the scene's order within solids, sheets, and each mask */
+
+    size_t      mask_count;
+    alpha_mask *masks;         /* [mask_count] */
+    size_t     *mask_first;    /* [mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i; [0] is masked_first */
+    float      *mask_uvs;      /* [6 * (triangle_count - masked_first)] u, v of each corner, as mask_triangle.uv */
+    const alpha_image *images; /* the scene's: borrowed, it must outlive the casters */
 
     size_t component_count[COMPONENT_KINDS]; /* components of each kind */
     size_t triangles_of_kind[COMPONENT_KINDS];

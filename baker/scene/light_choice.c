@@ -8,11 +8,9 @@
 
 #include "baker/base/vec3.h"
 
-static void add(light_choice *chosen, const char *name, const double direction_ws[3])
+static void add(light_choice *chosen, const char *name, const light_shape *shape)
 {
-    chosen_light *light = &chosen->lights[chosen->count++];
-    light->name         = name;
-    for (int i = 0; i < 3; i++) light->direction_ws[i] = direction_ws[i];
+    chosen->lights[chosen->count++] = (chosen_light){name, *shape};
 }
 
 static int has(const light_choice *chosen, const char *name)
@@ -22,36 +20,28 @@ static int has(const light_choice *chosen, const char *name)
     return 0;
 }
 
-static const char *kind_name(light_kind kind)
-{
-    return kind == LIGHT_DIRECTIONAL ? "directional" : kind == LIGHT_SPOT ? "spot" : "point";
-}
-
 /* "lamp (spot), moon (directional)", cut short where it would fill the message. */
 static void list_lights(const scene *s, char *text, size_t size)
 {
     size_t used = 0;
     text[0]     = '\0';
     for (size_t i = 0; i < s->light_count && used < size; i++)
-        used +=
-            (size_t)snprintf(text + used, size - used, "%s%s (%s)", i ? ", " : "", s->lights[i].name, kind_name(s->lights[i].kind));
+        used += (size_t)snprintf(text + used, size - used, "%s%s (%s)", i ? ", " : "", s->lights[i].name,
+                                 light_kind_name(s->lights[i].shape.kind));
     if (used >= size) memcpy(text + size - sizeof "...", "...", sizeof "...");
 }
 
-static vxs_result add_named(const scene *s, const char *name, const double *sun_unit, light_choice *chosen, message *m)
+static vxs_result add_named(const scene *s, const char *name, const light_shape *sun, light_choice *chosen, message *m)
 {
     if (has(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
-    if (sun_unit && !strcmp(name, SUN_NAME)) {
-        add(chosen, SUN_NAME, sun_unit);
+    if (sun && !strcmp(name, SUN_NAME)) {
+        add(chosen, SUN_NAME, sun);
         return VXS_OK;
     }
     for (size_t i = 0; i < s->light_count; i++) {
         const scene_light *light = &s->lights[i];
         if (strcmp(light->name, name) != 0) continue;
-        if (light->kind != LIGHT_DIRECTIONAL)
-            return fail(m, VXS_E_ARGUMENT, "--light %s: is a %s light: only directional lights can be baked yet", name,
-                        kind_name(light->kind));
-        add(chosen, light->name, light->direction_ws);
+        add(chosen, light->name, &light->shape);
         return VXS_OK;
     }
     if (!s->light_count) return fail(m, VXS_E_ARGUMENT, "--light %s: the scene has no lights; --sun X,Y,Z gives one", name);
@@ -60,31 +50,30 @@ static vxs_result add_named(const scene *s, const char *name, const double *sun_
     return fail(m, VXS_E_ARGUMENT, "--light %s: no such light; the scene has %s", name, known);
 }
 
-static vxs_result choose(const scene *s, const text_list *names, const double *sun_unit, light_choice *chosen, message *m)
+static vxs_result choose(const scene *s, const text_list *names, const light_shape *sun, light_choice *chosen, message *m)
 {
     for (size_t i = 0; i < names->count; i++) {
-        vxs_result r = add_named(s, names->items[i], sun_unit, chosen, m);
+        vxs_result r = add_named(s, names->items[i], sun, chosen, m);
         if (r != VXS_OK) return r;
     }
-    if (sun_unit && !has(chosen, SUN_NAME)) add(chosen, SUN_NAME, sun_unit);
+    if (sun && !has(chosen, SUN_NAME)) add(chosen, SUN_NAME, sun);
     if (chosen->count) return VXS_OK;
 
-    for (size_t i = 0; i < s->light_count; i++)
-        if (s->lights[i].kind == LIGHT_DIRECTIONAL) add(chosen, s->lights[i].name, s->lights[i].direction_ws);
-    return chosen->count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "the scene has no directional light: --sun X,Y,Z gives one");
+    for (size_t i = 0; i < s->light_count; i++) add(chosen, s->lights[i].name, &s->lights[i].shape);
+    return chosen->count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "the scene has no light: --sun X,Y,Z gives one");
 }
 
 vxs_result lights_choose(const scene *s, const text_list *names, int sun_given, const double sun[3], light_choice *chosen,
                          message *m)
 {
-    *chosen = (light_choice){0};
-    double sun_unit[3];
-    if (sun_given && !vec3_unit(sun, sun_unit))
+    *chosen               = (light_choice){0};
+    light_shape sun_shape = {.kind = LIGHT_DIRECTIONAL};
+    if (sun_given && !vec3_unit(sun, sun_shape.direction_ws))
         return fail(m, VXS_E_ARGUMENT, "--sun %g,%g,%g: expected a direction, not zero", sun[0], sun[1], sun[2]);
 
     chosen->lights = calloc(names->count + s->light_count + 1, sizeof *chosen->lights);
     if (!chosen->lights) return fail(m, VXS_E_MEMORY, "out of memory for the choice of lights");
-    vxs_result r = choose(s, names, sun_given ? sun_unit : NULL, chosen, m);
+    vxs_result r = choose(s, names, sun_given ? &sun_shape : NULL, chosen, m);
     if (r != VXS_OK) light_choice_free(chosen);
     return r;
 }

@@ -2,17 +2,39 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/scene.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "baker/base/vec3.h"
 
 void scene_free(scene *s)
 {
     for (size_t i = 0; i < s->light_count; i++) free(s->lights[i].name);
     free(s->lights);
+    for (size_t i = 0; i < s->image_count; i++) free(s->images[i].alpha);
+    free(s->images);
+    free(s->masks);
+    free(s->mask_triangles);
     free(s->camera_positions_ws);
     free(s->triangle_flags);
     free(s->indices);
     free(s->positions_ws);
     free(s->name);
     memset(s, 0, sizeof *s);
+}
+
+const char *light_kind_name(light_kind kind)
+{
+    return kind == LIGHT_DIRECTIONAL ? "directional" : kind == LIGHT_SPOT ? "spot" : "point";
+}
+
+int light_reaches(const light_shape *light, const double point_ws[3])
+{
+    if (light->kind == LIGHT_DIRECTIONAL) return 1;
+    double to_point[3];
+    vec3_sub(point_ws, light->position_ws, to_point);
+    double distance = sqrt(vec3_dot(to_point, to_point));
+    if (distance > light->range_m) return 0;
+    return light->kind == LIGHT_POINT || vec3_dot(to_point, light->direction_ws) >= distance * cos(light->outer_rad);
 }

@@ -1261,25 +1261,25 @@ vxs_result light_at(loader &l, size_t node_index, size_t light_index, scene_ligh
     const transform       &t     = l.ws_from_node[node_index];
     std::string            where = label("node", node_index, l.model.nodes[node_index].name);
     if (light.type == "directional")
-        out.kind = LIGHT_DIRECTIONAL;
+        out.shape.kind = LIGHT_DIRECTIONAL;
     else if (light.type == "spot")
-        out.kind = LIGHT_SPOT;
+        out.shape.kind = LIGHT_SPOT;
     else if (light.type == "point")
-        out.kind = LIGHT_POINT;
+        out.shape.kind = LIGHT_POINT;
     else
         return l.error(VXS_E_SCENE, "%s: unknown type '%s', expected directional, spot or point",
                        label("light", light_index, light.name).c_str(), light.type.c_str());
 
     vec3   forward = {-t.axis[2].x, -t.axis[2].y, -t.axis[2].z};
     double length  = std::hypot(forward.x, forward.y, forward.z);
-    if (out.kind != LIGHT_POINT && (!(length > 0) || !std::isfinite(length)))
+    if (out.shape.kind != LIGHT_POINT && (!(length > 0) || !std::isfinite(length)))
         return l.error(VXS_E_SCENE, "%s: its light has no direction", where.c_str());
     if (!finite(t.origin)) return l.error(VXS_E_SCENE, "%s: its light is at infinity", where.c_str());
     if (!(length > 0) || !std::isfinite(length)) forward = {0, 0, -1}, length = 1;
     double position[3]  = {t.origin.x, t.origin.y, t.origin.z};
     double direction[3] = {forward.x / length, forward.y / length, forward.z / length};
-    memcpy(out.position_ws, position, sizeof position);
-    memcpy(out.direction_ws, direction, sizeof direction);
+    memcpy(out.shape.position_ws, position, sizeof position);
+    memcpy(out.shape.direction_ws, direction, sizeof direction);
     return VXS_OK;
 }
 

@@ -51,9 +51,10 @@ typedef struct comparison {
     const truth           *truth;
     const casters         *casters;
     const vxs_light       *light;
+    light_shape            shape; /* of the light, for the truth */
     const compare_options *options;
     double                 box_min_ws[3], box_max_ws[3];
-    double                 ws_from_vx[12];
+    double                 ws_from_ls[12];
     int                    from_map; /* random points are drawn in the map, not the box */
 
     compare_kind kind;     /* of the pass in work */
@@ -113,7 +114,7 @@ static void choose_where_to_draw(comparison *c)
     double axes[3][3], across[3], box = 1;
     for (int i = 0; i < 3; i++) {
         box *= c->box_max_ws[i] - c->box_min_ws[i];
-        for (int k = 0; k < 3; k++) axes[k][i] = ldexp(c->ws_from_vx[4 * i + k], (int)c->light->levels);
+        for (int k = 0; k < 3; k++) axes[k][i] = ldexp(c->ws_from_ls[4 * i + k], (int)c->light->levels);
     }
     vec3_cross(axes[0], axes[1], across);
     c->from_map = (c->light->flags & VXS_LIGHT_BOUNDED) && fabs(vec3_dot(across, axes[2])) < box;
@@ -130,7 +131,7 @@ static void draw_point(const comparison *c, rng *r, double point_ws[3])
 {
     double u[3] = {uniform(r), uniform(r), uniform(r)}, p[3];
     for (int i = 0; i < 3; i++) p[i] = ldexp(u[i], (int)c->light->levels);
-    if (c->from_map) transform(c->ws_from_vx, p, point_ws);
+    if (c->from_map) transform(c->ws_from_ls, p, point_ws);
     for (int i = 0; i < 3 && !c->from_map; i++) point_ws[i] = c->box_min_ws[i] + u[i] * (c->box_max_ws[i] - c->box_min_ws[i]);
 }
 
@@ -162,7 +163,7 @@ static void move_with_bias(const comparison *c, uint32_t filter_px, sample *s)
     vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, biased);
     for (int row = 0; row < 3; row++) {
         s->truth_ws[row] = s->point_ws[row];
-        for (int k = 0; k < 3; k++) s->truth_ws[row] += c->ws_from_vx[4 * row + k] * (biased[k] - at[k]);
+        for (int k = 0; k < 3; k++) s->truth_ws[row] += c->ws_from_ls[4 * row + k] * (biased[k] - at[k]);
     }
 }
 
@@ -193,8 +194,8 @@ static int make_sample(const comparison *c, size_t index, uint32_t filter_px, sa
 static int lit_at_voxel(const comparison *c, double u, double v, double z)
 {
     double p[3];
-    transform(c->ws_from_vx, (double[3]){u, v, z}, p);
-    return truth_lit(c->truth, p, c->light->direction_ws);
+    transform(c->ws_from_ls, (double[3]){u, v, z}, p);
+    return truth_lit(c->truth, p, &c->shape);
 }
 
 /* 1 when one of the rays around (u, v, z), REACH steps to each side, has this answer. Steps along z are whole voxels. */
@@ -212,7 +213,7 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
     double  p[3];
     int32_t voxel[3];
     vxs_voxel(c->light, s->point_ws, s->normal, 1, voxel);
-    transform(c->light->vx_from_ws, s->truth_ws, p);
+    transform(c->light->ls_from_ws, s->truth_ws, p);
     if (answered_about(c, voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5, SNAP, asset_lit)) return VERDICT_NEAR_BOUNDARY;
     if (answered_about(c, p[0], p[1], p[2], 1, asset_lit)) return VERDICT_NEAR_BOUNDARY;
 
@@ -227,7 +228,7 @@ static uint8_t judge_at_surface(const comparison *c, const sample *s, int asset_
     double p[3];
     truth_lift(c->truth, s->point_ws, s->normal, p);
     if (truth_inside_solid(c->truth, p)) return 0;
-    int wrong = truth_lit(c->truth, p, c->light->direction_ws) != asset_lit;
+    int wrong = truth_lit(c->truth, p, &c->shape) != asset_lit;
     return VERDICT_AT_SURFACE | (wrong ? VERDICT_WRONG_AT_SURFACE : 0);
 }
 
@@ -235,7 +236,7 @@ static uint8_t judge_at_surface(const comparison *c, const sample *s, int asset_
 static uint8_t judge_lookup(const comparison *c, const sample *s, int asset_lit)
 {
     if (truth_inside_solid(c->truth, s->truth_ws)) return VERDICT_INSIDE_SOLID;
-    if (truth_lit(c->truth, s->truth_ws, c->light->direction_ws) == asset_lit) return VERDICT_RIGHT;
+    if (truth_lit(c->truth, s->truth_ws, &c->shape) == asset_lit) return VERDICT_RIGHT;
     return (uint8_t)(explain(c, s, asset_lit) | (asset_lit ? VERDICT_LEAK : 0));
 }
 
@@ -353,7 +354,7 @@ static void run_lookups(timed *t)
 static void run_rays(timed *t)
 {
     const comparison *c = t->comparison;
-    for (size_t n = 0; n < t->count; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, c->light->direction_ws);
+    for (size_t n = 0; n < t->count; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, &c->shape);
 }
 
 static int by_value(const void *a, const void *b)
@@ -417,9 +418,10 @@ vxs_result compare_light(compare_result *out, const truth *t, const casters *c, 
     size_t     filtered = o->points < COMPARE_FILTER_POINTS_MAX ? o->points : COMPARE_FILTER_POINTS_MAX;
     comparison work     = {.truth = t, .casters = c, .light = light, .options = o};
     vxs_result r        = VXS_OK;
+    memcpy(work.shape.direction_ws, light->direction_ws, sizeof work.shape.direction_ws);
     memset(out, 0, sizeof *out);
     measure_box(&work);
-    invert(light->vx_from_ws, work.ws_from_vx);
+    invert(light->ls_from_ws, work.ws_from_ls);
     choose_where_to_draw(&work);
 
     work.verdicts = malloc(o->points);

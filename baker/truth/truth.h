@@ -34,11 +34,11 @@ double truth_precision(const truth *t);
  * lifted_ws  [out] may be point_ws */
 void truth_lift(const truth *t, const double point_ws[3], const double normal_ws[3], double lifted_ws[3]);
 
-/* 1 when no caster lies between the point and the sun, 0 otherwise. A caster within truth_precision of the point, along the
+/* 1 when no caster lies between the point and the light, 0 otherwise; whether the light reaches so far is not asked. A caster within truth_precision of the point, along the
  * ray, does not count: a point on a floor is not in the floor's shadow, unless the sun all but grazes it.
- * direction_ws  unit, the way that sunlight travels
+ * A caster within truth_precision of a spot or point light does not count either.
  * Cost: one or two rays; 2 to 10 million points a second on one core, with up to 700 000 triangles. */
-int truth_lit(const truth *t, const double point_ws[3], const double direction_ws[3]);
+int truth_lit(const truth *t, const double point_ws[3], const light_shape *light);
 
 /* 1 when the winding number of the solids about the point is above zero: inside one solid or more. Sheets do not count.
  * Within truth_precision of a solid's surface the answer may be either. */

@@ -255,13 +255,25 @@ static int is_occluded(const truth *t, struct RTCRay ray)
     return ray.tfar < 0; /* Embree's sign for occluded is -infinity */
 }
 
-int truth_lit(const truth *t, const double point_ws[3], const double direction_ws[3])
+/* The way from a point to a light, and how far it is: INFINITY for a directional light. */
+static double way_to_light(const light_shape *light, const double point_ws[3], double way_ws[3])
 {
-    const double  to_sun_ws[3] = {-direction_ws[0], -direction_ws[1], -direction_ws[2]};
+    double to_light[3];
+    for (int i = 0; i < 3; i++) way_ws[i] = -light->direction_ws[i];
+    if (light->kind == LIGHT_DIRECTIONAL) return INFINITY;
+    vec3_sub(light->position_ws, point_ws, to_light);
+    return vec3_unit(to_light, way_ws) ? sqrt(vec3_dot(to_light, to_light)) : 0;
+}
+
+int truth_lit(const truth *t, const double point_ws[3], const light_shape *light)
+{
+    double        to_light_ws[3], skipped;
+    double        distance = way_to_light(light, point_ws, to_light_ws);
     struct RTCRay ray;
-    double        skipped;
-    if (!ray_begin(t, point_ws, to_sun_ws, &ray, &skipped)) return 1;
+    if (!ray_begin(t, point_ws, to_light_ws, &ray, &skipped)) return 1;
     if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface that the point lies on is not in its own way */
+    if (distance < INFINITY) ray.tfar = (float)((distance - skipped) * t->scale) - (float)FLOAT_SLACK; /* nor the lamp itself */
+    if (ray.tfar <= ray.tnear) return 1;
     if (is_occluded(t, ray)) return 0;
 
     /* Embree is watertight along edges, but now and then a ray that is aimed at a vertex slips through it, and points on a

@@ -20,7 +20,7 @@ typedef struct bench {
     double          *points_ws; /* [3 * POINTS] */
     float           *lit;       /* [POINTS] answers, so that no work can be left out */
     float           *depth;     /* [side * side] in voxels; what it holds does not change the time */
-    double           ws_from_vx[12];
+    double           ws_from_ls[12];
 } bench;
 
 static double seconds(void)
@@ -39,7 +39,7 @@ static double next_random(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-/* The rows of vx_from_ws are at right angles to each other: its inverse has them as columns, over their squared lengths. */
+/* The rows of ls_from_ws are at right angles to each other: its inverse has them as columns, over their squared lengths. */
 static void invert(const double m[12], double out[12])
 {
     for (int row = 0; row < 3; row++) {
@@ -52,7 +52,7 @@ static void invert(const double m[12], double out[12])
 
 static void set_point(bench *b, size_t n, const double vx[3])
 {
-    const double *m = b->ws_from_vx;
+    const double *m = b->ws_from_ls;
     for (int i = 0; i < 3; i++)
         b->points_ws[3 * n + (size_t)i] = m[4 * i] * vx[0] + m[4 * i + 1] * vx[1] + m[4 * i + 2] * vx[2] + m[4 * i + 3];
 }
@@ -63,7 +63,7 @@ static uint32_t shadow_start(const vxs_light *light, uint32_t i, uint32_t j)
     uint32_t lit = 0, dark = 1u << light->levels;
     while (lit < dark) {
         uint32_t middle = lit + (dark - lit) / 2;
-        if (vxs_shadow(light->words, light->levels, i, j, middle))
+        if (vxs_shadow(light->words, 0, light->levels, i, j, middle))
             dark = middle;
         else
             lit = middle + 1;
@@ -152,7 +152,7 @@ int main(int argc, char **argv)
         status = 6;
         goto done;
     }
-    invert(b.light->vx_from_ws, b.ws_from_vx);
+    invert(b.light->ls_from_ws, b.ws_from_ls);
     uint64_t state = 2;
     for (size_t n = 0; n < side * side; n++) b.depth[n] = (float)((double)side * next_random(&state));
 

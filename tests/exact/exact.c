@@ -111,7 +111,7 @@ static int must_be_dark(const check *c, float exit, uint32_t k)
 static void ask_voxel(const check *c, tally *t, uint32_t i, uint32_t j, uint32_t k)
 {
     size_t   at   = (size_t)j * c->maps->side_px + i;
-    uint32_t dark = vxs_shadow(c->words, c->levels, c->i0 + i, c->j0 + j, k);
+    uint32_t dark = vxs_shadow(c->words, 0, c->levels, c->i0 + i, c->j0 + j, k);
     t->voxels++;
     t->wrong_shadow += dark && must_be_lit(c, c->maps->enter[at], k);
     t->wrong_lit += !dark && must_be_dark(c, c->maps->exit[at], k);
@@ -164,7 +164,7 @@ static void ask_tile(const check *c, tally *t, uint32_t x, uint32_t y, uint8_t *
             }
         }
         uint32_t low, high;
-        vxs_slice(c->words, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k, &low, &high);
+        vxs_slice(c->words, 0, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k, &low, &high);
         uint64_t found = low | (uint64_t)high << 32;
         t->wrong_shadow += (uint64_t)__builtin_popcountll(found & lit);
         t->wrong_lit += (uint64_t)__builtin_popcountll(~found & dark);
@@ -411,13 +411,12 @@ static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *
     vxs_result      r;
     memset(&out, 0, sizeof out);
     if ((r = lights_choose(&w->s, &o->bake.light_names, o->bake.sun_given, o->bake.sun, &chosen, m)) != VXS_OK) return r;
-    light_fit_desc fit = {
-        .name = chosen.lights[0].name, .direction_ws = chosen.lights[0].direction_ws, .resolution = o->bake.resolution};
+    light_fit_desc fit = {.name = chosen.lights[0].name, .shape = &chosen.lights[0].shape, .resolution = o->bake.resolution};
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
     if ((r = build_dag(o, w, &out.light, &d, m)) != VXS_OK) goto done;
 
-    out.dag =
-        (vxs_dag_view){.level_count = d.level_count, .masks = d.masks, .mask_count = d.mask_count, .root = d.roots[0] - REF_FIRST};
+    out.dag = (vxs_dag_view){
+        .level_count = d.level_count, .masks = d.masks, .mask_count = d.mask_count, .roots = {d.roots[0] - REF_FIRST}};
     for (uint32_t l = 0; l < d.level_count; l++) {
         out.dag.nodes[l] = d.level[l].nodes ? d.level[l].nodes[0].child : NULL;
         out.dag.count[l] = d.level[l].count;

@@ -86,9 +86,9 @@ static inline void dag_sample_init(dag_sample *s, rng *r, uint32_t levels, uint3
         dag_sample_nodes(r, s->nodes[l], count, below, l == 0);
         below = count;
     }
-    s->view.root = rng_below(r, below);
-    s->dense     = dag_sample_alloc((size_t)1 << (3 * levels - 6), sizeof *s->dense);
-    dag_sample_fill(s, (int)s->view.level_count - 1, 2 + s->view.root, 0, 0, 0);
+    s->view.roots[0] = rng_below(r, below);
+    s->dense         = dag_sample_alloc((size_t)1 << (3 * levels - 6), sizeof *s->dense);
+    dag_sample_fill(s, (int)s->view.level_count - 1, 2 + s->view.roots[0], 0, 0, 0);
 }
 
 static inline void dag_sample_free(dag_sample *s)
@@ -109,7 +109,7 @@ static inline vxs_write_light dag_sample_light(const dag_sample *s, const char *
 {
     vxs_write_light l = {.light = {.kind         = VXS_LIGHT_KIND_DIRECTIONAL,
                                    .levels       = s->levels,
-                                   .vx_from_ws   = {2, 0, 0, 2, 0, 0, 2, -4, 0, -1, 0, 10},
+                                   .ls_from_ws   = {2, 0, 0, 2, 0, 0, 2, -4, 0, -1, 0, 10},
                                    .texel_metres = 0.5,
                                    .voxel_metres = 1,
                                    .direction_ws = {0, -1, 0}},

@@ -105,7 +105,7 @@ static void map_all(fixture *b, double scale, double offset)
 static void add_light(fixture *b, light_kind kind, double x, double y, double z)
 {
     b->s.lights                     = grown(b->s.lights, (b->s.light_count + 1) * sizeof *b->s.lights);
-    b->s.lights[b->s.light_count++] = (scene_light){.kind = kind, .position_ws = {x, y, z}, .direction_ws = {0, -1, 0}};
+    b->s.lights[b->s.light_count++] = (scene_light){.shape = {.kind = kind, .position_ws = {x, y, z}, .direction_ws = {0, -1, 0}}};
 }
 
 static void add_camera(fixture *b, double x, double y, double z)

@@ -33,7 +33,7 @@ static vxs_light light_of(const uint32_t *words)
     return (vxs_light){.name         = "noon",
                        .kind         = VXS_LIGHT_KIND_DIRECTIONAL,
                        .levels       = 3,
-                       .vx_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 8},
+                       .ls_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 8},
                        .texel_metres = 1,
                        .voxel_metres = 1,
                        .direction_ws = {0, -1, 0},
@@ -84,17 +84,17 @@ static void random_points_are_drawn_in_the_volume(void **state)
     (void)state;
     vxs_light small     = light_of(&words_lit);
     small.flags         = VXS_LIGHT_BOUNDED;
-    small.vx_from_ws[0] = small.vx_from_ws[6] = 4;
-    small.vx_from_ws[9]                       = -4;
-    small.vx_from_ws[3]                       = -40; /* x from 10 to 12; the box ends at 11.35 */
-    small.vx_from_ws[11]                      = 32;  /* y from 6 to 8 */
+    small.ls_from_ws[0] = small.ls_from_ws[6] = 4;
+    small.ls_from_ws[9]                       = -4;
+    small.ls_from_ws[3]                       = -40; /* x from 10 to 12; the box ends at 11.35 */
+    small.ls_from_ws[11]                      = 32;  /* y from 6 to 8 */
     small.texel_metres = small.voxel_metres = 0.25;
     compare_result r                        = compared_scene(&scene_of_sheet, small, options);
     assert_int_equal(r.counts[COMPARE_RANDOM].checked, options.points);
     assert_int_equal(compare_wrong(&r.counts[COMPARE_RANDOM]), 0);
     assert_int_equal(r.time.points, options.points);
 
-    small.vx_from_ws[3] = -400; /* far beyond the box */
+    small.ls_from_ws[3] = -400; /* far beyond the box */
     r                   = compared_scene(&scene_of_sheet, small, options);
     for (int kind = 0; kind < COMPARE_KINDS; kind++) assert_int_equal(r.counts[kind].outside, options.points);
     assert_int_equal(r.time.points, 0);

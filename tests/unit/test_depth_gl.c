@@ -276,7 +276,7 @@ static vxs_light identity_light(uint32_t side)
     vxs_light l;
     memset(&l, 0, sizeof l);
     while (1u << l.levels < side) l.levels++;
-    l.vx_from_ws[0] = l.vx_from_ws[5] = l.vx_from_ws[10] = 1;
+    l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;
     l.texel_metres = l.voxel_metres = 1;
     l.direction_ws[2]               = 1;
     return l;
@@ -753,14 +753,15 @@ static void fitted_lights(void **state)
 {
     (void)state;
     for (uint64_t seed = 0; seed < 6; seed++) {
-        rng       r = rng_split(seed, 10);
-        mesh      k = city(seed, 256);
-        double    direction[3], v[3] = {unit(&r) - 0.5, unit(&r) - 0.5, unit(&r) - 0.5};
-        vxs_light light;
-        message   m = {0};
-        assert_true(vec3_unit(v, direction));
+        rng         r    = rng_split(seed, 10);
+        mesh        k    = city(seed, 256);
+        double      v[3] = {unit(&r) - 0.5, unit(&r) - 0.5, unit(&r) - 0.5};
+        vxs_light   light;
+        message     m     = {0};
+        light_shape shape = {.kind = LIGHT_DIRECTIONAL};
+        assert_true(vec3_unit(v, shape.direction_ws));
         for (size_t n = 0; n < 3 * k.c.vertex_count; n++) k.c.positions_ws[n] += seed % 2 ? 1e5 : 0;
-        light_fit_desc fit = {.name = "sun", .direction_ws = direction, .resolution = 256};
+        light_fit_desc fit = {.name = "sun", .shape = &shape, .resolution = 256};
         assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
         depth_maps maps;
         render_light(&k.c, &light, EXIT_PEEL, 2, 256, 0, 0, &maps);
@@ -770,7 +771,7 @@ static void fitted_lights(void **state)
         assert_non_null(seen.c.positions_ws);
         for (size_t n = 0; n < k.c.vertex_count; n++)
             for (size_t row = 0; row < 3; row++) {
-                const double *a = light.vx_from_ws + 4 * row, *p = k.c.positions_ws + 3 * n;
+                const double *a = light.ls_from_ws + 4 * row, *p = k.c.positions_ws + 3 * n;
                 seen.c.positions_ws[3 * n + row] = a[0] * p[0] + a[1] * p[1] + a[2] * p[2] + a[3];
             }
         texel_hits *all = cast_rays(&seen.c, 0, 0, 256, 256);

@@ -110,7 +110,7 @@ static void walk(const vxs_light *l)
     rng      r    = {l->word_count};
     for (int n = 0; n < 16; n++) {
         uint32_t i = rng_below(&r, side), j = rng_below(&r, side), k = rng_below(&r, side);
-        assert_in_range(vxs_shadow(l->words, l->levels, i, j, k), 0, 1);
+        assert_in_range(vxs_shadow(l->words, 0, l->levels, i, j, k), 0, 1);
     }
 }
 
@@ -258,7 +258,7 @@ static vxs_bytes smallest_file(void)
                   .light = {.name         = "sun",
                             .kind         = VXS_LIGHT_KIND_DIRECTIONAL,
                             .levels       = 3,
-                            .vx_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 8},
+                            .ls_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 8},
                             .texel_metres = 1,
                             .voxel_metres = 1,
                             .direction_ws = {0, -1, 0}},
@@ -279,7 +279,7 @@ static vxs_bytes sample_file(void)
     static const uint32_t high_root[8] = {2, 2, 3, 0, 2, 1, 3, 1};
     static const uint32_t high[16]     = {2, 3, 0, 1, 2, 3, 2, 0, 3, 3, 3, 3, 1, 1, 1, 1};
     const vxs_light       common       = {.kind         = VXS_LIGHT_KIND_DIRECTIONAL,
-                                          .vx_from_ws   = {2, 0, 0, 2, 0, 0, 2, -4, 0, -1, 0, 10},
+                                          .ls_from_ws   = {2, 0, 0, 2, 0, 0, 2, -4, 0, -1, 0, 10},
                                           .texel_metres = 0.5,
                                           .voxel_metres = 1,
                                           .direction_ws = {0, -1, 0}};
@@ -289,8 +289,8 @@ static vxs_bytes sample_file(void)
     lights[1].light.flags              = VXS_LIGHT_BOUNDED;
     strcpy(lights[0].light.name, "sun");
     strcpy(lights[1].light.name, "moon");
-    lights[0].dag = (vxs_dag_view){{slices, roots}, {2, 1}, 2, masks, 3, 0};
-    lights[1].dag = (vxs_dag_view){{slices, high, high_root}, {2, 2, 1}, 3, masks, 3, 0};
+    lights[0].dag = (vxs_dag_view){{slices, roots}, {2, 1}, 2, masks, 3, {0}};
+    lights[1].dag = (vxs_dag_view){{slices, high, high_root}, {2, 2, 1}, 3, masks, 3, {0}};
 
     vxs_write_desc desc = {.lights = lights, .light_count = 2, .metadata = metadata, .zstd_level = 19};
     vxs_bytes      file = {0};
@@ -306,7 +306,7 @@ static void check_light(const vxs_light *light, const vxs_write_light *wanted, c
     assert_int_equal(light->kind, wanted->light.kind);
     assert_int_equal(light->flags, wanted->light.flags);
     assert_int_equal(light->levels, wanted->light.levels);
-    assert_memory_equal(light->vx_from_ws, wanted->light.vx_from_ws, sizeof light->vx_from_ws);
+    assert_memory_equal(light->ls_from_ws, wanted->light.ls_from_ws, sizeof light->ls_from_ws);
     assert_memory_equal(light->direction_ws, wanted->light.direction_ws, sizeof light->direction_ws);
     assert_true(light->texel_metres == wanted->light.texel_metres && light->voxel_metres == wanted->light.voxel_metres);
     walk(light);
@@ -316,7 +316,7 @@ static void check_light(const vxs_light *light, const vxs_write_light *wanted, c
         for (uint32_t y = 0; y < tiles; y++)
             for (uint32_t x = 0; x < tiles; x++) {
                 uint32_t low, high;
-                vxs_slice(light->words, light->levels, x, y, k, &low, &high);
+                vxs_slice(light->words, 0, light->levels, x, y, k, &low, &high);
                 if ((low | (uint64_t)high << 32) != s->dense[x + tiles * (y + (size_t)tiles * k)])
                     fail_msg("tile %u %u, slice %u", x, y, k);
             }
@@ -324,7 +324,7 @@ static void check_light(const vxs_light *light, const vxs_write_light *wanted, c
     for (uint32_t k = 0; k < side; k++)
         for (uint32_t j = 0; j < side; j++)
             for (uint32_t i = 0; i < side; i++)
-                if (vxs_shadow(light->words, light->levels, i, j, k) != dag_sample_shadow(s, i, j, k))
+                if (vxs_shadow(light->words, 0, light->levels, i, j, k) != dag_sample_shadow(s, i, j, k))
                     fail_msg("voxel %u %u %u", i, j, k);
 }
 
@@ -400,7 +400,7 @@ static void test_unreachable_nodes_are_left_out(void **state)
     uint64_t        masks[4]      = {1, 2, 4, 8};
     dag_sample      none          = {.levels = 3};
     vxs_write_light light         = dag_sample_light(&none, "sun");
-    light.dag = (vxs_dag_view){.nodes = {slices}, .count = {3}, .level_count = 1, .masks = masks, .mask_count = 4, .root = 0};
+    light.dag = (vxs_dag_view){.nodes = {slices}, .count = {3}, .level_count = 1, .masks = masks, .mask_count = 4, .roots[0] = 0};
 
     vxs_write_desc desc      = {.lights = &light, .light_count = 1, .zstd_level = 1};
     vxs_bytes      file      = {0};
@@ -441,7 +441,7 @@ static void test_write_refuses(void **state)
     REFUSES(lights[1].light.levels = 5, lights[1].light.levels = 4);
     REFUSES(lights[1].light.levels = 2, lights[1].light.levels = 4);
     REFUSES(lights[1].light.levels = 19, lights[1].light.levels = 4);
-    REFUSES(lights[1].dag.root = lights[1].dag.count[1], lights[1].dag.root = 0);
+    REFUSES(lights[1].dag.roots[0] = lights[1].dag.count[1], lights[1].dag.roots[0] = 0);
     REFUSES(lights[1].light.name[0] = 0, lights[1].light.name[0] = 'm');
     REFUSES(strcpy(lights[1].light.name, "sun"), strcpy(lights[1].light.name, "moon"));
     REFUSES(memset(lights[1].light.name, 'x', VXS_LIGHT_NAME_BYTES), strcpy(lights[1].light.name, "moon"));
@@ -826,13 +826,13 @@ static void test_light_findings(void **state)
     finding_after(301, table_empty);
     finding_after(301, table_of_others);
     finding_after(301, table_count);
-    light_finding(302, VXS_LIGHT_KIND, "\2", 1);
+    light_finding(302, VXS_LIGHT_KIND, "\4", 1);
     light_finding(303, VXS_LIGHT_LEVELS, "\2", 1);
     light_finding(303, VXS_LIGHT_LEVELS, "\x13", 1);
     light_finding(303, VXS_LIGHT_LEVELS, "\xff\xff\xff\xff", 4);
-    light_finding_f64(304, VXS_LIGHT_VX_FROM_WS + 8 * 3, (double)INFINITY);
-    light_finding_f64(304, VXS_LIGHT_VX_FROM_WS + 8 * 11, (double)NAN);
-    light_finding_f64(304, VXS_LIGHT_VX_FROM_WS, 0); /* singular */
+    light_finding_f64(304, VXS_LIGHT_LS_FROM_WS + 8 * 3, (double)INFINITY);
+    light_finding_f64(304, VXS_LIGHT_LS_FROM_WS + 8 * 11, (double)NAN);
+    light_finding_f64(304, VXS_LIGHT_LS_FROM_WS, 0); /* singular */
     light_finding_f64(305, VXS_LIGHT_TEXEL_METRES, 0);
     light_finding_f64(305, VXS_LIGHT_TEXEL_METRES, (double)NAN);
     light_finding_f64(305, VXS_LIGHT_VOXEL_METRES, -1);

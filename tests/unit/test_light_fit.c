@@ -37,13 +37,15 @@ static void make_cloud(cloud *k, const double centre[3], const double size[3], u
 
 static light_fit_desc desc_of(const double direction[3], uint32_t resolution)
 {
-    return (light_fit_desc){.name = "sun", .direction_ws = direction, .resolution = resolution, .resolution_max = 16384};
+    static light_shape sun = {.kind = LIGHT_DIRECTIONAL};
+    memcpy(sun.direction_ws, direction, sizeof sun.direction_ws);
+    return (light_fit_desc){.name = "sun", .shape = &sun, .resolution = resolution, .resolution_max = 16384};
 }
 
 static void to_voxels(const vxs_light *l, const double p[3], double out[3])
 {
     for (int row = 0; row < 3; row++) {
-        const double *m = l->vx_from_ws + 4 * row;
+        const double *m = l->ls_from_ws + 4 * row;
         out[row]        = m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3];
     }
 }
@@ -53,7 +55,7 @@ static void assert_axes(const vxs_light *l, const double direction[3])
 {
     double axis[3][3], cross[3];
     for (int row = 0; row < 3; row++)
-        for (int n = 0; n < 3; n++) axis[row][n] = l->vx_from_ws[4 * row + n] * (row < 2 ? l->texel_metres : l->voxel_metres);
+        for (int n = 0; n < 3; n++) axis[row][n] = l->ls_from_ws[4 * row + n] * (row < 2 ? l->texel_metres : l->voxel_metres);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) assert_true(fabs(vec3_dot(axis[a], axis[b]) - (a == b)) < 1e-12);
     vec3_cross(axis[0], axis[1], cross);

@@ -101,7 +101,7 @@ static void test_count_exhaustive(void **state)
                 for (int i = -10; i < SIDE + 10; i++) {
                     int      x0 = i - filter_px / 2 + PAD, x1 = x0 + filter_px, y0 = j - filter_px / 2 + PAD, y1 = y0 + filter_px;
                     uint32_t wanted = sum[y1][x1] - sum[y0][x1] - sum[y1][x0] + sum[y0][x0];
-                    if (vxs_shadow_count(light->words, light->levels, i, j, k, filter_px) != wanted)
+                    if (vxs_shadow_count(light->words, 0, light->levels, i, j, k, filter_px) != wanted)
                         fail_msg("texel %d %d, depth %u, filter %d", i, j, k, filter_px);
                 }
     }
@@ -133,9 +133,10 @@ static void test_lookups_random(void **state)
             int32_t  i = tricky_texel(&r, (int32_t)side), j = tricky_texel(&r, (int32_t)side);
             uint32_t k         = rng_below(&r, side);
             int32_t  filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            assert_int_equal(vxs_shadow_count(light->words, levels, i, j, k, filter_px), count_taps(&s.sample, i, j, k, filter_px));
+            assert_int_equal(vxs_shadow_count(light->words, 0, levels, i, j, k, filter_px),
+                             count_taps(&s.sample, i, j, k, filter_px));
             if (i < 0 || j < 0 || i >= (int32_t)side || j >= (int32_t)side) continue;
-            assert_int_equal(vxs_shadow(light->words, levels, (uint32_t)i, (uint32_t)j, k),
+            assert_int_equal(vxs_shadow(light->words, 0, levels, (uint32_t)i, (uint32_t)j, k),
                              dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k));
         }
         subject_free(&s);
@@ -180,8 +181,8 @@ static const char after_lookup[]  = "struct query { uint dag, levels; int i, j; 
                                     "    uint last = (1u << a.levels) - 1u;\n"
                                     "    uint i = min(uint(max(a.i, 0)), last), j = min(uint(max(a.j, 0)), last);\n"
                                     "    answer[gl_GlobalInvocationID.x] =\n"
-                                    "        uvec2(vxs_shadow_count(a.dag, a.levels, a.i, a.j, a.k, a.filter_px),\n"
-                                    "              vxs_shadow(a.dag, a.levels, i, j, a.k));\n"
+                                    "        uvec2(vxs_shadow_count(a.dag, 0u, a.levels, a.i, a.j, a.k, a.filter_px),\n"
+                                    "              vxs_shadow(a.dag, 0u, a.levels, i, j, a.k));\n"
                                     "}\n";
 
 static void read_lookup_header(char *text, size_t size)
@@ -282,8 +283,8 @@ static void test_shader_answers_like_c(void **state)
         const vxs_light *light = vxs_asset_light(s[n % 3].asset, 0);
         int32_t          last  = (1 << q->levels) - 1;
         uint32_t i = (uint32_t)(q->i < 0 ? 0 : q->i < last ? q->i : last), j = (uint32_t)(q->j < 0 ? 0 : q->j < last ? q->j : last);
-        assert_int_equal(answers[2 * n], vxs_shadow_count(light->words, q->levels, q->i, q->j, q->k, q->filter_px));
-        assert_int_equal(answers[2 * n + 1], vxs_shadow(light->words, q->levels, i, j, q->k));
+        assert_int_equal(answers[2 * n], vxs_shadow_count(light->words, 0, q->levels, q->i, q->j, q->k, q->filter_px));
+        assert_int_equal(answers[2 * n + 1], vxs_shadow(light->words, 0, q->levels, i, j, q->k));
     }
     gl_context_destroy(c.gl);
     free(answers);

@@ -182,9 +182,9 @@ static void unreadable_files_are_errors(void **state)
 /* -- lights ---------------------------------------------------------------------------------------------- */
 
 static scene_light scene_lights[] = {
-    {.name = (char *)"lamp", .kind = LIGHT_SPOT},
-    {.name = (char *)"moon", .kind = LIGHT_DIRECTIONAL, .direction_ws = {1, 0, 0}},
-    {.name = (char *)"sun", .kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}},
+    {.name = (char *)"lamp", .shape = {.kind = LIGHT_SPOT}},
+    {.name = (char *)"moon", .shape = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {1, 0, 0}}},
+    {.name = (char *)"sun", .shape = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}}},
 };
 static const scene  lit_scene  = {.light_count = 3, .lights = scene_lights};
 static const scene  dark_scene = {.light_count = 1, .lights = scene_lights};
@@ -207,8 +207,8 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
     for (size_t i = 0; i < chosen.count; i++) {
         strcat(strcat(text, i ? " " : ""), chosen.lights[i].name);
         if (strcmp(chosen.lights[i].name, "sun")) continue;
-        assert_true(chosen.lights[i].direction_ws[1] == (sun_option ? 0 : -1)); /* --sun replaces the scene's */
-        assert_true(chosen.lights[i].direction_ws[2] == (sun_option ? -1 : 0)); /* and is made a unit vector */
+        assert_true(chosen.lights[i].shape.direction_ws[1] == (sun_option ? 0 : -1)); /* --sun replaces the scene's */
+        assert_true(chosen.lights[i].shape.direction_ws[2] == (sun_option ? -1 : 0)); /* and is made a unit vector */
     }
     light_choice_free(&chosen);
     return text;

@@ -415,12 +415,13 @@ static void test_lights_follow_their_nodes(void **state)
     assert_string_equal(s.lights[1].name, "light1");
     assert_string_equal(s.lights[2].name, "sun#2");
     assert_string_equal(s.lights[3].name, "sun#3");
-    assert_int_equal(s.lights[0].kind, LIGHT_DIRECTIONAL);
-    assert_int_equal(s.lights[1].kind, LIGHT_SPOT);
-    assert_int_equal(s.lights[2].kind, LIGHT_POINT);
-    assert_true(fabs(s.lights[0].direction_ws[1] + 1) < 1e-12); /* turned to shine straight down */
-    assert_true(s.lights[1].position_ws[0] == 3 && s.lights[1].position_ws[1] == 2 && s.lights[1].position_ws[2] == 3);
-    assert_true(s.lights[1].direction_ws[2] == -1);
+    assert_int_equal(s.lights[0].shape.kind, LIGHT_DIRECTIONAL);
+    assert_int_equal(s.lights[1].shape.kind, LIGHT_SPOT);
+    assert_int_equal(s.lights[2].shape.kind, LIGHT_POINT);
+    assert_true(fabs(s.lights[0].shape.direction_ws[1] + 1) < 1e-12); /* turned to shine straight down */
+    assert_true(s.lights[1].shape.position_ws[0] == 3 && s.lights[1].shape.position_ws[1] == 2 &&
+                s.lights[1].shape.position_ws[2] == 3);
+    assert_true(s.lights[1].shape.direction_ws[2] == -1);
 }
 
 static void test_cameras_are_positions(void **state)
@@ -479,7 +480,7 @@ static void test_deep_node_trees_do_not_recurse(void **state)
         at += snprintf(text + at, size - (size_t)at, "{'children':[%d],'translation':[1,0,0]},", i + 1);
     snprintf(text + at, size - (size_t)at, "{" USE(0) "}]," LIGHTS "{'type':'point'}]}}}");
     must(load_text(text, NULL));
-    assert_true(s.lights[0].position_ws[0] == count - 1);
+    assert_true(s.lights[0].shape.position_ws[0] == count - 1);
     free(text);
 }
 
@@ -860,7 +861,7 @@ static void test_real_lights_and_scenes(void **state)
     snprintf(file, sizeof file, "%s/real/features/lights_point_spot_directional.glb", scenes);
     must(load_file(file, NULL));
     int count[3] = {0, 0, 0};
-    for (size_t i = 0; i < s.light_count; i++) count[s.lights[i].kind]++;
+    for (size_t i = 0; i < s.light_count; i++) count[s.lights[i].shape.kind]++;
     assert_true(count[LIGHT_DIRECTIONAL] == 1 && count[LIGHT_SPOT] == 2 && count[LIGHT_POINT] == 1);
     snprintf(file, sizeof file, "%s/real/camp_and_cave_two_scenes.glb", scenes);
     must(load_file(file, "1"));

@@ -154,7 +154,8 @@ static truth *make(void)
 
 static int lit(const truth *t, double x, double y, double z, const double direction[3])
 {
-    return truth_lit(t, (const double[]){x, y, z}, direction);
+    light_shape sun = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {direction[0], direction[1], direction[2]}};
+    return truth_lit(t, (const double[]){x, y, z}, &sun);
 }
 
 /* -- brute force ----------------------------------------------------------------------------------------- */
@@ -276,12 +277,12 @@ static void compare_rays(double size, const double offset[3])
         random_point(&r, 1.5 * size, origin);
         for (int k = 0; k < 3; k++) origin[k] += offset[k];
         random_direction(&r, direction);
-        const double travels[3] = {-direction[0], -direction[1], -direction[2]};
-        int          expected   = brute_first_hit(origin, direction, slack, &distance, &hit);
+        light_shape travels  = {.direction_ws = {-direction[0], -direction[1], -direction[2]}};
+        int         expected = brute_first_hit(origin, direction, slack, &distance, &hit);
         if (expected < 0) continue;
         clear++;
         hits += expected;
-        assert_int_equal(truth_lit(t, origin, travels), !expected);
+        assert_int_equal(truth_lit(t, origin, &travels), !expected);
         uint32_t which;
         assert_int_equal(truth_first_hit(t, origin, direction, &found, normal, &which), expected);
         if (!expected) continue;
@@ -330,7 +331,7 @@ static void surfaces_are_watertight(void **state)
         for (int k = 0; k < 3; k++) target[k] = (1 - along) * a[k] + along * b[k];
         vec3_sub(from, target, way);
         vec3_unit(way, way);
-        assert_int_equal(truth_lit(t, from, way), 0);
+        assert_int_equal(lit(t, from[0], from[1], from[2], way), 0);
     }
     truth_destroy(t);
 }
@@ -371,7 +372,8 @@ static void lifted_points_leave_their_surface(void **state)
         double slope = vec3_dot(to_sun, normal);
         if (fabs(slope) < 1e-3) continue;
         const double travels[3] = {-to_sun[0], -to_sun[1], -to_sun[2]};
-        assert_int_equal(truth_lit(t, point, travels), slope > 0); /* a convex solid shades just its own far side */
+        assert_int_equal(lit(t, point[0], point[1], point[2], travels),
+                         slope > 0); /* a convex solid shades just its own far side */
     }
     truth_destroy(t);
 }
@@ -673,10 +675,10 @@ static void answer(void *user, size_t begin, size_t end, uint32_t worker)
     questions *q = user;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const double down[3] = {0, -1, 0};
-        q->answers[i][0]     = truth_lit(q->truth, q->points[i], down);
-        q->answers[i][1]     = truth_inside_solid(q->truth, q->points[i]);
-        q->answers[i][2]     = truth_distance(q->truth, q->points[i], INFINITY);
+        light_shape down = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}};
+        q->answers[i][0] = truth_lit(q->truth, q->points[i], &down);
+        q->answers[i][1] = truth_inside_solid(q->truth, q->points[i]);
+        q->answers[i][2] = truth_distance(q->truth, q->points[i], INFINITY);
     }
 }
 
