@@ -209,9 +209,15 @@ static int measure_valid(double metres)
     return isfinite(metres) && metres > 0.0;
 }
 
+static int kind_known(const vxs_light *l)
+{
+    return l->kind >= VXS_LIGHT_KIND_DIRECTIONAL && l->kind <= VXS_LIGHT_KIND_POINT;
+}
+
 /* Directional lights have no reach, and say 0; what the others say is theirs. */
 static int reach_valid(const vxs_light *l)
 {
+    if (!kind_known(l)) return 1; /* nothing is known of it */
     if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) return l->near_metres == 0 && l->cos_outer == 0 && l->range_metres == 0;
     int cone = l->kind == VXS_LIGHT_KIND_SPOT ? l->cos_outer >= 0 && l->cos_outer < 1 : l->cos_outer == 0;
     return measure_valid(l->near_metres) && cone && isfinite(l->range_metres) && l->range_metres >= 0;
@@ -220,6 +226,7 @@ static int reach_valid(const vxs_light *l)
 /* A flag has to belong to the light's kind; a point light has six maps. */
 static int flags_valid(const vxs_light *l)
 {
+    if (!kind_known(l)) return 1;
     if (l->kind == VXS_LIGHT_KIND_POINT) return l->flags == VXS_LIGHT_CUBE;
     return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
 }
@@ -232,7 +239,7 @@ static uint32_t map_count(const vxs_light *light)
 static void check_light(reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
     const double *d = light->direction_ws;
-    if (light->kind < VXS_LIGHT_KIND_DIRECTIONAL || light->kind > VXS_LIGHT_KIND_POINT) found(r, 302, section, at + VXS_LIGHT_KIND);
+    if (!kind_known(light)) found(r, 302, section, at + VXS_LIGHT_KIND);
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) found(r, 303, section, at + VXS_LIGHT_LEVELS);
     if (!transform_valid(light->ls_from_ws)) found(r, 304, section, at + VXS_LIGHT_LS_FROM_WS);
     if (!measure_valid(light->texel_metres) || !measure_valid(light->voxel_metres) ||

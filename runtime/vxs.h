@@ -56,16 +56,23 @@ const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
 /* The voxel of a point, [0] and [1] texels, [2] depth; may lie outside the map. Coordinates beyond +-2^30 are clamped to it.
  * normal_ws  NULL, or a unit normal: the voxel is moved by half the filter's width along it, in whole voxels away from the surface,
  *            so that a surface does not shadow itself ([CPVS16] 5)
- * filter_px  width of the filter that the voxel is for */
-void vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3]);
+ * filter_px  width of the filter that the voxel is for
+ * Returns the map that the voxel is in: 0, or 0 to 5 of a light with six maps (VXS_LIGHT_CUBE); -1 when the point is outside the
+ * light's volume. The volume of a directional light is the prism over its map: in front of the map all is lit, and what is behind it is
+ * in the shadow of the map's last voxel. A bounded one (baked for a region) ends at its near and far sides too. The volume of a spot
+ * or point light is its cone and range. */
+int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3]);
+
+/* The other way: the point in world space of light-space coordinates: texels u, v and depth in voxels, none of them whole.
+ * map  as vxs_voxel returns it */
+void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3]);
 
 /* The lit fraction of filter_px x filter_px taps in light space around a point: a box PCF ([CPVS16] 5).
  * point_ws   world space, metres, finite
  * normal_ws  NULL, or as for vxs_voxel
  * filter_px  odd, 1 (a single tap) to VXS_FILTER_MAX
- * Returns [0, 1], or VXS_OUTSIDE when the point's texel is not in the map. The volume of a directional light is the prism over its
- * map: in front of the map all is lit, and what is behind it is in the shadow of the map's last voxel. A bounded one (baked for a
- * region) ends at its near and far sides too. Taps outside the map are lit.
+ * Returns [0, 1], or VXS_OUTSIDE when the point is outside the light's volume (vxs_voxel). Taps outside the map are lit: maps of spot
+ * and point lights have a border, so that no filter leaves them where they are 256 texels or wider.
  * Cost: one walk of at most `levels` nodes for each tile of 8 x 8 texels that the filter touches. Threads: any. */
 float vxs_lookup(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px);
 

@@ -75,7 +75,7 @@ def test_fields(number, prefix, size):
         assert defined[name] == spec[name], name
     # and nothing is defined that the spec does not have, but sizes and values
     others = {"VXS_HEADER_BYTES", "VXS_ENTRY_BYTES", "VXS_LIGHT_BYTES", "VXS_LIGHT_NAME_BYTES", "VXS_LIGHT_KIND_DIRECTIONAL",
-              "VXS_LIGHT_BOUNDED"}
+              "VXS_LIGHT_KIND_SPOT", "VXS_LIGHT_KIND_POINT", "VXS_LIGHT_BOUNDED", "VXS_LIGHT_CUBE"}
     assert {name for name in defined if name.startswith(f"VXS_{prefix}_")} - others == spec.keys() - {"VXS_HEADER_MAGIC"}
 
 
@@ -88,7 +88,9 @@ def test_sizes_in_prose():
     assert defined["VXS_LIGHT_NAME_BYTES"] == int(next(f for f in tables(section(5))[0] if f["name"] == "name")["size"])
     assert defined["VXS_NO_LIGHT"] == 0xffffffff and "`ffffffff`: none" in section(4)
     assert defined["VXS_SECTION_OPTIONAL"] == 1 and defined["VXS_LIGHT_BOUNDED"] == 1
-    assert defined["VXS_LIGHT_KIND_DIRECTIONAL"] == 1 and "| 1: directional |" in section(5)
+    assert defined["VXS_LIGHT_CUBE"] == 2 and defined["VXS_CUBE_FACES"] == 6
+    kinds = [defined["VXS_LIGHT_KIND_" + kind] for kind in ("DIRECTIONAL", "SPOT", "POINT")]
+    assert kinds == [1, 2, 3] and "| 1: directional; 2: spot; 3: point |" in section(5)
 
 
 def test_kinds():
@@ -338,6 +340,7 @@ def test_lookup_header_is_glsl(tmp_path):
                       "layout(local_size_x = 1) in;\n"
                       "layout(std430, binding = 0) buffer words { uint vxs_words[]; };\n"
                       + (ROOT / "formats" / "vxs_lookup.h").read_text() +
-                      "void main() { vxs_words[0] = vxs_shadow_count(1u, 8u, 5, 6, 7u, 9) + vxs_shadow(1u, 8u, 5u, 6u, 7u); }\n")
+                      "void main() { vxs_words[0] = vxs_shadow_count(1u, vxs_face_root(1u, 3u), 8u, 5, 6, 7u, 9)\n"
+                      "    + vxs_shadow(1u, 0u, 8u, 5u, 6u, 7u); }\n")
     done = subprocess.run([compiler, str(shader)], capture_output=True, text=True)
     assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout
