@@ -77,15 +77,15 @@ vxs_result dag_compress(dag *d, compress_order order);
 /* Gathers sub-DAGs into the DAG of a whole map ([CPVS16] 4.3). */
 typedef struct dag_merger dag_merger;
 
-/* side_px   of the map and of its depth;   sub_side_px  of every sub-DAG
+/* side_px   of each map and of its depth;   sub_side_px  of every sub-DAG;   map_count  of the light: each gets a root
  * unify     1: subtrees that are equal in several sub-DAGs are kept once; 0: sub-DAGs are only put side by side. */
-vxs_result dag_merger_create(dag_merger **g, uint32_t side_px, uint32_t sub_side_px, int unify);
+vxs_result dag_merger_create(dag_merger **g, uint32_t side_px, uint32_t sub_side_px, uint32_t map_count, int unify);
 
-/* Add the sub-DAG of square (i, j). The result depends on the order of calls only in how nodes are numbered. */
-vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t i, uint32_t j);
+/* Add the sub-DAG of square (i, j) of a map. The result depends on the order of calls only in how nodes are numbered. */
+vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t i, uint32_t j);
 
-/* Build the levels above the sub-DAGs; squares that were never added are lit. *out has one root, which is a node even when the map
- * is all lit, and is released with dag_free. */
+/* Build the levels above the sub-DAGs; squares that were never added are lit. *out has one root for each map, which is a node even
+ * when the map is all lit; released with dag_free. */
 vxs_result dag_merger_finish(dag_merger *g, dag *out);
 
 void dag_merger_destroy(dag_merger *g);

@@ -14,22 +14,24 @@ struct dag_merger {
     dag       merged;
     ref_table table[DAG_LEVELS_MAX];
     ref_table mask_table;
-    uint32_t *grid; /* [slab][j][i] references to the sub-DAGs' roots */
+    uint32_t  map_count;
+    uint32_t *grid; /* [map][slab][j][i] references to the sub-DAGs' roots */
     uint32_t  grid_side;
     uint32_t  sub_levels; /* levels of a sub-DAG */
     int       unify;
 };
 
-vxs_result dag_merger_create(dag_merger **out, uint32_t side_px, uint32_t sub_side_px, int unify)
+vxs_result dag_merger_create(dag_merger **out, uint32_t side_px, uint32_t sub_side_px, uint32_t map_count, int unify)
 {
     *out          = NULL;
     dag_merger *g = calloc(1, sizeof *g);
     if (!g) return VXS_E_MEMORY;
     g->unify              = unify;
+    g->map_count          = map_count;
     g->grid_side          = side_px / sub_side_px;
     g->sub_levels         = dag_levels(sub_side_px);
     g->merged.level_count = dag_levels(side_px);
-    g->grid               = calloc((size_t)g->grid_side * g->grid_side * g->grid_side, sizeof *g->grid);
+    g->grid               = calloc((size_t)map_count * g->grid_side * g->grid_side * g->grid_side, sizeof *g->grid);
     if (!g->grid) {
         dag_merger_destroy(g);
         return VXS_E_MEMORY;
@@ -79,7 +81,7 @@ static uint32_t merged_node(dag_merger *g, uint32_t level, const dag_node *node,
     return ref;
 }
 
-vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t i, uint32_t j)
+vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t map, uint32_t i, uint32_t j)
 {
     uint32_t *below = malloc(((size_t)sub->mask_count + 1) * sizeof *below);
     int       ok    = below && reserve(g, &g->mask_table, sub->mask_count);
@@ -99,9 +101,10 @@ vxs_result dag_merger_add(dag_merger *g, const dag *sub, uint32_t i, uint32_t j)
         below = ref;
     }
 
+    uint32_t *grid = g->grid + (size_t)map * g->grid_side * g->grid_side * g->grid_side;
     for (uint32_t slab = 0; slab < sub->root_count && ok; slab++) {
-        uint32_t root                                                 = sub->roots[slab];
-        g->grid[((size_t)slab * g->grid_side + j) * g->grid_side + i] = root < REF_FIRST ? root : below[root - REF_FIRST];
+        uint32_t root                                              = sub->roots[slab];
+        grid[((size_t)slab * g->grid_side + j) * g->grid_side + i] = root < REF_FIRST ? root : below[root - REF_FIRST];
     }
     free(below);
     return ok ? VXS_OK : VXS_E_MEMORY;
@@ -121,38 +124,44 @@ static int merged_parent(dag_merger *g, uint32_t level, const dag_node *node, ui
     return *ref != 0;
 }
 
+/* Replace the grid by that of the squares twice as wide. */
+static int merge_level(dag_merger *g, uint32_t level)
+{
+    size_t    side = g->grid_side, half = side / 2, of_map = half * half * half;
+    uint32_t *parents = malloc(g->map_count * of_map * sizeof *parents);
+    int       ok      = parents != NULL;
+    for (size_t n = 0; n < g->map_count * of_map && ok; n++) {
+        const uint32_t *grid = g->grid + n / of_map * side * side * side;
+        size_t          i = n % half, j = n / half % half, k = n % of_map / half / half;
+        dag_node        node;
+        for (size_t c = 0; c < 8; c++)
+            node.child[c] = grid[((2 * k + (c >> 2)) * side + 2 * j + (c >> 1 & 1)) * side + 2 * i + (c & 1)];
+        ok = merged_parent(g, level, &node, &parents[n]);
+    }
+    free(g->grid);
+    g->grid      = parents;
+    g->grid_side = (uint32_t)half;
+    return ok;
+}
+
+/* The root of a map, as a node even where it is all lit or shadowed. */
+static uint32_t root_node(dag_merger *g, uint32_t root)
+{
+    dag_node node;
+    if (root >= REF_FIRST) return root;
+    for (int c = 0; c < 8; c++) node.child[c] = root;
+    return dag_add_node(&g->merged, g->merged.level_count - 1, &node);
+}
+
 vxs_result dag_merger_finish(dag_merger *g, dag *out)
 {
     int ok = 1;
-    for (uint32_t level = g->sub_levels; level < g->merged.level_count && ok; level++) {
-        uint32_t  side = g->grid_side, half = side / 2;
-        uint32_t *parents = malloc((size_t)half * half * half * sizeof *parents);
-        ok                = parents != NULL;
-        for (size_t n = 0; n < (size_t)half * half * half && ok; n++) {
-            size_t   i = n % half, j = n / half % half, k = n / half / half;
-            dag_node node;
-            for (size_t c = 0; c < 8; c++)
-                node.child[c] = g->grid[((2 * k + (c >> 2)) * side + 2 * j + (c >> 1 & 1)) * side + 2 * i + (c & 1)];
-            ok = merged_parent(g, level, &node, &parents[n]);
-        }
-        free(g->grid);
-        g->grid      = parents;
-        g->grid_side = half;
-    }
-    if (!ok) return VXS_E_MEMORY;
-
-    uint32_t root = g->grid[0];
-    if (root < REF_FIRST) {
-        dag_node node;
-        for (int c = 0; c < 8; c++) node.child[c] = root;
-        uint32_t top = g->merged.level_count - 1;
-        root         = dag_add_node(&g->merged, top, &node);
-        if (!root) return VXS_E_MEMORY;
-    }
-    g->merged.roots = malloc(sizeof *g->merged.roots);
+    for (uint32_t level = g->sub_levels; level < g->merged.level_count && ok; level++) ok = merge_level(g, level);
+    g->merged.roots = ok ? malloc(g->map_count * sizeof *g->merged.roots) : NULL;
     if (!g->merged.roots) return VXS_E_MEMORY;
-    g->merged.roots[0]   = root;
-    g->merged.root_count = 1;
+    for (uint32_t map = 0; map < g->map_count; map++)
+        if (!(g->merged.roots[map] = root_node(g, g->grid[map]))) return VXS_E_MEMORY;
+    g->merged.root_count = g->map_count;
     *out                 = g->merged;
     memset(&g->merged, 0, sizeof g->merged);
     return VXS_OK;

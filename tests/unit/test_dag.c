@@ -31,7 +31,7 @@ static void make_maps(depth_maps *d, uint32_t side, uint32_t depth, map_kind kin
 {
     message m = {0};
     rng     r = rng_split(seed, kind);
-    assert_int_equal(depth_maps_init(d, side, depth, 1, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(d, side, depth, 0, 1, &m), VXS_OK);
     fill_maps(d, kind, &r);
     depth_maps_reduce(d, 1);
 }
@@ -395,8 +395,8 @@ static void masks_whose_hashes_meet(void **state)
             d.roots[0] = dag_add_node(&d, 0, &node);
             if (merging) {
                 dag_merger *merger;
-                assert_int_equal(dag_merger_create(&merger, 8, 8, 1), VXS_OK);
-                assert_int_equal(dag_merger_add(merger, &d, 0, 0), VXS_OK);
+                assert_int_equal(dag_merger_create(&merger, 8, 8, 1, 1), VXS_OK);
+                assert_int_equal(dag_merger_add(merger, &d, 0, 0, 0), VXS_OK);
                 assert_int_equal(dag_merger_finish(merger, &merged), VXS_OK);
                 dag_merger_destroy(merger);
                 dag_free(&d);
@@ -452,14 +452,14 @@ static dag merge(const depth_maps *maps, uint32_t sub, build_options o, int comp
     dag_merger *merger;
     dag         d;
     uint32_t    side = maps->side_px / sub;
-    assert_int_equal(dag_merger_create(&merger, maps->side_px, sub, unify), VXS_OK);
+    assert_int_equal(dag_merger_create(&merger, maps->side_px, sub, 1, unify), VXS_OK);
     for (uint32_t n = 0; n < side * side; n++) {
         uint32_t at = backwards ? side * side - 1 - n : n;
         dag      s  = insert(maps, sub, at % side, at / side, o);
         if (compress) assert_int_equal(dag_compress(&s, COMPRESS_TOP_DOWN), VXS_OK);
         lie(&s, keep);
         assert_exact(&s, maps, at % side * sub, at / side * sub);
-        assert_int_equal(dag_merger_add(merger, &s, at % side, at / side), VXS_OK);
+        assert_int_equal(dag_merger_add(merger, &s, 0, at % side, at / side), VXS_OK);
         dag_free(&s);
     }
     assert_int_equal(dag_merger_finish(merger, &d), VXS_OK);
@@ -531,10 +531,10 @@ static void missing_squares_are_lit(void **state)
     for (int added = 0; added < 2; added++) {
         dag_merger *merger;
         dag         d;
-        assert_int_equal(dag_merger_create(&merger, 64, 16, 1), VXS_OK);
+        assert_int_equal(dag_merger_create(&merger, 64, 16, 1, 1), VXS_OK);
         if (added) {
             dag s = insert(&maps, 16, 0, 0, ways[0]);
-            assert_int_equal(dag_merger_add(merger, &s, 1, 2), VXS_OK);
+            assert_int_equal(dag_merger_add(merger, &s, 0, 1, 2), VXS_OK);
             dag_free(&s);
         }
         assert_int_equal(dag_merger_finish(merger, &d), VXS_OK);
