@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/maps/baseline.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zstd.h>
@@ -18,20 +19,21 @@ static int reserve(baseline *b, size_t more)
     return 1;
 }
 
-int baseline_add(baseline *b, const float *depth, uint32_t side_px)
+int baseline_add(baseline *b, const depth_maps *maps, int empty)
 {
-    size_t   all   = (size_t)side_px * side_px;
-    size_t   band  = (size_t)BAND_ROWS * side_px;
-    uint32_t bands = (side_px + BAND_ROWS - 1) / BAND_ROWS;
-    uint32_t keep  = b->limit_per_map && b->limit_per_map < all ? (uint32_t)(b->limit_per_map / band) : bands;
+    uint32_t side_px = maps->side_px;
+    size_t   all     = (size_t)side_px * side_px;
+    size_t   band    = (size_t)BAND_ROWS * side_px;
+    uint32_t bands   = (side_px + BAND_ROWS - 1) / BAND_ROWS;
+    uint32_t keep    = b->limit_per_map && b->limit_per_map < all ? (uint32_t)(b->limit_per_map / band) : bands;
     if (!keep) keep = 1;
     if (!reserve(b, keep * band)) return 0;
     for (uint32_t n = 0; n < keep; n++) {
         size_t from = (size_t)((uint64_t)n * bands / keep) * band;
         size_t size = all - from < band ? all - from : band;
         for (size_t k = 0; k < size; k++) {
-            float d               = depth ? depth[from + k] * 65536.0f : 65536.0f;
-            b->texels[b->count++] = (uint16_t)(d < 65535.0f ? d : 65535.0f);
+            double d              = empty ? 1 : depth_maps_voxels(maps, maps->enter[from + k]) / maps->depth_vx;
+            b->texels[b->count++] = (uint16_t)fmin(d * 65536, 65535);
         }
     }
     b->seen += all;

@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "baker/maps/depth_maps.h"
+
 typedef struct baseline {
     uint16_t *texels; /* kept rows */
     size_t    count, capacity;
@@ -13,8 +15,8 @@ typedef struct baseline {
     size_t    limit_per_map; /* texels to keep of each map; 0: all */
 } baseline;
 
-/* Add a map of side x side depths in [0, 1]; NULL: one without casters, all 1. Returns 0 without memory. */
-int baseline_add(baseline *b, const float *depth, uint32_t side_px);
+/* Add the enter depths of maps; empty: of maps without casters, whose arrays are not looked at. Returns 0 without memory. */
+int baseline_add(baseline *b, const depth_maps *maps, int empty);
 
 /* Compressed size over raw size of what was kept; 0 when nothing was kept or memory ran out. *share: of all texels. */
 double baseline_ratio(const baseline *b, double *share);

@@ -19,7 +19,7 @@
  *              count  +1 for every front face, -1 for every back face at or before the layer: a depth test against it, and blending
  *              texels whose count is zero are done: x is the layer
  *
- * Done texels start a pass with depth 0 instead of 1, so that the depth test drops all of their fragments before any other work.
+ * Done texels start a pass with the nearest depth instead of the farthest, so that the depth test drops all of their fragments before any other work.
  * A texel that runs out of back faces takes the first one, which lies before the true exit: a smaller free range is always right.
  * So is what happens to counts beyond the 255 that a texel holds: front faces too many are not counted, and the ray leaves early.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -37,15 +37,15 @@ static void make_texture(gl_context *gl, GLuint *texture, GLenum format, uint32_
 
 vxs_result depth_block_init(depth_block *b, block_context *context, message *m)
 {
-    gl_context    *gl     = context->gl;
-    const casters *c      = context->casters;
-    size_t         texels = (size_t)context->block_px * context->block_px;
-    int            solids = c->solid_triangle_count != 0, sheets = c->solid_triangle_count < c->triangle_count;
+    gl_context       *gl     = context->gl;
+    const projection *c      = &context->casters;
+    size_t            texels = (size_t)context->block_px * context->block_px;
+    int               solids = c->solid_triangle_count != 0, sheets = c->solid_triangle_count < c->triangle_count;
     *b = (depth_block){.context = context};
 
-    b->positions = malloc(c->vertex_count * 3 * sizeof *b->positions);
-    b->indices   = malloc(c->triangle_count * 3 * sizeof *b->indices);
-    b->triangles = malloc(c->triangle_count * sizeof *b->triangles);
+    b->positions = malloc((c->vertex_count + 1) * 3 * sizeof *b->positions);
+    b->indices   = malloc((c->triangle_count + 1) * 3 * sizeof *b->indices);
+    b->triangles = malloc((c->triangle_count + 1) * sizeof *b->triangles);
     int ok       = b->positions && b->indices && b->triangles;
     if (solids) {
         b->sheet    = malloc(texels * sizeof *b->sheet);
@@ -111,7 +111,7 @@ static uint32_t block_vertex(depth_block *b, uint32_t vertex)
 {
     block_context *x = b->context;
     if (x->vertex_gather[vertex] != x->gather) {
-        const vertex_ls *p       = &x->vertices[vertex];
+        const vertex_ls *p       = &x->casters.vertices[vertex];
         float            to      = 2.0f / (float)x->block_px;
         float           *clip    = b->positions + 3 * (size_t)b->vertex_count;
         clip[0]                  = snapped(p->u - b->u0) * to - 1.0f;
@@ -125,8 +125,8 @@ static uint32_t block_vertex(depth_block *b, uint32_t vertex)
 
 static void gather_triangles(depth_block *b)
 {
-    block_context *x  = b->context;
-    const casters *c  = x->casters;
+    block_context    *x = b->context;
+    const projection *c = &x->casters;
     b->triangle_count = b->solid_count = b->vertex_count = 0;
     x->gather++;
     for (size_t n = 0; n < x->candidate_count; n++) {
@@ -172,9 +172,10 @@ static block_rect whole_block(const depth_block *b)
 
 static void fill_empty(const depth_block *b)
 {
+    float far = b->context->order.sign * b->context->order.far_gl;
     for (uint32_t row = 0; row < b->context->block_px; row++)
         for (uint32_t n = 0; n < b->context->block_px; n++)
-            b->enter[(size_t)row * b->row_px + n] = b->exit[(size_t)row * b->row_px + n] = 1.0f;
+            b->enter[(size_t)row * b->row_px + n] = b->exit[(size_t)row * b->row_px + n] = far;
 }
 
 int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px, int32_t u0, int32_t v0)
@@ -232,11 +233,10 @@ static void target(const depth_block *b, GLuint depth, GLuint color)
 /* Draw the nearest of some triangles into a cleared depth texture. */
 static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t count)
 {
-    gl_context *gl  = b->context->gl;
-    const float far = 1.0f;
+    gl_context *gl = b->context->gl;
     target(b, depth, 0);
-    gl->ClearBufferfv(GL_DEPTH, 0, &far);
-    gl->DepthFunc(GL_LESS);
+    gl->ClearBufferfv(GL_DEPTH, 0, &b->context->order.far_gl);
+    gl->DepthFunc(b->context->order.nearer);
     draw(b, b->context->program_depth, first, count);
 }
 
@@ -267,7 +267,7 @@ static void draw_next_layer(depth_block *b)
     gl->BindTextureUnit(0, b->texture_layer[(b->pass - 1) & 1]);
     gl->Enable(GL_CULL_FACE);
     gl->CullFace(GL_FRONT);
-    gl->DepthFunc(GL_LESS);
+    gl->DepthFunc(b->context->order.nearer);
     draw(b, b->context->program_next, 0, b->solid_count);
     gl->Disable(GL_CULL_FACE);
 }
@@ -279,7 +279,7 @@ static void draw_count(depth_block *b)
     const float zero[4] = {0};
     target(b, b->texture_layer[b->pass & 1], b->texture_count);
     gl->ClearBufferfv(GL_COLOR, 0, zero);
-    gl->DepthFunc(GL_LEQUAL);
+    gl->DepthFunc(b->context->order.nearer_or_equal);
     gl->DepthMask(GL_FALSE);
     gl->Enable(GL_BLEND);
     gl->Enable(GL_CULL_FACE);
@@ -326,6 +326,7 @@ static void read_rect(const depth_block *b, block_rect a, GLenum format, GLenum 
                    (uint8_t *)to + ((size_t)a.v * row_px + a.u) * size);
 }
 
+/* Depths as OpenGL has them. */
 static void read_depth(const depth_block *b, GLuint texture, block_rect a, float *to, uint32_t row_px)
 {
     target(b, texture, 0);
@@ -337,7 +338,7 @@ void depth_block_read(depth_block *b)
     uint32_t block_px = b->context->block_px;
     if (!b->pass && !b->solid_count) {
         read_depth(b, b->texture_sheet, b->open, b->enter, b->row_px);
-        return;
+        return; /* resolve turns them */
     }
     if (!b->pass && b->has_sheets) read_depth(b, b->texture_sheet, b->open, b->sheet, block_px);
     if (!b->pass) read_depth(b, b->texture_solid, b->open, b->enter, b->row_px);
@@ -354,55 +355,59 @@ void depth_block_read(depth_block *b)
  * back: where a ray enters solids. The first layer is everybody's exit for now, and stays it for those that are done. `next` is where
  * the next pass starts from. Returns whether one is open.
  * These two loops see every texel of every pass: each load stands alone and nothing branches, so that compilers vectorize them. */
-static int resolve_first_run(float *restrict enter, const float *restrict layer, const uint8_t *restrict open_solids, uint32_t peel,
-                             float *restrict exit, float *restrict next, uint32_t count)
+static int resolve_first_run(depth_order order, float *restrict enter, const float *restrict layer,
+                             const uint8_t *restrict open_solids, uint32_t peel, float *restrict exit, float *restrict next,
+                             uint32_t count)
 {
     uint32_t solids[CELL_PX], any = 0;
+    float    far = order.sign * order.far_gl;
     for (uint32_t n = 0; n < count; n++) solids[n] = open_solids[n];
     for (uint32_t n = 0; n < count; n++) {
-        float    f = enter[n], b = layer[n];
+        float    f = order.sign * enter[n], b = order.sign * layer[n];
         float    e     = b < f ? b : f;
-        float    first = b < 1.0f ? b : e;
-        uint32_t open  = peel & (uint32_t)(b < 1.0f) & (uint32_t)(solids[n] > 0);
+        float    first = b < far ? b : e;
+        uint32_t open  = peel & (uint32_t)(b < far) & (uint32_t)(solids[n] > 0);
         enter[n]       = e;
         exit[n]        = first;
-        next[n]        = open ? 1.0f : 0.0f;
+        next[n]        = open ? order.far_gl : order.near_gl;
         any |= open;
     }
     return any != 0;
 }
 
-/* The same after a later pass; texels that were done have layer 0. A layer that did not move on would be met for ever: it ends the
+/* The same after a later pass; texels that were done have the nearest layer there is. A layer that did not move on would be met for ever: it ends the
  * search too. `last` is the layer before, and becomes where the next pass starts from. */
-static int resolve_next_run(const float *restrict layer, const uint8_t *restrict open_solids, float *restrict exit,
-                            float *restrict last, uint32_t count)
+static int resolve_next_run(depth_order order, const float *restrict layer, const uint8_t *restrict open_solids,
+                            float *restrict exit, float *restrict last, uint32_t count)
 {
     uint32_t solids[CELL_PX], any = 0;
+    float    far = order.sign * order.far_gl, near = order.sign * order.near_gl;
     for (uint32_t n = 0; n < count; n++) solids[n] = open_solids[n];
     for (uint32_t n = 0; n < count; n++) {
-        float    b = layer[n], before = last[n], x = exit[n];
-        uint32_t more = (uint32_t)(b > 0.0f) & (uint32_t)(b < 1.0f) & (uint32_t)(b > before);
+        float    b = order.sign * layer[n], before = order.sign * last[n], x = exit[n];
+        uint32_t more = (uint32_t)(b > near) & (uint32_t)(b < far) & (uint32_t)(b > before);
         uint32_t open = more & (uint32_t)(solids[n] > 0);
         exit[n]       = more > open ? b : x;
-        last[n]       = open ? 1.0f : 0.0f;
+        last[n]       = open ? order.far_gl : order.near_gl;
         any |= open;
     }
     return any != 0;
 }
 
 /* One row of texels of a cell after a pass. Returns whether one is open. A cell that the last pass closed still has that pass's layer
- * where the next one starts from: done texels start from 0. */
+ * where the next one starts from: done texels start from the nearest depth. */
 static int resolve_row(depth_block *b, cell_state state, uint32_t u, uint32_t row)
 {
     uint32_t     block_px = b->context->block_px;
     uint32_t     run      = block_px < CELL_PX ? block_px : CELL_PX;
     size_t       at = (size_t)row * block_px + u, out = (size_t)row * b->row_px + u;
-    const float *now = b->layer[b->pass & 1] + at;
-    float       *old = b->layer[(b->pass + 1) & 1] + at;
-    if (state == CELL_CLOSED) memset(old, 0, run * sizeof *old);
+    const float *now   = b->layer[b->pass & 1] + at;
+    float       *old   = b->layer[(b->pass + 1) & 1] + at;
+    depth_order  order = b->context->order;
+    for (uint32_t n = 0; n < run && state == CELL_CLOSED; n++) old[n] = order.near_gl;
     if (state != CELL_OPEN) return 0;
-    if (b->pass) return resolve_next_run(now, b->count + at, b->exit + out, old, run);
-    return resolve_first_run(b->enter + out, now, b->count + at, b->context->mode != EXIT_BACK, b->exit + out, old, run);
+    if (b->pass) return resolve_next_run(order, now, b->count + at, b->exit + out, old, run);
+    return resolve_first_run(order, b->enter + out, now, b->count + at, b->context->mode != EXIT_BACK, b->exit + out, old, run);
 }
 
 /* Exits of the texels that were open, and the rectangle of those that stay so; 0 when there are none. */
@@ -437,24 +442,30 @@ static void mix_sheets(const depth_block *b)
         const float *sheet = b->sheet + (size_t)row * b->context->block_px;
         float       *e = b->enter + (size_t)row * b->row_px, *x = b->exit + (size_t)row * b->row_px;
         for (uint32_t n = 0; n < b->context->block_px; n++) {
-            int first = sheet[n] <= e[n];
-            e[n]      = first ? sheet[n] : e[n];
-            x[n]      = first ? sheet[n] : x[n];
+            float h     = b->context->order.sign * sheet[n];
+            int   first = h <= e[n];
+            e[n]        = first ? h : e[n];
+            x[n]        = first ? h : x[n];
         }
     }
 }
 
-static void copy_enter(const depth_block *b)
+/* There are only sheets, read into enter. */
+static void finish_sheets(const depth_block *b)
 {
-    for (uint32_t row = 0; row < b->context->block_px && b->exit != b->enter; row++)
-        memcpy(b->exit + (size_t)row * b->row_px, b->enter + (size_t)row * b->row_px, b->context->block_px * sizeof *b->exit);
+    uint32_t block_px = b->context->block_px;
+    for (uint32_t row = 0; row < block_px; row++) {
+        float *e = b->enter + (size_t)row * b->row_px;
+        for (uint32_t n = 0; n < block_px && b->context->casters.reversed; n++) e[n] = -e[n];
+        if (b->exit != b->enter) memcpy(b->exit + (size_t)row * b->row_px, e, block_px * sizeof *e);
+    }
 }
 
 int depth_block_resolve(depth_block *b)
 {
     depth_stats *stats = &b->context->stats;
     if (!b->pass && !b->solid_count) {
-        copy_enter(b);
+        finish_sheets(b);
         return 0;
     }
     if (resolve_layer(b)) {

@@ -8,14 +8,9 @@
 #define DEPTH_BLOCK_H
 
 #include "baker/maps/depth_gl.h"
+#include "baker/maps/projection.h"
 
 enum { BLOCK_MAX_PX = 512, CELL_PX = 32, SUBTEXELS = 256 };
-
-/* A vertex in the light's space. */
-typedef struct vertex_ls {
-    double u, v; /* texels */
-    double z;    /* depth, 0 near plane, 1 far plane */
-} vertex_ls;
 
 /* Texels whose centres a triangle's bounding box covers; empty when u0 > u1 or v0 > v1. */
 typedef struct texel_box {
@@ -25,23 +20,30 @@ typedef struct texel_box {
 /* 1 when the triangle may touch the square of `side` texels at (u0, v0). */
 int texel_box_touches(const texel_box *box, int32_t u0, int32_t v0, int32_t side);
 
+/* How OpenGL's depths become depths that grow away from the light. Where those of OpenGL shrink, they are negated. */
+typedef struct depth_order {
+    float  sign;                    /* 1, or -1 */
+    float  far_gl, near_gl;         /* what a texture is cleared to: no caster; a depth that nothing is in front of */
+    GLenum nearer, nearer_or_equal; /* depth tests */
+} depth_order;
+
 /* What all blocks of a map share. */
 typedef struct block_context {
-    gl_context    *gl;
-    const casters *casters;
-    exit_mode      mode;
-    uint32_t       block_px;
-    uint32_t       cell_side;  /* cells a side of a block */
-    vertex_ls     *vertices;   /* [casters->vertex_count] */
-    texel_box     *boxes;      /* [casters->triangle_count] */
-    uint32_t      *candidates; /* [candidate_count] triangles that may touch the tile in work, in the casters' order */
-    size_t         candidate_count;
-    uint32_t      *vertex_slot; /* [casters->vertex_count] of the block gathered last: valid where vertex_gather is its number */
-    uint32_t      *vertex_gather;
-    uint32_t       gather;
-    GLuint         framebuffer;
-    GLuint         program_depth, program_count, program_next;
-    depth_stats    stats;
+    gl_context *gl;
+    projection  casters; /* in the map */
+    depth_order order;
+    exit_mode   mode;
+    uint32_t    block_px;
+    uint32_t    cell_side;  /* cells a side of a block */
+    texel_box  *boxes;      /* [casters.triangle_count] */
+    uint32_t   *candidates; /* [candidate_count] triangles that may touch the tile in work, in the casters' order */
+    size_t      candidate_count;
+    uint32_t   *vertex_slot; /* [casters.vertex_count] of the block gathered last: valid where vertex_gather is its number */
+    uint32_t   *vertex_gather;
+    uint32_t    gather;
+    GLuint      framebuffer;
+    GLuint      program_depth, program_count, program_next;
+    depth_stats stats;
 } block_context;
 
 /* Cells are the squares of a block that are left out when none of their texels is open any more. */
@@ -65,13 +67,13 @@ typedef struct depth_block {
 
     float    *positions; /* [3 * vertex_count] clip space */
     uint32_t *indices;   /* [3 * triangle_count] into positions */
-    uint32_t *triangles; /* [triangle_count] of the casters: solids first */
+    uint32_t *triangles; /* [triangle_count] of the projection: solids first */
     uint32_t  solid_count, triangle_count, vertex_count;
     int       has_sheets;
 
     /* [block_px * block_px] each */
     float     *sheet;    /* enter depth of sheets */
-    float     *layer[2]; /* back layers, this pass and the last; before a pass 1 for open texels, 0 for done ones */
+    float     *layer[2]; /* back layers, this pass and the last; before a pass far_gl for open texels, near_gl for done ones */
     uint8_t   *count;    /* solids that are open behind the layer */
     uint8_t   *cell;     /* [cell_side^2] CELL_* */
     block_rect open;     /* holds all open cells */

@@ -13,8 +13,7 @@ enum { LANES = 2 }; /* blocks in work: one is rasterized while the other's texel
 struct depth_renderer {
     block_context context;
     depth_block   lane[LANES];
-    const double *ls_from_ws; /* [12] */
-    uint32_t      side_px;    /* of the map */
+    uint32_t      side_px; /* of the map */
 };
 
 /* setting up ------------------------------------------------------------------------------------------------------------------ */
@@ -31,12 +30,14 @@ static const char count_text[] = "#version 450 core\n"
                                  "layout(location = 0) out float count;\n"
                                  "void main() { count = 1.0 / 255.0; }\n";
 
-static const char next_text[] = "#version 450 core\n"
-                                "layout(binding = 0) uniform sampler2D last;\n"
-                                "void main()\n"
-                                "{\n"
-                                "    if (gl_FragCoord.z <= texelFetch(last, ivec2(gl_FragCoord.xy), 0).r) discard;\n"
-                                "}\n";
+static const char next_text[] =
+    "#version 450 core\n"
+    "layout(binding = 0) uniform sampler2D last;\n"
+    "layout(location = 0) uniform float order;\n"
+    "void main()\n"
+    "{\n"
+    "    if (order * gl_FragCoord.z <= order * texelFetch(last, ivec2(gl_FragCoord.xy), 0).r) discard;\n"
+    "}\n";
 
 static vxs_result make_program(gl_context *gl, GLuint *program, const char *fragment_text, message *m)
 {
@@ -66,6 +67,7 @@ static vxs_result set_up_gl(block_context *x, message *m)
     if ((r = make_program(gl, &x->program_depth, depth_text, m)) != VXS_OK) return r;
     if ((r = make_program(gl, &x->program_count, count_text, m)) != VXS_OK) return r;
     if ((r = make_program(gl, &x->program_next, next_text, m)) != VXS_OK) return r;
+    gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
     gl->GenFramebuffers(1, &x->framebuffer);
     gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
 
@@ -79,21 +81,6 @@ static vxs_result set_up_gl(block_context *x, message *m)
     return VXS_OK;
 }
 
-static void transform_vertices(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    const depth_renderer *r = user;
-    const double         *m = r->ls_from_ws;
-    (void)worker;
-    for (size_t n = begin; n < end; n++) {
-        const double *p        = r->context.casters->positions_ws + 3 * n;
-        r->context.vertices[n] = (vertex_ls){
-            m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3],
-            m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7],
-            (m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11]) / r->side_px,
-        };
-    }
-}
-
 /* A texel index within int32_t whatever the coordinate; boxes far outside the map stay far outside. */
 static int32_t texel_index(double t)
 {
@@ -105,8 +92,8 @@ static void bound_triangles(void *user, size_t begin, size_t end, uint32_t worke
     depth_renderer *r = user;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
-        const uint32_t  *t = r->context.casters->indices + 3 * n;
-        const vertex_ls *a = &r->context.vertices[t[0]], *b = &r->context.vertices[t[1]], *c = &r->context.vertices[t[2]];
+        const uint32_t  *t = r->context.casters.indices + 3 * n;
+        const vertex_ls *v = r->context.casters.vertices, *a = &v[t[0]], *b = &v[t[1]], *c = &v[t[2]];
         /* centres lie at half texels; snapping may move an edge by half a subtexel */
         const double     slack = 0.5 / SUBTEXELS;
         r->context.boxes[n]    = (texel_box){
@@ -118,43 +105,45 @@ static void bound_triangles(void *user, size_t begin, size_t end, uint32_t worke
     }
 }
 
-static vxs_result set_up(depth_renderer *r, message *m)
+static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)
 {
-    block_context *x = &r->context;
-    const casters *c = x->casters;
-    x->vertices      = malloc(c->vertex_count * sizeof *x->vertices);
-    x->boxes         = malloc(c->triangle_count * sizeof *x->boxes);
-    x->vertex_slot   = malloc(c->vertex_count * sizeof *x->vertex_slot);
-    x->candidates    = malloc(c->triangle_count * sizeof *x->candidates);
-    x->vertex_gather = calloc(c->vertex_count, sizeof *x->vertex_gather);
-    if (!x->vertices || !x->boxes || !x->candidates || !x->vertex_slot || !x->vertex_gather)
+    block_context    *x = &r->context;
+    const projection *p = &x->casters;
+    x->boxes            = malloc((p->triangle_count + 1) * sizeof *x->boxes);
+    x->vertex_slot      = malloc((p->vertex_count + 1) * sizeof *x->vertex_slot);
+    x->candidates       = malloc((p->triangle_count + 1) * sizeof *x->candidates);
+    x->vertex_gather    = calloc(p->vertex_count + 1, sizeof *x->vertex_gather);
+    if (!x->boxes || !x->candidates || !x->vertex_slot || !x->vertex_gather)
         return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
+    parallel_for(threads, p->triangle_count, 4096, bound_triangles, r);
     vxs_result result = set_up_gl(x, m);
     for (int n = 0; n < LANES && result == VXS_OK; n++) result = depth_block_init(&r->lane[n], x, m);
     return result;
 }
 
-vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, exit_mode mode,
-                                 uint32_t threads, message *m)
+vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
+                                 exit_mode mode, uint32_t threads, message *m)
 {
+    static const depth_order growing   = {1, 1, 0, GL_LESS, GL_LEQUAL};
+    static const depth_order shrinking = {-1, 0, 1, GL_GREATER, GL_GEQUAL};
+
     *out              = NULL;
     depth_renderer *r = calloc(1, sizeof *r);
     if (!r) return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
-    r->ls_from_ws        = light->ls_from_ws;
-    r->side_px           = 1u << light->levels;
-    r->context.gl        = gl;
-    r->context.casters   = c;
-    r->context.mode      = mode;
-    r->context.block_px  = r->side_px < BLOCK_MAX_PX ? r->side_px : BLOCK_MAX_PX;
-    r->context.cell_side = (r->context.block_px + CELL_PX - 1) / CELL_PX;
+    block_context *x = &r->context;
+    r->side_px       = 1u << light->levels;
+    x->gl            = gl;
+    x->mode          = mode;
+    x->block_px      = r->side_px < BLOCK_MAX_PX ? r->side_px : BLOCK_MAX_PX;
+    x->cell_side     = (x->block_px + CELL_PX - 1) / CELL_PX;
 
-    vxs_result result = set_up(r, m);
+    vxs_result result = projection_init(&x->casters, c, light, map, threads, m);
+    x->order          = x->casters.reversed ? shrinking : growing;
+    if (result == VXS_OK) result = set_up(r, threads, m);
     if (result != VXS_OK) {
         depth_renderer_destroy(r);
         return result;
     }
-    parallel_for(threads, c->vertex_count, 4096, transform_vertices, r);
-    parallel_for(threads, c->triangle_count, 4096, bound_triangles, r);
     *out = r;
     return VXS_OK;
 }
@@ -169,7 +158,7 @@ void depth_renderer_destroy(depth_renderer *r)
     gl->DeleteProgram(x->program_depth);
     gl->DeleteProgram(x->program_count);
     gl->DeleteProgram(x->program_next);
-    free(x->vertices);
+    projection_free(&x->casters);
     free(x->boxes);
     free(x->candidates);
     free(x->vertex_slot);
@@ -182,14 +171,9 @@ depth_stats depth_renderer_stats(const depth_renderer *r)
     return r->context.stats;
 }
 
-int depth_renderer_has_exit(const depth_renderer *r)
-{
-    return r->context.casters->solid_triangle_count != 0;
-}
-
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j)
 {
-    for (size_t n = 0; n < r->context.casters->triangle_count; n++)
+    for (size_t n = 0; n < r->context.casters.triangle_count; n++)
         if (texel_box_touches(&r->context.boxes[n], (int32_t)(i * side_px), (int32_t)(j * side_px), (int32_t)side_px)) return 1;
     return 0;
 }
@@ -220,7 +204,7 @@ static int start_next(depth_block *lane, tile_blocks *t)
 static void gather_candidates(block_context *x, const tile_blocks *t)
 {
     x->candidate_count = 0;
-    for (size_t n = 0; n < x->casters->triangle_count; n++)
+    for (size_t n = 0; n < x->casters.triangle_count; n++)
         if (texel_box_touches(&x->boxes[n], (int32_t)t->u0, (int32_t)t->v0, (int32_t)t->maps->side_px))
             x->candidates[x->candidate_count++] = (uint32_t)n;
 }

@@ -24,15 +24,14 @@ typedef struct depth_stats {
 
 typedef struct depth_renderer depth_renderer;
 
-/* Set up for one light. gl, casters and light are borrowed until depth_renderer_destroy. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, exit_mode mode,
-                                 uint32_t threads, message *m);
+/* Set up for map `map` of a light (vxs.h numbers them). gl and casters are borrowed until depth_renderer_destroy. Depths are those of
+ * depth_maps.h: shares of the whole for a directional light, -near / distance for the others.
+ * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
+                                 exit_mode mode, uint32_t threads, message *m);
 
 /* 1 when some caster may touch the square of side_px texels at (i, j), counted in such squares. */
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
-
-/* 1 when some caster is a solid: only then do exit depths differ from enter depths. */
-int depth_renderer_has_exit(const depth_renderer *r);
 
 /* Render the square (i, j), counted in squares of maps->side_px, into maps->enter and maps->exit. maps->exit may be the same array as
  * enter only when there is no solid. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */

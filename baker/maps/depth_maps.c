@@ -9,11 +9,12 @@
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 
-vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, int with_exit, message *m)
+vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
 {
     memset(d, 0, sizeof *d);
-    d->side_px  = side_px;
-    d->depth_vx = depth_vx;
+    d->side_px   = side_px;
+    d->depth_vx  = depth_vx;
+    d->voxel_log = voxel_log;
 
     size_t texels = (size_t)side_px * side_px;
     d->enter      = pages_alloc(texels * sizeof *d->enter);
@@ -41,16 +42,23 @@ void depth_maps_free(depth_maps *d)
     memset(d, 0, sizeof *d);
 }
 
-/* Whole voxels. Depths are in [0, 1] and depth_vx is a power of two, so the product is exact. */
-static uint32_t voxels_down(float depth, float scale)
+double depth_maps_voxels(const depth_maps *d, float depth)
 {
-    return (uint32_t)(depth * scale);
+    if (d->voxel_log == 0) return (double)depth * d->depth_vx; /* exact: depth_vx is a power of two */
+    double voxels = depth < 0 ? -log(-(double)depth) / d->voxel_log : INFINITY;
+    return fmax(0, fmin(voxels, d->depth_vx));
 }
 
-static uint32_t voxels_up(float depth, float scale)
+static uint32_t voxels_down(const depth_maps *d, float depth)
 {
-    uint32_t down = voxels_down(depth, scale);
-    return down + ((float)down < depth * scale);
+    return (uint32_t)depth_maps_voxels(d, depth);
+}
+
+static uint32_t voxels_up(const depth_maps *d, float depth)
+{
+    double   voxels = depth_maps_voxels(d, depth);
+    uint32_t down   = (uint32_t)voxels;
+    return down + (down < voxels);
 }
 
 /* The lowest level of the pyramid, rows [begin, end) of tiles. Minimum and maximum commute with rounding, so floats are compared. */
@@ -58,7 +66,6 @@ static void reduce_tiles(void *user, size_t begin, size_t end, uint32_t worker)
 {
     depth_maps *d     = user;
     uint32_t    tiles = d->side_px / 8;
-    float       scale = (float)d->depth_vx;
     (void)worker;
     for (size_t j = begin; j < end; j++)
         for (uint32_t i = 0; i < tiles; i++) {
@@ -66,7 +73,7 @@ static void reduce_tiles(void *user, size_t begin, size_t end, uint32_t worker)
             const float *x = d->exit + j * 8 * d->side_px + i * 8;
 
             float emin[8], emax[8], xmin[8], xmax[8];
-            for (int n = 0; n < 8; n++) emin[n] = xmin[n] = 2.0f, emax[n] = xmax[n] = -1.0f;
+            for (int n = 0; n < 8; n++) emin[n] = xmin[n] = 2.0f, emax[n] = xmax[n] = -2.0f;
             for (int row = 0; row < 8; row++, e += d->side_px, x += d->side_px)
                 for (int n = 0; n < 8; n++) {
                     emin[n] = e[n] < emin[n] ? e[n] : emin[n];
@@ -80,8 +87,8 @@ static void reduce_tiles(void *user, size_t begin, size_t end, uint32_t worker)
                 xmin[0] = xmin[n] < xmin[0] ? xmin[n] : xmin[0];
                 xmax[0] = xmax[n] > xmax[0] ? xmax[n] : xmax[0];
             }
-            d->pyramid[0][j * tiles + i] = (column_bounds){voxels_down(emin[0], scale), voxels_down(emax[0], scale),
-                                                           voxels_up(xmin[0], scale), voxels_up(xmax[0], scale)};
+            d->pyramid[0][j * tiles + i] =
+                (column_bounds){voxels_down(d, emin[0]), voxels_down(d, emax[0]), voxels_up(d, xmin[0]), voxels_up(d, xmax[0])};
         }
 }
 
@@ -118,14 +125,13 @@ static column_bounds maps_bounds(const void *data, uint32_t level, uint32_t i, u
 
 static void maps_tile(const void *data, uint32_t i, uint32_t j, column_tile *out)
 {
-    const depth_maps *d     = data;
-    const float      *e     = d->enter + (size_t)j * 8 * d->side_px + i * 8;
-    const float      *x     = d->exit + (size_t)j * 8 * d->side_px + i * 8;
-    float             scale = (float)d->depth_vx;
+    const depth_maps *d = data;
+    const float      *e = d->enter + (size_t)j * 8 * d->side_px + i * 8;
+    const float      *x = d->exit + (size_t)j * 8 * d->side_px + i * 8;
     for (int row = 0; row < 8; row++, e += d->side_px, x += d->side_px)
         for (int n = 0; n < 8; n++) {
-            out->e[row * 8 + n] = voxels_down(e[n], scale);
-            out->x[row * 8 + n] = voxels_up(x[n], scale);
+            out->e[row * 8 + n] = voxels_down(d, e[n]);
+            out->x[row * 8 + n] = voxels_up(d, x[n]);
         }
 }
 

@@ -52,6 +52,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLGETSTRINGPROC, GetString)                               \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                           \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                           \
+    X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                 \
     X(PFNGLREADPIXELSPROC, ReadPixels)                             \
     X(PFNGLSCISSORPROC, Scissor)                                   \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                         \

@@ -1,4 +1,4 @@
-/* Fitting a sun's map; see light_fit.h.
+/* Fitting a light's maps; see light_fit.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/maps/light_fit.h"
 
@@ -7,6 +7,7 @@
 
 #include "baker/base/integer.h"
 #include "baker/base/vec3.h"
+#include "baker/maps/lamp_fit.h"
 
 typedef struct range {
     double min, max;
@@ -56,11 +57,9 @@ static void set_name(vxs_light *light, const char *name, message *m)
     memcpy(light->name, name, length);
 }
 
-vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m)
+static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], message *m)
 {
-    double axes[3][3];
-    range  extent[3] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
-    axes_from_direction(axes, desc->shape->direction_ws);
+    range extent[3] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
     if (desc->region_ws)
         for (int corner = 0; corner < 8; corner++) {
             const double *b = desc->region_ws;
@@ -87,14 +86,11 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
         return fail(m, VXS_E_ARGUMENT, "the casters span %g x %g m seen from light '%s': no map can be fitted to them", width,
                     depth, desc->name);
 
-    memset(light, 0, sizeof *light);
-    set_name(light, desc->name, m);
     light->kind         = VXS_LIGHT_KIND_DIRECTIONAL;
     light->flags        = desc->region_ws ? VXS_LIGHT_BOUNDED : 0;
     light->levels       = log2_u32(side);
     light->texel_metres = texel;
     light->voxel_metres = voxel;
-    memcpy(light->direction_ws, desc->shape->direction_ws, sizeof light->direction_ws);
 
     /* rows of ls_from_ws: casters in the middle of u and v, one voxel behind the near plane */
     double determinant = 1;
@@ -110,4 +106,15 @@ vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *d
         return fail(m, VXS_E_ARGUMENT, "%s spans %g x %g m seen from light '%s': no map can be fitted to it",
                     desc->region_ws ? "--region" : "the scene", width, depth, desc->name);
     return VXS_OK;
+}
+
+vxs_result light_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, message *m)
+{
+    static const double ahead[3] = {0, 0, 1}; /* the cube of a point light stands along the axes of the world */
+    double              axes[3][3];
+    memset(light, 0, sizeof *light);
+    set_name(light, desc->name, m);
+    memcpy(light->direction_ws, desc->shape->kind == LIGHT_POINT ? ahead : desc->shape->direction_ws, sizeof light->direction_ws);
+    axes_from_direction(axes, light->direction_ws);
+    return desc->shape->kind == LIGHT_DIRECTIONAL ? sun_fit(light, c, desc, axes, m) : lamp_fit(light, c, desc, axes, m);
 }

@@ -1280,6 +1280,8 @@ vxs_result light_at(loader &l, size_t node_index, size_t light_index, scene_ligh
     double direction[3] = {forward.x / length, forward.y / length, forward.z / length};
     memcpy(out.shape.position_ws, position, sizeof position);
     memcpy(out.shape.direction_ws, direction, sizeof direction);
+    out.shape.outer_rad = light.spot.outerConeAngle;
+    out.shape.range_m   = light.range > 0 ? light.range : INFINITY;
     return VXS_OK;
 }
 

@@ -132,7 +132,9 @@ def lights(tmp_path_factory):
 
 
 @pytest.mark.parametrize("options, names", [
-    ((), ["noon", "morning"]),
+    ((), ["noon", "lamp", "morning", "bulb"]),
+    (("--light", "lamp"), ["lamp"]),
+    (("--light", "bulb", "--sun", "1,-1,0"), ["bulb", "sun"]),
     (("--light", "morning"), ["morning"]),
     (("--light", "morning", "--light", "noon"), ["morning", "noon"]),
     (("--sun", "1,-1,0"), ["sun"]),
@@ -142,7 +144,7 @@ def lights(tmp_path_factory):
 def test_lights(vxs, bake, lights, options, names):
     report = bake(lights, *SMALL, *options)
     assert [light["name"] for light in report["lights"]] == names
-    expected = {"noon": "01", "morning": "10", "sun": "10"}
+    expected = {"noon": "01", "morning": "10", "sun": "10", "lamp": "01", "bulb": "01"}
     under, beside = lit(vxs, report["path"], UNDER, BESIDE)
     assert ["".join(pair) for pair in zip(under, beside)] == [expected[name] for name in names]
 
@@ -161,8 +163,6 @@ def test_sun_takes_the_place_of_the_scenes_own(bake, scene):
 @pytest.mark.parametrize("options, status, says", [
     (("--light", "nobody"), 2, "noon (directional), lamp (spot)"),
     (("--light", "noon", "--light", "noon"), 2, "twice"),
-    (("--light", "lamp"), 2, "spot"),
-    (("--light", "bulb"), 2, "point"),
     (("--sun", "0,0,0"), 2, "not zero"),
     (("--sun", "1,2"), 2, "3 numbers"),
     (("--sun", "1,2,3,4"), 2, "3 numbers"),
@@ -172,13 +172,21 @@ def test_wrong_lights(fails, lights, tmp_path, options, status, says):
     fails(status, "bake", lights, "-o", tmp_path / "a.vxs", *SMALL, *options, says=says)
 
 
-def test_scene_without_a_sun(fails, tmp_path_factory, tmp_path):
-    folder = tmp_path_factory.mktemp("dark")
-    dark = small_scene.write(folder / "dark.gltf", lights=())
+def test_scene_without_a_light(fails, tmp_path):
+    dark = small_scene.write(tmp_path / "dark.gltf", lights=())
     fails(5, "bake", dark, "-o", tmp_path / "a.vxs", says="--sun")
     fails(2, "bake", dark, "-o", tmp_path / "a.vxs", "--light", "sun", says="no lights")
-    lamp = small_scene.write(folder / "lamp.gltf", lights=(("lamp", "spot", NOON),))
-    fails(5, "bake", lamp, "-o", tmp_path / "a.vxs", says="--sun")
+
+
+def test_lights_that_reach_nothing_are_left_out(bake, fails, vxs, tmp_path):
+    """A lamp that shines up into the sky."""
+    up = small_scene.write(tmp_path / "up.gltf", lights=(("up", "spot", (0, 1, 0)), ("noon", "directional", NOON)))
+    report = bake(up, *SMALL)
+    assert [light["name"] for light in report["lights"]] == ["noon"]
+    assert report["lights_left_out"] == [{"name": "up", "why": "reaches no caster"}]
+    said = vxs("bake", up, "-o", tmp_path / "a.vxs", *SMALL).stderr
+    assert said == "vxs: warning: light 'up' reaches no caster: it is left out\n"
+    fails(5, "bake", up, "-o", tmp_path / "b.vxs", *SMALL, "--light", "up", says="no light reaches a caster")
 
 
 # --- the map ------------------------------------------------------------------------------------------------------------------
@@ -396,9 +404,9 @@ def test_a_region_without_size_in_numbers(fails, scene, tmp_path):
 def test_the_report_says_what_was_left_out(bake, tmp_path):
     lights = (("sun", "directional", NOON), ("lamp", "spot", NOON), ("moon", "directional", MORNING))
     scene = small_scene.write(tmp_path / "lights.gltf", lights=lights)
-    assert bake(scene, *SMALL)["lights_left_out"] == [{"name": "lamp", "why": "not directional"}]
+    assert bake(scene, *SMALL)["lights_left_out"] == []
     assert bake(scene, *SMALL, "--light", "moon")["lights_left_out"] == [
-        {"name": "sun", "why": "not asked for"}, {"name": "lamp", "why": "not directional"}]
+        {"name": "sun", "why": "not asked for"}, {"name": "lamp", "why": "not asked for"}]
 
 
 def test_the_baseline_counts_tiles_without_casters(bake, tmp_path):
@@ -497,7 +505,7 @@ def asset(vxs, lights, tmp_path_factory):
 
 def test_info(vxs, asset):
     text = vxs("info", asset).stdout
-    for word in ("2 lights", "light noon: directional", "light morning", "64 x 64 texels", "masks", "metadata", "\"generator\""):
+    for word in ("4 lights", "light noon: directional", "light morning", "64 x 64 texels", "masks", "metadata", "\"generator\""):
         assert word in text
 
 
@@ -506,7 +514,7 @@ def test_info_json(vxs, asset, tmp_path):
     info = json.loads((tmp_path / "info.json").read_text())
     assert info == json.loads(vxs("info", asset, "--json", "-").stdout)
     assert info["file_bytes"] == asset.stat().st_size == max(s["offset_bytes"] + s["stored_bytes"] for s in info["sections"])
-    assert [light["name"] for light in info["lights"]] == ["noon", "morning"]
+    assert [light["name"] for light in info["lights"]] == ["noon", "lamp", "morning", "bulb"]
     assert info["metadata"]["options"]["closed"] == "auto"
 
 

@@ -90,6 +90,7 @@ static void world_free(world *w)
 typedef struct check {
     const depth_maps *maps;
     const uint32_t   *words;
+    uint32_t          root; /* of the map in words */
     uint32_t          levels;
     uint32_t          side_vx;
     uint32_t          i0, j0; /* first texel of the rendered tile in the map */
@@ -98,20 +99,28 @@ typedef struct check {
     int               failed;
 } check;
 
+/* A depth as it was sampled, in voxels: shares of the whole, or near / distance of a perspective map, negative, whose logarithm is
+ * divided by a voxel's. */
+static double voxels(const check *c, float depth)
+{
+    if (c->maps->voxel_log == 0) return (double)depth * c->side_vx;
+    return depth == 0 ? c->side_vx : fmin(log(-1 / (double)depth) / c->maps->voxel_log, c->side_vx);
+}
+
 static int must_be_lit(const check *c, float enter, uint32_t k)
 {
-    return (double)k + 1 <= (double)enter * c->side_vx;
+    return (double)k + 1 <= voxels(c, enter);
 }
 
 static int must_be_dark(const check *c, float exit, uint32_t k)
 {
-    return (double)k >= (double)exit * c->side_vx;
+    return (double)k >= voxels(c, exit);
 }
 
 static void ask_voxel(const check *c, tally *t, uint32_t i, uint32_t j, uint32_t k)
 {
     size_t   at   = (size_t)j * c->maps->side_px + i;
-    uint32_t dark = vxs_shadow(c->words, 0, c->levels, c->i0 + i, c->j0 + j, k);
+    uint32_t dark = vxs_shadow(c->words, c->root, c->levels, c->i0 + i, c->j0 + j, k);
     t->voxels++;
     t->wrong_shadow += dark && must_be_lit(c, c->maps->enter[at], k);
     t->wrong_lit += !dark && must_be_dark(c, c->maps->exit[at], k);
@@ -119,7 +128,7 @@ static void ask_voxel(const check *c, tally *t, uint32_t i, uint32_t j, uint32_t
 
 static void ask_window(const check *c, tally *t, uint32_t i, uint32_t j, float depth)
 {
-    int64_t at = (int64_t)((double)depth * c->side_vx);
+    int64_t at = (int64_t)voxels(c, depth);
     for (int64_t k = at - WINDOW_VX; k <= at + WINDOW_VX; k++)
         if (k >= 0 && k < c->side_vx) ask_voxel(c, t, i, j, (uint32_t)k);
 }
@@ -150,8 +159,8 @@ static void ask_tile(const check *c, tally *t, uint32_t x, uint32_t y, uint8_t *
     memset(changes, 0, c->side_vx + 4);
     for (uint32_t n = 0; n < 64; n++) {
         size_t at = (size_t)(n / 8) * c->maps->side_px + n % 8;
-        memset(changes + (uint32_t)((double)enter[at] * c->side_vx), 1, 3);
-        memset(changes + (uint32_t)((double)exit[at] * c->side_vx), 1, 3);
+        memset(changes + (uint32_t)voxels(c, enter[at]), 1, 3);
+        memset(changes + (uint32_t)voxels(c, exit[at]), 1, 3);
     }
     uint64_t lit = 0, dark = 0;
     for (uint32_t k = 0; k < c->side_vx; k++) {
@@ -164,7 +173,7 @@ static void ask_tile(const check *c, tally *t, uint32_t x, uint32_t y, uint8_t *
             }
         }
         uint32_t low, high;
-        vxs_slice(c->words, 0, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k, &low, &high);
+        vxs_slice(c->words, c->root, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k, &low, &high);
         uint64_t found = low | (uint64_t)high << 32;
         t->wrong_shadow += (uint64_t)__builtin_popcountll(found & lit);
         t->wrong_lit += (uint64_t)__builtin_popcountll(~found & dark);
@@ -191,9 +200,10 @@ static uint64_t insane_texels(const depth_maps *maps, const depth_maps *solids)
 {
     uint64_t count  = 0;
     size_t   texels = (size_t)maps->side_px * maps->side_px;
+    float    near = maps->voxel_log == 0 ? 0 : -1, far = near + 1;
     for (size_t n = 0; n < texels; n++) {
         float e = maps->enter[n], x = maps->exit[n];
-        count += !(0 <= e && e <= x && x <= 1) || ((!solids || solids->enter[n] == 1) && e != x);
+        count += !(near <= e && e <= x && x <= far) || ((!solids || solids->enter[n] == far) && e != x);
     }
     return count;
 }
@@ -208,25 +218,26 @@ static void add_tallies(tally *to, const tally *worker)
     }
 }
 
-/* A light of the file against depths that are rendered anew. */
-static vxs_result check_light(const exact_options *o, const world *w, const vxs_light *light, const uint32_t *words, tally *sum,
-                              message *m)
+/* A map of a light of the file against depths that are rendered anew. */
+static vxs_result check_map(const exact_options *o, const world *w, const vxs_light *light, int map, const uint32_t *words,
+                            tally *sum, message *m)
 {
     casters         solids_only = w->c;
     depth_renderer *renderer = NULL, *solid_renderer = NULL;
     depth_maps      maps = {0}, solids = {0};
     vxs_result      r;
-    uint32_t        side  = 1u << light->levels;
-    uint32_t        tile  = side < TILE_MAX_PX ? side : TILE_MAX_PX;
-    uint64_t        tiles = (uint64_t)(side / tile) * (side / tile);
-    int             any   = w->c.solid_triangle_count != 0;
-    check          *c     = malloc(sizeof *c);
+    uint32_t        side      = 1u << light->levels;
+    uint32_t        tile      = side < TILE_MAX_PX ? side : TILE_MAX_PX;
+    uint64_t        tiles     = (uint64_t)(side / tile) * (side / tile);
+    int             any       = w->c.solid_triangle_count != 0;
+    double          voxel_log = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres;
+    check          *c         = malloc(sizeof *c);
     if (!c) return fail(m, VXS_E_MEMORY, "out of memory");
 
     solids_only.triangle_count = solids_only.solid_triangle_count;
-    if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
-    if ((r = depth_maps_init(&maps, tile, side, depth_renderer_has_exit(renderer), m)) != VXS_OK) goto done;
-    if (any && (r = depth_maps_init(&solids, tile, side, 1, m)) != VXS_OK) goto done;
+    if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, map, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
+    if ((r = depth_maps_init(&maps, tile, side, voxel_log, any, m)) != VXS_OK) goto done;
+    if (any && (r = depth_maps_init(&solids, tile, side, voxel_log, 1, m)) != VXS_OK) goto done;
 
     for (uint64_t n = 0; n < tiles && r == VXS_OK; n++) {
         uint32_t i = (uint32_t)(n % (side / tile)), j = (uint32_t)(n / (side / tile));
@@ -235,17 +246,19 @@ static vxs_result check_light(const exact_options *o, const world *w, const vxs_
             /* one renderer at a time sets up the context */
             depth_renderer_destroy(renderer);
             renderer = NULL;
-            if ((r = depth_renderer_create(&solid_renderer, w->gl, &solids_only, light, EXIT_BACK, o->bake.threads, m)) != VXS_OK)
+            if ((r = depth_renderer_create(&solid_renderer, w->gl, &solids_only, light, map, EXIT_BACK, o->bake.threads, m)) !=
+                VXS_OK)
                 break;
             if ((r = depth_renderer_tile(solid_renderer, &solids, i, j, m)) != VXS_OK) break;
             depth_renderer_destroy(solid_renderer);
             solid_renderer = NULL;
-            if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, o->bake.exit, o->bake.threads, m)) != VXS_OK) break;
+            if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, map, o->bake.exit, o->bake.threads, m)) != VXS_OK) break;
         }
         sum->insane += insane_texels(&maps, any ? &solids : NULL);
 
         *c      = (check){.maps = &maps, .words = words, .levels = light->levels, .side_vx = side, .i0 = i * tile, .j0 = j * tile};
-        c->seed = rng_split(o->seed, n).state;
+        c->root = light->flags & VXS_LIGHT_CUBE ? words[map] : 0;
+        c->seed = rng_split(o->seed + (uint64_t)map, n).state;
         if (o->columns)
             parallel_for(o->bake.threads, o->columns / tiles, 1024, ask_random_columns, c);
         else
@@ -259,6 +272,15 @@ done:
     depth_maps_free(&solids);
     depth_renderer_destroy(renderer);
     depth_renderer_destroy(solid_renderer);
+    return r;
+}
+
+static vxs_result check_light(const exact_options *o, const world *w, const vxs_light *light, const uint32_t *words, tally *sum,
+                              message *m)
+{
+    int        maps = light->flags & VXS_LIGHT_CUBE ? (int)VXS_CUBE_FACES : 1;
+    vxs_result r    = VXS_OK;
+    for (int map = 0; map < maps && r == VXS_OK; map++) r = check_map(o, w, light, map, words, sum, m);
     return r;
 }
 
@@ -362,7 +384,7 @@ static vxs_result build_sub(const exact_options *o, const column_source *source,
     if (*left && o->fault == FAULT_INSERTED) *left -= spoil_node(&d, level, random);
     if (o->bake.stop != STOP_INSERT && (r = dag_compress(&d, o->bake.compress)) != VXS_OK) goto done;
     if (*left && o->fault == FAULT_COMPRESSED) *left -= spoil_node(&d, level, random);
-    r = dag_merger_add(merger, &d, i, j);
+    r = dag_merger_add(merger, &d, 0, i, j);
 done:
     tile_masks_free(&masks);
     dag_free(&d);
@@ -379,9 +401,9 @@ static vxs_result build_dag(const exact_options *o, const world *w, const vxs_li
     uint32_t        side = 1u << light->levels, sub = side / 4 < SUB_DAG_MAX_PX ? side / 4 : SUB_DAG_MAX_PX;
     int             faults = o->fault != FAULT_STAGES && o->fault != FAULT_WORD;
 
-    if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
-    if ((r = depth_maps_init(&maps, side, side, depth_renderer_has_exit(renderer), m)) != VXS_OK) goto done;
-    if ((r = dag_merger_create(&merger, side, sub, o->bake.stop == STOP_FINAL)) != VXS_OK) goto done;
+    if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, 0, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
+    if ((r = depth_maps_init(&maps, side, side, 0, w->c.solid_triangle_count != 0, m)) != VXS_OK) goto done;
+    if ((r = dag_merger_create(&merger, side, sub, 1, o->bake.stop == STOP_FINAL)) != VXS_OK) goto done;
     if ((r = depth_renderer_tile(renderer, &maps, 0, 0, m)) != VXS_OK) goto done;
     if (o->fault == FAULT_DEPTH) spoil_depth(&maps, &random);
     depth_maps_reduce(&maps, o->bake.threads);
@@ -411,6 +433,10 @@ static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *
     vxs_result      r;
     memset(&out, 0, sizeof out);
     if ((r = lights_choose(&w->s, &o->bake.light_names, o->bake.sun_given, o->bake.sun, &chosen, m)) != VXS_OK) return r;
+    if (chosen.lights[0].shape.kind != LIGHT_DIRECTIONAL) {
+        r = fail(m, VXS_E_ARGUMENT, "--fault: the first light is not directional");
+        goto done;
+    }
     light_fit_desc fit = {.name = chosen.lights[0].name, .shape = &chosen.lights[0].shape, .resolution = o->bake.resolution};
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
     if ((r = build_dag(o, w, &out.light, &d, m)) != VXS_OK) goto done;
@@ -495,6 +521,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
 
     const option options[] = {
         {"--sun", OPTION_VECTOR, o->bake.sun, 0, 3, NULL, "X,Y,Z", "as bake", &o->bake.sun_given},
+        {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
         {"--resolution", OPTION_U32, &o->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 512)",
          NULL},
         {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, "auto|peel|back", NULL, "as bake", NULL},

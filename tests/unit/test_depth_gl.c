@@ -276,6 +276,7 @@ static vxs_light identity_light(uint32_t side)
     vxs_light l;
     memset(&l, 0, sizeof l);
     while (1u << l.levels < side) l.levels++;
+    l.kind          = VXS_LIGHT_KIND_DIRECTIONAL;
     l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;
     l.texel_metres = l.voxel_metres = 1;
     l.direction_ws[2]               = 1;
@@ -288,9 +289,8 @@ static depth_stats render_light(const casters *c, const vxs_light *light, exit_m
 {
     depth_renderer *r;
     message         m = {0};
-    assert_int_equal(depth_renderer_create(&r, gl, c, light, mode, threads, &m), VXS_OK);
-    assert_int_equal(depth_renderer_has_exit(r), c->solid_triangle_count != 0);
-    assert_int_equal(depth_maps_init(maps, tile_px, 1u << light->levels, depth_renderer_has_exit(r), &m), VXS_OK);
+    assert_int_equal(depth_renderer_create(&r, gl, c, light, 0, mode, threads, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(maps, tile_px, 1u << light->levels, 0, c->solid_triangle_count != 0, &m), VXS_OK);
     assert_int_equal(depth_renderer_tile(r, maps, i, j, &m), VXS_OK);
     depth_stats stats = depth_renderer_stats(r);
     depth_renderer_destroy(r);
@@ -681,9 +681,9 @@ static void tiles_make_up_the_map(void **state)
     depth_renderer *r;
     message         m = {0};
     render_light(&k.c, &light, EXIT_PEEL, 2, SIDE, 0, 0, &whole);
-    assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, EXIT_PEEL, 2, &m), VXS_OK);
+    assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, 0, EXIT_PEEL, 2, &m), VXS_OK);
     depth_maps tile;
-    assert_int_equal(depth_maps_init(&tile, TILE, SIDE, 1, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(&tile, TILE, SIDE, 0, 1, &m), VXS_OK);
     for (uint32_t j = 0; j < SIDE / TILE; j++)
         for (uint32_t i = 0; i < SIDE / TILE; i++) {
             int any = 0;
@@ -702,7 +702,7 @@ static void tiles_make_up_the_map(void **state)
     /* across the corner of four blocks, against the reference */
     texel_hits *all = cast_rays(&k.c, 960, 960, 128, SIDE);
     depth_maps  part;
-    assert_int_equal(depth_maps_init(&part, 128, SIDE, 1, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(&part, 128, SIDE, 0, 1, &m), VXS_OK);
     for (size_t row = 0; row < 128; row++) {
         memcpy(part.enter + row * 128, whole.enter + (960 + row) * SIDE + 960, 128 * sizeof *part.enter);
         memcpy(part.exit + row * 128, whole.exit + (960 + row) * SIDE + 960, 128 * sizeof *part.exit);
@@ -725,7 +725,7 @@ static void empty_squares_have_no_casters(void **state)
     vxs_light       light = identity_light(256);
     depth_renderer *r;
     message         m = {0};
-    assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, EXIT_AUTO, 1, &m), VXS_OK);
+    assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, 0, EXIT_AUTO, 1, &m), VXS_OK);
     for (uint32_t j = 0; j < 4; j++)
         for (uint32_t i = 0; i < 4; i++) assert_int_equal(depth_renderer_has_casters(r, 64, i, j), i == 1 && j == 1);
     depth_renderer_destroy(r);

@@ -16,7 +16,7 @@
 static void init(depth_maps *d, uint32_t side, uint32_t depth, int with_exit)
 {
     message m = {0};
-    assert_int_equal(depth_maps_init(d, side, depth, with_exit, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(d, side, depth, 0, with_exit, &m), VXS_OK);
 }
 
 static uint32_t down(const depth_maps *d, float depth)

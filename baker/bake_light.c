@@ -1,0 +1,238 @@
+/* Baking one light; see bake_light.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake_light.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/clock.h"
+#include "baker/base/integer.h"
+#include "baker/base/parallel.h"
+#include "baker/maps/light_fit.h"
+
+/* A light while it is baked. */
+typedef struct light_job {
+    const light_baker *baker;
+    light_report      *report;
+    baseline          *base;
+    dag_merger        *merger;
+    depth_renderer    *renderer; /* of the map in work */
+    depth_maps         maps;     /* of the tile in work */
+    uint32_t           map, map_count;
+    uint32_t           tiles_done;
+    double             since; /* when the first tile was begun */
+} light_job;
+
+/* one map tile into sub-DAGs -------------------------------------------------------------------------------------------------- */
+
+typedef struct sub_dag {
+    tile_masks masks;
+    dag        dag;
+    vxs_result result;
+    uint64_t   nodes, mask_nodes, mask_tiles, mask_runs;
+} sub_dag;
+
+typedef struct tile_job {
+    const bake_options *o;
+    column_source       source;
+    uint32_t            sub_px;   /* side of a sub-DAG */
+    uint32_t            sub_side; /* sub-DAGs a side of the tile */
+    sub_dag            *subs;     /* [sub_side * sub_side] */
+} tile_job;
+
+/* A sub-DAG is a sixteenth of a map tile, so that threads have something to share, and at most SUB_DAG_MAX_PX wide. */
+static uint32_t sub_dag_side(uint32_t tile_px)
+{
+    uint32_t side = min_u32(tile_px / 4, SUB_DAG_MAX_PX);
+    return side < 8 ? 8 : side;
+}
+
+static void masks_of_sub(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    tile_job *t     = user;
+    uint32_t  tiles = t->sub_px / 8;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        sub_dag *s = &t->subs[n];
+        s->result  = tile_masks_build(&s->masks, &t->source, (uint32_t)(n % t->sub_side) * tiles,
+                                      (uint32_t)(n / t->sub_side) * tiles, tiles, t->o->rule);
+        if (s->result != VXS_OK) continue;
+        s->mask_runs = s->masks.run_count;
+        for (size_t k = 0; k < (size_t)tiles * tiles; k++) s->mask_tiles += s->masks.first[k] < s->masks.first[k + 1];
+    }
+}
+
+static void insert_sub(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    tile_job *t = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        sub_dag *s = &t->subs[n];
+        if (s->result != VXS_OK) continue;
+        s->result = dag_insert(&s->dag, &t->source, (uint32_t)(n % t->sub_side), (uint32_t)(n / t->sub_side), dag_levels(t->sub_px),
+                               &s->masks, t->o->reuse);
+        tile_masks_free(&s->masks);
+        s->nodes      = dag_node_count(&s->dag);
+        s->mask_nodes = s->dag.mask_count;
+    }
+}
+
+static void compress_sub(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    tile_job *t = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++)
+        if (t->subs[n].result == VXS_OK) t->subs[n].result = dag_compress(&t->subs[n].dag, t->o->compress);
+}
+
+/* A rendered tile into the merger: pyramid, masks, insertion, compression, merge. */
+static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
+{
+    const bake_options *o     = job->baker->options;
+    light_report       *light = job->report;
+    depth_maps         *maps  = &job->maps;
+    stage_timer         timer = stage_begin(job->baker->report);
+    depth_maps_reduce(maps, o->threads);
+    stage_end(&timer, STAGE_PYRAMID);
+
+    tile_job t     = {.o = o, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->side_px)};
+    t.sub_side     = maps->side_px / t.sub_px;
+    uint32_t count = t.sub_side * t.sub_side;
+    t.subs         = calloc(count, sizeof *t.subs);
+    if (!t.subs) return VXS_E_MEMORY;
+
+    parallel_for(o->threads, count, 1, masks_of_sub, &t);
+    stage_end(&timer, STAGE_MASKS);
+    parallel_for(o->threads, count, 1, insert_sub, &t);
+    stage_end(&timer, STAGE_INSERT);
+    if (o->stop != STOP_INSERT) parallel_for(o->threads, count, 1, compress_sub, &t);
+    stage_end(&timer, STAGE_COMPRESS);
+
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < count; n++) {
+        sub_dag *s = &t.subs[n];
+        if (r == VXS_OK) r = s->result;
+        if (r == VXS_OK)
+            r = dag_merger_add(job->merger, &s->dag, job->map, i * t.sub_side + n % t.sub_side, j * t.sub_side + n / t.sub_side);
+        light->mask_tiles += s->mask_tiles;
+        light->mask_runs += s->mask_runs;
+        light->inserted_nodes += s->nodes;
+        light->inserted_masks += s->mask_nodes;
+        tile_masks_free(&s->masks);
+        dag_free(&s->dag);
+    }
+    free(t.subs);
+    stage_end(&timer, STAGE_MERGE);
+    return r;
+}
+
+/* one light ------------------------------------------------------------------------------------------------------------------- */
+
+static void say_progress(light_job *job, uint32_t tiles)
+{
+    if (!job->baker->options->progress) return;
+    double spent = clock_seconds() - job->since;
+    fprintf(stderr, "\r\033[Kvxs: light %s: tile %u of %u, about %.0f s left", job->report->light.name, job->tiles_done, tiles,
+            spent / job->tiles_done * (tiles - job->tiles_done));
+    fflush(stderr);
+}
+
+static void end_progress(const light_job *job)
+{
+    if (job->baker->options->progress) fputs("\r\033[K", stderr);
+}
+
+static vxs_result bake_tile(light_job *job, uint32_t i, uint32_t j, message *m)
+{
+    const bake_options *o      = job->baker->options;
+    bake_report        *report = job->baker->report;
+    int                 empty  = !depth_renderer_has_casters(job->renderer, job->maps.side_px, i, j);
+    vxs_result          r      = VXS_OK;
+    job->report->tiles++;
+    job->report->tiles_skipped += (uint64_t)empty;
+    stage_timer timer = stage_begin(report);
+    if (!empty) {
+        r = depth_renderer_tile(job->renderer, &job->maps, i, j, m);
+        stage_end(&timer, STAGE_MAPS);
+    }
+    if (r == VXS_OK && o->baseline != BASELINE_OFF && !baseline_add(job->base, &job->maps, empty)) r = VXS_E_MEMORY;
+    report->baseline_seconds += clock_seconds() - timer.start;
+    return r == VXS_OK && !empty ? add_tile(job, i, j) : r;
+}
+
+static void add_stats(depth_stats *sum, depth_stats s)
+{
+    sum->blocks_rendered += s.blocks_rendered;
+    sum->blocks_empty += s.blocks_empty;
+    sum->triangles_drawn += s.triangles_drawn;
+    sum->peel_passes += s.peel_passes;
+    if (s.peel_passes_max > sum->peel_passes_max) sum->peel_passes_max = s.peel_passes_max;
+}
+
+static vxs_result bake_map(light_job *job, message *m)
+{
+    const light_baker  *b     = job->baker;
+    const bake_options *o     = b->options;
+    const vxs_light    *light = &job->report->light;
+    uint32_t            side  = (1u << light->levels) / job->maps.side_px;
+    stage_timer         timer = stage_begin(b->report);
+    vxs_result          r = depth_renderer_create(&job->renderer, b->gl, b->casters, light, (int)job->map, o->exit, o->threads, m);
+    stage_end(&timer, STAGE_GL);
+    for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
+        r = bake_tile(job, n % side, n / side, m);
+        job->tiles_done++;
+        say_progress(job, side * side * job->map_count);
+    }
+    end_progress(job);
+    if (r == VXS_OK) add_stats(&job->report->depth, depth_renderer_stats(job->renderer));
+    depth_renderer_destroy(job->renderer);
+    job->renderer = NULL;
+    return r;
+}
+
+static vxs_result check_name(const light_baker *b, const light_report *light, message *m)
+{
+    for (const light_report *other = b->report->lights; other < light; other++)
+        if (!strcmp(other->light.name, light->light.name))
+            return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", light->light.name);
+    return VXS_OK;
+}
+
+vxs_result bake_light(const light_baker *b, const chosen_light *chosen, dag *out, baseline *base, light_report *light, message *m)
+{
+    const bake_options *o   = b->options;
+    light_fit_desc      fit = {.name           = chosen->name,
+                               .shape          = &chosen->shape,
+                               .resolution     = o->resolution,
+                               .resolution_max = RESOLUTION_MAX_PX,
+                               .texel_metres   = o->texel_metres,
+                               .region_ws      = o->region_given ? o->region_ws : NULL};
+    light_job           job = {.baker = b, .report = light, .base = base, .since = clock_seconds()};
+    vxs_result          r;
+
+    stage_timer timer = stage_begin(b->report);
+    if ((r = light_fit(&light->light, b->casters, &fit, m)) != VXS_OK) goto done;
+    if ((r = check_name(b, light, m)) != VXS_OK) goto done;
+    int      lamp = light->light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    int      exit = b->casters->solid_triangle_count != 0; /* else everything is a sheet, left where it is entered */
+    uint32_t side = 1u << light->light.levels;
+    uint32_t tile = min_u32(side, TILE_MAX_PX);
+    job.map_count = light->light.flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
+    if ((r = depth_maps_init(&job.maps, tile, side, lamp ? light->light.voxel_metres : 0, exit, m)) != VXS_OK) goto done;
+    if ((r = dag_merger_create(&job.merger, side, sub_dag_side(tile), job.map_count, o->stop == STOP_FINAL)) != VXS_OK) goto done;
+    stage_end(&timer, STAGE_GL);
+
+    base->limit_per_map = o->baseline == BASELINE_FULL ? 0 : ((size_t)256 << 10) / ((side / tile) * (side / tile) * job.map_count);
+    for (job.map = 0; job.map < job.map_count && r == VXS_OK; job.map++) r = bake_map(&job, m);
+    if (r != VXS_OK) goto done;
+
+    timer = stage_begin(b->report);
+    r     = dag_merger_finish(job.merger, out);
+    stage_end(&timer, STAGE_MERGE);
+done:
+    if (r == VXS_E_MEMORY) fail(m, r, "out of memory while baking light '%s'", chosen->name);
+    dag_merger_destroy(job.merger);
+    depth_maps_free(&job.maps);
+    return r;
+}

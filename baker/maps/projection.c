@@ -1,0 +1,170 @@
+/* Projecting casters into a map; see projection.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/maps/projection.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/parallel.h"
+#include "baker/maps/map_space.h"
+
+#define NONE UINT32_MAX
+
+typedef struct projector {
+    projection      *p;
+    const vxs_light *light;
+    int              map;
+    double           side_px;
+    map_corner      *corners; /* [casters->vertex_count] in map space */
+    map_sides        touch, keep;
+    uint32_t        *slot; /* [casters->vertex_count] its vertex in the projection, or NONE */
+    size_t           vertex_capacity, triangle_capacity;
+    int              leaves_bounds[PARALLEL_THREADS_MAX];
+} projector;
+
+static vertex_ls project(const projector *j, const double at[3])
+{
+    if (!j->p->reversed) return (vertex_ls){at[0], at[1], at[2]};
+    double per_px = at[2] * j->light->texel_metres;
+    return (vertex_ls){0.5 * j->side_px + at[0] / per_px, 0.5 * j->side_px + at[1] / per_px, j->light->near_metres / at[2]};
+}
+
+static void transform_vertices(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    projector *j    = user;
+    double     side = j->side_px;
+    for (size_t n = begin; n < end; n++) {
+        double *at = j->corners[n].at;
+        map_space_from_ws(j->light, j->map, j->p->casters->positions_ws + 3 * n, at);
+        if (!(at[0] >= -side && at[0] <= 2 * side && at[1] >= -side && at[1] <= 2 * side)) j->leaves_bounds[worker] = 1;
+    }
+}
+
+/* arrays that grow ------------------------------------------------------------------------------------------------------------ */
+
+static int grow(void **array, size_t *capacity, size_t needed, size_t size)
+{
+    if (needed <= *capacity) return 1;
+    size_t more  = *capacity ? *capacity * 2 : 1024;
+    void  *grown = more < needed || more > SIZE_MAX / size ? NULL : realloc(*array, more * size);
+    if (!grown) return 0;
+    *array    = grown;
+    *capacity = more;
+    return 1;
+}
+
+/* The index of a new vertex, or NONE. */
+static uint32_t add_vertex(projector *j, const double at[3])
+{
+    projection *p = j->p;
+    if (p->vertex_count == NONE || !grow((void **)&p->vertices, &j->vertex_capacity, p->vertex_count + 1, sizeof *p->vertices))
+        return NONE;
+    p->vertices[p->vertex_count] = project(j, at);
+    return (uint32_t)p->vertex_count++;
+}
+
+static int add_triangle(projector *j, const uint32_t corners[3])
+{
+    projection *p = j->p;
+    if (!grow((void **)&p->own_indices, &j->triangle_capacity, p->triangle_count + 1, 3 * sizeof *p->own_indices)) return 0;
+    memcpy(p->own_indices + 3 * p->triangle_count++, corners, 3 * sizeof *corners);
+    return 1;
+}
+
+static int add_whole(projector *j, const uint32_t *caster)
+{
+    uint32_t corners[3];
+    for (int n = 0; n < 3; n++) {
+        uint32_t *slot = &j->slot[caster[n]];
+        if (*slot == NONE && (*slot = add_vertex(j, j->corners[caster[n]].at)) == NONE) return 0;
+        corners[n] = *slot;
+    }
+    return add_triangle(j, corners);
+}
+
+/* A convex polygon as triangles around its first corner. */
+static int add_polygon(projector *j, const map_polygon *polygon)
+{
+    uint32_t corners[3];
+    for (int n = 0; n < polygon->count; n++) {
+        uint32_t vertex = add_vertex(j, polygon->corners[n].at);
+        if (vertex == NONE) return 0;
+        if (n < 2)
+            corners[n] = vertex;
+        else {
+            corners[2] = vertex;
+            if (!add_triangle(j, corners)) return 0;
+            corners[1] = vertex;
+        }
+    }
+    return 1;
+}
+
+static int add_caster(projector *j, const uint32_t *caster)
+{
+    map_polygon triangle = {.count = 3}, kept;
+    for (int n = 0; n < 3; n++) triangle.corners[n] = j->corners[caster[n]];
+    if (!map_sides_touch(&j->touch, &triangle)) return 1;
+    if (!map_sides_clip(&j->keep, &triangle, &kept)) return add_whole(j, caster);
+    return kept.count < 3 || add_polygon(j, &kept);
+}
+
+/* the casters ----------------------------------------------------------------------------------------------------------------- */
+
+static int add_casters(projector *j)
+{
+    projection    *p = j->p;
+    const casters *c = p->casters;
+    j->touch         = map_sides_of(j->light, 1);
+    j->keep          = map_sides_of(j->light, j->side_px);
+    j->slot          = malloc((c->vertex_count + 1) * sizeof *j->slot);
+    if (!j->slot) return 0;
+    memset(j->slot, 0xff, c->vertex_count * sizeof *j->slot);
+    for (size_t n = 0; n < c->triangle_count; n++) {
+        if (n == c->solid_triangle_count) p->solid_triangle_count = p->triangle_count;
+        if (!add_caster(j, c->indices + 3 * n)) return 0;
+    }
+    if (c->solid_triangle_count == c->triangle_count) p->solid_triangle_count = p->triangle_count;
+    p->indices = p->own_indices;
+    return 1;
+}
+
+/* All vertices are in bounds: the casters' own triangles serve. */
+static int take_casters(projector *j)
+{
+    projection    *p = j->p;
+    const casters *c = p->casters;
+    p->vertices      = malloc((c->vertex_count + 1) * sizeof *p->vertices);
+    if (!p->vertices) return 0;
+    for (size_t n = 0; n < c->vertex_count; n++) p->vertices[n] = project(j, j->corners[n].at);
+    p->vertex_count         = c->vertex_count;
+    p->triangle_count       = c->triangle_count;
+    p->solid_triangle_count = c->solid_triangle_count;
+    p->indices              = c->indices;
+    return 1;
+}
+
+vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, message *m)
+{
+    *p          = (projection){.casters = c, .reversed = light->kind != VXS_LIGHT_KIND_DIRECTIONAL};
+    projector j = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels)};
+    int       ok;
+    j.corners = malloc((c->vertex_count + 1) * sizeof *j.corners);
+    if ((ok = j.corners != NULL)) {
+        int some_leave = p->reversed;
+        parallel_for(threads, c->vertex_count, 4096, transform_vertices, &j);
+        for (int n = 0; n < PARALLEL_THREADS_MAX; n++) some_leave |= j.leaves_bounds[n];
+        ok = some_leave ? add_casters(&j) : take_casters(&j);
+    }
+    free(j.corners);
+    free(j.slot);
+    return ok ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the vertices of a map");
+}
+
+void projection_free(projection *p)
+{
+    free(p->vertices);
+    free(p->own_indices);
+    *p = (projection){0};
+}
