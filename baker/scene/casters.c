@@ -37,6 +37,7 @@ typedef struct work {
     size_t    triangle_count;
     uint32_t *indices;      /* [3 * triangle_count] */
     uint8_t  *flags;        /* [triangle_count] */
+    uint32_t *hole_of;      /* [triangle_count] which of the scene's mask_triangles, or NONE; NULL: the scene has none */
     uint32_t *component_of; /* [triangle_count] while edges are joined: the parent in the union-find forest */
 
     size_t     component_count;
@@ -49,6 +50,7 @@ static void work_free(work *w)
     free(w->positions_ws);
     free(w->indices);
     free(w->flags);
+    free(w->hole_of);
     free(w->component_of);
     free(w->components);
     free(w->boxes);
@@ -108,9 +110,17 @@ static int is_finite_position(const double *p)
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 }
 
+/* Which of the scene's mask_triangles triangle t is, or NONE. *at runs along them, as t along the triangles. */
+static uint32_t find_hole(const scene *s, size_t t, size_t *at)
+{
+    while (*at < s->mask_triangle_count && s->mask_triangles[*at].triangle < t) ++*at;
+    return *at < s->mask_triangle_count && s->mask_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
+}
+
 /* Vertices that no triangle uses are left out: they may be anything and must not widen the bounds. */
 static vxs_result weld_triangles(work *w, welder *d, const scene *s, message *m)
 {
+    size_t hole_at = 0;
     for (size_t t = 0; t < s->triangle_count; t++) {
         uint32_t *corners = &w->indices[3 * w->triangle_count];
         for (size_t i = 0; i < 3; i++) {
@@ -126,7 +136,11 @@ static vxs_result weld_triangles(work *w, welder *d, const scene *s, message *m)
             corners[i] = d->welded_of[v];
         }
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-        w->flags[w->triangle_count++] = s->triangle_flags[t] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+        w->flags[w->triangle_count] = s->triangle_flags[t] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+        uint32_t hole               = find_hole(s, t, &hole_at);
+        if (hole != NONE) w->flags[w->triangle_count] |= TRIANGLE_ALPHA_MASK;
+        if (w->hole_of) w->hole_of[w->triangle_count] = hole;
+        w->triangle_count++;
     }
     return VXS_OK;
 }
@@ -143,7 +157,9 @@ static vxs_result weld(work *w, const scene *s, message *m)
     w->positions_ws = malloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
     w->indices      = malloc((3 * s->triangle_count + 3) * sizeof *w->indices);
     w->flags        = malloc(s->triangle_count + 1);
-    if (!w->positions_ws || !w->indices || !w->flags || welder_init(&d, s->vertex_count) != VXS_OK) {
+    if (s->mask_triangle_count) w->hole_of = malloc((s->triangle_count + 1) * sizeof *w->hole_of);
+    if (!w->positions_ws || !w->indices || !w->flags || (s->mask_triangle_count && !w->hole_of) ||
+        welder_init(&d, s->vertex_count) != VXS_OK) {
         r = out_of_memory(m, s->triangle_count);
         goto done;
     }
@@ -446,35 +462,95 @@ static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uin
     return emitted_as[v];
 }
 
-static void emit_triangles(casters *c, const work *w, uint32_t *emitted_as, int solids)
+/* Write triangle t of the work as triangle `at` of the result. */
+static void emit_triangle(casters *c, const work *w, uint32_t *emitted_as, size_t t, size_t at, int turn)
+{
+    const uint32_t *from = &w->indices[3 * t];
+    uint32_t       *to   = &c->indices[3 * at];
+    to[0]                = emit_vertex(c, w, emitted_as, from[0]);
+    to[1]                = emit_vertex(c, w, emitted_as, from[turn ? 2 : 1]);
+    to[2]                = emit_vertex(c, w, emitted_as, from[turn ? 1 : 2]);
+}
+
+static int has_holes(const work *w, size_t t)
+{
+    return w->hole_of && w->hole_of[t] != NONE;
+}
+
+/* The solids, or the sheets without holes. */
+static void emit_whole_triangles(casters *c, const work *w, uint32_t *emitted_as, int solids)
 {
     for (size_t t = 0; t < w->triangle_count; t++) {
         const component *of = &w->components[w->component_of[t]];
-        if ((of->kind == COMPONENT_SOLID) != solids) continue;
-        const uint32_t *from = &w->indices[3 * t];
-        uint32_t       *to   = &c->indices[3 * c->triangle_count++];
-        int             turn = solids && of->volume < 0; /* only --closed on lets such a one be a solid */
-        to[0]                = emit_vertex(c, w, emitted_as, from[0]);
-        to[1]                = emit_vertex(c, w, emitted_as, from[turn ? 2 : 1]);
-        to[2]                = emit_vertex(c, w, emitted_as, from[turn ? 1 : 2]);
+        if ((of->kind == COMPONENT_SOLID) != solids || has_holes(w, t)) continue;
+        int turn = solids && of->volume < 0; /* only --closed on lets such a one be a solid */
+        emit_triangle(c, w, emitted_as, t, c->triangle_count++, turn);
     }
 }
 
-static vxs_result emit(casters *c, const work *w, message *m)
+/* Where the triangles of each mask go, behind all others: mask_first from counts. */
+static void place_masks(casters *c, const work *w, const scene *s)
+{
+    for (size_t t = 0; t < w->triangle_count; t++)
+        if (has_holes(w, t)) c->mask_first[s->mask_triangles[w->hole_of[t]].mask + 1]++;
+    c->mask_first[0] = c->masked_first;
+    for (size_t i = 0; i < c->mask_count; i++) c->mask_first[i + 1] += c->mask_first[i];
+}
+
+/* next  [mask_count] where the next triangle of each mask goes */
+static void emit_masked_triangles(casters *c, const work *w, const scene *s, uint32_t *emitted_as, size_t *next)
+{
+    memcpy(next, c->mask_first, c->mask_count * sizeof *next);
+    for (size_t t = 0; t < w->triangle_count; t++) {
+        if (!has_holes(w, t)) continue;
+        const mask_triangle *hole = &s->mask_triangles[w->hole_of[t]];
+        size_t               at   = next[hole->mask]++;
+        emit_triangle(c, w, emitted_as, t, at, 0);
+        memcpy(&c->mask_uvs[6 * (at - c->masked_first)], hole->uv, sizeof hole->uv);
+    }
+    c->triangle_count = w->triangle_count;
+}
+
+static size_t count_holes(const work *w)
+{
+    size_t count = 0;
+    for (size_t t = 0; t < w->triangle_count; t++) count += (size_t)has_holes(w, t);
+    return count;
+}
+
+/* Room for the result; all of it is casters_free's. */
+static int make_room(casters *c, const work *w, const scene *s)
+{
+    c->positions_ws = malloc(3 * w->vertex_count * sizeof *c->positions_ws);
+    c->indices      = malloc(3 * w->triangle_count * sizeof *c->indices);
+    c->mask_count   = s->mask_count;
+    c->masks        = allocate(s->mask_count, sizeof *c->masks);
+    c->mask_first   = allocate(s->mask_count + 1, sizeof *c->mask_first);
+    c->mask_uvs     = allocate(count_holes(w), 6 * sizeof *c->mask_uvs);
+    c->images       = s->images;
+    return c->positions_ws && c->indices && c->masks && c->mask_first && c->mask_uvs;
+}
+
+static vxs_result emit(casters *c, const work *w, const scene *s, message *m)
 {
     uint32_t *emitted_as = malloc(w->vertex_count * sizeof *emitted_as);
-    c->positions_ws      = malloc(3 * w->vertex_count * sizeof *c->positions_ws);
-    c->indices           = malloc(3 * w->triangle_count * sizeof *c->indices);
-    if (!emitted_as || !c->positions_ws || !c->indices) {
+    size_t   *next       = allocate(s->mask_count, sizeof *next);
+    if (!make_room(c, w, s) || !emitted_as || !next) {
         free(emitted_as);
+        free(next);
         return out_of_memory(m, w->triangle_count);
     }
     memset(emitted_as, 0xff, w->vertex_count * sizeof *emitted_as);
-    emit_triangles(c, w, emitted_as, 1);
+    if (s->mask_count) memcpy(c->masks, s->masks, s->mask_count * sizeof *c->masks);
+    emit_whole_triangles(c, w, emitted_as, 1);
     c->solid_triangle_count = c->triangle_count;
-    emit_triangles(c, w, emitted_as, 0);
+    emit_whole_triangles(c, w, emitted_as, 0);
+    c->masked_first = c->triangle_count;
+    place_masks(c, w, s);
+    emit_masked_triangles(c, w, s, emitted_as, next);
     count_kinds(c, w);
     free(emitted_as);
+    free(next);
     return VXS_OK;
 }
 
@@ -502,7 +578,7 @@ vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, me
     if ((r = connect(&w, m)) != VXS_OK) goto done;
     if ((r = measure_components(&w, m)) != VXS_OK) goto done;
     if ((r = judge_components(&w, s, closed, m)) != VXS_OK) goto done;
-    r = emit(c, &w, m);
+    r = emit(c, &w, s, m);
 done:
     if (r != VXS_OK) casters_free(c);
     work_free(&w);
@@ -513,6 +589,9 @@ void casters_free(casters *c)
 {
     free(c->positions_ws);
     free(c->indices);
+    free(c->masks);
+    free(c->mask_first);
+    free(c->mask_uvs);
     *c = (casters){0};
 }
 

@@ -33,6 +33,8 @@ typedef struct casters {
     size_t    masked_first;         /* triangles [masked_first, triangle_count) have holes; they are sheets */
     uint32_t *indices;              /* [3 * triangle_count], in the scene's order within solids, sheets, and each mask */
 
+    /* The scene's masks keep their numbers; one whose triangles all collapsed has none. Without masks mask_count is 0, masked_first is
+     * triangle_count, and mask_first has its one entry. */
     size_t      mask_count;
     alpha_mask *masks;         /* [mask_count] */
     size_t     *mask_first;    /* [mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i; [0] is masked_first */

@@ -138,10 +138,45 @@ static void clear(fixture *b)
     free(b->s.triangle_flags);
     free(b->s.lights);
     free(b->s.camera_positions_ws);
+    free(b->s.masks);
+    free(b->s.mask_triangles);
     *b = (fixture){.m.quiet = 1};
 }
 
 /* --- what must hold --------------------------------------------------------------------------------------------------- */
+
+/* Triangles with holes are last, by mask, and have the corners and texture coordinates that the scene gave them. */
+static void check_masks(const fixture *b)
+{
+    const casters *c    = &b->c;
+    size_t         kept = 0;
+    assert_int_equal(c->mask_count, b->s.mask_count);
+    assert_ptr_equal(c->images, b->s.images);
+    assert_int_equal(c->mask_first[0], c->masked_first);
+    assert_int_equal(c->mask_first[c->mask_count], c->triangle_count);
+    assert_true(c->masked_first >= c->solid_triangle_count);
+    for (size_t i = 0; i < c->mask_count; i++) {
+        size_t at = c->mask_first[i];
+        assert_memory_equal(&c->masks[i], &b->s.masks[i], sizeof *c->masks);
+        for (size_t n = 0; n < b->s.mask_triangle_count; n++) {
+            const mask_triangle *hole = &b->s.mask_triangles[n];
+            const uint32_t      *v    = &b->s.indices[3 * (size_t)hole->triangle];
+            const double        *p[3];
+            for (size_t k = 0; k < 3; k++) p[k] = &b->s.positions_ws[3 * (size_t)v[k]];
+            int collapsed = 0;
+            for (int k = 0; k < 3; k++) collapsed |= !memcmp(p[k], p[(k + 1) % 3], 3 * sizeof(double));
+            if (hole->mask != i || collapsed) continue;
+            assert_true(at < c->mask_first[i + 1]);
+            assert_memory_equal(&c->mask_uvs[6 * (at - c->masked_first)], hole->uv, sizeof hole->uv);
+            for (size_t k = 0; k < 3; k++)
+                assert_memory_equal(&c->positions_ws[3 * (size_t)c->indices[3 * at + k]], p[k], 3 * sizeof(double));
+            at++;
+            kept++;
+        }
+        assert_int_equal(at, c->mask_first[i + 1]);
+    }
+    assert_int_equal(kept, c->triangle_count - c->masked_first);
+}
 
 /* Whatever the scene: counts agree, no two vertices are at one place, all are used, nothing is lost. */
 static void check_invariants(const fixture *b)
@@ -152,6 +187,7 @@ static void check_invariants(const fixture *b)
     assert_int_equal(total, c->triangle_count);
     assert_int_equal(c->triangles_of_kind[COMPONENT_SOLID], c->solid_triangle_count);
     assert_int_equal(c->triangle_count + c->collapsed_count, b->s.triangle_count);
+    check_masks(b);
 
     uint8_t *used = calloc(c->vertex_count, 1);
     assert_non_null(used);
@@ -455,6 +491,87 @@ static void test_order_is_the_scenes(void **state)
         for (size_t axis = 0; axis < 3; axis++)
             assert_true(b.c.positions_ws[3 * (size_t)b.c.indices[i] + axis] ==
                         b.s.positions_ws[3 * (size_t)b.s.indices[6 + i] + axis]);
+    clear(&b);
+}
+
+/* --- masks ------------------------------------------------------------------------------------------------------------ */
+
+static void add_mask(fixture *b, uint32_t image, float threshold)
+{
+    b->s.masks                    = grown(b->s.masks, (b->s.mask_count + 1) * sizeof *b->s.masks);
+    b->s.masks[b->s.mask_count++] = (alpha_mask){.image = image, .threshold = threshold, .wrap_u = WRAP_MIRROR};
+}
+
+/* Triangle t of the scene gets holes, and texture coordinates that no other has. */
+static void set_mask(fixture *b, uint32_t t, uint32_t mask)
+{
+    mask_triangle hole = {.triangle = t, .mask = mask};
+    for (int i = 0; i < 6; i++) hole.uv[i / 2][i % 2] = (float)(10 * t) + (float)i;
+    b->s.mask_triangles                             = grown(b->s.mask_triangles, (b->s.mask_triangle_count + 1) * sizeof hole);
+    b->s.mask_triangles[b->s.mask_triangle_count++] = hole;
+    b->s.triangle_flags[t] |= TRIANGLE_ALPHA_MASK;
+}
+
+static void test_masked_triangles_come_last(void **state)
+{
+    (void)state;
+    fixture      b    = {0};
+    const double u[3] = {1, 0, 0}, v[3] = {0, 1, 0}, at[3] = {9, 9, 9};
+    alpha_image  images[2] = {{0}};
+    for (int i = 0; i < 4; i++) add_mask(&b, (uint32_t)i & 1, 0.25f * (float)(i + 1));
+    for (int i = 0; i < 5; i++) {
+        add_quad(&b, (double[3]){0, 0, 10.0 + i}, u, v, 0); /* 2 triangles of 15 */
+        add_triangle(&b, at, at, u, 0);                     /* collapses, with a mask or without */
+        add_box(&b, 3, 0, 10 + 2 * i, 4, 1, 11 + 2 * i);
+    }
+    b.s.images      = images;
+    b.s.image_count = 2;
+    for (uint32_t i = 0; i < 5; i++) { /* mask 1 has only a triangle that collapses */
+        set_mask(&b, 15 * i, (uint32_t[]){3, 0, 2, 0, 3}[i]);
+        if (i != 2) set_mask(&b, 15 * i + 1, (uint32_t[]){2, 0, 0, 3, 0}[i]);
+        if (i != 3) set_mask(&b, 15 * i + 2, 1);
+    }
+    sort_out(&b, CLOSED_AUTO);
+    expect(&b, COMPONENT_SHEET_ALPHA_MASK, 5, 5);
+    expect(&b, COMPONENT_SOLID, 5, 5);
+    assert_int_equal(b.c.masked_first, 60 + 1); /* the half of a quad without a mask is a sheet like others */
+    assert_int_equal(b.c.triangle_count, 60 + 10);
+    assert_int_equal(b.c.mask_first[1], b.c.mask_first[2]);
+
+    /* whatever the mode, holes stay holes */
+    sort_out(&b, CLOSED_OFF);
+    assert_int_equal(b.c.masked_first, 60 + 1);
+    sort_out(&b, CLOSED_ON);
+    assert_int_equal(b.c.masked_first, 60 + 1);
+    assert_int_equal(b.c.solid_triangle_count, 60);
+    clear(&b);
+}
+
+static void test_mask_makes_a_sheet(void **state)
+{
+    (void)state;
+    fixture b = {0};
+    add_box(&b, 0, 0, 0, 1, 1, 1);
+    add_mask(&b, 0, 0.5f);
+    set_mask(&b, 5, 0);
+    b.s.triangle_flags[5] = 0; /* being one of mask_triangles is enough */
+    for (int mode = CLOSED_AUTO; mode <= CLOSED_ON; mode++) {
+        sort_out(&b, (closed_mode)mode);
+        expect(&b, COMPONENT_SHEET_ALPHA_MASK, 1, 0);
+        assert_int_equal(b.c.masked_first, 11);
+    }
+    clear(&b);
+}
+
+static void test_no_masks(void **state)
+{
+    (void)state;
+    fixture b = {0};
+    add_box(&b, 0, 0, 0, 1, 1, 1);
+    sort_out(&b, CLOSED_AUTO);
+    assert_int_equal(b.c.masked_first, 12);
+    assert_int_equal(b.c.mask_count, 0);
+    assert_int_equal(b.c.mask_first[0], 12);
     clear(&b);
 }
 
@@ -830,6 +947,9 @@ int main(void)
         cmocka_unit_test(test_infinite_corner_is_refused),
         cmocka_unit_test(test_nothing_to_cast),
         cmocka_unit_test(test_order_is_the_scenes),
+        cmocka_unit_test(test_masked_triangles_come_last),
+        cmocka_unit_test(test_mask_makes_a_sheet),
+        cmocka_unit_test(test_no_masks),
         cmocka_unit_test(test_box_in_a_box),
         cmocka_unit_test(test_sheet_in_a_box),
         cmocka_unit_test(test_intersecting_boxes),
