@@ -4,6 +4,7 @@
  * All coordinates are world space, in metres. Embree traces in float, so casters and points are moved to the centre of the
  * casters' bounds and scaled by a power of two, in double, before they are rounded: answers are those of casters and rays
  * displaced by at most truth_precision(), wherever the scene stands in the world. Both sides of every triangle count.
+ * Rays pass through the holes of alpha-tested triangles (baker/scene/alpha_mask.h); distances are to whole triangles.
  *
  * Threads: every function that takes a const truth may be called from any number of threads at once.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -34,9 +35,10 @@ double truth_precision(const truth *t);
  * lifted_ws  [out] may be point_ws */
 void truth_lift(const truth *t, const double point_ws[3], const double normal_ws[3], double lifted_ws[3]);
 
-/* 1 when no caster lies between the point and the light, 0 otherwise; whether the light reaches so far is not asked. A caster within truth_precision of the point, along the
- * ray, does not count: a point on a floor is not in the floor's shadow, unless the sun all but grazes it.
- * A caster within truth_precision of a spot or point light does not count either.
+/* 1 when no caster lies between the point and the light, 0 otherwise; whether the point is in the light's cone and range is not
+ * asked: light_reaches() says that. Neither a caster within truth_precision of the point, along the ray, counts (a point on a
+ * floor is not in the floor's shadow, unless the light all but grazes it), nor one within truth_precision of a spot or point
+ * light (a lamp may lie in a ceiling). A light may be inside the casters' bounds or far outside.
  * Cost: one or two rays; 2 to 10 million points a second on one core, with up to 700 000 triangles. */
 int truth_lit(const truth *t, const double point_ws[3], const light_shape *light);
 
@@ -45,7 +47,7 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
 int truth_inside_solid(const truth *t, const double point_ws[3]);
 
 /* The distance in metres from the point to the nearest caster, or `limit` where that is less (INFINITY: no limit). Exact to
- * double rounding. A point farther from the casters than 1e15 times their size gets `limit`. */
+ * double rounding. Holes of alpha-tested triangles count as surface, so that the distance is never too large. A point farther from the casters than 1e15 times their size gets `limit`. */
 double truth_distance(const truth *t, const double point_ws[3], double limit);
 
 /* The first caster along a ray; the lower triangle where several are equally near.
@@ -62,7 +64,8 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
  * point_ws   [out]
  * normal_ws  [out] unit, by the triangle's winding; may be NULL
  * triangle   [out] may be NULL
- * Returns 0, and writes nothing, when all triangles together have no area.   Cost: O(log triangles). */
+ * Returns 0, and writes nothing, when all triangles together have no area, or when 64 points in a row fall into holes of
+ * alpha-tested triangles.   Cost: O(log triangles) for each of them. */
 int truth_sample_surface(const truth *t, const double uniforms[3], double point_ws[3], double normal_ws[3], uint32_t *triangle);
 
 #endif

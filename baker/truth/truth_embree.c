@@ -15,13 +15,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "baker/scene/alpha_mask.h"
 
 /* Relative to the sphere that holds the ray's origin and the casters: 16 roundings to float of the largest coordinate, for
  * origin, direction, vertices, and Embree's edge products. */
 #define FLOAT_SLACK 0x1p-20
 
 #define LIFT 1e-5
+
+#define SURFACE_TRIES 64 /* points drawn before surfaces count as nothing but holes */
 
 struct truth {
     const casters *casters;
@@ -247,11 +251,46 @@ static void tilt(struct RTCRay *ray)
     ray->dir_z = (float)tilted[2];
 }
 
+/* Whether a triangle has a hole where the weights of its second and third corner are these. */
+static int is_hole(const casters *c, size_t triangle, double second, double third)
+{
+    if (!c->mask_count || triangle < c->masked_first) return 0;
+    size_t low = 0, high = c->mask_count - 1; /* the last mask that begins at or before the triangle */
+    while (low < high) {
+        size_t middle = high - (high - low) / 2;
+        if (c->mask_first[middle] <= triangle)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+
+    const alpha_mask *mask = &c->masks[low];
+    const float      *uv   = &c->mask_uvs[6 * (triangle - c->masked_first)];
+    double            at[2];
+    for (int i = 0; i < 2; i++)
+        at[i] = (1 - second - third) * (double)uv[i] + second * (double)uv[2 + i] + third * (double)uv[4 + i];
+    return !alpha_mask_opaque(mask, &c->images[mask->image], at[0], at[1]);
+}
+
+typedef struct holes_context {
+    struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
+    const casters             *casters;
+} holes_context;
+
+/* Embree's weights of a triangle's corners are off by what rounding displaces the ray, which truth_precision has room for. */
+static void pass_holes(const struct RTCFilterFunctionNArguments *args)
+{
+    const holes_context *context = (const holes_context *)args->context;
+    const struct RTCHit *hit     = (const struct RTCHit *)args->hit; /* N is 1: the plain struct */
+    if (is_hole(context->casters, hit->primID, (double)hit->u, (double)hit->v)) args->valid[0] = 0;
+}
+
 static int is_occluded(const truth *t, struct RTCRay ray)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(t->scene, &context, &ray);
+    holes_context context = {.casters = t->casters};
+    rtcInitIntersectContext(&context.embree);
+    if (t->casters->mask_count) context.embree.filter = pass_holes;
+    rtcOccluded1(t->scene, &context.embree, &ray);
     return ray.tfar < 0; /* Embree's sign for occluded is -infinity */
 }
 
@@ -285,18 +324,20 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
 /* Embree keeps whichever of two equally near triangles its tree shows last, and threads may build different trees. */
 typedef struct nearest_context {
     struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
+    const casters             *casters;
     float                      distance;
     uint32_t                   triangle;
 } nearest_context;
 
 static void keep_lower_of_equals(const struct RTCFilterFunctionNArguments *args)
 {
-    nearest_context *nearest  = (nearest_context *)args->context;
-    float            distance = ((const struct RTCRay *)args->ray)->tfar; /* N is 1: the plain structs */
-    uint32_t         triangle = ((const struct RTCHit *)args->hit)->primID;
-    if (distance < nearest->distance || (distance == nearest->distance && triangle < nearest->triangle)) {
+    nearest_context     *nearest  = (nearest_context *)args->context;
+    float                distance = ((const struct RTCRay *)args->ray)->tfar; /* N is 1: the plain structs */
+    const struct RTCHit *hit      = (const struct RTCHit *)args->hit;
+    int                  first = distance < nearest->distance || (distance == nearest->distance && hit->primID < nearest->triangle);
+    if (first && !is_hole(nearest->casters, hit->primID, (double)hit->u, (double)hit->v)) {
         nearest->distance = distance;
-        nearest->triangle = triangle;
+        nearest->triangle = hit->primID;
     } else {
         args->valid[0] = 0;
     }
@@ -309,7 +350,7 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
     double           skipped;
     if (!ray_begin(t, origin_ws, direction_ws, &query.ray, &skipped)) return 0;
 
-    nearest_context nearest = {.distance = INFINITY, .triangle = UINT32_MAX};
+    nearest_context nearest = {.casters = t->casters, .distance = INFINITY, .triangle = UINT32_MAX};
     rtcInitIntersectContext(&nearest.embree);
     nearest.embree.filter = keep_lower_of_equals;
     rtcIntersect1(t->scene, &nearest.embree, &query);
@@ -495,10 +536,10 @@ static size_t triangle_at_area(const truth *t, double area)
     return low;
 }
 
-int truth_sample_surface(const truth *t, const double uniforms[3], double point_ws[3], double normal_ws[3], uint32_t *triangle)
+/* A point of the triangles, holes and all. Returns 0 in a hole. */
+static int draw_surface_point(const truth *t, const double uniforms[3], double point_ws[3], size_t *triangle)
 {
-    double total = t->area_sums[t->casters->triangle_count - 1];
-    if (!(total > 0)) return 0;
+    double total  = t->area_sums[t->casters->triangle_count - 1];
     /* u * total may round up to total, for u just below 1 */
     size_t chosen = triangle_at_area(t, fmin(uniforms[0] * total, nextafter(total, 0)));
 
@@ -507,9 +548,25 @@ int truth_sample_surface(const truth *t, const double uniforms[3], double point_
     double        wb = root * (1 - uniforms[2]), wc = root * uniforms[2];
     const double *a = corner(t->casters, chosen, 0), *b = corner(t->casters, chosen, 1), *c = corner(t->casters, chosen, 2);
     for (int i = 0; i < 3; i++) point_ws[i] = a[i] + wb * (b[i] - a[i]) + wc * (c[i] - a[i]);
+    *triangle = chosen;
+    return !is_hole(t->casters, chosen, wb, wc);
+}
 
-    double normal[3];
+int truth_sample_surface(const truth *t, const double uniforms[3], double point_ws[3], double normal_ws[3], uint32_t *triangle)
+{
+    double drawn_from[3] = {uniforms[0], uniforms[1], uniforms[2]}, found[3], normal[3];
+    size_t chosen;
+    int    tries = 1;
+    if (!(t->area_sums[t->casters->triangle_count - 1] > 0)) return 0;
+
+    /* what is drawn after a hole is as random as what was drawn before, and follows from it */
+    rng again = {(uint64_t)ldexp(uniforms[0], 60) ^ (uint64_t)ldexp(uniforms[1], 52) ^ (uint64_t)ldexp(uniforms[2], 44)};
+    while (!draw_surface_point(t, drawn_from, found, &chosen)) {
+        if (tries++ == SURFACE_TRIES) return 0;
+        for (int i = 0; i < 3; i++) drawn_from[i] = ldexp((double)rng_u32(&again), -32);
+    }
     scaled_normal(t, chosen, normal);
+    for (int i = 0; i < 3; i++) point_ws[i] = found[i];
     if (normal_ws) vec3_unit(normal, normal_ws);
     if (triangle) *triangle = (uint32_t)chosen;
     return 1;

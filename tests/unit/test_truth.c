@@ -12,6 +12,7 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "baker/scene/alpha_mask.h"
 #include "baker/truth/truth.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
@@ -378,6 +379,359 @@ static void lifted_points_leave_their_surface(void **state)
     truth_destroy(t);
 }
 
+/* -- spot and point lights ------------------------------------------------------------------------------- */
+
+static int lit_by_lamp(const truth *t, double x, double y, double z, const double lamp_ws[3])
+{
+    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {lamp_ws[0], lamp_ws[1], lamp_ws[2]}, .range_m = 0.5};
+    return truth_lit(t, (const double[]){x, y, z}, &lamp);
+}
+
+static void a_lamp_in_a_room_casts_the_shadows_drawn_by_hand(void **state)
+{
+    (void)state;
+    const double hung[3] = {0, 3, 0}, in_the_ceiling[3] = {1, 4, 1}, in_the_pillar[3] = {2, 1, 0}, above[3] = {0, 1e6, 0};
+    start();
+    quad(vertex(-5, 0, -5), vertex(-5, 0, 5), vertex(5, 0, 5), vertex(5, 0, -5)); /* floor and ceiling, sheets */
+    quad(vertex(-5, 4, -5), vertex(5, 4, -5), vertex(5, 4, 5), vertex(-5, 4, 5));
+    box(1.5, 0, -0.5, 2.5, 2, 0.5);
+    truth *t = make();
+
+    /* the lamp is a metre above the pillar's top, whose far edge is 2.5 away: the shadow ends at 7.5, beyond the floor */
+    assert_int_equal(lit_by_lamp(t, 4.9, 0.001, 0, hung), 0);
+    assert_int_equal(lit_by_lamp(t, 4.9, 1.03, 0, hung), 0); /* 3 - 4.9 / 2.5 = 1.04 */
+    assert_int_equal(lit_by_lamp(t, 4.9, 1.05, 0, hung), 1);
+    assert_int_equal(lit_by_lamp(t, 4.9, 1.03, 1.7, hung), 1); /* beside it */
+    assert_int_equal(lit_by_lamp(t, -4.9, 0, 4, hung), 1);     /* on the floor, farther than the range, which is not asked about */
+    assert_int_equal(lit_by_lamp(t, 0, 3.999, 4, hung), 1);    /* behind the lamp's back: points have none */
+    assert_int_equal(lit_by_lamp(t, 0, 4.001, 0, hung), 0);
+    assert_int_equal(lit_by_lamp(t, 0, -0.001, 0, hung), 0);
+    assert_int_equal(lit_by_lamp(t, 100, 100, 100, hung), 0);
+    assert_int_equal(lit_by_lamp(t, 30, 3.001, 0, hung), 1); /* out through the open side */
+    assert_int_equal(lit_by_lamp(t, 0, 3, 0, hung), 1);      /* the lamp itself */
+
+    assert_int_equal(lit_by_lamp(t, -4, 0, -4, in_the_ceiling), 1);
+    assert_int_equal(lit_by_lamp(t, 1, 5, 1, in_the_ceiling), 1); /* a lamp in a sheet shines to both sides */
+    assert_int_equal(lit_by_lamp(t, 2, 0.5, 0, in_the_pillar), 1);
+    assert_int_equal(lit_by_lamp(t, 3, 1, 0, in_the_pillar), 0);
+    assert_int_equal(lit_by_lamp(t, 4.9, 0, 4, in_the_pillar), 0);
+
+    assert_int_equal(lit_by_lamp(t, 0, 4.001, 0, above), 1);
+    assert_int_equal(lit_by_lamp(t, 0, 3.999, 0, above), 0);
+    assert_int_equal(lit_by_lamp(t, 0, 2e6, 0, above), 1); /* the lamp is between the point and the room */
+    assert_int_equal(lit_by_lamp(t, 0, -2e6, 0, above), 0);
+    assert_int_equal(lit_by_lamp(t, 0, -2e6, 1e300, above), 1);
+    truth_destroy(t);
+}
+
+/* 1 no triangle between a point and a lamp, 0 there is one, -1 too close to tell. */
+static int brute_lit(const double point[3], const double lamp[3], double slack)
+{
+    double way[3], unit[3] = {0, 0, 0};
+    int    doubt = 0;
+    vec3_sub(lamp, point, way);
+    vec3_unit(way, unit);
+    double length = sqrt(vec3_dot(way, way));
+    for (size_t t = 0; t < built.triangle_count; t++) {
+        double margin, from_lamp, back[3] = {-unit[0], -unit[1], -unit[2]};
+        double along   = intersect(t, point, unit, &margin); /* margins are those of the end that is nearer to the plane */
+        double to_lamp = intersect(t, lamp, back, &from_lamp);
+        margin         = fmin(margin, from_lamp);
+        if (margin > slack && fmin(along, to_lamp) > slack) return 0;
+        doubt |= fmin(along, to_lamp) > -slack && along < length + slack && margin > -slack;
+    }
+    return doubt ? -1 : 1;
+}
+
+/* Lamps `spread` times as far as the scene is large, and points in and about it. */
+static void compare_lamps(double size, const double offset[3], double spread, int dark_at_least)
+{
+    rng r = {37};
+    start();
+    random_triangles(&r, 2000);
+    scale_all(size / 100);
+    move_all(offset[0], offset[1], offset[2]);
+    truth *t     = make();
+    double slack = 4 * truth_precision(t);
+
+    int clear = 0, dark = 0;
+    for (int i = 0; i < 2000; i++) {
+        light_shape lamp = {.kind = i % 2 ? LIGHT_POINT : LIGHT_SPOT, .range_m = INFINITY, .outer_rad = 0.5};
+        double      point[3];
+        random_point(&r, 1.5 * size, point);
+        random_point(&r, spread * size, lamp.position_ws);
+        random_direction(&r, lamp.direction_ws);
+        for (int k = 0; k < 3; k++) point[k] += offset[k], lamp.position_ws[k] += offset[k];
+        int expected = brute_lit(point, lamp.position_ws, slack);
+        if (expected < 0) continue;
+        clear++;
+        dark += !expected;
+        assert_int_equal(truth_lit(t, point, &lamp), expected);
+    }
+    assert_true(clear > 1900 && dark > dark_at_least && dark < 1700);
+    truth_destroy(t);
+}
+
+static void lamps_agree_with_brute_force(void **state)
+{
+    (void)state;
+    const double zero[3] = {0, 0, 0}, far[3] = {1e7, -2e7, 3e7};
+    compare_lamps(100, zero, 1, 200);
+    compare_lamps(100, zero, 0.01, 200); /* close together, amidst the scene */
+    compare_lamps(100, zero, 10, 200);
+    compare_lamps(100, zero, 1e6, 200);
+    compare_lamps(100, far, 1, 200);
+    compare_lamps(100, far, 1e3, 200);
+    compare_lamps(1e-9, zero, 1, 200);
+    compare_lamps(1e-6, zero, 1e9, 200);
+    compare_lamps(1e12, zero, 2, 200);
+}
+
+static void a_lamp_reaches_its_cone_and_range(void **state)
+{
+    (void)state;
+    const double far = 1e7, pi = 3.14159265358979323846;
+    light_shape  sun  = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}};
+    light_shape  spot = {
+         .kind = LIGHT_SPOT, .position_ws = {far, 5, -far}, .direction_ws = {0.6, -0.8, 0}, .outer_rad = pi / 6, .range_m = 10};
+    light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {far, 5, -far}, .direction_ws = {0, 0, -1}, .range_m = 10};
+    assert_int_equal(light_reaches(&sun, (const double[]){1e30, 1e30, -1e30}), 1);
+    for (int degrees = -179; degrees <= 180; degrees++)
+        for (int metres = 1; metres < 20; metres += 2) {
+            double turned  = atan2(-0.8, 0.6) + degrees * pi / 180;
+            double here[3] = {far + metres * cos(turned), 5 + metres * sin(turned), -far};
+            assert_int_equal(light_reaches(&lamp, here), metres < 10);
+            if (abs(degrees) != 30) assert_int_equal(light_reaches(&spot, here), metres < 10 && abs(degrees) < 30);
+            spot.outer_rad = pi / 2;
+            if (abs(degrees) != 90) assert_int_equal(light_reaches(&spot, here), metres < 10 && abs(degrees) < 90);
+            spot.outer_rad = pi / 6;
+        }
+    assert_int_equal(light_reaches(&spot, (const double[]){far + 6, -3, -far}), 1); /* the range's end belongs to it */
+    assert_int_equal(light_reaches(&spot, (const double[]){far, 5, -far}), 1);
+    lamp.range_m = INFINITY;
+    assert_int_equal(light_reaches(&lamp, (const double[]){1e30, -1e30, 1e30}), 1);
+
+    /* half a degree to each side */
+    spot.outer_rad = pi / 360;
+    spot.range_m   = INFINITY;
+    assert_int_equal(light_reaches(&spot, (const double[]){far + 600, -795, -far + 8.7}), 1);
+    assert_int_equal(light_reaches(&spot, (const double[]){far + 600, -795, -far + 8.8}), 0);
+}
+
+/* -- holes ----------------------------------------------------------------------------------------------- */
+
+enum { MASKED_MAX = 4000 };
+
+/* Two images: a chequer of 2 x 2 pixels, and one of 4 x 4 for bilinear sampling. */
+static uint8_t           chequer[] = {255, 0, 0, 255};
+static uint8_t           clouds[]  = {0, 255, 255, 0, 255, 90, 20, 200, 180, 255, 255, 90, 0, 30, 200, 255};
+static const alpha_image images[]  = {{2, 2, chequer}, {4, 4, clouds}};
+static alpha_mask        masks[]   = {{.image = 0, .threshold = 0.5f, .wrap_u = WRAP_REPEAT, .wrap_v = WRAP_REPEAT, .nearest = 1},
+                                      {.image = 1, .threshold = 0.6f, .wrap_u = WRAP_MIRROR, .wrap_v = WRAP_CLAMP},
+                                      {.image = 1, .threshold = 0.3f, .wrap_u = WRAP_REPEAT, .wrap_v = WRAP_MIRROR}};
+static size_t            mask_first[4];
+static float             mask_uvs[6 * MASKED_MAX];
+
+/* Triangles from here on are masked, by all three masks in turn; masks_end_here gives them their shares. */
+static void masks_begin_here(void)
+{
+    built.masked_first = built.triangle_count;
+    built.mask_first   = mask_first;
+    built.masks        = masks;
+    built.mask_uvs     = mask_uvs;
+    built.images       = images;
+}
+
+static void masks_end_here(size_t of_first, size_t of_second)
+{
+    built.mask_count = 3;
+    mask_first[0]    = built.masked_first;
+    mask_first[1]    = mask_first[0] + of_first;
+    mask_first[2]    = mask_first[1] + of_second;
+    mask_first[3]    = built.triangle_count;
+}
+
+static void uvs_of_last(double ua, double va, double ub, double vb, double uc, double vc)
+{
+    assert_true(built.triangle_count - built.masked_first <= MASKED_MAX);
+    float       *uv    = &mask_uvs[6 * (built.triangle_count - 1 - built.masked_first)];
+    const double of[6] = {ua, va, ub, vb, uc, vc};
+    for (int i = 0; i < 6; i++) uv[i] = (float)of[i];
+}
+
+/* The square [0, 4] x [0, 4] at height y, its image twice along x and once along z. */
+static void chequered_square(double y)
+{
+    uint32_t v[4] = {vertex(0, y, 0), vertex(0, y, 4), vertex(4, y, 4), vertex(4, y, 0)};
+    triangle(v[0], v[1], v[2]);
+    uvs_of_last(0, 0, 0, 1, 2, 1);
+    triangle(v[0], v[2], v[3]);
+    uvs_of_last(0, 0, 2, 1, 2, 0);
+}
+
+/*    z   0     2     4
+ *  x 0   # # # . . .
+ *    1   . . . # # #      a cell is 1 by 2 metres
+ *    2   # # # . . .
+ *    3   . . . # # #  */
+static void light_passes_holes_drawn_by_hand(void **state)
+{
+    (void)state;
+    const double down[3] = {0, -1, 0}, up[3] = {0, 1, 0};
+    start();
+    ground();
+    masks_begin_here();
+    chequered_square(3);
+    masks_end_here(2, 0);
+    truth *t = make();
+    for (int x = 0; x < 4; x++)
+        for (int z = 0; z < 4; z++) {
+            int      hole = (x + z / 2) % 2;
+            uint32_t which;
+            double   distance, normal[3];
+            assert_int_equal(lit(t, x + 0.49, 1, z + 0.52, down), hole);
+            assert_int_equal(lit_by_lamp(t, x + 0.49, 1, z + 0.52, (const double[]){x + 0.49, 50, z + 0.52}), hole);
+            assert_int_equal(lit_by_lamp(t, x + 0.49, 1, z + 0.52, (const double[]){x + 0.49, 2.9, z + 0.52}), 1);
+            assert_int_equal(truth_first_hit(t, (const double[]){x + 0.49, 5, z + 0.52}, down, &distance, normal, &which), 1);
+            assert_true(distance == (hole ? 5 : 2) && normal[1] == 1 && (which < 2) == hole);
+            assert_int_equal(truth_first_hit(t, (const double[]){x + 0.49, 1, z + 0.52}, up, NULL, NULL, NULL), !hole);
+            assert_true(truth_distance(t, (const double[]){x + 0.49, 3.5, z + 0.52}, 10) == 0.5); /* whole triangles */
+        }
+    truth_destroy(t);
+}
+
+/* Whether a masked triangle has a surface at weights of its second and third corner: -1 where a small step decides. */
+static int brute_opaque(size_t t, double second, double third, double step)
+{
+    const float *uv   = &mask_uvs[6 * (t - built.masked_first)];
+    int          mask = t >= mask_first[2] ? 2 : t >= mask_first[1] ? 1 : 0, sum = 0;
+    for (int i = 0; i < 9; i++) {
+        double b = second + step * (i % 3 - 1), c = third + step * (i / 3 - 1), a = 1 - b - c;
+        double u = a * (double)uv[0] + b * (double)uv[2] + c * (double)uv[4];
+        double v = a * (double)uv[1] + b * (double)uv[3] + c * (double)uv[5];
+        sum += alpha_mask_opaque(&masks[mask], &images[masks[mask].image], u, v);
+    }
+    return sum == 0 ? 0 : sum == 9 ? 1 : -1;
+}
+
+/* The nearest surface along a ray, in double. Returns 1, 0, or -1 where that is too close to tell. */
+static int brute_first_opaque(const double origin[3], const double direction[3], double slack, size_t *hit)
+{
+    double nearest = INFINITY, doubtful = INFINITY;
+    for (size_t t = 0; t < built.triangle_count; t++) {
+        double margin, here = intersect(t, origin, direction, &margin), from_corner[3], ab[3], ac[3], n[3], c[3];
+        int    opaque = 1;
+        if (margin < -slack) continue;
+        vec3_sub(corner_of(t, 1), corner_of(t, 0), ab);
+        vec3_sub(corner_of(t, 2), corner_of(t, 0), ac);
+        vec3_cross(ab, ac, n);
+        for (int i = 0; i < 3; i++) from_corner[i] = origin[i] + here * direction[i] - corner_of(t, 0)[i];
+        if (t >= built.masked_first) {
+            vec3_cross(from_corner, ac, c);
+            double second = vec3_dot(c, n) / vec3_dot(n, n);
+            vec3_cross(ab, from_corner, c);
+            double third   = vec3_dot(c, n) / vec3_dot(n, n);
+            double steep   = fabs(vec3_dot(n, direction)) / sqrt(vec3_dot(n, n));
+            double longest = sqrt(fmax(vec3_dot(ab, ab), vec3_dot(ac, ac)));
+            opaque         = brute_opaque(t, second, third, slack / steep * longest / sqrt(vec3_dot(n, n)));
+        }
+        if (opaque < 0 || (margin <= slack && opaque)) doubtful = fmin(doubtful, here);
+        if (opaque == 1 && margin > slack && here < nearest) nearest = here, *hit = t;
+    }
+    if (doubtful < nearest + slack) return -1;
+    return nearest < INFINITY;
+}
+
+static void rays_through_holes_agree_with_brute_force(void **state)
+{
+    (void)state;
+    rng r = {41};
+    start();
+    random_triangles(&r, 200);
+    masks_begin_here();
+    for (int i = 0; i < 2000; i++) {
+        random_triangles(&r, 1);
+        double uv[6];
+        for (int k = 0; k < 6; k++) uv[k] = 4 * uniform(&r) - 1.5;
+        uvs_of_last(uv[0], uv[1], uv[2], uv[3], uv[4], uv[5]);
+    }
+    masks_end_here(700, 600);
+    move_all(1e5, 0, -1e5);
+    truth *t     = make();
+    double slack = 2 * truth_precision(t);
+
+    int clear = 0, hits = 0, masked_hits = 0;
+    for (int i = 0; i < 3000; i++) {
+        double origin[3], direction[3];
+        size_t hit = 0;
+        random_point(&r, 150, origin);
+        origin[0] += 1e5, origin[2] -= 1e5;
+        random_direction(&r, direction);
+        int expected = brute_first_opaque(origin, direction, slack, &hit);
+        if (expected < 0) continue;
+        uint32_t which;
+        clear++;
+        hits += expected;
+        assert_int_equal(lit(t, origin[0], origin[1], origin[2], (const double[]){-direction[0], -direction[1], -direction[2]}),
+                         !expected);
+        assert_int_equal(truth_first_hit(t, origin, direction, NULL, NULL, &which), expected);
+        if (!expected) continue;
+        assert_int_equal(which, hit);
+        masked_hits += hit >= built.masked_first;
+    }
+    assert_true(clear > 2800 && hits > 400 && hits < 2000 && masked_hits > 300);
+    truth_destroy(t);
+}
+
+static void surface_points_are_not_in_holes(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 40000 };
+    rng r = {43};
+    start();
+    quad(vertex(10, 0, 0), vertex(10, 0, 4), vertex(14, 0, 4), vertex(14, 0, 0)); /* as large, without holes */
+    masks_begin_here();
+    chequered_square(3);
+    masks_end_here(2, 0);
+    truth *t    = make();
+    int    full = 0, cells[4][2] = {0};
+    for (int i = 0; i < SAMPLES; i++) {
+        const double u[3] = {uniform(&r), uniform(&r), uniform(&r)};
+        double       p[3];
+        uint32_t     which;
+        assert_int_equal(truth_sample_surface(t, u, p, NULL, &which), 1);
+        assert_true((which < 2) == (p[1] == 0));
+        if (which < 2)
+            full++;
+        else
+            cells[(int)p[0]][(int)(p[2] / 2)]++;
+    }
+    /* two thirds without holes, one third in four of the eight cells */
+    assert_true(fabs(full - SAMPLES * 2 / 3.0) < 6 * sqrt(SAMPLES * 2 / 9.0));
+    for (int i = 0; i < 8; i++) {
+        int found = cells[i / 2][i % 2];
+        assert_true((i / 2 + i) % 2 ? found == 0 : fabs(found - SAMPLES / 12.0) < 6 * sqrt(SAMPLES / 12.0));
+    }
+    truth_destroy(t);
+}
+
+static void a_surface_of_holes_has_no_points(void **state)
+{
+    (void)state;
+    uint8_t           full[] = {255}, nothing[] = {0};
+    const alpha_image empty[] = {{1, 1, full}, {1, 1, nothing}}; /* the first mask has no triangle */
+    start();
+    masks_begin_here();
+    built.images = empty;
+    chequered_square(3);
+    masks_end_here(0, 1);
+    truth *t = make();
+    double p[3];
+    assert_int_equal(truth_sample_surface(t, (const double[]){0.5, 0.5, 0.5}, p, NULL, NULL), 0);
+    assert_int_equal(lit(t, 1, 0, 1, (const double[]){0, -1, 0}), 1);
+    truth_destroy(t);
+}
+
 /* -- inside ---------------------------------------------------------------------------------------------- */
 
 static int in_box(const double p[3], const double b[6])
@@ -717,6 +1071,13 @@ int main(void)
         cmocka_unit_test(surfaces_are_watertight),
         cmocka_unit_test(equal_triangles_are_told_by_index),
         cmocka_unit_test(lifted_points_leave_their_surface),
+        cmocka_unit_test(a_lamp_in_a_room_casts_the_shadows_drawn_by_hand),
+        cmocka_unit_test(lamps_agree_with_brute_force),
+        cmocka_unit_test(a_lamp_reaches_its_cone_and_range),
+        cmocka_unit_test(light_passes_holes_drawn_by_hand),
+        cmocka_unit_test(rays_through_holes_agree_with_brute_force),
+        cmocka_unit_test(surface_points_are_not_in_holes),
+        cmocka_unit_test(a_surface_of_holes_has_no_points),
         cmocka_unit_test(inside_agrees_with_analytic_solids),
         cmocka_unit_test(inside_survives_a_direction_through_edges),
         cmocka_unit_test(inside_survives_two_directions_through_edges),
