@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import ctypes
 import ctypes.util
+import json
 import struct
 import subprocess
 
@@ -157,3 +158,47 @@ def test_file_that_needs_too_much_memory(vxs, tmp_path):
 def test_control_characters_stay_off_the_terminal(fails):
     """Escape sequences, of 7 and of 8 bits; other characters beyond ASCII are kept."""
     fails(2, "--light", "a\x1b[31m\u009bx\u00e9", says="--light a?[31m??x\u00e9:")
+
+
+# -- the same question, ray traced -------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def lamps(tmp_path_factory):
+    """The block under a sun, a spot of 30 degrees to each side, and a lamp that reaches 7 m, both 6 m above the ground."""
+    path = tmp_path_factory.mktemp("truth") / "lamps.gltf"
+    small_scene.write(path, lights=(("noon", "directional", NOON), ("spot", "spot", NOON), ("lamp", "point", NOON)))
+    gltf = json.loads(path.read_text())
+    _, spot, lamp = gltf["extensions"]["KHR_lights_punctual"]["lights"]
+    spot["spot"]["outerConeAngle"] = 0.5235987755982988
+    lamp["range"] = 7
+    path.write_text(json.dumps(gltf))
+    return path
+
+
+@pytest.mark.parametrize("point, says", [
+    ("0 0.01 0", "0 0 0"),  # under the block
+    ("1.9 0.01 0", "1 0 0"),  # the lamps' shadow is twice as wide as the block
+    ("2.1 0.01 0", "1 1 1"),
+    ("3.4 0.01 0", "1 1 1"),
+    ("3.5 0.01 0", "1 out 1"),  # beyond the cone, which is 6 tan 30 degrees wide there
+    ("3.7 0.01 0", "1 out out"),  # 7.04 m from the lamp
+    ("0 6.5 0", "1 out 1"),  # behind the spot
+    ("0 -0.01 0", "0 0 0"),  # in the ground
+    ("0 -2 0", "0 0 out"),
+    ("3 0 0 0 1 0", "1 1 1"),
+    ("3 0 0 0 -1 0", "0 0 0"),
+])
+def test_truth_of_every_kind_of_light(vxs, lamps, point, says):
+    assert vxs("truth", lamps, input=point + "\n").stdout == says + "\n"
+
+
+def test_truth_of_many_points(vxs, lamps):
+    """More than a block of them, lines of unequal length, at any thread count."""
+    points, lines = ["0 0.01 0", "3.5 0.01 0", "0 -2 0"] * 70000, ["0 0 0", "1 out 1", "0 0 out"] * 70000
+    for threads in (1, 3):
+        assert vxs("truth", lamps, "--threads", threads, input="\n".join(points)).stdout.splitlines() == lines
+
+
+def test_truth_of_chosen_lights(vxs, lamps):
+    options = ("--light", "lamp", "--light", "sun", "--light", "spot", "--sun", "1,-1,0")
+    assert vxs("truth", lamps, *options, input="0 6.5 0\n2.5 0.01 0\n").stdout == "1 1 out\n1 0 1\n"
