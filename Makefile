@@ -73,7 +73,7 @@ $B/libvxs.a: $(runtime.o)
 	@echo "  ar   $@"
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
-$B/baker/scene/casters_cgal.cc.o: cxxflags += -frounding-math # CGAL's exact predicates need it
+$(patsubst %,$B/%.o,$(wildcard baker/scene/casters_cgal.cc baker/scene/mesh_*.cc)): cxxflags += -frounding-math # CGAL's exact predicates need it
 
 $B/%.c.o: %.c
 	@echo "  cc   $<"

@@ -26,6 +26,7 @@ typedef struct component {
     uint32_t       triangle_count;
     uint8_t        flags; /* of all its triangles */
     component_kind kind;
+    uint32_t       number;    /* in the result */
     double         origin[3]; /* one of its corners: volumes are summed from there, so that large coordinates cancel */
     double         volume;    /* signed: positive when its faces look outward */
 } component;
@@ -452,6 +453,17 @@ static void count_kinds(casters *c, const work *w)
     }
 }
 
+/* Give components their numbers in the result: solids first. Their own numbers are in the order of their first triangles. */
+static void number_by_kind(casters *c, work *w)
+{
+    size_t next_solid = 0, next_sheet = c->component_count[COMPONENT_SOLID];
+    for (size_t i = 0; i < w->component_count; i++) {
+        component *k          = &w->components[i];
+        k->number             = (uint32_t)(k->kind == COMPONENT_SOLID ? next_solid++ : next_sheet++);
+        c->kind_of[k->number] = (uint8_t)k->kind;
+    }
+}
+
 /* A vertex gets its number when it is first used; those of collapsed triangles alone get none. */
 static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uint32_t v)
 {
@@ -470,6 +482,7 @@ static void emit_triangle(casters *c, const work *w, uint32_t *emitted_as, size_
     to[0]                = emit_vertex(c, w, emitted_as, from[0]);
     to[1]                = emit_vertex(c, w, emitted_as, from[turn ? 2 : 1]);
     to[2]                = emit_vertex(c, w, emitted_as, from[turn ? 1 : 2]);
+    c->component_of[at]  = w->components[w->component_of[t]].number;
 }
 
 static int has_holes(const work *w, size_t t)
@@ -523,15 +536,17 @@ static int make_room(casters *c, const work *w, const scene *s)
 {
     c->positions_ws = malloc(3 * w->vertex_count * sizeof *c->positions_ws);
     c->indices      = malloc(3 * w->triangle_count * sizeof *c->indices);
+    c->component_of = malloc(w->triangle_count * sizeof *c->component_of);
+    c->kind_of      = malloc(w->component_count * sizeof *c->kind_of);
     c->mask_count   = s->mask_count;
     c->masks        = allocate(s->mask_count, sizeof *c->masks);
     c->mask_first   = allocate(s->mask_count + 1, sizeof *c->mask_first);
     c->mask_uvs     = allocate(count_holes(w), 6 * sizeof *c->mask_uvs);
     c->images       = s->images;
-    return c->positions_ws && c->indices && c->masks && c->mask_first && c->mask_uvs;
+    return c->positions_ws && c->indices && c->component_of && c->kind_of && c->masks && c->mask_first && c->mask_uvs;
 }
 
-static vxs_result emit(casters *c, const work *w, const scene *s, message *m)
+static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
     uint32_t *emitted_as = malloc(w->vertex_count * sizeof *emitted_as);
     size_t   *next       = allocate(s->mask_count, sizeof *next);
@@ -542,13 +557,14 @@ static vxs_result emit(casters *c, const work *w, const scene *s, message *m)
     }
     memset(emitted_as, 0xff, w->vertex_count * sizeof *emitted_as);
     if (s->mask_count) memcpy(c->masks, s->masks, s->mask_count * sizeof *c->masks);
+    count_kinds(c, w);
+    number_by_kind(c, w);
     emit_whole_triangles(c, w, emitted_as, 1);
     c->solid_triangle_count = c->triangle_count;
     emit_whole_triangles(c, w, emitted_as, 0);
     c->masked_first = c->triangle_count;
     place_masks(c, w, s);
     emit_masked_triangles(c, w, s, emitted_as, next);
-    count_kinds(c, w);
     free(emitted_as);
     free(next);
     return VXS_OK;
@@ -589,6 +605,9 @@ void casters_free(casters *c)
 {
     free(c->positions_ws);
     free(c->indices);
+    free(c->component_of);
+    free(c->kind_of);
+    free(c->solid_meets);
     free(c->masks);
     free(c->mask_first);
     free(c->mask_uvs);

@@ -24,6 +24,14 @@ typedef enum component_kind {
 typedef enum closed_mode { CLOSED_AUTO, CLOSED_ON, CLOSED_OFF } closed_mode;
 #define CLOSED_CHOICES "auto|on|off" /* their words, in that order */
 
+/* How many solids meet, and how that was found. */
+typedef struct meeting_counts {
+    size_t   solids, meet; /* all; those that meet another or themselves */
+    size_t   apart_by_box; /* of those that meet nothing: no other solid's box is near */
+    size_t   assumed;      /* of those that meet: not known, the search was given up */
+    uint64_t tests;        /* pairs of triangles that were tested */
+} meeting_counts;
+
 typedef struct casters {
     size_t  vertex_count;
     double *positions_ws; /* [3 * vertex_count] welded: no two vertices have the same position */
@@ -41,6 +49,12 @@ typedef struct casters {
     float      *mask_uvs;      /* [6 * (triangle_count - masked_first)] u, v of each corner, as mask_triangle.uv */
     const alpha_image *images; /* the scene's: borrowed, it must outlive the casters */
 
+    uint32_t *component_of; /* [triangle_count] components are numbered, solids first, each in the order of its first triangle */
+    uint8_t  *kind_of;      /* [all components] component_kind */
+
+    uint8_t       *solid_meets; /* [solid_triangle_count] 1: its solid meets another or itself; NULL before casters_find_meeting */
+    meeting_counts meeting;
+
     size_t component_count[COMPONENT_KINDS]; /* components of each kind */
     size_t triangles_of_kind[COMPONENT_KINDS];
     size_t collapsed_count; /* triangles dropped because two corners welded together */
@@ -54,6 +68,16 @@ typedef struct casters {
  * c  [out] zeroed on failure; released with casters_free.
  * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  Deterministic; threads: none. */
 vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, message *m);
+
+/* Fill solid_meets and meeting. A solid meets another when their surfaces have a point in common, or one is inside the other; it
+ * meets itself when its surface has a point in common with another part of it that is more than an edge or a corner of both.
+ *
+ * Of solids that meet nothing the nearest back face is where light leaves their union: no peeling is needed to find it. One that meets
+ * must be peeled for the best exit depth; its nearest back face would be right as well, only earlier. So a search that takes too long
+ * (a few seconds, for solids in one heap) is given up, and all solids count as meeting: doubt costs time, never truth.
+ * About 0.1 s for 100 000 triangles.
+ * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL).  Deterministic; threads: none. */
+vxs_result casters_find_meeting(casters *c, message *m);
 
 void casters_free(casters *c);
 

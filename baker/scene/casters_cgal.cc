@@ -202,7 +202,34 @@ void find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied)
         occupied[begin->first] = is_occupied_or_unknown(s, begin, end);
     }
 }
+
+/* The pairs [begin, end) of one outer component. */
+void find_inside(const shell_set &s, shell_pair *begin, shell_pair *end)
+{
+    CGAL::Bbox_3 area;
+    for (const shell_pair *p = begin; p != end; p++) area += guest_box(s, p->inner);
+    shell outer(s, begin->outer, area);
+    for (shell_pair *p = begin; p != end; p++) {
+        const uint32_t corner = s.indices[3 * size_t(s.members[s.first[p->inner]])];
+        p->inside             = outer.holds(point_at(&s.positions_ws[3 * size_t(corner)]));
+    }
+}
 } // namespace
+
+vxs_result shells_find_inside(const shell_set *s, shell_pair *pairs, size_t count)
+{
+    for (shell_pair *begin = pairs, *end; begin != pairs + count; begin = end) {
+        end = std::find_if(begin, pairs + count, [&](const shell_pair &p) { return p.outer != begin->outer; });
+        try {
+            find_inside(*s, begin, end);
+        } catch (const std::bad_alloc &) {
+            return VXS_E_MEMORY;
+        } catch (...) {
+            for (shell_pair *p = begin; p != end; p++) p->inside = 1;
+        }
+    }
+    return VXS_OK;
+}
 
 vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied)
 {

@@ -34,6 +34,18 @@ typedef struct shell_set {
  * Returns VXS_OK or VXS_E_MEMORY; never throws.  Deterministic; threads: none. */
 vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied);
 
+/* A component and another one that may be inside it. */
+typedef struct shell_pair {
+    uint32_t outer, inner;
+    uint8_t  inside; /* [out] */
+} shell_pair;
+
+/* For every pair, is the first corner of the inner one in the outer one, or on its surface? Where surfaces do not touch that decides
+ * for all of it. The outer ones must be balanced, see above. A component on which CGAL fails has everything inside.
+ * pairs  [count] sorted by outer
+ * Returns VXS_OK or VXS_E_MEMORY; never throws.  Deterministic; threads: none. */
+vxs_result shells_find_inside(const shell_set *s, shell_pair *pairs, size_t count);
+
 #ifdef __cplusplus
 }
 #endif
