@@ -17,6 +17,7 @@
 #include <xxhash.h>
 
 #include "baker/scene/casters_cgal.h"
+#include "baker/scene/mesh_edges.h"
 
 #define NONE UINT32_MAX
 
@@ -190,65 +191,17 @@ static void join(uint32_t *parents, uint32_t a, uint32_t b)
         parents[a] = b;
 }
 
-/* Half-edge h = 3 t + i runs from corner i of triangle t to the next one. */
-static uint32_t edge_end(const uint32_t *indices, uint32_t h)
-{
-    return indices[h % 3 == 2 ? h - 2 : h + 1];
-}
-
-static uint32_t edge_low(const uint32_t *indices, uint32_t h)
-{
-    uint32_t a = indices[h], b = edge_end(indices, h);
-    return a < b ? a : b;
-}
-
-static uint32_t edge_high(const uint32_t *indices, uint32_t h)
-{
-    uint32_t a = indices[h], b = edge_end(indices, h);
-    return a < b ? b : a;
-}
-
-/* counts[k] items of key k become the place where the first of them goes. */
-static void counts_to_places(uint32_t *counts, size_t key_count)
-{
-    uint32_t place = 0;
-    for (size_t k = 0; k < key_count; k++) {
-        uint32_t count = counts[k];
-        counts[k]      = place;
-        place += count;
-    }
-}
-
-/* Sort all half-edges by (low, high) in two stable counting passes: linear, however many faces meet in a vertex.
- * sorted, scratch  [3 * triangle_count];  places  [vertex_count] */
-static void sort_edges(const work *w, uint32_t *sorted, uint32_t *scratch, uint32_t *places)
-{
-    uint32_t edge_count = (uint32_t)(3 * w->triangle_count);
-
-    memset(places, 0, w->vertex_count * sizeof *places);
-    for (uint32_t h = 0; h < edge_count; h++) places[edge_high(w->indices, h)]++;
-    counts_to_places(places, w->vertex_count);
-    for (uint32_t h = 0; h < edge_count; h++) scratch[places[edge_high(w->indices, h)]++] = h;
-
-    memset(places, 0, w->vertex_count * sizeof *places);
-    for (uint32_t h = 0; h < edge_count; h++) places[edge_low(w->indices, h)]++;
-    counts_to_places(places, w->vertex_count);
-    for (uint32_t i = 0; i < edge_count; i++) sorted[places[edge_low(w->indices, scratch[i])]++] = scratch[i];
-}
-
 /* Join the triangles of each edge, and mark those of an edge that is not used equally often in both directions. An edge of
  * four or six faces may well balance: two boxes that touch along an edge are still two closed boxes. */
 static void join_edges(work *w, const uint32_t *sorted)
 {
     uint32_t edge_count = (uint32_t)(3 * w->triangle_count);
     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        uint32_t first = sorted[begin], low = edge_low(w->indices, first), high = edge_high(w->indices, first);
+        uint32_t first   = sorted[begin];
         int64_t  balance = 0;
-        for (end = begin; end < edge_count; end++) {
-            uint32_t h = sorted[end];
-            if (edge_low(w->indices, h) != low || edge_high(w->indices, h) != high) break;
-            balance += w->indices[h] == low ? 1 : -1;
-            join(w->component_of, first / 3, h / 3);
+        for (end = begin; end < edge_count && mesh_same_edge(w->indices, first, sorted[end]); end++) {
+            balance += w->indices[sorted[end]] == w->indices[first] ? 1 : -1;
+            join(w->component_of, first / 3, sorted[end] / 3);
         }
         if (balance) w->flags[first / 3] |= EDGE_OPEN;
     }
@@ -266,26 +219,17 @@ static void number_components(work *w)
 
 static vxs_result connect(work *w, message *m)
 {
-    vxs_result r          = VXS_OK;
-    size_t     edge_count = 3 * w->triangle_count;
-    uint32_t  *sorted     = malloc(edge_count * sizeof *sorted);
-    uint32_t  *scratch    = malloc(edge_count * sizeof *scratch);
-    uint32_t  *places     = malloc(w->vertex_count * sizeof *places);
-
-    w->component_of = malloc(w->triangle_count * sizeof *w->component_of);
-    if (!sorted || !scratch || !places || !w->component_of) {
-        r = out_of_memory(m, w->triangle_count);
-        goto done;
+    uint32_t *sorted = malloc(3 * w->triangle_count * sizeof *sorted);
+    w->component_of  = malloc(w->triangle_count * sizeof *w->component_of);
+    if (!sorted || !w->component_of || mesh_sort_edges(sorted, w->indices, w->triangle_count, w->vertex_count) != VXS_OK) {
+        free(sorted);
+        return out_of_memory(m, w->triangle_count);
     }
     for (uint32_t t = 0; t < w->triangle_count; t++) w->component_of[t] = t;
-    sort_edges(w, sorted, scratch, places);
     join_edges(w, sorted);
     number_components(w);
-done:
     free(sorted);
-    free(scratch);
-    free(places);
-    return r;
+    return VXS_OK;
 }
 
 /* --- measure ---------------------------------------------------------------------------------------------------------- */
@@ -381,18 +325,6 @@ static size_t collect_points(double *points, const scene *s)
     return count;
 }
 
-/* Bring the triangles together by component.  first  [component_count + 1];  members  [triangle_count] */
-static void group_triangles(const work *w, uint32_t *first, uint32_t *members)
-{
-    memset(first, 0, (w->component_count + 1) * sizeof *first);
-    for (size_t t = 0; t < w->triangle_count; t++) first[w->component_of[t]]++;
-    counts_to_places(first, w->component_count);
-    for (uint32_t t = 0; t < w->triangle_count; t++) members[first[w->component_of[t]]++] = t;
-    /* each place has moved on to where the next component begins */
-    memmove(first + 1, first, w->component_count * sizeof *first);
-    first[0] = 0;
-}
-
 /* Solids with something inside become sheets, for whoever is inside wants to know where light reaches.
  *
  * Copies of a solid: exact ones share their edges, so they are one component, whose winding number tells what they are
@@ -411,7 +343,7 @@ static vxs_result evict_occupied(work *w, const scene *s, message *m)
         r = out_of_memory(m, w->triangle_count);
         goto done;
     }
-    group_triangles(w, first, members);
+    mesh_group(first, members, w->component_of, w->triangle_count, w->component_count);
     for (size_t i = 0; i < w->component_count; i++) wanted[i] = w->components[i].kind == COMPONENT_SOLID;
 
     shell_set shells = {.positions_ws = w->positions_ws,

@@ -9,6 +9,7 @@
 
 #include "baker/scene/casters.h"
 #include "baker/scene/casters_cgal.h"
+#include "baker/scene/mesh_edges.h"
 #include "baker/scene/mesh_intersect.h"
 
 /* A few seconds each. */
@@ -48,16 +49,6 @@ static void mark(meeting *w, uint32_t solid)
 }
 
 /* --- solids ----------------------------------------------------------------------------------------------------------- */
-
-static void group_triangles(meeting *w)
-{
-    const casters *c = w->c;
-    for (size_t t = 0; t < c->solid_triangle_count; t++) w->first[c->component_of[t] + 1]++;
-    for (size_t i = 0; i < w->solids; i++) w->first[i + 1] += w->first[i];
-    for (uint32_t t = 0; t < c->solid_triangle_count; t++) w->members[w->first[c->component_of[t]]++] = t;
-    memmove(w->first + 1, w->first, w->solids * sizeof *w->first); /* each has moved on to where the next begins */
-    w->first[0] = 0;
-}
 
 static void measure_boxes(meeting *w)
 {
@@ -214,7 +205,7 @@ vxs_result casters_find_meeting(casters *c, message *m)
 
     free(c->solid_meets);
     if (make_room(&w, c)) {
-        group_triangles(&w);
+        mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
         measure_boxes(&w);
         search_corners(&w);
         r = w.open ? search_surfaces(&w, &counts) : VXS_OK;

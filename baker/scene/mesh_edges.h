@@ -1,0 +1,59 @@
+/* The edges of welded triangles, and groups of them.
+ *
+ * Half-edge h = 3 t + i runs from corner i of triangle t to the next one. Those of one edge, whichever way they run, are together once
+ * they are sorted:
+ *
+ *     for (begin = 0; begin < 3 * triangle_count; begin = end)
+ *         for (end = begin; end < 3 * triangle_count && mesh_same_edge(indices, sorted[begin], sorted[end]); end++) ...
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef MESH_EDGES_H
+#define MESH_EDGES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/vxs_result.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+static inline uint32_t mesh_edge_end(const uint32_t *indices, uint32_t h)
+{
+    return indices[h % 3 == 2 ? h - 2 : h + 1];
+}
+
+/* The lower and the higher of an edge's two vertices. */
+static inline uint32_t mesh_edge_low(const uint32_t *indices, uint32_t h)
+{
+    uint32_t a = indices[h], b = mesh_edge_end(indices, h);
+    return a < b ? a : b;
+}
+
+static inline uint32_t mesh_edge_high(const uint32_t *indices, uint32_t h)
+{
+    uint32_t a = indices[h], b = mesh_edge_end(indices, h);
+    return a < b ? b : a;
+}
+
+static inline int mesh_same_edge(const uint32_t *indices, uint32_t h, uint32_t g)
+{
+    return mesh_edge_low(indices, h) == mesh_edge_low(indices, g) && mesh_edge_high(indices, h) == mesh_edge_high(indices, g);
+}
+
+/* Sort all half-edges by (low, high), equal ones by number: linear, however many faces meet in a vertex.
+ * sorted   [out] [3 * triangle_count]
+ * indices  [3 * triangle_count] < vertex_count; triangle_count < UINT32_MAX / 3
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result mesh_sort_edges(uint32_t *sorted, const uint32_t *indices, size_t triangle_count, size_t vertex_count);
+
+/* Bring items together by key, in their order within each.
+ * first    [out] [key_count + 1] key k owns members[first[k]] .. members[first[k + 1] - 1]
+ * members  [out] [count] item numbers
+ * key_of   [count] < key_count */
+void mesh_group(uint32_t *first, uint32_t *members, const uint32_t *key_of, size_t count, size_t key_count);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
