@@ -23,9 +23,9 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "baker/base/random.h"
+#include "baker/scene/generate_parts.h"
 
 /* lengths in units of 1/64 m */
 enum {
@@ -133,7 +133,7 @@ static void emit(glb_scene *s, const box *b)
 
 static void begin_mesh(glb_scene *s)
 {
-    s->meshes[s->mesh_count++] = (glb_mesh){"", s->vertex_count, 0, s->triangle_count, 0};
+    s->meshes[s->mesh_count++] = (glb_mesh){.vertex_first = s->vertex_count, .triangle_first = s->triangle_count};
 }
 
 /* Whether two boxes are CLEARANCE apart, as seen by the axes of `a`'s frame. */
@@ -493,7 +493,6 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
     s->positions = malloc(boxes * BOX_VERTICES * 3 * sizeof *s->positions);
     s->indices   = malloc(boxes * BOX_TRIANGLES * 3 * sizeof *s->indices);
     s->meshes    = malloc((blocks + 1) * sizeof *s->meshes);
-    memcpy(s->sun_direction, o->sun, sizeof s->sun_direction);
     if (!s->positions || !s->indices || !s->meshes) {
         glb_scene_free(s);
         return fail(m, VXS_E_MEMORY, "out of memory for a city of %zu boxes", boxes);
@@ -509,5 +508,7 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
         }
     }
     assert(box_count(s) == boxes);
-    return VXS_OK;
+    parts p = {.s = s};
+    parts_sun(&p, o->sun);
+    return parts_end(&p, m);
 }

@@ -14,9 +14,9 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "baker/base/random.h"
+#include "baker/scene/generate_parts.h"
 
 enum { OCTAVES_MAX = 12 };
 
@@ -195,7 +195,8 @@ vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message 
     make_top(s, o, g);
     make_skirts_and_bottom(s, o, g);
     s->mesh_count = 1;
-    s->meshes[0]  = (glb_mesh){"landscape", 0, s->vertex_count, 0, s->triangle_count};
-    memcpy(s->sun_direction, o->sun, sizeof s->sun_direction);
-    return VXS_OK;
+    s->meshes[0]  = (glb_mesh){"landscape", 0, s->vertex_count, 0, s->triangle_count, 0, {0}};
+    parts p       = {.s = s};
+    parts_sun(&p, o->sun);
+    return parts_end(&p, m);
 }

@@ -1,4 +1,4 @@
-/* Triangle meshes and one directional light as a binary glTF 2.0 file.
+/* Triangle meshes, materials with holes, and lights as a binary glTF 2.0 file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GLB_WRITE_H
 #define GLB_WRITE_H
@@ -8,6 +8,7 @@
 
 #include "baker/base/message.h"
 #include "baker/base/output_file.h"
+#include "baker/scene/scene.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,16 +16,37 @@ extern "C" {
 
 /* A run of the scene's vertices and triangles; becomes a mesh and a node of that name. */
 typedef struct glb_mesh {
-    char   name[32];
-    size_t vertex_first, vertex_count;
-    size_t triangle_first, triangle_count; /* both counts > 0 */
+    char     name[32];
+    size_t   vertex_first, vertex_count;
+    size_t   triangle_first, triangle_count; /* both counts > 0 */
+    uint32_t material;                       /* 1 + index into materials; 0: none */
+    double   translation[3];                 /* metres: where the node puts the mesh's origin */
 } glb_mesh;
+
+typedef struct glb_material {
+    const char *name; /* borrowed */
+    int         double_sided;
+    double      alpha_cutoff; /* 0: OPAQUE; else alphaMode is MASK with this cutoff, (0, 1] */
+    uint32_t    image;        /* 1 + index into images: the base colour texture; 0: none */
+} glb_material;
+
+/* Stored as PNG. */
+typedef struct glb_image {
+    uint32_t width_px, height_px; /* 1 to ALPHA_IMAGE_MAX_PX each */
+    uint8_t *rgba;                /* [4 * width * height] rows from the top, sRGB and straight alpha; owned */
+} glb_image;
+
+typedef struct glb_light {
+    char        name[32];
+    light_shape shape; /* direction of any length but 0 */
+} glb_light;
 
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
 
     size_t vertex_count;
-    float *positions; /* [3 * vertex_count] metres, +Y up; finite; owned */
+    float *positions; /* [3 * vertex_count] metres, +Y up; owned. What is not finite is written too, for scenes that are broken */
+    float *texcoords; /* [2 * vertex_count] owned; NULL when no mesh has a material with an image */
 
     size_t    triangle_count;
     uint32_t *indices; /* [3 * triangle_count] counted from the mesh's vertex_first; counter-clockwise from outside; owned */
@@ -32,11 +54,15 @@ typedef struct glb_scene {
     size_t    mesh_count;
     glb_mesh *meshes; /* [mesh_count] owned */
 
-    double sun_direction[3]; /* the way the light "sun" travels; any length but 0 */
+    size_t        material_count, image_count, light_count;
+    glb_material *materials; /* [material_count] owned */
+    glb_image    *images;    /* [image_count] owned */
+    glb_light    *lights;    /* [light_count] owned */
 } glb_scene;
 
-/* Write the scene: one node a mesh, then a node "sun" with a directional light of KHR_lights_punctual. Positions are
- * FLOAT, indices UNSIGNED_INT, one buffer view each; the same scene gives the same bytes.
+/* Write the scene: one node a mesh, then one a light of KHR_lights_punctual. Positions and texture coordinates are FLOAT,
+ * indices UNSIGNED_INT, one buffer view each, one for each image; what a scene has none of is not mentioned. The same
+ * scene gives the same bytes (images: by the same version of stb).
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than the 4 GiB a GLB can hold), VXS_E_MEMORY. */
 vxs_result glb_write(const glb_scene *s, output_file *out, message *m);
 
