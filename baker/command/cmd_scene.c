@@ -13,7 +13,7 @@ typedef struct scene_options {
     uint32_t          triangles, seed;
     double            sun[3];
     const char       *out;
-    int               blocks_given, size_given, height_given;
+    int               blocks_given, spots_given, size_given, height_given;
 } scene_options;
 
 static vxs_result parse(scene_options *o, const char **kind, int argc, char **argv, int *help_shown, message *m)
@@ -26,6 +26,8 @@ static vxs_result parse(scene_options *o, const char **kind, int argc, char **ar
         {"--sun", OPTION_VECTOR, o->sun, 0, 3, NULL, "X,Y,Z", "the way sunlight travels (default -0.5,-1,-0.3)", NULL},
         {"--blocks", OPTION_U32, &o->city.blocks, 1, CITY_BLOCKS_MAX, NULL, "N", "city: N x N blocks (default 8)",
          &o->blocks_given},
+        {"--spots", OPTION_U32, &o->city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
+         &o->spots_given},
         {"--size", OPTION_F64, &o->landscape.size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
          "landscape: length of a side (default 1024)", &o->size_given},
         {"--height", OPTION_F64, &o->landscape.height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
@@ -44,6 +46,7 @@ static vxs_result check(const scene_options *o, const char *kind, message *m)
 
     if (!is_city && !is_landscape) return fail(m, VXS_E_ARGUMENT, "unknown kind '%s': expected city or landscape", kind);
     if (o->blocks_given && !is_city) return fail(m, VXS_E_ARGUMENT, "--blocks applies to city only");
+    if (o->spots_given && !is_city) return fail(m, VXS_E_ARGUMENT, "--spots applies to city only");
     if (o->size_given && !is_landscape) return fail(m, VXS_E_ARGUMENT, "--size applies to landscape only");
     if (o->height_given && !is_landscape) return fail(m, VXS_E_ARGUMENT, "--height applies to landscape only");
     if (o->sun[0] == 0 && o->sun[1] == 0 && o->sun[2] == 0)

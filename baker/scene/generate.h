@@ -18,6 +18,7 @@ extern "C" {
 #define GENERATE_TRIANGLES_MIN 1000
 #define GENERATE_TRIANGLES_MAX 5000000
 #define CITY_BLOCKS_MAX        64
+#define CITY_SPOTS_MAX         10000
 #define LANDSCAPE_SIZE_MIN     1.0
 #define LANDSCAPE_SIZE_MAX     100000.0
 #define LANDSCAPE_HEIGHT_MAX   10000.0
@@ -27,11 +28,14 @@ typedef struct city_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met to the nearest dozen */
     uint32_t seed;
     double   sun[3]; /* the way the light travels; not zero */
+    uint32_t spots;  /* [0, CITY_SPOTS_MAX] street lamps that shine; the boxes are the same with any number */
 } city_options;
 
 /* A city of closed boxes, 12 triangles and 8 vertices of its own each: ground, kerbs, buildings, street lamps, roof and
  * wall clutter. Boxes touch or intersect as solids do in real levels; each touches one before it or the ground, none lies
  * wholly inside another. One mesh for the ground, then one a block that got any box.
+ * Spots are shared out evenly over the blocks: under the arms of street lamps, at most 12 a block, and the rest in turn on walls and
+ * over streets. None is inside a box. Cones of 20 to 60 degrees from the axis to the edge, 15 to 40 m of range.
  * s  [out] zeroed on failure; released with glb_scene_free.
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (so many triangles do not fit so few blocks). */
 vxs_result generate_city(glb_scene *s, const city_options *o, message *m);

@@ -25,6 +25,7 @@
 #include <stdlib.h>
 
 #include "baker/base/random.h"
+#include "baker/scene/generate_city_spots.h"
 #include "baker/scene/generate_parts.h"
 
 /* lengths in units of 1/64 m */
@@ -47,6 +48,7 @@ enum {
     LOTS_MAX      = 32,            /* a lot is 0.4 LOT_MIN = 9.6 m at least: 31 fit in 54 x 54 m */
     LOT_BOXES_MAX = 4,
     LAMPS         = 12,
+    LAMP_BELOW    = 8, /* a spot hangs so far below the arm, and so far from its end */
     BOX_VERTICES  = 8,
     BOX_TRIANGLES = 12
 };
@@ -465,14 +467,53 @@ static uint32_t make_structure(glb_scene *s, const block *k, uint32_t budget)
     return made;
 }
 
-static bool make_block(glb_scene *s, const city_options *o, uint32_t i, uint32_t j, uint32_t budget)
+static bool make_boxes(glb_scene *s, const block *k, uint32_t i, uint32_t j, uint32_t budget)
 {
     if (!budget) return true;
-    block k;
-    plan_block(&k, o, i, j);
     begin_mesh(s);
     snprintf(s->meshes[s->mesh_count - 1].name, sizeof s->meshes->name, "block %u %u", i, j);
-    return make_clutter(s, &k, budget - make_structure(s, &k, budget));
+    return make_clutter(s, k, budget - make_structure(s, k, budget));
+}
+
+/* Boxes of a block without lamps and clutter: the buildings' and the kerb. */
+static uint32_t structure_count(const block *k)
+{
+    uint32_t count = 1;
+    for (size_t i = 0; i < k->lot_count; i++) count += (uint32_t)k->lots[i].box_count;
+    return count;
+}
+
+/* Under the far end of a lamp's arm. */
+static city_lamp lamp_from_box(const box *arm)
+{
+    const frame *f = &arm->at; /* of radius 1 */
+    double       x = (double)(arm->low[0] + arm->high[0]) / 2, z = arm->high[2] - LAMP_BELOW;
+    return (city_lamp){{(f->x + (f->cosine * x + f->sine * z)) / METRE, (double)(arm->low[1] - LAMP_BELOW) / METRE,
+                        (f->z + (f->cosine * z - f->sine * x)) / METRE},
+                       {f->cosine, 0, -f->sine},
+                       {f->sine, 0, f->cosine}};
+}
+
+/* The lamps that got both their boxes are the first of the block's. */
+static void make_spots(parts *p, const block *k, size_t box_first, uint32_t budget, uint32_t count, uint32_t *made)
+{
+    city_lamp lamps[LAMPS];
+    uint32_t  structure = structure_count(k),
+             lamp_count = budget > structure ? min_i32((int32_t)(budget - structure) / 2, LAMPS) : 0;
+    city_block c        = {lamps,
+                           lamp_count,
+                           box_first,
+                           box_count(p->s) - box_first,
+                           (double)k->x / METRE,
+                           (double)k->z / METRE,
+                           (double)BLOCK / 2 / METRE,
+                           (double)STREET / METRE};
+    for (uint32_t i = 0; i < lamp_count; i++) {
+        box lamp[2];
+        make_lamp(k, i, lamp);
+        lamps[i] = lamp_from_box(&lamp[1]);
+    }
+    add_city_spots(p, &c, rng_split(k->seed, 5), count, made);
 }
 
 static void make_ground(glb_scene *s, const city_options *o)
@@ -484,12 +525,27 @@ static void make_ground(glb_scene *s, const city_options *o)
     emit(s, &ground);
 }
 
+static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t budget, uint32_t *spots_made)
+{
+    const uint64_t blocks = (uint64_t)o->blocks * o->blocks;
+    uint32_t       i = (uint32_t)(index % o->blocks), j = (uint32_t)(index / o->blocks);
+    uint32_t       spots     = (uint32_t)(o->spots * (index + 1) / blocks - o->spots * index / blocks);
+    size_t         box_first = box_count(p->s);
+    block          k;
+    if (!budget && !spots) return true;
+    plan_block(&k, o, i, j);
+    if (!make_boxes(p->s, &k, i, j, budget)) return false;
+    make_spots(p, &k, box_first, budget, spots, spots_made);
+    return true;
+}
+
 vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
 {
     const size_t   boxes  = (o->triangles + BOX_TRIANGLES / 2) / BOX_TRIANGLES;
     const uint64_t blocks = (uint64_t)o->blocks * o->blocks, shared = boxes - 1;
+    uint32_t       spots_made = 0;
+    parts          p          = parts_begin(s, "city");
 
-    *s           = (glb_scene){.name = "city"};
     s->positions = malloc(boxes * BOX_VERTICES * 3 * sizeof *s->positions);
     s->indices   = malloc(boxes * BOX_TRIANGLES * 3 * sizeof *s->indices);
     s->meshes    = malloc((blocks + 1) * sizeof *s->meshes);
@@ -498,17 +554,16 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
         return fail(m, VXS_E_MEMORY, "out of memory for a city of %zu boxes", boxes);
     }
 
+    parts_sun(&p, o->sun);
     make_ground(s, o);
     for (uint64_t b = 0; b < blocks; b++) {
         uint32_t budget = (uint32_t)(shared * (b + 1) / blocks - shared * b / blocks);
-        if (!make_block(s, o, (uint32_t)(b % o->blocks), (uint32_t)(b / o->blocks), budget)) {
+        if (!make_block(&p, o, b, budget, &spots_made)) {
             glb_scene_free(s);
             return fail(m, VXS_E_ARGUMENT, "--triangles %u: too many for %u x %u blocks, expected fewer, or more --blocks",
                         o->triangles, o->blocks, o->blocks);
         }
     }
     assert(box_count(s) == boxes);
-    parts p = {.s = s};
-    parts_sun(&p, o->sun);
     return parts_end(&p, m);
 }

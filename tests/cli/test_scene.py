@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import hashlib
 import json
+import math
 import os
 import resource
 import signal
@@ -144,6 +145,38 @@ def test_blocks_make_a_wider_city(vxs, tmp_path):
     assert width(8) - width(3) == 5 * 72
 
 
+def spots_of(gltf):
+    """name: (the light, its node)"""
+    lights = gltf["extensions"]["KHR_lights_punctual"]["lights"]
+    nodes = [n for n in gltf["nodes"] if "extensions" in n]
+    pairs = [(lights[n["extensions"]["KHR_lights_punctual"]["light"]], n) for n in nodes]
+    assert [light for light, _ in pairs] == lights and all(light["name"] == n["name"] for light, n in pairs)
+    return {light["name"]: (light, n) for light, n in pairs if light["type"] == "spot"}
+
+
+def test_spots_are_written(vxs, tmp_path):
+    vxs("scene", "city", "--spots", 165, "-o", tmp_path / "a.glb")
+    gltf, _ = read_glb((tmp_path / "a.glb").read_bytes())
+    spots = spots_of(gltf)
+    assert list(spots) == [f"spot{n:04}" for n in range(1, 166)]
+    cones = [light["spot"]["outerConeAngle"] * 180 / math.pi for light, _ in spots.values()]
+    ranges = [light["range"] for light, _ in spots.values()]
+    assert 19.9 < min(cones) < 25 and 55 < max(cones) < 60.1 and 15 <= min(ranges) < 18 and 37 < max(ranges) <= 40
+    assert sun_direction(gltf) == pytest.approx([d / 1.34 ** 0.5 for d in (-0.5, -1, -0.3)], abs=1e-15)
+    for _, node in spots.values():
+        x, y, z, w = node["rotation"]
+        assert abs(x * x + y * y + z * z + w * w - 1) < 1e-14 and -2 * (y * z - w * x) < -0.6
+        assert 6 < node["translation"][1] < 8, "under the arm of a lamp"
+
+
+def test_spots_leave_the_city_as_it_is(vxs, tmp_path):
+    def binary(*options):
+        vxs("scene", "city", "-o", tmp_path / "a.glb", *options)
+        return read_glb((tmp_path / "a.glb").read_bytes())[1]
+
+    assert binary() == binary("--spots", 0) == binary("--spots", 3000)
+
+
 def test_standard_output(vxs, vxs_path, tmp_path):
     vxs("scene", "city", "-o", tmp_path / "a.glb")
     done = subprocess.run([vxs_path, "scene", "city", "-o", "-"], capture_output=True, check=True)
@@ -163,6 +196,8 @@ def test_help(vxs):
     (["city", "--height", "3"], ["--height applies to landscape only"]),
     (["city", "--size", "3"], ["--size applies to landscape only"]),
     (["landscape", "--blocks", "8"], ["--blocks applies to city only"]),
+    (["landscape", "--spots", "8"], ["--spots applies to city only"]),
+    (["city", "--spots", "10001"], ["--spots 10001", "0 to 10000"]),
     (["city", "--blocks", "0"], ["--blocks 0", "1 to 64"]),
     (["city", "--blocks", "65"], ["--blocks 65", "1 to 64"]),
     (["city", "--triangles", "999"], ["--triangles 999", "1000 to 5000000"]),

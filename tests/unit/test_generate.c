@@ -4,6 +4,7 @@
 #include "baker/scene/generate.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,13 +16,14 @@
 
 #include <cmocka.h>
 
-static const city_options      city_default      = {8, 100000, 1, {-0.5, -1, -0.3}};
+static const city_options      city_default      = {8, 100000, 1, {-0.5, -1, -0.3}, 0};
 static const landscape_options landscape_default = {100000, 1, 1024, 200, {-0.5, -1, -0.3}};
 
 /* a few cities unlike each other: many and few triangles a block */
-static const city_options cities[] = {{8, 100000, 1, {0, -1, 0}}, {8, 100000, 2, {0, -1, 0}}, {3, 30000, 3, {0, -1, 0}},
-                                      {1, 40000, 4, {0, -1, 0}},  {20, 20000, 5, {0, -1, 0}}, {64, 1000, 6, {0, -1, 0}},
-                                      {5, 150000, 7, {0, -1, 0}}};
+static const city_options cities[] = {{8, 100000, 1, {0, -1, 0}, 165},  {8, 100000, 2, {0, -1, 0}, 768},
+                                      {3, 30000, 3, {0, -1, 0}, 1000},  {1, 40000, 4, {0, -1, 0}, 10000},
+                                      {20, 20000, 5, {0, -1, 0}, 5000}, {64, 1000, 6, {0, -1, 0}, 9999},
+                                      {5, 150000, 7, {0, -1, 0}, 1}};
 enum { CITIES = sizeof cities / sizeof *cities };
 
 static glb_scene make_city(city_options o)
@@ -229,6 +231,89 @@ static void test_city_stands(void **state)
     }
 }
 
+static void check_same(const glb_scene *a, const glb_scene *b, int same)
+{
+    int equal = a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
+                !memcmp(a->positions, b->positions, 3 * a->vertex_count * sizeof *a->positions) &&
+                !memcmp(a->indices, b->indices, 3 * a->triangle_count * sizeof *a->indices);
+    assert_int_equal(equal, same);
+}
+
+/* Metres from a point to a box, along the box's axes: 0 inside. */
+static double distance_to_solid(const solid *s, const double at[3])
+{
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        double d = s->axes[i][0] * at[0] + s->axes[i][1] * at[1] + s->axes[i][2] * at[2];
+        most     = fmax(most, fmax(s->from[i] - d, d - s->to[i]));
+    }
+    return most;
+}
+
+static void check_spot(const glb_light *light, size_t number)
+{
+    const double       degree = acos(-1) / 180;
+    const light_shape *shape  = &light->shape;
+    char               name[32];
+    snprintf(name, sizeof name, "spot%04zu", number);
+    assert_string_equal(light->name, name);
+    assert_int_equal(shape->kind, LIGHT_SPOT);
+    assert_true(shape->outer_rad > 19.99 * degree && shape->outer_rad < 60.01 * degree);
+    assert_true(shape->range_m >= 15 && shape->range_m <= 40);
+    const double *d = shape->direction_ws;
+    assert_true(-d[1] > 0.6 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])); /* down, more than sideways */
+}
+
+static void test_city_has_as_many_spots_as_asked_and_none_in_a_box(void **state)
+{
+    (void)state;
+    for (int i = 0; i < CITIES; i++) {
+        glb_scene s      = make_city(cities[i]);
+        solid    *solids = solids_from_scene(&s);
+        assert_int_equal(s.light_count, cities[i].spots + 1);
+        assert_string_equal(s.lights[0].name, "sun");
+        for (size_t k = 1; k < s.light_count; k++) {
+            check_spot(&s.lights[k], k);
+            const double *at = s.lights[k].shape.position_ws;
+            for (size_t b = 0; b < s.vertex_count / 8; b++)
+                if (distance_to_solid(&solids[b], at) < 0.09) fail_msg("city %d: %s is in box %zu", i, s.lights[k].name, b);
+        }
+        free(solids);
+        glb_scene_free(&s);
+    }
+}
+
+/* The arm of a lamp is 6/64 m wide and 8/64 m high: nothing else is. */
+static int is_under_an_arm(const solid *solids, size_t count, const double at[3])
+{
+    for (size_t b = 0; b < count; b++) {
+        double x = solids[b].high[0] - solids[b].low[0], z = solids[b].high[2] - solids[b].low[2];
+        if (fmin(x, z) > 7 / 64.0 || fabs(solids[b].high[1] - solids[b].low[1] - 8 / 64.0) > 0.01 || fmax(x, z) < 2) continue;
+        if (fabs(distance_to_solid(&solids[b], at) - 8 / 64.0) < 0.001 && at[1] < solids[b].low[1]) return 1;
+    }
+    return 0;
+}
+
+static void test_city_spots_hang_under_lamps_first(void **state)
+{
+    (void)state;
+    const uint32_t counts[3] = {165, 768, 2000}, under_lamps[3] = {165, 768, 768};
+    for (int i = 0; i < 3; i++) {
+        city_options o = city_default;
+        o.spots        = counts[i];
+        glb_scene s = make_city(o), without = make_city(city_default);
+        solid    *solids = solids_from_scene(&s);
+        size_t    under  = 0;
+        for (size_t k = 1; k < s.light_count; k++)
+            under += (size_t)is_under_an_arm(solids, s.vertex_count / 8, s.lights[k].shape.position_ws);
+        assert_int_equal(under, under_lamps[i]);
+        check_same(&s, &without, 1);
+        free(solids);
+        glb_scene_free(&s);
+        glb_scene_free(&without);
+    }
+}
+
 static void test_city_meets_the_target_to_the_nearest_dozen(void **state)
 {
     (void)state;
@@ -246,7 +331,7 @@ static void test_one_block_takes_the_most_triangles(void **state)
 {
     (void)state;
     for (uint32_t seed = 0; seed < 3; seed++) {
-        glb_scene s = make_city((city_options){1, GENERATE_TRIANGLES_MAX, seed, {0, -1, 0}});
+        glb_scene s = make_city((city_options){1, GENERATE_TRIANGLES_MAX, seed, {0, -1, 0}, 0});
         assert_in_range(s.triangle_count, GENERATE_TRIANGLES_MAX - 6, GENERATE_TRIANGLES_MAX + 6);
         glb_scene_free(&s);
     }
@@ -273,14 +358,6 @@ static void test_city_looks_like_one(void **state)
     assert_in_range(thin, 64 * 12, count / 3);
     free(solids);
     glb_scene_free(&s);
-}
-
-static void check_same(const glb_scene *a, const glb_scene *b, int same)
-{
-    int equal = a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
-                !memcmp(a->positions, b->positions, 3 * a->vertex_count * sizeof *a->positions) &&
-                !memcmp(a->indices, b->indices, 3 * a->triangle_count * sizeof *a->indices);
-    assert_int_equal(equal, same);
 }
 
 static void test_seed_decides(void **state)
@@ -368,6 +445,8 @@ int main(void)
         cmocka_unit_test(test_city_boxes_are_closed_outward_components),
         cmocka_unit_test(test_city_has_no_box_inside_another),
         cmocka_unit_test(test_city_stands),
+        cmocka_unit_test(test_city_has_as_many_spots_as_asked_and_none_in_a_box),
+        cmocka_unit_test(test_city_spots_hang_under_lamps_first),
         cmocka_unit_test(test_city_meets_the_target_to_the_nearest_dozen),
         cmocka_unit_test(test_one_block_takes_the_most_triangles),
         cmocka_unit_test(test_city_looks_like_one),
