@@ -4,6 +4,7 @@
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
+#   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make install        to $(DESTDIR)$(prefix); uninstall takes it away
 #   make format         lay the sources out with clang-format
@@ -36,7 +37,12 @@ opt.debug   := -Og -g
 opt.release := -O3 -g1
 opt.asan    := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 opt.tsan    := -O1 -g -fsanitize=thread
+opt.fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 opt         := $(or $(opt.$(config)),$(error unknown config '$(config)': expected debug, release, asan or tsan))
+ifeq ($(config),fuzz)
+CC         := clang
+CXX        := clang++
+endif
 
 warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
 flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt)
@@ -54,13 +60,17 @@ runtime.o := $(runtime.c:%=$B/%.o)
 baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,$(wildcard tests/exact/*.c tests/bench/*.c))
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper))
+# fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
+fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
+fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
+fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f)))
 objects   := $B/baker/main.c.o $(baker.o) $(runtime.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit demo check check-unit bench packages install uninstall format clean
+.PHONY: all unit fuzz fuzzers demo check check-unit bench packages install uninstall format clean
 all: $B/vxs $B/libvxs.a
-unit: $(unit) $(helper)
+unit: $(unit) $(helper) $(fuzz)
 
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 $(unit) $(helper): $B/%: $B/%.c.o $(baker.o) $B/libvxs.a
@@ -68,6 +78,17 @@ $(unit): test_libs := -lcmocka
 $B/vxs $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) -pthread -o $@ $(filter %.o %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
+
+$(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
+$(filter-out %/fuzz_vxs,$(fuzz)): $(baker.o) # fuzz_vxs stands on the runtime alone
+$(fuzz): $B/libvxs.a
+	@echo "  link $@"
+	$Q$(CXX) $(opt) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(libs) $(LDFLAGS)
+
+fuzzers: $(fuzz)
+fuzz:
+	@command -v clang >/dev/null || { echo "make fuzz needs clang with its run-time library; Debian: clang libclang-rt-dev" >&2; exit 1; }
+	@$(MAKE) config=fuzz fuzzers
 
 $B/libvxs.a: $(runtime.o)
 	@echo "  ar   $@"

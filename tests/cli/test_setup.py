@@ -126,10 +126,10 @@ def test_ci_counts(tmp_path, check, asan, status, last):
     ("Segmentation fault", 139, "{l} passed, 1 failed", 1),
 ])
 def test_runner_counts(tmp_path, output, status, last, exit_status):
-    sources = sorted((ROOT / "tests" / "unit").glob("test_*.c"))
-    (tmp_path / "tests" / "unit").mkdir(parents=True)
+    sources = [*sorted(ROOT.glob("tests/unit/test_*.c")), *sorted(ROOT.glob("tests/fuzz/fuzz_*.c*"))]
     for n, source in enumerate(sources):
-        program = tmp_path / "tests" / "unit" / source.stem
+        program = tmp_path / source.relative_to(ROOT).with_suffix("")
+        program.parent.mkdir(parents=True, exist_ok=True)
         text, end = (output, status) if n == 1 else ("1..1\nok 1 - a", 0)
         program.write_text(f"#!/bin/bash\necho -e '{text}'\nexit {end}\n".replace("\\n", "\n"))
         program.chmod(0o755)

@@ -1,0 +1,37 @@
+/* What a fuzz program is: one function, called with bytes that come from anywhere.
+ *
+ *     make fuzz        build/fuzz/tests/fuzz/fuzz_NAME: libFuzzer's loop around it, with clang and its sanitizers
+ *     make check-unit  build/CONFIG/tests/fuzz/fuzz_NAME: each file of tests/fuzz/corpus/NAME once (replay.c)
+ *
+ * It returns when the bytes are refused or used up, and ends the process when something is wrong.
+ * mutate_NAME.c, where there is one, changes bytes in ways that libFuzzer would hardly find; it is no part of a replay.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef FUZZ_H
+#define FUZZ_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* data  [size] of their own, so that a byte read beyond them is seen.   Returns 0. */
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Change data[size], which has room for size_max bytes, by chance; the same seed, the same change. Returns the new size. */
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t size_max, unsigned int seed);
+
+/* libFuzzer's own changes, for a part of the bytes. */
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t size_max);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* An assertion that no build leaves out. */
+#define FUZZ_CHECK(condition) ((condition) ? (void)0 : (fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition), abort()))
+
+#endif

@@ -1,0 +1,157 @@
+/* Any bytes as a .vxs file: opened within a memory limit, checked to the last finding, and, when the reader takes them, looked up in
+ * every light at points within, around and far outside its volume.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "formats/vxs_findings.h"
+#include "fuzz.h"
+#include "runtime/vxs.h"
+#include "tests/unit/alloc_fail.h"
+
+enum { MEMORY_LIMIT_BYTES = 64 << 20, LIGHTS_LOOKED_UP = 8, POINTS_PER_LIGHT = 160 };
+
+/* opening ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct findings {
+    int first, count;
+} findings;
+
+/* "Printed" in full, as validate does: number, text and place are read. */
+static void print_finding(void *user, int number, const char *text, int section, uint64_t offset)
+{
+    findings *f = user;
+    char      line[512];
+    snprintf(line, sizeof line, "finding %d: %s (section %d, byte %llu)", number, text, section, (unsigned long long)offset);
+    FUZZ_CHECK(number > 0 && text[0] && section >= -1);
+    if (!f->count++) f->first = number;
+}
+
+static vxs_result result_of(int number)
+{
+#define RESULT_OF(n, result, text)                                                                                                 \
+    if (number == n) return result;
+    VXS_FINDINGS(RESULT_OF)
+#undef RESULT_OF
+    return VXS_OK;
+}
+
+static vxs_result open_asset(vxs_asset **asset, alloc_fail *memory, int find_all, const uint8_t *data, size_t size, findings *f)
+{
+    vxs_allocator allocator = alloc_fail_allocator(memory);
+    vxs_read_desc desc      = {.allocator          = &allocator,
+                               .memory_limit_bytes = MEMORY_LIMIT_BYTES,
+                               .finding            = print_finding,
+                               .finding_user       = f,
+                               .find_all           = find_all};
+    vxs_result    r         = vxs_asset_open(asset, data, size, &desc);
+    FUZZ_CHECK((r == VXS_OK) == (*asset != NULL) && (r == VXS_OK) == !f->count);
+    FUZZ_CHECK(r == result_of(f->first));
+    FUZZ_CHECK(memory->peak_bytes <= MEMORY_LIMIT_BYTES + 4096); /* the asset itself is not counted */
+    return r;
+}
+
+/* looking up ------------------------------------------------------------------------------------------------------------------- */
+
+static uint64_t next_random(uint64_t *state)
+{
+    uint64_t x = *state += 0x9e3779b97f4a7c15u;
+    x          = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x          = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+/* Where the light's matrix takes a point to `ls`; it may be far away, or not finite. */
+static void unproject(const double *m, const double ls[3], double ws[3])
+{
+    double b[3] = {ls[0] - m[3], ls[1] - m[7], ls[2] - m[11]};
+    double det  = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+    for (int c = 0; c < 3; c++) {
+        double a[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
+        for (int row = 0; row < 3; row++) a[3 * row + c] = b[row];
+        ws[c] =
+            (a[0] * (a[4] * a[8] - a[5] * a[7]) - a[1] * (a[3] * a[8] - a[5] * a[6]) + a[2] * (a[3] * a[7] - a[4] * a[6])) / det;
+    }
+}
+
+/* Borders of a map of `side` voxels first, then anywhere in it and around it. */
+static double coordinate(uint64_t *random, double side)
+{
+    const double border[] = {0, nextafter(0, -1), side, nextafter(side, 0), side - 0.5, side / 2, -1, side + 1, 0.5, 8};
+    uint64_t     choice   = next_random(random) % 24;
+    if (choice < sizeof border / sizeof *border) return border[choice];
+    return ((double)(next_random(random) >> 11) * 0x1p-53 * 1.25 - 0.125) * side;
+}
+
+/* What ls_from_ws should make of a point: texels and voxels, or metres about a light that has a place. */
+static void point_ls(const vxs_light *l, uint64_t *random, double ls[3])
+{
+    double side = (double)(1u << l->levels);
+    for (int axis = 0; axis < 3; axis++) ls[axis] = coordinate(random, side);
+    if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) return;
+    double z    = l->near_metres * exp((ls[2] + 0.5) * l->voxel_metres);
+    double p[3] = {(ls[0] - side / 2) * l->texel_metres * z, (ls[1] - side / 2) * l->texel_metres * z, z};
+    int    turn = (int)(next_random(random) % 6); /* the map's axis is any of the cube's */
+    for (int axis = 0; axis < 3; axis++) ls[axis] = p[(axis + turn) % 3] * (turn < 3 ? 1 : -1);
+}
+
+/* A point to look up: mostly about the map, at times anywhere that a double can name. Never NaN or infinite. */
+static void point_ws(const vxs_light *l, uint64_t *random, double ws[3])
+{
+    static const double far[] = {0, 1, -1, 1e-300, 1e9, -1e9, 1e38, -1e38, DBL_MAX, -DBL_MAX, DBL_MIN};
+    double              ls[3];
+    point_ls(l, random, ls);
+    unproject(l->ls_from_ws, ls, ws);
+    int anywhere = next_random(random) % 16 == 0;
+    for (int axis = 0; axis < 3; axis++)
+        if (anywhere || !isfinite(ws[axis])) ws[axis] = far[next_random(random) % (sizeof far / sizeof *far)];
+}
+
+static void check_lit(float lit, int filter_px)
+{
+    FUZZ_CHECK(lit == VXS_OUTSIDE || (lit >= 0 && lit <= 1)); /* NaN is neither */
+    if (filter_px == 1) FUZZ_CHECK(lit == VXS_OUTSIDE || lit == 0 || lit == 1);
+}
+
+static void look_up(const vxs_light *l, uint64_t *random)
+{
+    static const double normals[][3] = {{0, 1, 0}, {-1, 0, 0}, {0.6, 0, -0.8}};
+    for (int n = 0; n < POINTS_PER_LIGHT; n++) {
+        double point[3];
+        point_ws(l, random, point);
+        const double *normal = normals[n % 3];
+        float         single = vxs_lookup(l, point, NULL, 1), box = vxs_lookup(l, point, NULL, 9);
+        check_lit(single, 1);
+        check_lit(box, 9);
+        FUZZ_CHECK((single == VXS_OUTSIDE) == (box == VXS_OUTSIDE));
+        check_lit(vxs_lookup(l, point, normal, 1), 1);
+        check_lit(vxs_lookup(l, point, normal, 9), 9);
+        check_lit(vxs_lookup(l, point, normal, VXS_FILTER_MAX), VXS_FILTER_MAX);
+    }
+}
+
+/* all of it -------------------------------------------------------------------------------------------------------------------- */
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    alloc_fail all_memory = {0}, memory = {0};
+    findings   all = {0}, first = {0};
+    vxs_asset *asset;
+    vxs_result checked = open_asset(&asset, &all_memory, 1, data, size, &all);
+    vxs_asset_close(asset);
+    vxs_result opened = open_asset(&asset, &memory, 0, data, size, &first);
+    FUZZ_CHECK(opened == checked && first.first == all.first);
+
+    uint64_t random = size;
+    for (uint32_t n = 0; asset && n < vxs_asset_light_count(asset); n++) {
+        const vxs_light *light = vxs_asset_light(asset, n);
+        FUZZ_CHECK(vxs_asset_find_light(asset, light->name) == light);
+        if (n < LIGHTS_LOOKED_UP) look_up(light, &random);
+    }
+    if (asset && vxs_asset_contents(asset)->metadata)
+        FUZZ_CHECK(strlen(vxs_asset_contents(asset)->metadata) <= vxs_asset_contents(asset)->metadata_bytes);
+    vxs_asset_close(asset);
+    FUZZ_CHECK(!memory.live_bytes && !memory.wrong_sizes && !all_memory.live_bytes && !all_memory.wrong_sizes);
+    return 0;
+}
