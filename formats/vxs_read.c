@@ -463,10 +463,12 @@ static void read_light(reader *r, vxs_light *light)
     if (lr.masks) give_back(r, lr.masks, r->out.sections[lr.mask_section].inflated_bytes, 1);
 }
 
+/* There is one at most; what says that it belongs to a light was found before, and is not read. */
 static void read_metadata(reader *r)
 {
+    const vxs_section wanted = {.kind = VXS_KIND_METADATA, .light = VXS_NO_LIGHT};
     for (uint32_t n = 0; n < r->out.section_count; n++) {
-        if (r->out.sections[n].kind != VXS_KIND_METADATA) continue;
+        if (!same_section(&r->out.sections[n], &wanted)) continue;
         r->out.metadata       = (char *)inflate(r, (int)n, 1);
         r->out.metadata_bytes = r->out.sections[n].inflated_bytes;
     }
