@@ -1,5 +1,5 @@
 /* Any bytes as a .vxs file: opened within a memory limit, checked to the last finding, and, when the reader takes them, looked up in
- * every light at points within, around and far outside its volume.
+ * every light at points within, around and far outside its volume. A good file is opened again with too little memory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <float.h>
 #include <math.h>
@@ -50,6 +50,19 @@ static vxs_result open_asset(vxs_asset **asset, alloc_fail *memory, int find_all
     FUZZ_CHECK(r == result_of(f->first));
     FUZZ_CHECK(memory->peak_bytes <= MEMORY_LIMIT_BYTES + 4096); /* the asset itself is not counted */
     return r;
+}
+
+/* The same file with half of what it needs, and with one allocation that fails: no asset, and nothing is kept. */
+static void open_without_memory(const uint8_t *data, size_t size, const alloc_fail *needed, uint64_t random)
+{
+    for (int failing = 0; failing < 2; failing++) {
+        alloc_fail    memory    = {.fail_at = failing ? 1 + random % needed->calls : 0};
+        vxs_allocator allocator = alloc_fail_allocator(&memory);
+        vxs_read_desc desc      = {.allocator = &allocator, .memory_limit_bytes = failing ? 0 : needed->peak_bytes / 2};
+        vxs_asset    *asset;
+        FUZZ_CHECK(vxs_asset_open(&asset, data, size, &desc) == VXS_E_MEMORY && !asset);
+        FUZZ_CHECK(!memory.live_bytes && !memory.wrong_sizes);
+    }
 }
 
 /* looking up ------------------------------------------------------------------------------------------------------------------- */
@@ -151,6 +164,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     if (asset && vxs_asset_contents(asset)->metadata)
         FUZZ_CHECK(strlen(vxs_asset_contents(asset)->metadata) <= vxs_asset_contents(asset)->metadata_bytes);
+    if (asset) open_without_memory(data, size, &memory, random);
     vxs_asset_close(asset);
     FUZZ_CHECK(!memory.live_bytes && !memory.wrong_sizes && !all_memory.live_bytes && !all_memory.wrong_sizes);
     return 0;
