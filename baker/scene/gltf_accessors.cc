@@ -1,0 +1,128 @@
+/* Accessors (3.6): elements, held against their bufferViews and buffers.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/gltf_loader.h"
+
+namespace gltf
+{
+
+size_t component_bytes(int component)
+{
+    switch (component) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
+    }
+    return 0;
+}
+
+/* Matrix columns start at multiples of four bytes (3.6.2.4). */
+static size_t element_bytes(int type, size_t component)
+{
+    switch (type) {
+    case TINYGLTF_TYPE_MAT2: return component == 1 ? 8 : 4 * component;
+    case TINYGLTF_TYPE_MAT3: return component == 4 ? 36 : 12 * component;
+    case TINYGLTF_TYPE_MAT4: return 16 * component;
+    }
+    return (size_t)tinygltf::GetNumComponentsInType((uint32_t)type) * component;
+}
+
+/* `count` elements of `size` bytes from `offset` in a bufferView, held against view and buffer. */
+static vxs_result view_elements(loader &l, const std::string &where, int view_index, size_t offset, size_t count, size_t size,
+                                elements &e)
+{
+    if (view_index < 0 || (size_t)view_index >= l.model.bufferViews.size())
+        return l.error(VXS_E_SCENE, "%s: bufferView %d does not exist", where.c_str(), view_index);
+    const tinygltf::BufferView &view   = l.model.bufferViews[(size_t)view_index];
+    size_t                      stride = view.byteStride ? view.byteStride : size;
+    if (stride < size)
+        return l.error(VXS_E_SCENE, "%s: byteStride %zu is less than its elements of %zu bytes", where.c_str(), stride, size);
+    if (offset > view.byteLength || count > SIZE_MAX / 256 ||
+        (count && (view.byteLength - offset < size || (count - 1) > (view.byteLength - offset - size) / stride)))
+        return l.error(VXS_E_SCENE, "%s: %zu elements at byte %zu do not fit in bufferView %d of %zu bytes", where.c_str(), count,
+                       offset, view_index, view.byteLength);
+    const auto &buffer = l.model.buffers[(size_t)view.buffer].data;
+    e.data             = buffer.data() + view.byteOffset + offset;
+    e.stride           = stride;
+    e.count            = count;
+    e.size             = size;
+    return VXS_OK;
+}
+
+vxs_result check_accessors(loader &l)
+{
+    vxs_result r;
+    l.accessors.resize(l.model.accessors.size());
+    for (size_t i = 0; i < l.accessors.size(); i++) {
+        const tinygltf::Accessor &a         = l.model.accessors[i];
+        std::string               where     = label("accessor", i, a.name);
+        size_t                    component = component_bytes(a.componentType);
+        if (!component) return l.error(VXS_E_SCENE, "%s: unknown componentType %d", where.c_str(), a.componentType);
+
+        size_t size          = element_bytes(a.type, component);
+        l.accessors[i].count = a.count;
+        l.accessors[i].size  = size;
+        if (a.bufferView >= 0 && (r = view_elements(l, where, a.bufferView, a.byteOffset, a.count, size, l.accessors[i])) != VXS_OK)
+            return r;
+        if (a.sparse.isSparse && (size_t)a.sparse.count > a.count)
+            return l.error(VXS_E_SCENE, "%s: sparse count %d exceeds its %zu elements", where.c_str(), a.sparse.count, a.count);
+    }
+    return VXS_OK;
+}
+
+uint32_t unsigned_at(const unsigned char *at, size_t size)
+{
+    uint32_t value = 0;
+    for (size_t i = 0; i < size; i++) value |= (uint32_t)at[i] << 8 * i;
+    return value;
+}
+
+static vxs_result overlay_sparse(loader &l, const std::string &where, const tinygltf::Accessor &a, elements &e)
+{
+    const auto &sparse = a.sparse;
+    int         kind   = sparse.indices.componentType;
+    size_t      count = (size_t)sparse.count, last = 0;
+    elements    indices = {}, values = {};
+    vxs_result  r;
+    if (kind != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && kind != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+        kind != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+        return l.error(VXS_E_SCENE, "%s: sparse indices of componentType %d", where.c_str(), kind);
+    if ((r = view_elements(l, where + " sparse indices", sparse.indices.bufferView, (size_t)sparse.indices.byteOffset, count,
+                           component_bytes(kind), indices)) != VXS_OK)
+        return r;
+    if ((r = view_elements(l, where + " sparse values", sparse.values.bufferView, (size_t)sparse.values.byteOffset, count, e.size,
+                           values)) != VXS_OK)
+        return r;
+    for (size_t i = 0; i < count; i++) {
+        size_t at = unsigned_at(indices.data + i * indices.stride, indices.size);
+        if (at >= e.count || (i && at <= last))
+            return l.error(VXS_E_SCENE, "%s: sparse index %zu is %zu, expected an increasing number below %zu", where.c_str(), i,
+                           at, e.count);
+        memcpy(e.dense.data() + at * e.size, values.data + i * values.stride, e.size);
+        last = at;
+    }
+    return VXS_OK;
+}
+
+vxs_result use_accessor(loader &l, int index, const elements *&out)
+{
+    elements                 &e = l.accessors[(size_t)index];
+    const tinygltf::Accessor &a = l.model.accessors[(size_t)index];
+    out                         = &e;
+    if ((e.data && !a.sparse.isSparse) || !e.dense.empty() || !e.count) return VXS_OK;
+
+    std::string where = label("accessor", (size_t)index, a.name);
+    if (e.count > l.dense_left)
+        return l.error(VXS_E_UNSUPPORTED, "%s: sparse accessors would hold more than %zu elements", where.c_str(), DENSE_MAX);
+    l.dense_left -= e.count;
+    e.dense.resize(e.count * e.size);
+    for (size_t i = 0; e.data && i < e.count; i++) memcpy(e.dense.data() + i * e.size, e.data + i * e.stride, e.size);
+    vxs_result r = a.sparse.isSparse ? overlay_sparse(l, where, a, e) : VXS_OK;
+    e.data       = e.dense.data();
+    e.stride     = e.size;
+    return r;
+}
+
+} // namespace gltf
