@@ -27,15 +27,6 @@ std::string percent_decoded(const std::string &uri)
     return text;
 }
 
-enum class is { index, size, text, flag, numbers, indices, texts, object, objects, extensions, index_map };
-
-struct property {
-    const char *name;
-    is          kind;
-    bool        required = false;
-    size_t      count    = 0; /* of numbers; 0: any */
-};
-
 /* clang-format off */
 static const std::vector<property> root_shape = {
     {"asset", is::object, true}, {"extensionsUsed", is::texts}, {"extensionsRequired", is::texts}, {"scene", is::index},
@@ -71,8 +62,6 @@ static const std::vector<property> buffer_shape = {
     {"byteLength", is::size, true}, {"uri", is::text}, {"extensions", is::extensions}};
 static const std::vector<property> skin_shape = {
     {"name", is::text}, {"joints", is::indices, true}};
-static const std::vector<property> light_shape = {
-    {"name", is::text}, {"type", is::text, true}};
 static const std::vector<property> light_use_shape = {
     {"light", is::index, true}};
 /* clang-format on */
@@ -112,7 +101,7 @@ static const char *expected_instead(const json &value, const property &p)
     return nullptr;
 }
 
-static vxs_result check_shape(loader &l, const std::string &where, const json &object, const std::vector<property> &shape)
+vxs_result check_shape(loader &l, const std::string &where, const json &object, const std::vector<property> &shape)
 {
     for (const property &p : shape) {
         auto found = object.find(p.name);
@@ -142,8 +131,7 @@ const json *extension(const json &object, const char *name)
     return found == extensions->end() ? nullptr : &*found;
 }
 
-static vxs_result check_list(loader &l, const json &root, const char *list, const char *item_name,
-                             const std::vector<property> &shape)
+vxs_result check_list(loader &l, const json &root, const char *list, const char *item_name, const std::vector<property> &shape)
 {
     vxs_result r;
     size_t     index = 0;
@@ -296,15 +284,6 @@ static vxs_result check_nodes(loader &l, const json &root)
     return VXS_OK;
 }
 
-static vxs_result check_lights(loader &l, const json &root)
-{
-    vxs_result  r;
-    const json *lights = extension(root, "KHR_lights_punctual");
-    if (!lights) return VXS_OK;
-    if ((r = check_shape(l, "KHR_lights_punctual", *lights, {{"lights", is::objects, true}})) != VXS_OK) return r;
-    return check_list(l, *lights, "lights", "light", light_shape);
-}
-
 /* How deep brackets nest, at most. nlohmann could tell while it parses, but in quadratic time. */
 static long nesting(const container &c)
 {
@@ -342,7 +321,7 @@ vxs_result check_json(loader &l, const container &c)
     if ((r = check_list(l, root, "buffers", "buffer", buffer_shape)) != VXS_OK) return r;
     if ((r = check_list(l, root, "skins", "skin", skin_shape)) != VXS_OK) return r;
     if ((r = check_nodes(l, root)) != VXS_OK) return r;
-    if ((r = check_lights(l, root)) != VXS_OK) return r;
+    if ((r = read_lights(l, root)) != VXS_OK) return r;
     if ((r = check_sparse(l, root)) != VXS_OK) return r;
     if ((r = check_buffer_views(l, root)) != VXS_OK) return r;
     if ((r = check_buffers(l, root, c)) != VXS_OK) return r;

@@ -3,6 +3,7 @@
 #include "baker/scene/gltf_loader.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace gltf
 {
@@ -18,20 +19,77 @@ static std::string unique_name(std::map<std::string, size_t> &uses, const std::s
     return candidate;
 }
 
+/* A member that is a number, or `absent`. */
+static vxs_result number(loader &l, const std::string &where, const json &object, const char *name, double absent, double &value)
+{
+    auto found = object.find(name);
+    value      = absent;
+    if (found == object.end()) return VXS_OK;
+    if (!found->is_number()) return l.error(VXS_E_SCENE, "%s: '%s' is not a number", where.c_str(), name);
+    value = found->get<double>();
+    return VXS_OK;
+}
+
+/* Angles between the light's direction and the edge of its cone. Writers that round pi/2 to float go beyond it a little, and some
+ * let the inner cone be as wide as the outer. */
+static vxs_result read_cone(loader &l, const std::string &where, const json &light, double &outer_rad)
+{
+    auto spot = light.find("spot");
+    if (spot == light.end() || !spot->is_object())
+        return l.error(VXS_E_SCENE, "%s: a spot light without a 'spot' object", where.c_str());
+
+    vxs_result r;
+    double     inner_rad;
+    if ((r = number(l, where, *spot, "outerConeAngle", M_PI_4, outer_rad)) != VXS_OK) return r;
+    if ((r = number(l, where, *spot, "innerConeAngle", 0, inner_rad)) != VXS_OK) return r;
+    if (!(outer_rad > 0) || outer_rad > M_PI_2 * (1 + 1e-6))
+        return l.error(VXS_E_SCENE, "%s: outerConeAngle is %g, expected more than 0 and at most pi/2", where.c_str(), outer_rad);
+    if (!(inner_rad >= 0) || inner_rad > outer_rad)
+        return l.error(VXS_E_SCENE, "%s: innerConeAngle is %g, expected 0 to outerConeAngle, %g", where.c_str(), inner_rad,
+                       outer_rad);
+    outer_rad = std::min(outer_rad, M_PI_2);
+    return VXS_OK;
+}
+
+static vxs_result read_light(loader &l, const std::string &where, const json &light, light_shape &shape)
+{
+    const std::string &type = light["type"].get_ref<const std::string &>();
+    if (type == "directional")
+        shape.kind = LIGHT_DIRECTIONAL;
+    else if (type == "spot")
+        shape.kind = LIGHT_SPOT;
+    else if (type == "point")
+        shape.kind = LIGHT_POINT;
+    else
+        return l.error(VXS_E_SCENE, "%s: unknown type '%s', expected directional, spot or point", where.c_str(), type.c_str());
+
+    vxs_result r = number(l, where, light, "range", INFINITY, shape.range_m);
+    if (r != VXS_OK) return r;
+    if (!(shape.range_m > 0)) return l.error(VXS_E_SCENE, "%s: range is %g, expected more than 0", where.c_str(), shape.range_m);
+    return shape.kind == LIGHT_SPOT ? read_cone(l, where, light, shape.outer_rad) : VXS_OK;
+}
+
+vxs_result read_lights(loader &l, const json &root)
+{
+    vxs_result  r;
+    const json *lights = extension(root, "KHR_lights_punctual");
+    if (!lights) return VXS_OK;
+    if ((r = check_shape(l, "KHR_lights_punctual", *lights, {{"lights", is::objects, true}})) != VXS_OK) return r;
+    if ((r = check_list(l, *lights, "lights", "light", {{"name", is::text}, {"type", is::text, true}})) != VXS_OK) return r;
+    for (const json &light : items(*lights, "lights")) {
+        light_definition d     = {light.value("name", ""), {}};
+        std::string      where = label("light", l.lights.size(), d.name);
+        if ((r = read_light(l, where, light, d.shape)) != VXS_OK) return r;
+        l.lights.push_back(d);
+    }
+    return VXS_OK;
+}
+
 static vxs_result light_at(loader &l, size_t node_index, size_t light_index, scene_light &out)
 {
-    const tinygltf::Light &light = l.model.lights[light_index];
-    const transform       &t     = l.ws_from_node[node_index];
-    std::string            where = label("node", node_index, l.model.nodes[node_index].name);
-    if (light.type == "directional")
-        out.shape.kind = LIGHT_DIRECTIONAL;
-    else if (light.type == "spot")
-        out.shape.kind = LIGHT_SPOT;
-    else if (light.type == "point")
-        out.shape.kind = LIGHT_POINT;
-    else
-        return l.error(VXS_E_SCENE, "%s: unknown type '%s', expected directional, spot or point",
-                       label("light", light_index, light.name).c_str(), light.type.c_str());
+    const transform &t     = l.ws_from_node[node_index];
+    std::string      where = label("node", node_index, l.model.nodes[node_index].name);
+    out.shape              = l.lights[light_index].shape;
 
     vec3   forward = {-t.axis[2].x, -t.axis[2].y, -t.axis[2].z};
     double length  = std::hypot(forward.x, forward.y, forward.z);
@@ -56,7 +114,7 @@ vxs_result place_lights(loader &l)
         auto        use        = extensions.find("KHR_lights_punctual");
         if (use == extensions.end()) continue;
         size_t      index = (size_t)use->second.Get("light").GetNumberAsInt();
-        std::string name  = l.model.lights[index].name;
+        std::string name  = l.lights[index].name;
         scene_light light = {};
         vxs_result  r     = light_at(l, (size_t)node, index, light);
         if (r != VXS_OK) return r;

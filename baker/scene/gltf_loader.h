@@ -55,11 +55,19 @@ struct transform {
     vec3 axis[3], origin;
 };
 
+/* A light as the file defines it: position and direction come with the nodes that use it. */
+struct light_definition {
+    std::string name;
+    light_shape shape;
+};
+
 struct loader {
     message        *m;
     const char     *path;
     scene          *s;
     tinygltf::Model model;
+
+    std::vector<light_definition> lights;
 
     std::vector<buffer_file> buffer_files; /* in the order in which tinygltf asks for them */
     size_t                   next_file = 0;
@@ -102,6 +110,25 @@ vxs_result read_scene_file(loader &l, std::vector<unsigned char> &bytes);
 vxs_result open_container(loader &l, const std::vector<unsigned char> &bytes, container &c);
 
 /* ---- gltf_json.cc, gltf_parse.cc ---- */
+
+enum class is { index, size, text, flag, numbers, indices, texts, object, objects, extensions, index_map };
+
+struct property {
+    const char *name;
+    is          kind;
+    bool        required = false;
+    size_t      count    = 0; /* of numbers; 0: any */
+};
+
+/* Members of an object, and of each object of a list, have the types that are given. */
+vxs_result check_shape(loader &l, const std::string &where, const json &object, const std::vector<property> &shape);
+vxs_result check_list(loader &l, const json &root, const char *list, const char *item_name, const std::vector<property> &shape);
+
+/* The items of a list, none when it is not there. */
+const json &items(const json &object, const char *name);
+
+/* The members of extensions.NAME, or NULL. */
+const json *extension(const json &object, const char *name);
 
 vxs_result check_json(loader &l, const container &c);
 
@@ -153,6 +180,9 @@ vxs_result measure(loader &l);
 vxs_result place_meshes(loader &l);
 
 /* ---- gltf_lights.cc ---- */
+
+/* The lights of KHR_lights_punctual, into l.lights. */
+vxs_result read_lights(loader &l, const json &root);
 
 vxs_result place_lights(loader &l);
 vxs_result place_cameras(loader &l);

@@ -106,7 +106,7 @@ vxs_result check_references(loader &l)
         } references[] = {{"mesh", node.mesh, model.meshes.size()},
                           {"skin", node.skin, model.skins.size()},
                           {"camera", node.camera, model.cameras.size()},
-                          {"light", light, model.lights.size()}};
+                          {"light", light, l.lights.size()}};
         for (const auto &reference : references)
             if (reference.index >= 0 && (size_t)reference.index >= reference.count)
                 return l.error(VXS_E_SCENE, "%s: %s %d does not exist, the file has %zu", label("node", i, node.name).c_str(),

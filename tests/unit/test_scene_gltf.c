@@ -424,6 +424,21 @@ static void test_lights_follow_their_nodes(void **state)
     assert_true(s.lights[1].shape.direction_ws[2] == -1);
 }
 
+static void test_lights_have_a_cone_and_a_range(void **state)
+{
+    (void)state;
+    must(load_text(HEAD LIGHTS
+                   "{'type':'spot','spot':{},'range':20},{'type':'spot','spot':{'outerConeAngle':0.5,'innerConeAngle':0.5}},"
+                   "{'type':'spot','spot':{'outerConeAngle':1.57079637}},{'type':'point','range':0.25},{'type':'directional'}]}},"
+                   "'nodes':[{'scale':[3,3,3]," USE(0) "},{" USE(1) "},{" USE(2) "},{" USE(3) "},{" USE(4) "}]}",
+                   NULL));
+    assert_true(s.lights[0].shape.outer_rad == M_PI_4 && s.lights[0].shape.range_m == 20); /* no node scales a range */
+    assert_true(s.lights[1].shape.outer_rad == 0.5 && s.lights[1].shape.range_m == INFINITY);
+    assert_true(s.lights[2].shape.outer_rad == M_PI_2); /* pi/2 as a float is more */
+    assert_true(s.lights[3].shape.range_m == 0.25);
+    assert_true(s.lights[4].shape.range_m == INFINITY);
+}
+
 static void test_cameras_are_positions(void **state)
 {
     (void)state;
@@ -519,6 +534,18 @@ static void test_broken_scenes_say_why(void **state)
         {HEAD "'nodes':[{" USE(0) "}]}", VXS_E_SCENE, "light 0 does not exist"},
         {HEAD LIGHTS "{'type':'area'}]}},'nodes':[{" USE(0) "}]}", VXS_E_SCENE, "unknown type 'area'"},
         {HEAD LIGHTS "{'type':'directional'}]}},'nodes':[{'scale':[0,0,0]," USE(0) "}]}", VXS_E_SCENE, "no direction"},
+        {HEAD LIGHTS "{'type':'point'}]}},'nodes':[{" USE(1) "}]}", VXS_E_SCENE, "light 1 does not exist, the file has 1"},
+        {HEAD LIGHTS "{'type':'point','name':'a'},{'type':'point','name':'b','range':-2}]}}}", VXS_E_SCENE,
+         "light 1 'b': range is -2"},
+        {HEAD LIGHTS "{'type':'point','range':0}]}}}", VXS_E_SCENE, "light 0: range is 0, expected more"},
+        {HEAD LIGHTS "{'type':'point','range':'far'}]}}}", VXS_E_SCENE, "light 0: 'range' is not a number"},
+        {HEAD LIGHTS "{'type':'spot'}]}}}", VXS_E_SCENE, "light 0: a spot light without a 'spot' object"},
+        {HEAD LIGHTS "{'type':'spot','spot':3}]}}}", VXS_E_SCENE, "light 0: a spot light without a 'spot' object"},
+        {HEAD LIGHTS "{'type':'spot','spot':{'outerConeAngle':0}}]}}}", VXS_E_SCENE, "outerConeAngle is 0,"},
+        {HEAD LIGHTS "{'type':'spot','spot':{'outerConeAngle':1.571}}]}}}", VXS_E_SCENE, "outerConeAngle is 1.571,"},
+        {HEAD LIGHTS "{'type':'spot','spot':{'innerConeAngle':-1}}]}}}", VXS_E_SCENE, "innerConeAngle is -1,"},
+        {HEAD LIGHTS "{'type':'spot','spot':{'innerConeAngle':0.8}}]}}}", VXS_E_SCENE, "innerConeAngle is 0.8,"},
+        {HEAD LIGHTS "{'type':'spot','spot':{'innerConeAngle':[]}}]}}}", VXS_E_SCENE, "'innerConeAngle' is not a number"},
         {HEAD "'buffers':[{'byteLength':4}]}", VXS_E_SCENE, "buffer 0 has neither a uri nor a GLB chunk"},
         {HEAD "'buffers':[{'byteLength':4,'extensions':{'EXT_meshopt_compression':{'fallback':true}}}]}", VXS_E_UNSUPPORTED,
          "EXT_meshopt_compression"},
@@ -863,6 +890,8 @@ static void test_real_lights_and_scenes(void **state)
     int count[3] = {0, 0, 0};
     for (size_t i = 0; i < s.light_count; i++) count[s.lights[i].shape.kind]++;
     assert_true(count[LIGHT_DIRECTIONAL] == 1 && count[LIGHT_SPOT] == 2 && count[LIGHT_POINT] == 1);
+    for (size_t i = 0; i < s.light_count; i++)
+        if (s.lights[i].shape.kind == LIGHT_SPOT) assert_true(s.lights[i].shape.outer_rad > 0 && s.lights[i].shape.range_m > 0);
     snprintf(file, sizeof file, "%s/real/camp_and_cave_two_scenes.glb", scenes);
     must(load_file(file, "1"));
     assert_int_equal(s.triangle_count, 5894);
@@ -906,6 +935,7 @@ int main(void)
         cmocka_unit_test(test_materials_set_flags),
         cmocka_unit_test(test_points_lines_and_skins_are_warned_about),
         cmocka_unit_test(test_lights_follow_their_nodes),
+        cmocka_unit_test(test_lights_have_a_cone_and_a_range),
         cmocka_unit_test(test_cameras_are_positions),
         cmocka_unit_test(test_scenes_are_chosen_by_name_or_index),
         cmocka_unit_test(test_empty_things_are_fine),
