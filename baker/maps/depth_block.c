@@ -71,7 +71,8 @@ vxs_result depth_block_init(depth_block *b, block_context *context, message *m)
     gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, b->buffers[1]);
     gl->EnableVertexAttribArray(0);
     gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-    if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
+    vxs_result r = mask_triangles_init(&b->masked, &context->images, c, m);
+    if (r != VXS_OK || gl->GetError() == GL_NO_ERROR) return r;
     return fail(m, VXS_E_GL, "OpenGL cannot set up depth maps of %u texels", context->block_px);
 }
 
@@ -83,6 +84,7 @@ void depth_block_free(depth_block *b)
     gl->DeleteTextures(sizeof textures / sizeof *textures, textures);
     gl->DeleteBuffers(2, b->buffers);
     gl->DeleteVertexArrays(1, &b->vertex_array);
+    mask_triangles_free(&b->masked);
     free(b->positions);
     free(b->indices);
     free(b->triangles);
@@ -106,32 +108,53 @@ static float snapped(double texels)
     return (float)(floor(texels * SUBTEXELS + 0.5) / SUBTEXELS);
 }
 
-/* The slot of a vertex among those of this block; its position in clip space is exact but for the depth. */
+/* A vertex in the block's clip space: exact but for the depth. */
+static void clip_vertex(const depth_block *b, uint32_t vertex, float clip[3])
+{
+    const vertex_ls *p  = &b->context->casters.vertices[vertex];
+    float            to = 2.0f / (float)b->context->block_px;
+    clip[0]             = snapped(p->u - b->u0) * to - 1.0f;
+    clip[1]             = snapped(p->v - b->v0) * to - 1.0f;
+    clip[2]             = (float)p->z;
+}
+
+/* The slot of a vertex among those of this block. */
 static uint32_t block_vertex(depth_block *b, uint32_t vertex)
 {
     block_context *x = b->context;
     if (x->vertex_gather[vertex] != x->gather) {
-        const vertex_ls *p       = &x->casters.vertices[vertex];
-        float            to      = 2.0f / (float)x->block_px;
-        float           *clip    = b->positions + 3 * (size_t)b->vertex_count;
-        clip[0]                  = snapped(p->u - b->u0) * to - 1.0f;
-        clip[1]                  = snapped(p->v - b->v0) * to - 1.0f;
-        clip[2]                  = (float)p->z;
+        clip_vertex(b, vertex, b->positions + 3 * (size_t)b->vertex_count);
         x->vertex_gather[vertex] = x->gather;
         x->vertex_slot[vertex]   = b->vertex_count++;
     }
     return x->vertex_slot[vertex];
 }
 
+/* A triangle with holes: its corners are its own, because of their places in an image. */
+static void add_masked(depth_block *b, size_t t)
+{
+    const projection *c  = &b->context->casters;
+    mask_corner      *to = b->masked.corners[b->masked.count];
+    for (int k = 0; k < 3; k++) {
+        clip_vertex(b, c->indices[3 * t + (size_t)k], to[k].clip);
+        to[k].at = c->uvq[t - c->masked_first][k];
+    }
+    b->masked.triangle[b->masked.count++] = (uint32_t)t;
+}
+
 static void gather_triangles(depth_block *b)
 {
     block_context    *x = b->context;
     const projection *c = &x->casters;
-    b->triangle_count = b->solid_count = b->vertex_count = 0;
+    b->triangle_count = b->solid_count = b->vertex_count = b->masked.count = 0;
     x->gather++;
     for (size_t n = 0; n < x->candidate_count; n++) {
         size_t t = x->candidates[n];
         if (!texel_box_touches(&x->boxes[t], b->u0, b->v0, (int32_t)x->block_px)) continue;
+        if (t >= c->masked_first) {
+            add_masked(b, t);
+            continue;
+        }
         for (int k = 0; k < 3; k++) b->indices[3 * (size_t)b->triangle_count + k] = block_vertex(b, c->indices[3 * t + k]);
         b->triangles[b->triangle_count++] = (uint32_t)t;
         b->solid_count += t < c->solid_triangle_count;
@@ -189,8 +212,8 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
     b->open   = whole_block(b);
     if (b->cell) memset(b->cell, CELL_OPEN, (size_t)b->context->cell_side * b->context->cell_side);
     gather_triangles(b);
-    b->has_sheets = b->triangle_count > b->solid_count;
-    if (b->triangle_count) {
+    b->has_sheets = b->triangle_count > b->solid_count || b->masked.count;
+    if (b->triangle_count || b->masked.count) {
         b->context->stats.blocks_rendered++;
         return 1;
     }
@@ -238,6 +261,14 @@ static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t 
     gl->ClearBufferfv(GL_DEPTH, 0, &b->context->order.far_gl);
     gl->DepthFunc(b->context->order.nearer);
     draw(b, b->context->program_depth, first, count);
+}
+
+static void draw_sheets(depth_block *b)
+{
+    draw_nearest(b, b->texture_sheet, b->solid_count, b->triangle_count - b->solid_count);
+    mask_triangles_draw(&b->masked);
+    b->context->stats.triangles_drawn += b->masked.count;
+    b->context->gl->BindVertexArray(b->vertex_array);
 }
 
 /* Draw the nearest front faces, and the nearest back faces, which are the first layer. The nearer of the two is where a ray enters
@@ -305,8 +336,7 @@ void depth_block_issue(depth_block *b)
         draw_count(b);
         gl->Disable(GL_SCISSOR_TEST);
     } else {
-        uint32_t sheets = b->triangle_count - b->solid_count;
-        if (sheets) draw_nearest(b, b->texture_sheet, b->solid_count, sheets);
+        if (b->has_sheets) draw_sheets(b);
         if (b->solid_count) {
             draw_first_layers(b);
             if (b->context->mode != EXIT_BACK) draw_count(b);

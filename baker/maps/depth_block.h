@@ -8,6 +8,7 @@
 #define DEPTH_BLOCK_H
 
 #include "baker/maps/depth_gl.h"
+#include "baker/maps/mask_pass.h"
 #include "baker/maps/projection.h"
 
 enum { BLOCK_MAX_PX = 512, CELL_PX = 32, SUBTEXELS = 256 };
@@ -31,6 +32,7 @@ typedef struct depth_order {
 typedef struct block_context {
     gl_context *gl;
     projection  casters; /* in the map */
+    mask_images images;
     depth_order order;
     exit_mode   mode;
     uint32_t    block_px;
@@ -70,6 +72,8 @@ typedef struct depth_block {
     uint32_t *triangles; /* [triangle_count] of the projection: solids first */
     uint32_t  solid_count, triangle_count, vertex_count;
     int       has_sheets;
+
+    mask_triangles masked; /* of the sheets, those with holes: not in triangles */
 
     /* [block_px * block_px] each */
     float     *sheet;    /* enter depth of sheets */

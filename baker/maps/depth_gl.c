@@ -39,34 +39,13 @@ static const char next_text[] =
     "    if (order * gl_FragCoord.z <= order * texelFetch(last, ivec2(gl_FragCoord.xy), 0).r) discard;\n"
     "}\n";
 
-static vxs_result make_program(gl_context *gl, GLuint *program, const char *fragment_text, message *m)
-{
-    const char *texts[2] = {vertex_text, fragment_text};
-    GLenum      kinds[2] = {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER};
-    *program             = gl->CreateProgram();
-    for (int n = 0; n < 2; n++) {
-        GLuint shader = gl->CreateShader(kinds[n]);
-        gl->ShaderSource(shader, 1, &texts[n], NULL);
-        gl->CompileShader(shader);
-        gl->AttachShader(*program, shader);
-        gl->DeleteShader(shader);
-    }
-    gl->LinkProgram(*program);
-    GLint linked = 0;
-    gl->GetProgramiv(*program, GL_LINK_STATUS, &linked);
-    if (linked) return VXS_OK;
-    char log[256] = "";
-    gl->GetProgramInfoLog(*program, sizeof log, NULL, log);
-    return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
-}
-
 static vxs_result set_up_gl(block_context *x, message *m)
 {
     gl_context *gl = x->gl;
     vxs_result  r;
-    if ((r = make_program(gl, &x->program_depth, depth_text, m)) != VXS_OK) return r;
-    if ((r = make_program(gl, &x->program_count, count_text, m)) != VXS_OK) return r;
-    if ((r = make_program(gl, &x->program_next, next_text, m)) != VXS_OK) return r;
+    if ((r = make_program(gl, &x->program_depth, vertex_text, depth_text, m)) != VXS_OK) return r;
+    if ((r = make_program(gl, &x->program_count, vertex_text, count_text, m)) != VXS_OK) return r;
+    if ((r = make_program(gl, &x->program_next, vertex_text, next_text, m)) != VXS_OK) return r;
     gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
     gl->GenFramebuffers(1, &x->framebuffer);
     gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
@@ -117,6 +96,7 @@ static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)
         return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
     parallel_for(threads, p->triangle_count, 4096, bound_triangles, r);
     vxs_result result = set_up_gl(x, m);
+    if (result == VXS_OK) result = mask_images_init(&x->images, x->gl, p->casters, m);
     for (int n = 0; n < LANES && result == VXS_OK; n++) result = depth_block_init(&r->lane[n], x, m);
     return result;
 }
@@ -158,6 +138,7 @@ void depth_renderer_destroy(depth_renderer *r)
     gl->DeleteProgram(x->program_depth);
     gl->DeleteProgram(x->program_count);
     gl->DeleteProgram(x->program_next);
+    mask_images_free(&x->images);
     projection_free(&x->casters);
     free(x->boxes);
     free(x->candidates);

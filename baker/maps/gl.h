@@ -37,6 +37,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                               \
     X(PFNGLDEPTHMASKPROC, DepthMask)                               \
     X(PFNGLDISABLEPROC, Disable)                                   \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                             \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                         \
     X(PFNGLENABLEPROC, Enable)                                     \
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)   \
@@ -53,6 +54,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                           \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                           \
     X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                 \
+    X(PFNGLPROGRAMUNIFORM4IPROC, ProgramUniform4i)                 \
     X(PFNGLREADPIXELSPROC, ReadPixels)                             \
     X(PFNGLSCISSORPROC, Scissor)                                   \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                         \

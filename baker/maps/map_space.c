@@ -62,6 +62,7 @@ static map_corner crossing(const map_corner *inside, double d_inside, const map_
     map_corner c;
     double     share = d_inside / (d_inside - d_outside);
     for (int n = 0; n < 3; n++) c.at[n] = inside->at[n] + share * (outside->at[n] - inside->at[n]);
+    for (int n = 0; n < 2; n++) c.uv[n] = inside->uv[n] + share * (outside->uv[n] - inside->uv[n]);
     return c;
 }
 

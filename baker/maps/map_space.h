@@ -13,6 +13,7 @@ enum { MAP_SIDES = 5, MAP_CORNERS_MAX = 16 }; /* 3 + MAP_SIDES corners, and room
 
 typedef struct map_corner {
     double at[3]; /* map space */
+    double uv[2]; /* place in an alpha-tested material's image, where it has one: new corners get theirs, too */
 } map_corner;
 
 /* Convex. */

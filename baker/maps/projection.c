@@ -19,7 +19,7 @@ typedef struct projector {
     map_corner      *corners; /* [casters->vertex_count] in map space */
     map_sides        touch, keep;
     uint32_t        *slot; /* [casters->vertex_count] its vertex in the projection, or NONE */
-    size_t           vertex_capacity, triangle_capacity;
+    size_t           vertex_capacity, triangle_capacity, uvq_capacity;
     int              leaves_bounds[PARALLEL_THREADS_MAX];
 } projector;
 
@@ -64,6 +64,19 @@ static uint32_t add_vertex(projector *j, const double at[3])
     return (uint32_t)p->vertex_count++;
 }
 
+/* The places of the triangle that is added next in its mask's image. */
+static int add_uvq(projector *j, const map_corner *const corners[3])
+{
+    projection *p     = j->p;
+    size_t      count = p->triangle_count - p->masked_first;
+    if (!grow((void **)&p->uvq, &j->uvq_capacity, count + 1, sizeof *p->uvq)) return 0;
+    for (int n = 0; n < 3; n++) {
+        double q         = p->reversed ? project(j, corners[n]->at).z : 1;
+        p->uvq[count][n] = (mask_uvq){(float)(corners[n]->uv[0] * q), (float)(corners[n]->uv[1] * q), (float)q};
+    }
+    return 1;
+}
+
 static int add_triangle(projector *j, const uint32_t corners[3])
 {
     projection *p = j->p;
@@ -72,7 +85,7 @@ static int add_triangle(projector *j, const uint32_t corners[3])
     return 1;
 }
 
-static int add_whole(projector *j, const uint32_t *caster)
+static int add_whole(projector *j, const uint32_t *caster, const map_polygon *triangle, int masked)
 {
     uint32_t corners[3];
     for (int n = 0; n < 3; n++) {
@@ -80,37 +93,58 @@ static int add_whole(projector *j, const uint32_t *caster)
         if (*slot == NONE && (*slot = add_vertex(j, j->corners[caster[n]].at)) == NONE) return 0;
         corners[n] = *slot;
     }
-    return add_triangle(j, corners);
+    const map_corner *const of[3] = {&triangle->corners[0], &triangle->corners[1], &triangle->corners[2]};
+    return (!masked || add_uvq(j, of)) && add_triangle(j, corners);
 }
 
 /* A convex polygon as triangles around its first corner. */
-static int add_polygon(projector *j, const map_polygon *polygon)
+static int add_polygon(projector *j, const map_polygon *polygon, int masked)
 {
     uint32_t corners[3];
     for (int n = 0; n < polygon->count; n++) {
         uint32_t vertex = add_vertex(j, polygon->corners[n].at);
         if (vertex == NONE) return 0;
-        if (n < 2)
+        if (n < 2) {
             corners[n] = vertex;
-        else {
-            corners[2] = vertex;
-            if (!add_triangle(j, corners)) return 0;
-            corners[1] = vertex;
+            continue;
         }
+        const map_corner *const of[3] = {&polygon->corners[0], &polygon->corners[n - 1], &polygon->corners[n]};
+        corners[2]                    = vertex;
+        if ((masked && !add_uvq(j, of)) || !add_triangle(j, corners)) return 0;
+        corners[1] = vertex;
     }
     return 1;
 }
 
-static int add_caster(projector *j, const uint32_t *caster)
+static int add_caster(projector *j, size_t n)
 {
-    map_polygon triangle = {.count = 3}, kept;
-    for (int n = 0; n < 3; n++) triangle.corners[n] = j->corners[caster[n]];
+    const casters  *c        = j->p->casters;
+    const uint32_t *caster   = c->indices + 3 * n;
+    map_polygon     triangle = {.count = 3}, kept;
+    int             masked   = c->mask_count && n >= c->masked_first;
+    for (int k = 0; k < 3; k++) triangle.corners[k] = j->corners[caster[k]];
+    for (int k = 0; k < 6 && masked; k++)
+        triangle.corners[k / 2].uv[k % 2] = (double)c->mask_uvs[6 * (n - c->masked_first) + (size_t)k];
     if (!map_sides_touch(&j->touch, &triangle)) return 1;
-    if (!map_sides_clip(&j->keep, &triangle, &kept)) return add_whole(j, caster);
-    return kept.count < 3 || add_polygon(j, &kept);
+    if (!map_sides_clip(&j->keep, &triangle, &kept)) return add_whole(j, caster, &triangle, masked);
+    return kept.count < 3 || add_polygon(j, &kept, masked);
 }
 
 /* the casters ----------------------------------------------------------------------------------------------------------------- */
+
+/* Where triangles with holes begin. */
+static size_t opaque_end(const casters *c)
+{
+    return c->mask_count ? c->masked_first : c->triangle_count;
+}
+
+/* Casters [first, end), in order. */
+static int add_run(projector *j, size_t first, size_t end)
+{
+    for (size_t n = first; n < end; n++)
+        if (!add_caster(j, n)) return 0;
+    return 1;
+}
 
 static int add_casters(projector *j)
 {
@@ -121,12 +155,17 @@ static int add_casters(projector *j)
     j->slot          = malloc((c->vertex_count + 1) * sizeof *j->slot);
     if (!j->slot) return 0;
     memset(j->slot, 0xff, c->vertex_count * sizeof *j->slot);
-    for (size_t n = 0; n < c->triangle_count; n++) {
-        if (n == c->solid_triangle_count) p->solid_triangle_count = p->triangle_count;
-        if (!add_caster(j, c->indices + 3 * n)) return 0;
+
+    if (!add_run(j, 0, c->solid_triangle_count)) return 0;
+    p->solid_triangle_count = p->triangle_count;
+    if (!add_run(j, c->solid_triangle_count, opaque_end(c))) return 0;
+    p->masked_first = p->triangle_count;
+    for (size_t mask = 0; mask < c->mask_count; mask++) {
+        p->mask_first[mask] = p->triangle_count;
+        if (!add_run(j, c->mask_first[mask], c->mask_first[mask + 1])) return 0;
     }
-    if (c->solid_triangle_count == c->triangle_count) p->solid_triangle_count = p->triangle_count;
-    p->indices = p->own_indices;
+    p->mask_first[c->mask_count] = p->triangle_count;
+    p->indices                   = p->own_indices;
     return 1;
 }
 
@@ -141,7 +180,15 @@ static int take_casters(projector *j)
     p->vertex_count         = c->vertex_count;
     p->triangle_count       = c->triangle_count;
     p->solid_triangle_count = c->solid_triangle_count;
+    p->masked_first         = opaque_end(c);
     p->indices              = c->indices;
+    for (size_t mask = 0; mask <= c->mask_count; mask++)
+        p->mask_first[mask] = c->mask_count ? c->mask_first[mask] : c->triangle_count;
+
+    size_t masked = c->triangle_count - p->masked_first;
+    p->uvq        = malloc((masked + 1) * sizeof *p->uvq);
+    if (!p->uvq) return 0;
+    for (size_t n = 0; n < 3 * masked; n++) p->uvq[n / 3][n % 3] = (mask_uvq){c->mask_uvs[2 * n], c->mask_uvs[2 * n + 1], 1};
     return 1;
 }
 
@@ -150,8 +197,9 @@ vxs_result projection_init(projection *p, const casters *c, const vxs_light *lig
     *p          = (projection){.casters = c, .reversed = light->kind != VXS_LIGHT_KIND_DIRECTIONAL};
     projector j = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels)};
     int       ok;
-    j.corners = malloc((c->vertex_count + 1) * sizeof *j.corners);
-    if ((ok = j.corners != NULL)) {
+    j.corners     = malloc((c->vertex_count + 1) * sizeof *j.corners);
+    p->mask_first = malloc((c->mask_count + 1) * sizeof *p->mask_first);
+    if ((ok = j.corners && p->mask_first)) {
         int some_leave = p->reversed;
         parallel_for(threads, c->vertex_count, 4096, transform_vertices, &j);
         for (int n = 0; n < PARALLEL_THREADS_MAX; n++) some_leave |= j.leaves_bounds[n];
@@ -166,5 +214,7 @@ void projection_free(projection *p)
 {
     free(p->vertices);
     free(p->own_indices);
+    free(p->mask_first);
+    free(p->uvq);
     *p = (projection){0};
 }

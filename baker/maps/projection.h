@@ -21,6 +21,11 @@ typedef struct vertex_ls {
     double z;    /* see above */
 } vertex_ls;
 
+/* A place in an image, times q, and q: all three are linear across a triangle. q is 1, or z of a perspective map. */
+typedef struct mask_uvq {
+    float u, v, q;
+} mask_uvq;
+
 typedef struct projection {
     const casters *casters;
     int            reversed; /* spot and point lights: what is nearer has a larger z */
@@ -30,8 +35,12 @@ typedef struct projection {
 
     size_t          triangle_count;
     size_t          solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, as in casters */
+    size_t          masked_first;         /* triangles [masked_first, triangle_count) have holes, as in casters */
     const uint32_t *indices;              /* [3 * triangle_count] into vertices, in the casters' order */
     uint32_t       *own_indices;          /* the same, or NULL: they are the casters' */
+
+    size_t *mask_first; /* [casters->mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i */
+    mask_uvq (*uvq)[3]; /* [triangle_count - masked_first] of each corner */
 } projection;
 
 /* Project the casters into map `map` of a light (vxs.h numbers them); casters are borrowed.
