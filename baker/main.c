@@ -20,6 +20,7 @@ static const struct {
     {"truth", cmd_truth, "answer the same question by ray tracing the scene"},
     {"compare", cmd_compare, "error of a .vxs file against ray tracing"},
     {"picture", cmd_picture, "a picture (PNG) of a scene with the shadows of a .vxs file"},
+    {"health", cmd_health, "what is wrong with the meshes of a scene"},
     {"scene", cmd_scene, "make a procedural test scene"},
 };
 

@@ -57,6 +57,7 @@ int cmd_query(int argc, char **argv);
 int cmd_truth(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_picture(int argc, char **argv);
+int cmd_health(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 
 #endif

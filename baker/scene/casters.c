@@ -18,6 +18,7 @@
 
 #include "baker/scene/casters_cgal.h"
 #include "baker/scene/mesh_edges.h"
+#include "baker/scene/mesh_join.h"
 
 #define NONE UINT32_MAX
 
@@ -174,23 +175,6 @@ done:
 
 /* --- edges ------------------------------------------------------------------------------------------------------------ */
 
-static uint32_t find_root(uint32_t *parents, uint32_t t)
-{
-    while (parents[t] != t) t = parents[t] = parents[parents[t]];
-    return t;
-}
-
-/* The smaller number becomes the root, so that a component is named by its first triangle. */
-static void join(uint32_t *parents, uint32_t a, uint32_t b)
-{
-    a = find_root(parents, a);
-    b = find_root(parents, b);
-    if (a < b)
-        parents[b] = a;
-    else
-        parents[a] = b;
-}
-
 /* Join the triangles of each edge, and mark those of an edge that is not used equally often in both directions. An edge of
  * four or six faces may well balance: two boxes that touch along an edge are still two closed boxes. */
 static void join_edges(work *w, const uint32_t *sorted)
@@ -201,7 +185,7 @@ static void join_edges(work *w, const uint32_t *sorted)
         int64_t  balance = 0;
         for (end = begin; end < edge_count && mesh_same_edge(w->indices, first, sorted[end]); end++) {
             balance += w->indices[sorted[end]] == w->indices[first] ? 1 : -1;
-            join(w->component_of, first / 3, sorted[end] / 3);
+            mesh_join(w->component_of, first / 3, sorted[end] / 3);
         }
         if (balance) w->flags[first / 3] |= EDGE_OPEN;
     }
@@ -211,7 +195,7 @@ static void join_edges(work *w, const uint32_t *sorted)
 static void number_components(work *w)
 {
     uint32_t *component_of = w->component_of;
-    for (uint32_t t = 0; t < w->triangle_count; t++) component_of[t] = find_root(component_of, t);
+    for (uint32_t t = 0; t < w->triangle_count; t++) component_of[t] = mesh_find(component_of, t);
     /* a root is the first of its component: it has its number before anyone asks for it */
     for (uint32_t t = 0; t < w->triangle_count; t++)
         component_of[t] = component_of[t] == t ? (uint32_t)w->component_count++ : component_of[component_of[t]];

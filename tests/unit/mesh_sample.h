@@ -118,7 +118,7 @@ static inline void sample_klein_bottle(sample *b, int n)
     assert_non_null(p);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
-            double  a = 2 * pi * i / n, v = 2 * pi * j / n;
+            double  a = 2 * pi * i / n, v = 2 * pi * (j + 0.5) / n; /* v = 0 and v = pi are one line */
             double  r = 3 + cos(a / 2) * sin(v) - sin(a / 2) * sin(2 * v);
             double *q = &p[3 * (i * n + j)];
             q[0]      = r * cos(a);
@@ -128,8 +128,8 @@ static inline void sample_klein_bottle(sample *b, int n)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             int           last = i + 1 == n, k = (j + 1) % n; /* after one turn v runs the other way */
-            const double *q[4] = {&p[3 * (i * n + j)], &p[3 * ((i + 1) % n * n + (last ? (n - j) % n : j))],
-                                  &p[3 * ((i + 1) % n * n + (last ? (n - k) % n : k))], &p[3 * (i * n + k)]};
+            const double *q[4] = {&p[3 * (i * n + j)], &p[3 * ((i + 1) % n * n + (last ? n - 1 - j : j))],
+                                  &p[3 * ((i + 1) % n * n + (last ? n - 1 - k : k))], &p[3 * (i * n + k)]};
             sample_points(b, q[0], q[1], q[2]);
             sample_points(b, q[0], q[2], q[3]);
         }
