@@ -117,6 +117,25 @@ static void test_one_sided(void **state)
     done(&b, &h);
 }
 
+/* Turning triangles makes no other surface. */
+static void test_sides_of_mixed_winding(void **state)
+{
+    (void)state;
+    uint32_t seed = 3;
+    for (int trial = 0; trial < 40; trial++) {
+        sample b = {0};
+        if (trial % 2) sample_ball(&b, (double[3]){0, 0, 0}, 1, 12);
+        if (!(trial % 2)) sample_klein_bottle(&b, 12);
+        for (size_t t = 0; t < b.s.triangle_count; t++)
+            if (sample_random(&seed, 2)) sample_turn(&b, t, t + 1);
+        mesh_health h = examine(&b, CLOSED_AUTO);
+        assert_int_equal(h.count, 1);
+        assert_int_equal(h.components[0].orientable, trial % 2);
+        assert_true(h.components[0].closed && !h.components[0].oriented);
+        done(&b, &h);
+    }
+}
+
 static void test_contacts(void **state)
 {
     (void)state;
@@ -216,7 +235,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sound_solids),   cmocka_unit_test(test_holes),    cmocka_unit_test(test_winding),
         cmocka_unit_test(test_one_sided),      cmocka_unit_test(test_contacts), cmocka_unit_test(test_flat_and_repeated),
-        cmocka_unit_test(test_who_meets_whom), cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_who_meets_whom), cmocka_unit_test(test_sizes),    cmocka_unit_test(test_sides_of_mixed_winding),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
