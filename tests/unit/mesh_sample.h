@@ -188,6 +188,18 @@ static inline double sample_uniform(uint32_t *seed)
     return sample_random(seed, 1u << 24) / (double)(1u << 24);
 }
 
+/* Another order of the triangles. Flags stay where they are. */
+static inline void sample_shuffle(sample *b, uint32_t *seed)
+{
+    for (size_t t = b->s.triangle_count; t > 1; t--) {
+        uint32_t swapped[3], *last = &b->s.indices[3 * (t - 1)],
+                             *other = &b->s.indices[3 * (size_t)sample_random(seed, (uint32_t)t)];
+        memcpy(swapped, last, sizeof swapped);
+        memmove(last, other, sizeof swapped);
+        memcpy(other, swapped, sizeof swapped);
+    }
+}
+
 /* The winding number of a surface around a point as a sum of solid angles (van Oosterom and Strackee 1983). */
 static inline double sample_winding(const double *positions, const uint32_t *indices, size_t triangle_count, const double at[3])
 {
