@@ -1,5 +1,6 @@
 /* vxs scene: procedural test scenes (scenes/README.md says what they are for).
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdio.h>
 #include <string.h>
 
 #include "baker/base/output_file.h"
@@ -7,13 +8,16 @@
 #include "baker/scene/generate.h"
 #include "baker/scene/glb_write.h"
 
+typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_STRESS, KINDS } scene_kind;
+
+static const char *const kind_names[KINDS] = {"city", "landscape", "room", "forest", "stress"};
+
 typedef struct scene_options {
-    city_options      city;
-    landscape_options landscape;
-    uint32_t          triangles, seed;
-    double            sun[3];
-    const char       *out;
-    int               blocks_given, spots_given, size_given, height_given;
+    city_options city;
+    uint32_t     triangles, seed;
+    double       sun[3], size_metres, height_metres;
+    const char  *out, *stress_case;
+    int          triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given;
 } scene_options;
 
 static vxs_result parse(scene_options *o, const char **kind, int argc, char **argv, int *help_shown, message *m)
@@ -21,76 +25,129 @@ static vxs_result parse(scene_options *o, const char **kind, int argc, char **ar
     const option options[] = {
         {"-o", OPTION_TEXT, &o->out, 0, 0, NULL, "OUT.glb", "where to write; - is standard output", NULL},
         {"--triangles", OPTION_U32, &o->triangles, GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX, NULL, "T",
-         "how many triangles, met within 2% (default 100000)", NULL},
-        {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "another seed, another scene (default 1)", NULL},
-        {"--sun", OPTION_VECTOR, o->sun, 0, 3, NULL, "X,Y,Z", "the way sunlight travels (default -0.5,-1,-0.3)", NULL},
+         "all but stress: how many triangles, met within 2% (default 100000)", &o->triangles_given},
+        {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "all but stress: another seed, another scene (default 1)",
+         &o->seed_given},
+        {"--sun", OPTION_VECTOR, o->sun, 0, 3, NULL, "X,Y,Z",
+         "city, landscape, forest: the way sunlight travels (default -0.5,-1,-0.3)", &o->sun_given},
         {"--blocks", OPTION_U32, &o->city.blocks, 1, CITY_BLOCKS_MAX, NULL, "N", "city: N x N blocks (default 8)",
          &o->blocks_given},
         {"--spots", OPTION_U32, &o->city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
          &o->spots_given},
-        {"--size", OPTION_F64, &o->landscape.size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
-         "landscape: length of a side (default 1024)", &o->size_given},
-        {"--height", OPTION_F64, &o->landscape.height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
+        {"--size", OPTION_F64, &o->size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
+         "landscape, forest: length of a side (default 1024, of a forest 100)", &o->size_given},
+        {"--height", OPTION_F64, &o->height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
          "landscape: from lowest to highest point (default 200)", &o->height_given},
+        {"--case", OPTION_TEXT, &o->stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
+         &o->case_given},
     };
     const command_line c = {
-        "scene", "KIND -o OUT.glb [options]",      "Make a test scene of closed solids and a sun; KIND is city or landscape.",
+        "scene", "KIND -o OUT.glb [options]",      "Make a test scene; KIND is city, landscape, room, forest or stress.",
         options, sizeof options / sizeof *options, 1};
     return options_parse(&c, argc, argv, kind, help_shown, m);
 }
 
-/* What the table cannot say: which option goes with which kind, and that some must be there. */
-static vxs_result check(const scene_options *o, const char *kind, message *m)
+static vxs_result find_kind(scene_kind *kind, const char *name, message *m)
 {
-    int is_city = !strcmp(kind, "city"), is_landscape = !strcmp(kind, "landscape");
+    for (int i = 0; i < KINDS; i++)
+        if (!strcmp(name, kind_names[i])) return *kind = (scene_kind)i, VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "unknown kind '%s': expected city, landscape, room, forest or stress", name);
+}
 
-    if (!is_city && !is_landscape) return fail(m, VXS_E_ARGUMENT, "unknown kind '%s': expected city or landscape", kind);
-    if (o->blocks_given && !is_city) return fail(m, VXS_E_ARGUMENT, "--blocks applies to city only");
-    if (o->spots_given && !is_city) return fail(m, VXS_E_ARGUMENT, "--spots applies to city only");
-    if (o->size_given && !is_landscape) return fail(m, VXS_E_ARGUMENT, "--size applies to landscape only");
-    if (o->height_given && !is_landscape) return fail(m, VXS_E_ARGUMENT, "--height applies to landscape only");
-    if (o->sun[0] == 0 && o->sun[1] == 0 && o->sun[2] == 0)
-        return fail(m, VXS_E_ARGUMENT, "--sun 0,0,0: expected a direction, at least one number other than 0");
-    if (!o->out) return fail(m, VXS_E_ARGUMENT, "-o is missing: expected -o OUT.glb, or -o - for standard output");
+/* Which option goes with which kind. */
+static vxs_result check_kind(const scene_options *o, scene_kind kind, message *m)
+{
+    const struct {
+        const char *name, *kinds_in_words;
+        int         given;
+        unsigned    kinds;
+    } rules[] = {
+        {"--triangles", "all kinds but stress", o->triangles_given, ~(1u << KIND_STRESS)},
+        {"--seed", "all kinds but stress", o->seed_given, ~(1u << KIND_STRESS)},
+        {"--sun", "city, landscape and forest only", o->sun_given, 1 << KIND_CITY | 1 << KIND_LANDSCAPE | 1 << KIND_FOREST},
+        {"--blocks", "city only", o->blocks_given, 1 << KIND_CITY},
+        {"--spots", "city only", o->spots_given, 1 << KIND_CITY},
+        {"--size", "landscape and forest only", o->size_given, 1 << KIND_LANDSCAPE | 1 << KIND_FOREST},
+        {"--height", "landscape only", o->height_given, 1 << KIND_LANDSCAPE},
+        {"--case", "stress only", o->case_given, 1 << KIND_STRESS},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+        if (rules[i].given && !(rules[i].kinds >> kind & 1))
+            return fail(m, VXS_E_ARGUMENT, "%s applies to %s", rules[i].name, rules[i].kinds_in_words);
     return VXS_OK;
 }
 
-static vxs_result generate(glb_scene *s, scene_options *o, const char *kind, message *m)
+/* What the table cannot say. */
+static vxs_result check(const scene_options *o, scene_kind kind, message *m)
 {
-    if (!strcmp(kind, "city")) {
-        o->city.triangles = o->triangles;
-        o->city.seed      = o->seed;
-        memcpy(o->city.sun, o->sun, sizeof o->sun);
-        return generate_city(s, &o->city, m);
+    vxs_result r = check_kind(o, kind, m);
+    if (r != VXS_OK) return r;
+    if (o->sun[0] == 0 && o->sun[1] == 0 && o->sun[2] == 0)
+        return fail(m, VXS_E_ARGUMENT, "--sun 0,0,0: expected a direction, at least one number other than 0");
+    if (kind == KIND_FOREST && o->size_given && o->size_metres < FOREST_SIZE_MIN)
+        return fail(m, VXS_E_ARGUMENT, "--size %g: expected %g or more for a forest", o->size_metres, FOREST_SIZE_MIN);
+    if (kind == KIND_STRESS && !o->case_given) return fail(m, VXS_E_ARGUMENT, "--case is missing: --case list prints the names");
+    if (!o->out) return fail(m, VXS_E_ARGUMENT, "-o is missing: expected -o OUT.glb, or -o - for standard output");
+    if (kind == KIND_STRESS) return stress_check(o->stress_case, m);
+    return VXS_OK;
+}
+
+static vxs_result generate(glb_scene *s, const scene_options *o, scene_kind kind, message *m)
+{
+    const double *sun = o->sun;
+    switch (kind) {
+    case KIND_CITY:
+        return generate_city(s, &(city_options){o->city.blocks, o->triangles, o->seed, {sun[0], sun[1], sun[2]}, o->city.spots}, m);
+    case KIND_LANDSCAPE: {
+        double size = o->size_given ? o->size_metres : 1024;
+        return generate_landscape(s, &(landscape_options){o->triangles, o->seed, size, o->height_metres, {sun[0], sun[1], sun[2]}},
+                                  m);
     }
-    o->landscape.triangles = o->triangles;
-    o->landscape.seed      = o->seed;
-    memcpy(o->landscape.sun, o->sun, sizeof o->sun);
-    return generate_landscape(s, &o->landscape, m);
+    case KIND_ROOM: return generate_room(s, &(room_options){o->triangles, o->seed}, m);
+    case KIND_FOREST: {
+        double size = o->size_given ? o->size_metres : 100;
+        return generate_forest(s, &(forest_options){o->triangles, o->seed, size, {sun[0], sun[1], sun[2]}}, m);
+    }
+    default: return generate_stress(s, o->stress_case, m);
+    }
+}
+
+static void print_cases(void)
+{
+    for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
+}
+
+static vxs_result make_scene(const scene_options *o, scene_kind kind, message *m)
+{
+    glb_scene   s   = {0};
+    output_file out = {0};
+    vxs_result  r;
+
+    if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* first: a name that cannot be written costs nothing */
+    if ((r = generate(&s, o, kind, m)) != VXS_OK) goto done;
+    if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
+    r = output_file_commit(&out, m);
+done:
+    output_file_abort(&out);
+    glb_scene_free(&s);
+    return r;
 }
 
 int cmd_scene(int argc, char **argv)
 {
-    scene_options o    = {.city      = {.blocks = 8},
-                          .landscape = {.size_metres = 1024, .height_metres = 200},
-                          .triangles = 100000,
-                          .seed      = 1,
-                          .sun       = {-0.5, -1, -0.3}};
-    glb_scene     s    = {0};
-    output_file   out  = {0};
+    scene_options o    = {.city = {.blocks = 8}, .height_metres = 200, .triangles = 100000, .seed = 1, .sun = {-0.5, -1, -0.3}};
     message       m    = {0};
-    const char   *kind = NULL;
+    const char   *name = NULL;
+    scene_kind    kind = KIND_CITY;
     int           help_shown;
     vxs_result    r;
 
-    if ((r = parse(&o, &kind, argc, argv, &help_shown, &m)) != VXS_OK || help_shown) goto done;
-    if ((r = check(&o, kind, &m)) != VXS_OK) goto done;
-    if ((r = output_file_open(&out, o.out, &m)) != VXS_OK) goto done; /* first: a name that cannot be written costs nothing */
-    if ((r = generate(&s, &o, kind, &m)) != VXS_OK) goto done;
-    if ((r = glb_write(&s, &out, &m)) != VXS_OK) goto done;
-    r = output_file_commit(&out, &m);
+    if ((r = parse(&o, &name, argc, argv, &help_shown, &m)) != VXS_OK || help_shown) goto done;
+    if ((r = find_kind(&kind, name, &m)) != VXS_OK) goto done;
+    if (kind == KIND_STRESS && o.case_given && !strcmp(o.stress_case, "list") && check_kind(&o, kind, &m) == VXS_OK)
+        print_cases();
+    else if ((r = check(&o, kind, &m)) == VXS_OK)
+        r = make_scene(&o, kind, &m);
 done:
-    output_file_abort(&out);
-    glb_scene_free(&s);
     return command_end(&m, r);
 }

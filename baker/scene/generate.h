@@ -52,6 +52,43 @@ typedef struct landscape_options {
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m);
 
+typedef struct room_options {
+    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
+    uint32_t seed;
+} room_options;
+
+/* A furnished room, 8 x 3 x 6 m: walls, floor and ceiling are one open sheet that faces inward, with the opening of a door;
+ * furniture, what hangs and what lies beyond the door are closed solids, but for the lampshade, an open sheet. A point light
+ * "lamp" in the shade, a spot "corner" under the ceiling; no sun. Neither light is inside a solid.
+ * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
+vxs_result generate_room(glb_scene *s, const room_options *o, message *m);
+
+typedef struct forest_options {
+    uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
+    uint32_t seed;
+    double   size_metres; /* a side; [FOREST_SIZE_MIN, LANDSCAPE_SIZE_MAX] */
+    double   sun[3];      /* the way the light travels; not zero */
+} forest_options;
+
+#define FOREST_SIZE_MIN 10.0
+
+/* Trees on hilly ground: the ground, trunks and branches are closed solids, each branch grown into its trunk and each trunk into the
+ * ground; leaves are cards, two triangles each, of a double-sided MASK material whose image is about half transparent.
+ * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
+vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m);
+
+/* Scenes at the edges of what a baker can be given, some of them broken on purpose (scenes/README.md, "Stress").
+ * name  one of stress_name
+ * s     [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (no such case). */
+vxs_result generate_stress(glb_scene *s, const char *name, message *m);
+
+/* VXS_OK, or VXS_E_ARGUMENT with a line that names the cases. */
+vxs_result stress_check(const char *name, message *m);
+
+/* Case i and what it is for; NULL behind the last. */
+const char *stress_name(size_t i);
+const char *stress_purpose(size_t i);
+
 #ifdef __cplusplus
 }
 #endif

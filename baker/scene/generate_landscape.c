@@ -17,6 +17,7 @@
 
 #include "baker/base/random.h"
 #include "baker/scene/generate_parts.h"
+#include "baker/scene/generate_terrain.h"
 
 enum { OCTAVES_MAX = 12 };
 
@@ -176,6 +177,21 @@ static void make_skirts_and_bottom(glb_scene *s, const landscape_options *o, gri
     }
 }
 
+/* As its triangles have it: each cell is parted from its lower left to its upper right, in (u, v). */
+double terrain_height(const glb_scene *s, const landscape_options *o, double x, double z)
+{
+    grid   g = grid_from_triangles(o->triangles);
+    double u = (x / o->size_metres + 0.5) * (double)g.columns, v = (z / o->size_metres + 0.5) * (double)g.rows;
+    size_t i = (size_t)u, j = (size_t)v, a = j * (g.columns + 1) + i, b = a + g.columns + 1;
+    double su = u - (double)i, sv = v - (double)j;
+
+    const float *y          = s->positions + 1;
+    double       far_corner = su + sv < 1 ? y[3 * a] : y[3 * (b + 1)];
+    double       du = su + sv < 1 ? su : 1 - su, dv = su + sv < 1 ? sv : 1 - sv;
+    double       beside = su + sv < 1 ? y[3 * (a + 1)] : y[3 * b], above = su + sv < 1 ? y[3 * b] : y[3 * (a + 1)];
+    return far_corner + du * (beside - far_corner) + dv * (above - far_corner);
+}
+
 vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m)
 {
     grid   g         = grid_from_triangles(o->triangles);
@@ -196,7 +212,7 @@ vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message 
     make_skirts_and_bottom(s, o, g);
     s->mesh_count = 1;
     s->meshes[0]  = (glb_mesh){"landscape", 0, s->vertex_count, 0, s->triangle_count, 0, {0}};
-    parts p       = {.s = s};
+    parts p       = parts_continue(s);
     parts_sun(&p, o->sun);
     return parts_end(&p, m);
 }

@@ -41,6 +41,19 @@ parts parts_begin(glb_scene *s, const char *name)
     return (parts){.s = s};
 }
 
+parts parts_continue(glb_scene *s)
+{
+    return (parts){s,
+                   s->vertex_count,
+                   s->texcoords ? s->vertex_count : 0,
+                   s->triangle_count,
+                   s->mesh_count,
+                   s->material_count,
+                   s->image_count,
+                   s->light_count,
+                   0};
+}
+
 vxs_result parts_end(parts *p, message *m)
 {
     glb_scene *s = p->s;

@@ -33,6 +33,9 @@ static const parts_frame parts_upright = {{0, 0, 0}, 1, 0};
 /* s  [out] zeroed, then filled; its owner releases it with glb_scene_free, unless parts_end fails */
 parts parts_begin(glb_scene *s, const char *name);
 
+/* Append to a scene that has been made; what follows needs a parts_mesh first. */
+parts parts_continue(glb_scene *s);
+
 /* Returns VXS_OK, or VXS_E_MEMORY with the scene released and zeroed. A last mesh that stayed empty is taken away. */
 vxs_result parts_end(parts *p, message *m);
 
