@@ -1,7 +1,9 @@
 /* A file that appears complete or not at all.
  *
- * Bytes go to a new file ".vxs-PID-N.tmp" in the folder of the output; commit renames it over the old file, which POSIX
- * does atomically; abort removes it. So a reader never sees half a file, and a failed run leaves the old one alone:
+ * Bytes go to a new file without a name in the folder of the output (O_TMPFILE), so that the system takes it away however this process
+ * ends. Commit calls it ".vxs-PID-N.tmp" and renames it over the old file, which POSIX does atomically; a kill between the two leaves
+ * a complete file of that name behind, which nothing minds and anyone may delete. Where the file system has no files without names
+ * (NFS), it is called so from the start, and a kill leaves it. A reader never sees half a file, and a failed run leaves the old alone:
  *
  *     output_file out = {0};
  *     if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
@@ -30,14 +32,17 @@ typedef struct output_file {
     FILE *stream;    /* NULL when not open. May be written with stdio as well; output_file_commit sees its error flag */
     char *name;      /* how messages call it: the path as given, or "standard output"; owned */
     char *target;    /* where the file goes, links resolved; NULL when written directly; owned */
-    char *temporary; /* where the bytes are until then; NULL when written directly; owned */
+    char *temporary; /* what the file is called until then; NULL while it has no name, or when written directly; owned */
     int   pending;   /* what a signal removes; 0: nothing */
 } output_file;
 
-/* From now on SIGINT and SIGTERM remove the temporary files first, and then end the process: SIGINT with the exit status of an
- * interrupted run, SIGTERM as it does by default. A signal that is ignored stays ignored, a handler of the caller's stays too.
+/* From now on SIGINT, SIGTERM and SIGHUP remove the temporary files first, and then end the process: SIGINT with the exit status of an
+ * interrupted run, the others as they do by default. A signal that is ignored stays ignored, a handler of the caller's stays too.
  * Call once, before threads are started. Up to 8 files are remembered at a time; further ones would be left behind. */
 void output_file_catch_signals(void);
+
+/* Remove the temporary files that there are, before a process ends that cannot go on. Safe in a signal handler. */
+void output_file_remove_temporary(void);
 
 /* Start writing `path`. A new file gets the permissions that umask leaves of 0666.
  * f  [out] zeroed on failure; otherwise ends with output_file_commit or output_file_abort.

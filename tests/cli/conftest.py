@@ -37,3 +37,15 @@ def scenes():
     if not path.is_dir():
         pytest.skip(f"no shared scenes at {path}: set VXS_SCENES")
     return path
+
+
+def writes_into(process, folder):
+    """Whether a process has a new file open in a folder: one without a name, which the system shows as deleted, or a temporary one."""
+    for descriptor in pathlib.Path(f"/proc/{process.pid}/fd").iterdir():
+        try:
+            target = os.readlink(descriptor)
+        except FileNotFoundError:  # closed meanwhile
+            continue
+        if target.startswith(f"{folder}/") and target.endswith((" (deleted)", ".tmp")):
+            return True
+    return False

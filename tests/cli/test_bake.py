@@ -10,6 +10,7 @@ import time
 import pytest
 
 import small_scene
+from conftest import writes_into
 from small_scene import BLOCK, GROUND, MORNING, NOON
 
 SMALL = ("--resolution", 64)
@@ -461,7 +462,7 @@ def test_interrupt_leaves_nothing(vxs, vxs_path, bake, city, tmp_path, command, 
     with subprocess.Popen([vxs_path, *command], cwd=tmp_path, preexec_fn=heed_interrupts, stdin=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
         if command[0] in ("scene", "picture"):
-            while not list(tmp_path.glob(".vxs-*.tmp")):  # the signal is to find a file to remove
+            while not writes_into(process, tmp_path):  # the signal is to find a file to remove
                 assert process.poll() is None
                 time.sleep(0.002)
         else:

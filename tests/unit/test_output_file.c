@@ -87,6 +87,39 @@ static void test_old_file_stays_until_commit(void **state)
     assert_int_equal(file_count(), 1);
 }
 
+/* Until it is complete, nobody sees it: what a kill would leave is nothing. */
+static void test_no_name_until_commit(void **state)
+{
+    (void)state;
+    message     m = {0};
+    output_file f;
+    int         probe = open(".", O_TMPFILE | O_WRONLY, 0600);
+    if (probe < 0) skip();
+    close(probe);
+    assert_int_equal(output_file_open(&f, "a", &m), VXS_OK);
+    assert_int_equal(output_file_write(&f, "new", 3, &m), VXS_OK);
+    fflush(f.stream);
+    assert_int_equal(file_count(), 0);
+    assert_int_equal(output_file_commit(&f, &m), VXS_OK);
+    check_content("a", "new");
+    assert_int_equal(file_count(), 1);
+}
+
+/* Names that earlier runs left are passed over: they may be those of a run that goes on. */
+static void test_names_left_behind(void **state)
+{
+    (void)state;
+    char left[64];
+    snprintf(left, sizeof left, ".vxs-%ld-0.tmp", (long)getpid());
+    FILE *file = fopen(left, "wb");
+    assert_non_null(file);
+    fclose(file);
+    write_file("a", "new");
+    check_content("a", "new");
+    check_content(left, "");
+    unlink(left);
+}
+
 static void test_two_files_at_once(void **state)
 {
     (void)state;
@@ -177,6 +210,7 @@ int main(void)
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(test_commit_replaces),         IN_FOLDER(test_old_file_stays_until_commit),
+        IN_FOLDER(test_no_name_until_commit),    IN_FOLDER(test_names_left_behind),
         IN_FOLDER(test_two_files_at_once),       IN_FOLDER(test_abort_is_harmless_twice),
         IN_FOLDER(test_commit_sees_a_full_disk), IN_FOLDER(test_commit_sees_a_full_standard_output),
         IN_FOLDER(test_a_folder_is_no_file),
