@@ -10,6 +10,7 @@
 
 #include "baker/bake_light.h"
 #include "baker/base/clock.h"
+#include "baker/base/json_file.h"
 #include "baker/base/output_file.h"
 #include "baker/base/version.h"
 #include "baker/scene/light_choice.h"
@@ -80,7 +81,7 @@ static char *metadata_text(const bake_options *o, const bake_report *report)
                              (json_int_t)report->casters.triangle_count, "solids",
                              (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
                              (json_int_t)report->casters.solid_triangle_count, "options", bake_choices_json(o));
-    char   *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
+    char   *text = root && !json_memory_failed() ? json_dumps(root, JSON_COMPACT) : NULL;
     json_decref(root);
     return text;
 }

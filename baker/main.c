@@ -1,10 +1,9 @@
 /* The vxs command: argv to a command, a command to an exit status.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/output_file.h"
+#include "baker/base/process.h"
 #include "baker/base/version.h"
 #include "baker/command/options.h"
 
@@ -36,8 +35,7 @@ static void print_usage(FILE *to)
 int main(int argc, char **argv)
 {
     message m = {0};
-    signal(SIGPIPE, SIG_IGN); /* a reader that has gone away is an error of writing, reported like the others */
-    output_file_catch_signals();
+    process_begin();
 
     if (argc >= 2 && (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))) {
         print_usage(stdout);

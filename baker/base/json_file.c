@@ -2,10 +2,30 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/json_file.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/output_file.h"
+
+static atomic_int memory_failed;
+
+static void *watched_alloc(size_t size)
+{
+    void *memory = malloc(size);
+    if (!memory) atomic_store(&memory_failed, 1);
+    return memory;
+}
+
+void json_watch_memory(void)
+{
+    json_set_alloc_funcs(watched_alloc, free);
+}
+
+int json_memory_failed(void)
+{
+    return atomic_load(&memory_failed);
+}
 
 json_t *json_text(const char *text)
 {
@@ -23,7 +43,8 @@ vxs_result json_write(const char *path, json_t *value, message *m)
 {
     char       *text = value ? json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     output_file out  = {0};
-    vxs_result  r    = text ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
+    vxs_result  r =
+        text && !json_memory_failed() ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
     if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
     if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);

@@ -7,8 +7,13 @@
 
 #include "baker/base/message.h"
 
+/* jansson's functions that fill an object say whether there was memory for it, and nobody asks each of them: call this first, and
+ * json_memory_failed tells whether anything was left out since. */
+void json_watch_memory(void);
+int  json_memory_failed(void);
+
 /* Write any JSON value as an output file ("-" is standard output), indented, with a newline at its end; the value is released.
- * Returns VXS_OK, VXS_E_WRITE, or VXS_E_MEMORY, also when the value is NULL. */
+ * Returns VXS_OK, VXS_E_WRITE, or VXS_E_MEMORY, also when the value is NULL or incomplete. */
 vxs_result json_write(const char *path, json_t *value, message *m);
 
 /* A text as JSON; what is not UTF-8, as a file's name may be, gets '?' for each byte beyond ASCII. NULL without memory. */

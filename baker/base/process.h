@@ -1,0 +1,24 @@
+/* What a run expects of the system before it begins.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PROCESS_H
+#define PROCESS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Call first, before a file is opened or a thread is started.
+ * A closed standard input, output or error stays useless, and using it an error, but no file that is opened later takes its number: a
+ * report would go into the asset. A reader that has gone away and a file that grows beyond a limit are errors of writing, not the end
+ * of the process. Signals that end it take temporary files with them (output_file.h). Memory that is missing where C++ cannot say so,
+ * in a destructor, ends the process as it does elsewhere: one line, and the exit status for it. */
+void process_begin(void);
+
+/* The last part, which is C++. */
+void process_catch_terminate(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
