@@ -15,6 +15,9 @@
  *        v         |  .  |  .  | p.  |  .  | .:  |
  *                  |     |     |     |     |  :  |
  *
+ * Voxels are those of the map that the lookup goes to, and rays are traced in the world. A place beyond the side of a cube's map is
+ * a place in the world like any other.
+ *
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/truth/compare.h"
@@ -27,9 +30,11 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "baker/truth/baked_light.h"
+#include "baker/truth/light_volume.h"
 #include "runtime/vxs.h"
 
-enum { POINTS_AT_A_TIME = 256, REACH = 2, TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000, TRIES = 100 };
+enum { POINTS_AT_A_TIME = 256, REACH = 2, TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000, TRIES = 20 };
 
 /* A rasterizer may move an edge by half of this, and its corner by as much again: in texels. */
 #define SNAP (1.0 / 256)
@@ -53,9 +58,7 @@ typedef struct comparison {
     const vxs_light       *light;
     light_shape            shape; /* of the light, for the truth */
     const compare_options *options;
-    double                 box_min_ws[3], box_max_ws[3];
-    double                 ws_from_ls[12];
-    int                    from_map; /* random points are drawn in the map, not the box */
+    light_volume           volume; /* that random points are drawn from */
 
     compare_kind kind;     /* of the pass in work */
     uint8_t     *verdicts; /* [options->points] */
@@ -66,58 +69,28 @@ typedef struct sample {
     double  point_ws[3];
     double  normal_ws[3];
     double *normal;      /* normal_ws, or NULL for a random point */
-    double  truth_ws[3]; /* where the truth is asked */
+    int     map;         /* that is looked up */
+    double  truth_ls[3]; /* where the truth is asked, in the map's coordinates */
+    double  truth_ws[3];
 } sample;
 
-/* geometry -------------------------------------------------------------------------------------------- */
-
-static void transform(const double m[12], const double p[3], double out[3])
-{
-    for (int row = 0; row < 3; row++) out[row] = vec3_dot(m + 4 * row, p) + m[4 * row + 3];
-}
-
-/* The inverse of a 3 x 4 matrix whose rows are linearly independent, by cofactors. */
-static void invert(const double m[12], double out[12])
-{
-    double cofactors[3][3];
-    for (int row = 0; row < 3; row++) vec3_cross(m + 4 * ((row + 1) % 3), m + 4 * ((row + 2) % 3), cofactors[row]);
-    double determinant = vec3_dot(m, cofactors[0]);
-    for (int row = 0; row < 3; row++) {
-        for (int k = 0; k < 3; k++) out[4 * row + k] = cofactors[k][row] / determinant;
-        out[4 * row + 3] = -(out[4 * row] * m[3] + out[4 * row + 1] * m[7] + out[4 * row + 2] * m[11]);
-    }
-}
-
 /* Bounds of all triangles, 5 % larger; a flat scene gets some height too. */
-static void measure_box(comparison *c)
+static void measure_box(const casters *c, double box_min_ws[3], double box_max_ws[3])
 {
     double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
-    for (size_t n = 0; n < 3 * c->casters->triangle_count; n++)
+    for (size_t n = 0; n < 3 * c->triangle_count; n++)
         for (int i = 0; i < 3; i++) {
-            double p = c->casters->positions_ws[3 * (size_t)c->casters->indices[n] + (size_t)i];
+            double p = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)i];
             min[i]   = fmin(min[i], p);
             max[i]   = fmax(max[i], p);
         }
     vec3_sub(max, min, extent);
     double diagonal = sqrt(vec3_dot(extent, extent));
     for (int i = 0; i < 3; i++) {
-        double margin    = fmax(0.025 * extent[i], 0.01 * diagonal);
-        c->box_min_ws[i] = min[i] - margin;
-        c->box_max_ws[i] = max[i] + margin;
+        double margin = fmax(0.025 * extent[i], 0.01 * diagonal);
+        box_min_ws[i] = min[i] - margin;
+        box_max_ws[i] = max[i] + margin;
     }
-}
-
-/* Random points lie both in the box and in the light's volume: draw in the smaller, leave out what is not in the other. A volume
- * that no region bounds has no end along the light, and was fitted to the casters. */
-static void choose_where_to_draw(comparison *c)
-{
-    double axes[3][3], across[3], box = 1;
-    for (int i = 0; i < 3; i++) {
-        box *= c->box_max_ws[i] - c->box_min_ws[i];
-        for (int k = 0; k < 3; k++) axes[k][i] = ldexp(c->ws_from_ls[4 * i + k], (int)c->light->levels);
-    }
-    vec3_cross(axes[0], axes[1], across);
-    c->from_map = (c->light->flags & VXS_LIGHT_BOUNDED) && fabs(vec3_dot(across, axes[2])) < box;
 }
 
 /* points ---------------------------------------------------------------------------------------------- */
@@ -127,31 +100,15 @@ static double uniform(rng *r)
     return ldexp((double)rng_u32(r), -32);
 }
 
-static void draw_point(const comparison *c, rng *r, double point_ws[3])
-{
-    double u[3] = {uniform(r), uniform(r), uniform(r)}, p[3];
-    for (int i = 0; i < 3; i++) p[i] = ldexp(u[i], (int)c->light->levels);
-    if (c->from_map) transform(c->ws_from_ls, p, point_ws);
-    for (int i = 0; i < 3 && !c->from_map; i++) point_ws[i] = c->box_min_ws[i] + u[i] * (c->box_max_ws[i] - c->box_min_ws[i]);
-}
-
-static int in_box(const comparison *c, const double point_ws[3])
-{
-    for (int i = 0; i < 3; i++)
-        if (point_ws[i] < c->box_min_ws[i] || point_ws[i] > c->box_max_ws[i]) return 0;
-    return 1;
-}
-
 static int random_sample(const comparison *c, rng *r, sample *s)
 {
-    int found = 0;
+    int32_t voxel[3];
+    if (!light_volume_draw(&c->volume, r, s->point_ws)) return 0;
     s->normal = NULL;
-    for (int n = 0; n < TRIES && !found; n++) {
-        draw_point(c, r, s->point_ws);
-        found = in_box(c, s->point_ws) && vxs_lookup(c->light, s->point_ws, NULL, 1) >= 0;
-    }
+    s->map    = vxs_voxel(c->light, s->point_ws, NULL, 1, voxel);
+    baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
     memcpy(s->truth_ws, s->point_ws, sizeof s->truth_ws);
-    return found;
+    return 1;
 }
 
 /* Move the truth by what a lookup with this normal is moved by: whole voxels. Asking both from one place leaves the error of the map,
@@ -161,23 +118,53 @@ static void move_with_bias(const comparison *c, uint32_t filter_px, sample *s)
     int32_t at[3], biased[3];
     vxs_voxel(c->light, s->point_ws, NULL, (int)filter_px, at);
     vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, biased);
-    for (int row = 0; row < 3; row++) {
-        s->truth_ws[row] = s->point_ws[row];
-        for (int k = 0; k < 3; k++) s->truth_ws[row] += c->ws_from_ls[4 * row + k] * (biased[k] - at[k]);
-    }
+    baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
+    for (int i = 0; i < 3; i++) s->truth_ls[i] += biased[i] - at[i];
+    vxs_point(c->light, s->map, s->truth_ls, s->truth_ws);
 }
 
-/* A sheet is seen from both sides; a solid from outside. */
-static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+/* A sheet is seen from both sides; a solid from outside. Returns 0 when the light does not reach the point. */
+static int finish_surface_sample(const comparison *c, uint32_t filter_px, uint32_t triangle, rng *r, sample *s)
+{
+    int32_t voxel[3];
+    int     flip = triangle >= c->casters->solid_triangle_count && rng_below(r, 2);
+    for (int i = 0; i < 3 && flip; i++) s->normal_ws[i] = -s->normal_ws[i];
+    s->normal = s->normal_ws;
+    s->map    = vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, voxel);
+    if (s->map < 0) return 0;
+    move_with_bias(c, filter_px, s);
+    return 1;
+}
+
+static int sample_by_area(const comparison *c, uint32_t filter_px, rng *r, sample *s)
 {
     double   uniforms[3] = {uniform(r), uniform(r), uniform(r)};
     uint32_t triangle;
-    if (!truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle)) return 0;
-    int flip = triangle >= c->casters->solid_triangle_count && rng_below(r, 2);
-    for (int i = 0; i < 3 && flip; i++) s->normal_ws[i] = -s->normal_ws[i];
-    s->normal = s->normal_ws;
-    move_with_bias(c, filter_px, s);
-    return 1;
+    return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) &&
+           finish_surface_sample(c, filter_px, triangle, r, s);
+}
+
+/* Whatever lies behind a random point of the light's volume. */
+static int sample_along_light(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+{
+    double   from_ws[3], way_ws[3], distance;
+    uint32_t triangle;
+    if (!light_volume_draw(&c->volume, r, from_ws)) return 0;
+    vec3_sub(from_ws, c->shape.position_ws, way_ws);
+    if (!vec3_unit(way_ws, way_ws)) return 0;
+    if (!truth_first_hit(c->truth, from_ws, way_ws, &distance, s->normal_ws, &triangle)) return 0;
+    vec3_mad(from_ws, distance, way_ws, s->point_ws);
+    return finish_surface_sample(c, filter_px, triangle, r, s);
+}
+
+/* A spot may reach little of what there is: look elsewhere, and at last where it shines. */
+static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+{
+    if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, filter_px, r, s);
+    int found = 0;
+    for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, filter_px, r, s);
+    for (int n = 0; n < TRIES && !found; n++) found = sample_along_light(c, filter_px, r, s);
+    return found;
 }
 
 /* Point `index` of the kind in work. Returns 0 when there is none: casters without area, or outside the light's volume. */
@@ -191,34 +178,33 @@ static int make_sample(const comparison *c, size_t index, uint32_t filter_px, sa
 
 /* single taps ----------------------------------------------------------------------------------------- */
 
-static int lit_at_voxel(const comparison *c, double u, double v, double z)
+static int lit_at(const comparison *c, int map, double u, double v, double depth)
 {
     double p[3];
-    transform(c->ws_from_ls, (double[3]){u, v, z}, p);
+    vxs_point(c->light, map, (double[3]){u, v, depth}, p);
     return truth_lit(c->truth, p, &c->shape);
 }
 
-/* 1 when one of the rays around (u, v, z), REACH steps to each side, has this answer. Steps along z are whole voxels. */
-static int answered_about(const comparison *c, double u, double v, double z, double texel_step, int lit)
+/* 1 when one of the rays around a place of a map, REACH steps to each side, has this answer. Steps of depth are whole voxels. */
+static int answered_about(const comparison *c, int map, const double at[3], double texel_step, int lit)
 {
     for (int k = -REACH; k <= REACH; k++)
         for (int j = -REACH; j <= REACH; j++)
             for (int i = -REACH; i <= REACH; i++)
-                if (lit_at_voxel(c, u + texel_step * i, v + texel_step * j, z + k) == lit) return 1;
+                if (lit_at(c, map, at[0] + texel_step * i, at[1] + texel_step * j, at[2] + k) == lit) return 1;
     return 0;
 }
 
 static verdict explain(const comparison *c, const sample *s, int asset_lit)
 {
-    double  p[3];
     int32_t voxel[3];
     vxs_voxel(c->light, s->point_ws, s->normal, 1, voxel);
-    transform(c->light->ls_from_ws, s->truth_ws, p);
-    if (answered_about(c, voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5, SNAP, asset_lit)) return VERDICT_NEAR_BOUNDARY;
-    if (answered_about(c, p[0], p[1], p[2], 1, asset_lit)) return VERDICT_NEAR_BOUNDARY;
+    const double middle[3] = {voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5};
+    if (answered_about(c, s->map, middle, SNAP, asset_lit)) return VERDICT_NEAR_BOUNDARY;
+    if (answered_about(c, s->map, s->truth_ls, 1, asset_lit)) return VERDICT_NEAR_BOUNDARY;
 
-    /* a voxel is not flatter than a texel is wide: two texels away is within two voxels */
-    double reach = REACH * c->light->texel_metres;
+    /* a sun's voxel is not flatter than a texel is wide: two texels away is within two voxels */
+    double reach = REACH * baked_light_texel_m(c->light, s->map, s->truth_ws);
     return truth_distance(c->truth, s->truth_ws, 2 * reach) <= reach ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 
@@ -265,7 +251,7 @@ static void add_example(const comparison *c, size_t index, int asset_lit, compar
     *e = (compare_example){.kind = c->kind, .asset_lit = asset_lit, .truth_lit = !asset_lit};
     memcpy(e->point_ws, s.point_ws, sizeof e->point_ws);
     if (s.normal) memcpy(e->normal_ws, s.normal, sizeof e->normal_ws);
-    vxs_voxel(c->light, s.point_ws, s.normal, 1, e->voxel);
+    e->map = vxs_voxel(c->light, s.point_ws, s.normal, 1, e->voxel);
 }
 
 static void count_verdicts(const comparison *c, compare_result *out)
@@ -296,11 +282,11 @@ uint64_t compare_wrong(const compare_counts *n)
 /* filters --------------------------------------------------------------------------------------------- */
 
 /* The lookup's own box of texels, from rays through their centres, at the depth of its voxels' middle. */
-static double filtered_truth(const comparison *c, const int32_t voxel[3])
+static double filtered_truth(const comparison *c, int map, const int32_t voxel[3])
 {
     int half = (int)c->options->filter_px / 2, lit = 0;
     for (int j = -half; j <= half; j++)
-        for (int i = -half; i <= half; i++) lit += lit_at_voxel(c, voxel[0] + i + 0.5, voxel[1] + j + 0.5, voxel[2] + 0.5);
+        for (int i = -half; i <= half; i++) lit += lit_at(c, map, voxel[0] + i + 0.5, voxel[1] + j + 0.5, voxel[2] + 0.5);
     return (double)lit / (double)(c->options->filter_px * c->options->filter_px);
 }
 
@@ -313,7 +299,7 @@ static float filter_error(const comparison *c, size_t index)
     float lookup = vxs_lookup(c->light, s.point_ws, s.normal, filter_px);
     if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
     vxs_voxel(c->light, s.point_ws, s.normal, filter_px, voxel);
-    return (float)(lookup - filtered_truth(c, voxel));
+    return (float)(lookup - filtered_truth(c, s.map, voxel));
 }
 
 static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
@@ -416,13 +402,12 @@ vxs_result compare_light(compare_result *out, const truth *t, const casters *c, 
                          message *m)
 {
     size_t     filtered = o->points < COMPARE_FILTER_POINTS_MAX ? o->points : COMPARE_FILTER_POINTS_MAX;
-    comparison work     = {.truth = t, .casters = c, .light = light, .options = o};
+    comparison work     = {.truth = t, .casters = c, .light = light, .shape = baked_light_shape(light), .options = o};
     vxs_result r        = VXS_OK;
-    memcpy(work.shape.direction_ws, light->direction_ws, sizeof work.shape.direction_ws);
+    double     box_min_ws[3], box_max_ws[3];
     memset(out, 0, sizeof *out);
-    measure_box(&work);
-    invert(light->ls_from_ws, work.ws_from_ls);
-    choose_where_to_draw(&work);
+    measure_box(c, box_min_ws, box_max_ws);
+    light_volume_init(&work.volume, light, box_min_ws, box_max_ws);
 
     work.verdicts = malloc(o->points);
     work.errors   = malloc(filtered * sizeof *work.errors);

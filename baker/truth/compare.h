@@ -10,8 +10,11 @@ enum { COMPARE_EXAMPLES_MAX = 10, COMPARE_FILTER_POINTS_MAX = 20000, COMPARE_TIM
 
 /* Where the points come from. */
 typedef enum compare_kind {
-    COMPARE_RANDOM,  /* uniform in the light's volume, where the casters' bounding box, 5 % larger, is; without a normal */
-    COMPARE_SURFACE, /* uniform by area on casters, both sides of sheets; looked up with the normal */
+    /* Uniform in the light's volume (map, cone, range) and the casters' bounding box, 5 % larger; without a normal. */
+    COMPARE_RANDOM,
+    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches, and
+     * where that is too little to be found so, on what its rays meet behind random points. */
+    COMPARE_SURFACE,
     COMPARE_KINDS
 } compare_kind;
 
@@ -25,7 +28,7 @@ typedef struct compare_options {
 /* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained. */
 typedef struct compare_counts {
     uint64_t points;
-    uint64_t outside;      /* the light's map does not reach there; random points: nor to any place in the box that was tried */
+    uint64_t outside;      /* not in the light's volume, like all other places that were tried */
     uint64_t inside_solid; /* nobody asks there, the answer is undefined */
     uint64_t checked;
     uint64_t leaks;         /* the asset says lit, the truth shadow */
@@ -44,6 +47,7 @@ typedef struct compare_example {
     compare_kind kind;
     double       point_ws[3];
     double       normal_ws[3]; /* zero for random points */
+    int          map;          /* of the light: 0, or 0 to 5 of six */
     int32_t      voxel[3];     /* that was looked up */
     int          asset_lit, truth_lit;
 } compare_example;
@@ -73,7 +77,8 @@ typedef struct compare_result {
  * So the error that the bias brings is in neither leaks nor false_shadows; wrong_at_surface has it, from rays that start at
  * truth_lift.
  * Two voxels from a boundary means: among rays from 5 x 5 x 5 voxels about the point, and rays through the centre of the
- * texel that was looked up (and as near to it as a rasterizer may move an edge), one has the answer of the asset.
+ * texel that was looked up (and as near to it as a rasterizer may move an edge), one has the answer of the asset. Voxels of a spot or
+ * point light are as wide and deep as they are at that distance from it.
  * t      of c;   c  with the solids that the light was baked with
  * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o,

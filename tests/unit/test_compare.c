@@ -7,9 +7,14 @@
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/vec3.h"
+#include "baker/truth/baked_light.h"
 #include "baker/truth/compare.h"
+#include "baker/truth/light_volume.h"
+#include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -186,6 +191,350 @@ static void threads_change_nothing_and_seeds_do(void **state)
     assert_memory_not_equal(a.counts, c.counts, sizeof a.counts);
 }
 
+/* -- spot and point lights --------------------------------------------------------------------------------
+ *
+ * Boxes on a ground of 40 x 40 m, a roof to one side, and a lamp 6 m above the ground, baked here by tracing a ray through each
+ * texel's centre. */
+
+static const double corner_min[][3] = {{-20, -1, -20}, {3, 0, -1}, {-9, 0, 4}, {-4, 4, -9}, {-1, 1, 5}};
+static const double corner_max[][3] = {{20, 0, 20}, {5, 4, 2}, {-6, 9, 7}, {4, 5, -3}, {1, 3, 6}};
+enum { BOXES = 5 };
+
+static double   yard_positions[3 * 8 * BOXES];
+static uint32_t yard_indices[36 * BOXES];
+
+static casters yard(const double at[3])
+{
+    static const uint32_t faces[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 4, 6, 0, 6, 2,
+                                       1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3};
+    for (uint32_t b = 0; b < BOXES; b++) {
+        for (uint32_t n = 0; n < 24; n++)
+            yard_positions[24 * b + n] = at[n % 3] + (n / 3 >> n % 3 & 1 ? corner_max : corner_min)[b][n % 3];
+        for (uint32_t n = 0; n < 36; n++) yard_indices[36 * b + n] = 8 * b + faces[n];
+    }
+    return (casters){.vertex_count         = 8 * BOXES,
+                     .positions_ws         = yard_positions,
+                     .triangle_count       = 12 * BOXES,
+                     .solid_triangle_count = 12 * BOXES,
+                     .indices              = yard_indices};
+}
+
+enum { NEAR_CM = 10, FAR_M = 60 };
+
+/* A lamp at (0, 6, 0) of the yard. outer_rad: 0 makes a point light. */
+static vxs_light lamp_of(const double at[3], const double direction[3], double outer_rad, int cube, uint32_t levels, double range)
+{
+    vxs_light    l           = {.name         = "lamp",
+                                .kind         = outer_rad > 0 ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT,
+                                .flags        = cube ? VXS_LIGHT_CUBE : 0,
+                                .levels       = levels,
+                                .texel_metres = ldexp(cube ? 2.2 : 2.2 * tan(outer_rad), -(int)levels),
+                                .voxel_metres = ldexp(log(FAR_M * 100.0 / NEAR_CM), -(int)levels),
+                                .near_metres  = NEAR_CM / 100.0,
+                                .cos_outer    = outer_rad > 0 ? cos(outer_rad) : 0,
+                                .range_metres = range};
+    const double position[3] = {at[0], at[1] + 6, at[2]};
+    double       axes[3][3]  = {{0}};
+    vec3_unit(direction, axes[2]);
+    vec3_cross(axes[2], fabs(axes[2][0]) < 0.5 ? (double[3]){1, 0, 0} : (double[3]){0, 0, 1}, axes[0]);
+    vec3_unit(axes[0], axes[0]);
+    vec3_cross(axes[2], axes[0], axes[1]);
+    for (int row = 0; row < 3; row++) {
+        memcpy(l.ls_from_ws + 4 * row, axes[row], sizeof axes[row]);
+        l.ls_from_ws[4 * row + 3] = -vec3_dot(axes[row], position);
+    }
+    memcpy(l.direction_ws, axes[2], sizeof axes[2]);
+    return l;
+}
+
+/* What is wrong with a bake. */
+typedef struct fault {
+    int shift_texels, early_voxels, swapped_maps, mirrored;
+    int voxel[3]; /* turned over, in map 0, where it is not 0 */
+} fault;
+
+static double *depths; /* [maps * side * side] */
+
+static void trace_depths(const truth *t, const vxs_light *l)
+{
+    int         side = 1 << l->levels, maps = l->flags & VXS_LIGHT_CUBE ? 6 : 1;
+    light_shape shape = baked_light_shape(l);
+    depths            = malloc((size_t)maps * (size_t)side * (size_t)side * sizeof *depths);
+    assert_non_null(depths);
+    for (int n = 0; n < maps * side * side; n++) {
+        int    map   = n / (side * side);
+        double at[3] = {n % side + 0.5, n / side % side + 0.5, side}, end[3], way[3], distance;
+        vxs_point(l, map, at, end);
+        vec3_sub(end, shape.position_ws, way);
+        vec3_unit(way, way);
+        depths[n] = INFINITY;
+        if (!truth_first_hit(t, shape.position_ws, way, &distance, NULL, NULL)) continue;
+        vec3_mad(shape.position_ws, distance, way, end);
+        baked_light_coordinates(l, map, end, at);
+        depths[n] = at[2];
+    }
+}
+
+static int is_dark(const vxs_light *l, const fault *f, int map, int i, int j, int k)
+{
+    int side = 1 << l->levels;
+    i += f->shift_texels;
+    if (f->mirrored) i = side - 1 - i;
+    if (f->swapped_maps) map ^= 1;
+    int at    = (map * side + j) * side + (i < side ? i : side - 1);
+    int wrong = f->voxel[2] && map == 0 && i == f->voxel[0] && j == f->voxel[1] && k == f->voxel[2];
+    return (k + f->early_voxels >= depths[at]) != wrong;
+}
+
+static uint32_t *dag;
+static uint32_t  dag_words;
+
+static uint32_t put(uint32_t word)
+{
+    dag[dag_words] = word;
+    return dag_words++;
+}
+
+/* All of a tree, nothing shared. Returns where it starts. */
+static uint32_t put_node(const vxs_light *l, const fault *f, int map, int i, int j, int k, int side)
+{
+    uint32_t node = put(0xaaaa); /* eight children of its own */
+    for (int c = 0; c < 8; c++) put(0);
+    for (int c = 0; c < 8; c++) {
+        int half = side / 2;
+        if (side > 8) {
+            uint32_t child    = put_node(l, f, map, i + (c & 1 ? half : 0), j + (c & 2 ? half : 0), k + (c & 4 ? half : 0), half);
+            dag[node + 1 + c] = child;
+            continue;
+        }
+        uint32_t bits[2] = {0, 0};
+        for (int n = 0; n < 64; n++) bits[n / 32] |= (uint32_t)is_dark(l, f, map, i + n % 8, j + n / 8, k + c) << n % 32;
+        dag[node + 1 + c] = put(bits[0]);
+        put(bits[1]);
+    }
+    return node;
+}
+
+static void bake_lamp(vxs_light *l, const fault *f)
+{
+    int side = 1 << l->levels, maps = l->flags & VXS_LIGHT_CUBE ? 6 : 1, slices = (side / 8) * (side / 8) * (side / 8);
+    dag       = malloc((size_t)(6 + maps * slices * (25 + 9)) * sizeof *dag);
+    dag_words = 0;
+    assert_non_null(dag);
+    for (int map = 0; map < maps && maps > 1; map++) put(0);
+    for (int map = 0; map < maps; map++) {
+        uint32_t root = put_node(l, f, map, 0, 0, 0, side);
+        if (maps > 1) dag[map] = root;
+    }
+    l->words      = dag;
+    l->word_count = dag_words;
+}
+
+static compare_result compared_lamp(vxs_light l, fault f, const double at[3], compare_options o)
+{
+    const casters c = yard(at);
+    message       m = {0};
+    truth        *t = NULL;
+    assert_int_equal(truth_create(&t, &c, 1, &m), VXS_OK);
+    trace_depths(t, &l);
+    bake_lamp(&l, &f);
+    compare_result result = compared_scene(&c, l, o);
+    truth_destroy(t);
+    free(depths);
+    free(dag);
+    return result;
+}
+
+static const double          zero[3] = {0, 0, 0}, far_away[3] = {1e7, -2e7, 3e7}, aslant[3] = {0.5, -1, 0.2}, level[3] = {1, 0, 0};
+static const compare_options few    = {.points = 10000, .seed = 1, .filter_px = 1, .threads = 2};
+static const double          degree = 3.14159265358979323846 / 180;
+
+static void assert_right(const compare_result *r, double wrong_share)
+{
+    for (int kind = 0; kind < COMPARE_KINDS; kind++) {
+        const compare_counts *n = &r->counts[kind];
+        assert_true(n->checked > few.points / 2);
+        assert_true((double)compare_wrong(n) < wrong_share * (double)n->checked);
+        assert_int_equal(n->unexplained, 0);
+    }
+    assert_int_equal(r->counts[COMPARE_RANDOM].outside, 0);
+}
+
+/* Angles from edge to edge. A degree is a spot of twelve centimetres on the ground. */
+static void honest_spots_have_no_fault(void **state)
+{
+    (void)state;
+    const int degrees[] = {1, 30, 60, 90, 120};
+    for (int n = 0; n < 5; n++) {
+        vxs_light      here  = lamp_of(zero, aslant, degrees[n] / 2.0 * degree, 0, 7, 0);
+        vxs_light      there = lamp_of(far_away, aslant, degrees[n] / 2.0 * degree, 0, 7, 20);
+        compare_result r     = compared_lamp(here, (fault){0}, zero, few);
+        assert_right(&r, 0.06);
+        assert_true(n == 0 || compare_wrong(&r.counts[COMPARE_RANDOM]) > 0);
+        r = compared_lamp(there, (fault){0}, far_away, few);
+        assert_right(&r, 0.06);
+    }
+}
+
+static void honest_cubes_have_no_fault(void **state)
+{
+    (void)state;
+    compare_result lamp = compared_lamp(lamp_of(zero, aslant, 0, 1, 7, 0), (fault){0}, zero, few);
+    assert_right(&lamp, 0.06);
+    lamp = compared_lamp(lamp_of(far_away, level, 0, 1, 7, 15), (fault){0}, far_away, few);
+    assert_right(&lamp, 0.06);
+    compare_result spot = compared_lamp(lamp_of(zero, aslant, 89.5 * degree, 1, 7, 0), (fault){0}, zero, few);
+    assert_right(&spot, 0.06);
+}
+
+static uint64_t unexplained(const compare_result *r)
+{
+    return r->counts[COMPARE_RANDOM].unexplained + r->counts[COMPARE_SURFACE].unexplained;
+}
+
+static void faults_of_lamps_are_found(void **state)
+{
+    (void)state;
+    /* edges of the boxes run along texels, so that a shadow two texels aside is not within two texels of its place */
+    const vxs_light spot = lamp_of(zero, level, 50 * degree, 0, 7, 0), lamp = lamp_of(zero, level, 0, 1, 7, 0);
+    compare_options more = few;
+    more.points          = 30000;
+    const fault faults[] = {{.shift_texels = 2}, {.shift_texels = 5}, {.early_voxels = 8}, {.early_voxels = -8}, {.mirrored = 1}};
+    for (int n = 0; n < 5; n++) {
+        compare_result of_spot = compared_lamp(spot, faults[n], zero, more), of_lamp = compared_lamp(lamp, faults[n], zero, more);
+        assert_true(unexplained(&of_spot) > 10 && unexplained(&of_lamp) > 10);
+    }
+    compare_result swapped = compared_lamp(lamp, (fault){.swapped_maps = 1}, zero, few);
+    assert_true(unexplained(&swapped) > few.points / 5);
+    for (uint32_t n = 0; n < swapped.example_count; n++) assert_in_range(swapped.examples[n].map, 0, 5);
+}
+
+/* The farthest voxel in the middle of a map that has light all around it, three voxels to each side. */
+static int lit_voxel(const truth *t, const vxs_light *l, int voxel[3])
+{
+    const int         side  = 1 << l->levels;
+    const light_shape shape = baked_light_shape(l);
+    for (int n = side * side * side - 1; n >= 0; n--) {
+        const int at[3] = {n % side, n / side % side, n / side / side};
+        int       lit   = abs(2 * at[0] - side) < side / 2 && abs(2 * at[1] - side) < side / 2;
+        for (int m = 0; m < 343 && lit; m++) {
+            double p[3];
+            vxs_point(l, 0, (double[]){at[0] + m % 7 - 2.5, at[1] + m / 7 % 7 - 2.5, at[2] + m / 49 - 2.5}, p);
+            lit = truth_lit(t, p, &shape) && fabs(p[0]) < 20 && fabs(p[2]) < 20 && p[1] < 9;
+        }
+        if (lit) return memcpy(voxel, at, sizeof at) != NULL;
+    }
+    return 0;
+}
+
+/* That voxel is dark. */
+static void one_wrong_voxel_is_found(void **state)
+{
+    (void)state;
+    const vxs_light l = lamp_of(zero, (double[]){-1, -0.1, -0.3}, 30 * degree, 0, 5, 0);
+    const casters   c = yard(zero);
+    message         m = {0};
+    truth          *t = NULL;
+    fault           f = {0};
+    assert_int_equal(truth_create(&t, &c, 1, &m), VXS_OK);
+    assert_int_equal(lit_voxel(t, &l, f.voxel), 1);
+    truth_destroy(t);
+
+    compare_options many = few;
+    many.points          = 100000;
+    compare_result right = compared_lamp(l, (fault){0}, zero, many), wrong = compared_lamp(l, f, zero, many);
+    assert_int_equal(unexplained(&right), 0);
+    assert_true(wrong.counts[COMPARE_RANDOM].unexplained > 5 && wrong.counts[COMPARE_SURFACE].unexplained == 0);
+    for (uint32_t n = 0; n < wrong.example_count; n++) {
+        const compare_example *e = &wrong.examples[n];
+        assert_true(e->voxel[0] == f.voxel[0] && e->voxel[1] == f.voxel[1] && e->voxel[2] == f.voxel[2]);
+        assert_true(e->map == 0 && !e->asset_lit);
+    }
+}
+
+static void filters_of_lamps_are_compared(void **state)
+{
+    (void)state;
+    compare_options o = few;
+    o.filter_px       = 5;
+    o.points          = 2000;
+    for (int cube = 0; cube < 2; cube++) {
+        const vxs_light l      = lamp_of(zero, aslant, cube ? 0 : 50 * degree, cube, 8, 0);
+        compare_result  right  = compared_lamp(l, (fault){0}, zero, o),
+                       shifted = compared_lamp(l, (fault){.shift_texels = 3}, zero, o);
+        for (int kind = 0; kind < COMPARE_KINDS; kind++) {
+            assert_true(right.filter[kind].points > 1000);
+            assert_true(right.filter[kind].rmse < 0.05 && shifted.filter[kind].rmse > 1.8 * right.filter[kind].rmse);
+        }
+        assert_true(right.time.filter_s > right.time.lookup_s);
+    }
+}
+
+/* -- random points of a volume ---------------------------------------------------------------------------- */
+
+/* Shares of points by distance and by side of the axis are those of the volume. */
+static void random_points_are_uniform_by_volume(void **state)
+{
+    (void)state;
+    enum { POINTS = 40000 };
+    static light_volume v;
+    const double        box_min[3] = {-20, -14, -20}, box_max[3] = {20, 26, 20};
+    const int           ways[]   = {DRAW_FROM_CONE, DRAW_FROM_CONE, DRAW_FROM_CONE, DRAW_FROM_BOX, DRAW_FROM_CONE};
+    const double        outers[] = {0.5, 20, 80, 0, 0}, ranges[] = {20, 18, 18, 19.5, 4};
+    for (int n = 0; n < 5; n++) {
+        vxs_light   l    = lamp_of(zero, aslant, outers[n] * degree, 1, 7, ranges[n]);
+        light_shape s    = baked_light_shape(&l);
+        rng         r    = {(uint64_t)n};
+        int         near = 0, inner = 0, beside = 0;
+        double      side[3];
+        light_volume_init(&v, &l, box_min, box_max);
+        assert_int_equal(v.way, ways[n]);
+        vec3_cross(s.direction_ws, (double[]){0.3, 0.4, 0.8}, side);
+        double cos_outer = s.kind == LIGHT_POINT ? -1 : l.cos_outer, cos_middle = 0.5 + 0.5 * cos_outer;
+        for (int i = 0; i < POINTS; i++) {
+            double p[3], from_light[3];
+            assert_int_equal(light_volume_draw(&v, &r, p), 1);
+            assert_int_equal(light_reaches(&s, p), 1);
+            vec3_sub(p, s.position_ws, from_light);
+            double distance = sqrt(vec3_dot(from_light, from_light));
+            near += distance < ranges[n] / 2;
+            inner += vec3_dot(from_light, s.direction_ws) > cos_middle * distance;
+            beside += vec3_dot(from_light, side) > 0;
+        }
+        assert_true(fabs(near - POINTS / 8.0) < 6 * sqrt(POINTS / 9.0));
+        assert_true(fabs(inner - POINTS / 2.0) < 6 * sqrt(POINTS / 4.0));
+        assert_true(fabs(beside - POINTS / 2.0) < 6 * sqrt(POINTS / 4.0));
+    }
+}
+
+/* A needle of light through a flat box, from afar and from within: all of it is drawn, and nothing else. */
+static void random_points_are_found_in_needles(void **state)
+{
+    (void)state;
+    static light_volume v;
+    const double        low[3] = {-500, 0, -500}, high[3] = {500, 5, 500}, down[3] = {0, -1, 0};
+    const double        heights[] = {-3, 1e3, 1e6}; /* the lamp is six metres higher */
+    for (int n = 0; n < 3; n++) {
+        vxs_light   l = lamp_of((double[]){1, heights[n], 2}, down, 0.5 * degree, 0, 7, 0);
+        light_shape s = baked_light_shape(&l);
+        rng         r = {7};
+        light_volume_init(&v, &l, low, high);
+        double sum = 0;
+        for (int i = 0; i < 10000; i++) {
+            double p[3];
+            assert_int_equal(light_volume_draw(&v, &r, p), 1);
+            assert_true(light_reaches(&s, p) && p[1] >= 0 && p[1] <= 5);
+            sum += p[1] / 10000;
+        }
+        assert_true(n == 0 ? sum > 0.7 && sum < 0.8 : fabs(sum - 2.5) < 0.1); /* a cone from y = 3 has its middle at 0.75 */
+    }
+    vxs_light up = lamp_of((double[]){0, 10, 0}, (double[]){0, 1, 0}, 0.5 * degree, 0, 7, 0);
+    rng       r  = {7};
+    double    p[3];
+    light_volume_init(&v, &up, low, high);
+    assert_int_equal(light_volume_draw(&v, &r, p), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,6 +546,13 @@ int main(void)
         cmocka_unit_test(an_asset_without_light_is_found_too),
         cmocka_unit_test(filters_are_compared),
         cmocka_unit_test(threads_change_nothing_and_seeds_do),
+        cmocka_unit_test(honest_spots_have_no_fault),
+        cmocka_unit_test(honest_cubes_have_no_fault),
+        cmocka_unit_test(faults_of_lamps_are_found),
+        cmocka_unit_test(one_wrong_voxel_is_found),
+        cmocka_unit_test(filters_of_lamps_are_compared),
+        cmocka_unit_test(random_points_are_uniform_by_volume),
+        cmocka_unit_test(random_points_are_found_in_needles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
