@@ -29,25 +29,20 @@ static size_t element_bytes(int type, size_t component)
     return (size_t)tinygltf::GetNumComponentsInType((uint32_t)type) * component;
 }
 
-/* `count` elements of `size` bytes from `offset` in a bufferView, held against view and buffer. */
-static vxs_result view_elements(loader &l, const std::string &where, int view_index, size_t offset, size_t count, size_t size,
-                                elements &e)
+/* Whether `count` elements of `size` bytes from `offset` lie in a bufferView, and how far apart they are. */
+static vxs_result check_extent(loader &l, const std::string &where, int view_index, size_t offset, size_t count, size_t size,
+                               size_t &stride)
 {
-    if (view_index < 0 || (size_t)view_index >= l.model.bufferViews.size())
+    if (view_index < 0 || (size_t)view_index >= l.views.size())
         return l.error(VXS_E_SCENE, "%s: bufferView %d does not exist", where.c_str(), view_index);
-    const tinygltf::BufferView &view   = l.model.bufferViews[(size_t)view_index];
-    size_t                      stride = view.byteStride ? view.byteStride : size;
+    const buffer_view &view = l.views[(size_t)view_index];
+    stride                  = view.stride ? view.stride : size;
     if (stride < size)
         return l.error(VXS_E_SCENE, "%s: byteStride %zu is less than its elements of %zu bytes", where.c_str(), stride, size);
-    if (offset > view.byteLength || count > SIZE_MAX / 256 ||
-        (count && (view.byteLength - offset < size || (count - 1) > (view.byteLength - offset - size) / stride)))
+    if (offset > view.length || count > SIZE_MAX / 256 ||
+        (count && (view.length - offset < size || (count - 1) > (view.length - offset - size) / stride)))
         return l.error(VXS_E_SCENE, "%s: %zu elements at byte %zu do not fit in bufferView %d of %zu bytes", where.c_str(), count,
-                       offset, view_index, view.byteLength);
-    const auto &buffer = l.model.buffers[(size_t)view.buffer].data;
-    e.data             = buffer.data() + view.byteOffset + offset;
-    e.stride           = stride;
-    e.count            = count;
-    e.size             = size;
+                       offset, view_index, view.length);
     return VXS_OK;
 }
 
@@ -57,14 +52,17 @@ vxs_result check_accessors(loader &l)
     l.accessors.resize(l.model.accessors.size());
     for (size_t i = 0; i < l.accessors.size(); i++) {
         const tinygltf::Accessor &a         = l.model.accessors[i];
+        elements                 &e         = l.accessors[i];
         std::string               where     = label("accessor", i, a.name);
         size_t                    component = component_bytes(a.componentType);
         if (!component) return l.error(VXS_E_SCENE, "%s: unknown componentType %d", where.c_str(), a.componentType);
 
-        size_t size          = element_bytes(a.type, component);
-        l.accessors[i].count = a.count;
-        l.accessors[i].size  = size;
-        if (a.bufferView >= 0 && (r = view_elements(l, where, a.bufferView, a.byteOffset, a.count, size, l.accessors[i])) != VXS_OK)
+        e.count      = a.count;
+        e.size       = element_bytes(a.type, component);
+        e.stride     = e.size;
+        e.component  = a.componentType;
+        e.normalized = a.normalized;
+        if (a.bufferView >= 0 && (r = check_extent(l, where, a.bufferView, a.byteOffset, a.count, e.size, e.stride)) != VXS_OK)
             return r;
         if (a.sparse.isSparse && (size_t)a.sparse.count > a.count)
             return l.error(VXS_E_SCENE, "%s: sparse count %d exceeds its %zu elements", where.c_str(), a.sparse.count, a.count);
@@ -79,6 +77,31 @@ uint32_t unsigned_at(const unsigned char *at, size_t size)
     return value;
 }
 
+double component_at(const unsigned char *at, int component, bool normalized)
+{
+    float    real;
+    int16_t  s16;
+    uint16_t u16;
+    switch (component) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE: return normalized ? std::max((signed char)*at / 127.0, -1.0) : (signed char)*at;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return normalized ? *at / 255.0 : *at;
+    case TINYGLTF_COMPONENT_TYPE_SHORT: memcpy(&s16, at, sizeof s16); return normalized ? std::max(s16 / 32767.0, -1.0) : s16;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: memcpy(&u16, at, sizeof u16); return normalized ? u16 / 65535.0 : u16;
+    default: memcpy(&real, at, sizeof real); return real;
+    }
+}
+
+/* `count` elements of `size` bytes from `offset` in a bufferView. */
+static vxs_result view_elements(loader &l, const std::string &where, int view, int offset, size_t count, size_t size, elements &e)
+{
+    vxs_result r;
+    if ((r = check_extent(l, where, view, (size_t)offset, count, size, e.stride)) != VXS_OK) return r;
+    if ((r = view_bytes(l, (size_t)view, e.data)) != VXS_OK) return r;
+    e.data += offset;
+    e.size = size;
+    return VXS_OK;
+}
+
 static vxs_result overlay_sparse(loader &l, const std::string &where, const tinygltf::Accessor &a, elements &e)
 {
     const auto &sparse = a.sparse;
@@ -89,10 +112,10 @@ static vxs_result overlay_sparse(loader &l, const std::string &where, const tiny
     if (kind != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && kind != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
         kind != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
         return l.error(VXS_E_SCENE, "%s: sparse indices of componentType %d", where.c_str(), kind);
-    if ((r = view_elements(l, where + " sparse indices", sparse.indices.bufferView, (size_t)sparse.indices.byteOffset, count,
+    if ((r = view_elements(l, where + " sparse indices", sparse.indices.bufferView, sparse.indices.byteOffset, count,
                            component_bytes(kind), indices)) != VXS_OK)
         return r;
-    if ((r = view_elements(l, where + " sparse values", sparse.values.bufferView, (size_t)sparse.values.byteOffset, count, e.size,
+    if ((r = view_elements(l, where + " sparse values", sparse.values.bufferView, sparse.values.byteOffset, count, e.size,
                            values)) != VXS_OK)
         return r;
     for (size_t i = 0; i < count; i++) {
@@ -106,22 +129,32 @@ static vxs_result overlay_sparse(loader &l, const std::string &where, const tiny
     return VXS_OK;
 }
 
-vxs_result use_accessor(loader &l, int index, const elements *&out)
+static vxs_result make_dense(loader &l, const std::string &where, const tinygltf::Accessor &a, elements &e)
 {
-    elements                 &e = l.accessors[(size_t)index];
-    const tinygltf::Accessor &a = l.model.accessors[(size_t)index];
-    out                         = &e;
-    if ((e.data && !a.sparse.isSparse) || !e.dense.empty() || !e.count) return VXS_OK;
-
-    std::string where = label("accessor", (size_t)index, a.name);
     if (e.count > l.dense_left)
         return l.error(VXS_E_UNSUPPORTED, "%s: sparse accessors would hold more than %zu elements", where.c_str(), DENSE_MAX);
     l.dense_left -= e.count;
     e.dense.resize(e.count * e.size);
     for (size_t i = 0; e.data && i < e.count; i++) memcpy(e.dense.data() + i * e.size, e.data + i * e.stride, e.size);
-    vxs_result r = a.sparse.isSparse ? overlay_sparse(l, where, a, e) : VXS_OK;
-    e.data       = e.dense.data();
-    e.stride     = e.size;
+    e.data   = e.dense.data();
+    e.stride = e.size;
+    return a.sparse.isSparse ? overlay_sparse(l, where, a, e) : VXS_OK;
+}
+
+vxs_result use_accessor(loader &l, int index, const elements *&out)
+{
+    elements                 &e = l.accessors[(size_t)index];
+    const tinygltf::Accessor &a = l.model.accessors[(size_t)index];
+    vxs_result                r = VXS_OK;
+    out                         = &e;
+    if (e.ready) return VXS_OK;
+
+    if (a.bufferView >= 0) {
+        if ((r = view_bytes(l, (size_t)a.bufferView, e.data)) != VXS_OK) return r;
+        e.data += a.byteOffset;
+    }
+    if (a.sparse.isSparse || a.bufferView < 0) r = make_dense(l, label("accessor", (size_t)index, a.name), a, e);
+    e.ready = r == VXS_OK;
     return r;
 }
 

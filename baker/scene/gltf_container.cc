@@ -58,7 +58,7 @@ static uint32_t u32_at(const std::vector<unsigned char> &bytes, size_t offset)
 
 vxs_result open_container(loader &l, const std::vector<unsigned char> &bytes, container &c)
 {
-    c = {(const char *)bytes.data(), bytes.size(), false, false};
+    c = {(const char *)bytes.data(), bytes.size(), false, nullptr, 0};
     if (bytes.size() < 4 || memcmp(bytes.data(), "glTF", 4)) return VXS_OK;
 
     c.binary = true;
@@ -78,7 +78,8 @@ vxs_result open_container(loader &l, const std::vector<unsigned char> &bytes, co
     if (length - at < 8 || u32_at(bytes, at) > length - at - 8)
         return l.error(VXS_E_SCENE, "the second GLB chunk does not fit in the file");
     if (u32_at(bytes, at + 4) != 0x004e4942) return l.error(VXS_E_SCENE, "the second GLB chunk is not BIN");
-    c.has_bin = true;
+    c.bin      = bytes.data() + at + 8;
+    c.bin_size = u32_at(bytes, at);
     return VXS_OK;
 }
 

@@ -7,25 +7,10 @@
 
 #include <climits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace gltf
 {
-
-std::string percent_decoded(const std::string &uri)
-{
-    std::string text;
-    for (size_t i = 0; i < uri.size(); i++) {
-        unsigned code;
-        if (uri[i] == '%' && i + 2 < uri.size() && isxdigit((unsigned char)uri[i + 1]) && isxdigit((unsigned char)uri[i + 2]) &&
-            sscanf(uri.c_str() + i + 1, "%2x", &code) == 1) {
-            text += (char)code;
-            i += 2;
-        } else {
-            text += uri[i];
-        }
-    }
-    return text;
-}
 
 /* clang-format off */
 static const std::vector<property> root_shape = {
@@ -62,6 +47,10 @@ static const std::vector<property> buffer_shape = {
     {"byteLength", is::size, true}, {"uri", is::text}, {"extensions", is::extensions}};
 static const std::vector<property> skin_shape = {
     {"name", is::text}, {"joints", is::indices, true}};
+static const std::vector<property> draco_shape = {
+    {"bufferView", is::index, true}, {"attributes", is::index_map, true}};
+static const std::vector<property> instancing_shape = {
+    {"attributes", is::index_map, true}};
 static const std::vector<property> light_use_shape = {
     {"light", is::index, true}};
 /* clang-format on */
@@ -157,14 +146,40 @@ static vxs_result check_version(loader &l, const json &root)
     return VXS_OK;
 }
 
-/* Extensions that may be required because they change nothing here, or are read. */
+/* Extensions that are read, and those that may be required because they change no shadow: how surfaces and images look. */
 static bool extension_known(const std::string &name)
 {
-    for (const char *prefix : {"KHR_materials_", "KHR_texture_", "EXT_texture_"})
-        if (name.rfind(prefix, 0) == 0) return true;
-    for (const char *known : {"KHR_lights_punctual", "MSFT_texture_dds", "KHR_xmp_json_ld", "KHR_animation_pointer"})
-        if (name == known) return true;
-    return false;
+    static const std::set<std::string> known = {"EXT_mesh_gpu_instancing",
+                                                "EXT_meshopt_compression",
+                                                "KHR_draco_mesh_compression",
+                                                "KHR_lights_punctual",
+                                                "KHR_mesh_quantization",
+                                                "KHR_meshopt_compression",
+                                                "KHR_texture_transform",
+                                                "EXT_texture_webp",
+                                                "KHR_materials_pbrSpecularGlossiness",
+                                                "KHR_materials_variants",
+
+                                                "EXT_texture_avif",
+                                                "KHR_texture_basisu",
+                                                "MSFT_texture_dds",
+                                                "KHR_animation_pointer",
+                                                "KHR_xmp",
+                                                "KHR_xmp_json_ld",
+                                                "KHR_materials_anisotropy",
+                                                "KHR_materials_clearcoat",
+                                                "KHR_materials_common",
+                                                "KHR_materials_diffuse_transmission",
+                                                "KHR_materials_dispersion",
+                                                "KHR_materials_emissive_strength",
+                                                "KHR_materials_ior",
+                                                "KHR_materials_iridescence",
+                                                "KHR_materials_sheen",
+                                                "KHR_materials_specular",
+                                                "KHR_materials_transmission",
+                                                "KHR_materials_unlit",
+                                                "KHR_materials_volume"};
+    return known.count(name) != 0;
 }
 
 static vxs_result check_required_extensions(loader &l, const json &root)
@@ -172,66 +187,6 @@ static vxs_result check_required_extensions(loader &l, const json &root)
     for (const json &name : items(root, "extensionsRequired"))
         if (!extension_known(name.get_ref<const std::string &>()))
             return l.error(VXS_E_UNSUPPORTED, "requires the extension %s", name.get_ref<const std::string &>().c_str());
-    return VXS_OK;
-}
-
-/* Buffers without data of their own would get the GLB's bytes from tinygltf, whatever these are. */
-static vxs_result check_buffers(loader &l, const json &root, const container &c)
-{
-    std::string folder = l.path;
-    folder.erase(folder.rfind('/') == std::string::npos ? 0 : folder.rfind('/') + 1);
-
-    size_t index = 0;
-    for (const json &buffer : items(root, "buffers")) {
-        std::string where = label("buffer", index, "");
-        size_t      bytes = buffer["byteLength"].get<size_t>();
-        std::string uri   = buffer.value("uri", "");
-        if (!bytes) return l.error(VXS_E_SCENE, "%s: byteLength is 0", where.c_str());
-        if (uri.empty() && !(c.has_bin && index == 0)) {
-            for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
-                if (extension(buffer, name)) return l.error(VXS_E_UNSUPPORTED, "%s is only there for %s", where.c_str(), name);
-            return l.error(VXS_E_SCENE, "%s has neither a uri nor a GLB chunk", where.c_str());
-        }
-        if (!uri.empty() && !tinygltf::IsDataURI(uri)) {
-            if (uri.rfind("data:", 0) == 0)
-                return l.error(VXS_E_SCENE, "%s: '%.40s' is not a base64 data URI of a buffer", where.c_str(), uri.c_str());
-            std::string name = percent_decoded(uri);
-            if (name.find('\0') != std::string::npos)
-                return l.error(VXS_E_SCENE, "%s: uri '%s' holds a zero byte", where.c_str(), uri.c_str());
-            l.buffer_files.push_back({folder + name, bytes});
-        }
-        index++;
-    }
-    return VXS_OK;
-}
-
-/* tinygltf reads images through their bufferViews without a look at the buffer. Its buffers have just the promised size. */
-static vxs_result check_buffer_views(loader &l, const json &root)
-{
-    const json &buffers = items(root, "buffers");
-    size_t      index   = 0;
-    for (const json &view : items(root, "bufferViews")) {
-        size_t buffer = view["buffer"].get<size_t>(), length = view["byteLength"].get<size_t>();
-        size_t offset = view.value("byteOffset", (size_t)0);
-        if (buffer >= buffers.size()) return l.error(VXS_E_SCENE, "bufferView %zu: buffer %zu does not exist", index, buffer);
-        size_t bytes = buffers[buffer]["byteLength"].get<size_t>();
-        if (!length || offset > bytes || length > bytes - offset)
-            return l.error(VXS_E_SCENE, "bufferView %zu: %zu bytes at byte %zu do not fit in buffer %zu of %zu bytes", index,
-                           length, offset, buffer, bytes);
-        index++;
-    }
-    return VXS_OK;
-}
-
-/* A compressed primitive is read from its uncompressed copy, where it has one. */
-static vxs_result check_draco(loader &l, const std::string &where, const json &root, const json &primitive)
-{
-    if (!extension(primitive, "KHR_draco_mesh_compression")) return VXS_OK;
-    const json &accessors = items(root, "accessors");
-    json        wanted    = json::array({primitive["attributes"].value("POSITION", -1), primitive.value("indices", -1)});
-    for (const json &index : wanted)
-        if (is_index(index) && index.get<size_t>() < accessors.size() && !accessors[index.get<size_t>()].contains("bufferView"))
-            return l.error(VXS_E_UNSUPPORTED, "%s has only KHR_draco_mesh_compression data", where.c_str());
     return VXS_OK;
 }
 
@@ -244,7 +199,8 @@ static vxs_result check_meshes(loader &l, const json &root)
         for (const json &primitive : mesh["primitives"]) {
             std::string where = label("mesh", mesh_index, "") + " " + label("primitive", index++, "");
             if ((r = check_shape(l, where, primitive, primitive_shape)) != VXS_OK) return r;
-            if ((r = check_draco(l, where, root, primitive)) != VXS_OK) return r;
+            if (const json *draco = extension(primitive, "KHR_draco_mesh_compression"))
+                if ((r = check_shape(l, where + " KHR_draco_mesh_compression", *draco, draco_shape)) != VXS_OK) return r;
             for (const json &target : items(primitive, "targets"))
                 for (const json &accessor : target)
                     if (!is_index(accessor))
@@ -280,6 +236,8 @@ static vxs_result check_nodes(loader &l, const json &root)
             return l.error(VXS_E_SCENE, "%s has both a matrix and translation, rotation or scale", where.c_str());
         if (const json *use = extension(node, "KHR_lights_punctual"))
             if ((r = check_shape(l, where + " KHR_lights_punctual", *use, light_use_shape)) != VXS_OK) return r;
+        if (const json *instances = extension(node, "EXT_mesh_gpu_instancing"))
+            if ((r = check_shape(l, where + " EXT_mesh_gpu_instancing", *instances, instancing_shape)) != VXS_OK) return r;
     }
     return VXS_OK;
 }
@@ -303,10 +261,15 @@ static long nesting(const container &c)
     return deepest;
 }
 
-vxs_result check_json(loader &l, const container &c)
+vxs_result parse_json(loader &l, const container &c, json &root)
 {
     if (nesting(c) > JSON_DEPTH_MAX) return l.error(VXS_E_SCENE, "its JSON is nested too deeply");
-    json       root = json::parse(c.text, c.text + c.text_size);
+    root = json::parse(c.text, c.text + c.text_size);
+    return VXS_OK;
+}
+
+vxs_result check_json(loader &l, const json &root)
+{
     vxs_result r;
     if (!root.is_object()) return l.error(VXS_E_SCENE, "its JSON is not an object");
     if ((r = check_version(l, root)) != VXS_OK) return r;
@@ -321,10 +284,7 @@ vxs_result check_json(loader &l, const container &c)
     if ((r = check_list(l, root, "buffers", "buffer", buffer_shape)) != VXS_OK) return r;
     if ((r = check_list(l, root, "skins", "skin", skin_shape)) != VXS_OK) return r;
     if ((r = check_nodes(l, root)) != VXS_OK) return r;
-    if ((r = read_lights(l, root)) != VXS_OK) return r;
     if ((r = check_sparse(l, root)) != VXS_OK) return r;
-    if ((r = check_buffer_views(l, root)) != VXS_OK) return r;
-    if ((r = check_buffers(l, root, c)) != VXS_OK) return r;
     return check_meshes(l, root);
 }
 

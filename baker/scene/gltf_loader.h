@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,20 +31,51 @@ namespace gltf
 using json = nlohmann::json;
 
 constexpr size_t FILE_BYTES_MAX = UINT32_MAX;      /* GLB and tinygltf count in 32 bits */
-constexpr size_t INDICES_MAX    = (size_t)1 << 31; /* of the whole scene; vertices are never more */
-constexpr size_t DENSE_MAX      = (size_t)1 << 25; /* elements that sparse accessors may expand to, together */
+constexpr size_t TRIANGLES_MAX  = (size_t)1 << 26; /* of the whole scene: instancing makes scenes much larger than files */
+constexpr size_t DENSE_MAX      = (size_t)1 << 24; /* elements that sparse accessors may expand to, together */
+constexpr size_t DECODED_MAX    = (size_t)1 << 30; /* bytes that compressed bufferViews may expand to, together */
 constexpr long   JSON_DEPTH_MAX = 200;             /* tinygltf recurses into extras */
 
-/* An accessor's elements, known to lie in their buffer. */
+/* An accessor's elements, known to lie in their bufferView; use_accessor finds the data. */
 struct elements {
-    const unsigned char       *data; /* NULL: all zero, until made dense */
-    size_t                     stride, count, size;
-    std::vector<unsigned char> dense; /* owns data when the accessor is sparse or has no bufferView */
+    const unsigned char       *data;
+    size_t                     stride, count, size; /* size: bytes of an element */
+    int                        component;           /* TINYGLTF_COMPONENT_TYPE_* */
+    bool                       normalized;
+    bool                       ready;         /* data is there */
+    uint32_t                   indices_below; /* of indices that were looked at: all are less; 0 before */
+    std::vector<unsigned char> dense;         /* owns data when the accessor is sparse or has no bufferView */
 };
 
-struct buffer_file {
-    std::string path;
-    size_t      size_bytes; /* as the file promises; the rest of a longer file is not read */
+struct buffer {
+    const unsigned char       *data; /* NULL: a fallback for readers that know no compression, never read */
+    size_t                     size_bytes;
+    std::vector<unsigned char> owned; /* unless data is the GLB's own */
+};
+
+/* EXT_meshopt_compression, KHR_meshopt_compression: the bytes of a bufferView as they are stored. */
+struct compressed_view {
+    const char *extension; /* NULL: not compressed */
+    size_t      buffer, offset, length, count, stride;
+    std::string mode, filter;
+};
+
+struct buffer_view {
+    size_t                     buffer, offset, length, stride; /* stride 0: elements follow each other */
+    compressed_view            compressed;
+    std::vector<unsigned char> decoded; /* once it was asked for */
+};
+
+/* What the baker reads of a material. */
+struct material {
+    std::string name;
+    bool        double_sided, mask;
+};
+
+/* A primitive whose vertices and indices come from KHR_draco_mesh_compression. */
+struct draco_primitive {
+    std::map<std::string, elements> attributes; /* POSITION; with a mask, all that its alpha is made of */
+    elements                        indices;
 };
 
 struct vec3 {
@@ -65,15 +97,23 @@ struct loader {
     message        *m;
     const char     *path;
     scene          *s;
+    bool            files_beside; /* buffers and images may be in other files */
     tinygltf::Model model;
 
-    std::vector<light_definition> lights;
+    std::vector<unsigned char> bytes; /* of the file; a GLB's buffer 0 lies in it */
+    std::shared_ptr<json>      rest;  /* what tinygltf does not get: materials, textures, samplers, images */
 
-    std::vector<buffer_file> buffer_files; /* in the order in which tinygltf asks for them */
-    size_t                   next_file = 0;
+    std::vector<buffer>           buffers;
+    std::vector<buffer_view>      views;
+    std::vector<material>         materials;
+    std::vector<light_definition> lights;
+    size_t                        camera_count = 0;
+    bool                          quantization = false; /* KHR_mesh_quantization is used */
 
     std::vector<elements> accessors;
-    size_t                dense_left = DENSE_MAX;
+    size_t                dense_left = DENSE_MAX, decoded_left = DECODED_MAX;
+
+    std::map<const tinygltf::Primitive *, draco_primitive> draco;
 
     std::vector<int>       roots, order; /* the scene's nodes, parents first */
     std::vector<transform> ws_from_node; /* by node */
@@ -101,7 +141,10 @@ std::string one_line(std::string text);
 struct container {
     const char *text;
     size_t      text_size;
-    bool        binary, has_bin;
+    bool        binary;
+
+    const unsigned char *bin; /* NULL: there is none */
+    size_t               bin_size;
 };
 
 /* The first `limit` bytes of a file, or an errno. A file that a scene refers to must be a regular one: a pipe may never end. */
@@ -130,25 +173,74 @@ const json &items(const json &object, const char *name);
 /* The members of extensions.NAME, or NULL. */
 const json *extension(const json &object, const char *name);
 
-vxs_result check_json(loader &l, const container &c);
+vxs_result parse_json(loader &l, const container &c, json &root);
+vxs_result check_json(loader &l, const json &root);
 
 /* From the file to l.model, with all that is read of it in shape. */
 vxs_result parse(loader &l);
 
+/* ---- gltf_buffers.cc, gltf_meshopt.cc ---- */
+
+/* The bytes of every buffer, and the bufferViews, which lie in them. */
+vxs_result read_buffers(loader &l, const json &root, const container &c);
+vxs_result read_buffer_views(loader &l, const json &root);
+
+/* A file beside the scene, by the uri of a buffer or an image; at most `limit` bytes of it. `what` uses it. */
+vxs_result read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit, std::vector<unsigned char> &bytes);
+
+/* The bytes after the comma of a base64 data URI. */
+bool decode_base64(const std::string &text, std::vector<unsigned char> &bytes);
+
+/* The `length` bytes of a bufferView, decompressed once. */
+vxs_result view_bytes(loader &l, size_t view, const unsigned char *&data);
+
+vxs_result read_compressed_view(loader &l, const std::string &where, const json &view, compressed_view &c);
+vxs_result decode_view(loader &l, size_t index);
+
 /* ---- gltf_accessors.cc ---- */
 
+size_t     component_bytes(int component);
 vxs_result check_accessors(loader &l);
 
-/* Where an accessor's elements are: in the buffer, or made dense once. */
+/* An accessor's elements: in the buffer, or made dense once. */
 vxs_result use_accessor(loader &l, int index, const elements *&out);
 
 /* A little-endian number of 1, 2 or 4 bytes. */
 uint32_t unsigned_at(const unsigned char *at, size_t size);
 
+/* A component at `at`: a float, or an integer, normalised if it is so (3.11, KHR_mesh_quantization). */
+double component_at(const unsigned char *at, int component, bool normalized);
+
+/* ---- gltf_draco.cc ---- */
+
+/* A primitive that is there in compressed form only. */
+bool needs_draco(const loader &l, const tinygltf::Primitive &p);
+
+/* Decode it once. */
+vxs_result use_draco(loader &l, const std::string &where, const tinygltf::Primitive &p, const draco_primitive *&out);
+
+/* ---- gltf_instances.cc: EXT_mesh_gpu_instancing ---- */
+
+/* How often a node's mesh is placed: 1 without the extension. */
+vxs_result count_instances(loader &l, size_t node, size_t &count);
+
+/* Where the i-th of them is. */
+vxs_result instance_transform(loader &l, size_t node, size_t i, transform &ws_from_instance);
+
 /* ---- gltf_nodes.cc ---- */
 
 vec3 rotate_scale(const transform &t, vec3 v);
 vec3 apply(const transform &t, vec3 v);
+
+/* First b, then a. */
+transform multiply(const transform &a, const transform &b);
+
+/* Scale, then rotation by a unit quaternion (x, y, z, w), then translation. */
+transform trs_transform(const double translation[3], const double rotation[4], const double scale[3]);
+
+/* A quaternion to unit length; false when it has none. */
+bool normalize_rotation(double rotation[4]);
+
 bool finite(vec3 v);
 
 /* The triangles of a mirrored node turn their backs, unless two corners are swapped (3.7.4). */
@@ -172,7 +264,7 @@ bool   makes_triangles(const tinygltf::Primitive &p);
 size_t corner_count(const loader &l, const tinygltf::Primitive &p);
 size_t triangle_count(const loader &l, const tinygltf::Primitive &p);
 
-vxs_result check_materials(loader &l);
+vxs_result read_materials(loader &l, const json &root);
 vxs_result check_model_meshes(loader &l);
 
 /* Count before allocating: instancing makes scenes much larger than files. */

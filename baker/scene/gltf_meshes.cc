@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/gltf_loader.h"
 
+#include <nlohmann/json.hpp>
+
 namespace gltf
 {
 
@@ -18,8 +20,11 @@ static vxs_result check_positions(loader &l, const std::string &where, int index
     const tinygltf::Accessor &a    = l.model.accessors[(size_t)index];
     std::string               name = label("accessor", (size_t)index, a.name);
     if (a.type != TINYGLTF_TYPE_VEC3) return l.error(VXS_E_SCENE, "%s, %s: POSITION is not a VEC3", where.c_str(), name.c_str());
-    if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
-        return l.error(VXS_E_UNSUPPORTED, "%s, %s: POSITION is not of floats (KHR_mesh_quantization)", where.c_str(), name.c_str());
+    if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+        return l.error(VXS_E_SCENE, "%s, %s: POSITION is of 32-bit integers", where.c_str(), name.c_str());
+    if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !l.quantization)
+        return l.error(VXS_E_SCENE, "%s, %s: POSITION is not of floats, and KHR_mesh_quantization is not used", where.c_str(),
+                       name.c_str());
     if (a.count != count)
         return l.error(VXS_E_SCENE, "%s, %s: %zu elements, expected %zu", where.c_str(), name.c_str(), a.count, count);
     return VXS_OK;
@@ -35,7 +40,7 @@ static vxs_result check_indices(loader &l, const std::string &where, int index)
         (a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
          a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT))
         return l.error(VXS_E_SCENE, "%s, %s: indices are not unsigned scalars", where.c_str(), name.c_str());
-    if (a.bufferView >= 0 && l.model.bufferViews[(size_t)a.bufferView].byteStride)
+    if (a.bufferView >= 0 && (size_t)a.bufferView < l.views.size() && l.views[(size_t)a.bufferView].stride)
         return l.error(VXS_E_SCENE, "%s, %s: indices with a byteStride", where.c_str(), name.c_str());
     return VXS_OK;
 }
@@ -65,7 +70,7 @@ size_t triangle_count(const loader &l, const tinygltf::Primitive &p)
 static vxs_result check_primitive(loader &l, const std::string &where, const tinygltf::Primitive &p)
 {
     if (p.mode > TINYGLTF_MODE_TRIANGLE_FAN) return l.error(VXS_E_SCENE, "%s: unknown mode %d", where.c_str(), p.mode);
-    if (p.material >= 0 && (size_t)p.material >= l.model.materials.size())
+    if (p.material >= 0 && (size_t)p.material >= l.materials.size())
         return l.error(VXS_E_SCENE, "%s: material %d does not exist", where.c_str(), p.material);
     if (!makes_triangles(p)) return VXS_OK;
 
@@ -92,13 +97,14 @@ vxs_result check_model_meshes(loader &l)
     return VXS_OK;
 }
 
-vxs_result check_materials(loader &l)
+vxs_result read_materials(loader &l, const json &root)
 {
-    for (size_t i = 0; i < l.model.materials.size(); i++) {
-        const std::string &mode = l.model.materials[i].alphaMode;
-        if (mode != "" && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
-            return l.error(VXS_E_SCENE, "%s: unknown alphaMode '%s'", label("material", i, l.model.materials[i].name).c_str(),
+    for (const json &object : items(root, "materials")) {
+        std::string name = object.value("name", ""), mode = object.value("alphaMode", "OPAQUE");
+        if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+            return l.error(VXS_E_SCENE, "%s: unknown alphaMode '%s'", label("material", l.materials.size(), name).c_str(),
                            mode.c_str());
+        l.materials.push_back({name, object.value("doubleSided", false), mode == "MASK"});
     }
     return VXS_OK;
 }
@@ -122,8 +128,8 @@ static void warn_about(loader &l, const tinygltf::Node &node, size_t &points, si
         if (!p.targets.empty())
             warn(l.m, "%s has morph targets: baked at their default weights", label("mesh", (size_t)node.mesh, mesh.name).c_str());
         if (p.material < 0 || !makes_triangles(p)) continue;
-        const tinygltf::Material &material = l.model.materials[(size_t)p.material];
-        if (material.alphaMode == "MASK")
+        const material &material = l.materials[(size_t)p.material];
+        if (material.mask)
             warn(l.m, "%s is alpha-masked: baked as opaque",
                  material.name.empty() ? label("material", (size_t)p.material, "").c_str()
                                        : ("material '" + material.name + "'").c_str());
@@ -139,17 +145,20 @@ vxs_result measure(loader &l)
     std::vector<size_t> of_mesh(l.model.meshes.size(), 0);
     for (size_t i = 0; i < of_mesh.size(); i++)
         for (const tinygltf::Primitive &p : l.model.meshes[i].primitives)
-            if (makes_triangles(p)) of_mesh[i] += std::min(triangle_count(l, p), INDICES_MAX);
+            if (makes_triangles(p)) of_mesh[i] += std::min(triangle_count(l, p), TRIANGLES_MAX + 1);
 
-    size_t total = 0, points = 0, lines = 0;
+    size_t total = 0, points = 0, lines = 0, instances;
     for (int index : l.order) {
         const tinygltf::Node &node = l.model.nodes[(size_t)index];
         if (node.mesh < 0) continue;
-        if (node.extensions.count("EXT_mesh_gpu_instancing"))
-            return l.error(VXS_E_UNSUPPORTED, "%s uses EXT_mesh_gpu_instancing", label("node", (size_t)index, node.name).c_str());
+        vxs_result r = count_instances(l, (size_t)index, instances);
+        if (r != VXS_OK) return r;
         warn_about(l, node, points, lines);
-        total += of_mesh[(size_t)node.mesh];
-        if (total > INDICES_MAX / 3) return l.error(VXS_E_UNSUPPORTED, "more than %zu triangles in the scene", INDICES_MAX / 3);
+        size_t triangles = of_mesh[(size_t)node.mesh];
+        if (triangles && instances > (TRIANGLES_MAX - std::min(total, TRIANGLES_MAX)) / triangles)
+            return l.error(VXS_E_UNSUPPORTED, "more than %zu triangles in the scene, with those of %s", TRIANGLES_MAX,
+                           label("node", (size_t)index, node.name).c_str());
+        total += instances * triangles;
     }
     if (points) warn(l.m, "primitives of points skipped: %zu", points);
     if (lines) warn(l.m, "primitives of lines skipped: %zu", lines);

@@ -20,6 +20,30 @@ vec3 apply(const transform &t, vec3 v)
     return {p.x + t.origin.x, p.y + t.origin.y, p.z + t.origin.z};
 }
 
+transform multiply(const transform &a, const transform &b)
+{
+    return {{rotate_scale(a, b.axis[0]), rotate_scale(a, b.axis[1]), rotate_scale(a, b.axis[2])}, apply(a, b.origin)};
+}
+
+transform trs_transform(const double translation[3], const double rotation[4], const double scale[3])
+{
+    double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
+    double sx = scale[0], sy = scale[1], sz = scale[2];
+    return {{{sx * (1 - 2 * (y * y + z * z)), sx * 2 * (x * y + z * w), sx * 2 * (x * z - y * w)},
+             {sy * 2 * (x * y - z * w), sy * (1 - 2 * (x * x + z * z)), sy * 2 * (y * z + x * w)},
+             {sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y))}},
+            {translation[0], translation[1], translation[2]}};
+}
+
+bool normalize_rotation(double rotation[4])
+{
+    double length =
+        std::sqrt(rotation[0] * rotation[0] + rotation[1] * rotation[1] + rotation[2] * rotation[2] + rotation[3] * rotation[3]);
+    if (!(length > 0) || !std::isfinite(length)) return false;
+    for (int i = 0; i < 4; i++) rotation[i] /= length;
+    return true;
+}
+
 bool finite(vec3 v)
 {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -48,19 +72,12 @@ static vxs_result node_transform(loader &l, size_t index, transform &t)
     std::string           where = label("node", index, node.name);
     if (!node.matrix.empty()) return matrix_transform(l, where, node.matrix, t);
 
-    double x = 0, y = 0, z = 0, w = 1, sx = 1, sy = 1, sz = 1;
-    if (!node.rotation.empty()) x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
-    if (!node.scale.empty()) sx = node.scale[0], sy = node.scale[1], sz = node.scale[2];
-    double length = std::sqrt(x * x + y * y + z * z + w * w);
-    if (!(length > 0) || !std::isfinite(length))
-        return l.error(VXS_E_SCENE, "%s: its rotation is not a unit quaternion", where.c_str());
-    x /= length, y /= length, z /= length, w /= length;
-
-    t.axis[0] = {sx * (1 - 2 * (y * y + z * z)), sx * 2 * (x * y + z * w), sx * 2 * (x * z - y * w)};
-    t.axis[1] = {sy * 2 * (x * y - z * w), sy * (1 - 2 * (x * x + z * z)), sy * 2 * (y * z + x * w)};
-    t.axis[2] = {sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y))};
-    t.origin  = {0, 0, 0};
-    if (!node.translation.empty()) t.origin = {node.translation[0], node.translation[1], node.translation[2]};
+    double translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    std::copy(node.translation.begin(), node.translation.end(), translation);
+    std::copy(node.rotation.begin(), node.rotation.end(), rotation);
+    std::copy(node.scale.begin(), node.scale.end(), scale);
+    if (!normalize_rotation(rotation)) return l.error(VXS_E_SCENE, "%s: its rotation is not a unit quaternion", where.c_str());
+    t = trs_transform(translation, rotation, scale);
     return VXS_OK;
 }
 
@@ -105,7 +122,7 @@ vxs_result check_references(loader &l)
             size_t      count;
         } references[] = {{"mesh", node.mesh, model.meshes.size()},
                           {"skin", node.skin, model.skins.size()},
-                          {"camera", node.camera, model.cameras.size()},
+                          {"camera", node.camera, l.camera_count},
                           {"light", light, l.lights.size()}};
         for (const auto &reference : references)
             if (reference.index >= 0 && (size_t)reference.index >= reference.count)
@@ -167,11 +184,7 @@ vxs_result place_nodes(loader &l, const std::vector<int> &parent)
         transform &t = l.ws_from_node[at];
         vxs_result r = node_transform(l, at, t);
         if (r != VXS_OK) return r;
-        if (parent[at] >= 0) {
-            const transform &up = l.ws_from_node[(size_t)parent[at]];
-            for (vec3 &axis : t.axis) axis = rotate_scale(up, axis);
-            t.origin = apply(up, t.origin);
-        }
+        if (parent[at] >= 0) t = multiply(l.ws_from_node[(size_t)parent[at]], t);
         l.order.push_back((int)at);
         const auto &children = l.model.nodes[at].children;
         open.insert(open.end(), children.rbegin(), children.rend());

@@ -1,67 +1,69 @@
-/* tinygltf, and what it is not trusted with: its paths, its images.
+/* From the bytes of a file to tinygltf's model.
+ *
+ * tinygltf gets what it is good for, the lists of nodes, meshes and accessors. Buffers are read here, without a copy of the GLB's
+ * bytes; animations, cameras and images are nothing it could fail at.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <fstream> /* which tinygltf forgets */
 
 #define TINYGLTF_IMPLEMENTATION
 #include "baker/scene/gltf_loader.h"
 
+#include <nlohmann/json.hpp>
+
 namespace gltf
 {
 
-/* tinygltf would also look in the working directory and read '+' as a space: its paths are not used, only its order. */
-static bool read_buffer_file(std::vector<unsigned char> *out, std::string *, const std::string &, void *user)
+/* The indices of all primitives, mesh by mesh, taken out of the JSON: tinygltf insists that they have a bufferView. */
+static std::vector<int> take_indices(json &root)
 {
-    loader &l = *(loader *)user;
-    if (l.next_file >= l.buffer_files.size()) return false;
-    const buffer_file &wanted = l.buffer_files[l.next_file++];
-
-    int reason = read_bytes(wanted.path.c_str(), wanted.size_bytes, true, *out);
-    if (reason) {
-        l.error(VXS_E_READ, "cannot read its buffer '%s': %s", wanted.path.c_str(), strerror(reason));
-        return false;
-    }
-    if (out->size() < wanted.size_bytes) {
-        l.error(VXS_E_READ, "its buffer '%s' ends after %zu bytes, expected %zu", wanted.path.c_str(), out->size(),
-                wanted.size_bytes);
-        return false;
-    }
-    return true;
+    std::vector<int> indices;
+    for (size_t i = 0; i < items(root, "meshes").size(); i++)
+        for (json &primitive : root["meshes"][i]["primitives"]) {
+            indices.push_back(primitive.value("indices", -1));
+            primitive.erase("indices");
+        }
+    return indices;
 }
 
-static bool any_file_exists(const std::string &, void *)
+static vxs_result load_model(loader &l, json &root)
 {
-    return true;
-}
-
-static std::string same_path(const std::string &path, void *)
-{
-    return path;
-}
-
-static bool drop_image(tinygltf::Image *, const int, std::string *, std::string *, int, int, const unsigned char *, int, void *)
-{
-    return true;
-}
-
-/* tinygltf's own errors on success concern what is not read here: images, animations, cameras. */
-vxs_result parse(loader &l)
-{
-    std::vector<unsigned char> bytes;
-    container                  c;
-    vxs_result                 r;
-    if ((r = read_scene_file(l, bytes)) != VXS_OK) return r;
-    if ((r = open_container(l, bytes, c)) != VXS_OK) return r;
-    if ((r = check_json(l, c)) != VXS_OK) return r;
+    std::vector<int> indices = take_indices(root);
+    json             part    = json::object();
+    for (const char *name : {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "skins"})
+        if (root.contains(name)) part[name] = std::move(root[name]);
+    std::string text = part.dump(), error, warning;
+    part             = json();
 
     tinygltf::TinyGLTF gltf;
-    gltf.SetImageLoader(drop_image, nullptr);
-    gltf.SetFsCallbacks({any_file_exists, same_path, read_buffer_file, nullptr, &l});
-    std::string error, warning;
-    bool        ok = c.binary ? gltf.LoadBinaryFromMemory(&l.model, &error, &warning, bytes.data(), (unsigned)bytes.size())
-                              : gltf.LoadASCIIFromString(&l.model, &error, &warning, c.text, (unsigned)c.text_size, "");
-    if (ok) return VXS_OK;
-    if (l.m->error[0]) return VXS_E_READ; /* said by read_buffer_file */
-    return l.error(VXS_E_SCENE, "%s", one_line(error).c_str());
+    bool               ok   = gltf.LoadASCIIFromString(&l.model, &error, &warning, text.data(), (unsigned)text.size(), "");
+    size_t             next = 0;
+    for (tinygltf::Mesh &mesh : l.model.meshes)
+        for (tinygltf::Primitive &p : mesh.primitives)
+            if (next < indices.size()) p.indices = indices[next++];
+    if (!ok || next != indices.size()) return l.error(VXS_E_SCENE, "%s", one_line(error).c_str());
+    return VXS_OK;
+}
+
+vxs_result parse(loader &l)
+{
+    container  c;
+    json       root;
+    vxs_result r;
+    if ((r = open_container(l, l.bytes, c)) != VXS_OK) return r;
+    if ((r = parse_json(l, c, root)) != VXS_OK) return r;
+    if ((r = check_json(l, root)) != VXS_OK) return r;
+    if ((r = read_buffers(l, root, c)) != VXS_OK) return r;
+    if ((r = read_buffer_views(l, root)) != VXS_OK) return r;
+    if ((r = read_lights(l, root)) != VXS_OK) return r;
+    if ((r = read_materials(l, root)) != VXS_OK) return r;
+    l.camera_count = items(root, "cameras").size();
+    for (const char *list : {"extensionsUsed", "extensionsRequired"})
+        for (const json &name : items(root, list)) l.quantization |= name == "KHR_mesh_quantization";
+    root.erase("buffers"); /* and the data URIs in them */
+
+    if ((r = load_model(l, root)) != VXS_OK) return r;
+    l.rest = std::make_shared<json>(std::move(root));
+    return VXS_OK;
 }
 
 } // namespace gltf

@@ -8,30 +8,50 @@
 namespace gltf
 {
 
+struct morph {
+    double          weight; /* not 0 */
+    int             accessor;
+    const elements *positions;
+};
+
 /* One primitive placed by one node. */
 struct placement {
-    const elements                                  *positions;
-    const elements                                  *indices; /* NULL: 0, 1, 2, ... */
-    std::vector<std::pair<double, const elements *>> targets; /* of weight not 0 */
-    transform                                        ws_from_node;
-    int                                              mode;
-    bool                                             mirrored;
-    size_t                                           triangles;
+    const tinygltf::Primitive *primitive;
+    const draco_primitive     *draco; /* NULL: not compressed */
+    const elements            *positions;
+    const elements            *indices; /* NULL: 0, 1, 2, ... */
+    std::vector<morph>         targets;
+    transform                  ws_from_node;
+    int                        mode;
+    bool                       mirrored;
+    uint8_t                    flags;
+    size_t                     triangles;
 };
+
+static uint8_t material_flags(const material &m)
+{
+    return (uint8_t)((m.double_sided ? TRIANGLE_DOUBLE_SIDED : 0) | (m.mask ? TRIANGLE_ALPHA_MASK : 0));
+}
 
 static vec3 read_position(const elements &e, size_t index)
 {
-    float p[3];
-    memcpy(p, e.data + index * e.stride, sizeof p);
-    return {p[0], p[1], p[2]};
+    const unsigned char *at = e.data + index * e.stride;
+    if (e.component == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        float p[3];
+        memcpy(p, at, sizeof p);
+        return {p[0], p[1], p[2]};
+    }
+    size_t step = component_bytes(e.component);
+    return {component_at(at, e.component, e.normalized), component_at(at + step, e.component, e.normalized),
+            component_at(at + 2 * step, e.component, e.normalized)};
 }
 
 static vec3 morphed_position(const placement &p, size_t index)
 {
     vec3 v = read_position(*p.positions, index);
-    for (const auto &[weight, target] : p.targets) {
-        vec3 d = read_position(*target, index);
-        v      = {v.x + weight * d.x, v.y + weight * d.y, v.z + weight * d.z};
+    for (const morph &m : p.targets) {
+        vec3 d = read_position(*m.positions, index);
+        v      = {v.x + m.weight * d.x, v.y + m.weight * d.y, v.z + m.weight * d.z};
     }
     return v;
 }
@@ -118,58 +138,83 @@ static vxs_result check_index_values(loader &l, const placement &p, int accessor
                    unsigned_at(e.data + bad * e.stride, e.size), limit);
 }
 
-static vxs_result explain_bad_vertex(loader &l, const placement &p, uint32_t vertex, size_t node_index, int position_accessor)
+/* Which accessor has the value that is not finite; when none has, the place is too far away. */
+static vxs_result explain_bad_vertex(loader &l, const placement &p, uint32_t vertex, size_t node_index)
 {
-    if (!finite(read_position(*p.positions, vertex)))
+    int accessor = finite(read_position(*p.positions, vertex)) ? -1 : attribute(p.primitive->attributes, "POSITION");
+    for (const morph &target : p.targets)
+        if (accessor < 0 && !finite(read_position(*target.positions, vertex))) accessor = target.accessor;
+    if (accessor >= 0)
         return l.error(VXS_E_SCENE, "%s: position %u is not finite",
-                       label("accessor", (size_t)position_accessor, l.model.accessors[(size_t)position_accessor].name).c_str(),
-                       vertex);
+                       label("accessor", (size_t)accessor, l.model.accessors[(size_t)accessor].name).c_str(), vertex);
     return l.error(VXS_E_SCENE, "%s: a vertex of its mesh is not finite once placed",
                    label("node", node_index, l.model.nodes[node_index].name).c_str());
 }
 
-static vxs_result open_placement(loader &l, const tinygltf::Node &node, const tinygltf::Primitive &primitive, placement &p)
+static vxs_result open_geometry(loader &l, const std::string &where, placement &p)
+{
+    const tinygltf::Primitive &primitive = *p.primitive;
+    vxs_result                 r;
+    if (needs_draco(l, primitive)) {
+        if ((r = use_draco(l, where, primitive, p.draco)) != VXS_OK) return r;
+        p.positions = &p.draco->attributes.at("POSITION");
+        p.indices   = &p.draco->indices;
+    } else {
+        if ((r = use_accessor(l, attribute(primitive.attributes, "POSITION"), p.positions)) != VXS_OK) return r;
+        if (primitive.indices >= 0 && (r = use_accessor(l, primitive.indices, p.indices)) != VXS_OK) return r;
+    }
+    return p.indices ? check_index_values(l, p, primitive.indices) : VXS_OK;
+}
+
+static vxs_result open_targets(loader &l, const tinygltf::Node &node, const std::string &where, placement &p)
 {
     const tinygltf::Mesh      &mesh    = l.model.meshes[(size_t)node.mesh];
     const std::vector<double> &weights = morph_weights(node, mesh);
-    vxs_result                 r       = use_accessor(l, attribute(primitive.attributes, "POSITION"), p.positions);
-    if (r == VXS_OK && primitive.indices >= 0) r = use_accessor(l, primitive.indices, p.indices);
-    if (r == VXS_OK && p.indices) r = check_index_values(l, p, primitive.indices);
-    if (r == VXS_OK && !weights.empty() && weights.size() != primitive.targets.size())
+    if (!weights.empty() && weights.size() != p.primitive->targets.size())
         return l.error(VXS_E_SCENE, "%s: %zu weights for %zu morph targets", label("mesh", (size_t)node.mesh, mesh.name).c_str(),
-                       weights.size(), primitive.targets.size());
-    for (size_t i = 0; r == VXS_OK && i < weights.size(); i++) {
-        int             accessor = attribute(primitive.targets[i], "POSITION");
+                       weights.size(), p.primitive->targets.size());
+    for (size_t i = 0; i < weights.size(); i++) {
+        int             accessor = attribute(p.primitive->targets[i], "POSITION");
         const elements *target   = nullptr;
         if (weights[i] == 0 || accessor < 0) continue;
-        r = use_accessor(l, accessor, target);
-        p.targets.push_back({weights[i], target});
+        vxs_result r = use_accessor(l, accessor, target);
+        if (r != VXS_OK) return r;
+        if (target->count != p.positions->count)
+            return l.error(VXS_E_SCENE, "%s: a morph target of %zu vertices, expected %zu", where.c_str(), target->count,
+                           p.positions->count);
+        p.targets.push_back({weights[i], accessor, target});
     }
-    return r;
+    return VXS_OK;
 }
 
-static uint8_t material_flags(const loader &l, int material)
+/* What one node places, so often as it does. */
+static vxs_result open_placements(loader &l, size_t node_index, std::vector<placement> &placements)
 {
-    if (material < 0) return 0;
-    const tinygltf::Material &m = l.model.materials[(size_t)material];
-    return (uint8_t)((m.doubleSided ? TRIANGLE_DOUBLE_SIDED : 0) | (m.alphaMode == "MASK" ? TRIANGLE_ALPHA_MASK : 0));
+    const tinygltf::Node &node = l.model.nodes[node_index];
+    const tinygltf::Mesh &mesh = l.model.meshes[(size_t)node.mesh];
+    for (size_t i = 0; i < mesh.primitives.size(); i++) {
+        const tinygltf::Primitive &primitive = mesh.primitives[i];
+        if (!makes_triangles(primitive) || !triangle_count(l, primitive)) continue;
+        placement p = {};
+        p.primitive = &primitive;
+        p.mode      = primitive.mode;
+        p.triangles = triangle_count(l, primitive);
+        p.flags     = primitive.material >= 0 ? material_flags(l.materials[(size_t)primitive.material]) : 0;
+
+        std::string where = label("mesh", (size_t)node.mesh, mesh.name) + " " + label("primitive", i, "");
+        vxs_result  r;
+        if ((r = open_geometry(l, where, p)) != VXS_OK) return r;
+        if ((r = open_targets(l, node, where, p)) != VXS_OK) return r;
+        placements.push_back(p);
+    }
+    return VXS_OK;
 }
 
-/* Primitives that follow each other over one accessor share its vertices; `last_position` is what the slots hold. */
-static vxs_result place_primitive(loader &l, size_t node_index, const tinygltf::Primitive &primitive, int &last_position)
+/* Primitives that follow each other over one accessor share its vertices; `last` is what the slots hold. */
+static vxs_result place_primitive(loader &l, size_t node_index, placement &p, const elements *&last)
 {
-    const tinygltf::Node &node     = l.model.nodes[node_index];
-    int                   position = attribute(primitive.attributes, "POSITION");
-    placement             p        = {};
-    p.ws_from_node                 = l.ws_from_node[node_index];
-    p.mirrored                     = is_mirrored(p.ws_from_node);
-    p.mode                         = primitive.mode;
-    p.triangles                    = triangle_count(l, primitive);
-    vxs_result r                   = open_placement(l, node, primitive, p);
-    if (r != VXS_OK) return r;
-
-    if (position != last_position || !p.targets.empty()) l.generation++;
-    last_position = p.targets.empty() ? position : -1;
+    if (p.positions != last || !p.targets.empty()) l.generation++;
+    last = p.targets.empty() ? p.positions : nullptr;
     if (l.slots.size() < p.positions->count) l.slots.resize(p.positions->count);
 
     uint32_t bad = 0;
@@ -177,22 +222,37 @@ static vxs_result place_primitive(loader &l, size_t node_index, const tinygltf::
                    : p.indices->size == 1 ? append_triangles<uint8_t>(l, p, bad)
                    : p.indices->size == 2 ? append_triangles<uint16_t>(l, p, bad)
                                           : append_triangles<uint32_t>(l, p, bad);
-    if (!ok) return explain_bad_vertex(l, p, bad, node_index, position);
-    memset(l.s->triangle_flags + l.s->triangle_count, material_flags(l, primitive.material), p.triangles);
+    if (!ok) return explain_bad_vertex(l, p, bad, node_index);
+    memset(l.s->triangle_flags + l.s->triangle_count, p.flags, p.triangles);
     l.s->triangle_count += p.triangles;
+    return VXS_OK;
+}
+
+static vxs_result place_node(loader &l, size_t node)
+{
+    std::vector<placement> placements;
+    size_t                 instances;
+    vxs_result             r;
+    if ((r = open_placements(l, node, placements)) != VXS_OK || placements.empty()) return r;
+    if ((r = count_instances(l, node, instances)) != VXS_OK) return r;
+    for (size_t i = 0; i < instances; i++) {
+        transform       ws_from_instance;
+        const elements *last = nullptr;
+        if ((r = instance_transform(l, node, i, ws_from_instance)) != VXS_OK) return r;
+        for (placement &p : placements) {
+            p.ws_from_node = ws_from_instance;
+            p.mirrored     = is_mirrored(ws_from_instance);
+            if ((r = place_primitive(l, node, p, last)) != VXS_OK) return r;
+        }
+    }
     return VXS_OK;
 }
 
 vxs_result place_meshes(loader &l)
 {
     vxs_result r = measure(l);
-    for (size_t i = 0; r == VXS_OK && i < l.order.size(); i++) {
-        size_t node          = (size_t)l.order[i];
-        int    last_position = -1;
-        if (l.model.nodes[node].mesh < 0) continue;
-        for (const tinygltf::Primitive &p : l.model.meshes[(size_t)l.model.nodes[node].mesh].primitives)
-            if (makes_triangles(p) && triangle_count(l, p) && (r = place_primitive(l, node, p, last_position)) != VXS_OK) break;
-    }
+    for (size_t i = 0; r == VXS_OK && i < l.order.size(); i++)
+        if (l.model.nodes[(size_t)l.order[i]].mesh >= 0) r = place_node(l, (size_t)l.order[i]);
     if (r == VXS_OK && l.s->vertex_count) {
         double *fitted = (double *)realloc(l.s->positions_ws, 3 * l.s->vertex_count * sizeof(double));
         if (fitted) l.s->positions_ws = fitted;

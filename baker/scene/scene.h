@@ -91,6 +91,10 @@ typedef struct scene {
  * scene), VXS_E_MEMORY. A scene without triangles is not an error here. */
 vxs_result scene_load_gltf(scene *s, const char *path, const char *which, message *m);
 
+/* The same for the bytes of a .gltf or .glb file: its default scene; buffers and images in other files are an error. `name` stands
+ * for the file in messages. */
+vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m);
+
 void scene_free(scene *s);
 
 /* "directional", "spot", "point" */

@@ -41,7 +41,6 @@ static vxs_result load(loader &l, const char *which)
     vxs_result       r;
     if ((r = parse(l)) != VXS_OK) return r;
     if ((r = check_accessors(l)) != VXS_OK) return r;
-    if ((r = check_materials(l)) != VXS_OK) return r;
     if ((r = check_model_meshes(l)) != VXS_OK) return r;
     if ((r = check_references(l)) != VXS_OK) return r;
     if ((r = check_tree(l, parent)) != VXS_OK) return r;
@@ -57,16 +56,17 @@ static vxs_result load(loader &l, const char *which)
 
 } // namespace gltf
 
-extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const char *which, message *m)
+/* No exception leaves the loader. */
+template <typename function> static vxs_result guarded(scene *s, const char *path, message *m, function &&work)
 {
     vxs_result r;
     memset(s, 0, sizeof *s);
     try {
-        gltf::loader l;
-        l.m    = m;
-        l.path = path;
-        l.s    = s;
-        r      = gltf::load(l, which);
+        gltf::loader l = {};
+        l.m            = m;
+        l.path         = path;
+        l.s            = s;
+        r              = work(l);
     } catch (const std::bad_alloc &) {
         r = fail(m, VXS_E_MEMORY, "'%s': out of memory", path);
     } catch (const std::length_error &) {
@@ -78,4 +78,22 @@ extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const char *wh
     }
     if (r != VXS_OK) scene_free(s);
     return r;
+}
+
+extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const char *which, message *m)
+{
+    return guarded(s, path, m, [which](gltf::loader &l) {
+        l.files_beside = true;
+        vxs_result r   = gltf::read_scene_file(l, l.bytes);
+        return r == VXS_OK ? gltf::load(l, which) : r;
+    });
+}
+
+extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m)
+{
+    return guarded(s, name, m, [bytes, size_bytes](gltf::loader &l) {
+        if (size_bytes >= gltf::FILE_BYTES_MAX) return l.error(VXS_E_UNSUPPORTED, "is 4 GiB or larger");
+        l.bytes.assign((const unsigned char *)bytes, (const unsigned char *)bytes + size_bytes);
+        return gltf::load(l, nullptr);
+    });
 }
