@@ -7,18 +7,14 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/casters.h"
 
-#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include "baker/scene/casters_cgal.h"
 #include "baker/scene/mesh_edges.h"
-#include "baker/scene/mesh_join.h"
+#include "baker/scene/mesh_weld.h"
 
 #define NONE UINT32_MAX
 
@@ -39,9 +35,10 @@ typedef struct work {
     double   *positions_ws; /* [3 * vertex_count] */
     size_t    triangle_count;
     uint32_t *indices;      /* [3 * triangle_count] */
+    uint32_t *from;         /* [triangle_count] the scene's triangles */
     uint8_t  *flags;        /* [triangle_count] */
     uint32_t *hole_of;      /* [triangle_count] which of the scene's mask_triangles, or NONE; NULL: the scene has none */
-    uint32_t *component_of; /* [triangle_count] while edges are joined: the parent in the union-find forest */
+    uint32_t *component_of; /* [triangle_count] */
 
     size_t     component_count;
     component *components; /* in the order of their first triangles */
@@ -52,6 +49,7 @@ static void work_free(work *w)
 {
     free(w->positions_ws);
     free(w->indices);
+    free(w->from);
     free(w->flags);
     free(w->hole_of);
     free(w->component_of);
@@ -72,42 +70,6 @@ static vxs_result out_of_memory(message *m, size_t triangle_count)
 
 /* --- weld ------------------------------------------------------------------------------------------------------------- */
 
-typedef struct welder {
-    uint32_t *slots; /* [mask + 1] open addressing: welded vertex or NONE; at most half full */
-    size_t    mask;
-    uint32_t *welded_of; /* [scene vertices] or NONE: not met yet */
-} welder;
-
-static vxs_result welder_init(welder *d, size_t vertex_count)
-{
-    size_t slot_count = 16;
-    while (slot_count < 2 * vertex_count) slot_count *= 2;
-    d->mask      = slot_count - 1;
-    d->slots     = malloc(slot_count * sizeof *d->slots);
-    d->welded_of = malloc((vertex_count + 1) * sizeof *d->welded_of);
-    if (!d->slots || !d->welded_of) return VXS_E_MEMORY;
-    memset(d->slots, 0xff, slot_count * sizeof *d->slots);
-    memset(d->welded_of, 0xff, vertex_count * sizeof *d->welded_of);
-    return VXS_OK;
-}
-
-/* The welded vertex at a position, a new one when nobody was there before. */
-static uint32_t weld_position(work *w, welder *d, const double *position_ws)
-{
-    double p[3];
-    for (int axis = 0; axis < 3; axis++) p[axis] = position_ws[axis] + 0.0; /* -0 becomes +0 */
-
-    for (size_t at = XXH3_64bits(p, sizeof p) & d->mask;; at = (at + 1) & d->mask) {
-        uint32_t v = d->slots[at];
-        if (v == NONE) {
-            d->slots[at] = v = (uint32_t)w->vertex_count++;
-            memcpy(&w->positions_ws[3 * (size_t)v], p, sizeof p);
-            return v;
-        }
-        if (!memcmp(&w->positions_ws[3 * (size_t)v], p, sizeof p)) return v;
-    }
-}
-
 static int is_finite_position(const double *p)
 {
     return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
@@ -120,85 +82,50 @@ static uint32_t find_hole(const scene *s, size_t t, size_t *at)
     return *at < s->mask_triangle_count && s->mask_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
 }
 
-/* Vertices that no triangle uses are left out: they may be anything and must not widen the bounds. */
-static vxs_result weld_triangles(work *w, welder *d, const scene *s, message *m)
+/* What the scene says about each triangle that is left. */
+static void note_materials(work *w, const scene *s)
 {
     size_t hole_at = 0;
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        uint32_t *corners = &w->indices[3 * w->triangle_count];
-        for (size_t i = 0; i < 3; i++) {
-            uint32_t v = s->indices[3 * t + i];
-            assert(v < s->vertex_count);
-            if (d->welded_of[v] == NONE) {
-                const double *p = &s->positions_ws[3 * (size_t)v];
-                if (!is_finite_position(p))
-                    return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
-                                p[2]);
-                d->welded_of[v] = weld_position(w, d, p);
-            }
-            corners[i] = d->welded_of[v];
-        }
-        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-        w->flags[w->triangle_count] = s->triangle_flags[t] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
-        uint32_t hole               = find_hole(s, t, &hole_at);
-        if (hole != NONE) w->flags[w->triangle_count] |= TRIANGLE_ALPHA_MASK;
-        if (w->hole_of) w->hole_of[w->triangle_count] = hole;
-        w->triangle_count++;
+    for (size_t t = 0; t < w->triangle_count; t++) {
+        uint32_t hole = find_hole(s, w->from[t], &hole_at);
+        w->flags[t]   = s->triangle_flags[w->from[t]] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+        if (hole != NONE) w->flags[t] |= TRIANGLE_ALPHA_MASK;
+        if (w->hole_of) w->hole_of[t] = hole;
     }
-    return VXS_OK;
 }
 
 static vxs_result weld(work *w, const scene *s, message *m)
 {
-    vxs_result r = VXS_OK;
-    welder     d = {0};
-
-    /* half-edges are numbered with 32 bits */
-    if (s->triangle_count >= NONE / 3 || s->vertex_count >= NONE)
-        return fail(m, VXS_E_SCENE, "%zu triangles with %zu vertices, expected fewer than %u and %u", s->triangle_count,
-                    s->vertex_count, NONE / 3, NONE);
-    w->positions_ws = malloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
-    w->indices      = malloc((3 * s->triangle_count + 3) * sizeof *w->indices);
-    w->flags        = malloc(s->triangle_count + 1);
-    if (s->mask_triangle_count) w->hole_of = malloc((s->triangle_count + 1) * sizeof *w->hole_of);
-    if (!w->positions_ws || !w->indices || !w->flags || (s->mask_triangle_count && !w->hole_of) ||
-        welder_init(&d, s->vertex_count) != VXS_OK) {
-        r = out_of_memory(m, s->triangle_count);
-        goto done;
-    }
-    r = weld_triangles(w, &d, s, m);
-done:
-    free(d.slots);
-    free(d.welded_of);
-    return r;
+    mesh_weld  mesh;
+    vxs_result r = mesh_weld_scene(&mesh, s, m);
+    if (r != VXS_OK) return r;
+    w->vertex_count   = mesh.vertex_count;
+    w->positions_ws   = mesh.positions_ws;
+    w->triangle_count = mesh.triangle_count;
+    w->indices        = mesh.indices;
+    w->from           = mesh.from;
+    free(mesh.welded_of);
+    w->flags = allocate(w->triangle_count, 1);
+    if (s->mask_triangle_count) w->hole_of = allocate(w->triangle_count, sizeof *w->hole_of);
+    if (!w->flags || (s->mask_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
+    note_materials(w, s);
+    return VXS_OK;
 }
 
 /* --- edges ------------------------------------------------------------------------------------------------------------ */
 
-/* Join the triangles of each edge, and mark those of an edge that is not used equally often in both directions. An edge of
- * four or six faces may well balance: two boxes that touch along an edge are still two closed boxes. */
-static void join_edges(work *w, const uint32_t *sorted)
+/* Mark a triangle of each edge that is not used equally often in both directions. An edge of four or six faces may well
+ * balance: two boxes that touch along an edge are still two closed boxes. */
+static void mark_open_edges(work *w, const uint32_t *sorted)
 {
     uint32_t edge_count = (uint32_t)(3 * w->triangle_count);
     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
         uint32_t first   = sorted[begin];
         int64_t  balance = 0;
-        for (end = begin; end < edge_count && mesh_same_edge(w->indices, first, sorted[end]); end++) {
+        for (end = begin; end < edge_count && mesh_same_edge(w->indices, first, sorted[end]); end++)
             balance += w->indices[sorted[end]] == w->indices[first] ? 1 : -1;
-            mesh_join(w->component_of, first / 3, sorted[end] / 3);
-        }
         if (balance) w->flags[first / 3] |= EDGE_OPEN;
     }
-}
-
-/* Number the components in the order of their first triangles. */
-static void number_components(work *w)
-{
-    uint32_t *component_of = w->component_of;
-    for (uint32_t t = 0; t < w->triangle_count; t++) component_of[t] = mesh_find(component_of, t);
-    /* a root is the first of its component: it has its number before anyone asks for it */
-    for (uint32_t t = 0; t < w->triangle_count; t++)
-        component_of[t] = component_of[t] == t ? (uint32_t)w->component_count++ : component_of[component_of[t]];
 }
 
 static vxs_result connect(work *w, message *m)
@@ -209,9 +136,8 @@ static vxs_result connect(work *w, message *m)
         free(sorted);
         return out_of_memory(m, w->triangle_count);
     }
-    for (uint32_t t = 0; t < w->triangle_count; t++) w->component_of[t] = t;
-    join_edges(w, sorted);
-    number_components(w);
+    w->component_count = mesh_find_components(w->component_of, sorted, w->indices, w->triangle_count);
+    mark_open_edges(w, sorted);
     free(sorted);
     return VXS_OK;
 }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/scene/mesh_join.h"
+
 /* counts[k] items of key k become the place where the first of them goes. */
 static void counts_to_places(uint32_t *counts, size_t key_count)
 {
@@ -40,6 +42,20 @@ vxs_result mesh_sort_edges(uint32_t *sorted, const uint32_t *indices, size_t tri
     free(scratch);
     free(places);
     return ok ? VXS_OK : VXS_E_MEMORY;
+}
+
+size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count)
+{
+    uint32_t edge_count = (uint32_t)(3 * triangle_count);
+    size_t   count      = 0;
+    for (uint32_t t = 0; t < triangle_count; t++) component_of[t] = t; /* first the parents of a forest */
+    for (uint32_t i = 1; i < edge_count; i++)
+        if (mesh_same_edge(indices, sorted[i - 1], sorted[i])) mesh_join(component_of, sorted[i - 1] / 3, sorted[i] / 3);
+    for (uint32_t t = 0; t < triangle_count; t++) component_of[t] = mesh_find(component_of, t);
+    /* a root is the first of its component: it has its number before anyone asks for it */
+    for (uint32_t t = 0; t < triangle_count; t++)
+        component_of[t] = component_of[t] == t ? (uint32_t)count++ : component_of[component_of[t]];
+    return count;
 }
 
 void mesh_group(uint32_t *first, uint32_t *members, const uint32_t *key_of, size_t count, size_t key_count)

@@ -47,6 +47,12 @@ static inline int mesh_same_edge(const uint32_t *indices, uint32_t h, uint32_t g
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result mesh_sort_edges(uint32_t *sorted, const uint32_t *indices, size_t triangle_count, size_t vertex_count);
 
+/* Number the components of triangles that are connected by edges, in the order of their first triangles.
+ * component_of  [out] [triangle_count]
+ * sorted        as mesh_sort_edges has made it
+ * Returns their count. */
+size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count);
+
 /* Bring items together by key, in their order within each.
  * first    [out] [key_count + 1] key k owns members[first[k]] .. members[first[k + 1] - 1]
  * members  [out] [count] item numbers
