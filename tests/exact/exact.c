@@ -6,9 +6,12 @@
  * mask or node takes part. What the bake and this check have in common is the renderer and the lookup.
  *
  *     exact SCENE [--sun X,Y,Z] [--resolution N] [--columns all|COUNT] [bake's options] [--fault NAME]
+ *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
  * others.
+ * --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how far in shares of
+ * its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
  * --fault builds the DAG here, stage by stage, and spoils one thing after one of them: the check must see it.
  * One line of JSON on standard output. Exit status 0: no voxel is wrong; 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -21,9 +24,10 @@
 
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
-#include "baker/bake.h"
+#include "baker/bake_light.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "baker/base/vec3.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/options.h"
 #include "baker/maps/light_fit.h"
@@ -53,10 +57,11 @@ typedef struct exact_options {
     uint64_t     columns; /* 0: all */
     uint32_t     seed;
     fault        fault;
+    text_list    spots, points;
 } exact_options;
 
 typedef struct tally {
-    uint64_t columns, voxels, wrong_lit, wrong_shadow, insane;
+    uint64_t columns, voxels, wrong_lit, wrong_shadow, insane, maps;
 } tally;
 
 /* a scene and what casts shadows in it
@@ -68,11 +73,67 @@ typedef struct world {
     gl_context *gl;
 } world;
 
+/* min xyz, max xyz */
+static void scene_box(const scene *s, double box[6])
+{
+    for (int n = 0; n < 6; n++) box[n] = n < 3 ? INFINITY : -INFINITY;
+    for (size_t n = 0; n < 3 * s->triangle_count; n++)
+        for (int k = 0; k < 3; k++) {
+            double at  = s->positions_ws[3 * (size_t)s->indices[n] + (size_t)k];
+            box[k]     = fmin(box[k], at);
+            box[3 + k] = fmax(box[3 + k], at);
+        }
+}
+
+/* A light of the command line, from shares of the scene's box. */
+static vxs_result put_lamp(scene *s, const char *text, int spot, const double box[6], message *m)
+{
+    double       v[8] = {0}, diagonal = 0;
+    int          end = 0, count, wanted = spot ? 7 : 3;
+    scene_light *l = &s->lights[s->light_count];
+    for (count = 0; count < 8 && sscanf(text, count ? ",%lf%n" : "%lf%n", &v[count], &end) == 1; count++) text += end;
+    if (*text || count < wanted || count > wanted + 1)
+        return fail(m, VXS_E_ARGUMENT, "--%s: expected %d or %d numbers", spot ? "spot" : "point", wanted, wanted + 1);
+    for (int n = 0; n < 3; n++) {
+        diagonal += (box[3 + n] - box[n]) * (box[3 + n] - box[n]);
+        l->shape.position_ws[n] = box[n] + v[n] * (box[3 + n] - box[n]);
+    }
+    l->shape.kind      = spot ? LIGHT_SPOT : LIGHT_POINT;
+    l->shape.outer_rad = spot ? v[6] * acos(-1) / 360 : 0;
+    l->shape.range_m   = count > wanted ? v[wanted] * sqrt(diagonal) : (double)INFINITY;
+    if (spot && !vec3_unit(v + 3, l->shape.direction_ws)) return fail(m, VXS_E_ARGUMENT, "--spot: expected a direction, not zero");
+    if (!(l->name = malloc(32))) return fail(m, VXS_E_MEMORY, "out of memory");
+    snprintf(l->name, 32, "%s %zu", spot ? "spot" : "point", s->light_count++);
+    return VXS_OK;
+}
+
+static size_t lamps_asked_for(const exact_options *o)
+{
+    return o->spots.count + o->points.count;
+}
+
+/* The lights of the command line in place of the scene's. */
+static vxs_result put_lamps(scene *s, const exact_options *o, message *m)
+{
+    double     box[6];
+    vxs_result r = VXS_OK;
+    for (size_t n = 0; n < s->light_count; n++) free(s->lights[n].name);
+    free(s->lights);
+    s->light_count = 0;
+    s->lights      = calloc(lamps_asked_for(o), sizeof *s->lights);
+    if (!s->lights) return fail(m, VXS_E_MEMORY, "out of memory");
+    scene_box(s, box);
+    for (size_t n = 0; n < o->spots.count && r == VXS_OK; n++) r = put_lamp(s, o->spots.items[n], 1, box, m);
+    for (size_t n = 0; n < o->points.count && r == VXS_OK; n++) r = put_lamp(s, o->points.items[n], 0, box, m);
+    return r;
+}
+
 static vxs_result world_load(world *w, const exact_options *o, message *m)
 {
     vxs_result r;
     memset(w, 0, sizeof *w);
     if ((r = scene_load_gltf(&w->s, o->scene_path, NULL, m)) != VXS_OK) return r;
+    if (lamps_asked_for(o) && (r = put_lamps(&w->s, o, m)) != VXS_OK) return r;
     if ((r = casters_from_scene(&w->c, &w->s, o->bake.closed, m)) != VXS_OK) return r;
     return gl_context_create(&w->gl, GL_BACKEND_OSMESA, o->bake.threads, m);
 }
@@ -281,6 +342,7 @@ static vxs_result check_light(const exact_options *o, const world *w, const vxs_
     int        maps = light->flags & VXS_LIGHT_CUBE ? (int)VXS_CUBE_FACES : 1;
     vxs_result r    = VXS_OK;
     for (int map = 0; map < maps && r == VXS_OK; map++) r = check_map(o, w, light, map, words, sum, m);
+    sum->maps += (uint64_t)maps;
     return r;
 }
 
@@ -425,6 +487,17 @@ done:
     return r;
 }
 
+static vxs_dag_view view_of(const dag *d)
+{
+    vxs_dag_view v = {.level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count};
+    for (uint32_t map = 0; map < d->root_count; map++) v.roots[map] = d->roots[map] - REF_FIRST;
+    for (uint32_t l = 0; l < d->level_count; l++) {
+        v.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
+        v.count[l] = d->level[l].count;
+    }
+    return v;
+}
+
 static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *file, message *m)
 {
     light_choice    chosen = {0};
@@ -441,12 +514,7 @@ static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
     if ((r = build_dag(o, w, &out.light, &d, m)) != VXS_OK) goto done;
 
-    out.dag = (vxs_dag_view){
-        .level_count = d.level_count, .masks = d.masks, .mask_count = d.mask_count, .roots = {d.roots[0] - REF_FIRST}};
-    for (uint32_t l = 0; l < d.level_count; l++) {
-        out.dag.nodes[l] = d.level[l].nodes ? d.level[l].nodes[0].child : NULL;
-        out.dag.count[l] = d.level[l].count;
-    }
+    out.dag             = view_of(&d);
     vxs_write_desc desc = {.lights = &out, .light_count = 1, .zstd_level = 1};
     if ((r = vxs_write(file, &desc)) != VXS_OK) fail(m, r, "the asset cannot be encoded");
 done:
@@ -462,7 +530,7 @@ static void spoil_word(uint32_t *words)
     words[0] &= ~(2u * (own & (0u - own)));
 }
 
-/* the two ways to an asset
+/* the three ways to an asset
  * ---------------------------------------------------------------------------------------------------- */
 
 static vxs_result bake_asset(exact_options *o, vxs_asset **asset, message *m)
@@ -480,6 +548,46 @@ static vxs_result bake_asset(exact_options *o, vxs_asset **asset, message *m)
     bake_report_free(&report);
     unlink(path);
     rmdir(dir);
+    return r;
+}
+
+/* The lights of the command line, each as bake() bakes one; those that reach no caster are left out. */
+static vxs_result lamps_asset(const world *w, const exact_options *o, vxs_asset **asset, message *m)
+{
+    size_t           count  = w->s.light_count;
+    bake_report      report = {0};
+    vxs_write_light *lights = calloc(count, sizeof *lights);
+    dag             *dags   = calloc(count, sizeof *dags);
+    vxs_bytes        file   = {0};
+    vxs_result       r      = VXS_E_MEMORY;
+    report.lights           = calloc(count, sizeof *report.lights);
+    if (!lights || !dags || !report.lights) goto done;
+
+    light_baker baker = {.options = &o->bake, .gl = w->gl, .casters = &w->c, .report = &report};
+    for (size_t n = 0; n < count; n++) {
+        uint32_t      at     = report.light_count;
+        chosen_light  chosen = {w->s.lights[n].name, w->s.lights[n].shape};
+        light_report *light  = &report.lights[at];
+        baseline      base   = {0};
+        r                    = bake_light(&baker, &chosen, &dags[at], &base, light, m);
+        baseline_free(&base);
+        if (r == VXS_E_NO_CASTER) continue;
+        if (r != VXS_OK) goto done;
+        lights[report.light_count++] = (vxs_write_light){.light = light->light, .dag = view_of(&dags[at])};
+    }
+    if (!report.light_count) {
+        r = fail(m, VXS_E_NO_LIGHT, "no light reaches a caster");
+        goto done;
+    }
+    vxs_write_desc desc = {.lights = lights, .light_count = report.light_count, .zstd_level = 1};
+    if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
+        fail(m, r, "the asset cannot be written and read back");
+done:
+    for (size_t n = 0; n < count && dags; n++) dag_free(&dags[n]);
+    free(report.lights);
+    free(dags);
+    free(lights);
+    free(file.data);
     return r;
 }
 
@@ -522,6 +630,8 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     const option options[] = {
         {"--sun", OPTION_VECTOR, o->bake.sun, 0, 3, NULL, "X,Y,Z", "as bake", &o->bake.sun_given},
         {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
+        {"--spot", OPTION_TEXTS, &o->spots, 0, 0, NULL, "X,Y,Z,DX,DY,DZ,DEGREES[,RANGE]", "a spot light", NULL},
+        {"--point", OPTION_TEXTS, &o->points, 0, 0, NULL, "X,Y,Z[,RANGE]", "a point light", NULL},
         {"--resolution", OPTION_U32, &o->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 512)",
          NULL},
         {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, "auto|peel|back", NULL, "as bake", NULL},
@@ -557,15 +667,17 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     o->bake.compress = (compress_order)compress;
     o->bake.stop     = (stop_stage)stop;
     o->fault         = (fault)planted;
+    if (lamps_asked_for(o) && (o->bake.sun_given || o->bake.light_names.count || o->fault != FAULT_NONE))
+        return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or --fault");
     return VXS_OK;
 }
 
 static int print_result(const exact_options *o, const tally *t)
 {
     json_t *line =
-        json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution", (json_int_t)o->bake.resolution,
-                  "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "wrong_lit", (json_int_t)t->wrong_lit,
-                  "wrong_shadow", (json_int_t)t->wrong_shadow, "insane_depths", (json_int_t)t->insane);
+        json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution", (json_int_t)o->bake.resolution,
+                  "maps", (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "wrong_lit",
+                  (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow, "insane_depths", (json_int_t)t->insane);
     int failed = !line || json_dumpf(line, stdout, JSON_COMPACT) || puts("") < 0 || fflush(stdout);
     json_decref(line);
     return !failed && !t->wrong_lit && !t->wrong_shadow && !t->insane && t->columns;
@@ -583,14 +695,18 @@ int main(int argc, char **argv)
 
     o.bake.threads = parallel_default_threads();
     if ((r = parse(&o, argc, argv, &help_shown, &m)) != VXS_OK || help_shown) goto done;
-    if (o.fault == FAULT_NONE && (r = bake_asset(&o, &asset, &m)) != VXS_OK) goto done;
+    int lamps = lamps_asked_for(&o) != 0;
+    if (!lamps && o.fault == FAULT_NONE && (r = bake_asset(&o, &asset, &m)) != VXS_OK) goto done;
     if ((r = world_load(&w, &o, &m)) != VXS_OK) goto done;
-    if (o.fault != FAULT_NONE && (r = spoilt_asset(&w, &o, &asset, &m)) != VXS_OK) goto done;
+    if (lamps && (r = lamps_asset(&w, &o, &asset, &m)) != VXS_OK) goto done;
+    if (!lamps && o.fault != FAULT_NONE && (r = spoilt_asset(&w, &o, &asset, &m)) != VXS_OK) goto done;
     if ((r = check_asset(&o, &w, asset, &sum, &m)) != VXS_OK) goto done;
     right = print_result(&o, &sum);
 done:
     vxs_asset_close(asset);
     world_free(&w);
+    free(o.spots.items);
+    free(o.points.items);
     int status = command_end(&m, r);
     return status ? status : !right;
 }
