@@ -195,6 +195,26 @@ static int answered_about(const comparison *c, int map, const double at[3], doub
     return 0;
 }
 
+/* 1 when a caster crosses the light's way to a place of a map, REACH voxels before it to as many behind. */
+static int surface_along(const comparison *c, int map, const double at[3])
+{
+    double begin_ws[3], end_ws[3], way_ws[3], distance;
+    vxs_point(c->light, map, (double[3]){at[0], at[1], at[2] - REACH}, begin_ws);
+    vxs_point(c->light, map, (double[3]){at[0], at[1], at[2] + REACH}, end_ws);
+    vec3_sub(end_ws, begin_ws, way_ws);
+    double length = sqrt(vec3_dot(way_ws, way_ws));
+    return vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, begin_ws, way_ws, &distance, NULL, NULL) && distance <= length;
+}
+
+static int near_surface(const comparison *c, const sample *s, const double middle[3])
+{
+    double reach = REACH * baked_light_texel_m(c->light, s->map, s->truth_ws);
+    if (truth_distance(c->truth, s->truth_ws, 2 * reach) <= reach) return 1;
+
+    /* a sun's voxel is as deep as its texel is wide; a narrow spot's is many times deeper, and one that holds a surface is free */
+    return c->shape.kind != LIGHT_DIRECTIONAL && (surface_along(c, s->map, middle) || surface_along(c, s->map, s->truth_ls));
+}
+
 static verdict explain(const comparison *c, const sample *s, int asset_lit)
 {
     int32_t voxel[3];
@@ -202,10 +222,7 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
     const double middle[3] = {voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5};
     if (answered_about(c, s->map, middle, SNAP, asset_lit)) return VERDICT_NEAR_BOUNDARY;
     if (answered_about(c, s->map, s->truth_ls, 1, asset_lit)) return VERDICT_NEAR_BOUNDARY;
-
-    /* a sun's voxel is not flatter than a texel is wide: two texels away is within two voxels */
-    double reach = REACH * baked_light_texel_m(c->light, s->map, s->truth_ws);
-    return truth_distance(c->truth, s->truth_ws, 2 * reach) <= reach ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
+    return near_surface(c, s, middle) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 
 /* The answer against a ray from the surface itself. */

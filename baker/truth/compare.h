@@ -34,8 +34,9 @@ typedef struct compare_counts {
     uint64_t leaks;         /* the asset says lit, the truth shadow */
     uint64_t false_shadows; /* the asset says shadow, the truth lit */
     uint64_t near_boundary; /* within two voxels the truth is what the asset says */
-    uint64_t near_surface;  /* not that, but a caster is within two texels */
-    uint64_t unexplained;   /* neither: a fault */
+    uint64_t
+        near_surface; /* not that, but a caster is within two texels; spot and point lights: or within two voxels along the light */
+    uint64_t unexplained; /* neither: a fault */
 
     /* Surface points only, and apart from the above: the same answers against rays from the surface itself. */
     uint64_t checked_at_surface; /* neither outside nor, just above the surface, inside a solid */
