@@ -4,6 +4,7 @@
 import ctypes
 import ctypes.util
 import itertools
+import math
 import os
 import random
 import re
@@ -167,13 +168,16 @@ class Light:
     """A light's record, and its words as section 6 lays them out."""
 
     def __init__(self, record, levels, masks):
-        self.levels, self.word_count, self.flags = struct.unpack_from("<3I", record, 4)
+        self.kind, self.levels, self.word_count, self.flags = struct.unpack_from("<4I", record)
         self.matrix = struct.unpack_from("<12d", record, 16)
+        self.texel, self.voxel = struct.unpack_from("<2d", record, 112)
+        self.near, self.cos_outer, self.range = struct.unpack_from("<3d", record, 152)
         self.name = record[192:].rstrip(b"\0").decode()
         self.decode(levels, masks)
 
     def decode(self, levels, masks):
-        parsed, starts, at = {}, {}, 0
+        maps = 6 if self.flags & 2 else 1
+        parsed, starts, at = {}, {}, maps if maps > 1 else 0
         for level in reversed(range(self.levels - 2)):
             count, = struct.unpack_from("<I", levels[level])
             states = struct.unpack_from(f"<{count}H", levels[level], 4)
@@ -182,11 +186,14 @@ class Light:
             for s in states:
                 starts[level].append(at)
                 at += 1 + sum(s >> 2 * c & 3 == 2 for c in range(8))
+        assert len(starts[self.levels - 3]) == maps
         at += at % 2
         starts[-1] = [at + 2 * n for n in range(len(masks) // 8)]
         assert at + len(masks) // 4 == self.word_count
 
         self.words = [0] * at + list(struct.unpack(f"<{len(masks) // 4}I", masks))
+        if maps > 1:
+            self.words[:6] = starts[self.levels - 3]
         for level, (states, references) in parsed.items():
             below, following = starts[level - 1], 0
             for s, start in zip(states, starts[level]):
@@ -207,9 +214,9 @@ class Light:
                 yield value
                 value = shift = 0
 
-    def shadow(self, i, j, k):
+    def shadow(self, i, j, k, face=None):
         """Section 6, to the letter."""
-        node = 0
+        node = 0 if face is None else self.words[face]
         for level in range(self.levels - 3, -1, -1):
             states = self.words[node]
             bit = level + 2
@@ -224,16 +231,44 @@ class Light:
         bit = i % 8 + 8 * (j % 8)
         return self.words[node + bit // 32] >> bit % 32 & 1
 
+    # the table of section 2, as it stands there
+    FACES = {key: row.strip("()").split(", ") for key, row in list(tables(section(2).replace("\n  |", "\n|"))[1][0].items())[1:]}
+
+    def place(self, point):
+        """Section 2: None, or the face (None where there is one map) and u, v and depth."""
+        m = self.matrix
+        ls = [sum(a * b for a, b in zip(m[4 * r:4 * r + 3], point)) + m[4 * r + 3] for r in range(3)]
+        side = 1 << self.levels
+        if self.kind == 1:
+            u, v, depth = ls
+            inside = 0 <= u < side and 0 <= v < side and (not self.flags & 1 or 0 <= depth < side)
+            return (None, u, v, depth) if inside else None
+        distance = math.hypot(*ls)
+        if self.kind == 2 and ls[2] < self.cos_outer * distance or 0 < self.range < distance:
+            return None
+        face = None
+        if self.flags & 2:
+            along = max(range(3), key=lambda axis: abs(ls[axis]))
+            face = 2 * along + (ls[along] < 0)
+            names = dict(zip("xyz", ls))
+            names |= {"-" + name: -value for name, value in names.items()}
+            ls = [names[name] for name in next(row for head, row in self.FACES.items() if head.startswith(f"{face}: "))]
+        p, q, r = ls
+        if r <= 0:
+            return None if p or q else (face, side / 2, side / 2, -1)
+        clamp = lambda texel: min(max(texel, 0), side - 1)
+        return (face, clamp(side / 2 + p / r / self.texel), clamp(side / 2 + q / r / self.texel), math.log(r / self.near) / self.voxel)
+
     def answer(self, point, filter_px):
         """Section 2: the lit fraction, or None for outside."""
-        m, side = self.matrix, 1 << self.levels
-        i, j, k = (int((sum(a * b for a, b in zip(m[4 * r:4 * r + 3], point)) + m[4 * r + 3]) // 1) for r in range(3))
-        if not (0 <= i < side and 0 <= j < side) or self.flags & 1 and not 0 <= k < side:
+        side, place = 1 << self.levels, self.place(point)
+        if place is None:
             return None
+        face, i, j, k = place[0], *(math.floor(x) for x in place[1:])
         if k < 0:
             return 1
         taps = [(x, y) for x in range(i - filter_px // 2, i + filter_px // 2 + 1) for y in range(j - filter_px // 2, j + filter_px // 2 + 1)]
-        dark = sum(self.shadow(x, y, min(k, side - 1)) for x, y in taps if 0 <= x < side and 0 <= y < side)
+        dark = sum(self.shadow(x, y, min(k, side - 1), face) for x, y in taps if 0 <= x < side and 0 <= y < side)
         return (len(taps) - dark) / len(taps)
 
 
@@ -268,7 +303,7 @@ def test_dump_is_the_golden_file(libraries):
     assert light.words == [int(word, 16) for word in re.findall(r"^word \d+  ([0-9a-f]{8})", words, re.M)]
 
 
-@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs"])
+@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs", "lamps.vxs"])
 @pytest.mark.parametrize("filter_px", [1, 5])
 def test_reader_from_the_spec_answers_like_the_command(vxs, libraries, name, filter_px):
     lights, _ = read(GOLDEN / name, libraries)
@@ -288,7 +323,7 @@ def test_reader_from_the_spec_answers_like_the_command(vxs, libraries, name, fil
 # the command ----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs"])
+@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs", "lamps.vxs"])
 def test_golden_files_are_valid(vxs, name):
     done = vxs("validate", GOLDEN / name)
     assert done.stdout.endswith("valid\n") and "finding" not in done.stdout

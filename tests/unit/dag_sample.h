@@ -68,6 +68,12 @@ static inline void dag_sample_fill(dag_sample *s, int level, uint32_t ref, uint3
     }
 }
 
+/* Make `dense` that of a map. */
+static inline void dag_sample_show(dag_sample *s, uint32_t map)
+{
+    dag_sample_fill(s, (int)s->view.level_count - 1, 2 + s->view.roots[map], 0, 0, 0);
+}
+
 /* count_max  nodes a level and masks at most; 0 masks happen too. */
 static inline void dag_sample_init(dag_sample *s, rng *r, uint32_t levels, uint32_t count_max)
 {
@@ -86,9 +92,9 @@ static inline void dag_sample_init(dag_sample *s, rng *r, uint32_t levels, uint3
         dag_sample_nodes(r, s->nodes[l], count, below, l == 0);
         below = count;
     }
-    s->view.roots[0] = rng_below(r, below);
-    s->dense         = dag_sample_alloc((size_t)1 << (3 * levels - 6), sizeof *s->dense);
-    dag_sample_fill(s, (int)s->view.level_count - 1, 2 + s->view.roots[0], 0, 0, 0);
+    for (uint32_t map = 0; map < VXS_CUBE_FACES; map++) s->view.roots[map] = rng_below(r, below); /* two may be equal */
+    s->dense = dag_sample_alloc((size_t)1 << (3 * levels - 6), sizeof *s->dense);
+    dag_sample_show(s, 0);
 }
 
 static inline void dag_sample_free(dag_sample *s)
@@ -114,6 +120,25 @@ static inline vxs_write_light dag_sample_light(const dag_sample *s, const char *
                                    .voxel_metres = 1,
                                    .direction_ws = {0, -1, 0}},
                          .dag   = s->view};
+    strncpy(l.light.name, name, sizeof l.light.name - 1);
+    return l;
+}
+
+/* A spot or point light for a sample, at (1, 2, 3) and looking along -x: u is +z, v is +y. One map reaches to 45 degrees, and depth from
+ * half a metre to 8. */
+static inline vxs_write_light dag_sample_lamp(const dag_sample *s, const char *name, uint32_t kind, uint32_t flags)
+{
+    double          side = (double)(1u << s->levels);
+    vxs_write_light l    = {.light = {.kind         = kind,
+                                      .flags        = flags,
+                                      .levels       = s->levels,
+                                      .ls_from_ws   = {0, 0, 1, -3, 0, 1, 0, -2, -1, 0, 0, 1},
+                                      .texel_metres = 2 / side,
+                                      .voxel_metres = 2.772588722239781 / side, /* log(16) */
+                                      .direction_ws = {-1, 0, 0},
+                                      .near_metres  = 0.5,
+                                      .cos_outer    = kind == VXS_LIGHT_KIND_SPOT ? flags & VXS_LIGHT_CUBE ? 0.25 : 0.75 : 0},
+                            .dag   = s->view};
     strncpy(l.light.name, name, sizeof l.light.name - 1);
     return l;
 }
