@@ -75,10 +75,11 @@ static int sun_voxel(const vxs_light *light, const double point_ws[3], const dou
     return (light->flags & VXS_LIGHT_BOUNDED) && (voxel[2] < 0 || voxel[2] >= side) ? -1 : 0;
 }
 
-/* In the cone and range of a spot or point light. */
+/* In the cone and range of a spot or point light; what is not a number is nowhere. */
 static int in_reach(const vxs_light *light, const double ls[3])
 {
     double distance2 = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
+    if (!(distance2 >= 0)) return 0;
     if (light->range_metres > 0 && distance2 > light->range_metres * light->range_metres) return 0;
     return light->kind == VXS_LIGHT_KIND_POINT || ls[2] >= light->cos_outer * sqrt(distance2);
 }

@@ -315,6 +315,456 @@ static void test_lookup_many(void **state)
     vxs_lookup_many(light, NULL, NULL, 0, 5, NULL);
 }
 
+/* spot and point lights ---------------------------------------------------------------------------------------------------------- */
+
+static double uniform(rng *r, double low, double high)
+{
+    return low + (high - low) * (rng_u32(r) / 4294967296.0);
+}
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double *a, const double *b, double *out)
+{
+    for (int n = 0; n < 3; n++) out[n] = a[(n + 1) % 3] * b[(n + 2) % 3] - a[(n + 2) % 3] * b[(n + 1) % 3];
+}
+
+static void make_unit(double *v)
+{
+    double length = sqrt(dot(v, v));
+    for (int n = 0; n < 3; n++) v[n] /= length;
+}
+
+static void random_direction(rng *r, double *out)
+{
+    do {
+        for (int n = 0; n < 3; n++) out[n] = uniform(r, -1, 1);
+    } while (dot(out, out) < 0.01 || dot(out, out) > 1);
+    make_unit(out);
+}
+
+/* What a lamp is made of, beside what the file says of it. */
+typedef struct lamp {
+    vxs_light light;
+    double    axis[3][3]; /* of light space, in world space */
+    double    at[3];
+    double    cone_rad; /* pi: all around */
+} lamp;
+
+typedef enum lamp_shape { SPOT, WIDE_SPOT, POINT, LAMP_SHAPES } lamp_shape;
+
+static lamp random_lamp(rng *r, lamp_shape shape)
+{
+    lamp   l    = {.cone_rad = shape == SPOT ? uniform(r, 0.01, 1.04) : shape == WIDE_SPOT ? uniform(r, 1.05, 1.57) : acos(-1)};
+    double side = ldexp(1, 3 + rng_between(r, 0, 11)), border = fmin(18, side / 8), far = uniform(r, 1.5, 4);
+    random_direction(r, l.axis[2]);
+    random_direction(r, l.axis[1]);
+    cross(l.axis[1], l.axis[2], l.axis[0]);
+    make_unit(l.axis[0]);
+    cross(l.axis[2], l.axis[0], l.axis[1]);
+    for (int n = 0; n < 3; n++) l.at[n] = uniform(r, -100, 100);
+    for (int row = 0; row < 3; row++) {
+        memcpy(l.light.ls_from_ws + 4 * row, l.axis[row], sizeof l.axis[row]);
+        l.light.ls_from_ws[4 * row + 3] = -dot(l.axis[row], l.at);
+    }
+    while (1u << l.light.levels < side) l.light.levels++;
+    l.light.kind         = shape == POINT ? VXS_LIGHT_KIND_POINT : VXS_LIGHT_KIND_SPOT;
+    l.light.flags        = shape == SPOT ? 0 : VXS_LIGHT_CUBE;
+    l.light.texel_metres = (shape == SPOT ? tan(l.cone_rad) : 1) / (side / 2 - border);
+    l.light.near_metres  = uniform(r, 0.01, 2);
+    l.light.voxel_metres = log(pow(10, far)) / side;
+    l.light.cos_outer    = shape == POINT ? 0 : cos(l.cone_rad);
+    memcpy(l.light.direction_ws, l.axis[2], sizeof l.axis[2]);
+    return l;
+}
+
+static int map_count(const vxs_light *light)
+{
+    return light->flags & VXS_LIGHT_CUBE ? 6 : 1;
+}
+
+/* Axes of a map by name, as vxs.md section 2 has them: across, down, along; capitals are negative. */
+static const char *const map_axes[6] = {"yzx", "zyX", "zxy", "xzY", "xyz", "yxZ"};
+
+static void map_space(const lamp *l, int map, const double *point_ws, double *out)
+{
+    const char *axes = map_axes[map_count(&l->light) > 1 ? map : 4];
+    double      from[3];
+    for (int n = 0; n < 3; n++) from[n] = point_ws[n] - l->at[n];
+    for (int n = 0; n < 3; n++) out[n] = axes[n] < 'a' ? -dot(l->axis[axes[n] - 'X'], from) : dot(l->axis[axes[n] - 'x'], from);
+}
+
+/* u, v and depth of a point that is before the map. */
+static void place(const lamp *l, int map, const double *point_ws, double *out)
+{
+    double p[3], side = ldexp(1, (int)l->light.levels);
+    map_space(l, map, point_ws, p);
+    out[0] = side / 2 + p[0] / p[2] / l->light.texel_metres;
+    out[1] = side / 2 + p[1] / p[2] / l->light.texel_metres;
+    out[2] = log(p[2] / l->light.near_metres) / l->light.voxel_metres;
+}
+
+/* 0 when a coordinate is so near a whole number that rounding may decide. */
+static int clear_of_boundaries(const double *coordinates)
+{
+    for (int n = 0; n < 3; n++)
+        if (fabs(coordinates[n] - rint(coordinates[n])) < 1e-6 * fmax(1, fabs(coordinates[n]) * 1e-3)) return 0;
+    return 1;
+}
+
+/* From light space to the world and back, for all maps of all kinds, and that the place is the one of the format's text. */
+static void test_lamp_voxel_and_point(void **state)
+{
+    (void)state;
+    rng r                     = {21};
+    int asked[LAMP_SHAPES][6] = {{0}};
+    for (int n = 0; n < 60000; n++) {
+        lamp_shape shape = (lamp_shape)(n % LAMP_SHAPES);
+        lamp       l     = random_lamp(&r, shape);
+        int        map   = rng_between(&r, 0, map_count(&l.light) - 1);
+        double     side = ldexp(1, (int)l.light.levels), width = shape == SPOT ? tan(l.cone_rad) * 0.7 : 0.999;
+        double     at[3], point[3], found[3];
+        for (int c = 0; c < 2; c++) at[c] = side / 2 + uniform(&r, -width, width) / l.light.texel_metres;
+        at[2] = uniform(&r, -2, side + 2);
+        vxs_point(&l.light, map, at, point);
+        place(&l, map, point, found);
+        for (int c = 0; c < 3; c++) assert_true(fabs(found[c] - at[c]) < 1e-6 * side);
+        if (!clear_of_boundaries(at)) continue;
+        int32_t voxel[3];
+        l.light.cos_outer = 0; /* the cone has a test of its own; one map is asked within it */
+        int answer        = vxs_voxel(&l.light, point, NULL, 1, voxel);
+        if (shape == WIDE_SPOT && answer < 0) continue; /* behind the light */
+        assert_int_equal(answer, map);
+        for (int c = 0; c < 3; c++) assert_true(fabs(floor(at[c]) - voxel[c]) == 0);
+        asked[shape][map]++;
+    }
+    for (int shape = 0; shape < LAMP_SHAPES; shape++)
+        for (int map = 0; map < 6; map++)
+            if (shape != SPOT || map == 0) assert_true(asked[shape][map] > 1000 || (shape == WIDE_SPOT && map == 5));
+}
+
+/* The sun's, too. */
+static void test_sun_voxel_and_point(void **state)
+{
+    const fixture   *f     = *state;
+    const vxs_light *light = vxs_asset_light(f->asset, 0);
+    rng              r     = {22};
+    for (int n = 0; n < 10000; n++) {
+        double  at[3], point[3], wanted[3];
+        int32_t voxel[3];
+        for (int c = 0; c < 3; c++) at[c] = rng_between(&r, 0, SIDE - 1) + uniform(&r, 0.001, 0.999);
+        vxs_point(light, 0, at, point);
+        ws_from_vx(wanted, at[0], at[1], at[2]);
+        for (int c = 0; c < 3; c++) assert_true(fabs(point[c] - wanted[c]) < 1e-9);
+        assert_int_equal(vxs_voxel(light, point, NULL, 1, voxel), 0);
+        for (int c = 0; c < 3; c++) assert_int_equal(voxel[c], (int32_t)at[c]);
+    }
+}
+
+/* The six maps as things in the world: each looks along an axis of light space, is right-handed, and has no direction nearer another
+ * map's. */
+static void test_cube_maps(void **state)
+{
+    (void)state;
+    rng r = {23};
+    for (int n = 0; n < 300; n++) {
+        lamp   l    = random_lamp(&r, POINT);
+        double side = ldexp(1, (int)l.light.levels), ahead[6][3];
+        for (int map = 0; map < 6; map++) {
+            double middle[3], across[3], down[3], handed[3];
+            vxs_point(&l.light, map, (double[3]){side / 2, side / 2, 10.5}, middle);
+            vxs_point(&l.light, map, (double[3]){side / 2 + 1, side / 2, 10.5}, across);
+            vxs_point(&l.light, map, (double[3]){side / 2, side / 2 + 1, 10.5}, down);
+            for (int c = 0; c < 3; c++) {
+                ahead[map][c] = middle[c] - l.at[c];
+                across[c] -= middle[c];
+                down[c] -= middle[c];
+            }
+            make_unit(ahead[map]), make_unit(across), make_unit(down);
+            cross(across, down, handed);
+            assert_true(dot(handed, ahead[map]) > 1 - 1e-9);
+            double along = dot(ahead[map], l.axis[map / 2]);
+            assert_true(fabs(along - (map % 2 ? -1 : 1)) < 1e-9);
+        }
+        for (int k = 0; k < 100; k++) {
+            double  direction[3], point[3], best = -2, next = -2;
+            int     nearest = 0;
+            int32_t voxel[3];
+            random_direction(&r, direction);
+            for (int c = 0; c < 3; c++) point[c] = l.at[c] + 3 * direction[c];
+            for (int map = 0; map < 6; map++) {
+                double d = dot(ahead[map], direction);
+                next     = fmax(next, fmin(d, best));
+                nearest  = d > best ? map : nearest;
+                best     = fmax(best, d);
+            }
+            if (best - next < 1e-9) continue;
+            assert_int_equal(vxs_voxel(&l.light, point, NULL, 1, voxel), nearest);
+            /* inside the border that is kept for filters */
+            double border = side / 2 - 1 / l.light.texel_metres;
+            for (int c = 0; c < 2; c++) assert_true(voxel[c] >= floor(border - 1e-6) && voxel[c] < ceil(side - border + 1e-6));
+        }
+    }
+}
+
+/* On both sides of an edge of the cube a point is as deep, and beside it is the same border. */
+static void test_cube_edges(void **state)
+{
+    (void)state;
+    rng r = {24};
+    for (int n = 0; n < 3000; n++) {
+        lamp   l = random_lamp(&r, POINT);
+        int    a = rng_between(&r, 0, 2), b = (a + rng_between(&r, 1, 2)) % 3, c = 3 - a - b;
+        double sign_a = rng_below(&r, 2) ? 1 : -1, sign_b = rng_below(&r, 2) ? 1 : -1, depth = uniform(&r, 0.1, 50);
+        double ls[2][3], point[2][3], found[2][3];
+        ls[0][a] = ls[1][b] = depth * (1 + 1e-9);
+        ls[0][b] = ls[1][a] = depth;
+        for (int k = 0; k < 2; k++) {
+            int32_t voxel[3];
+            ls[k][a] *= sign_a, ls[k][b] *= sign_b;
+            ls[k][c] = depth * 0.99 * uniform(&(rng){(uint64_t)n}, -1, 1);
+            for (int w = 0; w < 3; w++)
+                point[k][w] = l.at[w] + ls[k][0] * l.axis[0][w] + ls[k][1] * l.axis[1][w] + ls[k][2] * l.axis[2][w];
+            int map = vxs_voxel(&l.light, point[k], NULL, 1, voxel);
+            place(&l, map, point[k], found[k]);
+            assert_true(fabs(voxel[2] - floor(found[k][2])) <= (clear_of_boundaries(found[k]) ? 0 : 1));
+            if (depth < 1) continue;
+            int wanted = k ? 2 * b + (sign_b < 0) : 2 * a + (sign_a < 0);
+            assert_int_equal(map, wanted);
+        }
+        assert_true(fabs(found[0][2] - found[1][2]) < 1e-4);
+    }
+}
+
+/* Exactly as large: the first axis wins. */
+static void test_cube_ties(void **state)
+{
+    (void)state;
+    dag_sample none = {.levels = 6};
+    vxs_light  l    = dag_sample_lamp(&none, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE).light;
+    memcpy(l.ls_from_ws, (double[12]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, sizeof l.ls_from_ws);
+    static const struct {
+        double point[3];
+        int    map;
+    } cases[] = {{{1, 1, 1}, 0},  {{-1, 1, 1}, 1}, {{-1, -1, -1}, 1}, {{0, 1, 1}, 2},    {{0.5, -1, 1}, 3},     {{0.5, -1, -1}, 3},
+                 {{1, 0, -1}, 0}, {{0, 0, 1}, 4},  {{0, 0, -1}, 5},   {{-0.0, 0, 0}, 0}, {{1, 1, 1.0000001}, 4}};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        int32_t voxel[3];
+        assert_int_equal(vxs_voxel(&l, cases[n].point, NULL, 1, voxel), cases[n].map);
+    }
+}
+
+/* Cone and range, by angles and distances of the world. */
+static void test_lamp_volume(void **state)
+{
+    (void)state;
+    rng r     = {25};
+    int in[2] = {0};
+    for (int n = 0; n < 60000; n++) {
+        lamp    l = random_lamp(&r, (lamp_shape)(n % LAMP_SHAPES));
+        double  way[3], point[3], distance = pow(10, uniform(&r, -3, 3)), handed[3];
+        int32_t voxel[3];
+        if (n % 2) l.light.range_metres = pow(10, uniform(&r, -3, 3));
+        if (n % 7 == 0) l.light.range_metres = distance * uniform(&r, 0.9, 1.1);
+        random_direction(&r, way);
+        if (n % 5) /* mostly near the edge of the cone */
+            for (int c = 0; c < 3; c++) way[c] = l.axis[2][c] * cos(l.cone_rad) + l.axis[0][c] * sin(l.cone_rad) + 0.2 * way[c];
+        make_unit(way);
+        for (int c = 0; c < 3; c++) point[c] = l.at[c] + distance * way[c];
+        cross(l.axis[2], way, handed);
+        double angle = atan2(sqrt(dot(handed, handed)), dot(l.axis[2], way));
+        if (fabs(angle - l.cone_rad) < 1e-6 || fabs(distance / l.light.range_metres - 1) < 1e-6) continue;
+        if (distance < 1e-2 && fabs(angle - l.cone_rad) < 1e-3) continue; /* far from the origin a light's place is rounded */
+        int inside = angle <= l.cone_rad && (l.light.range_metres == 0 || distance <= l.light.range_metres);
+        assert_int_equal(vxs_voxel(&l.light, point, NULL, 1, voxel) >= 0, inside);
+        assert_int_equal(vxs_voxel(&l.light, point, l.axis[1], 9, voxel) >= 0, inside); /* a bias does not leave the volume */
+        in[inside]++;
+    }
+    assert_true(in[0] > 5000 && in[1] > 5000);
+}
+
+/* The normal's step by finite differences of u, v and depth: half a filter of the texels that the point is in, in whole voxels,
+ * never shorter, away from the surface. */
+static void test_lamp_bias(void **state)
+{
+    (void)state;
+    rng r     = {26};
+    int asked = 0;
+    for (int n = 0; n < 60000; n++) {
+        lamp    l    = random_lamp(&r, (lamp_shape)(n % LAMP_SHAPES));
+        double  side = ldexp(1, (int)l.light.levels), point[3], normal[3], at[3], before[3], behind[3], p[3], ahead[3], back[3];
+        int     map = rng_between(&r, 0, map_count(&l.light) - 1), filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+        int32_t voxel[3];
+        double  width = n % LAMP_SHAPES == SPOT ? tan(l.cone_rad) * 0.7 : 0.98;
+        for (int c = 0; c < 2; c++) at[c] = side / 2 + uniform(&r, -width, width) / l.light.texel_metres;
+        at[2] = uniform(&r, 0, side);
+        random_direction(&r, normal);
+        vxs_point(&l.light, map, at, point);
+        map_space(&l, map, point, p);
+        double texel = p[2] * l.light.texel_metres, h = 1e-4 * p[2];
+        for (int c = 0; c < 3; c++) ahead[c] = point[c] + h * normal[c], back[c] = point[c] - h * normal[c];
+        place(&l, map, ahead, behind);
+        place(&l, map, back, before);
+        if (!clear_of_boundaries(at) || vxs_voxel(&l.light, point, normal, filter_px, voxel) != map) continue;
+        for (int c = 0; c < 3; c++) {
+            double step  = (behind[c] - before[c]) / (2 * h) * 0.5 * filter_px * texel;
+            double moved = voxel[c] - floor(at[c]);
+            if (c < 2 && (voxel[c] == 0 || voxel[c] == (int32_t)side - 1)) continue; /* held in the map */
+            double slack = 1e-4 * (1 + fabs(step));
+            assert_true(fabs(moved) >= fabs(step) - slack && fabs(moved) < fabs(step) + 1 + slack);
+            assert_true(moved == 0 ? fabs(step) < slack : moved * step > 0);
+            asked++;
+        }
+    }
+    assert_true(asked > 60000);
+}
+
+/* Where the format has six roots: lookups of a sample whose maps are known. */
+typedef struct lamp_asset {
+    dag_sample sample;
+    vxs_asset *asset;
+    lamp       lamp; /* as dag_sample_lamp has it */
+} lamp_asset;
+
+static lamp_asset lamp_asset_make(uint32_t levels, uint32_t kind, uint32_t flags, uint64_t seed)
+{
+    lamp_asset a = {.lamp = {.axis = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}, .at = {1, 2, 3}}};
+    rng        r = {seed};
+    dag_sample_init(&a.sample, &r, levels, 100);
+    vxs_write_light light = dag_sample_lamp(&a.sample, "lamp", kind, flags);
+    vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = 1};
+    vxs_bytes       file  = {0};
+    assert_int_equal(vxs_write(&file, &desc), VXS_OK);
+    assert_int_equal(vxs_asset_open(&a.asset, file.data, file.size_bytes, NULL), VXS_OK);
+    free(file.data);
+    a.lamp.light = *vxs_asset_light(a.asset, 0);
+    return a;
+}
+
+static void lamp_asset_free(lamp_asset *a)
+{
+    vxs_asset_close(a->asset);
+    dag_sample_free(&a->sample);
+}
+
+static float lamp_fraction(const dag_sample *s, const int32_t voxel[3], int filter_px)
+{
+    int32_t side = 1 << s->levels, k = voxel[2] < side ? voxel[2] : side - 1;
+    if (k < 0) return 1;
+    int lit = 0, half_px = filter_px / 2;
+    for (int32_t y = voxel[1] - half_px; y <= voxel[1] + half_px; y++)
+        for (int32_t x = voxel[0] - half_px; x <= voxel[0] + half_px; x++) {
+            int inside = x >= 0 && y >= 0 && x < side && y < side;
+            lit += !inside || !dag_sample_shadow(s, (uint32_t)x, (uint32_t)y, (uint32_t)k);
+        }
+    return (float)lit / (float)(filter_px * filter_px);
+}
+
+/* A filter takes all its texels from the point's own map, however near the next one is; tiny maps are all border. */
+static void test_lamp_lookup(void **state)
+{
+    static const struct {
+        uint32_t kind, flags;
+    } shapes[] = {{VXS_LIGHT_KIND_SPOT, 0}, {VXS_LIGHT_KIND_SPOT, VXS_LIGHT_CUBE}, {VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE}};
+    (void)state;
+    int partly = 0, asked = 0;
+    for (uint32_t levels = 3; levels <= 6; levels++)
+        for (size_t shape = 0; shape < 3; shape++) {
+            lamp_asset a           = lamp_asset_make(levels, shapes[shape].kind, shapes[shape].flags, 40 + levels);
+            double     side        = (double)(1 << levels);
+            rng        r           = {levels};
+            a.lamp.light.cos_outer = 0;
+            for (int map = 0; map < map_count(&a.lamp.light); map++) {
+                dag_sample_show(&a.sample, (uint32_t)map);
+                for (int n = 0; n < 3000; n++) {
+                    int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2), edge = n % 2;
+                    double  at[3], point[3], normal[3];
+                    int32_t voxel[3];
+                    for (int c = 0; c < 2; c++) at[c] = edge && rng_below(&r, 2) ? uniform(&r, 0, 2) : uniform(&r, 0, side);
+                    for (int c = 0; c < 2; c++) at[c] = edge && rng_below(&r, 2) ? side - at[c] : at[c];
+                    at[2] = uniform(&r, -3, side + 10);
+                    vxs_point(&a.lamp.light, map, at, point);
+                    if (!clear_of_boundaries(at) || vxs_voxel(&a.lamp.light, point, NULL, filter_px, voxel) != map) continue;
+                    for (int c = 0; c < 3; c++) assert_int_equal(voxel[c], (int32_t)floor(at[c]));
+                    float wanted = lamp_fraction(&a.sample, voxel, filter_px);
+                    assert_true(vxs_lookup(&a.lamp.light, point, NULL, filter_px) == wanted);
+                    partly += wanted > 0 && wanted < 1;
+                    asked++;
+                    random_direction(&r, normal);
+                    vxs_voxel(&a.lamp.light, point, normal, filter_px, voxel);
+                    assert_true(voxel[0] >= 0 && voxel[0] < (int32_t)side && voxel[1] >= 0 && voxel[1] < (int32_t)side);
+                    assert_true(vxs_lookup(&a.lamp.light, point, normal, filter_px) == lamp_fraction(&a.sample, voxel, filter_px));
+                }
+            }
+            lamp_asset_free(&a);
+        }
+    assert_true(asked > 50000 && partly > 10000);
+}
+
+/* The light itself, and what is all but there. */
+static void test_lamp_own_place(void **state)
+{
+    (void)state;
+    lamp_asset a = lamp_asset_make(6, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE, 50), b = lamp_asset_make(6, VXS_LIGHT_KIND_SPOT, 0, 51);
+    for (int filter_px = 1; filter_px <= VXS_FILTER_MAX; filter_px += 2)
+        for (int n = 0; n < 7; n++) {
+            double normal[3] = {n == 0, n == 1, n == 2}, point[3] = {1, 2, 3};
+            if (n > 2) normal[n % 3] = -1;
+            assert_true(vxs_lookup(&a.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&b.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
+            point[0] -= 1e-15; /* ahead, nearer than anything */
+            assert_true(vxs_lookup(&a.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&b.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
+        }
+    lamp_asset_free(&a);
+    lamp_asset_free(&b);
+}
+
+static int is_fraction(float lit)
+{
+    return lit == VXS_OUTSIDE || (lit >= 0 && lit <= 1);
+}
+
+/* Every number that a file or a caller may bring: no answer that is none, and (under a sanitizer) no byte that is not the asset's. */
+static void test_lamp_extremes(void **state)
+{
+    static const double numbers[] = {0, -0.0, 5e-324, -5e-324, 1e-300, -1e-160, 1, -1, 1e8, -1e155, 1e300, -1.7e308, 1.7e308};
+    enum { NUMBERS = sizeof numbers / sizeof *numbers };
+    (void)state;
+    rng r = {52};
+    for (int shape = 0; shape < 3; shape++) {
+        lamp_asset a = lamp_asset_make(4, shape < 2 ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT, shape ? VXS_LIGHT_CUBE : 0, 53);
+        for (int n = 0; n < 100000; n++) {
+            vxs_light l = a.lamp.light;
+            double    point[3], normal[3];
+            int32_t   voxel[3];
+            for (int c = 0; c < 3; c++) point[c] = rng_below(&r, 2) ? numbers[rng_below(&r, NUMBERS)] : uniform(&r, -9, 9);
+            for (int c = 0; c < 3; c++) normal[c] = numbers[rng_below(&r, NUMBERS)];
+            if (n % 3 == 0) l.ls_from_ws[rng_below(&r, 12)] = numbers[rng_below(&r, NUMBERS)];
+            if (n % 5 == 0) l.texel_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
+            if (n % 7 == 0) l.voxel_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
+            if (n % 11 == 0) l.near_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
+            if (n % 13 == 0) l.range_metres = fabs(numbers[rng_below(&r, NUMBERS)]);
+            if (n % 17 == 0 && shape < 2) l.cos_outer = rng_below(&r, 2) ? 0 : 0.99999999999;
+            int filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            int map       = vxs_voxel(&l, point, n % 2 ? normal : NULL, filter_px, voxel);
+            assert_true(map >= -1 && map < map_count(&l));
+            assert_true(voxel[0] >= 0 && voxel[0] < 16 && voxel[1] >= 0 && voxel[1] < 16);
+            assert_true(is_fraction(vxs_lookup(&l, point, n % 2 ? normal : NULL, filter_px)));
+        }
+        for (int c = 0; c < 3; c++) {
+            double point[3] = {0, 2, 3};
+            point[c]        = (double)NAN;
+            assert_true(vxs_lookup(&a.lamp.light, point, NULL, 9) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&a.lamp.light, (double[3]){0, 2, 3}, point, 9) >= 0); /* a normal that is none */
+        }
+        lamp_asset_free(&a);
+    }
+}
+
 static void test_result_text(void **state)
 {
     (void)state;
@@ -337,6 +787,16 @@ int main(void)
         cmocka_unit_test(test_lookup_with_normal),
         cmocka_unit_test(test_lookup_far_away),
         cmocka_unit_test(test_lookup_many),
+        cmocka_unit_test(test_lamp_voxel_and_point),
+        cmocka_unit_test(test_sun_voxel_and_point),
+        cmocka_unit_test(test_cube_maps),
+        cmocka_unit_test(test_cube_edges),
+        cmocka_unit_test(test_cube_ties),
+        cmocka_unit_test(test_lamp_volume),
+        cmocka_unit_test(test_lamp_bias),
+        cmocka_unit_test(test_lamp_lookup),
+        cmocka_unit_test(test_lamp_own_place),
+        cmocka_unit_test(test_lamp_extremes),
         cmocka_unit_test(test_result_text),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
