@@ -268,6 +268,7 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &chosen, m)) != VXS_OK) goto done;
     report_casters(report, &c);
     if ((r = report_left_out(report, &s, &chosen, m)) != VXS_OK) goto done;
+    if (o->exit == EXIT_AUTO && c.solid_triangle_count && (r = casters_find_meeting(&c, m)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_SOLIDS);
 
     if ((r = bake_lights(o, &c, &chosen, &file, report, m)) != VXS_OK) goto done;

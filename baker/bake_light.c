@@ -36,16 +36,34 @@ typedef struct sub_dag {
 typedef struct tile_job {
     const bake_options *o;
     column_source       source;
-    uint32_t            sub_px;   /* side of a sub-DAG */
-    uint32_t            sub_side; /* sub-DAGs a side of the tile */
-    sub_dag            *subs;     /* [sub_side * sub_side] */
+    uint32_t            sub_px; /* side of a sub-DAG */
+    sub_dag            *subs;   /* in z order */
 } tile_job;
 
-/* A sub-DAG is a sixteenth of a map tile, so that threads have something to share, and at most SUB_DAG_MAX_PX wide. */
-static uint32_t sub_dag_side(uint32_t tile_px)
+/* A sub-DAG is a quarter of the map as wide, so that threads have something to share, and at most SUB_DAG_MAX_PX: whatever the size
+ * of map tiles, because where sub-DAGs end decides some undefined voxels. */
+static uint32_t sub_dag_side(uint32_t side_px)
 {
-    uint32_t side = min_u32(tile_px / 4, SUB_DAG_MAX_PX);
+    uint32_t side = min_u32(side_px / 4, SUB_DAG_MAX_PX);
     return side < 8 ? 8 : side;
+}
+
+/* Every other bit. */
+static uint32_t even_bits(uint32_t n)
+{
+    uint32_t even = 0;
+    for (uint32_t bit = 0; bit < 16; bit++) even |= (n >> 2 * bit & 1) << bit;
+    return even;
+}
+
+typedef struct square_at {
+    uint32_t i, j;
+} square_at;
+
+/* The n-th square of a power of two of them, in z order. Tiles of any size then visit sub-DAGs in one order, and the bytes are the same. */
+static square_at z_order(uint32_t n)
+{
+    return (square_at){even_bits(n), even_bits(n >> 1)};
 }
 
 static void masks_of_sub(void *user, size_t begin, size_t end, uint32_t worker)
@@ -54,9 +72,9 @@ static void masks_of_sub(void *user, size_t begin, size_t end, uint32_t worker)
     uint32_t  tiles = t->sub_px / 8;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
-        sub_dag *s = &t->subs[n];
-        s->result  = tile_masks_build(&s->masks, &t->source, (uint32_t)(n % t->sub_side) * tiles,
-                                      (uint32_t)(n / t->sub_side) * tiles, tiles, t->o->rule);
+        sub_dag  *s  = &t->subs[n];
+        square_at at = z_order((uint32_t)n);
+        s->result    = tile_masks_build(&s->masks, &t->source, at.i * tiles, at.j * tiles, tiles, t->o->rule);
         if (s->result != VXS_OK) continue;
         s->mask_runs = s->masks.run_count;
         for (size_t k = 0; k < (size_t)tiles * tiles; k++) s->mask_tiles += s->masks.first[k] < s->masks.first[k + 1];
@@ -70,8 +88,8 @@ static void insert_sub(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) {
         sub_dag *s = &t->subs[n];
         if (s->result != VXS_OK) continue;
-        s->result = dag_insert(&s->dag, &t->source, (uint32_t)(n % t->sub_side), (uint32_t)(n / t->sub_side), dag_levels(t->sub_px),
-                               &s->masks, t->o->reuse);
+        square_at at = z_order((uint32_t)n);
+        s->result    = dag_insert(&s->dag, &t->source, at.i, at.j, dag_levels(t->sub_px), &s->masks, t->o->reuse);
         tile_masks_free(&s->masks);
         s->nodes      = dag_node_count(&s->dag);
         s->mask_nodes = s->dag.mask_count;
@@ -96,9 +114,9 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
     depth_maps_reduce(maps, o->threads);
     stage_end(&timer, STAGE_PYRAMID);
 
-    tile_job t     = {.o = o, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->side_px)};
-    t.sub_side     = maps->side_px / t.sub_px;
-    uint32_t count = t.sub_side * t.sub_side;
+    tile_job t     = {.o = o, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->depth_vx)};
+    uint32_t side  = maps->side_px / t.sub_px;
+    uint32_t count = side * side;
     t.subs         = calloc(count, sizeof *t.subs);
     if (!t.subs) return VXS_E_MEMORY;
 
@@ -113,8 +131,8 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
     for (uint32_t n = 0; n < count; n++) {
         sub_dag *s = &t.subs[n];
         if (r == VXS_OK) r = s->result;
-        if (r == VXS_OK)
-            r = dag_merger_add(job->merger, &s->dag, job->map, i * t.sub_side + n % t.sub_side, j * t.sub_side + n / t.sub_side);
+        square_at at = z_order(n);
+        if (r == VXS_OK) r = dag_merger_add(job->merger, &s->dag, job->map, i * side + at.i, j * side + at.j);
         light->mask_tiles += s->mask_tiles;
         light->mask_runs += s->mask_runs;
         light->inserted_nodes += s->nodes;
@@ -165,6 +183,8 @@ static void add_stats(depth_stats *sum, depth_stats s)
 {
     sum->blocks_rendered += s.blocks_rendered;
     sum->blocks_empty += s.blocks_empty;
+    sum->blocks_peeled += s.blocks_peeled;
+    sum->blocks_not_peeled += s.blocks_not_peeled;
     sum->triangles_drawn += s.triangles_drawn;
     sum->peel_passes += s.peel_passes;
     if (s.peel_passes_max > sum->peel_passes_max) sum->peel_passes_max = s.peel_passes_max;
@@ -180,7 +200,8 @@ static vxs_result bake_map(light_job *job, message *m)
     vxs_result          r = depth_renderer_create(&job->renderer, b->gl, b->casters, light, (int)job->map, o->exit, o->threads, m);
     stage_end(&timer, STAGE_GL);
     for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
-        r = bake_tile(job, n % side, n / side, m);
+        square_at at = z_order(n);
+        r            = bake_tile(job, at.i, at.j, m);
         job->tiles_done++;
         say_progress(job, side * side * job->map_count);
     }
@@ -220,7 +241,7 @@ vxs_result bake_light(const light_baker *b, const chosen_light *chosen, dag *out
     uint32_t tile = min_u32(side, TILE_MAX_PX);
     job.map_count = light->light.flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
     if ((r = depth_maps_init(&job.maps, tile, side, lamp ? light->light.voxel_metres : 0, exit, m)) != VXS_OK) goto done;
-    if ((r = dag_merger_create(&job.merger, side, sub_dag_side(tile), job.map_count, o->stop == STOP_FINAL)) != VXS_OK) goto done;
+    if ((r = dag_merger_create(&job.merger, side, sub_dag_side(side), job.map_count, o->stop == STOP_FINAL)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_GL);
 
     base->limit_per_map = o->baseline == BASELINE_FULL ? 0 : ((size_t)256 << 10) / ((side / tile) * (side / tile) * job.map_count);

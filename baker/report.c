@@ -46,8 +46,9 @@ static void print_light(FILE *to, const light_report *l)
     fprintf(to, "  tiles      %llu, left out without casters: %llu; rendered in %llu blocks, left out: %llu\n",
             (unsigned long long)l->tiles, (unsigned long long)l->tiles_skipped, (unsigned long long)l->depth.blocks_rendered,
             (unsigned long long)l->depth.blocks_empty);
-    fprintf(to, "  peeling    %llu passes, at most %u for a block\n", (unsigned long long)l->depth.peel_passes,
-            l->depth.peel_passes_max);
+    fprintf(to, "  peeling    in %llu blocks, %llu passes, at most %u for a block; not needed in %llu blocks with solids\n",
+            (unsigned long long)l->depth.blocks_peeled, (unsigned long long)l->depth.peel_passes, l->depth.peel_passes_max,
+            (unsigned long long)l->depth.blocks_not_peeled);
     fprintf(to, "  masks      %llu tiles of 8 x 8 need %llu masks\n", (unsigned long long)l->mask_tiles,
             (unsigned long long)l->mask_runs);
     fprintf(to, "  inserted   %llu nodes, %llu masks\n", (unsigned long long)l->inserted_nodes,
@@ -127,12 +128,13 @@ static json_t *light_json(const light_report *l)
 {
     double  texels = texels_of(l);
     json_t *o      = json_pack(
-             "{s:o, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
+             "{s:o, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
              json_text(l->light.name), "resolution_px", (json_int_t)1 << l->light.levels, "texel_m", l->light.texel_metres, "voxel_m",
              l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
              (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
              (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
-             (json_int_t)l->depth.triangles_drawn, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
+             (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
+             (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
              (json_int_t)l->depth.peel_passes_max, "mask_tiles", (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs,
              "inserted_nodes", (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
     json_t *size =

@@ -40,7 +40,7 @@ int cmd_bake(int argc, char **argv)
 
     const option options[] = {
         {"-o", OPTION_TEXT, &o.output_path, 0, 0, NULL, "OUT.vxs", "where the asset goes; - is standard output", NULL},
-        {"--light", OPTION_TEXTS, &o.light_names, 0, 0, NULL, "NAME", "bake this directional light; repeat for more (default: all)",
+        {"--light", OPTION_TEXTS, &o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default: all)",
          NULL},
         {"--sun", OPTION_VECTOR, o.sun, 0, 3, NULL, "X,Y,Z", "add a light named sun that travels this way", &o.sun_given},
         {"--resolution", OPTION_U32, &o.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N",
@@ -53,7 +53,7 @@ int cmd_bake(int argc, char **argv)
         {"--maps", OPTION_CHOICE, &maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto, which is gl)", NULL},
         {"--gl", OPTION_CHOICE, &gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, EXIT_CHOICES, NULL,
-         "exit depth of solids: peeled, or the nearest back face (default auto, which peels)", NULL},
+         "exit depth of solids: peeled, or the nearest back face (default auto: peeled where solids meet)", NULL},
         {"--closed", OPTION_CHOICE, &closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--rule", OPTION_CHOICE, &rule, 0, 0, RULE_CHOICES, NULL,

@@ -20,6 +20,7 @@
  *              texels whose count is zero are done: x is the layer
  *
  * Done texels start a pass with the nearest depth instead of the farthest, so that the depth test drops all of their fragments before any other work.
+ * A block whose solids meet nothing needs none of this: there the first back face is the exit, and nothing is counted.
  * A texel that runs out of back faces takes the first one, which lies before the true exit: a smaller free range is always right.
  * So is what happens to counts beyond the 255 that a texel holds: front faces too many are not counted, and the ray leaves early.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -161,6 +162,16 @@ static void gather_triangles(depth_block *b)
     }
 }
 
+/* Solids that meet nothing have their insides apart: the nearest back face ends the inside that was entered first. */
+static int needs_peeling(const depth_block *b)
+{
+    const uint8_t *meets = b->context->casters.meets;
+    if (b->context->mode != EXIT_AUTO) return b->solid_count && b->context->mode == EXIT_PEEL;
+    for (uint32_t n = 0; n < b->solid_count; n++)
+        if (!meets || meets[b->triangles[n]]) return 1;
+    return 0;
+}
+
 /* 1 when some texel of the triangle's box may be open. */
 static int touches_open_cell(const depth_block *b, const texel_box *box)
 {
@@ -213,8 +224,11 @@ int depth_block_start(depth_block *b, float *enter, float *exit, uint32_t row_px
     if (b->cell) memset(b->cell, CELL_OPEN, (size_t)b->context->cell_side * b->context->cell_side);
     gather_triangles(b);
     b->has_sheets = b->triangle_count > b->solid_count || b->masked.count;
+    b->peels      = needs_peeling(b);
     if (b->triangle_count || b->masked.count) {
         b->context->stats.blocks_rendered++;
+        b->context->stats.blocks_peeled += (uint64_t)b->peels;
+        b->context->stats.blocks_not_peeled += b->solid_count && !b->peels;
         return 1;
     }
     b->context->stats.blocks_empty++;
@@ -339,7 +353,7 @@ void depth_block_issue(depth_block *b)
         if (b->has_sheets) draw_sheets(b);
         if (b->solid_count) {
             draw_first_layers(b);
-            if (b->context->mode != EXIT_BACK) draw_count(b);
+            if (b->peels) draw_count(b);
         }
     }
     gl->Flush();
@@ -372,7 +386,7 @@ void depth_block_read(depth_block *b)
     }
     if (!b->pass && b->has_sheets) read_depth(b, b->texture_sheet, b->open, b->sheet, block_px);
     if (!b->pass) read_depth(b, b->texture_solid, b->open, b->enter, b->row_px);
-    if (b->context->mode != EXIT_BACK) {
+    if (b->peels) {
         target(b, b->texture_layer[b->pass & 1], b->texture_count);
         read_rect(b, b->open, GL_RED, GL_UNSIGNED_BYTE, b->count, block_px, sizeof *b->count);
     }
@@ -437,7 +451,7 @@ static int resolve_row(depth_block *b, cell_state state, uint32_t u, uint32_t ro
     for (uint32_t n = 0; n < run && state == CELL_CLOSED; n++) old[n] = order.near_gl;
     if (state != CELL_OPEN) return 0;
     if (b->pass) return resolve_next_run(order, now, b->count + at, b->exit + out, old, run);
-    return resolve_first_run(order, b->enter + out, now, b->count + at, b->context->mode != EXIT_BACK, b->exit + out, old, run);
+    return resolve_first_run(order, b->enter + out, now, b->count + at, (uint32_t)b->peels, b->exit + out, old, run);
 }
 
 /* Exits of the texels that were open, and the rectangle of those that stay so; 0 when there are none. */
@@ -503,7 +517,7 @@ int depth_block_resolve(depth_block *b)
         b->pass++;
         return 1;
     }
-    uint32_t passes = b->context->mode == EXIT_BACK ? 0 : b->pass + 1;
+    uint32_t passes = b->peels ? b->pass + 1 : 0;
     stats->peel_passes += passes;
     if (passes > stats->peel_passes_max) stats->peel_passes_max = passes;
     if (b->has_sheets) mix_sheets(b);

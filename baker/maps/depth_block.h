@@ -72,6 +72,7 @@ typedef struct depth_block {
     uint32_t *triangles; /* [triangle_count] of the projection: solids first */
     uint32_t  solid_count, triangle_count, vertex_count;
     int       has_sheets;
+    int       peels; /* some solid meets another: the nearest back face may not be where light leaves their union */
 
     mask_triangles masked; /* of the sheets, those with holes: not in triangles */
 

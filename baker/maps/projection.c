@@ -19,7 +19,8 @@ typedef struct projector {
     map_corner      *corners; /* [casters->vertex_count] in map space */
     map_sides        touch, keep;
     uint32_t        *slot; /* [casters->vertex_count] its vertex in the projection, or NONE */
-    size_t           vertex_capacity, triangle_capacity, uvq_capacity;
+    size_t           vertex_capacity, triangle_capacity, uvq_capacity, meets_capacity;
+    uint8_t          meets; /* what is true of the caster in work */
     int              leaves_bounds[PARALLEL_THREADS_MAX];
 } projector;
 
@@ -81,6 +82,8 @@ static int add_triangle(projector *j, const uint32_t corners[3])
 {
     projection *p = j->p;
     if (!grow((void **)&p->own_indices, &j->triangle_capacity, p->triangle_count + 1, 3 * sizeof *p->own_indices)) return 0;
+    if (!grow((void **)&p->own_meets, &j->meets_capacity, p->triangle_count + 1, sizeof *p->own_meets)) return 0;
+    p->own_meets[p->triangle_count] = j->meets;
     memcpy(p->own_indices + 3 * p->triangle_count++, corners, 3 * sizeof *corners);
     return 1;
 }
@@ -121,7 +124,8 @@ static int add_caster(projector *j, size_t n)
     const casters  *c        = j->p->casters;
     const uint32_t *caster   = c->indices + 3 * n;
     map_polygon     triangle = {.count = 3}, kept;
-    int             masked   = c->mask_count && n >= c->masked_first;
+    j->meets                 = n < c->solid_triangle_count && (!c->solid_meets || c->solid_meets[n]);
+    int masked               = c->mask_count && n >= c->masked_first;
     for (int k = 0; k < 3; k++) triangle.corners[k] = j->corners[caster[k]];
     for (int k = 0; k < 6 && masked; k++)
         triangle.corners[k / 2].uv[k % 2] = (double)c->mask_uvs[6 * (n - c->masked_first) + (size_t)k];
@@ -166,6 +170,7 @@ static int add_casters(projector *j)
     }
     p->mask_first[c->mask_count] = p->triangle_count;
     p->indices                   = p->own_indices;
+    p->meets                     = p->own_meets;
     return 1;
 }
 
@@ -182,6 +187,7 @@ static int take_casters(projector *j)
     p->solid_triangle_count = c->solid_triangle_count;
     p->masked_first         = opaque_end(c);
     p->indices              = c->indices;
+    p->meets                = c->solid_meets;
     for (size_t mask = 0; mask <= c->mask_count; mask++)
         p->mask_first[mask] = c->mask_count ? c->mask_first[mask] : c->triangle_count;
 
@@ -216,5 +222,6 @@ void projection_free(projection *p)
     free(p->own_indices);
     free(p->mask_first);
     free(p->uvq);
+    free(p->own_meets);
     *p = (projection){0};
 }

@@ -41,6 +41,8 @@ typedef struct projection {
 
     size_t *mask_first; /* [casters->mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i */
     mask_uvq (*uvq)[3]; /* [triangle_count - masked_first] of each corner */
+    const uint8_t *meets;     /* [solid_triangle_count] as the casters' solid_meets, or NULL: all do */
+    uint8_t       *own_meets; /* the same, or NULL */
 } projection;
 
 /* Project the casters into map `map` of a light (vxs.h numbers them); casters are borrowed.

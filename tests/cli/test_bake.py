@@ -293,6 +293,25 @@ def test_exit(bake, city):
     assert auto["lights"][0]["peel_passes"] > back["lights"][0]["peel_passes"]
 
 
+def contents(vxs, report):
+    """The bytes of all sections but the metadata, which say what was asked for."""
+    report["path"].write_bytes(report["bytes"])
+    sections = json.loads(vxs("info", report["path"], "--json", "-").stdout)["sections"]
+    return b"".join(report["bytes"][s["offset_bytes"]:s["offset_bytes"] + s["stored_bytes"]] for s in sections
+                    if s["kind"] != "metadata")
+
+
+def test_solids_that_meet_nothing_are_not_peeled(vxs, bake, scenes, tmp_path):
+    apart = small_scene.write(tmp_path / "apart.gltf", lights=LIGHTS)
+    for path, options in ((apart, ()), (scenes / "real" / "room_with_spheres_closed.glb", ("--sun", "-0.4,-1,-0.2"))):
+        auto, peel = (bake(path, "--resolution", 1024, *options, "--exit", e) for e in ("auto", "peel"))
+        for light in auto["lights"]:
+            assert (light["blocks_peeled"], light["peel_passes"]) == (0, 0) and light["blocks_not_peeled"] > 0
+        for light in peel["lights"]:
+            assert light["blocks_not_peeled"] == 0 and light["peel_passes"] >= light["blocks_peeled"] > 0
+        assert contents(vxs, auto) == contents(vxs, peel)
+
+
 def test_rule(bake, city):
     assert (bake(city, "--resolution", 512)["lights"][0]["mask_runs"]
             < bake(city, "--resolution", 512, "--rule", "shadow")["lights"][0]["mask_runs"])

@@ -534,6 +534,40 @@ static void a_sheet_first_has_no_inside(void **state)
     casters_free(&k.c);
 }
 
+/* Boxes apart from each other, and in one corner of the map one that holds another. */
+static void only_blocks_with_solids_that_meet_are_peeled(void **state)
+{
+    (void)state;
+    enum { SIDE = 1024, CELL = 128 };
+    rng  r = {11};
+    mesh k;
+    mesh_init(&k);
+    for (int n = 0; n < SIDE / CELL * SIDE / CELL; n++) {
+        double u = n % (SIDE / CELL) * CELL + CELL / 2, v = n / (SIDE / CELL) * CELL + CELL / 2, z = 200 + 600 * unit(&r);
+        turn_randomly(&k, &r, u, v, z);
+        add_box(&k, u - 30, v - 30, z - 30, u + 30, v + 30, z + 30);
+    }
+    add_box(&k, CELL * 7.5 - 10, CELL * 7.5 - 10, k.pivot[2] - 10, CELL * 7.5 + 10, CELL * 7.5 + 10, k.pivot[2] + 10);
+    size_t triangles         = k.c.triangle_count;
+    k.c.solid_triangle_count = triangles;
+    k.c.solid_meets          = calloc(triangles, 1);
+    assert_non_null(k.c.solid_meets);
+    for (size_t t = triangles - 24; t < triangles; t++) k.c.solid_meets[t] = 1;
+
+    depth_maps  by_need, all;
+    depth_stats need = render(&k.c, SIDE, EXIT_AUTO, &by_need), each = render(&k.c, SIDE, EXIT_PEEL, &all);
+    assert_int_equal(need.blocks_peeled, 1);
+    assert_int_equal(need.blocks_not_peeled, 3);
+    assert_int_equal(each.blocks_peeled, 4);
+    assert_int_equal(each.blocks_not_peeled, 0);
+    assert_true(need.peel_passes > 0 && need.peel_passes < each.peel_passes);
+    assert_memory_equal(by_need.enter, all.enter, sizeof(float) * SIDE * SIDE);
+    assert_memory_equal(by_need.exit, all.exit, sizeof(float) * SIDE * SIDE);
+    depth_maps_free(&by_need);
+    depth_maps_free(&all);
+    casters_free(&k.c);
+}
+
 static void sheets_alone_share_one_map(void **state)
 {
     (void)state;
@@ -795,6 +829,7 @@ int main(void)
         cmocka_unit_test(inverted_lobes),
         cmocka_unit_test(sheets_among_solids),
         cmocka_unit_test(a_sheet_first_has_no_inside),
+        cmocka_unit_test(only_blocks_with_solids_that_meet_are_peeled),
         cmocka_unit_test(sheets_alone_share_one_map),
         cmocka_unit_test(walls_along_the_light),
         cmocka_unit_test(needles),
