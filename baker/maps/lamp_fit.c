@@ -24,13 +24,30 @@ static double segment_distance(const double a[3], const double b[3])
     return sqrt(vec3_dot(nearest, nearest));
 }
 
-/* From the light to a convex polygon: to its plane where its foot is inside, else to an edge. */
-static double polygon_distance(const map_polygon *p)
+static void normal_of(const map_polygon *p, double normal[3])
 {
-    double ab[3], ac[3], normal[3], side[3], nearest = INFINITY;
+    double ab[3], ac[3];
     vec3_sub(p->corners[1].at, p->corners[0].at, ab);
     vec3_sub(p->corners[p->count - 1].at, p->corners[0].at, ac);
     vec3_cross(ab, ac, normal);
+}
+
+/* The light lies in the triangle's plane, but for rounding: it sees an edge, which covers no texel. So the ceiling that a lamp is set
+ * into does not draw the near plane to the lamp. */
+static int edge_on(const map_polygon *triangle)
+{
+    const double rounding = 1e-12;
+    double       normal[3], farthest = 0;
+    normal_of(triangle, normal);
+    for (int n = 0; n < triangle->count; n++) farthest = fmax(farthest, vec3_dot(triangle->corners[n].at, triangle->corners[n].at));
+    return fabs(vec3_dot(triangle->corners[0].at, normal)) <= rounding * sqrt(farthest * vec3_dot(normal, normal));
+}
+
+/* From the light to a convex polygon: to its plane where its foot is inside, else to an edge. */
+static double polygon_distance(const map_polygon *p)
+{
+    double normal[3], side[3], nearest = INFINITY;
+    normal_of(p, normal);
     int above = vec3_dot(normal, normal) > 0;
     for (int n = 0; n < p->count; n++) {
         const double *a = p->corners[n].at, *b = p->corners[(n + 1) % p->count].at;
@@ -61,7 +78,7 @@ static reach measure(const vxs_light *light, const casters *c, double range_m)
             map_polygon triangle = {.count = 3}, kept;
             for (int k = 0; k < 3; k++)
                 map_space_from_ws(light, map, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
-            if (!map_sides_touch(&s, &triangle)) continue;
+            if (!map_sides_touch(&s, &triangle) || edge_on(&triangle)) continue;
             map_sides_clip(&s, &triangle, &kept);
             extend(&r, &kept, range_m);
         }
