@@ -1,5 +1,6 @@
 /* Opening and closing assets; see vxs.h.
  * SPDX-License-Identifier: MIT */
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -42,7 +43,7 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
 {
     *asset  = NULL;
     FILE *f = fopen(path, "rb");
-    if (!f) return VXS_E_READ;
+    if (!f) return errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
 
     vxs_allocator memory = vxs_allocator_of(desc);
     vxs_result    r      = VXS_E_READ;
