@@ -81,7 +81,7 @@ static char *metadata_text(const bake_options *o, const bake_report *report)
                              (json_int_t)report->casters.triangle_count, "solids",
                              (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
                              (json_int_t)report->casters.solid_triangle_count, "options", bake_choices_json(o));
-    char   *text = root && !json_memory_failed() ? json_dumps(root, JSON_COMPACT) : NULL;
+    char   *text = root ? json_print(root, JSON_COMPACT) : NULL;
     json_decref(root);
     return text;
 }
@@ -146,7 +146,7 @@ static vxs_result write_file(const bake_options *o, const vxs_bytes *file, bake_
     vxs_contents contents = {0};
     output_file  out      = {0};
     vxs_result   r        = vxs_read(&contents, file->data, file->size_bytes, NULL);
-    if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back: nothing was written");
+    if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
     report_contents(&contents, report);
     vxs_contents_free(&contents);
     report->file_bytes = file->size_bytes;

@@ -22,9 +22,12 @@ void json_watch_memory(void)
     json_set_alloc_funcs(watched_alloc, free);
 }
 
-int json_memory_failed(void)
+char *json_print(const json_t *value, size_t flags)
 {
-    return atomic_load(&memory_failed);
+    char *text = json_dumps(value, flags);
+    if (!atomic_load(&memory_failed)) return text;
+    free(text);
+    return NULL;
 }
 
 json_t *json_text(const char *text)
@@ -41,10 +44,9 @@ json_t *json_text(const char *text)
 
 vxs_result json_write(const char *path, json_t *value, message *m)
 {
-    char       *text = value ? json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
+    char       *text = value ? json_print(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     output_file out  = {0};
-    vxs_result  r =
-        text && !json_memory_failed() ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
+    vxs_result  r    = text ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
     if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
     if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);

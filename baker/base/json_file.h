@@ -7,10 +7,12 @@
 
 #include "baker/base/message.h"
 
-/* jansson's functions that fill an object say whether there was memory for it, and nobody asks each of them: call this first, and
- * json_memory_failed tells whether anything was left out since. */
+/* jansson's functions that fill an object say whether there was memory for it, which nobody asks each of them, and those that print one
+ * do not always: call this first, and json_print sees whether anything was left out since. */
 void json_watch_memory(void);
-int  json_memory_failed(void);
+
+/* json_dumps, or NULL when the text, or any value of this process, was made without enough memory. Released with free(). */
+char *json_print(const json_t *value, size_t flags);
 
 /* Write any JSON value as an output file ("-" is standard output), indented, with a newline at its end; the value is released.
  * Returns VXS_OK, VXS_E_WRITE, or VXS_E_MEMORY, also when the value is NULL or incomplete. */

@@ -36,11 +36,12 @@ static uint32_t section_count(const vxs_contents *c, const vxs_section *s, uint6
     return 0;
 }
 
-static void print_info(const char *path, const vxs_contents *c, uint64_t file_bytes)
+static vxs_result print_info(const char *path, const vxs_contents *c, uint64_t file_bytes, message *m)
 {
-    char a[32], b[32];
-    printf("%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
+    char  a[32], b[32];
     char *metadata = c->metadata ? strdup(c->metadata) : NULL;
+    if (c->metadata && !metadata) return fail(m, VXS_E_MEMORY, "out of memory for the metadata of '%s'", path);
+    printf("%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
     if (metadata) printf("metadata     %s\n", one_line(metadata));
     free(metadata);
     for (uint32_t n = 0; n < c->light_count; n++) {
@@ -65,6 +66,7 @@ static void print_info(const char *path, const vxs_contents *c, uint64_t file_by
                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].name : "-")), count,
                size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
     }
+    return VXS_OK;
 }
 
 static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_bytes)
@@ -113,8 +115,8 @@ int cmd_info(int argc, char **argv)
         const vxs_contents *c          = vxs_asset_contents(asset);
         const vxs_section  *last       = &c->sections[c->section_count - 1];
         uint64_t            file_bytes = last->offset_bytes + last->stored_bytes;
-        if (!json_path || (json_path[0] != '-' || json_path[1])) print_info(path, c, file_bytes);
-        if (json_path) r = json_write(json_path, info_json(path, c, file_bytes), &m);
+        if (!json_path || (json_path[0] != '-' || json_path[1])) r = print_info(path, c, file_bytes, &m);
+        if (json_path && r == VXS_OK) r = json_write(json_path, info_json(path, c, file_bytes), &m);
     }
     vxs_asset_close(asset);
     return command_end(&m, r);

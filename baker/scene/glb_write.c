@@ -17,6 +17,8 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb/stb_image_write.h>
 
+#include "baker/base/json_file.h"
+
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "positions and indices are written as they lie in memory, which GLB wants little-endian"
 #endif
@@ -347,7 +349,7 @@ vxs_result glb_write(const glb_scene *s, output_file *out, message *m)
     vxs_result r;
 
     /* 17 digits bring back the same double; jansson keeps the order of insertion and ignores the locale */
-    if (root) text = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (root) text = json_print(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
     r = text ? write_file(out, text, &c, m) : fail(m, VXS_E_MEMORY, "out of memory while writing %s", out->name);
     free(text);
     json_decref(root);
