@@ -3,14 +3,15 @@
 //   FAULT=CALL:N:WHAT       the N-th call of CALL, counted from 1, does WHAT. N 0: none
 //       CALL  alloc (malloc, calloc, realloc, aligned_alloc, operator new, and what allocates inside: strdup, asprintf, realpath,
 //             fopen, fdopen), open, read, write, close, link, rename, thread
-//       WHAT  a number: fail with that errno (alloc: without memory);  short: read half of what is asked for;  kill: SIGKILL
+//       WHAT  a number: fail with that errno (alloc: without memory);  short: read half of what is asked for;  kill: SIGKILL;
+//             interrupt: SIGINT
 //   FAULT_EVERY=1           every call from the N-th on, not that one alone
 //   FAULT_FROM=libzstd      alloc: calls made by the library of this name; without it, by the program itself
 //   FAULT_NO_NAMELESS=1     open knows no O_TMPFILE, as on NFS
 //   FAULT_COUNT=FILE        write the number of calls there when the program ends
 //
-// Calls of other libraries do not count, so that Mesa or a loader may fail or not as it likes. Streams that the program opens are
-// backed by read and write here, since libc's own calls cannot be stood before.
+// Calls of other libraries do not count, so that Mesa or a loader may fail or not as it likes, nor do calls before main. Streams that
+// the program opens are backed by read and write here, since libc's own calls cannot be stood before.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dlfcn.h>
 #include <errno.h>
@@ -27,15 +28,16 @@
 #include <atomic>
 #include <new>
 
-namespace {
+namespace
+{
 
 std::atomic<long> calls{0};
 long              fault_at = 0;
 char              fault_call[16], fault_what[16];
-bool              fault_every = false;
+bool              fault_every = false, main_runs = false;
 const char       *count_path = nullptr, *from = "";
 // where the code lies whose calls count
-uintptr_t range_begin = 0, range_end = 0;
+uintptr_t         range_begin = 0, range_end = 0;
 
 int find_range(dl_phdr_info *info, size_t, void *)
 {
@@ -69,7 +71,7 @@ __attribute__((destructor)) void end()
 
 bool counts(const void *caller)
 {
-    return (uintptr_t)caller >= range_begin && (uintptr_t)caller < range_end;
+    return main_runs && (uintptr_t)caller >= range_begin && (uintptr_t)caller < range_end;
 }
 
 // Whether this call is the one; errno is set.
@@ -79,6 +81,7 @@ bool fails(const char *call, const void *caller)
     long n = ++calls;
     if (!fault_at || n < fault_at || (n > fault_at && !fault_every)) return false;
     if (!strcmp(fault_what, "kill")) kill(getpid(), SIGKILL);
+    if (!strcmp(fault_what, "interrupt")) kill(getpid(), SIGINT);
     errno = atoi(fault_what);
     return errno || !strcmp(fault_what, "short");
 }
@@ -91,7 +94,7 @@ template <typename F> F next(F, const char *name)
 #define CALLER __builtin_return_address(0)
 #define NEXT(name)                                                                                                                 \
     static decltype(&name) real = nullptr;                                                                                         \
-    if (!real) real = next(real, #name)
+    if (!real) real             = next(real, #name)
 
 ssize_t faulty_read(int file, void *to, size_t size, const void *caller)
 {
@@ -116,7 +119,15 @@ int faulty_close(int file, const void *caller)
     return error ? -1 : result;
 }
 
-// A stream over a descriptor, whose reads and writes come here; `program` stands for the caller, which was checked.
+int (*real_main)(int, char **, char **);
+
+int start_main(int argc, char **argv, char **environment)
+{
+    main_runs = true;
+    return real_main(argc, argv, environment);
+}
+
+// A stream over a descriptor, whose reads and writes come here; they count as the program's.
 ssize_t stream_read(void *cookie, char *to, size_t size)
 {
     return faulty_read((int)(intptr_t)cookie, to, size, (void *)range_begin);
@@ -152,6 +163,15 @@ FILE *stream_over(int file, const char *mode)
 } // namespace
 
 extern "C" {
+
+int __libc_start_main(int (*program)(int, char **, char **), int argc, char **argv, void (*init)(), void (*fini)(),
+                      void (*rtld_fini)(), void *stack_end)
+{
+    real_main  = program;
+    auto *real = (int (*)(int (*)(int, char **, char **), int, char **, void (*)(), void (*)(), void (*)(), void *))dlsym(
+        RTLD_NEXT, "__libc_start_main");
+    return real(start_main, argc, argv, init, fini, rtld_fini, stack_end);
+}
 
 void *malloc(size_t size)
 {
