@@ -9,6 +9,7 @@
 #include "baker/base/parallel.h"
 #include "baker/base/version.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/light_text.h"
 #include "baker/command/options.h"
 #include "baker/truth/compare.h"
 
@@ -68,15 +69,16 @@ static void print_example(FILE *to, const compare_example *e)
 {
     fprintf(to, "  unexplained: (%.9g, %.9g, %.9g)", e->point_ws[0], e->point_ws[1], e->point_ws[2]);
     if (e->kind == COMPARE_SURFACE) fprintf(to, ", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
-    fprintf(to, ", voxel (%d, %d, %d): asset %s, truth %s\n", e->voxel[0], e->voxel[1], e->voxel[2],
+    fprintf(to, ", map %d, voxel (%d, %d, %d): asset %s, truth %s\n", e->map, e->voxel[0], e->voxel[1], e->voxel[2],
             e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
 }
 
 static void print_light(FILE *to, const compare_command *c, const vxs_light *l, const compare_result *r)
 {
-    const compare_counts *surface = &r->counts[COMPARE_SURFACE];
-    unsigned              side = 1u << l->levels, filter_px = c->options.filter_px;
-    fprintf(to, "light %s: %u x %u texels of %.4g m, voxels %.4g m deep\n", l->name, side, side, l->texel_metres, l->voxel_metres);
+    const compare_counts *surface   = &r->counts[COMPARE_SURFACE];
+    unsigned              filter_px = c->options.filter_px;
+    char                  text[LIGHT_TEXT_BYTES];
+    fprintf(to, "light %s: %s\n", l->name, light_text(text, l));
     fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s %9s %9s %11s\n", "points", "checked", "outside", "in solids", "wrong", "leaks",
             "shadows", "boundary", "surface", "unexplained");
     for (int kind = 0; kind < COMPARE_KINDS; kind++) print_counts(to, kind_names[kind], &r->counts[kind]);
@@ -138,11 +140,11 @@ static json_t *examples_json(const compare_result *r)
     json_t *examples = json_array();
     for (uint32_t n = 0; n < r->example_count; n++) {
         const compare_example *e = &r->examples[n];
-        json_array_append_new(examples,
-                              json_pack("{s:s, s:o, s:o, s:[i,i,i], s:b, s:b}", "kind", kind_names[e->kind], "point_m",
-                                        vector_json(e->point_ws), "normal",
-                                        e->kind == COMPARE_SURFACE ? vector_json(e->normal_ws) : json_null(), "voxel", e->voxel[0],
-                                        e->voxel[1], e->voxel[2], "asset_lit", e->asset_lit, "truth_lit", e->truth_lit));
+        json_array_append_new(examples, json_pack("{s:s, s:o, s:o, s:i, s:[i,i,i], s:b, s:b}", "kind", kind_names[e->kind],
+                                                  "point_m", vector_json(e->point_ws), "normal",
+                                                  e->kind == COMPARE_SURFACE ? vector_json(e->normal_ws) : json_null(), "map",
+                                                  e->map, "voxel", e->voxel[0], e->voxel[1], e->voxel[2], "asset_lit", e->asset_lit,
+                                                  "truth_lit", e->truth_lit));
     }
     return examples;
 }
@@ -152,14 +154,15 @@ static json_t *filter_json(const compare_filter *f)
     return json_pack("{s:I, s:f, s:f}", "points", (json_int_t)f->points, "rmse", f->rmse, "max_error", f->max_error);
 }
 
-static json_t *light_json(const compare_command *c, const vxs_light *l, const compare_result *r)
+static json_t *compared_light_json(const compare_command *c, const vxs_light *l, const compare_result *r)
 {
     json_t *time = json_pack("{s:I, s:f, s:f}", "points", (json_int_t)r->time.points, "lookup_ns", 1e9 * r->time.lookup_s, "ray_ns",
                              1e9 * r->time.truth_s);
-    json_t *light = json_pack("{s:o, s:o, s:I, s:f, s:f, s:o, s:o, s:o, s:o}", "name", json_text(l->name), "direction",
-                              vector_json(l->direction_ws), "resolution_px", (json_int_t)1 << l->levels, "texel_m", l->texel_metres,
-                              "voxel_m", l->voxel_metres, "random", counts_json(&r->counts[COMPARE_RANDOM]), "surface",
-                              surface_json(&r->counts[COMPARE_SURFACE]), "unexplained", examples_json(r), "time", time);
+    json_t *light = light_json(l);
+    json_object_set_new(light, "random", counts_json(&r->counts[COMPARE_RANDOM]));
+    json_object_set_new(light, "surface", surface_json(&r->counts[COMPARE_SURFACE]));
+    json_object_set_new(light, "unexplained", examples_json(r));
+    json_object_set_new(light, "time", time);
     if (light && c->options.filter_px > 1) {
         json_object_set_new(time, "filter_lookup_ns", json_real(1e9 * r->time.filter_s));
         json_object_set_new(light, "filter",
@@ -176,7 +179,8 @@ static json_t *report_json(const compare_command *c, const vxs_asset *asset)
     uint32_t       count  = vxs_asset_light_count(asset);
     compare_counts sum    = total(c, count);
     char           closed[32];
-    for (uint32_t n = 0; n < count; n++) json_array_append_new(lights, light_json(c, vxs_asset_light(asset, n), &c->results[n]));
+    for (uint32_t n = 0; n < count; n++)
+        json_array_append_new(lights, compared_light_json(c, vxs_asset_light(asset, n), &c->results[n]));
     json_t *root =
         json_pack("{s:s, s:o, s:o, s:I, s:I, s:s, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "vxs", VXS_VERSION, "scene",
                   json_text(c->files[0]), "asset", json_text(c->files[1]), "triangles", (json_int_t)c->triangle_count,

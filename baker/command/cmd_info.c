@@ -8,6 +8,7 @@
 #include "baker/base/json_file.h"
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/light_text.h"
 #include "baker/command/options.h"
 
 static const char *section_name(uint32_t kind)
@@ -45,12 +46,10 @@ static vxs_result print_info(const char *path, const vxs_contents *c, uint64_t f
     if (metadata) printf("metadata     %s\n", one_line(metadata));
     free(metadata);
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_light *l    = &c->lights[n];
-        unsigned         side = 1u << l->levels;
-        char             name[VXS_LIGHT_NAME_BYTES];
-        printf("light %s: directional (%.6g, %.6g, %.6g), %u x %u texels of %.4g m, voxels %.4g m deep, %s in memory\n",
-               one_line(strcpy(name, l->name)), l->direction_ws[0], l->direction_ws[1], l->direction_ws[2], side, side,
-               l->texel_metres, l->voxel_metres, size_text(a, (uint64_t)l->word_count * 4));
+        const vxs_light *l = &c->lights[n];
+        char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
+        printf("light %s: %s, %s in memory\n", one_line(strcpy(name, l->name)), light_text(text, l),
+               size_text(a, (uint64_t)l->word_count * 4));
     }
     printf("%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) {
@@ -74,13 +73,11 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
     json_t *lights = json_array(), *sections = json_array();
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_light *l      = &c->lights[n];
-        json_t          *matrix = json_array();
+        json_t          *matrix = json_array(), *light = light_json(l);
         for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->ls_from_ws[k]));
-        json_array_append_new(lights,
-                              json_pack("{s:o, s:s, s:I, s:f, s:f, s:[f,f,f], s:o, s:I}", "name", json_text(l->name), "kind",
-                                        "directional", "resolution_px", (json_int_t)1 << l->levels, "texel_m", l->texel_metres,
-                                        "voxel_m", l->voxel_metres, "direction", l->direction_ws[0], l->direction_ws[1],
-                                        l->direction_ws[2], "ls_from_ws", matrix, "memory_bytes", (json_int_t)l->word_count * 4));
+        json_object_set_new(light, "ls_from_ws", matrix);
+        json_object_set_new(light, "memory_bytes", json_integer((json_int_t)l->word_count * 4));
+        json_array_append_new(lights, light);
     }
     for (uint32_t n = 0; n < c->section_count; n++) {
         const vxs_section *s = &c->sections[n];

@@ -171,6 +171,23 @@ def test_a_block_that_moved_leaves_a_shadow_and_a_leak(vxs, compare, city):
         assert at[0] <= x <= at[1] and at[0] <= z <= at[1] and y < 3
 
 
+def test_every_kind_of_light_is_compared(vxs, compare, city):
+    """And a block that moved is found by each of them."""
+    lights = [("noon", "directional", (0, -1, 0)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
+    small_scene.write(city / "lamps.gltf", lights=lights)
+    small_scene.write(city / "moved.gltf", boxes=(small_scene.GROUND, ((3, 2, 3), (5, 3, 5))), lights=[])
+    vxs("bake", city / "lamps.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "lamps.vxs")
+    right = compare("lamps.gltf", "lamps.vxs", "--points", 10000, "--filter", 3)
+    assert [(light["kind"], light["maps"]) for light in right["lights"]] == [("directional", 1), ("spot", 1), ("point", 6)]
+    assert right["unexplained"] == 0 and right["wrong_share"] < 0.03
+    for light in right["lights"]:
+        assert light["random"]["outside"] == 0 and light["random"]["checked"] > 5000 and light["surface"]["checked"] > 5000
+        assert light["filter"]["random"]["rmse"] < 0.1 and light["filter"]["surface"]["rmse"] < 0.1
+    for light in compare("moved.gltf", "lamps.vxs", "--points", 10000, status=1)["lights"]:
+        assert light["unexplained"], light["name"]
+        assert all(0 <= e["map"] < light["maps"] for e in light["unexplained"])
+
+
 def test_max_error_decides_the_exit_status(compare):
     share = compare("city1.glb", "512.vxs", "--points", 5000)["wrong_share"]
     assert compare("city1.glb", "512.vxs", "--points", 5000, "--max-error", share * 1.01)["max_error"] > share
@@ -200,12 +217,12 @@ def test_scene_option(vxs, compare, city):
 
 def test_table_stays_beside_json_on_standard_output(vxs, city):
     done = vxs("compare", city / "city1.glb", city / "512.vxs", "--points", 1000, "--json", "-")
-    assert json.loads(done.stdout)["passed"] and "light sun: 512 x 512" in done.stderr
+    assert json.loads(done.stdout)["passed"] and "light sun: directional" in done.stderr
 
 
 def test_table_for_people(vxs, city):
     table = vxs("compare", city / "city1.glb", city / "512.vxs", "--points", 1000, "--filter", 3).stdout
-    for word in ("light sun: 512 x 512", "random", "surface", "at the surface itself: ", "3 x 3 filter", "ns", "unexplained: 0"):
+    for word in ("light sun: directional", "random", "surface", "at the surface itself: ", "3 x 3 filter", "ns", "unexplained: 0"):
         assert word in table
     table = vxs("compare", city / "city2.glb", city / "512.vxs", "--points", 20000, status=1).stdout
     assert table.count("  unexplained: (") == 10 and "FAILED" in table

@@ -202,3 +202,38 @@ def test_truth_of_many_points(vxs, lamps):
 def test_truth_of_chosen_lights(vxs, lamps):
     options = ("--light", "lamp", "--light", "sun", "--light", "spot", "--sun", "1,-1,0")
     assert vxs("truth", lamps, *options, input="0 6.5 0\n2.5 0.01 0\n").stdout == "1 1 out\n1 0 1\n"
+
+
+# -- and from a file that holds all three -------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def baked_lamps(vxs, lamps):
+    asset = lamps.parent / "lamps.vxs"
+    vxs("bake", lamps, "-o", asset, "--resolution", 256, "--baseline", "off")
+    return asset
+
+
+@pytest.mark.parametrize("options", [(), ("--filter", 3)])
+def test_query_of_every_kind_of_light(vxs, baked_lamps, lamps, options):
+    """Away from shadow boundaries a lookup says what a ray says, `out` included."""
+    points = "".join(f"{x} {y} {z}\n" for x, y, z in [
+        (0, 0.5, 0), (1.6, 0.1, 0), (2.4, 0.1, 0.3), (3.4, 0.1, 0), (3.5, 0.1, 0.3), (0, 6.5, 0), (0, 3.5, 0.2), (-2.5, 0.1, -1)])
+    points += "3.4 0 0 0 1 0\n4 0 4 0 1 0\n0 2 0.5 0 -1 0\n"
+    ask = [vxs("query", baked_lamps, *options, input=points).stdout, vxs("truth", lamps, input=points).stdout]
+    assert ask[0] == ask[1] and "out" in ask[0]
+    assert ask[0].splitlines()[5] == "1 out 1"
+
+
+def test_info_of_every_kind_of_light(vxs, baked_lamps):
+    noon, spot, lamp = json.loads(vxs("info", baked_lamps, "--json", "-").stdout)["lights"]
+    assert [light["kind"] for light in (noon, spot, lamp)] == ["directional", "spot", "point"]
+    assert [light["maps"] for light in (noon, spot, lamp)] == [1, 1, 6]
+    assert not {"position_m", "near_m", "far_m", "range_m", "cone_degrees"} & noon.keys()
+    assert spot["position_m"] == lamp["position_m"] == pytest.approx([0, 6, 0], abs=1e-9)
+    assert spot["cone_degrees"] == pytest.approx(60) and "cone_degrees" not in lamp
+    assert lamp["range_m"] == 7 and "range_m" not in spot
+    for light in (spot, lamp):
+        assert 0 < light["near_m"] <= 3 and light["far_m"] >= 6  # from the block's top to the ground
+    text = vxs("info", baked_lamps).stdout
+    assert "light spot: spot at (0, 6, 0) towards (0, -1, 0), cone of 60 degrees, no range, from " in text
+    assert "light lamp: point at (0, 6, 0), range 7 m, from " in text and "six maps of 256 x 256 texels" in text

@@ -1,0 +1,73 @@
+/* A baked light in words and in JSON; see light_text.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/command/light_text.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "baker/base/json_file.h"
+#include "baker/truth/baked_light.h"
+
+static double degrees(double radians)
+{
+    return radians * 180 / 3.14159265358979323846;
+}
+
+static double far_metres(const vxs_light *l)
+{
+    return l->near_metres * exp(ldexp(l->voxel_metres, (int)l->levels));
+}
+
+/* From edge to edge. */
+static double cone_degrees(const light_shape *s)
+{
+    return 2 * degrees(s->outer_rad);
+}
+
+/* Where a spot or point light is, and how far it goes. */
+static void lamp_text(char *text, size_t size, const vxs_light *l, const light_shape *s)
+{
+    const double *at = s->position_ws, *way = s->direction_ws;
+    char          cone[128] = "", range[32] = "no range";
+    if (s->kind == LIGHT_SPOT)
+        snprintf(cone, sizeof cone, " towards (%.6g, %.6g, %.6g), cone of %.4g degrees", way[0], way[1], way[2], cone_degrees(s));
+    if (isfinite(s->range_m)) snprintf(range, sizeof range, "range %.6g m", s->range_m);
+    snprintf(text, size, "%s at (%.6g, %.6g, %.6g)%s, %s, from %.4g to %.4g m", light_kind_name(s->kind), at[0], at[1], at[2], cone,
+             range, l->near_metres, far_metres(l));
+}
+
+const char *light_text(char *text, const vxs_light *light)
+{
+    light_shape s    = baked_light_shape(light);
+    unsigned    side = 1u << light->levels;
+    char        shape[LIGHT_TEXT_BYTES / 2];
+    if (s.kind == LIGHT_DIRECTIONAL) {
+        snprintf(text, LIGHT_TEXT_BYTES, "directional (%.6g, %.6g, %.6g), %u x %u texels of %.4g m, voxels %.4g m deep",
+                 s.direction_ws[0], s.direction_ws[1], s.direction_ws[2], side, side, light->texel_metres, light->voxel_metres);
+        return text;
+    }
+    lamp_text(shape, sizeof shape, light, &s);
+    snprintf(text, LIGHT_TEXT_BYTES, "%s, %s%u x %u texels of %.4g m a metre away, voxels %.4g m deep there", shape,
+             light->flags & VXS_LIGHT_CUBE ? "six maps of " : "", side, side, light->texel_metres, light->voxel_metres);
+    return text;
+}
+
+static json_t *vector_json(const double v[3])
+{
+    return json_pack("[f,f,f]", v[0], v[1], v[2]);
+}
+
+json_t *light_json(const vxs_light *light)
+{
+    light_shape s = baked_light_shape(light);
+    json_t *json = json_pack("{s:o, s:s, s:o, s:I, s:i, s:f, s:f}", "name", json_text(light->name), "kind", light_kind_name(s.kind),
+                             "direction", vector_json(s.direction_ws), "resolution_px", (json_int_t)1 << light->levels, "maps",
+                             light->flags & VXS_LIGHT_CUBE ? 6 : 1, "texel_m", light->texel_metres, "voxel_m", light->voxel_metres);
+    if (!json || s.kind == LIGHT_DIRECTIONAL) return json;
+    json_object_set_new(json, "position_m", vector_json(s.position_ws));
+    json_object_set_new(json, "near_m", json_real(light->near_metres));
+    json_object_set_new(json, "far_m", json_real(far_metres(light)));
+    if (isfinite(s.range_m)) json_object_set_new(json, "range_m", json_real(s.range_m));
+    if (s.kind == LIGHT_SPOT) json_object_set_new(json, "cone_degrees", json_real(cone_degrees(&s)));
+    return json;
+}
