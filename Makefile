@@ -27,7 +27,7 @@ Q          := $(if $(V),,@)
 
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libstb-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
-                  libdraco-dev libmeshoptimizer-dev
+                  libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev
 packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
@@ -50,7 +50,7 @@ flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
-libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs osmesa libzstd libxxhash jansson) -ldraco -lmeshoptimizer -lembree3 -lgmp -lmpfr -ldl -lm)$(libs)
+libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs osmesa libzstd libxxhash jansson libpng libwebp) -ldraco -lmeshoptimizer -lembree3 -lgmp -lmpfr -ldl -lm)$(libs)
 
 # --- what is built --------------------------------------------------------------------------------------------------------
 

@@ -78,6 +78,7 @@ static const char *expected_instead(const json &value, const property &p)
         return !p.count || value.size() == p.count ? nullptr
                : p.count == 16                     ? "16 numbers"
                : p.count == 4                      ? "4 numbers"
+               : p.count == 2                      ? "2 numbers"
                                                    : "3 numbers";
     case is::indices: return value.is_array() && all(is_index) ? nullptr : "an array of indices";
     case is::texts: return value.is_array() && all([](const json &v) { return v.is_string(); }) ? nullptr : "an array of strings";

@@ -30,11 +30,12 @@ namespace gltf
 
 using json = nlohmann::json;
 
-constexpr size_t FILE_BYTES_MAX = UINT32_MAX;      /* GLB and tinygltf count in 32 bits */
-constexpr size_t TRIANGLES_MAX  = (size_t)1 << 26; /* of the whole scene: instancing makes scenes much larger than files */
-constexpr size_t DENSE_MAX      = (size_t)1 << 24; /* elements that sparse accessors may expand to, together */
-constexpr size_t DECODED_MAX    = (size_t)1 << 30; /* bytes that compressed bufferViews may expand to, together */
-constexpr long   JSON_DEPTH_MAX = 200;             /* tinygltf recurses into extras */
+constexpr size_t FILE_BYTES_MAX   = UINT32_MAX;      /* GLB and tinygltf count in 32 bits */
+constexpr size_t TRIANGLES_MAX    = (size_t)1 << 26; /* of the whole scene: instancing makes scenes much larger than files */
+constexpr size_t DENSE_MAX        = (size_t)1 << 24; /* elements that sparse accessors may expand to, together */
+constexpr size_t DECODED_MAX      = (size_t)1 << 30; /* bytes that compressed bufferViews may expand to, together */
+constexpr size_t ALPHA_PIXELS_MAX = (size_t)1 << 28; /* of all images that masks need */
+constexpr long   JSON_DEPTH_MAX   = 200;             /* tinygltf recurses into extras */
 
 /* An accessor's elements, known to lie in their bufferView; use_accessor finds the data. */
 struct elements {
@@ -66,10 +67,29 @@ struct buffer_view {
     std::vector<unsigned char> decoded; /* once it was asked for */
 };
 
+/* An image's alpha; a JPEG's has no pixels, and is 255. */
+struct image_alpha {
+    uint32_t             width_px, height_px;
+    std::vector<uint8_t> alpha; /* [height * width] */
+    uint8_t              least, most;
+    size_t               in_scene = SIZE_MAX; /* its number there, when a mask needs it */
+};
+
+/* Where a material with alphaMode MASK is a surface. */
+struct material_mask {
+    enum { UNKNOWN, PLAIN, HOLES, NOWHERE } kind = UNKNOWN;
+    double   threshold                           = 0;
+    uint32_t mask                                = 0; /* HOLES: index into l.masks */
+    size_t   uv_set                              = 0;
+    double   uv_transform[6]                     = {1, 0, 0, 0, 1, 0}; /* two rows: u, v, 1 */
+    size_t   left_out                            = 0;                  /* NOWHERE: triangles */
+};
+
 /* What the baker reads of a material. */
 struct material {
-    std::string name;
-    bool        double_sided, mask;
+    std::string   name;
+    bool          double_sided, mask;
+    material_mask holes;
 };
 
 /* A primitive whose vertices and indices come from KHR_draco_mesh_compression. */
@@ -93,6 +113,28 @@ struct light_definition {
     light_shape shape;
 };
 
+struct morph {
+    double          weight; /* not 0 */
+    int             accessor;
+    const elements *positions;
+};
+
+/* One primitive placed by one node. */
+struct placement {
+    const tinygltf::Primitive *primitive;
+    const draco_primitive     *draco; /* NULL: not compressed */
+    const elements            *positions;
+    const elements            *indices; /* NULL: 0, 1, 2, ... */
+    const elements            *uvs;     /* NULL: no mask */
+    const material_mask       *mask;    /* NULL: no material */
+    std::vector<morph>         targets;
+    transform                  ws_from_node;
+    int                        mode;
+    bool                       mirrored;
+    uint8_t                    flags;
+    size_t                     triangles;
+};
+
 struct loader {
     message        *m;
     const char     *path;
@@ -114,6 +156,12 @@ struct loader {
     size_t                dense_left = DENSE_MAX, decoded_left = DECODED_MAX;
 
     std::map<const tinygltf::Primitive *, draco_primitive> draco;
+
+    std::map<size_t, image_alpha>    images; /* those that were looked at, by the file's number */
+    size_t                           pixels_left = ALPHA_PIXELS_MAX;
+    std::vector<const image_alpha *> mask_images; /* the scene's */
+    std::vector<alpha_mask>          masks;
+    std::vector<mask_triangle>       mask_triangles;
 
     std::vector<int>       roots, order; /* the scene's nodes, parents first */
     std::vector<transform> ws_from_node; /* by node */
@@ -270,6 +318,27 @@ vxs_result check_model_meshes(loader &l);
 /* Count before allocating: instancing makes scenes much larger than files. */
 vxs_result measure(loader &l);
 vxs_result place_meshes(loader &l);
+
+/* The accessor elements of a triangle's corners, in the order of the scene's. */
+void triangle_elements(const placement &p, size_t t, uint32_t element[3]);
+
+/* ---- gltf_images.cc, gltf_masks.cc ---- */
+
+/* Decode image `index`, which exists, once. */
+vxs_result use_image(loader &l, size_t index, image_alpha *&out);
+
+/* Whether a material has holes. */
+vxs_result use_material(loader &l, int index, const material_mask *&out);
+
+/* Find the texture coordinates of a placement that has holes. */
+vxs_result open_mask(loader &l, const std::string &where, placement &p);
+void       warn_about_colors(loader &l, const std::string &where, const placement &p);
+
+/* The holes of the triangles that the placement made, from `first` on. */
+vxs_result append_mask_triangles(loader &l, const placement &p, size_t first);
+
+/* Masks and their images, into the scene. */
+vxs_result place_masks(loader &l);
 
 /* ---- gltf_lights.cc ---- */
 

@@ -104,7 +104,7 @@ vxs_result read_materials(loader &l, const json &root)
         if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
             return l.error(VXS_E_SCENE, "%s: unknown alphaMode '%s'", label("material", l.materials.size(), name).c_str(),
                            mode.c_str());
-        l.materials.push_back({name, object.value("doubleSided", false), mode == "MASK"});
+        l.materials.push_back({name, object.value("doubleSided", false), mode == "MASK", {}});
     }
     return VXS_OK;
 }
@@ -127,12 +127,6 @@ static void warn_about(loader &l, const tinygltf::Node &node, size_t &points, si
                  label("mesh", (size_t)node.mesh, mesh.name).c_str(), label("primitive", i, "").c_str(), corner_count(l, p));
         if (!p.targets.empty())
             warn(l.m, "%s has morph targets: baked at their default weights", label("mesh", (size_t)node.mesh, mesh.name).c_str());
-        if (p.material < 0 || !makes_triangles(p)) continue;
-        const material &material = l.materials[(size_t)p.material];
-        if (material.mask)
-            warn(l.m, "%s is alpha-masked: baked as opaque",
-                 material.name.empty() ? label("material", (size_t)p.material, "").c_str()
-                                       : ("material '" + material.name + "'").c_str());
     }
     if (node.skin >= 0)
         warn(l.m, "%s: baked in rest pose, as its mesh is stored",

@@ -8,31 +8,6 @@
 namespace gltf
 {
 
-struct morph {
-    double          weight; /* not 0 */
-    int             accessor;
-    const elements *positions;
-};
-
-/* One primitive placed by one node. */
-struct placement {
-    const tinygltf::Primitive *primitive;
-    const draco_primitive     *draco; /* NULL: not compressed */
-    const elements            *positions;
-    const elements            *indices; /* NULL: 0, 1, 2, ... */
-    std::vector<morph>         targets;
-    transform                  ws_from_node;
-    int                        mode;
-    bool                       mirrored;
-    uint8_t                    flags;
-    size_t                     triangles;
-};
-
-static uint8_t material_flags(const material &m)
-{
-    return (uint8_t)((m.double_sided ? TRIANGLE_DOUBLE_SIDED : 0) | (m.mask ? TRIANGLE_ALPHA_MASK : 0));
-}
-
 static vec3 read_position(const elements &e, size_t index)
 {
     const unsigned char *at = e.data + index * e.stride;
@@ -124,6 +99,18 @@ template <typename T> bool append_triangles(loader &l, const placement &p, uint3
     return true;
 }
 
+void triangle_elements(const placement &p, size_t t, uint32_t element[3])
+{
+    size_t corner[3];
+    triangle_corners(p.mode, t, corner);
+    if (p.mirrored) std::swap(corner[1], corner[2]);
+    for (int i = 0; i < 3; i++)
+        element[i] = !p.indices             ? index_at<void>(p.indices, corner[i])
+                     : p.indices->size == 1 ? index_at<uint8_t>(p.indices, corner[i])
+                     : p.indices->size == 2 ? index_at<uint16_t>(p.indices, corner[i])
+                                            : index_at<uint32_t>(p.indices, corner[i]);
+}
+
 /* 3.7.2.1: no index may name a missing vertex or be the largest value of its type, which restarts primitives elsewhere. */
 static vxs_result check_index_values(loader &l, const placement &p, int accessor)
 {
@@ -187,8 +174,18 @@ static vxs_result open_targets(loader &l, const tinygltf::Node &node, const std:
     return VXS_OK;
 }
 
+static vxs_result open_material(loader &l, const std::string &where, placement &p)
+{
+    if (!p.mask) return VXS_OK;
+    const material &m     = l.materials[(size_t)p.primitive->material];
+    bool            holes = p.mask->kind == material_mask::HOLES;
+    p.flags               = (uint8_t)((m.double_sided ? TRIANGLE_DOUBLE_SIDED : 0) | (holes ? TRIANGLE_ALPHA_MASK : 0));
+    if (m.mask) warn_about_colors(l, where, p);
+    return holes ? open_mask(l, where, p) : VXS_OK;
+}
+
 /* What one node places, so often as it does. */
-static vxs_result open_placements(loader &l, size_t node_index, std::vector<placement> &placements)
+static vxs_result open_placements(loader &l, size_t node_index, size_t instances, std::vector<placement> &placements)
 {
     const tinygltf::Node &node = l.model.nodes[node_index];
     const tinygltf::Mesh &mesh = l.model.meshes[(size_t)node.mesh];
@@ -199,12 +196,17 @@ static vxs_result open_placements(loader &l, size_t node_index, std::vector<plac
         p.primitive = &primitive;
         p.mode      = primitive.mode;
         p.triangles = triangle_count(l, primitive);
-        p.flags     = primitive.material >= 0 ? material_flags(l.materials[(size_t)primitive.material]) : 0;
 
         std::string where = label("mesh", (size_t)node.mesh, mesh.name) + " " + label("primitive", i, "");
         vxs_result  r;
+        if (primitive.material >= 0 && (r = use_material(l, primitive.material, p.mask)) != VXS_OK) return r;
+        if (p.mask && p.mask->kind == material_mask::NOWHERE) {
+            l.materials[(size_t)primitive.material].holes.left_out += instances * p.triangles;
+            continue;
+        }
         if ((r = open_geometry(l, where, p)) != VXS_OK) return r;
         if ((r = open_targets(l, node, where, p)) != VXS_OK) return r;
+        if ((r = open_material(l, where, p)) != VXS_OK) return r;
         placements.push_back(p);
     }
     return VXS_OK;
@@ -225,7 +227,7 @@ static vxs_result place_primitive(loader &l, size_t node_index, placement &p, co
     if (!ok) return explain_bad_vertex(l, p, bad, node_index);
     memset(l.s->triangle_flags + l.s->triangle_count, p.flags, p.triangles);
     l.s->triangle_count += p.triangles;
-    return VXS_OK;
+    return p.uvs ? append_mask_triangles(l, p, l.s->triangle_count - p.triangles) : VXS_OK;
 }
 
 static vxs_result place_node(loader &l, size_t node)
@@ -233,8 +235,8 @@ static vxs_result place_node(loader &l, size_t node)
     std::vector<placement> placements;
     size_t                 instances;
     vxs_result             r;
-    if ((r = open_placements(l, node, placements)) != VXS_OK || placements.empty()) return r;
-    if ((r = count_instances(l, node, instances)) != VXS_OK) return r;
+    if ((r = count_instances(l, node, instances)) != VXS_OK || !instances) return r;
+    if ((r = open_placements(l, node, instances, placements)) != VXS_OK || placements.empty()) return r;
     for (size_t i = 0; i < instances; i++) {
         transform       ws_from_instance;
         const elements *last = nullptr;
@@ -253,6 +255,7 @@ vxs_result place_meshes(loader &l)
     vxs_result r = measure(l);
     for (size_t i = 0; r == VXS_OK && i < l.order.size(); i++)
         if (l.model.nodes[(size_t)l.order[i]].mesh >= 0) r = place_node(l, (size_t)l.order[i]);
+    if (r == VXS_OK) r = place_masks(l);
     if (r == VXS_OK && l.s->vertex_count) {
         double *fitted = (double *)realloc(l.s->positions_ws, 3 * l.s->vertex_count * sizeof(double));
         if (fitted) l.s->positions_ws = fitted;
