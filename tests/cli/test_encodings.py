@@ -95,3 +95,12 @@ def test_hostile_compressed_files(vxs_path, scenes, tmp_path, name):
                               capture_output=True, text=True, timeout=60)
         assert done.returncode in (0, 3, 5), f"byte {at}: {done.returncode} {done.stderr}"
         assert done.returncode == 0 or done.stderr.count("vxs: error:") == 1
+
+
+def test_draco_data_of_another_size_than_its_accessor(vxs, scenes, tmp_path):
+    good, bad = (scenes / "real" / "encodings" / "spot_draco.glb").read_bytes(), tmp_path / "bad.glb"
+    assert good.count(b'"count":17568') == 1
+    for count in (17565, 17571, 99999):
+        bad.write_bytes(good.replace(b'"count":17568', b'"count":%d' % count))
+        says = vxs("bake", bad, "-o", tmp_path / "out.vxs", "--sun", "0,-1,0", status=3).stderr
+        assert f"holds 5856 triangles, accessor 0 says {count} indices" in says

@@ -106,7 +106,7 @@ static vxs_result load_instances(const char *node)
              "{'componentType':5126,'type':'VEC3','count':900}],'nodes':[{%s,"
              "'extensions':{'EXT_mesh_gpu_instancing':{%s}}}],'meshes':["
              "{'primitives':[{'attributes':{'POSITION':0}}]},{'primitives':[{'attributes':{'POSITION':9}}]}]}",
-             bin_size, bin_size, t, r, z, z, n, b, strstr(node, "huge") ? "'mesh':1" : "'mesh':0,'translation':[0,0,5]",
+             bin_size, bin_size, t, r, z, z, n, b, strstr(node, "huge") ? "'mesh':1" : "'mesh':0,'translation':[100,7,5]",
              strstr(node, "huge") ? "'attributes':{'TRANSLATION':7}" : node);
     return load_bin(json);
 }
@@ -117,18 +117,18 @@ static void test_instances_are_placed(void **state)
     must(load_instances("'attributes':{'TRANSLATION':1}"));
     assert_int_equal(s.triangle_count, 2);
     assert_int_equal(s.vertex_count, 6);
-    expect_corner(0, 1, 11, 0, 5);
-    expect_corner(1, 2, 0, 21, 5);
+    expect_corner(0, 1, 111, 7, 5);
+    expect_corner(1, 2, 100, 28, 5);
 
     must(load_instances("'attributes':{'TRANSLATION':1,'ROTATION':2,'SCALE':3,'_ID':0}"));
-    expect_corner(0, 2, 10, 2, 5);
-    expect_corner(1, 0, 0, 20, 5); /* mirrored: two corners change places; then half a turn about z */
-    expect_corner(1, 1, 0, 19, 5);
-    expect_corner(1, 2, 1, 20, 5);
+    expect_corner(0, 2, 110, 9, 5);
+    expect_corner(1, 0, 100, 27, 5); /* mirrored: two corners change places; then half a turn about z */
+    expect_corner(1, 1, 100, 26, 5);
+    expect_corner(1, 2, 101, 27, 5);
 
     must(load_instances("'attributes':{'_ID':1}")); /* two, one over the other */
     assert_int_equal(s.triangle_count, 2);
-    expect_corner(1, 1, 1, 0, 5);
+    expect_corner(1, 1, 101, 7, 5);
 }
 
 static void test_broken_instances_say_why(void **state)
