@@ -1,0 +1,70 @@
+/* Mending components, so that more of them are solids: between loading a scene and sorting its casters.
+ *
+ * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room seen from
+ * inside is meant so. Components with alpha-tested triangles are left alone.
+ *
+ *   stitch   vertices of borders that are near each other become one
+ *   remove   repeated triangles, and those without area
+ *   orient   triangles that look the other way than most of their neighbours
+ *   fill     small holes, where that closes the component: what stays open anyway keeps its holes, light may be meant to pass
+ *
+ * Whether the result is a solid is judged by casters_from_scene, as for any other component.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef MESH_REPAIR_H
+#define MESH_REPAIR_H
+
+#include "baker/scene/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct repair_options {
+    double   stitch_m; /* border vertices at most this far apart are stitched, metres; 0: those at equal positions, as always */
+    uint32_t hole_edges_max;  /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
+    double   hole_diameter_m; /* nor those whose box has a longer diagonal, metres. A crack, all on one line, may have any length */
+} repair_options;
+
+#define REPAIR_HOLE_EDGES_MAX 1000u
+#define REPAIR_DEFAULTS                                                                                                            \
+    {                                                                                                                              \
+        .stitch_m = 0, .hole_edges_max = 64, .hole_diameter_m = 0.1                                                                \
+    }
+
+/* No hole is filled that is longer than this part of its component's diagonal: it is not a hole but the opening of a cup, or the rim
+ * of a sheet. */
+#define REPAIR_HOLE_SHARE 0.25
+
+/* Triangles whose winding is mixed are turned the way that at least this share of their area looks; below, they are turned outward. */
+#define REPAIR_MAJORITY 0.75
+
+typedef struct repaired_component {
+    uint32_t triangle, triangles; /* its first in the scene as it was, and how many it had */
+    uint8_t  closed_before;       /* closed and consistently oriented */
+    uint8_t  closed_after;        /* what has become of all of it is */
+    uint32_t stitched_vertices;   /* moved onto another */
+    uint32_t removed_repeated, removed_zero_area;
+    uint32_t turned_triangles;
+    uint32_t filled_holes, added_triangles;
+    uint32_t left_holes; /* too large, or the component stays open for other reasons */
+} repaired_component;
+
+typedef struct repair_report {
+    size_t              count;
+    repaired_component *components; /* [count] those to which something was done or that still have holes, in the scene's order */
+    repaired_component  total;      /* of all: its flags count nothing */
+    size_t              component_count, closed_before, closed_after; /* of all components of the scene as it was */
+} repair_report;
+
+/* Mend a scene in place. Triangles keep their order; new ones are added at its end, mask_triangles are kept right.
+ * out  [out] zeroed on failure; released with repair_report_free
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without triangles is not
+ * an error here.  Deterministic; threads: none. Linear but for the holes that are filled. */
+vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m);
+
+void repair_report_free(repair_report *r);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
