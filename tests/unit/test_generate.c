@@ -2,11 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/random.h"
 #include "baker/scene/generate.h"
+#include "baker/scene/generate_parts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -419,6 +421,190 @@ static void test_landscape_meets_every_target(void **state)
     }
 }
 
+/* What generators build scenes of. */
+
+static void test_turns_go_round_the_unit_circle(void **state)
+{
+    (void)state;
+    for (uint32_t n = 4; n <= 256; n *= 2) {
+        double area = 0, c0, s0, c1, s1;
+        for (uint32_t k = 0; k < n; k++) {
+            parts_turn(k, n, &c0, &s0);
+            parts_turn((k + 1) % n, n, &c1, &s1);
+            assert_true(fabs(c0 * c0 + s0 * s0 - 1) < 1e-15);
+            assert_true(c0 * s1 - s0 * c1 > 0); /* on, by less than half a turn */
+            area += (c0 * s1 - s0 * c1) / 2;
+        }
+        assert_true(area < acos(-1) && area > acos(-1) * (1 - 9.0 / n / n)); /* once round: evenly spaced corners miss 6.6 / n^2 */
+    }
+}
+
+static void check_part(glb_scene *s, double least_volume, double most_volume)
+{
+    assert_true(is_closed(s->indices, s->triangle_count));
+    double v = volume(s->positions, s->indices, s->triangle_count);
+    if (!(v > least_volume && v < most_volume)) fail_msg("volume %g, expected %g to %g", v, least_volume, most_volume);
+    glb_scene_free(s);
+}
+
+static void test_parts_are_closed_and_outward(void **state)
+{
+    (void)state;
+    const double ball[5][2] = {{0, 1}, {0.6, 0.8}, {1, 0}, {0.6, -0.8}, {0, -1}}, low[3] = {1, 2, 3}, high[3] = {2, 4, 6};
+    const double at[3] = {5, 6, 7}, top[3] = {6, 9, 8};
+    message      m = {0};
+    glb_scene    s;
+
+    parts p = parts_begin(&s, "box");
+    parts_mesh(&p, "box", 0);
+    parts_box(&p, (parts_frame){{1, 2, 3}, 0.6, 0.8}, low, high);
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    assert_int_equal(s.triangle_count, 12);
+    check_part(&s, 5.9999, 6.0001);
+
+    p = parts_begin(&s, "inside out");
+    parts_mesh(&p, "box", 0);
+    parts_box(&p, parts_upright, (double[3]){2, 2, 3}, (double[3]){1, 4, 6});
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    check_part(&s, -6.0001, -5.9999);
+
+    p = parts_begin(&s, "lathe");
+    parts_mesh(&p, "lathe", 0);
+    parts_lathe(&p, at, ball, 5, 64);
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    assert_int_equal(s.triangle_count, 2 * 64 * 4 - 2 * 64);
+    check_part(&s, 3.2, 3.6); /* two cones of 0.2 and two frustums of 0.8: 3.586 */
+
+    p = parts_begin(&s, "tube");
+    parts_mesh(&p, "tube", 0);
+    parts_tube(&p, at, 1, top, 0.5, 64);
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    assert_int_equal(s.triangle_count, 4 * 64 - 4);
+    check_part(&s, 5.4, 5.4978); /* pi (1 + 0.5 + 0.25) 3 / 3 */
+}
+
+static void test_empty_meshes_are_left_out(void **state)
+{
+    (void)state;
+    message   m = {0};
+    glb_scene s;
+    parts     p = parts_begin(&s, "a");
+    parts_mesh(&p, "empty", 0);
+    parts_mesh(&p, "full", 0);
+    parts_box(&p, parts_upright, (double[3]){0, 0, 0}, (double[3]){1, 1, 1});
+    parts_mesh(&p, "empty too", 0);
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    assert_int_equal(s.mesh_count, 1);
+    assert_string_equal(s.meshes[0].name, "full");
+    glb_scene_free(&s);
+}
+
+/* What is written is what is read. */
+
+static scene reread(glb_scene *s)
+{
+    char        path[] = "/tmp/test_generate-XXXXXX.glb";
+    output_file out    = {0};
+    message     m      = {.quiet = 1};
+    scene       loaded;
+    int         file = mkstemps(path, 4);
+    assert_true(file >= 0);
+    close(file);
+    assert_int_equal(output_file_open(&out, path, &m), VXS_OK);
+    assert_int_equal(glb_write(s, &out, &m), VXS_OK);
+    assert_int_equal(output_file_commit(&out, &m), VXS_OK);
+    if (scene_load_gltf(&loaded, path, NULL, &m) != VXS_OK) fail_msg("%s", m.error);
+    unlink(path);
+    message_free(&m);
+    glb_scene_free(s);
+    return loaded;
+}
+
+static void check_light(const scene_light *light, const char *name, light_shape expected)
+{
+    const double *d = expected.direction_ws, length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    assert_string_equal(light->name, name);
+    assert_int_equal(light->shape.kind, expected.kind);
+    if (expected.kind != LIGHT_POINT)
+        for (int i = 0; i < 3; i++) assert_true(fabs(light->shape.direction_ws[i] - d[i] / length) < 1e-15);
+    if (expected.kind == LIGHT_DIRECTIONAL) return;
+    assert_memory_equal(light->shape.position_ws, expected.position_ws, sizeof expected.position_ws);
+    assert_true(light->shape.range_m == expected.range_m);
+    if (expected.kind == LIGHT_SPOT) assert_true(light->shape.outer_rad == expected.outer_rad);
+}
+
+static void test_lights_are_read_as_they_were_meant(void **state)
+{
+    (void)state;
+    const light_shape shapes[] = {{LIGHT_DIRECTIONAL, {0}, {1, -2, 3}, 0, INFINITY},
+                                  {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5},
+                                  {LIGHT_SPOT, {0, 0, 0}, {-1, -1e-9, 0}, parts_radians(90), INFINITY},
+                                  {LIGHT_POINT, {1e-7, 2, 3}, {0}, 0, 0.1},
+                                  {LIGHT_POINT, {4, 5, 6}, {0}, 0, INFINITY}};
+    enum { SHAPES = sizeof shapes / sizeof *shapes };
+    message   m = {0};
+    glb_scene s;
+    parts     p = parts_begin(&s, "lights");
+    for (int i = 0; i < SHAPES; i++) parts_light(&p, (const char *[]){"a", "b", "c", "d", "e"}[i], shapes[i]);
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    scene loaded = reread(&s);
+    assert_int_equal(loaded.light_count, SHAPES);
+    assert_int_equal(loaded.triangle_count, 0);
+    for (int i = 0; i < SHAPES; i++) check_light(&loaded.lights[i], (const char *[]){"a", "b", "c", "d", "e"}[i], shapes[i]);
+    scene_free(&loaded);
+}
+
+static void test_meshes_are_read_where_they_were_put(void **state)
+{
+    (void)state;
+    message   m = {0};
+    glb_scene s;
+    parts     p     = parts_begin(&s, "far");
+    uint32_t  cloth = parts_material(&p, (glb_material){.name = "cloth", .double_sided = 1});
+    parts_mesh(&p, "here", cloth);
+    parts_quad(&p, (double[3]){0, 0, 0}, (double[3]){0, 0, 1}, (double[3]){1, 0, 1}, (double[3]){1, 0, 0});
+    parts_mesh(&p, "there", 0);
+    parts_box(&p, parts_upright, (double[3]){0, 0, 0}, (double[3]){1, 1, 0.25});
+    for (int i = 0; i < 3; i++) s.meshes[1].translation[i] = (double[3]){1e7, -0.1, 1e-9}[i];
+    assert_int_equal(parts_end(&p, &m), VXS_OK);
+    scene loaded = reread(&s);
+    assert_int_equal(loaded.triangle_count, 14);
+    for (int t = 0; t < 14; t++) assert_int_equal(loaded.triangle_flags[t], t < 2 ? TRIANGLE_DOUBLE_SIDED : 0);
+    const double *corner = &loaded.positions_ws[3 * loaded.indices[3 * 3 + 1]]; /* the box's second triangle, its corner 6 */
+    assert_true(corner[0] == 1e7 && corner[1] == 1 + -0.1 && corner[2] == 0.25 + 1e-9);
+    scene_free(&loaded);
+}
+
+/* A forest's cards have the one mask, with the image's own alpha; nothing else has. */
+static void test_cards_are_read_with_their_mask(void **state)
+{
+    (void)state;
+    message        m = {0};
+    forest_options o = {2000, 1, 30, {0, -1, 0}};
+    glb_scene      s;
+    assert_int_equal(generate_forest(&s, &o, &m), VXS_OK);
+    size_t   cards = s.meshes[2].triangle_count, first = s.meshes[2].triangle_first, pixels = 128 * 128;
+    uint8_t *alpha = malloc(pixels);
+    assert_non_null(alpha);
+    for (size_t i = 0; i < pixels; i++) alpha[i] = s.images[0].rgba[4 * i + 3];
+
+    scene loaded = reread(&s);
+    if (!loaded.mask_count) { /* masks are not read yet */
+        free(alpha);
+        scene_free(&loaded);
+        skip();
+    }
+    assert_int_equal(loaded.mask_count, 1);
+    assert_int_equal(loaded.image_count, 1);
+    assert_true(loaded.masks[0].threshold == 0.5F && loaded.images[0].width_px == 128 && loaded.images[0].height_px == 128);
+    assert_memory_equal(loaded.images[0].alpha, alpha, pixels);
+    assert_int_equal(loaded.mask_triangle_count, cards);
+    for (size_t t = 0; t < loaded.triangle_count; t++)
+        assert_int_equal(loaded.triangle_flags[t], t < first ? 0 : TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+    free(alpha);
+    scene_free(&loaded);
+}
+
 /* SplitMix64's first numbers from state 0 are 0xe220a8397b1dcdaf, 0x6e789e6aa1b965f4. */
 static void test_random_numbers_are_splitmix64(void **state)
 {
@@ -453,6 +639,12 @@ int main(void)
         cmocka_unit_test(test_seed_decides),
         cmocka_unit_test(test_landscape_is_closed_and_outward),
         cmocka_unit_test(test_landscape_meets_every_target),
+        cmocka_unit_test(test_turns_go_round_the_unit_circle),
+        cmocka_unit_test(test_parts_are_closed_and_outward),
+        cmocka_unit_test(test_empty_meshes_are_left_out),
+        cmocka_unit_test(test_lights_are_read_as_they_were_meant),
+        cmocka_unit_test(test_meshes_are_read_where_they_were_put),
+        cmocka_unit_test(test_cards_are_read_with_their_mask),
         cmocka_unit_test(test_random_numbers_are_splitmix64),
         cmocka_unit_test(test_random_numbers_are_even),
     };
