@@ -40,6 +40,7 @@ static vxs_result load_model(loader &l, json &root)
     for (tinygltf::Mesh &mesh : l.model.meshes)
         for (tinygltf::Primitive &p : mesh.primitives)
             if (next < indices.size()) p.indices = indices[next++];
+    if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc(); /* tinygltf makes a text of every exception */
     if (!ok || next != indices.size()) return l.error(VXS_E_SCENE, "%s", one_line(error).c_str());
     return VXS_OK;
 }
