@@ -12,6 +12,7 @@
 #include "baker/base/clock.h"
 #include "baker/base/json_file.h"
 #include "baker/base/output_file.h"
+#include "baker/base/progress.h"
 #include "baker/base/version.h"
 #include "baker/scene/light_choice.h"
 
@@ -232,12 +233,14 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, const lig
         if (report->left_out[n].why == REACHES_NOTHING)
             warn(m, "light '%s' %s: it is left out", report->left_out[n].name, REACHES_NOTHING);
 
+    progress_say(o->progress, "compressing the file");
     timer = stage_begin(report);
     r     = encode(o, dags, report, file, m);
     stage_end(&timer, STAGE_ENCODE);
 
     /* the comparison with a plain depth map is no part of the bake: its time is its own */
     double start = clock_seconds();
+    if (o->baseline != BASELINE_OFF) progress_say(o->progress, "measuring depth maps under zstd -19");
     for (size_t n = 0; n < report->light_count && r == VXS_OK && o->baseline != BASELINE_OFF; n++)
         report->lights[n].depth_zstd19_ratio = baseline_ratio(&bases[n], &report->lights[n].depth_sample_share);
     report->baseline_seconds += clock_seconds() - start;
@@ -262,8 +265,10 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
 
     if ((r = output_file_check(o->output_path, o->scene_path, m)) != VXS_OK) goto done;
     stage_timer timer = stage_begin(report);
+    progress_say(o->progress, "reading %s", o->scene_path);
     if ((r = scene_load_gltf(&s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_LOAD);
+    progress_say(o->progress, "telling solids from sheets");
     if ((r = casters_from_scene(&c, &s, o->closed, m)) != VXS_OK) goto done;
     if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &chosen, m)) != VXS_OK) goto done;
     report_casters(report, &c);
@@ -273,11 +278,13 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
 
     if ((r = bake_lights(o, &c, &chosen, &file, report, m)) != VXS_OK) goto done;
 
+    progress_say(o->progress, "writing %s", o->output_path);
     timer = stage_begin(report);
     r     = write_file(o, &file, report, m);
     stage_end(&timer, STAGE_WRITE);
     report->total_seconds = clock_seconds() - start - report->baseline_seconds;
 done:
+    progress_clear();
     free(file.data);
     light_choice_free(&chosen);
     casters_free(&c);

@@ -9,6 +9,7 @@
 #include "baker/base/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
+#include "baker/base/progress.h"
 #include "baker/maps/light_fit.h"
 
 /* A light while it is baked. */
@@ -147,18 +148,16 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
 
 /* one light ------------------------------------------------------------------------------------------------------------------- */
 
-static void say_progress(light_job *job, uint32_t tiles)
+/* Before a tile; the first has no past to tell from. */
+static void say_progress(const light_job *job, uint32_t tiles)
 {
-    if (!job->baker->options->progress) return;
-    double spent = clock_seconds() - job->since;
-    fprintf(stderr, "\r\033[Kvxs: light %s: tile %u of %u, about %.0f s left", job->report->light.name, job->tiles_done, tiles,
-            spent / job->tiles_done * (tiles - job->tiles_done));
-    fflush(stderr);
-}
-
-static void end_progress(const light_job *job)
-{
-    if (job->baker->options->progress) fputs("\r\033[K", stderr);
+    int         shown = job->baker->options->progress;
+    const char *name  = job->report->light.name;
+    uint32_t    done  = job->tiles_done;
+    if (!done)
+        progress_say(shown, "light %s: tile 1 of %u", name, tiles);
+    else
+        progress_share(shown, (double)done / tiles, job->since, "light %s: tile %u of %u", name, done + 1, tiles);
 }
 
 static vxs_result bake_tile(light_job *job, uint32_t i, uint32_t j, message *m)
@@ -201,11 +200,10 @@ static vxs_result bake_map(light_job *job, message *m)
     stage_end(&timer, STAGE_GL);
     for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
         square_at at = z_order(n);
-        r            = bake_tile(job, at.i, at.j, m);
-        job->tiles_done++;
         say_progress(job, side * side * job->map_count);
+        r = bake_tile(job, at.i, at.j, m);
+        job->tiles_done++;
     }
-    end_progress(job);
     if (r == VXS_OK) add_stats(&job->report->depth, depth_renderer_stats(job->renderer));
     depth_renderer_destroy(job->renderer);
     job->renderer = NULL;

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/progress.h"
+
 char *one_line(char *text)
 {
     for (unsigned char *c = (unsigned char *)text; *c; c++) {
@@ -40,6 +42,7 @@ void warn(message *m, const char *format, ...)
 
     for (size_t i = 0; i < m->warning_count; i++)
         if (!strcmp(m->warnings[i], text)) return;
+    if (!m->quiet) progress_clear();
     if (!m->quiet) fprintf(stderr, "vxs: warning: %s\n", text);
 
     /* out of memory while warning: the line was printed, the report goes without it */

@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "baker/base/progress.h"
+
 /* enough for the files of earlier runs that were killed and had the same process number */
 enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };
 
@@ -54,6 +56,7 @@ void output_file_remove_temporary(void)
 static void end_run(int number)
 {
     output_file_remove_temporary();
+    progress_clear();
     if (number == SIGINT) _exit(exit_status(VXS_E_INTERRUPTED));
     signal(number, SIG_DFL);
     raise(number); /* takes effect when the handler returns */

@@ -8,6 +8,7 @@
 
 #include "baker/base/json_file.h"
 #include "baker/base/output_file.h"
+#include "baker/base/progress.h"
 #include "baker/command/options.h"
 #include "baker/scene/mesh_health.h"
 #include "baker/scene/mesh_repair.h"
@@ -31,13 +32,7 @@ static FILE *people(const health_command *c)
 
 static void say_progress(const char *what)
 {
-    if (isatty(STDERR_FILENO)) fprintf(stderr, "\r\033[Kvxs: examining %s", what);
-    fflush(stderr);
-}
-
-static void end_progress(void)
-{
-    if (isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+    progress_say(isatty(STDERR_FILENO), "examining %s", what);
 }
 
 /* What a component is, in a word or two. */
@@ -180,7 +175,7 @@ static vxs_result tell(health_command *c, const casters *casting, const char *na
 {
     mesh_health h = {0};
     vxs_result  r = mesh_health_examine(&h, casting, say_progress, m);
-    end_progress();
+    progress_clear();
     if (r == VXS_OK) r = print_health(c, casting, &h, m);
     if (r == VXS_OK && c->json_path) json_object_set_new(c->json, name, health_json(&h));
     mesh_health_free(&h);

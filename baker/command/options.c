@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/progress.h"
+
 static void print_help(const command_line *c)
 {
     printf("vxs %s %s\n\n%s\n", c->name, c->synopsis, c->summary);
@@ -144,6 +146,7 @@ int command_end(message *m, vxs_result code)
     /* what was printed counts as written only when it has arrived */
     if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK)
         code = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
+    progress_clear();
     if (code != VXS_OK) fprintf(stderr, "vxs: error: %s\n", m->error[0] ? m->error : "unknown");
     message_free(m);
     return exit_status(code);

@@ -8,6 +8,7 @@ import concurrent.futures
 import ctypes
 import errno
 import os
+import pty
 import random
 import resource
 import shutil
@@ -395,3 +396,52 @@ def test_interrupt_in_every_stage(faulty, scene, tmp_path):
     for n in range(1, calls + 1, max(1, calls // 40)):
         done = faulty(f"alloc:{n}:interrupt", *bake)
         assert done.returncode == 130 and not done.stderr and out.read_bytes() == OLD and list(tmp_path.iterdir()) == [out]
+
+
+# --- progress -------------------------------------------------------------------------------------------------------------------------
+
+
+def on_a_terminal(command, interrupt_at=None):
+    """The exit status, and what came on standard error, which is a terminal; SIGINT once a text was seen there."""
+    master, terminal = pty.openpty()
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=terminal, preexec_fn=heed_interrupts) as process:
+        os.close(terminal)
+        said = b""
+        while True:
+            try:
+                said += os.read(master, 4096)
+            except OSError:  # nobody has it open any more
+                break
+            if interrupt_at and interrupt_at in said:
+                process.send_signal(signal.SIGINT)
+                interrupt_at = None
+    os.close(master)
+    return process.returncode, said
+
+
+CLEAR = b"\r\x1b[K"
+
+
+def test_progress_on_a_terminal(vxs_path, city, tmp_path):
+    """Each stage is named before it begins, tiles come with an estimate, no line is longer than a terminal, and in the end none is left."""
+    status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "8192"])
+    lines = said.split(CLEAR)
+    assert status == 0 and lines[0] == lines[-1] == b"" and b"\n" not in said
+    assert all(line.startswith(b"vxs: ") and len(line) < 80 for line in lines[1:-1])
+    for n, text in enumerate((b"reading ", b"telling solids", b"light sun: tile 1 of 4", b"light sun: tile ")):
+        assert lines[1 + n].startswith(b"vxs: " + text)
+    assert lines[-2].startswith(b"vxs: writing ")
+    estimates = [int(line.split(b"about ")[1].split()[0]) for line in lines if b"about " in line]
+    assert estimates and all(0 < seconds < 600 for seconds in estimates) and b"tile 1 of 4, about" not in said
+
+
+def test_interrupt_takes_the_progress_away(vxs_path, city, tmp_path):
+    status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "16384"], interrupt_at=b"tile 1 of")
+    assert status == 130 and said.endswith(CLEAR) and list(tmp_path.iterdir()) == []
+
+
+def test_error_after_progress(vxs_path, tmp_path):
+    """It has a line of its own, which stays."""
+    scene = small_scene.write(tmp_path / "no.gltf", lights=())
+    status, said = on_a_terminal([vxs_path, "bake", scene, "-o", tmp_path / "a.vxs"])
+    assert status == 5 and said.split(CLEAR)[-1].startswith(b"vxs: error: ") and said.endswith(b"\n") and b"vxs: reading" in said
