@@ -24,15 +24,23 @@ static double cone_degrees(const light_shape *s)
     return 2 * degrees(s->outer_rad);
 }
 
+/* "(1, 0, -2.5)", where what rounding left of a zero is one. */
+static const char *vector_text(char text[64], const double v[3])
+{
+    double tidy[3];
+    for (int i = 0; i < 3; i++) tidy[i] = fabs(v[i]) < 1e-9 ? 0 : v[i];
+    snprintf(text, 64, "(%.6g, %.6g, %.6g)", tidy[0], tidy[1], tidy[2]);
+    return text;
+}
+
 /* Where a spot or point light is, and how far it goes. */
 static void lamp_text(char *text, size_t size, const vxs_light *l, const light_shape *s)
 {
-    const double *at = s->position_ws, *way = s->direction_ws;
-    char          cone[128] = "", range[32] = "no range";
+    char at[64], way[64], cone[128] = "", range[32] = "no range";
     if (s->kind == LIGHT_SPOT)
-        snprintf(cone, sizeof cone, " towards (%.6g, %.6g, %.6g), cone of %.4g degrees", way[0], way[1], way[2], cone_degrees(s));
+        snprintf(cone, sizeof cone, " towards %s, cone of %.4g degrees", vector_text(way, s->direction_ws), cone_degrees(s));
     if (isfinite(s->range_m)) snprintf(range, sizeof range, "range %.6g m", s->range_m);
-    snprintf(text, size, "%s at (%.6g, %.6g, %.6g)%s, %s, from %.4g to %.4g m", light_kind_name(s->kind), at[0], at[1], at[2], cone,
+    snprintf(text, size, "%s at %s%s, %s, from %.4g to %.4g m", light_kind_name(s->kind), vector_text(at, s->position_ws), cone,
              range, l->near_metres, far_metres(l));
 }
 
@@ -42,8 +50,8 @@ const char *light_text(char *text, const vxs_light *light)
     unsigned    side = 1u << light->levels;
     char        shape[LIGHT_TEXT_BYTES / 2];
     if (s.kind == LIGHT_DIRECTIONAL) {
-        snprintf(text, LIGHT_TEXT_BYTES, "directional (%.6g, %.6g, %.6g), %u x %u texels of %.4g m, voxels %.4g m deep",
-                 s.direction_ws[0], s.direction_ws[1], s.direction_ws[2], side, side, light->texel_metres, light->voxel_metres);
+        snprintf(text, LIGHT_TEXT_BYTES, "directional %s, %u x %u texels of %.4g m, voxels %.4g m deep",
+                 vector_text(shape, s.direction_ws), side, side, light->texel_metres, light->voxel_metres);
         return text;
     }
     lamp_text(shape, sizeof shape, light, &s);
