@@ -4,12 +4,16 @@
 #define ASSET_OPEN_H
 
 #include "baker/base/message.h"
+#include "baker/base/text.h"
 #include "runtime/vxs.h"
 
 /* asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
 vxs_result asset_open(vxs_asset **asset, const char *path, message *m);
 
-/* The light that --light names.   light  [out] NULL on failure.   Returns VXS_OK or VXS_E_ARGUMENT. */
-vxs_result asset_find_light(const vxs_light **light, const vxs_asset *asset, const char *name, message *m);
+/* The lights of a file that names ask for: all of them, in file order, when there is no name; else those, in the order given.
+ * lights  [out] [VXS_LIGHTS_MAX] valid until the asset is closed
+ * Returns VXS_OK or VXS_E_ARGUMENT: no such light, or one given twice. */
+vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, const vxs_light **lights, uint32_t *count,
+                               message *m);
 
 #endif

@@ -12,7 +12,8 @@ enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
 
 typedef struct picture_command {
     const char     *files[2]; /* scene, asset */
-    const char     *scene_name, *light_name, *out;
+    const char     *scene_name, *out;
+    text_list       light_names;
     picture_options options;
     int             eye_given, target_given;
 } picture_command;
@@ -30,30 +31,33 @@ static vxs_result check_options(const picture_command *c, message *m)
     return VXS_OK;
 }
 
-static vxs_result choose_light(const vxs_asset *asset, const char *name, const vxs_light **light, message *m)
+/* The way light travels that the camera stands beside: a sun's, or one as suns often have it. */
+static const double *light_way(const vxs_light *const *lights, uint32_t count)
 {
-    if (name) return asset_find_light(light, asset, name, m);
-    *light = vxs_asset_light(asset, 0);
-    return VXS_OK;
+    static const double usual[3] = {-0.43, -0.86, -0.26};
+    for (uint32_t n = 0; n < count; n++)
+        if (lights[n]->kind == VXS_LIGHT_KIND_DIRECTIONAL) return lights[n]->direction_ws;
+    return usual;
 }
 
-static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *light, output_file *out,
-                       message *m)
+static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *const *lights, uint32_t count,
+                       output_file *out, message *m)
 {
     picture_options *o = &c->options;
-    if (!c->eye_given) picture_frame(&o->camera, casting, light->direction_ws, (double)o->width_px / o->height_px);
+    if (!c->eye_given) picture_frame(&o->camera, casting, light_way(lights, count), (double)o->width_px / o->height_px);
     uint8_t *rgb = malloc((size_t)3 * o->width_px * o->height_px);
     if (!rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px);
-    picture_render(rgb, o, t, casting, light);
-    vxs_result r = picture_write_png(out, rgb, o->width_px, o->height_px, m);
+    vxs_result r = picture_render(rgb, o, t, casting, lights, count, m);
+    if (r == VXS_OK) r = picture_write_png(out, rgb, o->width_px, o->height_px, m);
     free(rgb);
     return r;
 }
 
 static vxs_result run(picture_command *c, message *m)
 {
-    vxs_asset       *asset   = NULL;
-    const vxs_light *light   = NULL;
+    vxs_asset       *asset = NULL;
+    const vxs_light *lights[VXS_LIGHTS_MAX];
+    uint32_t         light_count;
     scene            s       = {0};
     casters          casting = {0};
     truth           *t       = NULL;
@@ -62,13 +66,13 @@ static vxs_result run(picture_command *c, message *m)
 
     if ((r = check_options(c, m)) != VXS_OK) goto done;
     if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;
-    if ((r = choose_light(asset, c->light_name, &light, m)) != VXS_OK) goto done;
+    if ((r = asset_choose_lights(asset, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->files[0], c->scene_name, m)) != VXS_OK) goto done;
     /* solids and sheets look the same */
     if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;
     if ((r = output_file_open(&out, c->out, m)) != VXS_OK) goto done;
-    if ((r = draw(c, t, &casting, light, &out, m)) != VXS_OK) goto done;
+    if ((r = draw(c, t, &casting, lights, light_count, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);
 done:
     output_file_abort(&out);
@@ -92,7 +96,7 @@ int cmd_picture(int argc, char **argv)
          "where to stand, metres (default: the scene fills the view)", &c.eye_given},
         {"--target", OPTION_VECTOR, o->camera.target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye", &c.target_given},
         {"--fov", OPTION_F64, &o->camera.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
-        {"--light", OPTION_TEXT, &c.light_name, 0, 0, NULL, "NAME", "the light that shines (default: the file's first)", NULL},
+        {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME", "a light that shines; repeat for more (default: all)", NULL},
         {"--filter", OPTION_U32, &o->filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 5)",
          NULL},
         {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
@@ -100,7 +104,7 @@ int cmd_picture(int argc, char **argv)
     };
     const command_line line = {"picture",
                                "SCENE FILE.vxs -o OUT.png [options]",
-                               "A picture of a scene, its sun shadows looked up in a .vxs file and all else ray traced.",
+                               "A picture of a scene, its shadows looked up in a .vxs file and all else ray traced.",
                                options,
                                sizeof options / sizeof *options,
                                2};
@@ -108,5 +112,6 @@ int cmd_picture(int argc, char **argv)
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, c.files, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(&c, &m);
+    free(c.light_names.items);
     return command_end(&m, r);
 }

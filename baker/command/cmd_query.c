@@ -16,23 +16,6 @@ typedef struct query_options {
     uint32_t  filter_px;
 } query_options;
 
-static vxs_result choose_lights(const vxs_asset *asset, const text_list *names, const vxs_light **lights, uint32_t *count,
-                                message *m)
-{
-    *count = 0;
-    if (!names->count)
-        for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) lights[(*count)++] = vxs_asset_light(asset, n);
-    for (size_t n = 0; n < names->count; n++) {
-        const vxs_light *light;
-        vxs_result       r = asset_find_light(&light, asset, names->items[n], m);
-        if (r != VXS_OK) return r;
-        for (uint32_t before = 0; before < *count; before++)
-            if (lights[before] == light) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
-        lights[(*count)++] = light;
-    }
-    return VXS_OK;
-}
-
 /* "0", "1", "0.703704", or "out" where the light's volume does not reach. */
 static int print_answer(float lit, char end)
 {
@@ -92,7 +75,7 @@ int cmd_query(int argc, char **argv)
         if (r == VXS_OK) r = asset_open(&asset, path, &m);
         const vxs_light *lights[VXS_LIGHTS_MAX];
         uint32_t         count = 0;
-        if (r == VXS_OK) r = choose_lights(asset, &o.light_names, lights, &count, &m);
+        if (r == VXS_OK) r = asset_choose_lights(asset, &o.light_names, lights, &count, &m);
         if (r == VXS_OK) r = answer_points(&o, lights, count, &m);
     }
     vxs_asset_close(asset);

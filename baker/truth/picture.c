@@ -1,10 +1,12 @@
-/* A picture of a scene in the shadows of a baked light; see picture.h.
+/* A picture of a scene in the shadows of baked lights; see picture.h.
  *
- * A pixel is the mean of 2 x 2 rays. What a ray meets is one matt material under three lights:
+ * A pixel is the mean of 2 x 2 rays. What a ray meets is one matt material under these lights:
  *
- *     sun       lambert, times the lookup in the asset at the point, with its normal, filtered
+ *     suns      lambert, times the lookup in the asset at the point, with its normal, filtered
+ *     lamps     the same, weaker with distance: at the distance of most of what a lamp shines on it is as bright as a sun
  *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
- *     haze      mixed over both, by distance behind the nearest corner of the scene
+ *     haze      mixed over all, by distance behind the nearest corner of the scene
+ *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -17,27 +19,41 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "baker/truth/baked_light.h"
 #include "runtime/vxs.h"
 
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb/stb_image_write.h>
 
-enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE };
+enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE, AIR_STEPS = 16, LAMP_PROBES = 64 };
 
 static const double pi = 3.14159265358979323846;
 
 static const double albedo[3]      = {0.66, 0.62, 0.56};
 static const double sun_colour[3]  = {2.05, 1.76, 1.34};
+static const double lamp_colour[3] = {2.00, 1.55, 0.95};
 static const double sky_zenith[3]  = {0.20, 0.40, 0.86};
 static const double sky_horizon[3] = {0.70, 0.81, 0.95};
 static const double sky_below[3]   = {0.56, 0.61, 0.68};
 static const double bounce[3]      = {0.09, 0.08, 0.07};
 
+static const double night = 0.07; /* of a sky without a sun */
+
+typedef struct lamp {
+    const vxs_light *light;
+    light_shape      shape;
+    double           usual_metres; /* to what it shines on */
+    double           reach_metres; /* it is not seen farther away */
+} lamp;
+
 typedef struct view {
     const picture_options *options;
     const truth           *truth;
-    const vxs_light       *light;
+    const vxs_light      **suns;  /* [sun_count] */
+    lamp                  *lamps; /* [lamp_count] */
+    uint32_t               sun_count, lamp_count;
+    double                 day; /* of the sky's light: 1, or night */
     uint8_t               *rgb;
     double                 forward[3];
     double                 right[3], up[3]; /* reach from the picture's middle to its edges, at distance 1 */
@@ -153,11 +169,11 @@ static double distance_to_box(const box *b, const double eye[3])
     return sqrt(square);
 }
 
-static view make_view(const picture_options *o, const truth *t, const casters *c, const vxs_light *light, uint8_t *rgb)
+static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
 {
     box    b    = bounds_of(c);
     double size = fmax(diagonal_of(&b), 1e-9), tan_y = tan(o->camera.fov_degrees * pi / 360), along[3];
-    view   v = {.options = o, .truth = t, .light = light, .rgb = rgb};
+    view   v = {.options = o, .truth = t, .rgb = rgb};
     vec3_sub(o->camera.target_ws, o->camera.eye_ws, along);
     vec3_unit(along, v.forward);
     camera_axes(v.forward, v.right, v.up);
@@ -218,33 +234,143 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     }
 }
 
-/* Of the sun, what the asset lets through. Beyond its map nothing casts a shadow. */
+/* Of the suns, what the asset lets through. Beyond its map nothing casts a shadow. */
 static double sun_light(const view *v, const double point_ws[3], const double normal[3])
 {
-    double facing = -vec3_dot(normal, v->light->direction_ws);
-    if (facing <= 0) return 0;
-    float lit = vxs_lookup(v->light, point_ws, normal, (int)v->options->filter_px);
-    return facing * (lit < 0 ? 1 : (double)lit);
+    double sum = 0;
+    for (uint32_t n = 0; n < v->sun_count; n++) {
+        double facing = -vec3_dot(normal, v->suns[n]->direction_ws);
+        if (facing <= 0) continue;
+        float lit = vxs_lookup(v->suns[n], point_ws, normal, (int)v->options->filter_px);
+        sum += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count;
+    }
+    return sum;
 }
 
-/* What comes back along one ray from the eye. */
-static void trace(const view *v, const double direction[3], int sample, rng *r, double out[3])
+/* lamps ----------------------------------------------------------------------------------------------- */
+
+/* A random direction of a lamp's cone. */
+static void lamp_direction(const light_shape *s, rng *r, double direction[3])
 {
-    double distance, normal[3], point[3], lifted[3], haze[3];
-    sky_colour(direction, haze);
-    if (!truth_first_hit(v->truth, v->options->camera.eye_ws, direction, &distance, normal, NULL)) {
-        memcpy(out, haze, sizeof haze);
-        return;
+    double a[3], b[3], sunk = ldexp((double)rng_u32(r), -32), turn = 2 * pi * ldexp((double)rng_u32(r), -32);
+    sunk *= s->kind == LIGHT_POINT ? 2 : 1 - cos(s->outer_rad);
+    double wide = sqrt(sunk * (2 - sunk));
+    frame_of(s->direction_ws, a, b);
+    for (int i = 0; i < 3; i++) direction[i] = wide * (cos(turn) * a[i] + sin(turn) * b[i]) + (1 - sunk) * s->direction_ws[i];
+}
+
+static lamp make_lamp(const view *v, const vxs_light *light, double size)
+{
+    lamp   l    = {.light = light, .shape = baked_light_shape(light)};
+    rng    r    = {1};
+    double sum  = 0, metres;
+    int    hits = 0;
+    for (int n = 0; n < LAMP_PROBES; n++) {
+        double direction[3];
+        lamp_direction(&l.shape, &r, direction);
+        if (!truth_first_hit(v->truth, l.shape.position_ws, direction, &metres, NULL, NULL)) continue;
+        sum += metres;
+        hits++;
     }
+    l.usual_metres = fmax(fmin(hits ? sum / hits : 0.1 * size, 0.5 * l.shape.range_m), 1e-6 * size);
+    l.reach_metres = fmin(l.shape.range_m, 8 * l.usual_metres);
+    return l;
+}
+
+/* How bright a lamp is at a point: weaker with distance, and to the edge of its cone and the end of its range. 0 out of reach.
+ * to_lamp  [out] unit */
+static double lamp_strength(const lamp *l, const double point_ws[3], double to_lamp[3])
+{
+    double way[3];
+    vec3_sub(l->shape.position_ws, point_ws, way);
+    double metres = sqrt(vec3_dot(way, way)), share = metres / l->usual_metres;
+    if (!(metres < l->reach_metres) || !vec3_unit(way, to_lamp)) return 0;
+    double strength = 2 / (1 + share * share) * (1 - pow(metres / l->reach_metres, 4));
+    if (l->shape.kind == LIGHT_POINT) return strength;
+    double angle = acos(fmin(1, fmax(-1, -vec3_dot(to_lamp, l->shape.direction_ws))));
+    double edge  = fmin(1, (l->shape.outer_rad - angle) / (0.1 * l->shape.outer_rad));
+    return edge <= 0 ? 0 : strength * edge * edge * (3 - 2 * edge);
+}
+
+static double lamp_light(const view *v, const double point_ws[3], const double normal[3])
+{
+    double sum = 0, to_lamp[3];
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        double strength = lamp_strength(&v->lamps[n], point_ws, to_lamp), facing = 0;
+        if (strength > 0) facing = vec3_dot(normal, to_lamp);
+        if (facing > 0)
+            sum += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, (int)v->options->filter_px));
+    }
+    return sum;
+}
+
+/* Where a ray from the eye passes a lamp no farther than its reach.
+ * nearest, beside  [out] how far along the ray it is nearest to the lamp, and how near
+ * Returns 0 when it does not. */
+static int pass_lamp(const view *v, const lamp *l, const double direction[3], double *begin, double *end, double *nearest,
+                     double *beside)
+{
+    double from[3];
+    vec3_sub(v->options->camera.eye_ws, l->shape.position_ws, from);
+    *nearest      = -vec3_dot(from, direction);
+    double across = fmax(0, vec3_dot(from, from) - *nearest * *nearest), half = l->reach_metres * l->reach_metres - across;
+    if (half <= 0) return 0;
+    *beside = fmax(sqrt(across), 1e-3 * l->usual_metres);
+    *begin  = fmax(0, *nearest - sqrt(half));
+    *end    = fmin(*end, *nearest + sqrt(half));
+    return *begin < *end;
+}
+
+/* What lamps light up in the air along a ray. The places that are looked up lie at equal angles as the lamp sees them (Kulla and
+ * Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media", EGSR 2012). */
+static double air_light(const view *v, const double direction[3], double metres, rng *r)
+{
+    const double scattered = 0.10; /* along a way as long as the usual one, by light as strong as there */
+    double       sum       = 0;
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        const lamp *l     = &v->lamps[n];
+        double      begin = 0, end = metres, nearest, beside, first = ldexp((double)rng_u32(r), -32), to_lamp[3], point[3];
+        if (!pass_lamp(v, l, direction, &begin, &end, &nearest, &beside)) continue;
+        double low = atan((begin - nearest) / beside), step = (atan((end - nearest) / beside) - low) / AIR_STEPS;
+        for (int i = 0; i < AIR_STEPS; i++) {
+            double slope = tan(low + (i + first) * step), length = step * beside * (1 + slope * slope);
+            vec3_mad(v->options->camera.eye_ws, nearest + beside * slope, direction, point);
+            double strength = lamp_strength(l, point, to_lamp);
+            if (!(strength > 0)) continue;
+            /* once more by strength: haze that goes on and on hides what is to be seen */
+            double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
+            sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
+        }
+    }
+    return sum;
+}
+
+/* What comes back along one ray from the eye, up to where it meets something. */
+static int trace_surface(const view *v, const double direction[3], int sample, rng *r, double *distance, double out[3])
+{
+    double normal[3], point[3], lifted[3], haze[3];
+    sky_colour(direction, haze);
+    for (int i = 0; i < 3; i++) haze[i] *= v->day;
+    memcpy(out, haze, sizeof haze);
+    if (!truth_first_hit(v->truth, v->options->camera.eye_ws, direction, distance, normal, NULL)) return 0;
     double turn = vec3_dot(normal, direction) > 0 ? -1 : 1; /* a sheet may be seen from behind */
     for (int i = 0; i < 3; i++) normal[i] *= turn;
-    vec3_mad(v->options->camera.eye_ws, distance, direction, point);
+    vec3_mad(v->options->camera.eye_ws, *distance, direction, point);
     truth_lift(v->truth, point, normal, lifted);
 
-    double sky[3], sun = sun_light(v, point, normal);
+    double sky[3], sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
     sky_light(v, lifted, normal, sample, r, sky);
-    for (int i = 0; i < 3; i++) out[i] = albedo[i] * (sun * sun_colour[i] + 0.42 * sky[i]);
-    mix(out, haze, 1 - exp(-fmax(distance - v->near_metres, 0) / v->haze_metres), out);
+    for (int i = 0; i < 3; i++) out[i] = albedo[i] * (sun * sun_colour[i] + lamps * lamp_colour[i] + 0.42 * v->day * sky[i]);
+    mix(out, haze, 1 - exp(-fmax(*distance - v->near_metres, 0) / v->haze_metres), out);
+    return 1;
+}
+
+static void trace(const view *v, const double direction[3], int sample, rng *r, double out[3])
+{
+    double distance;
+    if (!trace_surface(v, direction, sample, r, &distance, out)) distance = INFINITY;
+    double air = v->lamp_count ? air_light(v, direction, distance, r) : 0;
+    for (int i = 0; i < 3; i++) out[i] += air * lamp_colour[i];
 }
 
 /* pixels ---------------------------------------------------------------------------------------------- */
@@ -283,10 +409,31 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) render_pixel(v, n, v->rgb + 3 * n);
 }
 
-void picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *light)
+vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *const *lights,
+                          uint32_t light_count, message *m)
 {
-    view v = make_view(o, t, c, light, rgb);
+    view       v    = make_view(o, t, c, rgb);
+    box        b    = bounds_of(c);
+    vxs_result r    = VXS_OK;
+    double     size = fmax(diagonal_of(&b), 1e-9);
+    v.suns          = malloc(light_count * sizeof *v.suns);
+    v.lamps         = malloc(light_count * sizeof *v.lamps);
+    if (!v.suns || !v.lamps) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", light_count);
+        goto done;
+    }
+    for (uint32_t n = 0; n < light_count; n++) {
+        if (lights[n]->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+            v.suns[v.sun_count++] = lights[n];
+        else
+            v.lamps[v.lamp_count++] = make_lamp(&v, lights[n], size);
+    }
+    v.day = v.sun_count ? 1 : night;
     parallel_for(o->threads, (size_t)o->width_px * o->height_px, o->width_px, render_pixels, &v);
+done:
+    free(v.suns);
+    free(v.lamps);
+    return r;
 }
 
 /* the file -------------------------------------------------------------------------------------------- */

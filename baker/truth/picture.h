@@ -1,4 +1,4 @@
-/* A picture of a scene in the shadows of a baked light: to look at what was baked.
+/* A picture of a scene in the shadows of baked lights: to look at what was baked.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PICTURE_H
 #define PICTURE_H
@@ -27,9 +27,13 @@ typedef struct picture_options {
  * aspect     width / height */
 void picture_frame(picture_camera *camera, const casters *c, const double sun_ws[3], double aspect);
 
-/* Render: shadows from the light's lookups, all else (what is seen, light from the sky) by rays.
- * rgb  [out] [3 * width * height] sRGB, top row first.   The same at any thread count. */
-void picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *light);
+/* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is
+ * night, and the light of spot and point lights is seen in the air too.
+ * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
+ * lights  [light_count]
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *const *lights,
+                          uint32_t light_count, message *m);
 
 /* Encode as PNG. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m);

@@ -306,6 +306,26 @@ def test_picture_has_the_shadows_of_the_asset(vxs, picture, city):
     assert lit > shadowed + 2
 
 
+def test_picture_of_lamps(vxs, city):
+    """From above: a spot draws its disk on the ground, the block's shadow in it; without a sun it is night."""
+    small_scene.write(city / "night.gltf", lights=[("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0)),
+                                                   ("noon", "directional", (0, -1, 0))])
+    vxs("bake", city / "night.gltf", "--resolution", 256, "--baseline", "off", "-o", city / "night.vxs")
+
+    def at(*options):
+        """Brightness at metres on the ground to both sides of the middle: 0 is the block."""
+        vxs("picture", city / "night.gltf", city / "night.vxs", "-o", city / "night.png", "--width", 128, "--height", 128, "--eye",
+            "0,20,0", "--target", "0,0,0", "--fov", 43.6, *options)
+        rows = read_png((city / "night.png").read_bytes())[2]
+        return {metres: sum(rows[64][3 * (64 + 8 * metres):][:3]) for metres in (-7, -3, 3, 5, 7)}
+
+    spot, lamp, day = at("--light", "spot"), at("--light", "lamp"), at()
+    assert spot[3] > 2 * spot[7] and spot[-3] > 2 * spot[-7], "the cone ends 6 m from the middle"
+    assert lamp[3] > lamp[5] > lamp[7] > 1.5 * spot[7], "the lamp has no cone, and less light far away"
+    assert all(day[metres] > lamp[metres] for metres in day), "all lights, the sun too"
+    assert at("--light", "spot", "--light", "lamp")[3] > max(spot[3], lamp[3])
+
+
 def test_picture_camera_and_light(picture):
     down = picture("--eye", "0,500,0", "--target", "0,0,0", "--fov", 60, "--light", "sun", "--filter", 1, "--scene", 0)
     assert down[:2] == (160, 90) and down != picture() and len(set(b"".join(down[2]))) > 50
@@ -321,6 +341,7 @@ def test_picture_camera_and_light(picture):
     (["--eye", "0,0,0"], "--target is missing"),
     (["--target", "0,0,0"], "--eye is missing"),
     (["--eye", "1,2,3", "--target", "1,2,3"], "the same point"),
+    (["--light", "sun", "--light", "sun"], "--light sun is given twice"),
     (["--light", "moon"], "--light moon: the file has no light of that name (the first is sun)"),
 ])
 def test_picture_options_are_checked(vxs, city, options, words):
