@@ -24,12 +24,17 @@ static double segment_distance(const double a[3], const double b[3])
     return sqrt(vec3_dot(nearest, nearest));
 }
 
+/* Clipping may leave the same corner twice, so the normal is that of the whole. */
 static void normal_of(const map_polygon *p, double normal[3])
 {
-    double ab[3], ac[3];
-    vec3_sub(p->corners[1].at, p->corners[0].at, ab);
-    vec3_sub(p->corners[p->count - 1].at, p->corners[0].at, ac);
-    vec3_cross(ab, ac, normal);
+    double ab[3], ac[3], part[3];
+    for (int n = 0; n < 3; n++) normal[n] = 0;
+    for (int n = 1; n + 1 < p->count; n++) {
+        vec3_sub(p->corners[n].at, p->corners[0].at, ab);
+        vec3_sub(p->corners[n + 1].at, p->corners[0].at, ac);
+        vec3_cross(ab, ac, part);
+        vec3_mad(normal, 1, part, normal);
+    }
 }
 
 /* The light lies in the triangle's plane, but for rounding: it sees an edge, which covers no texel. So the ceiling that a lamp is set
