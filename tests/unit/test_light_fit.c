@@ -575,6 +575,48 @@ static void lamp_texel_sizes(void **state)
     assert_int_equal(l.levels, 9); /* 20 m in 400 texels and two borders */
 }
 
+/* What the runtime promises of borders: from 256 texels no filter leaves the map, with the step along a normal that faces the light. */
+static void borders_hold_every_filter(void **state)
+{
+    (void)state;
+    rng r     = {33};
+    int asked = 0;
+    for (int n = 0; n < 20000; n++) {
+        light_shape shape = random_shape(&r);
+        soup        k;
+        vxs_light   l;
+        shape.range_m = INFINITY;
+        soup_init(&k, 1);
+        memcpy(k.positions, (const double[9]){-300, -300, 10, 300, -300, 10, 0, 300, 10}, 9 * sizeof(double));
+        if (fit_lamp(&l, &k, &shape, n % 2 ? 256 : 512) != VXS_OK) continue;
+        for (int q = 0; q < 20; q++) {
+            double  way[3] = {0}, normal[3] = {0}, point[3], wide = 1 - pow(10, between(&r, -9, -2));
+            int32_t voxel[3], side = 1 << l.levels;
+            random_direction(way, &r);
+            if (shape.kind == LIGHT_SPOT && shape.outer_rad < 1.05) /* the edge of the cone */
+                for (int c = 0; c < 3; c++)
+                    way[c] = cos(shape.outer_rad * wide) * shape.direction_ws[c] +
+                             sin(shape.outer_rad * wide) * l.ls_from_ws[4 * (q & 1) + c] * (q & 2 ? 1 : -1);
+            else if (shape.kind == LIGHT_POINT) /* an edge of the cube */
+                for (int c = 0; c < 3; c++) way[c] = c == q % 3 ? 1 : c == (q + 1) % 3 ? wide * (q & 1 ? 1 : -1) : way[c] * 0.99;
+            random_direction(normal, &r);
+            double facing = vec3_dot(normal, way);
+            for (int c = 0; c < 3; c++) point[c] = shape.position_ws[c] + 5 * way[c];
+            if (facing > 0)
+                for (int c = 0; c < 3; c++) normal[c] = -normal[c];
+            if (q % 4 == 0) { /* grazed: the farthest step */
+                for (int c = 0; c < 3; c++) normal[c] -= way[c] * vec3_dot(normal, way) / vec3_dot(way, way);
+                double length = sqrt(vec3_dot(normal, normal));
+                for (int c = 0; c < 3; c++) normal[c] /= length;
+            }
+            if (vxs_voxel(&l, point, normal, VXS_FILTER_MAX, voxel) < 0) continue;
+            for (int c = 0; c < 2; c++) assert_true(voxel[c] >= VXS_FILTER_MAX / 2 && voxel[c] < side - VXS_FILTER_MAX / 2);
+            asked++;
+        }
+    }
+    assert_true(asked > 100000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -593,6 +635,7 @@ int main(void)
         cmocka_unit_test(far_and_near_keep_together),
         cmocka_unit_test(lamps_that_reach_nothing),
         cmocka_unit_test(lamp_texel_sizes),
+        cmocka_unit_test(borders_hold_every_filter),
     };
     return cmocka_run_group_tests_name("light_fit", tests, NULL, NULL);
 }
