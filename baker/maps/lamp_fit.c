@@ -83,7 +83,7 @@ static reach measure(const vxs_light *light, const casters *c, double range_m)
             map_polygon triangle = {.count = 3}, kept;
             for (int k = 0; k < 3; k++)
                 map_space_from_ws(light, map, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
-            if (!map_sides_touch(&s, &triangle) || edge_on(&triangle)) continue;
+            if (!map_sides_touch(&s, &triangle) || map_space_behind(light, map, &triangle) || edge_on(&triangle)) continue;
             map_sides_clip(&s, &triangle, &kept);
             extend(&r, &kept, range_m);
         }

@@ -7,12 +7,17 @@
 /* A caster may come nearer than the near plane of a light that hangs in it; what is nearer than this share of it is cut off. */
 #define NEAREST_SHARE (1.0 / 1024)
 
-void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
+/* Which rows of ls_from_ws are a map's axes, and the sign of the third (runtime/lookup.c has the same table). */
+static const int *axes_of(const vxs_light *light, int map)
 {
-    /* which rows of ls_from_ws are a map's axes, and the sign of the third (runtime/lookup.c has the same table) */
     static const int cube[VXS_CUBE_FACES][4] = {{1, 2, 0, 1},  {2, 1, 0, -1}, {2, 0, 1, 1},
                                                 {0, 2, 1, -1}, {0, 1, 2, 1},  {1, 0, 2, -1}};
-    const int       *axes                    = cube[light->flags & VXS_LIGHT_CUBE ? map : 4];
+    return cube[light->flags & VXS_LIGHT_CUBE ? map : 4];
+}
+
+void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
+{
+    const int *axes = axes_of(light, map);
     for (int n = 0; n < 3; n++) {
         const double *m = light->ls_from_ws + 4 * axes[n];
         out[n]          = m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3];
@@ -21,6 +26,16 @@ void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3]
         out[2] = ldexp(out[2], -(int)light->levels);
     else
         out[2] *= axes[3];
+}
+
+int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle)
+{
+    if (light->kind != VXS_LIGHT_KIND_SPOT) return 0;
+    const int *axes = axes_of(light, map);
+    for (int n = 0; n < triangle->count; n++)
+        for (int c = 0; c < 3; c++)
+            if (axes[c] == 2 && triangle->corners[n].at[c] * (c == 2 ? axes[3] : 1) >= 0) return 0;
+    return 1;
 }
 
 map_sides map_sides_of(const vxs_light *light, double beyond_px)

@@ -129,7 +129,7 @@ static int add_caster(projector *j, size_t n)
     for (int k = 0; k < 3; k++) triangle.corners[k] = j->corners[caster[k]];
     for (int k = 0; k < 6 && masked; k++)
         triangle.corners[k / 2].uv[k % 2] = (double)c->mask_uvs[6 * (n - c->masked_first) + (size_t)k];
-    if (!map_sides_touch(&j->touch, &triangle)) return 1;
+    if (!map_sides_touch(&j->touch, &triangle) || map_space_behind(j->light, j->map, &triangle)) return 1;
     if (!map_sides_clip(&j->keep, &triangle, &kept)) return add_whole(j, caster, &triangle, masked);
     return kept.count < 3 || add_polygon(j, &kept, masked);
 }

@@ -490,7 +490,7 @@ static void far_and_near_keep_together(void **state)
     (void)state;
     for (int n = 0; n < 2; n++) {
         light_shape  shape    = {.kind = LIGHT_POINT, .range_m = n ? 70 : INFINITY};
-        const double wall[18] = {-1,   -1,   0,  1,   -1,   0,  0, 1,   1e-12,
+        const double wall[18] = {-1,   -1,   0,  1,   -1,   0,  0, 1,   1e-9,
                                  -100, -100, 80, 100, -100, 80, 0, 100, 40}; /* through the light */
         soup         k;
         vxs_light    l;
@@ -503,6 +503,21 @@ static void far_and_near_keep_together(void **state)
     }
 }
 
+/* The ceiling that a lamp is set into casts nothing: depth begins at what hangs below it. */
+static void a_plane_through_the_light_is_no_caster(void **state)
+{
+    (void)state;
+    light_shape  shape      = {.kind = LIGHT_POINT, .position_ws = {0.1, 0.3, 0.7}, .range_m = INFINITY};
+    const double planes[18] = {-5, -5, 0.7, 5, -5, 0.7, 0, 5, 0.7, -5, -5, 2.7, 5, -5, 2.7, 0, 5, 2.7};
+    soup         k;
+    vxs_light    l;
+    soup_init(&k, 2);
+    memcpy(k.positions, planes, sizeof planes);
+    assert_int_equal(fit_lamp(&l, &k, &shape, 1024), VXS_OK);
+    double near = l.near_metres * exp(l.voxel_metres);
+    assert_true(near > 1 && near <= 2);
+}
+
 static void lamps_that_reach_nothing(void **state)
 {
     (void)state;
@@ -511,10 +526,10 @@ static void lamps_that_reach_nothing(void **state)
         vxs_result  wanted;
     } cases[] = {
         {{LIGHT_SPOT, {0, 0, 0}, {0, 0, 1}, 0.5, INFINITY}, VXS_OK},
-        {{LIGHT_SPOT, {0, 0, 0}, {0, 0, -1}, 0.5, INFINITY}, VXS_E_NO_CASTER}, /* behind */
-        {{LIGHT_SPOT, {0, 0, 0}, {0, 0, -1}, 1.57, INFINITY}, VXS_OK},         /* six maps look there too */
-        {{LIGHT_SPOT, {0, 0, 0}, {1, 0, 0}, 0.5, INFINITY}, VXS_E_NO_CASTER},  /* beside */
-        {{LIGHT_SPOT, {0, 0, 0}, {0, 0, 1}, 0.5, 9.99}, VXS_E_NO_CASTER},      /* too far */
+        {{LIGHT_SPOT, {0, 0, 0}, {0, 0, -1}, 0.5, INFINITY}, VXS_E_NO_CASTER},  /* behind */
+        {{LIGHT_SPOT, {0, 0, 0}, {0, 0, -1}, 1.57, INFINITY}, VXS_E_NO_CASTER}, /* six maps, none of whose cone looks there */
+        {{LIGHT_SPOT, {0, 0, 0}, {1, 0, 0}, 0.5, INFINITY}, VXS_E_NO_CASTER},   /* beside */
+        {{LIGHT_SPOT, {0, 0, 0}, {0, 0, 1}, 0.5, 9.99}, VXS_E_NO_CASTER},       /* too far */
         {{LIGHT_SPOT, {0, 0, 0}, {0, 0, 1}, 0.5, 10.01}, VXS_OK},
         {{LIGHT_POINT, {0, 0, 0}, {0, 0, 0}, 0, 9.99}, VXS_E_NO_CASTER},
         {{LIGHT_POINT, {0, 0, 0}, {0, 0, 0}, 0, 10.01}, VXS_OK},
@@ -633,6 +648,7 @@ int main(void)
         cmocka_unit_test(lamps_fit_tightly),
         cmocka_unit_test(range_is_to_the_nearest_point),
         cmocka_unit_test(far_and_near_keep_together),
+        cmocka_unit_test(a_plane_through_the_light_is_no_caster),
         cmocka_unit_test(lamps_that_reach_nothing),
         cmocka_unit_test(lamp_texel_sizes),
         cmocka_unit_test(borders_hold_every_filter),
