@@ -220,9 +220,9 @@ typedef struct range {
     double low, high;
 } range;
 
-static range nearest(const texel_hits *t, int solid)
+static range nearest(const texel_hits *t, int solid, double far)
 {
-    range r = {1, 1};
+    range r = {far, far};
     for (int n = 0; n < t->count; n++) {
         if (t->hits[n].solid != solid) continue;
         r.low  = fmin(r.low, t->hits[n].depth - t->hits[n].tolerance);
@@ -312,16 +312,17 @@ typedef struct compared {
 static compared compare_maps(const texel_hits *all, const depth_maps *maps, exit_mode mode)
 {
     compared result = {0};
+    double   far    = maps->voxel_log == 0 ? 1 : 0; /* depth_maps.h: where there is no caster */
     for (size_t n = 0; n < (size_t)maps->side_px * maps->side_px; n++) {
         const texel_hits *t = &all[n];
         double            e = maps->enter[n], x = maps->exit[n];
-        assert_true(0 <= e && e <= x && x <= 1);
+        assert_true(far - 1 <= e && e <= x && x <= far);
         if (t->unsure) continue;
-        range s = nearest(t, 1), h = nearest(t, 0);
+        range s = nearest(t, 1, far), h = nearest(t, 0, far);
         range exit = mode == EXIT_BACK ? first_back(t) : first_exit(t);
         assert_true(e >= fmin(s.low, h.low) && e <= fmin(s.high, h.high));
         int sheet_first = h.low <= s.high, solid_first = s.low <= h.high; /* both: too near to tell */
-        int right = (sheet_first && x == e) || (solid_first && x >= fmin(exit.low, 1) && x <= exit.high);
+        int right = (sheet_first && x == e) || (solid_first && x >= fmin(exit.low, far) && x <= exit.high);
         if (!right)
             print_error("texel %zu: e %.9g, x %.9g, expected s %.9g..%.9g h %.9g..%.9g x %.9g..%.9g\n", n, e, x, s.low, s.high,
                         h.low, h.high, exit.low, exit.high);
@@ -818,6 +819,311 @@ static void fitted_lights(void **state)
     }
 }
 
+/* --- spot and point lights: rays from the light through texel centres, in the space of the map and in double
+ * ------------------------------------------------------------------------------------------ */
+
+static const double nearest_share = 1.0 / 1024; /* what is nearer than this of the near side is cut off (map_space.c) */
+
+/* A corner of a cube's map by the names of vxs.md section 2, as tests/unit/random_lamp.h has them. */
+static void to_map(const vxs_light *l, int map, const double *ws, double out[3])
+{
+    static const char *const names[6] = {"yzx", "zyX", "zxy", "xzY", "xyz", "yxZ"};
+    const char              *axes     = names[l->flags & VXS_LIGHT_CUBE ? map : 4];
+    for (int n = 0; n < 3; n++) {
+        const double *m = l->ls_from_ws + 4 * (axes[n] < 'a' ? axes[n] - 'X' : axes[n] - 'x');
+        out[n]          = (m[0] * ws[0] + m[1] * ws[1] + m[2] * ws[2] + m[3]) * (axes[n] < 'a' ? -1 : 1);
+    }
+}
+
+/* Where an edge is seen, in texels; 0 when it is not in front of the light. */
+static int see_edge(const vxs_light *l, const double a[3], const double b[3], double flat[2][2])
+{
+    double tip = l->near_metres * nearest_share, half = ldexp(0.5, (int)l->levels);
+    if (a[2] < tip && b[2] < tip) return 0;
+    for (int end = 0; end < 2; end++) {
+        const double *from = end ? b : a, *to = end ? a : b;
+        double        t = from[2] < tip ? (tip - from[2]) / (to[2] - from[2]) : 0, z = from[2] + t * (to[2] - from[2]);
+        for (int n = 0; n < 2; n++) flat[end][n] = half + (from[n] + t * (to[n] - from[n])) / z / l->texel_metres;
+    }
+    return 1;
+}
+
+static void hit_lamp_texel(texel_hits *t, const vxs_light *l, const double p[2], double corner[3][3], const double normal[3],
+                           int solid)
+{
+    double half = ldexp(0.5, (int)l->levels), plane = vec3_dot(normal, corner[0]), w[3], part[3];
+    double ray[3] = {(p[0] - half) * l->texel_metres, (p[1] - half) * l->texel_metres, 1};
+    for (int n = 0; n < 3; n++) {
+        vec3_cross(corner[n], corner[(n + 1) % 3], part);
+        w[n] = vec3_dot(ray, part);
+    }
+    double share = l->near_metres * vec3_dot(normal, ray) / plane; /* near / distance: linear in the texels */
+    int    in    = (w[0] > 0 && w[1] > 0 && w[2] > 0) || (w[0] < 0 && w[1] < 0 && w[2] < 0);
+    if (!in || !(share > 0)) return;
+    if (share > 0.9 / nearest_share) {
+        t->unsure |= share < 1.1 / nearest_share;
+        return;
+    }
+    double steep = l->near_metres * l->texel_metres * (fabs(normal[0]) + fabs(normal[1])) / fabs(plane);
+    assert_true(t->count < HITS_MAX);
+    /* corners are snapped to 1/256 texel, and numbers are floats: of the depth's own size, and of what the slope makes of a block */
+    t->hits[t->count++] = (hit){.depth     = fmax(-share, -1),
+                                .tolerance = 1e-6 * fmin(share, 1) + steep * (1.01 / 512 + 512 * 3e-7),
+                                .front     = plane < 0,
+                                .solid     = solid};
+}
+
+/* Texels [u0, u0 + side) x [v0, v0 + side) of a map. */
+static texel_hits *cast_lamp_rays(const casters *c, const vxs_light *l, int map, uint32_t u0, uint32_t v0, uint32_t side)
+{
+    texel_hits *all = calloc((size_t)side * side, sizeof *all);
+    assert_non_null(all);
+    for (size_t n = 0; n < c->triangle_count; n++) {
+        double corner[3][3], ab[3], ac[3], normal[3], flat[3][2][2], low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
+        int    seen[3], cut = 0;
+        for (int k = 0; k < 3; k++) to_map(l, map, c->positions_ws + 3 * (size_t)c->indices[3 * n + (size_t)k], corner[k]);
+        for (int k = 0; k < 3; k++) cut |= corner[k][2] < 2 * l->near_metres * nearest_share;
+        vec3_sub(corner[1], corner[0], ab);
+        vec3_sub(corner[2], corner[0], ac);
+        vec3_cross(ab, ac, normal);
+        for (int k = 0; k < 3; k++)
+            if ((seen[k] = see_edge(l, corner[k], corner[(k + 1) % 3], flat[k])))
+                for (int axis = 0; axis < 2; axis++) {
+                    double from = axis ? v0 : u0;
+                    low[axis]   = cut ? 0 : fmin(low[axis], fmin(flat[k][0][axis], flat[k][1][axis]) - from);
+                    high[axis]  = cut ? side : fmax(high[axis], fmax(flat[k][0][axis], flat[k][1][axis]) - from);
+                }
+        if (!seen[0] && !seen[1] && !seen[2]) continue;
+        for (int64_t v = (int64_t)fmax(floor(low[1] - 1), 0); v < side && (double)v < high[1] + 1; v++)
+            for (int64_t u = (int64_t)fmax(floor(low[0] - 1), 0); u < side && (double)u < high[0] + 1; u++) {
+                double      p[2] = {(double)u + u0 + 0.5, (double)v + v0 + 0.5};
+                texel_hits *t    = &all[v * side + u];
+                for (int k = 0; k < 3; k++) t->unsure |= seen[k] && segment_distance(p, flat[k][0], flat[k][1]) < 1.0 / 128;
+                if (!t->unsure) hit_lamp_texel(t, l, p, corner, normal, n < c->solid_triangle_count);
+            }
+    }
+    return all;
+}
+
+static void render_lamp(const casters *c, const vxs_light *light, int map, exit_mode mode, uint32_t threads, depth_maps *maps)
+{
+    depth_renderer *r;
+    message         m    = {0};
+    uint32_t        side = 1u << light->levels;
+    assert_int_equal(depth_renderer_create(&r, gl, c, light, map, mode, threads, &m), VXS_OK);
+    assert_int_equal(depth_maps_init(maps, side, side, light->voxel_metres, c->solid_triangle_count != 0, &m), VXS_OK);
+    assert_int_equal(depth_renderer_tile(r, maps, 0, 0, &m), VXS_OK);
+    depth_renderer_destroy(r);
+}
+
+/* All maps of a light, peeled and with nearest backs; returns texels with casters that were asked. */
+static size_t check_lamp(const mesh *k, const light_shape *shape, uint32_t side)
+{
+    vxs_light      light;
+    message        m     = {0};
+    size_t         asked = 0, sure = 0;
+    light_fit_desc fit   = {.name = "lamp", .shape = shape, .resolution = side};
+    vxs_result     found = light_fit(&light, &k->c, &fit, &m);
+    if (found == VXS_E_NO_CASTER) return 0;
+    assert_int_equal(found, VXS_OK);
+    for (int map = 0; map < (light.flags & VXS_LIGHT_CUBE ? 6 : 1); map++) {
+        depth_maps  peel, back;
+        texel_hits *all = cast_lamp_rays(&k->c, &light, map, 0, 0, side);
+        render_lamp(&k->c, &light, map, EXIT_PEEL, 2, &peel);
+        render_lamp(&k->c, &light, map, EXIT_BACK, 2, &back);
+        compared c = compare_maps(all, &peel, EXIT_PEEL);
+        compare_maps(all, &back, EXIT_BACK);
+        for (size_t n = 0; n < (size_t)side * side; n++) {
+            assert_true(back.enter[n] == peel.enter[n]);
+            assert_true(back.exit[n] <= peel.exit[n]);
+        }
+        asked += c.asked;
+        sure += c.sure;
+        free(all);
+        depth_maps_free(&peel);
+        depth_maps_free(&back);
+    }
+    if (getenv("DEPTH_VERBOSE")) print_message("%u: %zu texels, %zu sure\n", side, asked, sure);
+    return asked;
+}
+
+/* Somewhere in or about a scene of 256 metres. */
+static light_shape random_shape(rng *r, int inside)
+{
+    light_shape s = {.kind = rng_below(r, 2) ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = 0.1 + 1.4 * unit(r), .range_m = INFINITY};
+    double      to[3];
+    for (int n = 0; n < 3; n++)
+        s.position_ws[n] = inside ? 60 + 140 * unit(r) : rng_below(r, 2) ? -40 * unit(r) : 256 + 40 * unit(r);
+    for (int n = 0; n < 3; n++) to[n] = 70 + 110 * unit(r) - s.position_ws[n];
+    assert_true(vec3_unit(to, s.direction_ws));
+    return s;
+}
+
+static void lamps_on_solids_and_sheets(void **state)
+{
+    (void)state;
+    size_t asked = 0;
+    for (uint64_t seed = 0; seed < 40; seed++) {
+        rng  r = rng_split(seed, 20);
+        mesh k;
+        mesh_init(&k);
+        if (seed % 4 != 3) {
+            for (int n = 0; n < 12; n++) {
+                double u = 60 + 120 * unit(&r), v = 60 + 120 * unit(&r), z = 60 + 120 * unit(&r);
+                turn_randomly(&k, &r, u, v, z);
+                add_box(&k, u, v, z, u + 3 + 30 * unit(&r), v + 3 + 30 * unit(&r), z + 3 + 30 * unit(&r));
+            }
+            for (int n = 1; n < 4; n++)
+                add_box(&k, 128 - 10.3 * n, 128 - 9.7 * n, 128 - 8.1 * n, 128 + 9 * n, 128 + 10 * n, 128 + 11 * n); /* nested */
+            for (int n = 0; n < 2; n++)
+                add_sphere(&k, 60 + 120 * unit(&r), 60 + 120 * unit(&r), 60 + 120 * unit(&r), 5 + 30 * unit(&r));
+            solids_end(&k);
+        }
+        for (int n = 0; n < 10 && seed % 4; n++) {
+            turn_randomly(&k, &r, 128, 128, 128);
+            double u = 40 + 140 * unit(&r), v = 40 + 140 * unit(&r);
+            add_sheet(&k, u, v, u + 10 + 60 * unit(&r), v + 10 + 60 * unit(&r), 40 + 170 * unit(&r), 40 * unit(&r));
+        }
+        light_shape shape = random_shape(&r, seed % 3 != 0);
+        asked += check_lamp(&k, &shape, 8u << seed % 5);
+        casters_free(&k.c);
+    }
+    assert_true(asked > 50000);
+}
+
+/* A light close above a floor, between two walls, and in the open end of a corner. */
+static void lamps_near_surfaces(void **state)
+{
+    (void)state;
+    for (int n = 0; n < 12; n++) {
+        mesh        k;
+        light_shape shape = {.kind         = n % 2 ? LIGHT_SPOT : LIGHT_POINT,
+                             .position_ws  = {100, 100, 64 - pow(10, -n / 2.0)},
+                             .direction_ws = {0.6, 0, 0.8},
+                             .outer_rad    = 1.0,
+                             .range_m      = INFINITY};
+        mesh_init(&k);
+        add_box(&k, 0, 0, 64, 256, 256, 80);
+        add_box(&k, 100.01, 60, 20, 110, 140, 64);
+        add_box(&k, 30, 40, 40, 60, 160, 60);
+        solids_end(&k);
+        add_sheet(&k, 20, 20, 200, 40, 50, 5);
+        assert_true(check_lamp(&k, &shape, 128) > 1000);
+        casters_free(&k.c);
+    }
+}
+
+/* Things from a millimetre to a kilometre: near and far a million apart, and depths right in shares of themselves. */
+static void lamps_see_near_and_far(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        mesh        k;
+        vxs_light   light;
+        message     m     = {0};
+        light_shape shape = {
+            .kind = kind ? LIGHT_SPOT : LIGHT_POINT, .direction_ws = {0, 0, 1}, .outer_rad = 1.0, .range_m = INFINITY};
+        mesh_init(&k);
+        for (int n = 0; n < 7; n++) {
+            double d = 0.001 * pow(10, n), at = (n - 3) * 0.25 * d;
+            add_box(&k, at, -0.1 * d, d, at + 0.2 * d, 0.1 * d, 1.3 * d);
+        }
+        solids_end(&k);
+        add_sheet(&k, -3e3, -3e3, 3e3, 3e3, 1500, 0);
+        light_fit_desc fit = {.name = "lamp", .shape = &shape, .resolution = 256};
+        assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
+        double near = light.near_metres * exp(light.voxel_metres), far = light.near_metres * exp(254 * light.voxel_metres);
+        assert_true(far / near > 1e6);
+        assert_true(check_lamp(&k, &shape, 256) > 20000);
+        casters_free(&k.c);
+    }
+}
+
+static void lamps_and_threads(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 1; seed++) {
+        rng            r     = rng_split(seed, 21);
+        mesh           k     = city(seed, 256);
+        light_shape    shape = random_shape(&r, 1);
+        light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = 1024};
+        vxs_light      light;
+        message        m = {0};
+        assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
+        for (int map = 0; map < (light.flags & VXS_LIGHT_CUBE ? 6 : 1); map++) {
+            depth_maps one, many;
+            render_lamp(&k.c, &light, map, EXIT_PEEL, 1, &one);
+            render_lamp(&k.c, &light, map, EXIT_PEEL, 8, &many);
+            assert_memory_equal(one.enter, many.enter, (size_t)1024 * 1024 * sizeof *one.enter);
+            assert_memory_equal(one.exit, many.exit, (size_t)1024 * 1024 * sizeof *one.exit);
+            depth_maps_free(&one);
+            depth_maps_free(&many);
+        }
+        casters_free(&k.c);
+    }
+}
+
+/* Tiles of a lamp's map are the map; squares far from the corner of a large one are right where they are. */
+static void tiles_of_lamps(void **state)
+{
+    (void)state;
+    enum { SIDE = 1024, TILE = 512, LARGE = 16384, PART = 64 };
+    mesh           k     = city(5, 256);
+    light_shape    shape = {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY};
+    light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = SIDE};
+    vxs_light      light;
+    message        m     = {0};
+    size_t         asked = 0;
+    assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
+    for (int map = 0; map < 6; map += 3) {
+        depth_maps      whole, tile;
+        depth_renderer *r;
+        render_lamp(&k.c, &light, map, EXIT_PEEL, 2, &whole);
+        assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, map, EXIT_PEEL, 2, &m), VXS_OK);
+        assert_int_equal(depth_maps_init(&tile, TILE, SIDE, light.voxel_metres, 1, &m), VXS_OK);
+        for (uint32_t j = 0; j < SIDE / TILE; j++)
+            for (uint32_t i = 0; i < SIDE / TILE; i++) {
+                int any = 0;
+                assert_int_equal(depth_renderer_tile(r, &tile, i, j, &m), VXS_OK);
+                for (uint32_t row = 0; row < TILE; row++) {
+                    size_t at = (size_t)(j * TILE + row) * SIDE + i * TILE;
+                    assert_memory_equal(tile.enter + (size_t)row * TILE, whole.enter + at, TILE * sizeof *tile.enter);
+                    assert_memory_equal(tile.exit + (size_t)row * TILE, whole.exit + at, TILE * sizeof *tile.exit);
+                    for (uint32_t n = 0; n < TILE; n++) any |= whole.enter[at + n] < 0;
+                }
+                if (any) assert_true(depth_renderer_has_casters(r, TILE, i, j));
+            }
+        depth_renderer_destroy(r);
+        depth_maps_free(&tile);
+        depth_maps_free(&whole);
+    }
+    fit.resolution = LARGE;
+    assert_int_equal(light_fit(&light, &k.c, &fit, &m), VXS_OK);
+    for (int map = 0; map < 6; map++) {
+        depth_maps      tile, part;
+        depth_renderer *r;
+        assert_int_equal(depth_renderer_create(&r, gl, &k.c, &light, map, EXIT_PEEL, 2, &m), VXS_OK);
+        assert_int_equal(depth_maps_init(&tile, TILE, LARGE, light.voxel_metres, 1, &m), VXS_OK);
+        assert_int_equal(depth_maps_init(&part, PART, LARGE, light.voxel_metres, 1, &m), VXS_OK);
+        for (uint32_t n = 0; n < 4; n++) {
+            uint32_t i = n % 2 ? 21 : 30, j = n / 2 ? 18 : 11, u = TILE - PART - 40 * n, v = 70 * n;
+            assert_int_equal(depth_renderer_tile(r, &tile, i, j, &m), VXS_OK);
+            for (size_t row = 0; row < PART; row++) {
+                memcpy(part.enter + row * PART, tile.enter + (v + row) * TILE + u, PART * sizeof *part.enter);
+                memcpy(part.exit + row * PART, tile.exit + (v + row) * TILE + u, PART * sizeof *part.exit);
+            }
+            texel_hits *all = cast_lamp_rays(&k.c, &light, map, i * TILE + u, j * TILE + v, PART);
+            asked += compare_maps(all, &part, EXIT_PEEL).asked;
+            free(all);
+        }
+        depth_renderer_destroy(r);
+        depth_maps_free(&tile);
+        depth_maps_free(&part);
+    }
+    assert_true(asked > 10000);
+    casters_free(&k.c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -838,6 +1144,11 @@ int main(void)
         cmocka_unit_test(empty_squares_have_no_casters),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(fitted_lights),
+        cmocka_unit_test(lamps_on_solids_and_sheets),
+        cmocka_unit_test(lamps_near_surfaces),
+        cmocka_unit_test(lamps_see_near_and_far),
+        cmocka_unit_test(lamps_and_threads),
+        cmocka_unit_test(tiles_of_lamps),
     };
     return cmocka_run_group_tests_name("depth_gl", tests, open_gl, close_gl);
 }

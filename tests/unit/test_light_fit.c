@@ -564,6 +564,8 @@ static void lamp_texel_sizes(void **state)
         if (result == VXS_E_NO_CASTER) continue;
         if (result == VXS_E_ARGUMENT) {
             assert_non_null(strstr(m.error, "--texel"));
+            assert_int_equal(fit_lamp(&l, &k, &shape, d.resolution_max), VXS_OK); /* indeed the largest map is too small */
+            assert_true(l.near_metres * exp((d.resolution_max - 2) * l.voxel_metres) * l.texel_metres > d.texel_metres);
             continue;
         }
         assert_int_equal(result, VXS_OK);
