@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "dag_sample.h"
+#include "random_lamp.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
@@ -151,7 +152,10 @@ static void test_lookups_random(void **state)
     X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                                 \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                                           \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                                 \
-    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
+    X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                               \
+    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                             \
+    X(PFNGLUNIFORMMATRIX4X3FVPROC, UniformMatrix4x3fv)
 
 typedef struct compute {
     gl_context *gl;
@@ -185,25 +189,26 @@ static const char after_lookup[]  = "struct query { uint dag, levels; int i, j; 
                                     "              vxs_shadow(a.dag, 0u, a.levels, i, j, a.k));\n"
                                     "}\n";
 
-static void read_lookup_header(char *text, size_t size)
+static void read_text(const char *path, char *text, size_t size)
 {
-    FILE *file = fopen("formats/vxs_lookup.h", "r");
+    FILE *file = fopen(path, "r");
     if (!file) {
-        print_message("formats/vxs_lookup.h is not here: start this test in the root of the repository\n");
+        print_message("%s is not here: start this test in the root of the repository\n", path);
         skip();
     }
     text[fread(text, 1, size - 1, file)] = 0;
     fclose(file);
 }
 
-static void compile_shader(const compute *c)
+/* The text of vxs_lookup.h between two others, as the program in use. */
+static void compile_shader(const compute *c, const char *body, const char *end)
 {
     char        header[16384], log[4096] = "";
-    const char *text[3] = {before_lookup, header, after_lookup};
+    const char *text[4] = {before_lookup, header, body, end};
     GLint       good;
-    read_lookup_header(header, sizeof header);
+    read_text("formats/vxs_lookup.h", header, sizeof header);
     GLuint shader = c->gl->CreateShader(GL_COMPUTE_SHADER);
-    c->gl->ShaderSource(shader, 3, text, NULL);
+    c->gl->ShaderSource(shader, 4, text, NULL);
     c->gl->CompileShader(shader);
     c->GetShaderiv(shader, GL_COMPILE_STATUS, &good);
     c->GetShaderInfoLog(shader, sizeof log, NULL, log);
@@ -243,9 +248,8 @@ static uint32_t gather_words(const subject *s, uint32_t count, uint32_t *dag, ui
     return total;
 }
 
-static void test_shader_answers_like_c(void **state)
+static compute make_compute(void)
 {
-    (void)state;
     compute c = {0};
     message m = {0};
     if (gl_context_create(&c.gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
@@ -257,7 +261,14 @@ static void test_shader_answers_like_c(void **state)
     assert_true(c.name != NULL);
     COMPUTE_FUNCTIONS(COMPUTE_LOAD)
 #undef COMPUTE_LOAD
-    compile_shader(&c);
+    return c;
+}
+
+static void test_shader_answers_like_c(void **state)
+{
+    (void)state;
+    compute c = make_compute();
+    compile_shader(&c, after_lookup, "");
 
     subject   s[3] = {subject_make(31, 3, 12), subject_make(32, 6, 200), subject_make(33, 8, 300)};
     uint32_t  dag[3], *words;
@@ -293,6 +304,146 @@ static void test_shader_answers_like_c(void **state)
     for (int n = 0; n < 3; n++) subject_free(&s[n]);
 }
 
+/* the shader of the guide ------------------------------------------------------------------------------------------------------ */
+
+static const char after_guide[] = "struct query { vec4 position, normal; };\n"
+                                  "layout(std430, binding = 1) readonly buffer queries { query q[]; };\n"
+                                  "layout(std430, binding = 2) writeonly buffer answers { float answer[]; };\n"
+                                  "void main() {\n"
+                                  "    query a = q[gl_GlobalInvocationID.x];\n"
+                                  "    answer[gl_GlobalInvocationID.x] = lamp_lit(a.position.xyz, a.normal.xyz, int(a.normal.w));\n"
+                                  "}\n";
+
+/* What the guide's second shader has between the lookup's text and its main. */
+static void read_guide(char *text, size_t size)
+{
+    read_text("docs/runtime.md", text, size);
+    char *shader = text;
+    for (int n = 0; n < 2; n++) {
+        shader = strstr(shader + 1, "```glsl\n");
+        assert_non_null(shader);
+    }
+    char *body = strstr(shader, "#include \"vxs_lookup.h\"\n");
+    assert_non_null(body);
+    char *end = strstr(body, "void main()");
+    assert_non_null(end);
+    body += strlen("#include \"vxs_lookup.h\"\n");
+    *end = 0;
+    memmove(text, body, (size_t)(end - body) + 1);
+}
+
+/* Locations as the guide has them. */
+static void set_lamp(const compute *c, const vxs_light *l)
+{
+    float matrix[12];
+    for (int n = 0; n < 12; n++) matrix[n] = (float)l->ls_from_ws[n];
+    c->UniformMatrix4x3fv(0, 1, GL_TRUE, matrix);
+    c->Uniform1ui(4, l->levels);
+    c->Uniform1ui(5, (l->flags & VXS_LIGHT_CUBE) != 0);
+    c->Uniform1f(6, (float)l->texel_metres);
+    c->Uniform1f(7, (float)l->voxel_metres);
+    c->Uniform1f(8, (float)l->near_metres);
+    c->Uniform1f(9, l->kind == VXS_LIGHT_KIND_POINT ? -2 : (float)l->cos_outer);
+    c->Uniform1f(10, (float)l->range_metres);
+}
+
+/* How far a point is from where rounding decides: a voxel's side, an edge of cone, range or cube, a step that is whole. */
+static double clear_by(const vxs_light *l, const float *position, const float *normal, int filter_px)
+{
+    double ls[3], n[3], by = 1, size[3];
+    for (int row = 0; row < 3; row++) {
+        const double *m = l->ls_from_ws + 4 * row;
+        n[row]          = m[0] * (double)normal[0] + m[1] * (double)normal[1] + m[2] * (double)normal[2];
+        ls[row]         = m[0] * (double)position[0] + m[1] * (double)position[1] + m[2] * (double)position[2] + m[3];
+        size[row]       = fabs(ls[row]);
+    }
+    double metres = sqrt(dot(ls, ls)), side = ldexp(1, (int)l->levels);
+    if (l->kind == VXS_LIGHT_KIND_SPOT) by = fmin(by, 100 * fabs(ls[2] / metres - l->cos_outer));
+    if (l->range_metres > 0) by = fmin(by, 100 * fabs(metres / l->range_metres - 1));
+    int along = l->flags & VXS_LIGHT_CUBE ? size[1] > size[0] ? 1 : 0 : 2;
+    if (size[2] > size[along]) along = 2;
+    for (int c = 0; c < 3; c++) {
+        if (c == along) continue;
+        double slope = ls[c] / ls[along], step = 0.5 * filter_px * (n[c] - n[along] * slope);
+        double texel = side / 2 + slope / l->texel_metres;
+        if (l->flags & VXS_LIGHT_CUBE) by = fmin(by, 100 * fabs(size[c] / size[along] - 1));
+        by = fmin(by, fmin(fabs(texel - rint(texel)), fabs(step) < 1e-9 ? 1 : fabs(step - rint(step))));
+    }
+    double step  = 0.5 * filter_px * n[along] * l->texel_metres / l->voxel_metres,
+           depth = log(size[along] / l->near_metres) / l->voxel_metres;
+    return fmin(by, fmin(fabs(depth - rint(depth)), fabs(step) < 1e-9 ? 1 : fabs(step - rint(step))));
+}
+
+static void test_shader_of_the_guide(void **state)
+{
+    enum { POINTS = 64 * GROUP };
+    static char  guide[1 << 16];
+    static float queries[POINTS][8], answers[POINTS];
+    (void)state;
+    compute c = make_compute();
+    read_guide(guide, sizeof guide);
+    compile_shader(&c, guide, after_guide);
+    rng r     = {61};
+    int asked = 0, outside = 0, partly = 0;
+    for (int shape = 0; shape < 9; shape++) {
+        static const uint32_t kinds[3] = {VXS_LIGHT_KIND_SPOT, VXS_LIGHT_KIND_SPOT, VXS_LIGHT_KIND_POINT};
+        dag_sample            sample;
+        uint32_t              levels = 4 + (uint32_t)shape / 3 * 2;
+        lamp                  of     = random_lamp(&r, (lamp_shape)(shape % 3));
+        vxs_asset            *asset;
+        vxs_bytes             file = {0};
+        dag_sample_init(&sample, &r, levels, 200);
+        vxs_write_light light = dag_sample_lamp(&sample, "lamp", kinds[shape % 3], shape % 3 ? VXS_LIGHT_CUBE : 0);
+        for (int n = 0; n < 3; n++) {
+            memcpy(light.light.ls_from_ws + 4 * n, of.axis[n], sizeof of.axis[n]);
+            of.at[n] /= 10;
+        }
+        for (int n = 0; n < 3; n++) light.light.ls_from_ws[4 * n + 3] = -dot(of.axis[n], of.at);
+        memcpy(light.light.direction_ws, of.axis[2], sizeof of.axis[2]);
+        if (shape % 2) light.light.range_metres = 6;
+        vxs_write_desc desc = {.lights = &light, .light_count = 1, .zstd_level = 1};
+        assert_int_equal(vxs_write(&file, &desc), VXS_OK);
+        assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+        const vxs_light *l = vxs_asset_light(asset, 0);
+
+        for (int n = 0; n < POINTS; n++) {
+            double way[3], normal[3], metres = 0.4 * pow(25, uniform(&r, 0, 1));
+            random_direction(&r, way);
+            random_direction(&r, normal);
+            for (int k = 0; k < 3; k++) {
+                queries[n][k]     = (float)(of.at[k] + metres * way[k] + (shape % 3 == 0 ? 0.7 * metres * of.axis[2][k] : 0));
+                queries[n][4 + k] = n % 3 ? (float)normal[k] : 0;
+            }
+            queries[n][7] = (float)(1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2));
+        }
+        set_lamp(&c, l);
+        bind_buffer(&c, 0, l->word_count * sizeof *l->words, l->words);
+        bind_buffer(&c, 1, sizeof queries, queries);
+        bind_buffer(&c, 2, sizeof answers, NULL);
+        c.DispatchCompute(POINTS / GROUP, 1, 1);
+        c.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        c.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, sizeof answers, answers);
+        assert_int_equal(c.gl->GetError(), GL_NO_ERROR);
+        for (int n = 0; n < POINTS; n++) {
+            int    filter_px = (int)queries[n][7];
+            double point[3], normal[3];
+            for (int k = 0; k < 3; k++) point[k] = (double)queries[n][k], normal[k] = (double)queries[n][4 + k];
+            if (clear_by(l, queries[n], queries[n] + 4, filter_px) < 0.005) continue;
+            float wanted = vxs_lookup(l, point, normal, filter_px);
+            if (fabsf(answers[n] - wanted) > 1e-6f)
+                fail_msg("light %d, point %d: %g, expected %g", shape, n, (double)answers[n], (double)wanted);
+            asked++;
+            outside += wanted < 0;
+            partly += wanted > 0 && wanted < 1;
+        }
+        vxs_asset_close(asset);
+        free(file.data);
+        dag_sample_free(&sample);
+    }
+    assert_true(asked > 9 * POINTS * 8 / 10 && outside > POINTS / 2 && partly > POINTS);
+    gl_context_destroy(c.gl);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -301,6 +452,7 @@ int main(void)
         cmocka_unit_test(test_count_exhaustive),
         cmocka_unit_test(test_lookups_random),
         cmocka_unit_test(test_shader_answers_like_c),
+        cmocka_unit_test(test_shader_of_the_guide),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
