@@ -18,6 +18,7 @@
 #include "baker/base/vec3.h"
 #include "baker/maps/depth_gl.h" /* before cmocka, whose fail() is a macro */
 #include "baker/maps/light_fit.h"
+#include "runtime/vxs.h"
 
 #include <cmocka.h>
 
@@ -873,6 +874,15 @@ static void hit_lamp_texel(texel_hits *t, const vxs_light *l, const double p[2],
                                 .solid     = solid};
 }
 
+/* Behind a spot light, where a cube's map may look but no cone does: casters that lie there wholly are left out. */
+static int behind_spot(const vxs_light *l, int map, const double p[2])
+{
+    double at[3], way[3];
+    vxs_point(l, map, (const double[]){p[0], p[1], 0}, at);
+    for (int n = 0; n < 3; n++) way[n] = l->ls_from_ws[8 + n] * at[n];
+    return l->kind == VXS_LIGHT_KIND_SPOT && way[0] + way[1] + way[2] + l->ls_from_ws[11] < 0;
+}
+
 /* Texels [u0, u0 + side) x [v0, v0 + side) of a map. */
 static texel_hits *cast_lamp_rays(const casters *c, const vxs_light *l, int map, uint32_t u0, uint32_t v0, uint32_t side)
 {
@@ -899,6 +909,7 @@ static texel_hits *cast_lamp_rays(const casters *c, const vxs_light *l, int map,
                 double      p[2] = {(double)u + u0 + 0.5, (double)v + v0 + 0.5};
                 texel_hits *t    = &all[v * side + u];
                 for (int k = 0; k < 3; k++) t->unsure |= seen[k] && segment_distance(p, flat[k][0], flat[k][1]) < 1.0 / 128;
+                t->unsure |= behind_spot(l, map, p);
                 if (!t->unsure) hit_lamp_texel(t, l, p, corner, normal, n < c->solid_triangle_count);
             }
     }
