@@ -4,6 +4,7 @@
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
+#   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make install        to $(DESTDIR)$(prefix); uninstall takes it away
@@ -69,7 +70,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects   := $B/baker/main.c.o $(baker.o) $(runtime.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers demo check check-unit bench packages install uninstall format clean
+.PHONY: all unit fuzz fuzzers demo check check-unit check-tsan bench packages install uninstall format clean
 all: $B/vxs $B/libvxs.a
 unit: $(unit) $(helper) $(fuzz)
 
@@ -107,14 +108,14 @@ $B/%.cc.o: %.cc
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-unit bench packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-unit check-tsan bench packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects): | packages # nothing is compiled before the headers are there
 endif
 
 # `make demo` compiles no tests, and needs none of their packages
-needed = $(packages.build) $(if $(filter check check-unit bench packages,$(MAKECMDGOALS)),$(packages.test))
+needed = $(packages.build) $(if $(filter check check-unit check-tsan bench packages,$(MAKECMDGOALS)),$(packages.test))
 packages:
 ifneq ($(packages),skip)
 	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \
@@ -144,6 +145,9 @@ check: all unit
 	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B
 check-unit: unit
 	@$(python) tests/run --build $B --unit
+check-tsan: packages
+	@$(MAKE) config=tsan packages=skip all check-unit
+	@VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py
 
 bench: all $(helper)
 	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
