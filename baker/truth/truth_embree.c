@@ -207,6 +207,38 @@ void truth_lift(const truth *t, const double point_ws[3], const double normal_ws
 
 /* -- rays ------------------------------------------------------------------------------------------------ */
 
+static double segment_distance2(const double a[3], const double b[3])
+{
+    double ab[3], nearest[3];
+    vec3_sub(b, a, ab);
+    double length2 = vec3_dot(ab, ab);
+    double along   = length2 > 0 ? fmin(1, fmax(0, -vec3_dot(a, ab) / length2)) : 0;
+    vec3_mad(a, along, ab, nearest);
+    return vec3_dot(nearest, nearest);
+}
+
+/* The squared distance from 0 to a triangle, which may have no area: to its plane where 0 lies above the inside, else to an
+ * edge. */
+static double triangle_distance2(const double a[3], const double b[3], const double c[3])
+{
+    double ab[3], ac[3], normal[3], side[3];
+    vec3_sub(b, a, ab);
+    vec3_sub(c, a, ac);
+    vec3_cross(ab, ac, normal);
+
+    const double *corners[4] = {a, b, c, a};
+    int           above      = vec3_dot(normal, normal) > 0;
+    for (int i = 0; i < 3 && above; i++) {
+        vec3_cross(corners[i], corners[i + 1], side);
+        above = vec3_dot(side, normal) >= 0;
+    }
+    if (above) {
+        double height = vec3_dot(a, normal);
+        return height * height / vec3_dot(normal, normal);
+    }
+    return fmin(segment_distance2(a, b), fmin(segment_distance2(b, c), segment_distance2(c, a)));
+}
+
 /* A ray in unit space.
  * skipped  [out] metres between origin_ws and where the ray begins
  * Returns 0 when the ray misses the bounds, or so nearly that nothing can be hit. */
@@ -272,26 +304,87 @@ static int is_hole(const casters *c, size_t triangle, double second, double thir
     return !alpha_mask_opaque(mask, &c->images[mask->image], at[0], at[1]);
 }
 
-typedef struct holes_context {
-    struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
-    const casters             *casters;
-} holes_context;
+/* What is at most this far from a lamp, in unit space, is asked in double: there a float's rounding turns a ray by too much. */
+#define AT_LAMP 0x1p-10
 
-/* Embree's weights of a triangle's corners are off by what rounding displaces the ray, which truth_precision has room for. */
-static void pass_holes(const struct RTCFilterFunctionNArguments *args)
+/* Corners of a triangle as seen from a point, in metres. */
+static void corners_from(const truth *t, size_t triangle, const double from_ws[3], double corners[3][3])
 {
-    const holes_context *context = (const holes_context *)args->context;
-    const struct RTCHit *hit     = (const struct RTCHit *)args->hit; /* N is 1: the plain struct */
-    if (is_hole(context->casters, hit->primID, (double)hit->u, (double)hit->v)) args->valid[0] = 0;
+    for (int k = 0; k < 3; k++) vec3_sub(corner(t->casters, triangle, k), from_ws, corners[k]);
 }
 
-static int is_occluded(const truth *t, struct RTCRay ray)
+static int is_at_lamp(const truth *t, size_t triangle, const double lamp_ws[3])
 {
-    holes_context context = {.casters = t->casters};
-    rtcInitIntersectContext(&context.embree);
-    if (t->casters->mask_count) context.embree.filter = pass_holes;
-    rtcOccluded1(t->scene, &context.embree, &ray);
+    double corners[3][3], limit = AT_LAMP / t->scale;
+    corners_from(t, triangle, lamp_ws, corners);
+    return triangle_distance2(corners[0], corners[1], corners[2]) <= limit * limit;
+}
+
+/* One ray, asked whether anything is in its way. */
+typedef struct way_context {
+    struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
+    const truth               *truth;
+    const double              *lamp_ws; /* NULL for a directional light */
+} way_context;
+
+/* Holes let light pass. Embree's weights of a triangle's corners are off by what rounding displaces the ray, which truth_precision has
+ * room for. What is at the lamp is asked elsewhere. */
+static void pass_holes(const struct RTCFilterFunctionNArguments *args)
+{
+    const way_context   *way = (const way_context *)args->context;
+    const struct RTCHit *hit = (const struct RTCHit *)args->hit; /* N is 1: the plain struct */
+    if (is_hole(way->truth->casters, hit->primID, (double)hit->u, (double)hit->v)) args->valid[0] = 0;
+    if (way->lamp_ws && is_at_lamp(way->truth, hit->primID, way->lamp_ws)) args->valid[0] = 0;
+}
+
+static int is_occluded(const truth *t, struct RTCRay ray, const double *lamp_ws)
+{
+    way_context way = {.truth = t, .lamp_ws = lamp_ws};
+    rtcInitIntersectContext(&way.embree);
+    if (t->casters->mask_count || lamp_ws) way.embree.filter = pass_holes;
+    rtcOccluded1(t->scene, &way.embree, &ray);
     return ray.tfar < 0; /* Embree's sign for occluded is -infinity */
+}
+
+/* The casters at a lamp, in double, on the way from it to a point. */
+typedef struct lamp_query {
+    const truth  *truth;
+    const double *lamp_ws;
+    double        way_ws[3]; /* unit, from the lamp */
+    double        end;       /* metres: what is farther does not count */
+    int           occluded;
+} lamp_query;
+
+/* Moeller and Trumbore, 1997. */
+static bool ask_at_lamp(struct RTCPointQueryFunctionArguments *args)
+{
+    lamp_query *q = args->userPtr;
+    double      corners[3][3], ab[3], ac[3], p[3], r[3];
+    if (q->occluded || !is_at_lamp(q->truth, args->primID, q->lamp_ws)) return false;
+    corners_from(q->truth, args->primID, q->lamp_ws, corners);
+    vec3_sub(corners[1], corners[0], ab);
+    vec3_sub(corners[2], corners[0], ac);
+    vec3_cross(q->way_ws, ac, p);
+    vec3_cross(ab, corners[0], r);
+    double volume = vec3_dot(ab, p);
+    double second = -vec3_dot(corners[0], p) / volume, third = vec3_dot(q->way_ws, r) / volume, at = vec3_dot(ac, r) / volume;
+    if (!(second >= 0 && third >= 0 && second + third <= 1)) return false;
+    if (!(at > 1e-9 * q->end && at < q->end)) return false; /* a lamp may lie in a ceiling */
+    q->occluded = !is_hole(q->truth->casters, args->primID, second, third);
+    return false;
+}
+
+static int is_occluded_at_lamp(const truth *t, const double lamp_ws[3], const double way_ws[3], double end)
+{
+    lamp_query           q = {.truth = t, .lamp_ws = lamp_ws, .way_ws = {-way_ws[0], -way_ws[1], -way_ws[2]}, .end = end};
+    float                at[3];
+    struct RTCPointQuery query = {.radius = 2 * (float)AT_LAMP};
+    unit_from_ws(t, lamp_ws, at);
+    query.x = at[0], query.y = at[1], query.z = at[2];
+    struct RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(t->scene, &query, &context, ask_at_lamp, &q);
+    return q.occluded;
 }
 
 /* The way from a point to a light, and how far it is: INFINITY for a directional light. */
@@ -311,14 +404,19 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
     struct RTCRay ray;
     if (!ray_begin(t, point_ws, to_light_ws, &ray, &skipped)) return 1;
     if (skipped == 0) ray.tnear = FLOAT_SLACK; /* the surface that the point lies on is not in its own way */
-    if (distance < INFINITY) ray.tfar = (float)((distance - skipped) * t->scale) - (float)FLOAT_SLACK; /* nor the lamp itself */
-    if (ray.tfar <= ray.tnear) return 1;
-    if (is_occluded(t, ray)) return 0;
+    if (distance < INFINITY) {
+        double own = skipped == 0 ? truth_precision(t) : 0;
+        if (is_occluded_at_lamp(t, light->position_ws, to_light_ws, distance - own)) return 0;
+        ray.tfar = (float)((distance - skipped) * t->scale - AT_LAMP / 2);
+        if (ray.tfar <= ray.tnear) return 1;
+    }
+    const double *lamp_ws = distance < INFINITY ? light->position_ws : NULL;
+    if (is_occluded(t, ray, lamp_ws)) return 0;
 
     /* Embree is watertight along edges, but now and then a ray that is aimed at a vertex slips through it, and points on a
      * grid do aim at vertices: light must come in along a second ray, too */
     tilt(&ray);
-    return !is_occluded(t, ray);
+    return !is_occluded(t, ray, lamp_ws);
 }
 
 /* Embree keeps whichever of two equally near triangles its tree shows last, and threads may build different trees. */
@@ -441,38 +539,6 @@ int truth_inside_solid(const truth *t, const double point_ws[3])
 }
 
 /* -- distance -------------------------------------------------------------------------------------------- */
-
-static double segment_distance2(const double a[3], const double b[3])
-{
-    double ab[3], nearest[3];
-    vec3_sub(b, a, ab);
-    double length2 = vec3_dot(ab, ab);
-    double along   = length2 > 0 ? fmin(1, fmax(0, -vec3_dot(a, ab) / length2)) : 0;
-    vec3_mad(a, along, ab, nearest);
-    return vec3_dot(nearest, nearest);
-}
-
-/* The squared distance from 0 to a triangle, which may have no area: to its plane where 0 lies above the inside, else to an
- * edge. */
-static double triangle_distance2(const double a[3], const double b[3], const double c[3])
-{
-    double ab[3], ac[3], normal[3], side[3];
-    vec3_sub(b, a, ab);
-    vec3_sub(c, a, ac);
-    vec3_cross(ab, ac, normal);
-
-    const double *corners[4] = {a, b, c, a};
-    int           above      = vec3_dot(normal, normal) > 0;
-    for (int i = 0; i < 3 && above; i++) {
-        vec3_cross(corners[i], corners[i + 1], side);
-        above = vec3_dot(side, normal) >= 0;
-    }
-    if (above) {
-        double height = vec3_dot(a, normal);
-        return height * height / vec3_dot(normal, normal);
-    }
-    return fmin(segment_distance2(a, b), fmin(segment_distance2(b, c), segment_distance2(c, a)));
-}
 
 typedef struct distance_query {
     const truth *truth;
