@@ -1,16 +1,18 @@
-/* Which solids meet; see casters_find_meeting in casters.h.
+/* Which solids meet; see casters_find_meeting in casters.h, and mesh_meet.h.
  *
  *   corners ---in common---> meet
  *   triangles ---touch, cross---> meet          (of one solid too)
  *   boxes in boxes ---a corner inside---> meet  (what does not touch is inside as a whole, or not at all)
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/scene/mesh_meet.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/scene/casters.h"
 #include "baker/scene/casters_cgal.h"
 #include "baker/scene/mesh_edges.h"
 #include "baker/scene/mesh_intersect.h"
+#include "baker/scene/mesh_join.h"
 
 /* A few seconds each. */
 #define LOOKS_MAX 400000000u
@@ -29,6 +31,7 @@ typedef struct meeting {
     shell_pair    *pairs;        /* [pair_count] boxes in boxes */
     size_t         pair_count, pair_room;
     int            gave_up;
+    uint32_t      *cluster_of; /* [solids] parents of a forest: solids that meet are joined; NULL: they are only marked */
 } meeting;
 
 static void meeting_free(meeting *w)
@@ -46,6 +49,20 @@ static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
     w->meets[solid] = 1;
+}
+
+static void mark_pair(meeting *w, uint32_t a, uint32_t b)
+{
+    mark(w, a);
+    mark(w, b);
+    if (w->cluster_of) mesh_join(w->cluster_of, a, b);
+}
+
+/* Is there nothing to learn from two solids? */
+static int is_known(const meeting *w, uint32_t a, uint32_t b)
+{
+    if (w->cluster_of) return mesh_find(w->cluster_of, a) == mesh_find(w->cluster_of, b);
+    return w->meets[a] && w->meets[b];
 }
 
 /* --- solids ----------------------------------------------------------------------------------------------------------- */
@@ -84,8 +101,7 @@ static void search_corners(meeting *w)
     for (size_t i = 0; i < 3 * c->solid_triangle_count; i++) {
         uint32_t solid = c->component_of[i / 3], *at = &solid_at[c->indices[i]];
         if (*at && *at != solid + 1) {
-            mark(w, *at - 1);
-            mark(w, solid);
+            mark_pair(w, *at - 1, solid);
         }
         *at = solid + 1;
     }
@@ -95,15 +111,14 @@ static int may_tell(void *user, uint32_t a, uint32_t b)
 {
     const meeting  *w  = user;
     const uint32_t *of = w->c->component_of;
-    return !w->meets[of[a]] || !w->meets[of[b]];
+    return !is_known(w, of[a], of[b]);
 }
 
 static int surfaces_meet(void *user, uint32_t a, uint32_t b)
 {
     meeting *w = user;
-    mark(w, w->c->component_of[a]);
-    mark(w, w->c->component_of[b]);
-    return !w->open;
+    mark_pair(w, w->c->component_of[a], w->c->component_of[b]);
+    return !w->open && !w->cluster_of;
 }
 
 static vxs_result search_surfaces(meeting *w, meeting_counts *counts)
@@ -138,7 +153,7 @@ static int boxes_meet(void *user, uint32_t a, uint32_t b)
     meeting      *w   = user;
     const double *box = w->boxes;
     w->near[a] = w->near[b] = 1;
-    if (w->meets[a] && w->meets[b]) return 0;
+    if (is_known(w, a, b)) return 0;
     if (box_holds(&box[6 * (size_t)a], &box[6 * (size_t)b])) w->gave_up |= !add_pair(w, a, b);
     if (box_holds(&box[6 * (size_t)b], &box[6 * (size_t)a])) w->gave_up |= !add_pair(w, b, a);
     return w->gave_up;
@@ -166,25 +181,29 @@ static vxs_result search_insides(meeting *w)
     if ((r = shells_find_inside(&shells, w->pairs, w->pair_count)) != VXS_OK) return r;
     for (size_t i = 0; i < w->pair_count; i++) {
         if (!w->pairs[i].inside) continue;
-        mark(w, w->pairs[i].outer);
-        mark(w, w->pairs[i].inner);
+        mark_pair(w, w->pairs[i].outer, w->pairs[i].inner);
     }
     return VXS_OK;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-static int make_room(meeting *w, casters *c)
+static int make_room(meeting *w)
 {
-    size_t triangles = c->solid_triangle_count + 1; /* a count of 0 is no failure */
-    c->solid_meets   = calloc(triangles, sizeof *c->solid_meets);
-    w->meets         = calloc(w->solids + 1, sizeof *w->meets);
-    w->boxes         = malloc((6 * w->solids + 1) * sizeof *w->boxes);
-    w->first         = calloc(w->solids + 1, sizeof *w->first);
-    w->members       = malloc(triangles * sizeof *w->members);
-    w->near          = calloc(w->solids + 1, sizeof *w->near);
-    w->solid_at      = calloc(c->vertex_count + 1, sizeof *w->solid_at);
-    return c->solid_meets && w->meets && w->boxes && w->first && w->members && w->near && w->solid_at;
+    const casters *c         = w->c;
+    size_t         triangles = c->solid_triangle_count + 1; /* a count of 0 is no failure */
+    w->meets                 = calloc(w->solids + 1, sizeof *w->meets);
+    w->boxes                 = malloc((6 * w->solids + 1) * sizeof *w->boxes);
+    w->first                 = calloc(w->solids + 1, sizeof *w->first);
+    w->members               = malloc(triangles * sizeof *w->members);
+    w->near                  = calloc(w->solids + 1, sizeof *w->near);
+    w->solid_at              = calloc(c->vertex_count + 1, sizeof *w->solid_at);
+    return w->meets && w->boxes && w->first && w->members && w->near && w->solid_at;
+}
+
+static vxs_result out_of_memory(const meeting *w, message *m)
+{
+    return fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);
 }
 
 static void finish(casters *c, const meeting *w, meeting_counts *counts)
@@ -204,7 +223,8 @@ vxs_result casters_find_meeting(casters *c, message *m)
     meeting_counts counts = {0};
 
     free(c->solid_meets);
-    if (make_room(&w, c)) {
+    c->solid_meets = calloc(c->solid_triangle_count + 1, sizeof *c->solid_meets);
+    if (c->solid_meets && make_room(&w)) {
         mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
         measure_boxes(&w);
         search_corners(&w);
@@ -216,8 +236,28 @@ vxs_result casters_find_meeting(casters *c, message *m)
     } else {
         free(c->solid_meets);
         c->solid_meets = NULL;
-        fail(m, r, "out of memory while finding out which of %zu solids meet", w.solids);
+        out_of_memory(&w, m);
     }
     meeting_free(&w);
     return r;
+}
+
+vxs_result mesh_find_clusters(uint32_t *cluster_of, int *gave_up, const casters *c, message *m)
+{
+    vxs_result     r      = VXS_E_MEMORY;
+    size_t         solids = c->component_count[COMPONENT_SOLID];
+    meeting        w      = {.c = c, .solids = solids, .open = solids, .cluster_of = cluster_of};
+    meeting_counts counts = {0};
+
+    for (uint32_t i = 0; i < solids; i++) cluster_of[i] = i;
+    if (make_room(&w)) {
+        mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
+        measure_boxes(&w);
+        r = search_surfaces(&w, &counts);
+        if (r == VXS_OK && !w.gave_up) r = search_insides(&w);
+    }
+    for (uint32_t i = 0; i < solids; i++) cluster_of[i] = mesh_find(cluster_of, i);
+    *gave_up = w.gave_up;
+    meeting_free(&w);
+    return r == VXS_OK ? VXS_OK : out_of_memory(&w, m);
 }
