@@ -320,7 +320,7 @@ static vxs_result unite(health_command *c, casters *casting, message *m)
     union_report report;
     say_progress("unions");
     vxs_result r = casters_unite(casting, &report, m);
-    end_progress();
+    progress_clear();
     if (r != VXS_OK) return r;
     print_union(c, &report);
     if (c->json_path) json_object_set_new(c->json, "union", union_json(&report));

@@ -17,6 +17,10 @@ RULES = ["greedy", "shadow"]
 STOPS = ["insert", "partial", "final"]
 GENERATED = ["city", "landscape"]
 
+# spots of 1, 60, 120 and 179 degrees, the last of six maps, one that ends, and a point light; in shares of the scene's box
+LAMPS = ["--spot", "0.45,1.6,0.55,0.02,-1,-0.03,1", "--spot", "0.2,1.4,0.3,0.3,-1,0.2,60", "--spot", "0.43,0.9,0.52,0.2,-1,0.3,120",
+         "--spot", "0.57,0.8,0.44,-0.2,-1,0.1,179", "--spot", "0.52,0.5,0.48,1,-0.3,0.4,60,0.6", "--point", "0.47,0.55,0.53"]
+
 # what no option makes loadable, and the exit status that says so: no triangle
 REFUSED = {
     "features/00_empty_scene/00_empty_scene.gltf": 5,
@@ -73,6 +77,12 @@ def assert_complete(counts, resolution):
     assert counts["resolution"] == resolution and counts["columns"] == resolution**2 and counts["voxels"] == resolution**3
 
 
+def assert_complete_lamps(counts, resolution):
+    """All maps of all lamps but those, of one map each, that may reach nothing."""
+    assert 13 <= counts["maps"] <= 16 and counts["columns"] == counts["maps"] * resolution**2
+    assert counts["voxels"] == counts["maps"] * resolution**3 and counts["resolution"] == resolution
+
+
 @pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")
 @pytest.mark.parametrize("name", LOADABLE)
 def test_every_voxel_of_every_scene(exact, scene, name):
@@ -125,6 +135,49 @@ def test_a_million_columns_at_4096(exact, scene, name):
 def test_several_map_tiles(exact, scene):
     """8192 texels are four tiles that are rendered one by one."""
     assert exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000)["columns"] == 1000000
+
+
+@pytest.mark.parametrize("name", GENERATED + LOADABLE)
+def test_every_voxel_of_lamps_in_every_scene(exact, scene, name):
+    assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 128), 128)
+
+
+@pytest.mark.parametrize("name", EVERY_OPTION)
+def test_every_voxel_of_fine_lamps(exact, scene, name):
+    assert_complete_lamps(exact(scene(name), *LAMPS), 512)
+
+
+@pytest.mark.parametrize("name", GENERATED + EVERY_OPTION[-2:])
+def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, name):
+    for stop, rule in itertools.product(STOPS, RULES):
+        assert_complete_lamps(exact(scene(name), *LAMPS, "--stop", stop, "--rule", rule, "--resolution", 256), 256)
+    for closed, depth in itertools.product(["on", "off"], ["peel", "back"]):
+        assert_complete_lamps(exact(scene(name), *LAMPS, "--closed", closed, "--exit", depth, "--resolution", 256), 256)
+
+
+@pytest.mark.parametrize("resolution", [8, 16, 32, 64, 1024])
+def test_every_voxel_of_lamps_at_every_resolution(exact, scene, resolution):
+    assert_complete_lamps(exact(scene("city"), *LAMPS, "--resolution", resolution), resolution)
+
+
+def test_columns_of_fine_lamps(exact, scene):
+    """8192 texels are four map tiles."""
+    counts = exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", 400000)
+    assert counts["maps"] == 1 and counts["columns"] == 400000
+    assert exact(scene("city"), *LAMPS[-2:], "--resolution", 2048, "--columns", 200000)["maps"] == 6
+
+
+def test_lamps_that_reach_nothing(exact, scene):
+    assert exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", status=5) is None
+    assert exact(scene("city"), "--point", "0.5,9,0.5,0.1", status=5) is None
+    both = exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", "--spot", "0.5,2,0.5,0,-1,0,60", "--resolution", 64)
+    assert both["maps"] == 1
+
+
+@pytest.mark.parametrize("lamp", [LAMPS[2:4], LAMPS[6:8], LAMPS[10:12]], ids=["spot", "wide", "point"])
+def test_faults_of_lamps_are_seen(exact, scene, lamp):
+    counts = exact(scene("city"), *lamp, "--fault", "word", status=1)
+    assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
 
 
 @pytest.mark.parametrize("fault", ["stages"] + FAULTS)

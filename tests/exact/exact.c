@@ -523,11 +523,13 @@ done:
     return r;
 }
 
-/* A child of the root that was a node of its own becomes lit. */
-static void spoil_word(uint32_t *words)
+/* A child of a root that was a node of its own becomes lit: of the first of six that has one. */
+static void spoil_word(uint32_t *words, const vxs_light *light)
 {
-    uint32_t own = vxs_own(words[0]);
-    words[0] &= ~(2u * (own & (0u - own)));
+    uint32_t root = light->flags & VXS_LIGHT_CUBE ? words[0] : 0;
+    for (uint32_t map = 1; map < VXS_CUBE_FACES && light->flags & VXS_LIGHT_CUBE && !vxs_own(words[root]); map++) root = words[map];
+    uint32_t own = vxs_own(words[root]);
+    words[root] &= ~(2u * (own & (0u - own)));
 }
 
 /* the three ways to an asset
@@ -611,7 +613,7 @@ static vxs_result check_asset(const exact_options *o, const world *w, const vxs_
         uint32_t        *words = malloc((size_t)light->word_count * sizeof *words);
         if (!words) return fail(m, VXS_E_MEMORY, "out of memory");
         memcpy(words, light->words, (size_t)light->word_count * sizeof *words);
-        if (o->fault == FAULT_WORD) spoil_word(words);
+        if (o->fault == FAULT_WORD) spoil_word(words, light);
         r = check_light(o, w, light, words, sum, m);
         free(words);
     }
@@ -667,8 +669,9 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     o->bake.compress = (compress_order)compress;
     o->bake.stop     = (stop_stage)stop;
     o->fault         = (fault)planted;
-    if (lamps_asked_for(o) && (o->bake.sun_given || o->bake.light_names.count || o->fault != FAULT_NONE))
-        return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or --fault");
+    if (lamps_asked_for(o) &&
+        (o->bake.sun_given || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
+        return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or a --fault but word");
     return VXS_OK;
 }
 
