@@ -504,6 +504,80 @@ static void merging_is_building_at_once(void **state)
             }
 }
 
+/* One map of a DAG that holds several; borrowed. */
+static dag map_of(const dag *d, uint32_t map)
+{
+    dag one        = *d;
+    one.roots      = d->roots + map;
+    one.root_count = 1;
+    return one;
+}
+
+/* Six maps, added map by map, square by square, or backwards: each is what it is alone, and what they have in common is there once. */
+static void six_maps_share_one_dag(void **state)
+{
+    enum { MAPS = 6, SIDE = 32 };
+    (void)state;
+    for (uint64_t seed = 0; seed < 30; seed++)
+        for (int unify = 0; unify < 2; unify++) {
+            rng         r   = rng_split(seed, 70);
+            uint32_t    sub = 8u << rng_below(&r, 3), side = SIDE / sub, count = MAPS * side * side;
+            int         order = (int)(seed % 3), same = seed % 5 == 4, left_out = seed % 7 == 6; /* the fourth map */
+            depth_maps  maps[MAPS];
+            dag_merger *merger;
+            dag         d, alone[MAPS];
+            assert_int_equal(dag_merger_create(&merger, SIDE, sub, MAPS, unify), VXS_OK);
+            for (uint32_t m = 0; m < MAPS; m++)
+                make_maps(&maps[m], SIDE, SIDE, same ? MAPS_BOXES : (map_kind)rng_below(&r, MAP_KINDS), same ? 1 : seed + m);
+            for (uint32_t n = 0; n < count; n++) {
+                uint32_t at = order == 2 ? count - 1 - n : n;
+                uint32_t m = order == 1 ? at % MAPS : at / (side * side), square = order == 1 ? at / MAPS : at % (side * side);
+                if (left_out && m == 3) continue;
+                dag part = insert(&maps[m], sub, square % side, square / side, ways[seed % 4]);
+                assert_int_equal(dag_compress(&part, COMPRESS_TOP_DOWN), VXS_OK);
+                lie(&part, lies[seed % 4]);
+                assert_int_equal(dag_merger_add(merger, &part, m, square % side, square / side), VXS_OK);
+                dag_free(&part);
+            }
+            assert_int_equal(dag_merger_finish(merger, &d), VXS_OK);
+            dag_merger_destroy(merger);
+
+            assert_int_equal(d.root_count, MAPS);
+            uint64_t nodes = 0;
+            for (uint32_t m = 0; m < MAPS; m++) {
+                dag one  = map_of(&d, m);
+                alone[m] = merge(&maps[m], sub, ways[seed % 4], 1, 1, 0, lies[0]);
+                assert_true(d.roots[m] >= REF_FIRST);
+                if (left_out && m == 3) {
+                    for (uint32_t k = 0; k < SIDE * SIDE * SIDE; k++)
+                        assert_int_equal(voxel(&one, k % SIDE, k / SIDE % SIDE, k / SIDE / SIDE), 0);
+                } else {
+                    assert_exact(&one, &maps[m], 0, 0);
+                    assert_same_voxels(&one, &alone[m], SIDE, SIDE);
+                }
+                nodes += dag_node_count(&alone[m]);
+            }
+            if (unify) {
+                census least = take_census(&d);
+                assert_int_equal(d.mask_count, least.count[0]);
+                for (uint32_t l = 0; l + 1 < d.level_count; l++) assert_int_equal(d.level[l].count, least.count[1 + l]);
+                assert_in_range(d.level[d.level_count - 1].count, least.count[d.level_count],
+                                MAPS); /* a root each where all is lit */
+                assert_true(left_out || dag_node_count(&d) <= nodes);
+            }
+            if (unify && same && !left_out) {
+                for (uint32_t m = 0; m < MAPS; m++) assert_int_equal(d.roots[m], d.roots[0]);
+                assert_int_equal(dag_node_count(&d), dag_node_count(&alone[0]));
+                assert_int_equal(d.mask_count, alone[0].mask_count);
+            }
+            dag_free(&d);
+            for (uint32_t m = 0; m < MAPS; m++) {
+                dag_free(&alone[m]);
+                depth_maps_free(&maps[m]);
+            }
+        }
+}
+
 static void side_by_side_is_exact(void **state)
 {
     (void)state;
@@ -651,6 +725,7 @@ int main(void)
         cmocka_unit_test(masks_whose_hashes_meet),
         cmocka_unit_test(equal_subtrees_are_kept_once),
         cmocka_unit_test(merging_is_building_at_once),
+        cmocka_unit_test(six_maps_share_one_dag),
         cmocka_unit_test(side_by_side_is_exact),
         cmocka_unit_test(missing_squares_are_lit),
         cmocka_unit_test_setup_teardown(same_bytes_at_any_thread_count, make_city, remove_city),

@@ -19,14 +19,22 @@ static void init(depth_maps *d, uint32_t side, uint32_t depth, int with_exit)
     assert_int_equal(depth_maps_init(d, side, depth, 0, with_exit, &m), VXS_OK);
 }
 
+/* Perspective depths are -near / distance; their logarithm in voxels, where long double is what rounding is held against. */
+static long double voxels(const depth_maps *d, float depth)
+{
+    if (d->voxel_log == 0) return (long double)depth * d->depth_vx;
+    if (!(depth < 0)) return d->depth_vx;
+    return fminl(-logl(-(long double)depth) / d->voxel_log, d->depth_vx);
+}
+
 static uint32_t down(const depth_maps *d, float depth)
 {
-    return (uint32_t)floor((double)depth * d->depth_vx);
+    return (uint32_t)floorl(voxels(d, depth));
 }
 
 static uint32_t up(const depth_maps *d, float depth)
 {
-    return (uint32_t)ceil((double)depth * d->depth_vx);
+    return (uint32_t)ceill(voxels(d, depth));
 }
 
 static column_bounds brute_bounds(const depth_maps *d, uint32_t side, uint32_t i, uint32_t j)
@@ -110,6 +118,57 @@ static void rounding_is_exact_at_boundaries(void **state)
     }
 }
 
+/* Logarithmic depths of every kind of field: nearest, far, beyond the far side, no caster (both zeros), and many between. */
+static void logarithmic_depths(void **state)
+{
+    static const double ratios[] = {1.001, 2, 100, 1e4, 1e7};
+    (void)state;
+    for (uint32_t depth = 8; depth <= 16384; depth *= 8)
+        for (size_t ratio = 0; ratio < sizeof ratios / sizeof *ratios; ratio++)
+            for (int with_exit = 0; with_exit < 2; with_exit++) {
+                depth_maps d;
+                rng        r = rng_split(depth, ratio);
+                message    m = {0};
+                assert_int_equal(depth_maps_init(&d, 64, depth, log(ratios[ratio]) / depth, with_exit, &m), VXS_OK);
+                for (int n = 0; n < 64 * 64; n++) {
+                    double share  = pow(ratios[ratio], -(double)random_unit(&r) * 1.2),
+                           more   = pow(ratios[ratio], -(double)random_unit(&r) * 0.1);
+                    uint32_t kind = rng_below(&r, 16);
+                    d.enter[n]    = kind == 0 ? -1 : kind == 1 ? 0 : kind == 2 ? -0.0f : kind == 3 ? -1e-30f : (float)-share;
+                    if (with_exit) d.exit[n] = rng_below(&r, 4) ? fmaxf(d.enter[n], (float)(-share * more)) : d.enter[n];
+                }
+                depth_maps_reduce(&d, 2);
+                assert_pyramid(&d);
+                assert_tiles(&d);
+                for (int n = 0; n < 64 * 64; n++) {
+                    double found = depth_maps_voxels(&d, d.enter[n]);
+                    assert_true(found >= 0 && found <= depth && fabs(found - (double)voxels(&d, d.enter[n])) <= 1e-11 * depth);
+                }
+                depth_maps_free(&d);
+            }
+}
+
+/* Farther is never nearer, float by float. */
+static void logarithms_keep_order(void **state)
+{
+    (void)state;
+    depth_maps d;
+    message    m = {0};
+    rng        r = {5};
+    assert_int_equal(depth_maps_init(&d, 8, 512, log(1e7) / 512, 0, &m), VXS_OK);
+    assert_true(depth_maps_voxels(&d, -1) == 0);
+    assert_true(depth_maps_voxels(&d, 0) == 512 && depth_maps_voxels(&d, -0.0f) == 512 && depth_maps_voxels(&d, -1e-45f) == 512);
+    for (int n = 0; n < 20000; n++) {
+        float depth = -powf(1e-7f, random_unit(&r));
+        for (int k = 0; k < 20; k++) {
+            float next = nextafterf(depth, 1);
+            assert_true(depth_maps_voxels(&d, next) >= depth_maps_voxels(&d, depth));
+            depth = next;
+        }
+    }
+    depth_maps_free(&d);
+}
+
 static void one_array_serves_both_when_all_are_sheets(void **state)
 {
     depth_maps d;
@@ -144,6 +203,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pyramid_is_brute_force),
         cmocka_unit_test(rounding_is_exact_at_boundaries),
+        cmocka_unit_test(logarithmic_depths),
+        cmocka_unit_test(logarithms_keep_order),
         cmocka_unit_test(one_array_serves_both_when_all_are_sheets),
         cmocka_unit_test(reducing_again_follows_the_maps),
     };
