@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "baker/bake_light.h"
 #include "baker/base/clock.h"
@@ -14,6 +15,7 @@
 #include "baker/base/output_file.h"
 #include "baker/base/progress.h"
 #include "baker/base/version.h"
+#include "baker/plan.h"
 #include "baker/scene/light_choice.h"
 
 /* time and memory by stage ---------------------------------------------------------------------------------------------------- */
@@ -35,8 +37,16 @@ void stage_end(stage_timer *t, bake_stage stage)
     t->start = clock_seconds();
 }
 
-static const char *const stage_names[STAGE_COUNT] = {"load",   "solids",   "gl",    "maps",   "pyramid", "masks",
-                                                     "insert", "compress", "merge", "encode", "write"};
+vxs_result bake_within_budget(const bake_options *o, const bake_report *report, message *m)
+{
+    char budget[32], held[32];
+    if (!o->memory_bytes || report->peak_bytes <= o->memory_bytes) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
+                size_text(budget, o->memory_bytes), o->scene_path, size_text(held, report->peak_bytes));
+}
+
+static const char *const stage_names[STAGE_COUNT] = {"load",  "solids", "plan",     "gl",    "maps",   "pyramid",
+                                                     "masks", "insert", "compress", "merge", "encode", "write"};
 
 const char *bake_stage_name(bake_stage stage)
 {
@@ -71,6 +81,7 @@ json_t *bake_options_json(const bake_options *o)
     set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
     json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
     json_object_set_new(object, "threads", json_integer(o->threads));
+    if (o->memory_bytes) json_object_set_new(object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
     if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
     return object;
 }
@@ -158,6 +169,22 @@ static vxs_result write_file(const bake_options *o, const vxs_bytes *file, bake_
     return r;
 }
 
+/* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
+static uint64_t file_bytes(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) || s.st_size < 0 ? 0 : (uint64_t)s.st_size;
+}
+
+/* A scene is held whole while it is read. */
+static vxs_result check_scene_bytes(const bake_options *o, uint64_t scene_bytes, message *m)
+{
+    char budget[32], size[32];
+    if (!o->memory_bytes || scene_bytes <= o->memory_bytes) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s', a file of %s", size_text(budget, o->memory_bytes),
+                o->scene_path, size_text(size, scene_bytes));
+}
+
 /* all lights ------------------------------------------------------------------------------------------------------------------ */
 
 static void report_casters(bake_report *report, const casters *c)
@@ -175,7 +202,7 @@ static void report_casters(bake_report *report, const casters *c)
     }
 }
 
-static const char REACHES_NOTHING[] = "reaches no caster";
+const char REACHES_NOTHING[] = "reaches no caster";
 
 static void leave_out(bake_report *report, const char *name, const char *why)
 {
@@ -184,30 +211,38 @@ static void leave_out(bake_report *report, const char *name, const char *why)
     l->why = why;
 }
 
-/* Room for every light of the scene, and those that the command line adds; those that nobody asked for. */
-static vxs_result report_left_out(bake_report *report, const scene *s, const light_choice *chosen, message *m)
+/* What nobody asked for, and what reaches nothing. */
+static vxs_result report_left_out(bake_report *report, const scene *s, const bake_plan *plan, message *m)
 {
-    report->left_out = calloc(s->light_count + chosen->count + 1, sizeof *report->left_out);
+    report->left_out = calloc(s->light_count + plan->light_count + 1, sizeof *report->left_out);
     if (!report->left_out) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", s->light_count);
     for (size_t n = 0; n < s->light_count; n++) {
         int is_chosen = 0;
-        for (size_t k = 0; k < chosen->count; k++) is_chosen |= !strcmp(s->lights[n].name, chosen->lights[k].name);
-        if (is_chosen) continue;
-        leave_out(report, s->lights[n].name, "not asked for");
+        for (size_t k = 0; k < plan->light_count; k++)
+            is_chosen |= !strncmp(s->lights[n].name, plan->lights[k].name, VXS_LIGHT_NAME_BYTES - 1);
+        if (!is_chosen) leave_out(report, s->lights[n].name, "not asked for");
+    }
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l = &plan->lights[n];
+        if (!l->left_out) continue;
+        leave_out(report, l->name, l->left_out);
+        warn(m, "light '%s' %s: it is left out", l->name, l->left_out);
     }
     return VXS_OK;
 }
 
-static vxs_result bake_lights(const bake_options *o, const casters *c, const light_choice *chosen, vxs_bytes *file,
-                              bake_report *report, message *m)
+/* start_seconds: of the clock, when the whole bake began. */
+static vxs_result bake_lights(const bake_options *o, const casters *c, double start_seconds, vxs_bytes *file, bake_report *report,
+                              message *m)
 {
-    gl_context *gl    = NULL;
-    dag        *dags  = calloc(chosen->count, sizeof *dags);
-    baseline   *bases = calloc(chosen->count, sizeof *bases);
-    vxs_result  r     = VXS_E_MEMORY;
-    report->lights    = calloc(chosen->count, sizeof *report->lights);
+    const bake_plan *plan  = report->plan;
+    gl_context      *gl    = NULL;
+    dag             *dags  = calloc(plan->baked_count, sizeof *dags);
+    baseline        *bases = calloc(plan->baked_count, sizeof *bases);
+    vxs_result       r     = VXS_E_MEMORY;
+    report->lights         = calloc(plan->baked_count, sizeof *report->lights);
     if (!dags || !bases || !report->lights) {
-        fail(m, r, "out of memory for %zu lights", chosen->count);
+        fail(m, r, "out of memory for %zu lights", plan->baked_count);
         goto done;
     }
 
@@ -216,36 +251,31 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, const lig
     snprintf(report->renderer, sizeof report->renderer, "%s", gl->renderer);
     stage_end(&timer, STAGE_GL);
 
-    light_baker baker = {.options = o, .gl = gl, .casters = c, .report = report};
-    for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) {
-        uint32_t baked = report->light_count;
-        r              = bake_light(&baker, &chosen->lights[n], &dags[baked], &bases[baked], &report->lights[baked], m);
-        if (r == VXS_OK) report->light_count++;
-        if (r != VXS_E_NO_CASTER) continue;
-        leave_out(report, chosen->lights[n].name, REACHES_NOTHING);
-        memset(&report->lights[baked], 0, sizeof report->lights[baked]);
-        r = VXS_OK;
+    light_baker baker = {.options = o, .plan = plan, .gl = gl, .casters = c, .report = report, .start = start_seconds};
+    baker.past_seconds =
+        plan->seconds[STAGE_LOAD] + plan->seconds[STAGE_SOLIDS] + plan->seconds[STAGE_PLAN] + plan->seconds[STAGE_GL];
+    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
+        if (plan->lights[n].left_out) continue;
+        uint32_t baked = report->light_count++;
+        r              = bake_light(&baker, &plan->lights[n], &dags[baked], &bases[baked], &report->lights[baked], m);
     }
     gl_context_destroy(gl);
-    if (r == VXS_OK && !report->light_count) r = fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
     if (r != VXS_OK) goto done;
-    for (size_t n = 0; n < report->left_out_count; n++)
-        if (report->left_out[n].why == REACHES_NOTHING)
-            warn(m, "light '%s' %s: it is left out", report->left_out[n].name, REACHES_NOTHING);
 
     progress_say(o->progress, "compressing the file");
     timer = stage_begin(report);
     r     = encode(o, dags, report, file, m);
     stage_end(&timer, STAGE_ENCODE);
+    if (r == VXS_OK) r = bake_within_budget(o, report, m);
 
     /* the comparison with a plain depth map is no part of the bake: its time is its own */
     double start = clock_seconds();
-    if (o->baseline != BASELINE_OFF) progress_say(o->progress, "measuring depth maps under zstd -19");
-    for (size_t n = 0; n < report->light_count && r == VXS_OK && o->baseline != BASELINE_OFF; n++)
+    if (plan->baseline != BASELINE_OFF) progress_say(o->progress, "measuring depth maps under zstd -19");
+    for (size_t n = 0; n < report->light_count && r == VXS_OK && plan->baseline != BASELINE_OFF; n++)
         report->lights[n].depth_zstd19_ratio = baseline_ratio(&bases[n], &report->lights[n].depth_sample_share);
     report->baseline_seconds += clock_seconds() - start;
 done:
-    for (size_t n = 0; n < chosen->count; n++) {
+    for (size_t n = 0; n < plan->baked_count; n++) {
         if (dags) dag_free(&dags[n]);
         if (bases) baseline_free(&bases[n]);
     }
@@ -254,39 +284,65 @@ done:
     return r;
 }
 
+/* From the scene's file to the plan of its bake. */
+static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, message *m)
+{
+    light_choice chosen = {0};
+    stage_timer  timer  = stage_begin(report);
+    uint64_t     bytes  = file_bytes(o->scene_path);
+    vxs_result   r      = check_scene_bytes(o, bytes, m);
+    progress_say(o->progress, "reading %s", o->scene_path);
+    if (r == VXS_OK) r = scene_load_gltf(s, o->scene_path, o->scene_name, m);
+    stage_end(&timer, STAGE_LOAD);
+    if (r == VXS_OK) r = bake_within_budget(o, report, m);
+    progress_say(o->progress, "telling solids from sheets");
+    if (r == VXS_OK) r = casters_from_scene(c, s, o->closed, m);
+    if (r == VXS_OK) r = lights_choose(s, &o->light_names, o->sun_given, o->sun, &chosen, m);
+    stage_end(&timer, STAGE_SOLIDS);
+    if (r == VXS_OK) r = bake_within_budget(o, report, m);
+
+    progress_say(o->progress, "making a plan");
+    report->plan = r == VXS_OK ? calloc(1, sizeof *report->plan) : NULL;
+    if (r == VXS_OK && !report->plan) r = fail(m, VXS_E_MEMORY, "out of memory for a plan");
+    if (r == VXS_OK) r = plan_make(report->plan, o, c, &chosen, bytes, m);
+    if (r == VXS_OK) report_casters(report, c);
+    if (r == VXS_OK) r = report_left_out(report, s, report->plan, m);
+    stage_end(&timer, STAGE_PLAN);
+    if (r == VXS_OK) r = bake_within_budget(o, report, m);
+    light_choice_free(&chosen);
+    return r;
+}
+
 vxs_result bake(const bake_options *o, bake_report *report, message *m)
 {
-    double       start  = clock_seconds();
-    scene        s      = {0};
-    casters      c      = {0};
-    light_choice chosen = {0};
-    vxs_bytes    file   = {0};
-    vxs_result   r;
+    double     start = clock_seconds();
+    scene      s     = {0};
+    casters    c     = {0};
+    vxs_bytes  file  = {0};
+    vxs_result r;
 
     if ((r = output_file_check(o->output_path, o->scene_path, m)) != VXS_OK) goto done;
+    if ((r = prepare(o, &s, &c, report, m)) != VXS_OK) goto done;
+    if ((r = bake_lights(o, &c, start, &file, report, m)) != VXS_OK) goto done;
+
     stage_timer timer = stage_begin(report);
-    progress_say(o->progress, "reading %s", o->scene_path);
-    if ((r = scene_load_gltf(&s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
-    stage_end(&timer, STAGE_LOAD);
-    progress_say(o->progress, "telling solids from sheets");
-    if ((r = casters_from_scene(&c, &s, o->closed, m)) != VXS_OK) goto done;
-    if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &chosen, m)) != VXS_OK) goto done;
-    report_casters(report, &c);
-    if ((r = report_left_out(report, &s, &chosen, m)) != VXS_OK) goto done;
-    if (o->exit == EXIT_AUTO && c.solid_triangle_count && (r = casters_find_meeting(&c, m)) != VXS_OK) goto done;
-    stage_end(&timer, STAGE_SOLIDS);
-
-    if ((r = bake_lights(o, &c, &chosen, &file, report, m)) != VXS_OK) goto done;
-
     progress_say(o->progress, "writing %s", o->output_path);
-    timer = stage_begin(report);
-    r     = write_file(o, &file, report, m);
+    r = write_file(o, &file, report, m);
     stage_end(&timer, STAGE_WRITE);
     report->total_seconds = clock_seconds() - start - report->baseline_seconds;
 done:
     progress_clear();
     free(file.data);
-    light_choice_free(&chosen);
+    casters_free(&c);
+    scene_free(&s);
+    return r;
+}
+
+vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m)
+{
+    scene      s = {0};
+    casters    c = {0};
+    vxs_result r = prepare(o, &s, &c, report, m);
     casters_free(&c);
     scene_free(&s);
     return r;
@@ -296,5 +352,7 @@ void bake_report_free(bake_report *r)
 {
     free(r->lights);
     free(r->left_out);
+    if (r->plan) plan_free(r->plan);
+    free(r->plan);
     memset(r, 0, sizeof *r);
 }

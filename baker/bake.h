@@ -10,7 +10,7 @@
 #include "baker/maps/depth_gl.h"
 #include "baker/scene/casters.h"
 
-enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MAX_PX = 4096, SUB_DAG_MAX_PX = 1024 };
+enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MIN_PX = 512, SUB_DAG_MAX_PX = 1024 };
 
 typedef enum stop_stage {
     STOP_INSERT,  /* sub-DAGs as they were inserted, side by side */
@@ -18,45 +18,50 @@ typedef enum stop_stage {
     STOP_FINAL    /* merged into one DAG without equal subtrees */
 } stop_stage;
 
+/* Order of sub-DAG compression; auto: top-down, where the plan says that it pays. */
+typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, COMPRESS_CHOICE_BOTTOM_UP } compress_choice;
+
 typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
 
 /* The words of the options below, in the order of their enums. */
 #define EXIT_CHOICES     "auto|peel|back"
 #define RULE_CHOICES     "greedy|shadow"
 #define REUSE_CHOICES    "off|on"
-#define COMPRESS_CHOICES "top-down|bottom-up"
+#define COMPRESS_CHOICES "auto|top-down|bottom-up"
 #define STOP_CHOICES     "insert|partial|final"
 #define GL_CHOICES       "osmesa|egl"
 #define BASELINE_CHOICES "sample|full|off"
 
 typedef struct bake_options {
-    const char    *scene_path;
-    const char    *output_path; /* "-" is standard output */
-    const char    *scene_name;  /* NULL: the default scene */
-    text_list      light_names; /* none: all directional lights, or the sun */
-    int            sun_given;
-    double         sun[3];     /* the way sunlight travels; any length but zero */
-    uint32_t       resolution; /* texels a side; 0: from texel_metres */
-    double         texel_metres;
-    int            region_given;
-    double         region_ws[6]; /* min xyz, max xyz */
-    closed_mode    closed;
-    exit_mode      exit;
-    mask_rule      rule;
-    int            reuse;
-    compress_order compress;
-    stop_stage     stop;
-    gl_backend     gl;
-    uint32_t       threads;
-    uint32_t       zstd_level; /* 1..19 */
-    baseline_mode  baseline;
-    int            progress; /* 1: say on standard error how far it is */
+    const char     *scene_path;
+    const char     *output_path; /* "-" is standard output */
+    const char     *scene_name;  /* NULL: the default scene */
+    text_list       light_names; /* none: all directional lights, or the sun */
+    int             sun_given;
+    double          sun[3];     /* the way sunlight travels; any length but zero */
+    uint32_t        resolution; /* texels a side; 0: from texel_metres */
+    double          texel_metres;
+    int             region_given;
+    double          region_ws[6]; /* min xyz, max xyz */
+    closed_mode     closed;
+    exit_mode       exit;
+    mask_rule       rule;
+    int             reuse;
+    compress_choice compress;
+    stop_stage      stop;
+    gl_backend      gl;
+    uint32_t        threads;
+    uint32_t        zstd_level; /* 1..19 */
+    baseline_mode   baseline;
+    uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    int             progress;     /* 1: say on standard error how far it is */
 } bake_options;
 
 typedef enum bake_stage {
     STAGE_LOAD,     /* glTF to triangles */
     STAGE_SOLIDS,   /* weld, components, solids and sheets */
-    STAGE_GL,       /* OpenGL context, fitted maps, vertices in light space */
+    STAGE_PLAN,     /* what the scene needs, and which solids meet */
+    STAGE_GL,       /* OpenGL context, vertices in light space */
     STAGE_MAPS,     /* enter and exit depth */
     STAGE_PYRAMID,  /* min-max pyramid */
     STAGE_MASKS,    /* visibility masks */
@@ -99,6 +104,11 @@ typedef struct light_left_out {
     const char *why;
 } light_left_out;
 
+/* Why a light reaches nothing. */
+extern const char REACHES_NOTHING[];
+
+typedef struct bake_plan bake_plan; /* plan.h */
+
 typedef struct bake_report {
     stage_report    stage[STAGE_COUNT];
     double          total_seconds; /* from start to the file under its name */
@@ -112,6 +122,8 @@ typedef struct bake_report {
     uint32_t        light_count;
     light_left_out *left_out;
     size_t          left_out_count;
+
+    bake_plan *plan; /* owned */
 } bake_report;
 
 /* Words for the options that decide what is baked, and for all that make a difference to the report. */
@@ -122,6 +134,9 @@ json_t *bake_options_json(const bake_options *o);
  * report  [out] zero it first; released with bake_report_free, whatever is returned.
  * Same scene and options, same bytes, at any thread count. */
 vxs_result bake(const bake_options *o, bake_report *report, message *m);
+
+/* Only what would be done: fills what is known before the work, the plan above all. */
+vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m);
 
 void bake_report_free(bake_report *r);
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake_light.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,19 +11,18 @@
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 #include "baker/base/progress.h"
-#include "baker/maps/light_fit.h"
 
 /* A light while it is baked. */
 typedef struct light_job {
-    const light_baker *baker;
-    light_report      *report;
-    baseline          *base;
-    dag_merger        *merger;
-    depth_renderer    *renderer; /* of the map in work */
-    depth_maps         maps;     /* of the tile in work */
-    uint32_t           map, map_count;
-    uint32_t           tiles_done;
-    double             since; /* when the first tile was begun */
+    light_baker      *baker;
+    const plan_light *planned;
+    light_report     *report;
+    baseline         *base;
+    dag_merger       *merger;
+    depth_renderer   *renderer; /* of the map in work */
+    depth_maps        maps;     /* of the tile in work */
+    uint32_t          map, map_count;
+    uint32_t          tiles_done;
 } light_job;
 
 /* one map tile into sub-DAGs -------------------------------------------------------------------------------------------------- */
@@ -36,6 +36,7 @@ typedef struct sub_dag {
 
 typedef struct tile_job {
     const bake_options *o;
+    const bake_plan    *plan;
     column_source       source;
     uint32_t            sub_px; /* side of a sub-DAG */
     sub_dag            *subs;   /* in z order */
@@ -102,7 +103,7 @@ static void compress_sub(void *user, size_t begin, size_t end, uint32_t worker)
     tile_job *t = user;
     (void)worker;
     for (size_t n = begin; n < end; n++)
-        if (t->subs[n].result == VXS_OK) t->subs[n].result = dag_compress(&t->subs[n].dag, t->o->compress);
+        if (t->subs[n].result == VXS_OK) t->subs[n].result = dag_compress(&t->subs[n].dag, t->plan->compress);
 }
 
 /* A rendered tile into the merger: pyramid, masks, insertion, compression, merge. */
@@ -115,7 +116,7 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
     depth_maps_reduce(maps, o->threads);
     stage_end(&timer, STAGE_PYRAMID);
 
-    tile_job t     = {.o = o, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->depth_vx)};
+    tile_job t     = {.o = o, .plan = job->baker->plan, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->depth_vx)};
     uint32_t side  = maps->side_px / t.sub_px;
     uint32_t count = side * side;
     t.subs         = calloc(count, sizeof *t.subs);
@@ -125,7 +126,7 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
     stage_end(&timer, STAGE_MASKS);
     parallel_for(o->threads, count, 1, insert_sub, &t);
     stage_end(&timer, STAGE_INSERT);
-    if (o->stop != STOP_INSERT) parallel_for(o->threads, count, 1, compress_sub, &t);
+    if (t.plan->compresses) parallel_for(o->threads, count, 1, compress_sub, &t);
     stage_end(&timer, STAGE_COMPRESS);
 
     vxs_result r = VXS_OK;
@@ -148,24 +149,28 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
 
 /* one light ------------------------------------------------------------------------------------------------------------------- */
 
-/* Before a tile; the first has no past to tell from. */
-static void say_progress(const light_job *job, uint32_t tiles)
+/* Planned seconds of a tile of the light. */
+static double tile_seconds(const light_job *job)
 {
-    int         shown = job->baker->options->progress;
-    const char *name  = job->report->light.name;
-    uint32_t    done  = job->tiles_done;
-    if (!done)
-        progress_say(shown, "light %s: tile 1 of %u", name, tiles);
-    else
-        progress_share(shown, (double)done / tiles, job->since, "light %s: tile %u of %u", name, done + 1, tiles);
+    const plan_light *l     = job->planned;
+    double            light = 0;
+    for (int s = STAGE_MAPS; s <= STAGE_MERGE; s++) light += l->seconds[s];
+    return light / (double)l->tiles;
+}
+
+static void say_progress(const light_job *job)
+{
+    const light_baker *b     = job->baker;
+    double             share = fmin(1, b->past_seconds / b->plan->total_seconds);
+    progress_share(b->options->progress, share, b->start, "%.0f %%: light %s: tile %u of %llu", floor(100 * share),
+                   job->planned->name, job->tiles_done + 1, (unsigned long long)job->planned->tiles);
 }
 
 static vxs_result bake_tile(light_job *job, uint32_t i, uint32_t j, message *m)
 {
-    const bake_options *o      = job->baker->options;
-    bake_report        *report = job->baker->report;
-    int                 empty  = !depth_renderer_has_casters(job->renderer, job->maps.side_px, i, j);
-    vxs_result          r      = VXS_OK;
+    bake_report *report = job->baker->report;
+    int          empty  = !depth_renderer_has_casters(job->renderer, job->maps.side_px, i, j);
+    vxs_result   r      = VXS_OK;
     job->report->tiles++;
     job->report->tiles_skipped += (uint64_t)empty;
     stage_timer timer = stage_begin(report);
@@ -173,7 +178,7 @@ static vxs_result bake_tile(light_job *job, uint32_t i, uint32_t j, message *m)
         r = depth_renderer_tile(job->renderer, &job->maps, i, j, m);
         stage_end(&timer, STAGE_MAPS);
     }
-    if (r == VXS_OK && o->baseline != BASELINE_OFF && !baseline_add(job->base, &job->maps, empty)) r = VXS_E_MEMORY;
+    if (r == VXS_OK && job->baker->plan->baseline != BASELINE_OFF && !baseline_add(job->base, &job->maps, empty)) r = VXS_E_MEMORY;
     report->baseline_seconds += clock_seconds() - timer.start;
     return r == VXS_OK && !empty ? add_tile(job, i, j) : r;
 }
@@ -189,20 +194,27 @@ static void add_stats(depth_stats *sum, depth_stats s)
     if (s.peel_passes_max > sum->peel_passes_max) sum->peel_passes_max = s.peel_passes_max;
 }
 
+static exit_mode exit_of(const light_baker *b)
+{
+    return b->plan->peels_all ? EXIT_PEEL : b->options->exit;
+}
+
 static vxs_result bake_map(light_job *job, message *m)
 {
-    const light_baker  *b     = job->baker;
+    light_baker        *b     = job->baker;
     const bake_options *o     = b->options;
     const vxs_light    *light = &job->report->light;
     uint32_t            side  = (1u << light->levels) / job->maps.side_px;
     stage_timer         timer = stage_begin(b->report);
-    vxs_result          r = depth_renderer_create(&job->renderer, b->gl, b->casters, light, (int)job->map, o->exit, o->threads, m);
+    vxs_result r = depth_renderer_create(&job->renderer, b->gl, b->casters, light, (int)job->map, exit_of(b), o->threads, m);
     stage_end(&timer, STAGE_GL);
     for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
         square_at at = z_order(n);
-        say_progress(job, side * side * job->map_count);
+        say_progress(job);
         r = bake_tile(job, at.i, at.j, m);
+        if (r == VXS_OK) r = bake_within_budget(o, b->report, m);
         job->tiles_done++;
+        b->past_seconds += tile_seconds(job);
     }
     if (r == VXS_OK) add_stats(&job->report->depth, depth_renderer_stats(job->renderer));
     depth_renderer_destroy(job->renderer);
@@ -210,39 +222,25 @@ static vxs_result bake_map(light_job *job, message *m)
     return r;
 }
 
-static vxs_result check_name(const light_baker *b, const light_report *light, message *m)
+vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, baseline *base, light_report *light, message *m)
 {
-    for (const light_report *other = b->report->lights; other < light; other++)
-        if (!strcmp(other->light.name, light->light.name))
-            return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", light->light.name);
-    return VXS_OK;
-}
-
-vxs_result bake_light(const light_baker *b, const chosen_light *chosen, dag *out, baseline *base, light_report *light, message *m)
-{
-    const bake_options *o   = b->options;
-    light_fit_desc      fit = {.name           = chosen->name,
-                               .shape          = &chosen->shape,
-                               .resolution     = o->resolution,
-                               .resolution_max = RESOLUTION_MAX_PX,
-                               .texel_metres   = o->texel_metres,
-                               .region_ws      = o->region_given ? o->region_ws : NULL};
-    light_job           job = {.baker = b, .report = light, .base = base, .since = clock_seconds()};
+    const bake_options *o    = b->options;
+    light_job           job  = {.baker = b, .planned = planned, .report = light, .base = base};
+    int                 lamp = planned->light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    uint32_t            side = 1u << planned->light.levels;
+    uint32_t            tile = min_u32(side, b->plan->tile_px);
     vxs_result          r;
 
     stage_timer timer = stage_begin(b->report);
-    if ((r = light_fit(&light->light, b->casters, &fit, m)) != VXS_OK) goto done;
-    if ((r = check_name(b, light, m)) != VXS_OK) goto done;
-    int      lamp = light->light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
-    int      exit = b->casters->solid_triangle_count != 0; /* else everything is a sheet, left where it is entered */
-    uint32_t side = 1u << light->light.levels;
-    uint32_t tile = min_u32(side, TILE_MAX_PX);
-    job.map_count = light->light.flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
-    if ((r = depth_maps_init(&job.maps, tile, side, lamp ? light->light.voxel_metres : 0, exit, m)) != VXS_OK) goto done;
+    light->light      = planned->light;
+    job.map_count     = planned->map_count;
+    if ((r = depth_maps_init(&job.maps, tile, side, lamp ? light->light.voxel_metres : 0, b->plan->has_exit_map, m)) != VXS_OK)
+        goto done;
     if ((r = dag_merger_create(&job.merger, side, sub_dag_side(side), job.map_count, o->stop == STOP_FINAL)) != VXS_OK) goto done;
     stage_end(&timer, STAGE_GL);
 
-    base->limit_per_map = o->baseline == BASELINE_FULL ? 0 : ((size_t)256 << 10) / ((side / tile) * (side / tile) * job.map_count);
+    base->limit_per_map =
+        b->plan->baseline == BASELINE_FULL ? 0 : ((size_t)256 << 10) / ((side / tile) * (side / tile) * job.map_count);
     for (job.map = 0; job.map < job.map_count && r == VXS_OK; job.map++) r = bake_map(&job, m);
     if (r != VXS_OK) goto done;
 
@@ -250,7 +248,7 @@ vxs_result bake_light(const light_baker *b, const chosen_light *chosen, dag *out
     r     = dag_merger_finish(job.merger, out);
     stage_end(&timer, STAGE_MERGE);
 done:
-    if (r == VXS_E_MEMORY) fail(m, r, "out of memory while baking light '%s'", chosen->name);
+    if (r == VXS_E_MEMORY) fail(m, r, "out of memory while baking light '%s'", planned->name);
     dag_merger_destroy(job.merger);
     depth_maps_free(&job.maps);
     return r;

@@ -6,7 +6,7 @@
 #include "baker/bake.h"
 #include "baker/maps/baseline.h"
 #include "baker/maps/gl.h"
-#include "baker/scene/light_choice.h"
+#include "baker/plan.h"
 
 /* Time and memory of the stage that is at work. */
 typedef struct stage_timer {
@@ -19,19 +19,24 @@ stage_timer stage_begin(bake_report *report);
 /* Add what has passed since the timer began, or last ended a stage, to a stage. */
 void stage_end(stage_timer *t, bake_stage stage);
 
+/* VXS_E_MEMORY when more was held than --memory allows: estimates may be wrong, the promise is kept. */
+vxs_result bake_within_budget(const bake_options *o, const bake_report *report, message *m);
+
 /* What all lights of a bake share; borrowed. */
 typedef struct light_baker {
     const bake_options *options;
+    const bake_plan    *plan;
     gl_context         *gl;
     const casters      *casters;
     bake_report        *report;
+    double              start, past_seconds; /* of the clock, when the bake began; of the plan, what is done */
 } light_baker;
 
-/* Bake a light.
+/* Bake a light as planned.
  * out    [out] its DAG, a root for each map; released with dag_free, whatever is returned
  * base   [out] a sample of its depth maps; released with baseline_free
  * light  [out] what is to be told
- * Returns VXS_OK; VXS_E_NO_CASTER (no message) when the light reaches no caster; VXS_E_ARGUMENT, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result bake_light(const light_baker *b, const chosen_light *chosen, dag *out, baseline *base, light_report *light, message *m);
+ * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, baseline *base, light_report *light, message *m);
 
 #endif

@@ -13,6 +13,7 @@ static const struct {
     const char *summary;
 } commands[] = {
     {"bake", cmd_bake, "bake the shadows of a scene into a .vxs file"},
+    {"plan", cmd_plan, "what a bake would do, what it would leave out, and why"},
     {"info", cmd_info, "what a .vxs file holds"},
     {"validate", cmd_validate, "check every byte of a .vxs file"},
     {"query", cmd_query, "answer 'how lit is this point?' from a .vxs file"},

@@ -8,6 +8,7 @@
 #include "baker/base/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/plan_text.h"
 
 static double texels_of(const light_report *l)
 {
@@ -21,7 +22,7 @@ static double depth16_bytes(const light_report *l)
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
-static void print_casters(FILE *to, const bake_report *r)
+void report_print_casters(FILE *to, const bake_report *r)
 {
     const casters *c = &r->casters;
     fprintf(to, "casters      %zu triangles, %zu solids with %zu triangles\n", c->triangle_count,
@@ -75,19 +76,21 @@ static void print_light(FILE *to, const light_report *l)
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r)
 {
-    char a[32];
+    char a[32], b[32], c[32];
     fprintf(to, "scene        %s\n", o->scene_path);
-    print_casters(to, r);
+    report_print_casters(to, r);
+    plan_print_decisions(to, r->plan, o, r);
     for (uint32_t n = 0; n < r->light_count; n++) print_light(to, &r->lights[n]);
     for (size_t n = 0; n < r->left_out_count; n++) {
         char name[VXS_LIGHT_NAME_BYTES];
         fprintf(to, "left out     light %s: %s\n", one_line(strcpy(name, r->left_out[n].name)), r->left_out[n].why);
     }
-    fprintf(to, "%-12s %10s %14s\n", "stage", "time", "peak memory");
+    fprintf(to, "%-12s %10s %14s %12s\n", "stage", "time", "peak memory", "planned");
     for (int s = 0; s < STAGE_COUNT; s++)
-        fprintf(to, "%-12s %7.1f ms %14s\n", bake_stage_name((bake_stage)s), 1e3 * r->stage[s].seconds,
-                size_text(a, r->stage[s].peak_bytes));
-    fprintf(to, "%-12s %7.1f ms %14s\n", "total", 1e3 * r->total_seconds, size_text(a, r->peak_bytes));
+        fprintf(to, "%-12s %7.1f ms %14s %9.1f ms\n", bake_stage_name((bake_stage)s), 1e3 * r->stage[s].seconds,
+                size_text(a, r->stage[s].peak_bytes), 1e3 * r->plan->seconds[s]);
+    fprintf(to, "%-12s %7.1f ms %14s %9.1f ms, %s; a file of %s\n", "total", 1e3 * r->total_seconds, size_text(a, r->peak_bytes),
+            1e3 * r->plan->total_seconds, size_text(b, r->plan->peak_bytes), size_text(c, r->plan->file_bytes));
     if (o->baseline != BASELINE_OFF)
         fprintf(to, "%-12s %7.1f ms    not part of the total: --baseline off leaves it out\n", "baseline",
                 1e3 * r->baseline_seconds);
@@ -96,7 +99,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
-static json_t *casters_json(const bake_report *r)
+json_t *report_casters_json(const bake_report *r)
 {
     const casters *c      = &r->casters;
     json_t        *sheets = json_object();
@@ -158,7 +161,7 @@ static json_t *stages_json(const bake_report *r)
     return stages;
 }
 
-static json_t *left_out_json(const bake_report *r)
+json_t *report_left_out_json(const bake_report *r)
 {
     json_t *lights = json_array();
     for (size_t n = 0; n < r->left_out_count; n++)
@@ -166,22 +169,33 @@ static json_t *left_out_json(const bake_report *r)
     return lights;
 }
 
-static json_t *warnings_json(const message *m)
+json_t *report_warnings_json(const message *m)
 {
     json_t *warnings = json_array();
     for (size_t n = 0; n < m->warning_count; n++) json_array_append_new(warnings, json_text(m->warnings[n]));
     return warnings;
 }
 
+/* What was planned, and what came of it. */
+static json_t *plan_json(const bake_options *o, const bake_report *r)
+{
+    uint64_t memory_bytes = 0;
+    for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
+    return json_pack("{s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
+                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "actual", "total_seconds",
+                     r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes", (json_int_t)r->file_bytes,
+                     "memory_bytes", (json_int_t)memory_bytes);
+}
+
 vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root =
-        json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
-                  json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
-                  r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", casters_json(r), "lights", lights,
-                  "lights_left_out", left_out_json(r), "warnings", warnings_json(m), "stages", stages_json(r), "total_seconds",
-                  r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
+    json_t *root = json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
+                             "scene", json_text(o->scene_path), "output", json_text(o->output_path), "options",
+                             bake_options_json(o), "renderer", r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters",
+                             report_casters_json(r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
+                             report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds",
+                             r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
     return json_write(path, root, m);
 }

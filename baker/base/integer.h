@@ -10,6 +10,11 @@ static inline uint32_t min_u32(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
+static inline uint32_t max_u32(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
 /* The exponent of a power of two. */
 static inline uint32_t log2_u32(uint32_t power)
 {

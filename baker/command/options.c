@@ -41,6 +41,23 @@ static const char *parse_number(const char *text, double *number)
     return end == text || !isfinite(*number) ? NULL : end;
 }
 
+/* "512M", "1.5GiB", "1000000": a whole number of bytes, at least 1. */
+static int parse_bytes(const char *text, uint64_t *bytes)
+{
+    static const char units[] = "KMGT";
+    double            number;
+    const char       *at = text[0] >= '0' && text[0] <= '9' ? parse_number(text, &number) : NULL;
+    if (!at) return 0;
+    const char *unit = *at ? strchr(units, *at) : NULL;
+    if (unit) number = ldexp(number, 10 * (int)(unit - units + 1));
+    if (unit) at++;
+    if (unit && *at == 'i') at++;
+    if (*at == 'B') at++;
+    if (*at || !(number >= 1) || number > 1e18) return 0;
+    *bytes = (uint64_t)number;
+    return 1;
+}
+
 static vxs_result set_vector(const option *o, const char *value, message *m)
 {
     size_t      count = (size_t)o->max;
@@ -86,6 +103,13 @@ static vxs_result set_option(const option *o, const char *value, message *m)
         if (!end || *end || number < o->min || number > o->max || number != floor(number))
             return fail(m, VXS_E_ARGUMENT, "%s %s: expected a whole number from %.0f to %.0f", o->name, value, o->min, o->max);
         *(uint32_t *)o->target = (uint32_t)number;
+        break;
+    }
+    case OPTION_BYTES: {
+        uint64_t bytes;
+        if (!parse_bytes(value, &bytes))
+            return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number of bytes, such as 800M or 2G", o->name, value);
+        *(uint64_t *)o->target = bytes;
         break;
     }
     case OPTION_F64: {

@@ -12,6 +12,7 @@
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
     OPTION_U32,    /* uint32_t in [min, max] */
+    OPTION_BYTES,  /* uint64_t, at least 1: plain, or with K, M, G, T (powers of 1024), and iB or B after it */
     OPTION_F64,    /* double in [min, max], finite */
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
     OPTION_TEXT,   /* const char *, borrowed from argv */
@@ -57,6 +58,7 @@ int cmd_query(int argc, char **argv);
 int cmd_truth(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_picture(int argc, char **argv);
+int cmd_plan(int argc, char **argv);
 int cmd_health(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 

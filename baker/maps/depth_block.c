@@ -99,6 +99,26 @@ void depth_block_free(depth_block *b)
 
 /* what a block draws ---------------------------------------------------------------------------------------------------------- */
 
+/* A texel index within int32_t whatever the coordinate; boxes far outside the map stay far outside. */
+static int32_t texel_index(double t)
+{
+    return (int32_t)fmin(fmax(t, -1e9), 1e9);
+}
+
+texel_box texel_box_of(const projection *p, size_t triangle)
+{
+    const uint32_t  *t = p->indices + 3 * triangle;
+    const vertex_ls *a = &p->vertices[t[0]], *b = &p->vertices[t[1]], *c = &p->vertices[t[2]];
+    /* centres lie at half texels; snapping may move an edge by half a subtexel */
+    const double     slack = 0.5 / SUBTEXELS;
+    return (texel_box){
+        texel_index(ceil(fmin(fmin(a->u, b->u), c->u) - 0.5 - slack)),
+        texel_index(ceil(fmin(fmin(a->v, b->v), c->v) - 0.5 - slack)),
+        texel_index(floor(fmax(fmax(a->u, b->u), c->u) - 0.5 + slack)),
+        texel_index(floor(fmax(fmax(a->v, b->v), c->v) - 0.5 + slack)),
+    };
+}
+
 int texel_box_touches(const texel_box *box, int32_t u0, int32_t v0, int32_t side)
 {
     return box->u0 <= box->u1 && box->v0 <= box->v1 && box->u0 < u0 + side && box->v0 < v0 + side && box->u1 >= u0 && box->v1 >= v0;

@@ -18,6 +18,9 @@ typedef struct texel_box {
     int32_t u0, v0, u1, v1;
 } texel_box;
 
+/* The box of a triangle of a projection. */
+texel_box texel_box_of(const projection *p, size_t triangle);
+
 /* 1 when the triangle may touch the square of `side` texels at (u0, v0). */
 int texel_box_touches(const texel_box *box, int32_t u0, int32_t v0, int32_t side);
 

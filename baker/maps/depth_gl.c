@@ -60,28 +60,11 @@ static vxs_result set_up_gl(block_context *x, message *m)
     return VXS_OK;
 }
 
-/* A texel index within int32_t whatever the coordinate; boxes far outside the map stay far outside. */
-static int32_t texel_index(double t)
-{
-    return (int32_t)fmin(fmax(t, -1e9), 1e9);
-}
-
 static void bound_triangles(void *user, size_t begin, size_t end, uint32_t worker)
 {
     depth_renderer *r = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) {
-        const uint32_t  *t = r->context.casters.indices + 3 * n;
-        const vertex_ls *v = r->context.casters.vertices, *a = &v[t[0]], *b = &v[t[1]], *c = &v[t[2]];
-        /* centres lie at half texels; snapping may move an edge by half a subtexel */
-        const double     slack = 0.5 / SUBTEXELS;
-        r->context.boxes[n]    = (texel_box){
-               texel_index(ceil(fmin(fmin(a->u, b->u), c->u) - 0.5 - slack)),
-               texel_index(ceil(fmin(fmin(a->v, b->v), c->v) - 0.5 - slack)),
-               texel_index(floor(fmax(fmax(a->u, b->u), c->u) - 0.5 + slack)),
-               texel_index(floor(fmax(fmax(a->v, b->v), c->v) - 0.5 + slack)),
-        };
-    }
+    for (size_t n = begin; n < end; n++) r->context.boxes[n] = texel_box_of(&r->context.casters, n);
 }
 
 static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)

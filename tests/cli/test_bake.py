@@ -304,7 +304,7 @@ def contents(vxs, report):
 def test_solids_that_meet_nothing_are_not_peeled(vxs, bake, scenes, tmp_path):
     apart = small_scene.write(tmp_path / "apart.gltf", lights=LIGHTS)
     for path, options in ((apart, ()), (scenes / "real" / "room_with_spheres_closed.glb", ("--sun", "-0.4,-1,-0.2"))):
-        auto, peel = (bake(path, "--resolution", 1024, *options, "--exit", e) for e in ("auto", "peel"))
+        auto, peel = (bake(path, "--resolution", 4096, *options, "--exit", e) for e in ("auto", "peel"))
         for light in auto["lights"]:
             assert (light["blocks_peeled"], light["peel_passes"]) == (0, 0) and light["blocks_not_peeled"] > 0
         for light in peel["lights"]:

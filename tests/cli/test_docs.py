@@ -14,7 +14,7 @@ import small_scene
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-COMMANDS = ["bake", "info", "validate", "query", "truth", "compare", "picture", "health", "scene"]
+COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "picture", "health", "scene"]
 PAGES = sorted([ROOT / "README.md", *DOCS.glob("*.md"), *(ROOT / "scenes").glob("*.md"), *(ROOT / "formats").glob("*.md")])
 
 
@@ -63,7 +63,7 @@ def test_help_says_every_default_of_the_manual(vxs, command):
 def test_manual_has_every_command(vxs):
     listed = re.findall(r"^  (\w+) ", vxs("--help").stdout, re.MULTILINE)
     assert listed == COMMANDS
-    assert re.findall(r"^## (bake|info|validate|query|truth|compare|picture|health|scene)$", (DOCS / "manual.md").read_text(),
+    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|picture|health|scene)$", (DOCS / "manual.md").read_text(),
                       re.MULTILINE) == COMMANDS
 
 
@@ -133,6 +133,10 @@ def test_bake_report_schema(vxs, asset, tmp_path):
     validator("bake-report").validate(json.loads(done.stdout))
     with pytest.raises(jsonschema.ValidationError):
         validator("bake-report").validate({k: v for k, v in report.items() if k != "stages"})
+
+
+def test_plan_schema(vxs, asset):
+    validator("plan").validate(json.loads(vxs("plan", asset / "scene.gltf", "--json", "-").stdout))
 
 
 def test_info_schema(vxs, asset):

@@ -1,0 +1,233 @@
+# vxs plan, and that the bake does what it says.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import os
+import pty
+import re
+import subprocess
+import time
+
+import pytest
+
+import small_scene
+from small_scene import NOON
+
+LIGHTS = (("noon", "directional", NOON), ("lamp", "spot", NOON), ("bulb", "point", NOON), ("up", "spot", (0, 1, 0)))
+INSIDE = (((-8, -1, -8), (8, 0, 8)), ((-1, 2, -1), (1, 3, 1)), ((-0.5, 2.5, -0.5), (0.5, 4, 0.5)))  # two boxes intersect
+
+
+@pytest.fixture(scope="module")
+def folder(vxs, tmp_path_factory):
+    path = tmp_path_factory.mktemp("plan")
+    small_scene.write(path / "apart.gltf", lights=LIGHTS)
+    small_scene.write(path / "meet.gltf", boxes=INSIDE)
+    small_scene.write(path / "sheets.gltf", open_faces=True)
+    vxs("scene", "city", "-o", path / "city.glb", "--triangles", 20000, "--blocks", 3)
+    return path
+
+
+@pytest.fixture
+def plan(vxs):
+    """plan(scene, *options): the plan as JSON, with its decisions by name."""
+
+    def run(scene, *options):
+        plan = json.loads(vxs("plan", scene, *options, "--json", "-").stdout)
+        return plan | {"decided": {d["name"]: d for d in plan["decisions"]}}
+
+    return run
+
+
+@pytest.fixture
+def bake(vxs, tmp_path):
+    def run(scene, *options):
+        vxs("bake", scene, "-o", tmp_path / "out.vxs", "--json", tmp_path / "out.json", *options)
+        return json.loads((tmp_path / "out.json").read_text())
+
+    return run
+
+
+def sections(vxs, path):
+    """The bytes of all sections but the metadata."""
+    data = path.read_bytes()
+    return [data[s["offset_bytes"]:s["offset_bytes"] + s["stored_bytes"]]
+            for s in json.loads(vxs("info", path, "--json", "-").stdout)["sections"] if s["kind"] != "metadata"]
+
+
+def test_says_what_and_why(vxs, folder):
+    text = vxs("plan", folder / "apart.gltf").stdout
+    for word in ("lights", "3 baked", "1 that reach no caster", "exit map", "2 solids with 24 triangles", "tiles", "tile size",
+                 "sub-DAG compression", "file", "light up is left out: it reaches no caster", "estimate"):
+        assert word in text
+    assert not list(folder.glob("*.vxs"))
+
+
+def test_nothing_is_written(vxs, folder, tmp_path):
+    vxs("plan", folder / "apart.gltf", "-o", tmp_path / "a.vxs")
+    assert not list(tmp_path.iterdir())
+    assert "No such file" in vxs("plan", folder / "apart.gltf", "-o", tmp_path / "nobody" / "a.vxs", status=4).stderr
+
+
+@pytest.mark.parametrize("name", ["apart", "meet", "sheets"])
+@pytest.mark.parametrize("resolution", [64, 512, 4096])
+def test_the_bake_does_what_was_planned(plan, bake, folder, name, resolution):
+    planned = plan(folder / f"{name}.gltf", "--resolution", resolution)
+    report = bake(folder / f"{name}.gltf", "--resolution", resolution)
+    assert report["plan"]["decisions"] == planned["decisions"]
+    assert report["plan"]["lights"] == planned["lights"]
+    assert report["plan"]["estimate"] == planned["estimate"]
+    expected = [light for light in planned["lights"] if "left_out" not in light]
+    assert [light["name"] for light in report["lights"]] == [light["name"] for light in expected]
+    for light, by_plan in zip(report["lights"], expected):
+        for count in ("tiles", "tiles_without_casters", "blocks_peeled", "blocks_not_peeled"):
+            assert light[count] == by_plan[count], count
+        assert light["blocks_rendered"] == by_plan["blocks"] - by_plan["blocks_without_casters"]
+
+
+def test_the_same_plan_every_time(plan, folder):
+    plans = [plan(folder / "city.glb", "--threads", n) for n in (1, 2, 2)]
+    for p in plans:
+        del p["plan_seconds"]
+    assert plans[1] == plans[2]
+    assert plans[0]["lights"] == plans[1]["lights"]
+
+
+def test_peeling(plan, folder):
+    big = ("--resolution", 4096)
+    assert "no component is solid" in plan(folder / "sheets.gltf")["decided"]["exit map"]["reason"]
+    assert "peeling" not in plan(folder / "sheets.gltf")["decided"]
+    assert plan(folder / "apart.gltf", *big)["decided"]["peeling"]["choice"] == "nowhere"
+    meet = plan(folder / "meet.gltf", *big)["decided"]["peeling"]
+    assert meet["choice"] == "where solids meet" and "2 of 3 solids" in meet["reason"]
+    assert plan(folder / "meet.gltf", "--exit", "back")["decided"]["peeling"]["choice"] == "nowhere"
+    assert plan(folder / "apart.gltf", "--exit", "peel")["decided"]["peeling"]["choice"] == "everywhere"
+    # where finding out takes longer than peeling
+    few = plan(folder / "city.glb", "--resolution", 64)["decided"]["peeling"]
+    assert few["choice"] == "everywhere" and "finding out" in few["reason"]
+
+
+def test_compression_pays_or_not(vxs, plan, bake, folder, tmp_path):
+    """Whatever the plan says, the file is the same."""
+    found = []
+    for options in (("--threads", 1), ("--threads", 1, "--compress", "top-down")):
+        report = bake(folder / "city.glb", "--resolution", 1024, *options)
+        stages = {s["name"]: s["seconds"] for s in report["stages"]}
+        found.append(sections(vxs, tmp_path / "out.vxs"))
+        chosen = {d["name"]: d["choice"] for d in report["plan"]["decisions"]}["sub-DAG compression"]
+        assert (stages["compress"] > 1e-4) == (chosen == "done") == (len(options) == 4)
+    assert found[0] == found[1]
+    assert plan(folder / "city.glb", "--threads", 256, "--resolution", 1024)["decided"]["sub-DAG compression"]["choice"] == "done"
+
+
+# --- estimates -------------------------------------------------------------------------------------------------------------------
+
+
+def within(factor, estimate, actual):
+    return actual / factor <= estimate <= actual * factor
+
+
+@pytest.mark.parametrize("resolution", [1024, 4096])
+def test_estimates_of_a_city(bake, folder, resolution):
+    plan = bake(folder / "city.glb", "--resolution", resolution, "--baseline", "off")["plan"]
+    for figure, factor in (("file_bytes", 2), ("memory_bytes", 2), ("peak_bytes", 1.4)):
+        assert within(factor, plan["estimate"][figure], plan["actual"][figure]), figure
+
+
+def test_estimates_of_real_scenes(bake, scenes):
+    """Most are within a factor of two. Time is left out: how long it takes is up to who else is at work."""
+    near = asked = 0
+    for name in ("sponza", "kaykit_city", "mountains_heightfield", "chess_board", "dutch_ship_mask", "room_with_spheres_closed"):
+        plan = bake(scenes / "real" / f"{name}.glb", "--sun", "-0.4,-1,-0.2", "--resolution", 2048, "--baseline", "off")["plan"]
+        asked += 2
+        near += sum(within(2, plan["estimate"][f], plan["actual"][f]) for f in ("file_bytes", "memory_bytes"))
+        assert within(1.4, plan["estimate"]["peak_bytes"], plan["actual"]["peak_bytes"]), name
+    assert near >= 0.8 * asked
+
+
+# --- memory ----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "many", "1Q", "1MM", "1e99", "", "nan", "inf"])
+def test_wrong_budgets(vxs, folder, value):
+    assert "expected a number of bytes" in vxs("plan", folder / "city.glb", f"--memory={value}", status=2).stderr
+
+
+@pytest.mark.parametrize("value, bytes", [("1000000000", 10**9), ("1G", 2**30), ("1.5GiB", 3 * 2**29), ("900MB", 900 * 2**20)])
+def test_budgets(plan, folder, value, bytes):
+    assert plan(folder / "city.glb", "--memory", value)["options"]["memory_bytes"] == bytes
+
+
+@pytest.mark.parametrize("resolution", [2048, 4096, 8192])
+def test_less_memory_makes_the_same_file(vxs, plan, bake, folder, tmp_path, resolution):
+    everything = bake(folder / "city.glb", "--resolution", resolution)
+    expected = sections(vxs, tmp_path / "out.vxs")
+    sizes = set()
+    for budget in (everything["plan"]["estimate"]["peak_bytes"], plan(folder / "city.glb", "--resolution", resolution)["least_bytes"]):
+        report = bake(folder / "city.glb", "--resolution", resolution, "--memory", budget)
+        sizes.add(next(d["choice"] for d in report["plan"]["decisions"] if d["name"] == "tile size"))
+        assert report["peak_bytes"] <= budget
+        assert sections(vxs, tmp_path / "out.vxs") == expected
+    assert len(sizes) == 2
+
+
+def test_too_little_memory_is_told_before_the_work(vxs, plan, folder, tmp_path):
+    (tmp_path / "old.vxs").write_bytes(b"old")
+    least = plan(folder / "city.glb", "--resolution", 4096)["least_bytes"]
+    done = vxs("bake", folder / "city.glb", "-o", tmp_path / "old.vxs", "--resolution", 4096, "--memory", least - 1, status=6)
+    assert done.stderr.startswith("vxs: error: --memory ") and "at least" in done.stderr and done.stderr.count("\n") == 1
+    assert (tmp_path / "old.vxs").read_bytes() == b"old" and [p.name for p in tmp_path.iterdir()] == ["old.vxs"]
+
+
+def test_what_is_held_is_watched(vxs, folder, tmp_path):
+    """The command itself is larger than this: no estimate is asked."""
+    done = vxs("bake", folder / "city.glb", "-o", tmp_path / "a.vxs", "--memory", "8M", status=6)
+    assert "has come to hold" in done.stderr and done.stderr.count("\n") == 1 and not (tmp_path / "a.vxs").exists()
+
+
+def test_a_scene_larger_than_the_budget_is_not_read(vxs, tmp_path):
+    path = tmp_path / "large.glb"
+    with open(path, "wb") as f:
+        f.write(b"glTF")
+        os.ftruncate(f.fileno(), 3 << 30)  # takes no room on the disk
+    done = vxs("bake", path, "-o", tmp_path / "a.vxs", "--memory", "1G", status=6)
+    assert "3072.0 MiB" in done.stderr and done.stderr.count("\n") == 1
+
+
+# --- progress --------------------------------------------------------------------------------------------------------------------
+
+
+def on_a_terminal(vxs_path, *args):
+    """What a run writes to standard error, when that is a terminal."""
+    ours, its = pty.openpty()
+    run = subprocess.Popen([vxs_path, *map(str, args)], stderr=its, stdout=subprocess.DEVNULL)
+    os.close(its)
+    said = b""
+    while True:
+        try:
+            part = os.read(ours, 65536)
+        except OSError:  # the other side is closed
+            break
+        if not part:
+            break
+        said += part
+    os.close(ours)
+    assert run.wait() == 0
+    return said.decode()
+
+
+def test_progress_is_one_line_that_goes_away(vxs_path, folder, tmp_path):
+    start = time.monotonic()
+    said = on_a_terminal(vxs_path, "bake", folder / "city.glb", "-o", tmp_path / "a.vxs", "--resolution", 8192, "--memory", "150M")
+    updates = said.count("\r\x1b[K")
+    assert updates <= 20 + 10 * (time.monotonic() - start) and "\n" not in said
+    assert said.endswith("\r\x1b[K"), "the line is gone at the end"
+    shares = [int(n) for n in re.findall(r"vxs: (\d+) %: light sun: tile \d+ of \d+", said)]
+    assert len(shares) >= 2 and shares == sorted(shares) and shares[-1] <= 100
+
+
+def test_warnings_stand_on_lines_of_their_own(vxs_path, folder, tmp_path):
+    said = on_a_terminal(vxs_path, "bake", folder / "apart.gltf", "-o", tmp_path / "a.vxs", "--resolution", 64)
+    assert "\r\x1b[Kvxs: warning: light 'up' reaches no caster: it is left out\r\n" in said
+
+
+def test_no_progress_without_a_terminal(vxs, folder, tmp_path):
+    assert vxs("bake", folder / "city.glb", "-o", tmp_path / "a.vxs", "--resolution", 1024).stderr == ""
