@@ -46,6 +46,12 @@ static vxs_result check_extent(loader &l, const std::string &where, int view_ind
     return VXS_OK;
 }
 
+size_t offset_in_buffer(const loader &l, const tinygltf::Accessor &a)
+{
+    const buffer_view &view = l.views[(size_t)a.bufferView];
+    return a.byteOffset + (view.compressed.extension ? 0 : view.offset);
+}
+
 vxs_result check_accessors(loader &l)
 {
     vxs_result r;
@@ -62,8 +68,12 @@ vxs_result check_accessors(loader &l)
         e.stride     = e.size;
         e.component  = a.componentType;
         e.normalized = a.normalized;
+        if (a.bufferView < 0 && a.byteOffset) return l.error(VXS_E_SCENE, "%s: a byteOffset without a bufferView", where.c_str());
         if (a.bufferView >= 0 && (r = check_extent(l, where, a.bufferView, a.byteOffset, a.count, e.size, e.stride)) != VXS_OK)
             return r;
+        if (a.bufferView >= 0 && offset_in_buffer(l, a) % component)
+            return l.error(VXS_E_SCENE, "%s: byte %zu of its buffer is not a multiple of its components' %zu bytes", where.c_str(),
+                           offset_in_buffer(l, a), component);
         if (a.sparse.isSparse && (size_t)a.sparse.count > a.count)
             return l.error(VXS_E_SCENE, "%s: sparse count %d exceeds its %zu elements", where.c_str(), a.sparse.count, a.count);
     }
@@ -156,6 +166,31 @@ vxs_result use_accessor(loader &l, int index, const elements *&out)
     if (a.sparse.isSparse || a.bufferView < 0) r = make_dense(l, label("accessor", (size_t)index, a.name), a, e);
     e.ready = r == VXS_OK;
     return r;
+}
+
+template <typename T> static size_t least_above(const elements &e)
+{
+    T most = 0, value;
+    for (size_t i = 0; i < e.count; i++) {
+        memcpy(&value, e.data + i * e.stride, sizeof value);
+        most = std::max(most, value);
+    }
+    return e.count ? (size_t)most + 1 : 0;
+}
+
+vxs_result check_index_values(loader &l, const elements &e, int accessor, size_t vertices)
+{
+    size_t limit = std::min(vertices, e.size == 4 ? (size_t)UINT32_MAX : ((size_t)1 << 8 * e.size) - 1);
+    size_t below = e.indices_below;
+    if (!below) below = e.size == 1 ? least_above<uint8_t>(e) : e.size == 2 ? least_above<uint16_t>(e) : least_above<uint32_t>(e);
+    if (&e == &l.accessors[(size_t)accessor]) l.accessors[(size_t)accessor].indices_below = below;
+    if (below <= limit) return VXS_OK;
+
+    size_t bad = 0;
+    while (unsigned_at(e.data + bad * e.stride, e.size) < limit) bad++;
+    return l.error(VXS_E_SCENE, "%s: index %zu is %u, expected less than %zu",
+                   label("accessor", (size_t)accessor, l.model.accessors[(size_t)accessor].name).c_str(), bad,
+                   unsigned_at(e.data + bad * e.stride, e.size), limit);
 }
 
 } // namespace gltf

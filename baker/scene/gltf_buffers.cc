@@ -67,7 +67,8 @@ static vxs_result read_buffer(loader &l, const std::string &where, const json &o
     if (is_fallback(object)) return VXS_OK;
 
     if (uri.empty()) {
-        if (!c.bin || index) return l.error(VXS_E_SCENE, "%s has neither a uri nor a GLB chunk", where.c_str());
+        b.missing = !c.bin || index;
+        if (b.missing) return VXS_OK;
         b.data = c.bin;
         return check_length(l, where, "the GLB chunk", c.bin_size, b.size_bytes);
     }
@@ -94,6 +95,13 @@ vxs_result read_buffers(loader &l, const json &root, const container &c)
     return VXS_OK;
 }
 
+vxs_result check_buffers(loader &l)
+{
+    for (size_t i = 0; i < l.buffers.size(); i++)
+        if (l.buffers[i].missing) return l.error(VXS_E_SCENE, "buffer %zu has neither a uri nor a GLB chunk", i);
+    return VXS_OK;
+}
+
 static vxs_result read_buffer_view(loader &l, size_t index, const json &object, buffer_view &v)
 {
     std::string where = label("bufferView", index, "");
@@ -103,13 +111,16 @@ static vxs_result read_buffer_view(loader &l, size_t index, const json &object, 
     v.stride          = object.value("byteStride", (size_t)0);
     if (v.buffer >= l.buffers.size()) return l.error(VXS_E_SCENE, "%s: buffer %zu does not exist", where.c_str(), v.buffer);
     size_t bytes = l.buffers[v.buffer].size_bytes;
-    if (!v.length || v.offset > bytes || v.length > bytes - v.offset)
+    if (!v.length) return l.error(VXS_E_SCENE, "%s: byteLength is 0", where.c_str());
+    if (v.offset > bytes || v.length > bytes - v.offset)
         return l.error(VXS_E_SCENE, "%s: %zu bytes at byte %zu do not fit in buffer %zu of %zu bytes", where.c_str(), v.length,
                        v.offset, v.buffer, bytes);
     vxs_result r = read_compressed_view(l, where, object, v.compressed);
     if (r != VXS_OK || v.compressed.extension) return r;
     if (v.stride && (v.stride < 4 || v.stride > 252 || v.stride % 4))
         return l.error(VXS_E_SCENE, "%s: byteStride is %zu, expected a multiple of 4 from 4 to 252", where.c_str(), v.stride);
+    if (v.stride && object.value("target", json()) == TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER)
+        return l.error(VXS_E_SCENE, "%s: a byteStride, but its target is indices", where.c_str());
     return VXS_OK;
 }
 

@@ -50,6 +50,8 @@ vxs_result read_scene_file(loader &l, std::vector<unsigned char> &bytes)
     return VXS_OK;
 }
 
+static constexpr uint32_t JSON_CHUNK = 0x4e4f534a, BIN_CHUNK = 0x004e4942;
+
 static uint32_t u32_at(const std::vector<unsigned char> &bytes, size_t offset)
 {
     const unsigned char *b = bytes.data() + offset;
@@ -66,7 +68,7 @@ vxs_result open_container(loader &l, const std::vector<unsigned char> &bytes, co
     uint32_t version = u32_at(bytes, 4), length = u32_at(bytes, 8), text_size = u32_at(bytes, 12);
     if (version != 2) return l.error(VXS_E_UNSUPPORTED, "GLB version %u, expected 2", version);
     if (length > bytes.size()) return l.error(VXS_E_SCENE, "GLB header promises %u bytes, the file has %zu", length, bytes.size());
-    if (u32_at(bytes, 16) != 0x4e4f534a) return l.error(VXS_E_SCENE, "the first GLB chunk is not JSON");
+    if (u32_at(bytes, 16) != JSON_CHUNK) return l.error(VXS_E_SCENE, "the first GLB chunk is not JSON");
     if (!text_size || text_size % 4 || length < 20 || text_size > length - 20)
         return l.error(VXS_E_SCENE, "GLB JSON chunk of %u bytes in a file of %u: it must fit and be a multiple of 4", text_size,
                        length);
@@ -74,12 +76,16 @@ vxs_result open_container(loader &l, const std::vector<unsigned char> &bytes, co
     c.text_size = text_size;
 
     size_t at = 20 + (size_t)text_size;
-    if (at == length) return VXS_OK;
-    if (length - at < 8 || u32_at(bytes, at) > length - at - 8)
-        return l.error(VXS_E_SCENE, "the second GLB chunk does not fit in the file");
-    if (u32_at(bytes, at + 4) != 0x004e4942) return l.error(VXS_E_SCENE, "the second GLB chunk is not BIN");
-    c.bin      = bytes.data() + at + 8;
-    c.bin_size = u32_at(bytes, at);
+    for (size_t n = 1; at < length; n++) {
+        if (length - at < 8 || u32_at(bytes, at) > length - at - 8)
+            return l.error(VXS_E_SCENE, "GLB chunk %zu does not fit in the file", n);
+        uint32_t size = u32_at(bytes, at), type = u32_at(bytes, at + 4);
+        if (n == 1 && type != BIN_CHUNK) return l.error(VXS_E_SCENE, "the second GLB chunk is not BIN");
+        if (n > 1 && (type == BIN_CHUNK || type == JSON_CHUNK))
+            return l.error(VXS_E_SCENE, "GLB chunk %zu is a second one of its type", n);
+        if (n == 1) c.bin = bytes.data() + at + 8, c.bin_size = size;
+        at += std::min((size_t)8 + (size + 3) / 4 * 4, (size_t)length - at); /* other types are for others */
+    }
     return VXS_OK;
 }
 

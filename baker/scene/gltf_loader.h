@@ -44,14 +44,15 @@ struct elements {
     int                        component;           /* TINYGLTF_COMPONENT_TYPE_* */
     bool                       normalized;
     bool                       ready;         /* data is there */
-    uint32_t                   indices_below; /* of indices that were looked at: all are less; 0 before */
+    size_t                     indices_below; /* of indices that were looked at: all are less; 0 before */
     std::vector<unsigned char> dense;         /* owns data when the accessor is sparse or has no bufferView */
 };
 
 struct buffer {
     const unsigned char       *data; /* NULL: a fallback for readers that know no compression, never read */
     size_t                     size_bytes;
-    std::vector<unsigned char> owned; /* unless data is the GLB's own */
+    bool                       missing; /* neither a uri nor a GLB chunk */
+    std::vector<unsigned char> owned;   /* unless data is the GLB's own */
 };
 
 /* EXT_meshopt_compression, KHR_meshopt_compression: the bytes of a bufferView as they are stored. */
@@ -233,6 +234,9 @@ vxs_result parse(loader &l);
 vxs_result read_buffers(loader &l, const json &root, const container &c);
 vxs_result read_buffer_views(loader &l, const json &root);
 
+/* No buffer is missing: said after all faults that can be seen without data. */
+vxs_result check_buffers(loader &l);
+
 /* A file beside the scene, by the uri of a buffer or an image; at most `limit` bytes of it. `what` uses it. */
 vxs_result read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit, std::vector<unsigned char> &bytes);
 
@@ -249,6 +253,9 @@ vxs_result decode_view(loader &l, size_t index);
 
 size_t     component_bytes(int component);
 vxs_result check_accessors(loader &l);
+
+/* Where the first element of an accessor with a bufferView begins. */
+size_t offset_in_buffer(const loader &l, const tinygltf::Accessor &a);
 
 /* An accessor's elements: in the buffer, or made dense once. */
 vxs_result use_accessor(loader &l, int index, const elements *&out);
@@ -314,6 +321,12 @@ size_t triangle_count(const loader &l, const tinygltf::Primitive &p);
 
 vxs_result read_materials(loader &l, const json &root);
 vxs_result check_model_meshes(loader &l);
+
+/* No index of an uncompressed primitive is too large, whether a node places it or not. */
+vxs_result check_all_indices(loader &l);
+
+/* 3.7.2.1: no index may name a missing vertex or be the largest value of its type, which restarts primitives elsewhere. */
+vxs_result check_index_values(loader &l, const elements &indices, int accessor, size_t vertices);
 
 /* Count before allocating: instancing makes scenes much larger than files. */
 vxs_result measure(loader &l);

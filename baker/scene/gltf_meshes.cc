@@ -15,8 +15,6 @@ int attribute(const std::map<std::string, int> &attributes, const char *name)
 
 static vxs_result check_positions(loader &l, const std::string &where, int index, size_t count)
 {
-    if ((size_t)index >= l.accessors.size())
-        return l.error(VXS_E_SCENE, "%s: POSITION accessor %d does not exist", where.c_str(), index);
     const tinygltf::Accessor &a    = l.model.accessors[(size_t)index];
     std::string               name = label("accessor", (size_t)index, a.name);
     if (a.type != TINYGLTF_TYPE_VEC3) return l.error(VXS_E_SCENE, "%s, %s: POSITION is not a VEC3", where.c_str(), name.c_str());
@@ -25,6 +23,8 @@ static vxs_result check_positions(loader &l, const std::string &where, int index
     if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !l.quantization)
         return l.error(VXS_E_SCENE, "%s, %s: POSITION is not of floats, and KHR_mesh_quantization is not used", where.c_str(),
                        name.c_str());
+    if (a.bufferView >= 0 && (offset_in_buffer(l, a) % 4 || l.accessors[(size_t)index].stride % 4))
+        return l.error(VXS_E_SCENE, "%s, %s: positions do not begin at multiples of 4 bytes", where.c_str(), name.c_str());
     if (a.count != count)
         return l.error(VXS_E_SCENE, "%s, %s: %zu elements, expected %zu", where.c_str(), name.c_str(), a.count, count);
     return VXS_OK;
@@ -67,16 +67,28 @@ size_t triangle_count(const loader &l, const tinygltf::Primitive &p)
     return p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
+/* Attributes that are not read exist, too. */
+static vxs_result check_attributes(loader &l, const std::string &where, const std::map<std::string, int> &attributes)
+{
+    for (const auto &[name, accessor] : attributes)
+        if ((size_t)accessor >= l.accessors.size())
+            return l.error(VXS_E_SCENE, "%s: %s accessor %d does not exist", where.c_str(), name.c_str(), accessor);
+    return VXS_OK;
+}
+
 static vxs_result check_primitive(loader &l, const std::string &where, const tinygltf::Primitive &p)
 {
     if (p.mode > TINYGLTF_MODE_TRIANGLE_FAN) return l.error(VXS_E_SCENE, "%s: unknown mode %d", where.c_str(), p.mode);
     if (p.material >= 0 && (size_t)p.material >= l.materials.size())
         return l.error(VXS_E_SCENE, "%s: material %d does not exist", where.c_str(), p.material);
-    if (!makes_triangles(p)) return VXS_OK;
+    vxs_result r = check_attributes(l, where, p.attributes);
+    for (size_t i = 0; r == VXS_OK && i < p.targets.size(); i++)
+        r = check_attributes(l, where + " target " + std::to_string(i), p.targets[i]);
+    if (r != VXS_OK || !makes_triangles(p)) return r;
 
-    int        position = attribute(p.attributes, "POSITION");
-    size_t     vertices = (size_t)position < l.accessors.size() ? l.accessors[(size_t)position].count : 0;
-    vxs_result r        = check_positions(l, where, position, vertices);
+    int    position = attribute(p.attributes, "POSITION");
+    size_t vertices = l.accessors[(size_t)position].count;
+    r               = check_positions(l, where, position, vertices);
     for (size_t i = 0; r == VXS_OK && i < p.targets.size(); i++)
         if (attribute(p.targets[i], "POSITION") >= 0)
             r = check_positions(l, where + " target " + std::to_string(i), attribute(p.targets[i], "POSITION"), vertices);
@@ -92,8 +104,27 @@ vxs_result check_model_meshes(loader &l)
             std::string where = label("mesh", i, mesh.name) + " " + label("primitive", k, "");
             vxs_result  r     = check_primitive(l, where, mesh.primitives[k]);
             if (r != VXS_OK) return r;
+            size_t targets = mesh.primitives[k].targets.size();
+            if (!mesh.weights.empty() && mesh.weights.size() != targets)
+                return l.error(VXS_E_SCENE, "%s: %zu weights for %zu morph targets", where.c_str(), mesh.weights.size(), targets);
         }
     }
+    return VXS_OK;
+}
+
+vxs_result check_all_indices(loader &l)
+{
+    for (const tinygltf::Mesh &mesh : l.model.meshes)
+        for (const tinygltf::Primitive &p : mesh.primitives) {
+            if (p.indices < 0 || !makes_triangles(p) || needs_draco(l, p)) continue;
+            const tinygltf::Accessor &a = l.model.accessors[(size_t)p.indices];
+            if (a.bufferView < 0 || a.sparse.isSparse || l.views[(size_t)a.bufferView].compressed.extension) continue;
+            const elements *indices;
+            vxs_result      r = use_accessor(l, p.indices, indices);
+            if (r == VXS_OK)
+                r = check_index_values(l, *indices, p.indices, l.accessors[(size_t)attribute(p.attributes, "POSITION")].count);
+            if (r != VXS_OK) return r;
+        }
     return VXS_OK;
 }
 

@@ -74,14 +74,6 @@ template <> inline uint32_t index_at<void>(const elements *, size_t i)
     return (uint32_t)i;
 }
 
-/* The first corner whose index is not below the limit, or the count of corners. */
-template <typename T> size_t find_bad_index(const elements &indices, size_t limit)
-{
-    size_t i = 0;
-    while (i < indices.count && index_at<T>(&indices, i) < limit) i++;
-    return i;
-}
-
 /* Append the placement's triangles; false at a vertex without a finite position, whose element goes to `bad`. */
 template <typename T> bool append_triangles(loader &l, const placement &p, uint32_t &bad)
 {
@@ -111,20 +103,6 @@ void triangle_elements(const placement &p, size_t t, uint32_t element[3])
                                             : index_at<uint32_t>(p.indices, corner[i]);
 }
 
-/* 3.7.2.1: no index may name a missing vertex or be the largest value of its type, which restarts primitives elsewhere. */
-static vxs_result check_index_values(loader &l, const placement &p, int accessor)
-{
-    const elements &e     = *p.indices;
-    size_t          limit = std::min(p.positions->count, e.size == 4 ? (size_t)UINT32_MAX : ((size_t)1 << 8 * e.size) - 1);
-    size_t          bad   = e.size == 1   ? find_bad_index<uint8_t>(e, limit)
-                            : e.size == 2 ? find_bad_index<uint16_t>(e, limit)
-                                          : find_bad_index<uint32_t>(e, limit);
-    if (bad == e.count) return VXS_OK;
-    return l.error(VXS_E_SCENE, "%s: index %zu is %u, expected less than %zu",
-                   label("accessor", (size_t)accessor, l.model.accessors[(size_t)accessor].name).c_str(), bad,
-                   unsigned_at(e.data + bad * e.stride, e.size), limit);
-}
-
 /* Which accessor has the value that is not finite; when none has, the place is too far away. */
 static vxs_result explain_bad_vertex(loader &l, const placement &p, uint32_t vertex, size_t node_index)
 {
@@ -150,7 +128,7 @@ static vxs_result open_geometry(loader &l, const std::string &where, placement &
         if ((r = use_accessor(l, attribute(primitive.attributes, "POSITION"), p.positions)) != VXS_OK) return r;
         if (primitive.indices >= 0 && (r = use_accessor(l, primitive.indices, p.indices)) != VXS_OK) return r;
     }
-    return p.indices ? check_index_values(l, p, primitive.indices) : VXS_OK;
+    return p.indices ? check_index_values(l, *p.indices, primitive.indices, p.positions->count) : VXS_OK;
 }
 
 static vxs_result open_targets(loader &l, const tinygltf::Node &node, const std::string &where, placement &p)

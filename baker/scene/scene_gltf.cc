@@ -44,6 +44,8 @@ static vxs_result load(loader &l, const char *which)
     if ((r = check_model_meshes(l)) != VXS_OK) return r;
     if ((r = check_references(l)) != VXS_OK) return r;
     if ((r = check_tree(l, parent)) != VXS_OK) return r;
+    if ((r = check_buffers(l)) != VXS_OK) return r;
+    if ((r = check_all_indices(l)) != VXS_OK) return r;
     if ((r = choose_scene(l, which, chosen)) != VXS_OK) return r;
     if ((r = choose_roots(l, chosen, parent)) != VXS_OK) return r;
     if ((r = place_nodes(l, parent)) != VXS_OK) return r;

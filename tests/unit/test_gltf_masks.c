@@ -249,7 +249,7 @@ static void test_broken_masks_say_why(void **state)
          VXS_E_SCENE},
         {UV, BASE, "'textures':[{'source':0}],'images':[{'uri':'data:image/png,abc'}]", "not a base64 data URI", VXS_E_SCENE},
         {"", BASE, TEXTURE, "mesh 0 primitive 0 has no TEXCOORD_0, which the mask of material 0 'leaf' needs", VXS_E_SCENE},
-        {",'TEXCOORD_0':99", BASE, TEXTURE, "has no TEXCOORD_0", VXS_E_SCENE},
+        {",'TEXCOORD_0':99", BASE, TEXTURE, "TEXCOORD_0 accessor 99 does not exist", VXS_E_SCENE},
         {",'TEXCOORD_0':0", BASE, TEXTURE, "TEXCOORD_0 is not a VEC2", VXS_E_SCENE},
         {",'TEXCOORD_0':7", BASE, TEXTURE, "accessor 7: TEXCOORD_0 is not a VEC2 of floats or normalised", VXS_E_SCENE},
         {",'TEXCOORD_0':6", BASE, TEXTURE, "6 elements of TEXCOORD_0, expected 4", VXS_E_SCENE},
