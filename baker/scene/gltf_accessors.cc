@@ -68,7 +68,6 @@ vxs_result check_accessors(loader &l)
         e.stride     = e.size;
         e.component  = a.componentType;
         e.normalized = a.normalized;
-        if (a.bufferView < 0 && a.byteOffset) return l.error(VXS_E_SCENE, "%s: a byteOffset without a bufferView", where.c_str());
         if (a.bufferView >= 0 && (r = check_extent(l, where, a.bufferView, a.byteOffset, a.count, e.size, e.stride)) != VXS_OK)
             return r;
         if (a.bufferView >= 0 && offset_in_buffer(l, a) % component)

@@ -212,13 +212,15 @@ static vxs_result check_meshes(loader &l, const json &root)
     return VXS_OK;
 }
 
-static vxs_result check_sparse(loader &l, const json &root)
+static vxs_result check_accessor_members(loader &l, const json &root)
 {
     vxs_result r;
     size_t     index = 0;
     for (const json &accessor : items(root, "accessors")) {
         std::string where  = label("accessor", index++, "") + " sparse";
         auto        sparse = accessor.find("sparse");
+        if (accessor.contains("byteOffset") && !accessor.contains("bufferView"))
+            return l.error(VXS_E_SCENE, "accessor %zu: a byteOffset without a bufferView", index - 1);
         if (sparse == accessor.end()) continue;
         if ((r = check_shape(l, where, *sparse, sparse_shape)) != VXS_OK) return r;
         if ((r = check_shape(l, where + " indices", (*sparse)["indices"], sparse_indices_shape)) != VXS_OK) return r;
@@ -285,7 +287,7 @@ vxs_result check_json(loader &l, const json &root)
     if ((r = check_list(l, root, "buffers", "buffer", buffer_shape)) != VXS_OK) return r;
     if ((r = check_list(l, root, "skins", "skin", skin_shape)) != VXS_OK) return r;
     if ((r = check_nodes(l, root)) != VXS_OK) return r;
-    if ((r = check_sparse(l, root)) != VXS_OK) return r;
+    if ((r = check_accessor_members(l, root)) != VXS_OK) return r;
     return check_meshes(l, root);
 }
 
