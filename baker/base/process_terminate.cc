@@ -1,5 +1,5 @@
 /* What ends a process that C++ gives up on; see process.h.
- * nlohmann::json allocates in its destructor, which may not throw: without memory the process ends there.
+ * nlohmann::json allocates where it promises not to throw, in its destructor and when it is moved: without memory the process ends there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <unistd.h>
 
@@ -9,19 +9,30 @@
 
 #include "baker/base/output_file.h"
 #include "baker/base/process.h"
+#include "baker/base/progress.h"
+
+/* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
+ * missing memory is thrown there. */
+static bool out_of_memory()
+{
+    try {
+        if (!std::current_exception()) return std::uncaught_exceptions() > 0;
+        throw;
+    } catch (const std::bad_alloc &) {
+        return true;
+    } catch (...) {
+        return false;
+    }
+}
 
 [[noreturn]] static void end_process()
 {
-    try {
-        if (std::current_exception()) throw;
-    } catch (const std::bad_alloc &) {
-        static const char text[] = "vxs: error: out of memory\n";
-        output_file_remove_temporary();
-        if (write(STDERR_FILENO, text, sizeof text - 1) < 0) abort();
-        _exit(exit_status(VXS_E_MEMORY));
-    } catch (...) {
-    }
-    abort();
+    static const char text[] = "vxs: error: out of memory\n";
+    if (!out_of_memory()) abort();
+    output_file_remove_temporary();
+    progress_clear();
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0) abort();
+    _exit(exit_status(VXS_E_MEMORY));
 }
 
 void process_catch_terminate(void)
