@@ -131,10 +131,11 @@ static void logarithmic_depths(void **state)
                 message    m = {0};
                 assert_int_equal(depth_maps_init(&d, 64, depth, log(ratios[ratio]) / depth, with_exit, &m), VXS_OK);
                 for (int n = 0; n < 64 * 64; n++) {
-                    double share  = pow(ratios[ratio], -(double)random_unit(&r) * 1.2),
-                           more   = pow(ratios[ratio], -(double)random_unit(&r) * 0.1);
-                    uint32_t kind = rng_below(&r, 16);
-                    d.enter[n]    = kind == 0 ? -1 : kind == 1 ? 0 : kind == 2 ? -0.0f : kind == 3 ? -1e-30f : (float)-share;
+                    int      ends  = n / 8 % 2; /* every other tile has casters everywhere, before the far side */
+                    double   share = pow(ratios[ratio], -(double)random_unit(&r) * (ends ? 1.2 : 0.8));
+                    double   more  = pow(ratios[ratio], -(double)random_unit(&r) * 0.1);
+                    uint32_t kind  = ends ? rng_below(&r, 16) : 16;
+                    d.enter[n]     = kind == 0 ? -1 : kind == 1 ? 0 : kind == 2 ? -0.0f : kind == 3 ? -1e-30f : (float)-share;
                     if (with_exit) d.exit[n] = rng_below(&r, 4) ? fmaxf(d.enter[n], (float)(-share * more)) : d.enter[n];
                 }
                 depth_maps_reduce(&d, 2);
