@@ -214,7 +214,7 @@ static void sum_volumes(examination *x)
 static size_t drop_repeated(uint64_t *keys, size_t count)
 {
     size_t kept = 0;
-    qsort(keys, count, sizeof *keys, by_key);
+    if (count > 1) qsort(keys, count, sizeof *keys, by_key); /* keys may be NULL when there are none */
     for (size_t i = 0; i < count; i++)
         if (!i || keys[i] != keys[i - 1]) keys[kept++] = keys[i];
     return kept;

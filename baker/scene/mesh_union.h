@@ -28,7 +28,8 @@ typedef struct union_report {
     int            gave_up;                       /* 1: not all solids that meet were found */
 } union_report;
 
-/* Replace solids that meet by their boolean union. It is exact, and each new vertex is rounded once, so that no crack opens; what fails
+/* Replace solids that meet by their boolean union. It is exact, and each new vertex is rounded once, so that no crack opens, though
+ * faces may come to cross each other by the width of a rounding: casters_find_meeting then says that the solid meets itself. What fails
  * stays as it was, and is counted with its reason. A solid that came of a union has one number, even if its surface is in several parts.
  * Solids that are left come first, in their order, then the new ones, then sheets as before. solid_meets is taken away: it is to be found anew.
  * out  [out] zeroed on failure; released with union_report_free
