@@ -16,6 +16,7 @@
 typedef struct light_job {
     light_baker      *baker;
     const plan_light *planned;
+    casters           casters; /* that the light may reach */
     light_report     *report;
     baseline         *base;
     dag_merger       *merger;
@@ -206,7 +207,7 @@ static vxs_result bake_map(light_job *job, message *m)
     const vxs_light    *light = &job->report->light;
     uint32_t            side  = (1u << light->levels) / job->maps.side_px;
     stage_timer         timer = stage_begin(b->report);
-    vxs_result r = depth_renderer_create(&job->renderer, b->gl, b->casters, light, (int)job->map, exit_of(b), o->threads, m);
+    vxs_result r = depth_renderer_create(&job->renderer, b->gl, &job->casters, light, (int)job->map, exit_of(b), o->threads, m);
     stage_end(&timer, STAGE_GL);
     for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
         square_at at = z_order(n);
@@ -232,8 +233,9 @@ vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, basel
     vxs_result          r;
 
     stage_timer timer = stage_begin(b->report);
-    light->light      = planned->light;
-    job.map_count     = planned->map_count;
+    if ((r = reach_casters(&job.casters, &b->plan->reach, b->casters, &planned->shape, m)) != VXS_OK) goto done;
+    light->light  = planned->light;
+    job.map_count = planned->map_count;
     if ((r = depth_maps_init(&job.maps, tile, side, lamp ? light->light.voxel_metres : 0, b->plan->has_exit_map, m)) != VXS_OK)
         goto done;
     if ((r = dag_merger_create(&job.merger, side, sub_dag_side(side), job.map_count, o->stop == STOP_FINAL)) != VXS_OK) goto done;
@@ -250,6 +252,7 @@ vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, basel
 done:
     if (r == VXS_E_MEMORY) fail(m, r, "out of memory while baking light '%s'", planned->name);
     dag_merger_destroy(job.merger);
+    reach_release(&job.casters, b->casters);
     depth_maps_free(&job.maps);
     return r;
 }

@@ -30,7 +30,11 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
                           .resolution_max = RESOLUTION_MAX_PX,
                           .texel_metres   = o->texel_metres,
                           .region_ws      = o->region_given ? o->region_ws : NULL};
-    vxs_result     r   = light_fit(&l->light, c, &fit, m);
+    casters        near;
+    vxs_result     r = reach_casters(&near, &plan->reach, c, &chosen->shape, m);
+    if (r == VXS_OK) r = light_fit(&l->light, &near, &fit, m);
+    reach_release(&near, c);
+    l->shape = chosen->shape;
     snprintf(l->name, sizeof l->name, "%s", chosen->name);
     if (r == VXS_E_NO_CASTER) {
         l->left_out = REACHES_NOTHING;
@@ -105,18 +109,20 @@ static void add_sample(map_sample *sum, const map_sample *s)
 
 static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, message *m)
 {
-    vxs_result r = VXS_OK;
+    casters    near;
+    vxs_result r = reach_casters(&near, &plan->reach, c, &l->shape, m);
     memset(&l->sample, 0, sizeof l->sample);
     l->triangles = 0;
     for (uint32_t map = 0; map < l->map_count && r == VXS_OK; map++) {
         projection p;
         map_sample s = {0};
-        r            = projection_init(&p, c, &l->light, (int)map, o->threads, m);
+        r            = projection_init(&p, &near, &l->light, (int)map, o->threads, m);
         if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, o->rule, o->reuse, m);
         l->triangles += p.triangle_count;
         projection_free(&p);
         add_sample(&l->sample, &s);
     }
+    reach_release(&near, c);
     l->blocks            = l->sample.blocks;
     l->blocks_empty      = l->sample.blocks_empty;
     l->blocks_peeled     = o->exit == EXIT_BACK ? 0 : l->sample.blocks_peeled;
@@ -195,6 +201,7 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const l
     double     start = clock_seconds();
     vxs_result r;
     memset(plan, 0, sizeof *plan);
+    if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
     if ((r = fit_lights(plan, o, c, chosen, m)) != VXS_OK) goto done;
     plan_exit(plan, o, c);
     if (plan->meeting_known && (r = casters_find_meeting(c, m)) != VXS_OK) goto done;
@@ -217,6 +224,7 @@ done:
 
 void plan_free(bake_plan *plan)
 {
+    reach_free(&plan->reach);
     free(plan->lights);
     memset(plan, 0, sizeof *plan);
 }

@@ -9,13 +9,15 @@
 
 #include "baker/bake.h"
 #include "baker/maps/map_sample.h"
+#include "baker/maps/reach.h"
 #include "baker/scene/light_choice.h"
 
 /* Of one light. */
 typedef struct plan_light {
     char        name[VXS_LIGHT_NAME_BYTES];
     const char *left_out; /* why it is not baked; NULL: it is */
-    vxs_light   light;    /* fitted: all but the DAG */
+    light_shape shape;
+    vxs_light   light; /* fitted: all but the DAG */
     uint32_t    map_count;
     size_t      triangles; /* that the light can reach */
 
@@ -49,6 +51,7 @@ struct bake_plan {
     uint64_t      budget_bytes; /* --memory; 0: none */
     uint64_t      least_bytes;  /* what the smallest plan needs */
 
+    reach_index reach;
     plan_light *lights; /* [light_count] as chosen, left out ones among them */
     size_t      light_count, baked_count;
 

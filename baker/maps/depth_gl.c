@@ -41,11 +41,14 @@ static const char next_text[] =
 
 static vxs_result set_up_gl(block_context *x, message *m)
 {
-    gl_context *gl = x->gl;
-    vxs_result  r;
-    if ((r = make_program(gl, &x->program_depth, vertex_text, depth_text, m)) != VXS_OK) return r;
-    if ((r = make_program(gl, &x->program_count, vertex_text, count_text, m)) != VXS_OK) return r;
-    if ((r = make_program(gl, &x->program_next, vertex_text, next_text, m)) != VXS_OK) return r;
+    gl_context       *gl = x->gl;
+    vxs_result        r;
+    const char *const texts[3] = {depth_text, count_text, next_text};
+    for (int n = 0; n < 3; n++)
+        if (!gl->depth_programs[n] && (r = make_program(gl, &gl->depth_programs[n], vertex_text, texts[n], m)) != VXS_OK) return r;
+    x->program_depth = gl->depth_programs[0];
+    x->program_count = gl->depth_programs[1];
+    x->program_next  = gl->depth_programs[2];
     gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
     gl->GenFramebuffers(1, &x->framebuffer);
     gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
@@ -118,9 +121,6 @@ void depth_renderer_destroy(depth_renderer *r)
     gl_context    *gl = x->gl;
     for (int n = 0; n < LANES; n++) depth_block_free(&r->lane[n]);
     gl->DeleteFramebuffers(1, &x->framebuffer);
-    gl->DeleteProgram(x->program_depth);
-    gl->DeleteProgram(x->program_count);
-    gl->DeleteProgram(x->program_next);
     mask_images_free(&x->images);
     projection_free(&x->casters);
     free(x->boxes);

@@ -70,11 +70,12 @@ typedef struct gl_context {
     GL_FUNCTIONS(GL_FUNCTION_POINTER)
 #undef GL_FUNCTION_POINTER
     gl_backend backend;
-    void      *handle;          /* OSMesaContext, or EGLContext */
-    void      *display;         /* EGLDisplay */
-    void      *library;         /* libEGL, opened when it is asked for */
-    uint32_t   pixels[16 * 16]; /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
-    char       renderer[128];   /* what GL calls itself */
+    void      *handle;            /* OSMesaContext, or EGLContext */
+    void      *display;           /* EGLDisplay */
+    void      *library;           /* libEGL, opened when it is asked for */
+    uint32_t   pixels[16 * 16];   /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
+    char       renderer[128];     /* what GL calls itself */
+    GLuint     depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
 } gl_context;
 
 /* Make a context and make it current on the calling thread, which alone may use it until gl_context_destroy.
