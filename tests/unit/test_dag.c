@@ -692,7 +692,7 @@ static void same_bytes_at_any_thread_count(void **state)
     static const uint32_t threads[] = {2, 3, 8};
     (void)state;
     for (stop_stage stop = STOP_INSERT; stop <= STOP_FINAL; stop++)
-        for (compress_order order = COMPRESS_TOP_DOWN; order <= COMPRESS_BOTTOM_UP; order++) {
+        for (compress_choice order = COMPRESS_CHOICE_AUTO; order <= COMPRESS_CHOICE_BOTTOM_UP; order++) {
             bake_options o     = {.resolution = 1024,
                                   .reuse      = 1,
                                   .stop       = stop,
