@@ -13,6 +13,7 @@
 #include "baker/base/clock.h"
 #include "baker/base/json_file.h"
 #include "baker/base/output_file.h"
+#include "baker/base/pages.h"
 #include "baker/base/progress.h"
 #include "baker/base/version.h"
 #include "baker/plan.h"
@@ -321,6 +322,7 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     vxs_bytes  file  = {0};
     vxs_result r;
 
+    pages_return_large();
     if ((r = output_file_check(o->output_path, o->scene_path, m)) != VXS_OK) goto done;
     if ((r = prepare(o, &s, &c, report, m)) != VXS_OK) goto done;
     if ((r = bake_lights(o, &c, start, &file, report, m)) != VXS_OK) goto done;

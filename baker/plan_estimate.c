@@ -96,7 +96,8 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     }
     plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)scene_bytes + 3.6e-8 * (double)c->triangle_count;
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
-    plan->seconds[STAGE_PLAN]   = (plan->meeting_known ? plan->meeting_seconds : 0) + 5e-8 * (double)c->triangle_count;
+    plan->seconds[STAGE_PLAN] =
+        (plan->meeting_known ? plan->meeting_seconds : 0) + 5e-8 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
     plan->seconds[STAGE_GL] += 0.011;
     plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
     plan->seconds[STAGE_COMPRESS] = compress;
@@ -120,5 +121,5 @@ uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_
         texels += ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     }
     double compared = plan->baseline == BASELINE_FULL ? 4 * texels : 0; /* 16-bit depths, and what zstd makes of them */
-    return (uint64_t)(118e6 + 190 * (double)c->triangle_count + 71 * nodes + tile + compared);
+    return (uint64_t)(118e6 + 150e3 * (double)plan->baked_count + 190 * (double)c->triangle_count + 71 * nodes + tile + compared);
 }
