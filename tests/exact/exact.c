@@ -31,6 +31,7 @@
 #include "baker/command/asset_open.h"
 #include "baker/command/options.h"
 #include "baker/maps/light_fit.h"
+#include "baker/plan.h"
 #include "baker/scene/light_choice.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16 };
@@ -444,7 +445,9 @@ static vxs_result build_sub(const exact_options *o, const column_source *source,
     if ((r = dag_insert(&d, source, i, j, levels, &masks, o->bake.reuse)) != VXS_OK) goto done;
     uint32_t level = rng_below(random, levels);
     if (*left && o->fault == FAULT_INSERTED) *left -= spoil_node(&d, level, random);
-    if (o->bake.stop != STOP_INSERT && (r = dag_compress(&d, o->bake.compress)) != VXS_OK) goto done;
+    if (o->bake.stop != STOP_INSERT &&
+        (r = dag_compress(&d, o->bake.compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN)) != VXS_OK)
+        goto done;
     if (*left && o->fault == FAULT_COMPRESSED) *left -= spoil_node(&d, level, random);
     r = dag_merger_add(merger, &d, 0, i, j);
 done:
@@ -553,10 +556,10 @@ static vxs_result bake_asset(exact_options *o, vxs_asset **asset, message *m)
     return r;
 }
 
-/* The lights of the command line, each as bake() bakes one; those that reach no caster are left out. */
-static vxs_result lamps_asset(const world *w, const exact_options *o, vxs_asset **asset, message *m)
+/* The lights of a plan, each as bake() bakes one. */
+static vxs_result planned_asset(const world *w, const exact_options *o, const bake_plan *plan, vxs_asset **asset, message *m)
 {
-    size_t           count  = w->s.light_count;
+    size_t           count  = plan->light_count;
     bake_report      report = {0};
     vxs_write_light *lights = calloc(count, sizeof *lights);
     dag             *dags   = calloc(count, sizeof *dags);
@@ -565,21 +568,16 @@ static vxs_result lamps_asset(const world *w, const exact_options *o, vxs_asset 
     report.lights           = calloc(count, sizeof *report.lights);
     if (!lights || !dags || !report.lights) goto done;
 
-    light_baker baker = {.options = &o->bake, .gl = w->gl, .casters = &w->c, .report = &report};
+    light_baker baker = {.options = &o->bake, .plan = plan, .gl = w->gl, .casters = &w->c, .report = &report};
     for (size_t n = 0; n < count; n++) {
-        uint32_t      at     = report.light_count;
-        chosen_light  chosen = {w->s.lights[n].name, w->s.lights[n].shape};
-        light_report *light  = &report.lights[at];
-        baseline      base   = {0};
-        r                    = bake_light(&baker, &chosen, &dags[at], &base, light, m);
+        uint32_t      at    = report.light_count;
+        light_report *light = &report.lights[at];
+        baseline      base  = {0};
+        if (plan->lights[n].left_out) continue;
+        r = bake_light(&baker, &plan->lights[n], &dags[at], &base, light, m);
         baseline_free(&base);
-        if (r == VXS_E_NO_CASTER) continue;
         if (r != VXS_OK) goto done;
         lights[report.light_count++] = (vxs_write_light){.light = light->light, .dag = view_of(&dags[at])};
-    }
-    if (!report.light_count) {
-        r = fail(m, VXS_E_NO_LIGHT, "no light reaches a caster");
-        goto done;
     }
     vxs_write_desc desc = {.lights = lights, .light_count = report.light_count, .zstd_level = 1};
     if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
@@ -590,6 +588,21 @@ done:
     free(dags);
     free(lights);
     free(file.data);
+    return r;
+}
+
+/* The lights of the command line; those that reach no caster are left out. */
+static vxs_result lamps_asset(world *w, const exact_options *o, vxs_asset **asset, message *m)
+{
+    light_choice chosen = {0};
+    bake_plan    plan   = {0};
+    vxs_result   r;
+    if ((r = lights_choose(&w->s, &o->bake.light_names, 0, o->bake.sun, &chosen, m)) != VXS_OK) goto done;
+    if ((r = plan_make(&plan, &o->bake, &w->c, &chosen, 0, m)) != VXS_OK) goto done;
+    r = planned_asset(w, o, &plan, asset, m);
+done:
+    plan_free(&plan);
+    light_choice_free(&chosen);
     return r;
 }
 
@@ -626,7 +639,7 @@ static vxs_result check_asset(const exact_options *o, const world *w, const vxs_
 static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown, message *m)
 {
     int         closed = CLOSED_AUTO, exit_choice = EXIT_AUTO, rule = MASK_RULE_GREEDY, stop = STOP_FINAL, reuse = 0;
-    int         compress = COMPRESS_TOP_DOWN, planted = FAULT_NONE;
+    int         compress = COMPRESS_CHOICE_AUTO, planted = FAULT_NONE;
     const char *columns = "all";
 
     const option options[] = {
@@ -640,7 +653,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
         {"--closed", OPTION_CHOICE, &closed, 0, 0, CLOSED_CHOICES, NULL, "as bake", NULL},
         {"--rule", OPTION_CHOICE, &rule, 0, 0, "greedy|shadow", NULL, "as bake", NULL},
         {"--reuse", OPTION_CHOICE, &reuse, 0, 0, "on|off", NULL, "as bake", NULL},
-        {"--compress", OPTION_CHOICE, &compress, 0, 0, "top-down|bottom-up", NULL, "as bake", NULL},
+        {"--compress", OPTION_CHOICE, &compress, 0, 0, COMPRESS_CHOICES, NULL, "as bake", NULL},
         {"--stop", OPTION_CHOICE, &stop, 0, 0, "insert|partial|final", NULL, "as bake", NULL},
         {"--threads", OPTION_U32, &o->bake.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "as bake", NULL},
         {"--columns", OPTION_TEXT, &columns, 0, 0, NULL, "COUNT", "random columns to look at, or all (default)", NULL},
@@ -666,7 +679,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     o->bake.exit     = (exit_mode)exit_choice;
     o->bake.rule     = (mask_rule)rule;
     o->bake.reuse    = reuse == 0;
-    o->bake.compress = (compress_order)compress;
+    o->bake.compress = (compress_choice)compress;
     o->bake.stop     = (stop_stage)stop;
     o->fault         = (fault)planted;
     if (lamps_asked_for(o) &&
