@@ -2,7 +2,7 @@
  *
  * Decisions come with the numbers that they rest on; plan_text.c puts them into words. Estimates come from a sample of each map
  * (baker/maps/map_sample.h) and coefficients that were measured (plan_estimate.c): they decide nothing but what takes less time or
- * memory, never what is in the file. docs/plan.md says how far off they are.
+ * memory, never what is in the file. docs/manual.md says how far off they are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PLAN_H
 #define PLAN_H
