@@ -316,15 +316,28 @@ static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uin
     return emitted_as[v];
 }
 
-/* Write triangle t of the work as triangle `at` of the result. */
-static void emit_triangle(casters *c, const work *w, uint32_t *emitted_as, size_t t, size_t at, int turn)
+/* Which corner has the least position, by x, then y, then z. Triangles begin there, wherever a file begins them: rasterizers interpolate
+ * from the first corner, and the same surface in another encoding has to give the same depths. */
+static unsigned least_corner(const work *w, size_t t)
+{
+    const uint32_t *v     = &w->indices[3 * t];
+    unsigned        least = 0;
+    for (unsigned n = 1; n < 3; n++) {
+        const double *a = &w->positions_ws[3 * (size_t)v[n]], *b = &w->positions_ws[3 * (size_t)v[least]];
+        int           axis = 0;
+        while (axis < 2 && a[axis] == b[axis]) axis++;
+        if (a[axis] < b[axis]) least = n;
+    }
+    return least;
+}
+
+/* Write triangle t of the work, from corner `begin` on, as triangle `at` of the result. */
+static void emit_triangle(casters *c, const work *w, uint32_t *emitted_as, size_t t, unsigned begin, size_t at, int turn)
 {
     const uint32_t *from = &w->indices[3 * t];
     uint32_t       *to   = &c->indices[3 * at];
-    to[0]                = emit_vertex(c, w, emitted_as, from[0]);
-    to[1]                = emit_vertex(c, w, emitted_as, from[turn ? 2 : 1]);
-    to[2]                = emit_vertex(c, w, emitted_as, from[turn ? 1 : 2]);
-    c->component_of[at]  = w->components[w->component_of[t]].number;
+    for (unsigned n = 0; n < 3; n++) to[n] = emit_vertex(c, w, emitted_as, from[(begin + (turn ? 3 - n : n)) % 3]);
+    c->component_of[at] = w->components[w->component_of[t]].number;
 }
 
 static int has_holes(const work *w, size_t t)
@@ -339,7 +352,7 @@ static void emit_whole_triangles(casters *c, const work *w, uint32_t *emitted_as
         const component *of = &w->components[w->component_of[t]];
         if ((of->kind == COMPONENT_SOLID) != solids || has_holes(w, t)) continue;
         int turn = solids && of->volume < 0; /* only --closed on lets such a one be a solid */
-        emit_triangle(c, w, emitted_as, t, c->triangle_count++, turn);
+        emit_triangle(c, w, emitted_as, t, least_corner(w, t), c->triangle_count++, turn);
     }
 }
 
@@ -358,10 +371,12 @@ static void emit_masked_triangles(casters *c, const work *w, const scene *s, uin
     memcpy(next, c->mask_first, c->mask_count * sizeof *next);
     for (size_t t = 0; t < w->triangle_count; t++) {
         if (!has_holes(w, t)) continue;
-        const mask_triangle *hole = &s->mask_triangles[w->hole_of[t]];
-        size_t               at   = next[hole->mask]++;
-        emit_triangle(c, w, emitted_as, t, at, 0);
-        memcpy(&c->mask_uvs[6 * (at - c->masked_first)], hole->uv, sizeof hole->uv);
+        const mask_triangle *hole  = &s->mask_triangles[w->hole_of[t]];
+        size_t               at    = next[hole->mask]++;
+        unsigned             begin = least_corner(w, t);
+        emit_triangle(c, w, emitted_as, t, begin, at, 0);
+        for (unsigned n = 0; n < 3; n++)
+            memcpy(&c->mask_uvs[6 * (at - c->masked_first) + 2 * n], hole->uv[(begin + n) % 3], sizeof hole->uv[0]);
     }
     c->triangle_count = w->triangle_count;
 }

@@ -58,11 +58,7 @@ def test_every_encoding_is_listed(scenes):
     assert {str(p.relative_to(folder)) for p in folder.rglob("*.gl*") if p.suffix in (".glb", ".gltf")} == set(ENCODINGS)
 
 
-# The rasteriser rounds by a triangle's first corner, which fans and meshopt's index codec turn: a few depths are others.
-TURNED = pytest.mark.xfail(strict=True, reason="a triangle that begins at another corner may get other depths")
-
-
-@pytest.mark.parametrize("name", [pytest.param(n, marks=TURNED if n == "spot_meshopt.glb" else ()) for n in ENCODINGS])
+@pytest.mark.parametrize("name", ENCODINGS)
 def test_encodings_of_one_mesh_are_one_asset(baked, name):
     assert baked(f"encodings/{name}") == baked(f"encodings/{ENCODINGS[name]}")
 
@@ -72,8 +68,7 @@ def test_rounded_copies_are_others(baked):
     assert len({str(baked(f"encodings/{name}")) for name in ENCODINGS.values()}) == 3
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=TURNED if n == "spot_fans.glb" else ())
-                                  for n in ENCODINGS if ENCODINGS[n] == "spot.glb"])
+@pytest.mark.parametrize("name", [n for n in ENCODINGS if ENCODINGS[n] == "spot.glb"])
 def test_encodings_at_full_resolution(baked, name):
     assert baked(f"encodings/{name}", 4096) == baked("encodings/spot.glb", 4096)
 
