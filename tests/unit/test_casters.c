@@ -167,9 +167,13 @@ static void check_masks(const fixture *b)
             for (int k = 0; k < 3; k++) collapsed |= !memcmp(p[k], p[(k + 1) % 3], 3 * sizeof(double));
             if (hole->mask != i || collapsed) continue;
             assert_true(at < c->mask_first[i + 1]);
-            assert_memory_equal(&c->mask_uvs[6 * (at - c->masked_first)], hole->uv, sizeof hole->uv);
-            for (size_t k = 0; k < 3; k++)
-                assert_memory_equal(&c->positions_ws[3 * (size_t)c->indices[3 * at + k]], p[k], 3 * sizeof(double));
+            size_t turn = 0; /* a triangle begins at its least corner */
+            while (turn < 2 && memcmp(&c->positions_ws[3 * (size_t)c->indices[3 * at]], p[turn], 3 * sizeof(double))) turn++;
+            for (size_t k = 0; k < 3; k++) {
+                size_t from = (turn + k) % 3;
+                assert_memory_equal(&c->mask_uvs[6 * (at - c->masked_first) + 2 * k], hole->uv[from], sizeof hole->uv[0]);
+                assert_memory_equal(&c->positions_ws[3 * (size_t)c->indices[3 * at + k]], p[from], 3 * sizeof(double));
+            }
             at++;
             kept++;
         }
@@ -512,6 +516,13 @@ static void set_mask(fixture *b, uint32_t t, uint32_t mask)
     b->s.triangle_flags[t] |= TRIANGLE_ALPHA_MASK;
 }
 
+/* The last triangle begins at its next corner. */
+static void turn_last(fixture *b)
+{
+    uint32_t *v = &b->s.indices[3 * (b->s.triangle_count - 1)], first = v[0];
+    v[0] = v[1], v[1] = v[2], v[2] = first;
+}
+
 static void test_masked_triangles_come_last(void **state)
 {
     (void)state;
@@ -520,7 +531,8 @@ static void test_masked_triangles_come_last(void **state)
     alpha_image  images[2] = {{0}};
     for (int i = 0; i < 4; i++) add_mask(&b, (uint32_t)i & 1, 0.25f * (float)(i + 1));
     for (int i = 0; i < 5; i++) {
-        add_quad(&b, (double[3]){0, 0, 10.0 + i}, u, v, 0); /* 2 triangles of 15 */
+        add_quad(&b, (double[3]){0, 0, 10.0 + i}, i % 2 ? u : v, i % 2 ? v : u, 0); /* 2 triangles of 15 */
+        for (int k = 0; k < i; k++) turn_last(&b);
         add_triangle(&b, at, at, u, 0);                     /* collapses, with a mask or without */
         add_box(&b, 3, 0, 10 + 2 * i, 4, 1, 11 + 2 * i);
     }
