@@ -190,9 +190,15 @@ static vxs_result check_scene_bytes(const bake_options *o, uint64_t scene_bytes,
 
 static void report_casters(bake_report *report, const casters *c)
 {
-    report->casters              = *c;
-    report->casters.positions_ws = NULL;
-    report->casters.indices      = NULL;
+    report->casters      = *c;
+    casters *counts      = &report->casters; /* no arrays: they are the casters' */
+    counts->positions_ws = NULL;
+    counts->indices = counts->component_of = NULL;
+    counts->kind_of = counts->solid_meets = NULL;
+    counts->masks                         = NULL;
+    counts->mask_first                    = NULL;
+    counts->mask_uvs                      = NULL;
+    counts->images                        = NULL;
     for (int axis = 0; axis < 3; axis++) {
         report->casters_min_ws[axis] = INFINITY;
         report->casters_max_ws[axis] = -INFINITY;

@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-#define UNION_TRIANGLES_MAX 100000u /* a cluster of more is left as it is */
+#define UNION_TRIANGLES_MAX 20000u /* a cluster of more is left as it is */
 
 /* One cluster of solids that meet. */
 typedef struct union_cluster {

@@ -296,7 +296,8 @@ static vxs_result check_map(const exact_options *o, const world *w, const vxs_li
     check          *c         = malloc(sizeof *c);
     if (!c) return fail(m, VXS_E_MEMORY, "out of memory");
 
-    solids_only.triangle_count = solids_only.solid_triangle_count;
+    solids_only.triangle_count = solids_only.masked_first = solids_only.solid_triangle_count;
+    solids_only.mask_count                                = 0;
     if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, map, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
     if ((r = depth_maps_init(&maps, tile, side, voxel_log, any, m)) != VXS_OK) goto done;
     if (any && (r = depth_maps_init(&solids, tile, side, voxel_log, 1, m)) != VXS_OK) goto done;

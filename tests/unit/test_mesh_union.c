@@ -287,8 +287,8 @@ static void test_large_clusters_are_left(void **state)
 {
     (void)state;
     sample b = {0};
-    sample_ball(&b, (double[3]){0, 0, 0}, 1, 160);
-    sample_ball(&b, (double[3]){0.5, 0.25, 0.125}, 1, 160);
+    sample_ball(&b, (double[3]){0, 0, 0}, 1, 80);
+    sample_ball(&b, (double[3]){0.5, 0.25, 0.125}, 1, 80);
     sample_cube(&b, 10, 0, 0, 1);
     sample_cube(&b, 11, 0.5, 0.25, 1);
     union_report r = unite(&b, CLOSED_AUTO);
