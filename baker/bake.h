@@ -9,6 +9,8 @@
 #include "baker/dag/dag.h"
 #include "baker/maps/depth_gl.h"
 #include "baker/scene/casters.h"
+#include "baker/scene/mesh_repair.h"
+#include "baker/scene/mesh_union.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MIN_PX = 512, SUB_DAG_MAX_PX = 1024 };
 
@@ -43,6 +45,9 @@ typedef struct bake_options {
     double          texel_metres;
     int             region_given;
     double          region_ws[6]; /* min xyz, max xyz */
+    int             repair;       /* 1: mend meshes first, as `mending` says */
+    repair_options  mending;
+    int             unite; /* 1: solids that meet become one */
     closed_mode     closed;
     exit_mode       exit;
     mask_rule       rule;
@@ -123,7 +128,9 @@ typedef struct bake_report {
     light_left_out *left_out;
     size_t          left_out_count;
 
-    bake_plan *plan; /* owned */
+    repair_report repair; /* zero unless asked for: owned */
+    union_report  unite;
+    bake_plan    *plan; /* owned */
 } bake_report;
 
 /* Words for the options that decide what is baked, and for all that make a difference to the report. */
