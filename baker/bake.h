@@ -8,9 +8,9 @@
 #include "baker/base/text.h"
 #include "baker/dag/dag.h"
 #include "baker/maps/depth_gl.h"
-#include "baker/scene/casters.h"
-#include "baker/scene/mesh_repair.h"
-#include "baker/scene/mesh_union.h"
+#include "baker/mesh/casters.h"
+#include "baker/mesh/mesh_repair.h"
+#include "baker/mesh/mesh_union.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MIN_PX = 512, SUB_DAG_MAX_PX = 1024 };
 

@@ -10,9 +10,9 @@
 #include "baker/base/output_file.h"
 #include "baker/base/progress.h"
 #include "baker/command/options.h"
-#include "baker/scene/mesh_health.h"
-#include "baker/scene/mesh_repair.h"
-#include "baker/scene/mesh_union.h"
+#include "baker/mesh/mesh_health.h"
+#include "baker/mesh/mesh_repair.h"
+#include "baker/mesh/mesh_union.h"
 
 enum { ROWS = 30, NAMES = 6 };
 

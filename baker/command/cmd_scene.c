@@ -5,8 +5,8 @@
 
 #include "baker/base/output_file.h"
 #include "baker/command/options.h"
-#include "baker/scene/generate.h"
-#include "baker/scene/glb_write.h"
+#include "baker/generate/generate.h"
+#include "baker/generate/glb_write.h"
 
 typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_STRESS, KINDS } scene_kind;
 

@@ -14,7 +14,7 @@
 #include "baker/base/parallel.h"
 #include "baker/command/options.h"
 #include "baker/command/points.h"
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 #include "baker/scene/light_choice.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/truth.h"

@@ -6,7 +6,7 @@
 
 #include "baker/maps/depth_maps.h"
 #include "baker/maps/gl.h"
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 #include "formats/vxs_file.h"
 
 typedef enum exit_mode {

@@ -3,7 +3,7 @@
 #ifndef LIGHT_FIT_H
 #define LIGHT_FIT_H
 
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 #include "formats/vxs_file.h"
 
 #define LAMP_BORDER_PX    26 /* half of the widest filter, and twice that on a surface that light grazes at 60 degrees off the axis */

@@ -12,7 +12,7 @@
 #ifndef PROJECTION_H
 #define PROJECTION_H
 
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 #include "formats/vxs_file.h"
 
 /* A vertex as the map sees it. */
@@ -39,8 +39,8 @@ typedef struct projection {
     const uint32_t *indices;              /* [3 * triangle_count] into vertices, in the casters' order */
     uint32_t       *own_indices;          /* the same, or NULL: they are the casters' */
 
-    size_t *mask_first; /* [casters->mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i */
-    mask_uvq (*uvq)[3]; /* [triangle_count - masked_first] of each corner */
+    size_t *mask_first;       /* [casters->mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i */
+    mask_uvq (*uvq)[3];       /* [triangle_count - masked_first] of each corner */
     const uint8_t *meets;     /* [solid_triangle_count] as the casters' solid_meets, or NULL: all do */
     uint8_t       *own_meets; /* the same, or NULL */
 } projection;

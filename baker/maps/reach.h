@@ -6,7 +6,7 @@
 #ifndef REACH_H
 #define REACH_H
 
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 
 typedef struct reach_run {
     double center_ws[3], radius_m;

@@ -11,7 +11,7 @@
 #ifndef TRUTH_H
 #define TRUTH_H
 
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 
 typedef struct truth truth;
 

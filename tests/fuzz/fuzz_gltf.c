@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/scene/casters.h"
+#include "baker/mesh/casters.h"
 #include "fuzz.h"
 
 /* What takes long for good reasons is no finding. */

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/scene/casters.h" /* before cmocka, whose fail() is a macro */
+#include "baker/mesh/casters.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 

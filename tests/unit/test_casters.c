@@ -1,4 +1,4 @@
-/* Which components are solids, which are sheets, and that welding loses nothing (baker/scene/casters.h).
+/* Which components are solids, which are sheets, and that welding loses nothing (baker/mesh/casters.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/scene/casters.h" /* before cmocka, whose fail() is a macro */
+#include "baker/mesh/casters.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
@@ -533,7 +533,7 @@ static void test_masked_triangles_come_last(void **state)
     for (int i = 0; i < 5; i++) {
         add_quad(&b, (double[3]){0, 0, 10.0 + i}, i % 2 ? u : v, i % 2 ? v : u, 0); /* 2 triangles of 15 */
         for (int k = 0; k < i; k++) turn_last(&b);
-        add_triangle(&b, at, at, u, 0);                     /* collapses, with a mask or without */
+        add_triangle(&b, at, at, u, 0); /* collapses, with a mask or without */
         add_box(&b, 3, 0, 10 + 2 * i, 4, 1, 11 + 2 * i);
     }
     b.s.images      = images;

@@ -11,7 +11,7 @@
 
 #include "baker/bake.h" /* before cmocka, whose fail() is a macro */
 #include "baker/dag/ref_table.h"
-#include "baker/scene/generate.h"
+#include "baker/generate/generate.h"
 
 #include <cmocka.h>
 

@@ -1,0 +1,70 @@
+/* From the bytes of a file to tinygltf's model.
+ *
+ * tinygltf gets what it is good for, the lists of nodes, meshes and accessors. Buffers are read here, without a copy of the GLB's
+ * bytes; animations, cameras and images are nothing it could fail at.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <fstream> /* which tinygltf forgets */
+
+#define TINYGLTF_IMPLEMENTATION
+#include "baker/gltf/gltf_loader.h"
+
+#include <nlohmann/json.hpp>
+
+namespace gltf
+{
+
+/* The indices of all primitives, mesh by mesh, taken out of the JSON: tinygltf insists that they have a bufferView. */
+static std::vector<int> take_indices(json &root)
+{
+    std::vector<int> indices;
+    for (size_t i = 0; i < items(root, "meshes").size(); i++)
+        for (json &primitive : root["meshes"][i]["primitives"]) {
+            indices.push_back(primitive.value("indices", -1));
+            primitive.erase("indices");
+        }
+    return indices;
+}
+
+static vxs_result load_model(loader &l, json &root)
+{
+    std::vector<int> indices = take_indices(root);
+    json             part    = json::object();
+    for (const char *name : {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "skins"})
+        if (root.contains(name)) part[name] = std::move(root[name]);
+    std::string text = part.dump(), error, warning;
+    part             = json();
+
+    tinygltf::TinyGLTF gltf;
+    bool               ok   = gltf.LoadASCIIFromString(&l.model, &error, &warning, text.data(), (unsigned)text.size(), "");
+    size_t             next = 0;
+    for (tinygltf::Mesh &mesh : l.model.meshes)
+        for (tinygltf::Primitive &p : mesh.primitives)
+            if (next < indices.size()) p.indices = indices[next++];
+    if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc(); /* tinygltf makes a text of every exception */
+    if (!ok || next != indices.size()) return l.error(VXS_E_SCENE, "%s", one_line(error).c_str());
+    return VXS_OK;
+}
+
+vxs_result parse(loader &l)
+{
+    container  c;
+    json       root;
+    vxs_result r;
+    if ((r = open_container(l, l.bytes, c)) != VXS_OK) return r;
+    if ((r = parse_json(l, c, root)) != VXS_OK) return r;
+    if ((r = check_json(l, root)) != VXS_OK) return r;
+    if ((r = read_buffers(l, root, c)) != VXS_OK) return r;
+    if ((r = read_buffer_views(l, root)) != VXS_OK) return r;
+    if ((r = read_lights(l, root)) != VXS_OK) return r;
+    if ((r = read_materials(l, root)) != VXS_OK) return r;
+    l.camera_count = items(root, "cameras").size();
+    for (const char *list : {"extensionsUsed", "extensionsRequired"})
+        for (const json &name : items(root, list)) l.quantization |= name == "KHR_mesh_quantization";
+    root.erase("buffers"); /* and the data URIs in them */
+
+    if ((r = load_model(l, root)) != VXS_OK) return r;
+    l.rest = std::make_shared<json>(std::move(root));
+    return VXS_OK;
+}
+
+} // namespace gltf
