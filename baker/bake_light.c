@@ -159,12 +159,17 @@ static double tile_seconds(const light_job *job)
     return light / (double)l->tiles;
 }
 
+/* Before a tile; the first of a bake is always named. */
 static void say_progress(const light_job *job)
 {
     const light_baker *b     = job->baker;
     double             share = fmin(1, b->past_seconds / b->plan->total_seconds);
-    progress_share(b->options->progress, share, b->start, "%.0f %%: light %s: tile %u of %llu", floor(100 * share),
-                   job->planned->name, job->tiles_done + 1, (unsigned long long)job->planned->tiles);
+    unsigned           all = (unsigned)job->planned->tiles, tile = job->tiles_done + 1, percent = (unsigned)(100 * share);
+    if (tile == 1 && b->report->light_count == 1)
+        progress_say(b->options->progress, "light %s: tile 1 of %u", job->planned->name, all);
+    else
+        progress_share(b->options->progress, share, b->start, "%u %%: light %s: tile %u of %u", percent, job->planned->name, tile,
+                       all);
 }
 
 static vxs_result bake_tile(light_job *job, uint32_t i, uint32_t j, message *m)
