@@ -75,14 +75,22 @@ typedef struct world {
 } world;
 
 /* min xyz, max xyz */
+/* Bounds, and room above and below what is flat: a lamp in its plane would see an edge. */
 static void scene_box(const scene *s, double box[6])
 {
+    double widest = 0;
     for (int n = 0; n < 6; n++) box[n] = n < 3 ? INFINITY : -INFINITY;
     for (size_t n = 0; n < 3 * s->triangle_count; n++)
         for (int k = 0; k < 3; k++) {
             double at  = s->positions_ws[3 * (size_t)s->indices[n] + (size_t)k];
             box[k]     = fmin(box[k], at);
             box[3 + k] = fmax(box[3 + k], at);
+        }
+    for (int k = 0; k < 3; k++) widest = fmax(widest, box[3 + k] - box[k]);
+    for (int k = 0; k < 3; k++)
+        if (box[3 + k] - box[k] < 0.05 * widest) {
+            box[k] -= 0.1 * widest;
+            box[3 + k] += 0.15 * widest;
         }
 }
 
