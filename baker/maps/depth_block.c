@@ -445,14 +445,15 @@ static int resolve_next_run(depth_order order, const float *restrict layer, cons
                             float *restrict exit, float *restrict last, uint32_t count)
 {
     uint32_t solids[CELL_PX], any = 0;
-    float    far = order.sign * order.far_gl, near = order.sign * order.near_gl;
+    float    sign = order.sign, far_gl = order.far_gl, near_gl = order.near_gl, step = far_gl - near_gl;
+    float    far = sign * far_gl, near = sign * near_gl;
     for (uint32_t n = 0; n < count; n++) solids[n] = open_solids[n];
     for (uint32_t n = 0; n < count; n++) {
-        float    b = order.sign * layer[n], before = order.sign * last[n], x = exit[n];
+        float    b = sign * layer[n], before = sign * last[n], x = exit[n];
         uint32_t more = (uint32_t)(b > near) & (uint32_t)(b < far) & (uint32_t)(b > before);
         uint32_t open = more & (uint32_t)(solids[n] > 0);
         exit[n]       = more > open ? b : x;
-        last[n]       = open ? order.far_gl : order.near_gl;
+        last[n]       = near_gl + (float)(int32_t)open * step; /* far_gl or near_gl: a choice would be a branch */
         any |= open;
     }
     return any != 0;
