@@ -104,17 +104,6 @@ static char *metadata_text(const bake_options *o, const bake_report *report)
     return text;
 }
 
-static vxs_dag_view view_of(const dag *d)
-{
-    vxs_dag_view v = {.level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count};
-    for (uint32_t map = 0; map < d->root_count; map++) v.roots[map] = d->roots[map] - REF_FIRST;
-    for (uint32_t l = 0; l < d->level_count; l++) {
-        v.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
-        v.count[l] = d->level[l].count;
-    }
-    return v;
-}
-
 static vxs_result encode(const bake_options *o, const dag *dags, const bake_report *report, vxs_bytes *out, message *m)
 {
     vxs_write_light *lights = calloc(report->light_count, sizeof *lights);
@@ -123,7 +112,7 @@ static vxs_result encode(const bake_options *o, const dag *dags, const bake_repo
     if (lights && text) {
         for (uint32_t n = 0; n < report->light_count; n++) {
             lights[n].light = report->lights[n].light;
-            lights[n].dag   = view_of(&dags[n]);
+            lights[n].dag   = dag_view_of(&dags[n]);
         }
         vxs_write_desc desc = {
             .lights = lights, .light_count = report->light_count, .metadata = text, .zstd_level = (int)o->zstd_level};

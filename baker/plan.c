@@ -41,7 +41,7 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
         return VXS_OK;
     }
     plan->baked_count++;
-    l->map_count = l->light.flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
+    l->map_count = vxs_light_map_count(&l->light);
     return r == VXS_OK ? check_name(plan, l, m) : r;
 }
 

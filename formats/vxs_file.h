@@ -37,6 +37,12 @@ typedef struct vxs_light {
     uint32_t        mask_count;
 } vxs_light;
 
+/* How many maps a light has, and roots its DAG: 1, or 6. */
+static inline uint32_t vxs_light_map_count(const vxs_light *light)
+{
+    return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
+}
+
 /* Where memory comes from. A NULL allocator, or one with NULL functions, is malloc and free. */
 typedef struct vxs_allocator {
     void *(*alloc)(size_t size_bytes, void *user); /* NULL when there is none */

@@ -231,11 +231,6 @@ static int flags_valid(const vxs_light *l)
     return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
 }
 
-static uint32_t map_count(const vxs_light *light)
-{
-    return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
-}
-
 static void check_light(reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
     const double *d = light->direction_ws;
@@ -431,7 +426,7 @@ static int decode_light(light_reader *lr)
 {
     reader *r       = lr->r;
     lr->level_count = lr->light->levels - 2;
-    lr->maps        = map_count(lr->light);
+    lr->maps        = vxs_light_map_count(lr->light);
     lr->words       = lr->maps > 1 ? lr->maps : 0;
     for (uint32_t l = lr->level_count; l-- > 0;)
         if (!lay_out_level(lr, l)) return 0;

@@ -119,13 +119,7 @@ static vxs_result encode_masks(vxs_bytes *content, const vxs_dag_view *view, con
     return VXS_OK;
 }
 
-/* A root is a node of its own for each map, even where two are equal. */
-static uint32_t map_count(const vxs_light *light)
-{
-    return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
-}
-
-/* Sections of one light, the root's level first, the masks last; *word_count is what a reader will need. */
+/* Sections of one light, the roots' level first, the masks last. A root is a node of its own for each map, even where two are equal. *word_count is what a reader will need. */
 static vxs_result add_light(sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count)
 {
     vxs_bytes content = {0};
@@ -213,7 +207,7 @@ static vxs_result add_sections(sections *s, const vxs_write_desc *desc)
     vxs_store32(at + 4, VXS_LIGHT_BYTES);
     for (uint32_t n = 0; n < desc->light_count && r == VXS_OK; n++) {
         uint32_t words = 0;
-        r              = add_light(s, &desc->lights[n].dag, map_count(&desc->lights[n].light), n, &words);
+        r              = add_light(s, &desc->lights[n].dag, vxs_light_map_count(&desc->lights[n].light), n, &words);
         encode_light_record(table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES, &desc->lights[n].light, words);
     }
     if (r == VXS_OK) r = add_section(s, VXS_KIND_LIGHTS, 0, VXS_NO_LIGHT, 0, &table);
@@ -232,7 +226,7 @@ static int light_fits(const vxs_write_light *lights, uint32_t n)
     const vxs_dag_view *dag   = &lights[n].dag;
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) return 0;
     if (dag->level_count != light->levels - 2) return 0;
-    for (uint32_t map = 0; map < map_count(light); map++)
+    for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
         if (dag->roots[map] >= dag->count[dag->level_count - 1]) return 0;
     if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return 0;
     for (uint32_t other = 0; other < n; other++)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "vxs.h"
+#include "vxs_cube.h"
 #include "vxs_lookup.h"
 
 /* As an integer; what is clamped lies far outside any map, and stays there. */
@@ -33,12 +34,6 @@ static void ls_from_ws(const vxs_light *light, const double ws[3], double one, d
     }
 }
 
-/* The axes of a cube's maps in light space: u, v and away from the light are right-handed in each.
- * Map 2a looks along axis a, map 2a + 1 against it. */
-static const struct {
-    int u, v, along, sign;
-} cube_axes[VXS_CUBE_FACES] = {{1, 2, 0, 1}, {2, 1, 0, -1}, {2, 0, 1, 1}, {0, 2, 1, -1}, {0, 1, 2, 1}, {1, 0, 2, -1}};
-
 static int cube_map(const double ls[3])
 {
     int along = fabs(ls[1]) > fabs(ls[0]) ? 1 : 0;
@@ -49,18 +44,18 @@ static int cube_map(const double ls[3])
 /* Light space as one of the light's maps sees it: across, down, and away from the light. */
 static void turn_to_map(const vxs_light *light, int map, const double ls[3], double out[3])
 {
-    if (!(light->flags & VXS_LIGHT_CUBE)) map = 4; /* its axes are those of light space */
-    out[0] = ls[cube_axes[map].u];
-    out[1] = ls[cube_axes[map].v];
-    out[2] = ls[cube_axes[map].along] * cube_axes[map].sign;
+    vxs_map_axes axes = vxs_axes_of_map(light, map);
+    out[0]            = ls[axes.u];
+    out[1]            = ls[axes.v];
+    out[2]            = ls[axes.along] * axes.sign;
 }
 
 static void turn_from_map(const vxs_light *light, int map, const double in[3], double ls[3])
 {
-    if (!(light->flags & VXS_LIGHT_CUBE)) map = 4;
-    ls[cube_axes[map].u]     = in[0];
-    ls[cube_axes[map].v]     = in[1];
-    ls[cube_axes[map].along] = in[2] * cube_axes[map].sign;
+    vxs_map_axes axes = vxs_axes_of_map(light, map);
+    ls[axes.u]        = in[0];
+    ls[axes.v]        = in[1];
+    ls[axes.along]    = in[2] * axes.sign;
 }
 
 static int sun_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3])

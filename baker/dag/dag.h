@@ -58,6 +58,9 @@ uint64_t dag_node_hash(const dag *d, uint32_t level, const dag_node *node);
 /* Nodes of all levels, masks not counted. */
 uint64_t dag_node_count(const dag *d);
 
+/* A DAG whose roots are nodes, one for each map of a light, as it is written to a file; borrowed. */
+vxs_dag_view dag_view_of(const dag *d);
+
 /* Top-down insertion in z order ([CPVS16] 3, 3.2) of the square of 8 << (level_count - 1) texels at (i, j), counted in such
  * squares: one root for each slab of that depth, near to far.
  * masks  of the same square.   reuse  1: a volume that equals its neighbour nearer the light becomes a reference to it;

@@ -439,8 +439,8 @@ static int resolve_first_run(depth_order order, float *restrict enter, const flo
     return any != 0;
 }
 
-/* The same after a later pass; texels that were done have the nearest layer there is. A layer that did not move on would be met for ever: it ends the
- * search too. `last` is the layer before, and becomes where the next pass starts from. */
+/* The same after a later pass; texels that were done have the nearest layer there is. A layer that did not move on would be met for
+ * ever: it ends the search too. `last` is the layer before, and becomes where the next pass starts from. */
 static int resolve_next_run(depth_order order, const float *restrict layer, const uint8_t *restrict open_solids,
                             float *restrict exit, float *restrict last, uint32_t count)
 {

@@ -76,7 +76,7 @@ static void extend(reach *r, const map_polygon *p, double range_m)
 static reach measure(const vxs_light *light, const casters *c, double range_m)
 {
     reach     r    = {INFINITY, 0};
-    int       maps = light->flags & VXS_LIGHT_CUBE ? (int)VXS_CUBE_FACES : 1;
+    int       maps = (int)vxs_light_map_count(light);
     map_sides s    = map_sides_of(light, 0);
     for (int map = 0; map < maps; map++)
         for (size_t n = 0; n < c->triangle_count; n++) {

@@ -349,7 +349,7 @@ done:
 static vxs_result check_light(const exact_options *o, const world *w, const vxs_light *light, const uint32_t *words, tally *sum,
                               message *m)
 {
-    int        maps = light->flags & VXS_LIGHT_CUBE ? (int)VXS_CUBE_FACES : 1;
+    int        maps = (int)vxs_light_map_count(light);
     vxs_result r    = VXS_OK;
     for (int map = 0; map < maps && r == VXS_OK; map++) r = check_map(o, w, light, map, words, sum, m);
     sum->maps += (uint64_t)maps;
@@ -499,17 +499,6 @@ done:
     return r;
 }
 
-static vxs_dag_view view_of(const dag *d)
-{
-    vxs_dag_view v = {.level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count};
-    for (uint32_t map = 0; map < d->root_count; map++) v.roots[map] = d->roots[map] - REF_FIRST;
-    for (uint32_t l = 0; l < d->level_count; l++) {
-        v.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
-        v.count[l] = d->level[l].count;
-    }
-    return v;
-}
-
 static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *file, message *m)
 {
     light_choice    chosen = {0};
@@ -526,7 +515,7 @@ static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
     if ((r = build_dag(o, w, &out.light, &d, m)) != VXS_OK) goto done;
 
-    out.dag             = view_of(&d);
+    out.dag             = dag_view_of(&d);
     vxs_write_desc desc = {.lights = &out, .light_count = 1, .zstd_level = 1};
     if ((r = vxs_write(file, &desc)) != VXS_OK) fail(m, r, "the asset cannot be encoded");
 done:
@@ -586,7 +575,7 @@ static vxs_result planned_asset(const world *w, const exact_options *o, const ba
         r = bake_light(&baker, &plan->lights[n], &dags[at], &base, light, m);
         baseline_free(&base);
         if (r != VXS_OK) goto done;
-        lights[report.light_count++] = (vxs_write_light){.light = light->light, .dag = view_of(&dags[at])};
+        lights[report.light_count++] = (vxs_write_light){.light = light->light, .dag = dag_view_of(&dags[at])};
     }
     vxs_write_desc desc = {.lights = lights, .light_count = report.light_count, .zstd_level = 1};
     if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
