@@ -108,8 +108,11 @@ static void decide_lights(decision_list *l, const bake_plan *plan, const bake_re
     char   choice[64];
     size_t nothing = plan->light_count - plan->baked_count;
     snprintf(choice, sizeof choice, "%zu baked", plan->baked_count);
-    decide(l, "lights", choice, "left out: %zu that nobody asked for, %zu that reach no caster", report->left_out_count - nothing,
-           nothing);
+    if (!report->left_out_count)
+        decide(l, "lights", choice, "none is left out");
+    else
+        decide(l, "lights", choice, "%zu left out: %zu that nobody asked for, %zu that reach no caster", report->left_out_count,
+               report->left_out_count - nothing, nothing);
 }
 
 static void decide_meshes(decision_list *l, const bake_options *o, const bake_report *report)

@@ -13,11 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb/stb_image_write.h>
-
 #include "baker/base/json_file.h"
+#include "baker/base/png_encode.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "positions and indices are written as they lie in memory, which GLB wants little-endian"
@@ -67,10 +64,10 @@ static void append_part(chunk *c, part p)
 
 static int append_png(chunk *c, const glb_image *image)
 {
-    int      size_bytes;
-    uint8_t *png = stbi_write_png_to_mem(image->rgba, 0, (int)image->width_px, (int)image->height_px, 4, &size_bytes);
+    size_t   size_bytes;
+    uint8_t *png = png_encode(image->rgba, image->width_px, image->height_px, 4, &size_bytes);
     if (!png) return 1;
-    append_part(c, (part){png, (uint64_t)size_bytes, 0, 0, png});
+    append_part(c, (part){png, size_bytes, 0, 0, png});
     return 0;
 }
 

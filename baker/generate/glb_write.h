@@ -62,7 +62,7 @@ typedef struct glb_scene {
 
 /* Write the scene: one node a mesh, then one a light of KHR_lights_punctual. Positions and texture coordinates are FLOAT,
  * indices UNSIGNED_INT, one buffer view each, one for each image; what a scene has none of is not mentioned. The same
- * scene gives the same bytes (images: by the same version of stb).
+ * scene gives the same bytes (images: by the same version of libpng).
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than the 4 GiB a GLB can hold), VXS_E_MEMORY. */
 vxs_result glb_write(const glb_scene *s, output_file *out, message *m);
 

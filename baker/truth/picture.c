@@ -17,14 +17,11 @@
 #include <string.h>
 
 #include "baker/base/parallel.h"
+#include "baker/base/png_encode.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/truth/baked_light.h"
 #include "runtime/vxs.h"
-
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb/stb_image_write.h>
 
 enum { SIDE_SAMPLES = 2, SKY_RAYS_SIDE = 3, SKY_RAYS = SKY_RAYS_SIDE * SKY_RAYS_SIDE, AIR_STEPS = 16, LAMP_PROBES = 64 };
 
@@ -438,22 +435,12 @@ done:
 
 /* the file -------------------------------------------------------------------------------------------- */
 
-typedef struct png_sink {
-    output_file *out;
-    message     *m;
-    vxs_result   result;
-} png_sink;
-
-static void write_bytes(void *context, void *data, int size)
-{
-    png_sink *sink = context;
-    if (sink->result == VXS_OK) sink->result = output_file_write(sink->out, data, (size_t)size, sink->m);
-}
-
 vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m)
 {
-    png_sink sink = {out, m, VXS_OK};
-    if (!stbi_write_png_to_func(write_bytes, &sink, (int)width_px, (int)height_px, 3, rgb, (int)(3 * width_px)))
-        return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width_px, height_px);
-    return sink.result;
+    size_t   size_bytes;
+    uint8_t *png = png_encode(rgb, width_px, height_px, 3, &size_bytes);
+    if (!png) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width_px, height_px);
+    vxs_result r = output_file_write(out, png, size_bytes, m);
+    free(png);
+    return r;
 }

@@ -236,7 +236,7 @@ def test_reads_of_an_asset_that_fail(faulty, asset, tmp_path):
 
 @pytest.mark.parametrize("source, every", [("", False), ("", True), ("libzstd", False)], ids=["vxs", "vxs-from-then-on", "zstd"])
 def test_failing_allocation_of_bake(faulty, scene, asset, tmp_path, source, every):
-    """A sample of n, with the first and the last. Mesa, Embree and LLVM are left out: they end the process."""
+    """A sample of n, with the first and the last. What Mesa and LLVM allocate themselves is left alone: they end the process then."""
     out = tmp_path / "a.vxs"
     bake = ("bake", scene, "-o", out, *SMALL)
     options = ({"FAULT_FROM": source} if source else {}) | ({"FAULT_EVERY": "1"} if every else {})
@@ -249,6 +249,24 @@ def test_failing_allocation_of_bake(faulty, scene, asset, tmp_path, source, ever
         assert not done.returncode or b"out of memory" in done.stderr
         statuses[done.returncode] += 1
     assert statuses[6] >= (5 if source else 30)
+
+
+@pytest.mark.parametrize("kind", ["picture", "forest"])
+@pytest.mark.parametrize("source", ["", "libpng"], ids=["vxs", "png"])
+def test_failing_allocation_of_an_image(faulty, scene, asset, tmp_path, kind, source):
+    baked, out, options = tmp_path.parent / "image.vxs", tmp_path / "a.out", {"FAULT_FROM": source} if source else {}
+    baked.write_bytes(asset)
+    command = (("picture", scene, baked, "-o", out, "--width", 64, "--height", 36, "--threads", 1) if kind == "picture" else
+               ("scene", "forest", "-o", out, "--triangles", 1000))
+    assert faulty("none:0:0", *command).returncode == 0
+    new, calls, statuses = out.read_bytes(), faulty.calls("alloc", *command, **options), collections.Counter()
+    for n in sorted({*range(1, calls, max(1, calls // 20)), *range(max(1, calls - 10), calls + 1)}):
+        out.write_bytes(OLD)
+        done = faulty(f"alloc:{n}:{errno.ENOMEM}", *command, **options)
+        check_fault(done, out, new, {6})
+        assert not done.returncode or b"out of memory" in done.stderr
+        statuses[done.returncode] += 1
+    assert statuses[6] >= (1 if source else 5)
 
 
 @pytest.mark.parametrize("command", ["validate", "query", "info"])

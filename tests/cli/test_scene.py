@@ -84,7 +84,7 @@ def test_same_options_same_bytes(vxs, tmp_path, kind):
 def test_bytes_of_the_geometry_are_pinned(vxs, tmp_path, kind, digest):
     vxs("scene", kind, "-o", tmp_path / "a.glb")
     gltf, binary = read_glb((tmp_path / "a.glb").read_bytes())
-    for image in gltf.get("images", []):  # other versions of stb compress otherwise: the pixels are pinned, behind the rest
+    for image in gltf.get("images", []):  # other versions of libpng and zlib compress otherwise: the pixels are pinned, behind the rest
         view = gltf["bufferViews"][image["bufferView"]]
         png = binary[view["byteOffset"]:][:view["byteLength"]]
         binary = binary[:view["byteOffset"]] + decode_png(png)[2]
