@@ -26,10 +26,9 @@ typedef enum closed_mode { CLOSED_AUTO, CLOSED_ON, CLOSED_OFF } closed_mode;
 
 /* How many solids meet, and how that was found. */
 typedef struct meeting_counts {
-    size_t   solids, meet; /* all; those that meet another or themselves */
-    size_t   apart_by_box; /* of those that meet nothing: no other solid's box is near */
-    size_t   assumed;      /* of those that meet: not known, the search was given up */
-    uint64_t tests;        /* pairs of triangles that were tested */
+    size_t solids, meet; /* all; those that meet another or themselves */
+    size_t apart_by_box; /* of those that meet nothing: no other solid's box is near */
+    size_t assumed;      /* of those that meet: not known, the search was given up */
 } meeting_counts;
 
 typedef struct casters {
@@ -75,9 +74,9 @@ vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, me
  * Of solids that meet nothing the nearest back face is where light leaves their union: no peeling is needed to find it. One that meets
  * must be peeled for the best exit depth; its nearest back face would be right as well, only earlier. So a search that takes too long
  * (a few seconds, for solids in one heap) is given up, and all solids count as meeting: doubt costs time, never truth.
- * About 0.1 s for 100 000 triangles.
- * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL).  Deterministic; threads: none. */
-vxs_result casters_find_meeting(casters *c, message *m);
+ * About 0.1 s for 100 000 triangles, shared by the threads.
+ * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL).  The same at any thread count, unless it is given up. */
+vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m);
 
 void casters_free(casters *c);
 

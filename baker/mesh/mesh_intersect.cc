@@ -6,8 +6,14 @@
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/intersections.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
 #include <new>
 #include <vector>
+
+#include "baker/base/parallel.h"
 
 namespace
 {
@@ -17,7 +23,8 @@ using segment  = kernel::Segment_3;
 using triangle = kernel::Triangle_3;
 using box      = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
 
-constexpr std::ptrdiff_t scan_below = 2000; /* boxes that are compared one by one: fastest for meshes */
+constexpr std::ptrdiff_t scan_below = 300;  /* boxes that are compared one by one: fastest for meshes */
+constexpr size_t         slab_boxes = 8192; /* that begin in a slab */
 
 struct limit_met {
 };
@@ -46,6 +53,16 @@ bool overlap_beside_edge(const point &p, const point &q, const point &a, const p
     return CGAL::coplanar(p, q, a, b) && CGAL::coplanar_orientation(p, q, a, b) == CGAL::POSITIVE;
 }
 
+/* Two boxes have one point in common, or a line along an axis: the common corner or edge lies there, and is all of it. Most of a mesh of
+ * voxels is like that, and exact predicates are slowest there, where everything lies in one plane. */
+bool boxes_have_only_corners_in_common(const mesh_soup &s, uint32_t a, uint32_t b, int common)
+{
+    const CGAL::Bbox_3 u = triangle_at(s, a).bbox(), v = triangle_at(s, b).bbox();
+    int                flat = 0;
+    for (int axis = 0; axis < 3; axis++) flat += std::max(u.min(axis), v.min(axis)) == std::min(u.max(axis), v.max(axis));
+    return flat == 3 || (flat == 2 && common == 2);
+}
+
 bool do_meet(const mesh_soup &s, uint32_t a, uint32_t b)
 {
     const uint32_t *u = &s.indices[3 * size_t(a)], *v = &s.indices[3 * size_t(b)];
@@ -55,6 +72,7 @@ bool do_meet(const mesh_soup &s, uint32_t a, uint32_t b)
             if (u[i] == v[j]) ours[common] = i, theirs[common] = j, common++;
 
     if (common == 3) return true;
+    if (common && boxes_have_only_corners_in_common(s, a, b, common)) return false;
     if (common == 2)
         return overlap_beside_edge(corner(s, a, ours[0]), corner(s, a, ours[1]), corner(s, a, 3 - ours[0] - ours[1]),
                                    corner(s, b, 3 - theirs[0] - theirs[1]));
@@ -65,31 +83,92 @@ bool do_meet(const mesh_soup &s, uint32_t a, uint32_t b)
            CGAL::do_intersect(triangle_at(s, b), segment(corner(s, a, i + 1), corner(s, a, i + 2)));
 }
 
-template <class visitor> void for_each_overlap(std::vector<box> &boxes, const visitor &visit)
+/* Boxes are looked at by pointers, which are quicker to sort. */
+template <class visitor> void for_each_overlap(std::vector<const box *> &boxes, const visitor &visit)
 {
-    std::vector<box *> order; /* these are sorted, which is quicker than to sort boxes */
-    order.reserve(boxes.size());
-    for (box &b : boxes) order.push_back(&b);
-    CGAL::box_self_intersection_d(
-        order.begin(), order.end(), [&](const box *a, const box *b) { visit(a->info(), b->info()); }, scan_below);
+    CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), visit, scan_below);
 }
 
-void look_at(const mesh_soup &s, mesh_search &search, uint32_t a, uint32_t b)
+/* Slabs of space across its longest axis, from one bound to the next. A pair belongs to the slab where both boxes have begun. */
+struct slabs {
+    int                 axis = 0;
+    std::vector<double> bounds; /* ascending, all different; the last slab has no end */
+};
+
+slabs cut(const std::vector<box> &boxes)
 {
-    if (search.looks++ >= search.looks_max) throw limit_met();
-    if (!search.wanted(search.user, a, b)) return;
-    if (search.tests++ >= search.tests_max) throw limit_met();
-    if (do_meet(s, a, b) && search.found(search.user, a, b)) throw all_found();
+    slabs        s;
+    CGAL::Bbox_3 all;
+    for (const box &b : boxes) all += b.bbox();
+    for (int axis = 1; axis < 3; axis++)
+        if (all.max(axis) - all.min(axis) > all.max(s.axis) - all.min(s.axis)) s.axis = axis;
+
+    std::vector<double> begins;
+    begins.reserve(boxes.size());
+    for (const box &b : boxes) begins.push_back(b.min_coord(s.axis));
+    for (size_t n = 0, last = 0; n < begins.size(); last = n, n += slab_boxes) {
+        std::nth_element(begins.begin() + last, begins.begin() + n, begins.end());
+        if (s.bounds.empty() || begins[n] > s.bounds.back()) s.bounds.push_back(begins[n]);
+    }
+    return s;
 }
 
-void find_intersections(const mesh_soup &s, mesh_search &search)
-{
-    std::vector<box> boxes;
-    boxes.reserve(s.triangle_count);
-    for (uint32_t t = 0; t < s.triangle_count; t++)
-        if (!is_flat(s, t)) boxes.emplace_back(triangle_at(s, t).bbox(), t);
-    for_each_overlap(boxes, [&](uint32_t a, uint32_t b) { look_at(s, search, a, b); });
-}
+/* All slabs of a search, by several threads. What happens in one of them ends all. */
+struct slab_search {
+    const mesh_soup      &soup;
+    mesh_search          &search;
+    std::vector<box>      boxes;
+    slabs                 space;
+    std::mutex            telling;
+    std::atomic<uint64_t> looks{0}, tests{0};
+    std::atomic<bool>     done{false}, gave_up{false}, no_memory{false};
+
+    slab_search(const mesh_soup &s, mesh_search &how) : soup(s), search(how)
+    {
+        boxes.reserve(s.triangle_count);
+        for (uint32_t t = 0; t < s.triangle_count; t++)
+            if (!is_flat(s, t)) boxes.emplace_back(triangle_at(s, t).bbox(), t);
+        space = cut(boxes);
+    }
+
+    void look_at(uint32_t a, uint32_t b)
+    {
+        if (done) throw all_found();
+        if (looks++ >= search.looks_max) throw limit_met();
+        if (!search.wanted(search.user, a, b)) return;
+        if (tests++ >= search.tests_max) throw limit_met();
+        if (!do_meet(soup, a, b)) return;
+        std::lock_guard<std::mutex> one_at_a_time(telling);
+        if (!done && search.found(search.user, a, b)) throw all_found();
+    }
+
+    void search_slab(size_t n)
+    {
+        const double             begin = space.bounds[n];
+        const double             end   = n + 1 < space.bounds.size() ? space.bounds[n + 1] : HUGE_VAL;
+        std::vector<const box *> here;
+        for (const box &b : boxes)
+            if (b.min_coord(space.axis) < end && b.max_coord(space.axis) >= begin) here.push_back(&b);
+        for_each_overlap(here, [&](const box *a, const box *b) {
+            if (std::max(a->min_coord(space.axis), b->min_coord(space.axis)) >= begin) look_at(a->info(), b->info());
+        });
+    }
+
+    static void search_slabs(void *user, size_t begin, size_t end, uint32_t)
+    {
+        slab_search &s = *static_cast<slab_search *>(user);
+        try {
+            for (size_t n = begin; n < end && !s.done; n++) s.search_slab(n);
+            return;
+        } catch (const std::bad_alloc &) {
+            s.no_memory = true;
+        } catch (const all_found &) {
+        } catch (...) { /* a limit, or CGAL fails: either way some pairs are not known */
+            s.gave_up = true;
+        }
+        s.done = true;
+    }
+};
 } // namespace
 
 vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search)
@@ -97,11 +176,15 @@ vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search)
     search->looks = search->tests = 0;
     search->gave_up               = 0;
     try {
-        find_intersections(*s, *search);
+        slab_search all(*s, *search);
+        parallel_for(search->threads, all.space.bounds.size(), 1, slab_search::search_slabs, &all);
+        search->looks   = all.looks;
+        search->tests   = all.tests;
+        search->gave_up = all.gave_up;
+        return all.no_memory ? VXS_E_MEMORY : VXS_OK;
     } catch (const std::bad_alloc &) {
         return VXS_E_MEMORY;
-    } catch (const all_found &) {
-    } catch (...) { /* a limit, or CGAL fails: either way some pairs are not known */
+    } catch (...) { /* CGAL fails before the first pair */
         search->gave_up = 1;
     }
     return VXS_OK;
@@ -116,8 +199,10 @@ vxs_result mesh_find_overlaps(const double *boxes, size_t count, int (*found)(vo
             const double *b = &boxes[6 * size_t(i)];
             all.emplace_back(CGAL::Bbox_3(b[0], b[1], b[2], b[3], b[4], b[5]), i);
         }
-        for_each_overlap(all, [&](uint32_t a, uint32_t b) {
-            if (found(user, a, b)) throw all_found();
+        std::vector<const box *> order;
+        for (const box &b : all) order.push_back(&b);
+        for_each_overlap(order, [&](const box *a, const box *b) {
+            if (found(user, a->info(), b->info())) throw all_found();
         });
     } catch (const all_found &) {
     } catch (...) {

@@ -20,9 +20,11 @@ typedef struct mesh_soup {
 } mesh_soup;
 
 typedef struct mesh_search {
-    int (*wanted)(void *user, uint32_t a, uint32_t b); /* 0: this pair does not matter */
-    int (*found)(void *user, uint32_t a, uint32_t b);  /* they touch or cross; each pair at most once; 1 ends the search */
+    int (*wanted)(void *user, uint32_t a, uint32_t b); /* 0: this pair does not matter; by several threads at once */
+    int (*found)(void *user, uint32_t a,
+                 uint32_t b); /* they touch or cross; each pair at most once; 1 ends the search; one at a time */
     void    *user;
+    uint32_t threads;              /* 0 and 1: the caller alone, and pairs come in the same order each time */
     uint64_t looks_max, tests_max; /* pairs whose boxes overlap; pairs that are tested exactly */
     uint64_t looks, tests;         /* [out] how many it took */
     int      gave_up;              /* [out] 1: a limit was met, pairs are left out */
@@ -31,8 +33,8 @@ typedef struct mesh_search {
 /* Find pairs of triangles that have a point in common which is not just their common corner or edge. Two with a common edge are a
  * pair where they lie on each other, two with the same corners always are. Triangles without area are in no pair: what they cover
  * belongs to the edges of others.
- * Boxes first (Zomorodian and Edelsbrunner 2000), then CGAL's exact predicates.
- * Returns VXS_OK or VXS_E_MEMORY; never throws.  Deterministic; threads: none. */
+ * Boxes first (Zomorodian and Edelsbrunner 2000), slab by slab of space, then CGAL's exact predicates.
+ * Returns VXS_OK or VXS_E_MEMORY; never throws.  The pairs are the same at any thread count, when no limit is met. */
 vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search);
 
 /* Find pairs of boxes that have a point in common.

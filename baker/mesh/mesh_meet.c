@@ -48,7 +48,7 @@ static void meeting_free(meeting *w)
 static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
-    w->meets[solid] = 1;
+    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* may_tell reads it meanwhile: late news cost a test */
 }
 
 static void mark_pair(meeting *w, uint32_t a, uint32_t b)
@@ -62,7 +62,7 @@ static void mark_pair(meeting *w, uint32_t a, uint32_t b)
 static int is_known(const meeting *w, uint32_t a, uint32_t b)
 {
     if (w->cluster_of) return mesh_find(w->cluster_of, a) == mesh_find(w->cluster_of, b);
-    return w->meets[a] && w->meets[b];
+    return __atomic_load_n(&w->meets[a], __ATOMIC_RELAXED) && __atomic_load_n(&w->meets[b], __ATOMIC_RELAXED);
 }
 
 /* --- solids ----------------------------------------------------------------------------------------------------------- */
@@ -121,14 +121,14 @@ static int surfaces_meet(void *user, uint32_t a, uint32_t b)
     return !w->open && !w->cluster_of;
 }
 
-static vxs_result search_surfaces(meeting *w, meeting_counts *counts)
+static vxs_result search_surfaces(meeting *w, uint32_t threads)
 {
     const casters *c      = w->c;
     mesh_soup      soup   = {c->positions_ws, c->indices, c->solid_triangle_count};
-    mesh_search    search = {may_tell, surfaces_meet, w, LOOKS_MAX, TESTS_MAX, 0, 0, 0};
-    vxs_result     r      = mesh_find_intersections(&soup, &search);
-    counts->tests         = search.tests;
-    w->gave_up            = search.gave_up;
+    mesh_search    search = {
+           .wanted = may_tell, .found = surfaces_meet, .user = w, .threads = threads, .looks_max = LOOKS_MAX, .tests_max = TESTS_MAX};
+    vxs_result r = mesh_find_intersections(&soup, &search);
+    w->gave_up   = search.gave_up;
     return r;
 }
 
@@ -216,7 +216,7 @@ static void finish(casters *c, const meeting *w, meeting_counts *counts)
     c->meeting = *counts;
 }
 
-vxs_result casters_find_meeting(casters *c, message *m)
+vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m)
 {
     vxs_result     r      = VXS_E_MEMORY;
     meeting        w      = {.c = c, .solids = c->component_count[COMPONENT_SOLID], .open = c->component_count[COMPONENT_SOLID]};
@@ -228,7 +228,7 @@ vxs_result casters_find_meeting(casters *c, message *m)
         mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
         measure_boxes(&w);
         search_corners(&w);
-        r = w.open ? search_surfaces(&w, &counts) : VXS_OK;
+        r = w.open ? search_surfaces(&w, threads) : VXS_OK;
         if (r == VXS_OK && w.open && !w.gave_up) r = search_insides(&w);
     }
     if (r == VXS_OK) {
@@ -244,16 +244,15 @@ vxs_result casters_find_meeting(casters *c, message *m)
 
 vxs_result mesh_find_clusters(uint32_t *cluster_of, int *gave_up, const casters *c, message *m)
 {
-    vxs_result     r      = VXS_E_MEMORY;
-    size_t         solids = c->component_count[COMPONENT_SOLID];
-    meeting        w      = {.c = c, .solids = solids, .open = solids, .cluster_of = cluster_of};
-    meeting_counts counts = {0};
+    vxs_result r      = VXS_E_MEMORY;
+    size_t     solids = c->component_count[COMPONENT_SOLID];
+    meeting    w      = {.c = c, .solids = solids, .open = solids, .cluster_of = cluster_of};
 
     for (uint32_t i = 0; i < solids; i++) cluster_of[i] = i;
     if (make_room(&w)) {
         mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
         measure_boxes(&w);
-        r = search_surfaces(&w, &counts);
+        r = search_surfaces(&w, 1); /* joining is for one thread */
         if (r == VXS_OK && !w.gave_up) r = search_insides(&w);
     }
     for (uint32_t i = 0; i < solids; i++) cluster_of[i] = mesh_find(cluster_of, i);

@@ -7,7 +7,7 @@
 static void find_meeting(sample *b, closed_mode closed)
 {
     sample_sort(b, closed);
-    assert_int_equal(casters_find_meeting(&b->c, &b->m), VXS_OK);
+    assert_int_equal(casters_find_meeting(&b->c, 2, &b->m), VXS_OK);
     assert_int_equal(b->c.meeting.solids, b->c.component_count[COMPONENT_SOLID]);
 
     /* a solid meets as a whole, and as many do as are counted */
@@ -213,7 +213,7 @@ static size_t count_pairs(const double *positions, const uint32_t *indices, size
         for (int i = 0; i < 39; i++) p[i] = mirrored ? -positions[i] : positions[i];
         pairs       found  = {.most = 0};
         mesh_soup   soup   = {p, indices, triangles};
-        mesh_search search = {all, keep, &found, 1000, 1000, 0, 0, 0};
+        mesh_search search = {.wanted = all, .found = keep, .user = &found, .looks_max = 1000, .tests_max = 1000};
         assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
         assert_int_equal(search.gave_up, 0);
         counts[mirrored] = found.count;
@@ -251,7 +251,7 @@ static void test_limits(void **state)
     sample_sort(&b, CLOSED_OFF);
     mesh_soup   soup   = {b.c.positions_ws, b.c.indices, b.c.triangle_count};
     pairs       found  = {.most = 5};
-    mesh_search search = {all, keep, &found, 10000, 10000, 0, 0, 0};
+    mesh_search search = {.wanted = all, .found = keep, .user = &found, .looks_max = 10000, .tests_max = 10000};
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
     assert_int_equal(found.count, 5); /* asked to end there */
     assert_int_equal(search.gave_up, 0);

@@ -59,7 +59,7 @@ static void done(sample *b, union_report *r)
 
 static size_t count_meeting(sample *b)
 {
-    assert_int_equal(casters_find_meeting(&b->c, &b->m), VXS_OK);
+    assert_int_equal(casters_find_meeting(&b->c, 2, &b->m), VXS_OK);
     return b->c.meeting.meet;
 }
 
