@@ -154,6 +154,43 @@ static void test_random_boxes(void **state)
     assert_true(tried > 100 && met > tried && met < (BOXES - 2) * tried && nested > 10);
 }
 
+/* Enough triangles for several slabs, with boxes that reach through them. No two corners have the same place. */
+static void test_many_boxes(void **state)
+{
+    (void)state;
+    enum { BOXES = 3000 };
+    double(*low)[3] = malloc(BOXES * sizeof *low), (*high)[3] = malloc(BOXES * sizeof *high);
+    uint8_t *meets = calloc(BOXES, 1);
+    uint32_t seed  = 3;
+    size_t   met   = 0;
+    sample   b     = {0};
+    for (int i = 0; i < BOXES; i++) {
+        for (int axis = 0; axis < 3; axis++) {
+            low[i][axis]  = sample_random(&seed, axis ? 20 : 12000) + i / 4096.0;
+            high[i][axis] = low[i][axis] + 1 + sample_random(&seed, axis ? 3 : i % 100 ? 3 : 3000);
+        }
+        sample_box(&b, low[i], high[i]);
+        for (int j = 0; j < i; j++) {
+            int common = 1;
+            for (int axis = 0; axis < 3; axis++) common &= low[i][axis] <= high[j][axis] && low[j][axis] <= high[i][axis];
+            meets[i] |= common;
+            meets[j] |= common;
+        }
+    }
+    sample_sort(&b, CLOSED_ON);
+    for (uint32_t threads = 1; threads <= 8; threads += 7) {
+        assert_int_equal(casters_find_meeting(&b.c, threads, &b.m), VXS_OK);
+        assert_int_equal(b.c.meeting.solids, BOXES);
+        for (size_t t = 0; t < b.c.solid_triangle_count; t++) assert_int_equal(b.c.solid_meets[t], meets[t / 12]);
+    }
+    for (int i = 0; i < BOXES; i++) met += meets[i];
+    assert_in_range(met, BOXES / 10, BOXES - BOXES / 10);
+    sample_clear(&b);
+    free(low);
+    free(high);
+    free(meets);
+}
+
 static void test_nested_and_crossing_cubes(void **state)
 {
     (void)state;
@@ -243,6 +280,41 @@ static void test_triangles_with_common_corners(void **state)
     assert_false(mesh_is_flat(&soup, 1));
 }
 
+static int count(void *user, uint32_t a, uint32_t b)
+{
+    (void)a, (void)b;
+    ++*(size_t *)user;
+    return 0;
+}
+
+/* Pairs that cross, far apart, and so long that most reach through several slabs: each is found once. */
+static void test_each_pair_once(void **state)
+{
+    (void)state;
+    enum { PAIRS = 20000 };
+    double   *p       = malloc(18 * PAIRS * sizeof *p);
+    uint32_t *corners = malloc(6 * PAIRS * sizeof *corners), seed = 5;
+    for (size_t i = 0; i < PAIRS; i++) {
+        double x = sample_random(&seed, 1000000), length = 100 + sample_random(&seed, 300000), y = 2.0 * (double)i;
+        memcpy(&p[18 * i],
+               (double[18]){x, y, 0, x + length, y, 0, x, y + 1, 0, /* and through its middle */
+                            x + length / 4, y + 0.25, -1, x + length / 4, y + 0.25, 1, x + length, y + 0.25, 0},
+               18 * sizeof *p);
+    }
+    for (uint32_t k = 0; k < 6 * PAIRS; k++) corners[k] = k;
+    mesh_soup soup = {p, corners, 2 * PAIRS};
+    for (uint32_t threads = 1; threads <= 8; threads += 7) {
+        size_t      found  = 0;
+        mesh_search search = {
+            .wanted = all, .found = count, .user = &found, .threads = threads, .looks_max = PAIRS, .tests_max = PAIRS};
+        assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
+        assert_int_equal(search.gave_up, 0);
+        assert_int_equal(found, PAIRS);
+    }
+    free(p);
+    free(corners);
+}
+
 static void test_limits(void **state)
 {
     (void)state;
@@ -275,9 +347,11 @@ int main(void)
         cmocka_unit_test(test_counts),
         cmocka_unit_test(test_solids_that_meet_themselves),
         cmocka_unit_test(test_random_boxes),
+        cmocka_unit_test(test_many_boxes),
         cmocka_unit_test(test_nested_and_crossing_cubes),
         cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_triangles_with_common_corners),
+        cmocka_unit_test(test_each_pair_once),
         cmocka_unit_test(test_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
