@@ -159,13 +159,15 @@ static double tile_seconds(const light_job *job)
     return light / (double)l->tiles;
 }
 
-/* Before a tile; the first of a bake is always named. */
-static void say_progress(const light_job *job)
+/* Before a tile, and while its maps are rendered, which takes most of its time: `part` of it is done. The first of a bake is always
+ * named. */
+static void say_progress(void *user, double part)
 {
+    const light_job   *job   = user;
     const light_baker *b     = job->baker;
-    double             share = fmin(1, b->past_seconds / b->plan->total_seconds);
+    double             share = fmin(1, (b->past_seconds + part * tile_seconds(job)) / b->plan->total_seconds);
     unsigned           all = (unsigned)job->planned->tiles, tile = job->tiles_done + 1, percent = (unsigned)(100 * share);
-    if (tile == 1 && b->report->light_count == 1)
+    if (part == 0 && tile == 1 && b->report->light_count == 1)
         progress_say(b->options->progress, "light %s: tile 1 of %u", job->planned->name, all);
     else
         progress_share(b->options->progress, share, b->start, "%u %%: light %s: tile %u of %u", percent, job->planned->name, tile,
@@ -214,9 +216,10 @@ static vxs_result bake_map(light_job *job, message *m)
     stage_timer         timer = stage_begin(b->report);
     vxs_result r = depth_renderer_create(&job->renderer, b->gl, &job->casters, light, (int)job->map, exit_of(b), o->threads, m);
     stage_end(&timer, STAGE_GL);
+    if (r == VXS_OK) depth_renderer_watch(job->renderer, say_progress, job);
     for (uint32_t n = 0; n < side * side && r == VXS_OK; n++) {
         square_at at = z_order(n);
-        say_progress(job);
+        say_progress(job, 0);
         r = bake_tile(job, at.i, at.j, m);
         if (r == VXS_OK) r = bake_within_budget(o, b->report, m);
         job->tiles_done++;

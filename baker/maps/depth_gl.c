@@ -14,6 +14,8 @@ struct depth_renderer {
     block_context context;
     depth_block   lane[LANES];
     uint32_t      side_px; /* of the map */
+    void (*watch)(void *user, double share);
+    void *watch_user;
 };
 
 /* setting up ------------------------------------------------------------------------------------------------------------------ */
@@ -142,6 +144,12 @@ int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32
     return 0;
 }
 
+void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user)
+{
+    r->watch      = watch;
+    r->watch_user = user;
+}
+
 /* a map tile ------------------------------------------------------------------------------------------------------------------ */
 
 /* The blocks of a tile, in rows. */
@@ -191,6 +199,7 @@ static void render_blocks(depth_renderer *r, tile_blocks *t)
             if (active[n]) depth_block_issue(&r->lane[n]);
             any |= active[n];
         }
+        if (r->watch) r->watch(r->watch_user, (double)t->next / t->count);
     }
 }
 

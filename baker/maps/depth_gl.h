@@ -35,6 +35,9 @@ vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const cas
 /* 1 when some caster may touch the square of side_px texels at (i, j), counted in such squares. */
 int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
 
+/* From now on call watch(user, share) while a square is rendered: the share of its blocks that is begun, 0 to 1. NULL: no more. */
+void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user);
+
 /* Render the square (i, j), counted in squares of maps->side_px, into maps->enter and maps->exit. maps->exit may be the same array as
  * enter only when there is no solid. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m);

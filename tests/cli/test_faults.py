@@ -446,7 +446,8 @@ CLEAR = b"\r\x1b[K"
 
 
 def test_progress_on_a_terminal(vxs_path, city, tmp_path):
-    """Each stage is named before it begins, tiles come with an estimate, no line is longer than a terminal, and in the end none is left."""
+    """Each stage is named before it begins, tiles come with an estimate, several times each, no line is longer than a terminal, and in
+    the end none is left."""
     status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "8192"])
     lines = said.split(CLEAR)
     assert status == 0 and lines[0] == lines[-1] == b"" and b"\n" not in said
@@ -455,7 +456,7 @@ def test_progress_on_a_terminal(vxs_path, city, tmp_path):
         assert lines[1 + n].startswith(b"vxs: " + text)
     assert lines[-2].startswith(b"vxs: writing ")
     estimates = [int(line.split(b"about ")[1].split()[0]) for line in lines if b"about " in line]
-    assert estimates and all(0 < seconds < 600 for seconds in estimates) and b"tile 1 of 4, about" not in said
+    assert estimates and all(0 < seconds < 600 for seconds in estimates) and said.count(b"tile 1 of 4") > 1
 
 
 def test_interrupt_takes_the_progress_away(vxs_path, city, tmp_path):
