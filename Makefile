@@ -96,7 +96,7 @@ $B/libvxs.a: $(runtime.o)
 	@echo "  ar   $@"
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
-$(patsubst %,$B/%.o,$(wildcard baker/mesh/casters_cgal.cc baker/mesh/mesh_*.cc)): cxxflags += -frounding-math # CGAL's exact predicates need it
+$(patsubst %,$B/%.o,$(wildcard baker/mesh/casters_cgal.cc baker/mesh/mesh_*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 
 $B/%.c.o: %.c
 	@echo "  cc   $<"
