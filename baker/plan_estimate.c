@@ -97,7 +97,7 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)scene_bytes + 3.6e-8 * (double)c->triangle_count;
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
-        (plan->meeting_known ? plan->meeting_seconds : 0) + 5e-8 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
+        (plan->meeting_known ? plan->meeting_seconds : 0) + 2e-7 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
     plan->seconds[STAGE_GL] += 0.011;
     plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
     plan->seconds[STAGE_COMPRESS] = compress;
