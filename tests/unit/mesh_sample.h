@@ -20,6 +20,7 @@ typedef struct sample {
     scene   s;
     casters c;
     message m;
+    size_t  room; /* triangles that s's arrays have room for */
 } sample;
 
 static inline void *sample_grown(void *p, size_t size)
@@ -31,11 +32,14 @@ static inline void *sample_grown(void *p, size_t size)
 
 static inline uint32_t sample_triangle(sample *b, const double p[3][3])
 {
-    scene *s             = &b->s;
-    size_t t             = s->triangle_count++;
-    s->positions_ws      = sample_grown(s->positions_ws, (s->vertex_count + 3) * 3 * sizeof(double));
-    s->indices           = sample_grown(s->indices, s->triangle_count * 3 * sizeof(uint32_t));
-    s->triangle_flags    = sample_grown(s->triangle_flags, s->triangle_count);
+    scene *s = &b->s;
+    size_t t = s->triangle_count++;
+    if (t >= b->room) { /* twice as many: sanitizers copy at each step */
+        b->room           = 2 * t + 16;
+        s->positions_ws   = sample_grown(s->positions_ws, (s->vertex_count + 3 * (b->room - t)) * 3 * sizeof(double));
+        s->indices        = sample_grown(s->indices, b->room * 3 * sizeof(uint32_t));
+        s->triangle_flags = sample_grown(s->triangle_flags, b->room);
+    }
     s->triangle_flags[t] = 0;
     for (size_t i = 0; i < 3; i++) {
         memcpy(&s->positions_ws[3 * s->vertex_count], p[i], 3 * sizeof(double));
