@@ -1,12 +1,11 @@
 /* vxs picture: a PNG of a scene in the shadows of a .vxs file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
-#include <string.h>
 
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/camera_choice.h"
 #include "baker/command/options.h"
-#include "baker/truth/picture.h"
 
 enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
 
@@ -15,36 +14,23 @@ typedef struct picture_command {
     const char     *scene_name, *out;
     text_list       light_names;
     picture_options options;
-    int             eye_given, target_given;
+    camera_choice   camera;
 } picture_command;
 
 static vxs_result check_options(const picture_command *c, message *m)
 {
-    const picture_camera *camera = &c->options.camera;
     if (!c->out) return fail(m, VXS_E_ARGUMENT, "picture needs -o OUT.png");
     if (c->options.filter_px % 2 == 0)
         return fail(m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d", c->options.filter_px, VXS_FILTER_MAX);
-    if (c->eye_given != c->target_given)
-        return fail(m, VXS_E_ARGUMENT, "--eye and --target go together: %s is missing", c->eye_given ? "--target" : "--eye");
-    if (c->eye_given && !memcmp(camera->eye_ws, camera->target_ws, sizeof camera->eye_ws))
-        return fail(m, VXS_E_ARGUMENT, "--eye and --target are the same point: expected two");
-    return VXS_OK;
-}
-
-/* The way light travels that the camera stands beside: a sun's, or one as suns often have it. */
-static const double *light_way(const vxs_light *const *lights, uint32_t count)
-{
-    static const double usual[3] = {-0.43, -0.86, -0.26};
-    for (uint32_t n = 0; n < count; n++)
-        if (lights[n]->kind == VXS_LIGHT_KIND_DIRECTIONAL) return lights[n]->direction_ws;
-    return usual;
+    return camera_check(&c->camera, m);
 }
 
 static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *const *lights, uint32_t count,
                        output_file *out, message *m)
 {
     picture_options *o = &c->options;
-    if (!c->eye_given) picture_frame(&o->camera, casting, light_way(lights, count), (double)o->width_px / o->height_px);
+    camera_stand(&c->camera, casting, lights, count, (double)o->width_px / o->height_px);
+    o->camera    = c->camera.camera;
     uint8_t *rgb = malloc((size_t)3 * o->width_px * o->height_px);
     if (!rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px);
     vxs_result r = picture_render(rgb, o, t, casting, lights, count, m);
@@ -87,20 +73,22 @@ int cmd_picture(int argc, char **argv)
 {
     picture_command  c = {.options = {.width_px = 1280, .height_px = 720, .filter_px = 5, .threads = parallel_default_threads()}};
     picture_options *o = &c.options;
-    o->camera.fov_degrees  = 35;
-    const option options[] = {
-        {"-o", OPTION_TEXT, &c.out, 0, 0, NULL, "OUT.png", "where the picture goes; - is standard output", NULL},
-        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", NULL},
-        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", NULL},
-        {"--eye", OPTION_VECTOR, o->camera.eye_ws, 0, 3, NULL, "X,Y,Z",
-         "where to stand, metres (default: the scene fills the view)", &c.eye_given},
-        {"--target", OPTION_VECTOR, o->camera.target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye", &c.target_given},
-        {"--fov", OPTION_F64, &o->camera.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
-        {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME", "a light that shines; repeat for more (default: all)", NULL},
-        {"--filter", OPTION_U32, &o->filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 5)",
-         NULL},
-        {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
-        {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all processors)", NULL},
+    picture_camera  *camera = &c.camera.camera;
+    camera->fov_degrees     = 35;
+    const option options[]  = {
+         {"-o", OPTION_TEXT, &c.out, 0, 0, NULL, "OUT.png", "where the picture goes; - is standard output", NULL},
+         {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", NULL},
+         {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", NULL},
+         {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres (default: the scene fills the view)",
+          &c.camera.eye_given},
+         {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
+          &c.camera.target_given},
+         {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
+         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME", "a light that shines; repeat for more (default: all)", NULL},
+         {"--filter", OPTION_U32, &o->filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 5)",
+          NULL},
+         {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
+         {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all processors)", NULL},
     };
     const command_line line = {"picture",
                                "SCENE FILE.vxs -o OUT.png [options]",

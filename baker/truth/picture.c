@@ -52,11 +52,10 @@ typedef struct view {
     uint32_t               sun_count, lamp_count;
     double                 day; /* of the sky's light: 1, or night */
     uint8_t               *rgb;
-    double                 forward[3];
-    double                 right[3], up[3]; /* reach from the picture's middle to its edges, at distance 1 */
-    double                 near_metres;     /* haze begins */
-    double                 haze_metres;     /* it takes 1 - 1/e in so much */
-    double                 sky_metres;      /* what is this far away shuts out half of the sky behind it */
+    picture_view           seen;
+    double                 near_metres; /* haze begins */
+    double                 haze_metres; /* it takes 1 - 1/e in so much */
+    double                 sky_metres;  /* what is this far away shuts out half of the sky behind it */
 } view;
 
 /* the camera ------------------------------------------------------------------------------------------ */
@@ -155,6 +154,28 @@ void picture_frame(picture_camera *camera, const casters *c, const double sun_ws
     vec3_mad(target, -distance * closer(&b), forward, camera->eye_ws);
 }
 
+picture_view picture_view_of(const picture_camera *camera, double aspect)
+{
+    picture_view v;
+    double       tan_y = tan(camera->fov_degrees * pi / 360), along[3];
+    vec3_sub(camera->target_ws, camera->eye_ws, along);
+    vec3_unit(along, v.forward);
+    camera_axes(v.forward, v.right, v.up);
+    for (int i = 0; i < 3; i++) {
+        v.right[i] *= tan_y * aspect;
+        v.up[i] *= tan_y;
+    }
+    return v;
+}
+
+void picture_direction(const picture_view *v, double x, double y, double direction[3])
+{
+    double along[3];
+    vec3_mad(v->forward, 2 * x - 1, v->right, along);
+    vec3_mad(along, 1 - 2 * y, v->up, along);
+    vec3_unit(along, direction);
+}
+
 /* How far the eye is from the box; 0 inside. */
 static double distance_to_box(const box *b, const double eye[3])
 {
@@ -168,16 +189,10 @@ static double distance_to_box(const box *b, const double eye[3])
 
 static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
 {
-    box    b    = bounds_of(c);
-    double size = fmax(diagonal_of(&b), 1e-9), tan_y = tan(o->camera.fov_degrees * pi / 360), along[3];
-    view   v = {.options = o, .truth = t, .rgb = rgb};
-    vec3_sub(o->camera.target_ws, o->camera.eye_ws, along);
-    vec3_unit(along, v.forward);
-    camera_axes(v.forward, v.right, v.up);
-    for (int i = 0; i < 3; i++) {
-        v.right[i] *= tan_y * o->width_px / o->height_px;
-        v.up[i] *= tan_y;
-    }
+    box    b      = bounds_of(c);
+    double size   = fmax(diagonal_of(&b), 1e-9);
+    view   v      = {.options = o, .truth = t, .rgb = rgb};
+    v.seen        = picture_view_of(&o->camera, (double)o->width_px / o->height_px);
     v.near_metres = distance_to_box(&b, o->camera.eye_ws);
     v.haze_metres = 4 * size;
     v.sky_metres  = 0.03 * size;
@@ -389,10 +404,8 @@ static void render_pixel(const view *v, size_t index, uint8_t rgb[3])
         rng    r = rng_split(index, (uint64_t)n);
         double x = (double)(index % o->width_px) + (n % SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
         double y = (double)(index / o->width_px) + (n / SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
-        double along[3], direction[3], colour[3];
-        vec3_mad(v->forward, 2 * x / o->width_px - 1, v->right, along);
-        vec3_mad(along, 1 - 2 * y / o->height_px, v->up, along);
-        vec3_unit(along, direction);
+        double direction[3], colour[3];
+        picture_direction(&v->seen, x / o->width_px, y / o->height_px, direction);
         trace(v, direction, n, &r, colour);
         for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
     }

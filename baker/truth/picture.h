@@ -27,6 +27,17 @@ typedef struct picture_options {
  * aspect     width / height */
 void picture_frame(picture_camera *camera, const casters *c, const double sun_ws[3], double aspect);
 
+/* What a camera sees: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
+typedef struct picture_view {
+    double forward[3], right[3], up[3];
+} picture_view;
+
+/* aspect  width / height;   the camera's eye and target are apart */
+picture_view picture_view_of(const picture_camera *camera, double aspect);
+
+/* The unit direction that is seen at a place of the picture: x from its left edge, 0, to its right one, 1; y from the top down. */
+void picture_direction(const picture_view *v, double x, double y, double direction[3]);
+
 /* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is
  * night, and the light of spot and point lights is seen in the air too.
  * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
