@@ -73,6 +73,30 @@ static vxs_result set_vector(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
+static vxs_result parse_u32(const option *o, const char *value, uint32_t *out, message *m)
+{
+    double      number;
+    const char *end = parse_number(value, &number);
+    if (!end || *end || number < o->min || number > o->max || number != floor(number))
+        return fail(m, VXS_E_ARGUMENT, "%s %s: expected a whole number from %.0f to %.0f", o->name, value, o->min, o->max);
+    *out = (uint32_t)number;
+    return VXS_OK;
+}
+
+static vxs_result add_number(const option *o, const char *value, message *m)
+{
+    number_list *list = o->target;
+    uint32_t     number;
+    vxs_result   r = parse_u32(o, value, &number, m);
+    if (r != VXS_OK) return r;
+    for (size_t n = 0; n < list->count; n++)
+        if (list->items[n] == number) return fail(m, VXS_E_ARGUMENT, "%s %s is given twice", o->name, value);
+    if (list->count == OPTION_NUMBERS_MAX)
+        return fail(m, VXS_E_ARGUMENT, "%s: expected at most %d of them", o->name, OPTION_NUMBERS_MAX);
+    list->items[list->count++] = number;
+    return VXS_OK;
+}
+
 static vxs_result set_option(const option *o, const char *value, message *m)
 {
     double number;
@@ -99,10 +123,13 @@ static vxs_result set_option(const option *o, const char *value, message *m)
         break;
     }
     case OPTION_U32: {
-        const char *end = parse_number(value, &number);
-        if (!end || *end || number < o->min || number > o->max || number != floor(number))
-            return fail(m, VXS_E_ARGUMENT, "%s %s: expected a whole number from %.0f to %.0f", o->name, value, o->min, o->max);
-        *(uint32_t *)o->target = (uint32_t)number;
+        vxs_result r = parse_u32(o, value, o->target, m);
+        if (r != VXS_OK) return r;
+        break;
+    }
+    case OPTION_U32S: {
+        vxs_result r = add_number(o, value, m);
+        if (r != VXS_OK) return r;
         break;
     }
     case OPTION_BYTES: {
@@ -124,7 +151,8 @@ static vxs_result set_option(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-vxs_result options_parse(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m)
+static vxs_result parse(const command_line *c, int argc, char **argv, size_t operand_max, const char **operands, int *help_shown,
+                        message *m)
 {
     size_t found        = 0;
     int    options_over = 0;
@@ -132,7 +160,7 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, const cha
     for (int i = 1; i < argc; i++) {
         const char *arg = argv[i];
         if (options_over || arg[0] != '-' || !arg[1]) {
-            if (found == c->operand_count)
+            if (found == operand_max)
                 return fail(m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs %s %s", arg, c->name, c->synopsis);
             operands[found++] = arg;
             continue;
@@ -163,6 +191,16 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, const cha
     }
     if (found < c->operand_count) return fail(m, VXS_E_ARGUMENT, "too few arguments: usage is vxs %s %s", c->name, c->synopsis);
     return VXS_OK;
+}
+
+vxs_result options_parse(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m)
+{
+    return parse(c, argc, argv, c->operand_count, operands, help_shown, m);
+}
+
+vxs_result options_parse_repeated(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m)
+{
+    return parse(c, argc, argv, SIZE_MAX, operands, help_shown, m);
 }
 
 int command_end(message *m, vxs_result code)

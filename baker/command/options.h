@@ -12,6 +12,7 @@
 typedef enum option_kind {
     OPTION_SWITCH, /* int, set to 1; takes no value */
     OPTION_U32,    /* uint32_t in [min, max] */
+    OPTION_U32S,   /* number_list, repeated: each in [min, max], none twice */
     OPTION_BYTES,  /* uint64_t, at least 1: plain, or with K, M, G, T (powers of 1024), and iB or B after it */
     OPTION_F64,    /* double in [min, max], finite */
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
@@ -19,6 +20,14 @@ typedef enum option_kind {
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
     OPTION_CHOICE  /* int: index of the value in `choices` */
 } option_kind;
+
+enum { OPTION_NUMBERS_MAX = 32 };
+
+/* Values of an OPTION_U32S. */
+typedef struct number_list {
+    uint32_t items[OPTION_NUMBERS_MAX];
+    size_t   count;
+} number_list;
 
 typedef struct option {
     const char *name; /* "--resolution", "-o" */
@@ -46,6 +55,10 @@ typedef struct command_line {
  * Returns VXS_OK, VXS_E_ARGUMENT (one line in m: the option, what was given, what was expected), or VXS_E_MEMORY;
  * *help_shown is set when --help was given and printed, and the command is done. */
 vxs_result options_parse(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m);
+
+/* The same, and the last operand may be given more than once.
+ * operands  [argc] those that are not given are left alone */
+vxs_result options_parse_repeated(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m);
 
 /* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`. */
 int command_end(message *m, vxs_result code);
