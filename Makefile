@@ -137,7 +137,8 @@ demo: $B/vxs
 	@mkdir -p $D
 	$B/vxs scene city -o $D/city.glb
 	$B/vxs bake $D/city.glb -o $D/city.vxs --json $D/bake.json
-	$B/vxs compare $D/city.glb $D/city.vxs --points 100000 --json $D/compare.json
+	$B/vxs compare $D/city.glb $D/city.vxs --points 100000 --bake-report $D/bake.json \
+		--json $D/compare.json
 	$B/vxs picture $D/city.glb $D/city.vxs -o $D/city.png
 	@echo; echo "scene $D/city.glb, shadows $D/city.vxs, picture $D/city.png, reports $D/bake.json and $D/compare.json"
 

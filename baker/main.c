@@ -18,7 +18,7 @@ static const struct {
     {"validate", cmd_validate, "check every byte of a .vxs file"},
     {"query", cmd_query, "answer 'how lit is this point?' from a .vxs file"},
     {"truth", cmd_truth, "answer the same question by ray tracing the scene"},
-    {"compare", cmd_compare, "error of a .vxs file against ray tracing"},
+    {"compare", cmd_compare, "error, size and time of .vxs files against ray tracing"},
     {"picture", cmd_picture, "a picture (PNG) of a scene with the shadows of a .vxs file"},
     {"health", cmd_health, "what is wrong with the meshes of a scene"},
     {"scene", cmd_scene, "make a procedural test scene"},

@@ -1,12 +1,21 @@
-/* How often a baked light is wrong, where, and how fast it answers: lookups against the ray-traced truth.
+/* How often a baked light is wrong, where, by how far, and how fast it answers: lookups against the ray-traced truth.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPARE_H
 #define COMPARE_H
 
+#include "baker/truth/picture.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
 
-enum { COMPARE_EXAMPLES_MAX = 10, COMPARE_FILTER_POINTS_MAX = 20000, COMPARE_TIMED_POINTS_MAX = 1000000 };
+enum {
+    COMPARE_EXAMPLES_MAX      = 10,
+    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2, /* the odd widths above 1 */
+    COMPARE_FILTER_POINTS_MAX = 20000,
+    COMPARE_TIMED_POINTS_MAX  = 1000000
+};
+
+/* The shape of a camera's picture: width / height. */
+#define COMPARE_CAMERA_ASPECT (16.0 / 9)
 
 /* Where the points come from. */
 typedef enum compare_kind {
@@ -15,20 +24,32 @@ typedef enum compare_kind {
     /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches, and
      * where that is too little to be found so, on what its rays meet behind random points. */
     COMPARE_SURFACE,
+    /* What is seen through the middle of each pixel of a camera; looked up with the normal, towards the eye. */
+    COMPARE_CAMERA,
     COMPARE_KINDS
 } compare_kind;
 
 typedef struct compare_options {
-    uint32_t points; /* of each kind */
-    uint32_t seed;
-    uint32_t filter_px; /* 1: only single taps are compared */
-    uint32_t threads;
+    uint32_t              points; /* of each kind; a camera's are as many as make a picture */
+    uint32_t              seed;
+    uint32_t              filters_px[COMPARE_FILTERS_MAX]; /* odd, 3 to VXS_FILTER_MAX: compared besides single taps */
+    uint32_t              filter_count;
+    const picture_camera *camera; /* NULL: no points of a camera */
+    uint32_t              threads;
 } compare_options;
 
-/* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained. */
+/* How far wrong answers are from the nearest boundary, in texels: where the truth is what the asset says. */
+typedef struct compare_distance {
+    uint64_t points;                 /* of the wrong ones: those near enough to be found */
+    uint64_t beyond;                 /* the others */
+    double   mean, median, p95, max; /* of points; 0 when there are none */
+} compare_distance;
+
+/* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
+ * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for. */
 typedef struct compare_counts {
     uint64_t points;
-    uint64_t outside;      /* not in the light's volume, like all other places that were tried */
+    uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
     uint64_t inside_solid; /* nobody asks there, the answer is undefined */
     uint64_t checked;
     uint64_t leaks;         /* the asset says lit, the truth shadow */
@@ -36,9 +57,10 @@ typedef struct compare_counts {
     uint64_t near_boundary; /* within two voxels the truth is what the asset says */
     uint64_t
         near_surface; /* not that, but a caster is within two texels; spot and point lights: or within two voxels along the light */
-    uint64_t unexplained; /* neither: a fault */
+    uint64_t         unexplained; /* neither: a fault */
+    compare_distance boundary;
 
-    /* Surface points only, and apart from the above: the same answers against rays from the surface itself. */
+    /* Points on surfaces only, and apart from the above: the same answers against rays from the surface itself. */
     uint64_t checked_at_surface; /* neither outside nor, just above the surface, inside a solid */
     uint64_t wrong_at_surface;
 } compare_counts;
@@ -53,20 +75,25 @@ typedef struct compare_example {
     int          asset_lit, truth_lit;
 } compare_example;
 
-/* K x K lookups against the same filter over rays. */
-typedef struct compare_filter {
+/* Filtered lookups against the same filter over rays. */
+typedef struct compare_error {
     uint64_t points; /* compared: neither outside nor inside a solid */
     double   rmse, max_error;
+} compare_error;
+
+typedef struct compare_filter {
+    compare_error error[COMPARE_KINDS];
+    double        lookup_s; /* as compare_time.lookup_s */
 } compare_filter;
 
 typedef struct compare_time {
-    uint64_t points;                      /* random points inside the map */
-    double   lookup_s, filter_s, truth_s; /* for one point, on one thread: the median of five runs; filter_s 0: no filter */
+    uint64_t points;            /* random points inside the map */
+    double   lookup_s, truth_s; /* a single tap and a ray, for one point, on one thread: the median of five runs */
 } compare_time;
 
 typedef struct compare_result {
     compare_counts  counts[COMPARE_KINDS];
-    compare_filter  filter[COMPARE_KINDS];
+    compare_filter  filters[COMPARE_FILTERS_MAX]; /* [filter_count] */
     compare_example examples[COMPARE_EXAMPLES_MAX];
     uint32_t        example_count;
     compare_time    time;
@@ -79,7 +106,7 @@ typedef struct compare_result {
  * truth_lift.
  * Two voxels from a boundary means: among rays from 5 x 5 x 5 voxels about the point, and rays through the centre of the
  * texel that was looked up (and as near to it as a rasterizer may move an edge), one has the answer of the asset. Voxels of a spot or
- * point light are as wide and deep as they are at that distance from it.
+ * point light are as wide and deep as they are at that distance from it. compare_boundary.h says how the distance is measured.
  * t      of c;   c  with the solids that the light was baked with
  * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o,
@@ -87,5 +114,8 @@ vxs_result compare_light(compare_result *out, const truth *t, const casters *c, 
 
 /* Leaks and false shadows. */
 uint64_t compare_wrong(const compare_counts *n);
+
+/* Pixels of a camera's picture of at most so many points: as nearly square as they can be. */
+void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px);
 
 #endif

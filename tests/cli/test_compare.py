@@ -1,5 +1,6 @@
 # vxs compare and vxs picture on a small baked city: an honest asset passes, a wrong one fails and says where.
 # SPDX-License-Identifier: GPL-3.0-or-later
+import base64
 import json
 import os
 import pathlib
@@ -31,35 +32,57 @@ def city(vxs, tmp_path_factory):
     return at
 
 
-@pytest.fixture(scope="module")
-def compare(vxs, city):
-    """compare(scene, asset, *options, status=0): the JSON report, checked against its schema and its own sums."""
-    schema = json.loads(SCHEMA.read_text())
-    jsonschema.Draft202012Validator.check_schema(schema)
+def check_counts(counts, points):
+    texels = counts["boundary_texels"]
+    assert counts["points"] == points == counts["outside"] + counts["inside_solid"] + counts["checked"]
+    assert counts["wrong"] == counts["leaks"] + counts["false_shadows"] == texels["points"] + texels["beyond"]
+    assert counts["wrong"] == counts["near_boundary"] + counts["near_surface"] + counts["unexplained"]
+    assert counts.get("wrong_at_surface", 0) <= counts.get("checked_at_surface", 0) <= counts["points"]
+    if texels["points"]:
+        assert 0 < texels["median"] <= texels["p95"] <= texels["max"] <= 8 and 0 < texels["mean"] <= texels["max"]
 
-    def run(scene, asset, *options, status=0):
-        done = vxs("compare", city / scene, city / asset, "--json", "-", *options, status=status)
-        report = json.loads(done.stdout)
-        jsonschema.Draft202012Validator(schema).validate(report)
-        counts = [light[kind] for light in report["lights"] for kind in ("random", "surface")]
-        for c in counts:
-            assert c["points"] == report["points"] == c["outside"] + c["inside_solid"] + c["checked"]
-            assert c["wrong"] == c["leaks"] + c["false_shadows"]
-            assert c["wrong"] == c["near_boundary"] + c["near_surface"] + c["unexplained"]
-        for light in report["lights"]:
-            assert light["surface"]["wrong_at_surface"] <= light["surface"]["checked_at_surface"] <= light["surface"]["points"]
+
+def check_report(report):
+    """Its schema, and its own sums."""
+    jsonschema.Draft202012Validator(json.loads(SCHEMA.read_text())).validate(report)
+    kinds = ["random", "surface"] + ["camera"] * ("camera" in report)
+    pixels = report["camera"]["width_px"] * report["camera"]["height_px"] if "camera" in report else 0
+    for asset in report["assets"]:
+        for light in asset["lights"]:
+            assert [kind for kind in ("random", "surface", "camera") if kind in light] == kinds
+            for kind in kinds:
+                check_counts(light[kind], pixels if kind == "camera" else report["points"])
+            for one in light["filters"]:
+                assert [kind for kind in ("random", "surface", "camera") if kind in one] == kinds
         for key in ("checked", "wrong", "unexplained"):
-            assert report[key] == sum(c[key] for c in counts)
-        assert report["passed"] == (status == 0)
+            assert asset[key] == sum(light[kind][key] for light in asset["lights"] for kind in kinds)
+        accepted = asset["wrong_share"] <= report.get("max_error", 1)
+        assert asset["passed"] == (asset["unexplained"] == 0 and accepted)
+    assert report["passed"] == all(asset["passed"] for asset in report["assets"])
+    return report
+
+
+def test_schema():
+    jsonschema.Draft202012Validator.check_schema(json.loads(SCHEMA.read_text()))
+
+
+@pytest.fixture(scope="module")
+def compare_all(vxs, city):
+    """compare_all(scene, assets, *options, status=0): the JSON report, checked."""
+
+    def run(scene, assets, *options, status=0):
+        done = vxs("compare", city / scene, *(city / asset for asset in assets), "--json", "-", *options, status=status)
+        report = check_report(json.loads(done.stdout))
+        assert report["passed"] == (status == 0) and [a["asset"] for a in report["assets"]] == [str(city / a) for a in assets]
         return report
 
     return run
 
 
-def without_time(report):
-    for light in report["lights"]:
-        del light["time"]
-    return report
+@pytest.fixture(scope="module")
+def compare(compare_all):
+    """The same for one asset: what the report says of it."""
+    return lambda scene, asset, *options, status=0: compare_all(scene, [asset], *options, status=status)["assets"][0]
 
 
 def test_errors_are_explained_and_fall_with_resolution(compare):
@@ -71,7 +94,7 @@ def test_errors_are_explained_and_fall_with_resolution(compare):
     assert fine["lights"][0]["random"]["inside_solid"] > 0
     assert fine["lights"][0]["unexplained"] == []
     time = fine["lights"][0]["time"]
-    assert 0 < time["lookup_ns"] and 0 < time["ray_ns"] and "filter_lookup_ns" not in time
+    assert 0 < time["lookup_ns"] and 0 < time["ray_ns"] and fine["lights"][0]["filters"] == []
 
 
 @pytest.mark.parametrize("name", REAL)
@@ -118,12 +141,146 @@ def test_names_that_are_not_utf8(vxs_path, city):
     assert json.loads(done.stdout)["scene"].endswith("/caf?.glb")
 
 
-def test_filter_is_compared_with_the_same_filter_over_rays(compare):
-    light = compare("city1.glb", "512.vxs", "--points", 3000, "--filter", 5)["lights"][0]
-    assert light["filter"]["filter_px"] == 5 and light["time"]["filter_lookup_ns"] > light["time"]["lookup_ns"]
-    for kind in ("random", "surface"):
-        error = light["filter"][kind]
-        assert 0 < error["points"] <= 3000 and 0 < error["rmse"] < 0.1 and error["rmse"] <= error["max_error"]
+def test_filters_are_compared_with_the_same_filters_over_rays(compare):
+    light = compare("city1.glb", "512.vxs", "--points", 3000, "--filter", 5, "--filter=1", "--filter", 9)["lights"][0]
+    assert [one["filter_px"] for one in light["filters"]] == [5, 9]
+    assert light["filters"][1]["lookup_ns"] > light["time"]["lookup_ns"]
+    for one in light["filters"]:
+        for kind in ("random", "surface"):
+            error = one[kind]
+            assert 0 < error["points"] <= 3000 and 0 < error["rmse"] < 0.1 and error["rmse"] <= error["max_error"]
+
+
+# -- several assets ------------------------------------------------------------------------------------------
+
+
+def without_times(report):
+    for light in (light for asset in report["assets"] for light in asset["lights"]):
+        del light["time"]
+        for one in light["filters"]:
+            del one["lookup_ns"]
+    return report
+
+
+def test_assets_are_compared_as_if_alone(compare_all):
+    options = "--points", 5000, "--filter", 3, "--camera"
+    both = without_times(compare_all("city1.glb", ["128.vxs", "512.vxs"], *options))
+    alone = [without_times(compare_all("city1.glb", [asset], *options)) for asset in ("128.vxs", "512.vxs")]
+    assert both["assets"] == [one["assets"][0] for one in alone]
+    assert {k: v for k, v in both.items() if k != "assets"} == {k: v for k, v in alone[1].items() if k != "assets"}
+    coarse, fine = (asset["lights"][0] for asset in both["assets"])
+    for kind in ("random", "surface", "camera"):
+        assert fine[kind]["wrong_share"] < coarse[kind]["wrong_share"]
+        assert fine["filters"][0][kind]["rmse"] < coarse["filters"][0][kind]["rmse"]
+    assert both["assets"][0]["file_bytes"] < both["assets"][1]["file_bytes"] < both["assets"][1]["memory_bytes"]
+
+
+def test_sizes_are_those_of_the_file(vxs, compare, city):
+    asset = compare("city1.glb", "512.vxs", "--points", 1000)
+    info = json.loads(vxs("info", city / "512.vxs", "--json", "-").stdout)
+    assert asset["file_bytes"] == (city / "512.vxs").stat().st_size
+    assert asset["memory_bytes"] == sum(light["memory_bytes"] for light in info["lights"])
+
+
+def with_a_turned_triangle(path):
+    """A copy of a small scene whose first triangle looks inward: its box is no solid until it is mended."""
+    gltf = json.loads(path.read_text())
+    head, _, text = gltf["buffers"][0]["uri"].partition(",")
+    data, at = bytearray(base64.b64decode(text)), gltf["bufferViews"][1]["byteOffset"]
+    data[at:at + 8] = data[at + 4:at + 8] + data[at:at + 4]
+    gltf["buffers"][0]["uri"] = head + "," + base64.b64encode(data).decode()
+    turned = path.with_stem("turned")
+    turned.write_text(json.dumps(gltf))
+    return turned
+
+
+def test_each_asset_has_the_solids_that_it_was_baked_with(vxs, compare_all, city):
+    """--closed and --repair of the bake count, whatever the others have."""
+    scene = with_a_turned_triangle(small_scene.write(city / "whole.gltf"))
+    options = "--resolution", 128, "--baseline", "off", "-o"
+    vxs("bake", scene, *options, city / "open.vxs")
+    vxs("bake", scene, "--repair", *options, city / "mended.vxs")
+    vxs("bake", scene, "--repair", "--closed", "off", *options, city / "sheets.vxs")
+    report = compare_all(scene, ["open.vxs", "mended.vxs", "open.vxs", "sheets.vxs"], "--points", 20000)
+    assert [a["repaired"] for a in report["assets"]] == [False, True, False, True]
+    assert [a["closed"] for a in report["assets"]] == ["auto", "auto", "auto", "off"]
+    assert [a["solid_triangles"] for a in report["assets"]] == [12, 24, 12, 0]
+    assert without_times(report)["assets"][0] == report["assets"][2]
+
+
+def test_one_wrong_asset_fails_them_all(vxs, compare_all, city):
+    report = compare_all("city1.glb", ["512.vxs", "128.vxs"], "--points", 5000)
+    shares = [asset["wrong_share"] for asset in report["assets"]]
+    report = compare_all("city1.glb", ["512.vxs", "128.vxs"], "--points", 5000, "--max-error", sum(shares) / 2, status=1)
+    assert [asset["passed"] for asset in report["assets"]] == [True, False]
+    table = vxs("compare", city / "city1.glb", city / "512.vxs", city / "128.vxs", "--points", 5000, "--filter", 5,
+                "--max-error", sum(shares) / 2, status=1).stdout.splitlines()
+    assert table[-3].split()[:4] == ["texels", "file", "memory", "bake"] and "RMSE 5 x 5" in table[-3]
+    assert table[-2].startswith("512 ") and table[-2].endswith("512.vxs")
+    assert table[-1].startswith("128 ") and table[-1].endswith("128.vxs; FAILED")
+
+
+def test_bake_reports_tell_the_time_of_a_bake(vxs, compare_all, city):
+    for resolution in (64, 32):
+        vxs("bake", city / "city1.glb", "--sun", SUN, "--light", "sun", "--resolution", resolution, "--baseline", "off",
+            "-o", city / f"{resolution}.vxs", "--json", city / f"{resolution}.json")
+    files = [city / "64.vxs", city / "32.vxs"]
+    reports = [json.loads((city / f"{resolution}.json").read_text()) for resolution in (64, 32)]
+    wanted = [{key: report[key] for key in ("total_seconds", "peak_bytes")} for report in reports]
+    told = "--bake-report", city / "64.json", "--bake-report", city / "32.json"
+    found = compare_all("city1.glb", files, "--points", 1000, *told)["assets"]
+    assert [asset["bake"] for asset in found] == wanted
+    found = compare_all("city1.glb", files, "--points", 1000, *told[:2])["assets"]
+    assert found[0]["bake"] == wanted[0] and "bake" not in found[1]
+    table = vxs("compare", city / "city1.glb", *files, "--points", 1000, *told[:2]).stdout.splitlines()
+    assert f" {wanted[0]['total_seconds']:.3g} s " in table[-2] and " - " in table[-1]
+
+    swapped = vxs("compare", city / "city1.glb", *files, "--bake-report", city / "32.json", status=2).stderr
+    assert "expected the report of its bake" in swapped
+    assert "given 2 times for 1 .vxs files" in vxs("compare", city / "city1.glb", files[0], *told, status=2).stderr
+
+
+@pytest.mark.parametrize("text, words", [
+    ("", "bad.json: "),
+    ("[" * 100000, "bad.json: "),
+    ("[]", "a number from 0 as total_seconds"),
+    ('{"total_seconds": "1", "peak_bytes": 1, "file_bytes": 1}', "a number from 0 as total_seconds"),
+    ('{"total_seconds": -1, "peak_bytes": 1, "file_bytes": 1}', "a number from 0 as total_seconds"),
+    ('{"total_seconds": 1e999, "peak_bytes": 1, "file_bytes": 1}', "bad.json: "),
+    ('{"total_seconds": 1, "file_bytes": 1}', "a number from 0 as peak_bytes"),
+    ('{"total_seconds": 1, "peak_bytes": 1e300, "file_bytes": 1}', "a number from 0 as peak_bytes"),
+    ('{"total_seconds": 1, "peak_bytes": 1, "file_bytes": null}', "a number from 0 as file_bytes"),
+])
+def test_bake_reports_are_checked(vxs, city, text, words):
+    (city / "bad.json").write_text(text)
+    done = vxs("compare", city / "city1.glb", city / "512.vxs", "--bake-report", city / "bad.json", status=3)
+    assert done.stderr.startswith("vxs: error: --bake-report ") and words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_a_bake_report_that_is_not_there(vxs, city):
+    done = vxs("compare", city / "city1.glb", city / "512.vxs", "--bake-report", city / "no.json", status=3)
+    assert "no.json" in done.stderr and done.stderr.count("\n") == 1
+
+
+# -- a camera ------------------------------------------------------------------------------------------------
+
+
+def test_what_a_camera_sees_is_compared(compare_all):
+    report = compare_all("city1.glb", ["512.vxs"], "--points", 20000, "--camera")
+    camera, light = report["camera"], report["assets"][0]["lights"][0]
+    assert 0.95 * 20000 < camera["width_px"] * camera["height_px"] <= 20000 and camera["fov_degrees"] == 35
+    assert light["camera"]["checked"] > 8000 and light["camera"]["unexplained"] == 0
+    assert 0 < light["camera"]["wrong_share"] < 0.1
+
+    given = compare_all("city1.glb", ["512.vxs"], "--points", 20000, "--fov", 35, "--eye", ",".join(map(repr, camera["eye_m"])),
+                        "--target", ",".join(map(repr, camera["target_m"])))
+    seen = [asset["lights"][0]["camera"]["checked"] for asset in (report["assets"][0], given["assets"][0])]
+    assert abs(seen[0] - seen[1]) < 20, "the same view, but for how its numbers are rounded"
+    up = compare_all("city1.glb", ["512.vxs"], "--points", 2000, "--eye", "0,500,0", "--target", "0,1000,0")
+    assert up["assets"][0]["lights"][0]["camera"]["checked"] == 0
+
+
+# -- scenes that moved ---------------------------------------------------------------------------------------
 
 
 def test_another_scene_is_found_wrong(compare):
@@ -182,23 +339,26 @@ def test_every_kind_of_light_is_compared(vxs, compare, city):
     assert right["unexplained"] == 0 and right["wrong_share"] < 0.03
     for light in right["lights"]:
         assert light["random"]["outside"] == 0 and light["random"]["checked"] > 5000 and light["surface"]["checked"] > 5000
-        assert light["filter"]["random"]["rmse"] < 0.1 and light["filter"]["surface"]["rmse"] < 0.1
+        assert light["filters"][0]["random"]["rmse"] < 0.1 and light["filters"][0]["surface"]["rmse"] < 0.1
     for light in compare("moved.gltf", "lamps.vxs", "--points", 10000, status=1)["lights"]:
         assert light["unexplained"], light["name"]
         assert all(0 <= e["map"] < light["maps"] for e in light["unexplained"])
 
 
-def test_max_error_decides_the_exit_status(compare):
+def test_max_error_decides_the_exit_status(compare, compare_all):
     share = compare("city1.glb", "512.vxs", "--points", 5000)["wrong_share"]
-    assert compare("city1.glb", "512.vxs", "--points", 5000, "--max-error", share * 1.01)["max_error"] > share
+    assert compare_all("city1.glb", ["512.vxs"], "--points", 5000, "--max-error", share * 1.01)["max_error"] > share
     compare("city1.glb", "512.vxs", "--points", 5000, "--max-error", share * 0.99, status=1)
 
 
-def test_same_seed_same_counts_at_any_thread_count(compare):
-    options = ("--points", 5000, "--filter", 3)
-    one = without_time(compare("city1.glb", "512.vxs", *options, "--threads", 1))
-    assert one == without_time(compare("city1.glb", "512.vxs", *options, "--threads", 3))
-    assert one != without_time(compare("city1.glb", "512.vxs", *options, "--seed", 2))
+def test_same_seed_same_counts_at_any_thread_count(compare_all):
+    def run(*options):
+        report = without_times(compare_all("city1.glb", ["512.vxs"], "--points", 5000, "--filter", 3, "--camera", *options))
+        return report | {"seed": 1}
+
+    one = run("--threads", 1)
+    assert one == run("--threads", 3)
+    assert one != run("--seed", 2)
 
 
 def test_solids_are_those_of_the_bake(vxs, compare, city):
@@ -230,6 +390,11 @@ def test_table_for_people(vxs, city):
 
 @pytest.mark.parametrize("options, words", [
     (["--filter", 4], "--filter 4: expected an odd number"),
+    (["--filter", 5, "--filter", "5"], "--filter 5 is given twice"),
+    (["--eye", "0,0,0"], "--target is missing"),
+    (["--eye", "1,2,3", "--target", "1,2,3"], "the same point"),
+    (["--fov", 40], "--fov goes with --camera"),
+    (["--camera", "--fov", 171], "--fov 171"),
     (["--filter", 19], "--filter 19: expected a whole number from 1 to 17"),
     (["--points", 0], "--points 0"),
     (["--max-error", 2], "--max-error 2"),

@@ -40,7 +40,7 @@ def test_lamps_against_rays(vxs, scenes, tmp_path, name):
     scene = hung(source, bounds(vxs, source, tmp_path), tmp_path / "lamps")
     vxs("bake", scene, "-o", tmp_path / "a.vxs", "--resolution", 256, "--baseline", "off")
     vxs("compare", scene, tmp_path / "a.vxs", "--points", 4000, "--json", tmp_path / "c.json")  # status 1: something is unexplained
-    compared = json.loads((tmp_path / "c.json").read_text())["lights"]
+    compared = json.loads((tmp_path / "c.json").read_text())["assets"][0]["lights"]
     assert [light["name"] for light in compared] == ["narrow", "sixty", "wide", "half", "bulb"]
     assert all(light[kind]["checked"] > 1000 and light[kind]["unexplained"] == 0
                for light in compared for kind in ("random", "surface"))
@@ -55,7 +55,7 @@ def test_errors_shrink_with_texels(vxs, scenes, tmp_path):
     for resolution in (128, 1024):
         vxs("bake", scene, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--baseline", "off", "--light", "wide", "--light", "bulb")
         vxs("compare", scene, tmp_path / "a.vxs", "--points", 20000, "--json", tmp_path / "c.json")
-        for light in json.loads((tmp_path / "c.json").read_text())["lights"]:
+        for light in json.loads((tmp_path / "c.json").read_text())["assets"][0]["lights"]:
             counts = light["random"]
             wrong.setdefault(light["name"], []).append((counts["leaks"] + counts["false_shadows"]) / counts["checked"])
     for coarse, fine in wrong.values():

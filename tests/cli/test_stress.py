@@ -253,7 +253,7 @@ def test_casters_are_told_apart(baked, case, light):
 def test_no_answer_is_unexplained(vxs, scene, baked, case, light):
     path, _ = baked(case, light)
     vxs("validate", path)
-    report = json.loads(vxs("compare", scene(case), path, "--points", 20000, "--json", "-").stdout)
+    report = json.loads(vxs("compare", scene(case), path, "--points", 20000, "--json", "-").stdout)["assets"][0]
     assert report["unexplained"] == 0 and report["wrong_share"] < 0.03 and report["checked"] > 10000
 
 

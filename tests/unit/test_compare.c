@@ -46,6 +46,13 @@ static vxs_light light_of(const uint32_t *words)
                        .word_count   = 1};
 }
 
+static uint64_t pixels_of(const compare_options *o)
+{
+    uint32_t width_px, height_px;
+    compare_picture_size(o->points, &width_px, &height_px);
+    return o->camera ? (uint64_t)width_px * height_px : 0;
+}
+
 static compare_result compared_scene(const casters *c, vxs_light light, compare_options o)
 {
     message        m = {0};
@@ -56,9 +63,10 @@ static compare_result compared_scene(const casters *c, vxs_light light, compare_
     truth_destroy(t);
     for (int kind = 0; kind < COMPARE_KINDS; kind++) {
         const compare_counts *n = &result.counts[kind];
-        assert_int_equal(n->points, o.points);
+        assert_int_equal(n->points, kind == COMPARE_CAMERA ? pixels_of(&o) : o.points);
         assert_int_equal(n->points, n->outside + n->inside_solid + n->checked);
         assert_int_equal(compare_wrong(n), n->near_boundary + n->near_surface + n->unexplained);
+        assert_int_equal(compare_wrong(n), n->boundary.points + n->boundary.beyond);
     }
     return result;
 }
@@ -68,7 +76,7 @@ static compare_result compared(const uint32_t *words, compare_options o)
     return compared_scene(&scene_of_sheet, light_of(words), o);
 }
 
-static const compare_options options = {.points = 20000, .seed = 1, .filter_px = 1, .threads = 2};
+static const compare_options options = {.points = 20000, .seed = 1, .threads = 2};
 
 static void nothing_is_wrong_with_an_exact_asset(void **state)
 {
@@ -79,8 +87,7 @@ static void nothing_is_wrong_with_an_exact_asset(void **state)
     assert_int_equal(r.example_count, 0);
     assert_int_equal(r.counts[COMPARE_RANDOM].checked, options.points);
     assert_true(r.counts[COMPARE_SURFACE].outside > 5000 && r.counts[COMPARE_SURFACE].checked > 5000);
-    assert_true(r.time.points == r.counts[COMPARE_RANDOM].checked && r.time.lookup_s > 0 && r.time.truth_s > 0 &&
-                r.time.filter_s == 0);
+    assert_true(r.time.points == r.counts[COMPARE_RANDOM].checked && r.time.lookup_s > 0 && r.time.truth_s > 0);
 }
 
 /* A map of two metres in a box of fourteen, half of it beyond the box: every random point is in both. */
@@ -101,7 +108,7 @@ static void random_points_are_drawn_in_the_volume(void **state)
 
     small.ls_from_ws[3] = -400; /* far beyond the box */
     r                   = compared_scene(&scene_of_sheet, small, options);
-    for (int kind = 0; kind < COMPARE_KINDS; kind++) assert_int_equal(r.counts[kind].outside, options.points);
+    for (int kind = 0; kind < COMPARE_CAMERA; kind++) assert_int_equal(r.counts[kind].outside, options.points);
     assert_int_equal(r.time.points, 0);
 }
 
@@ -165,18 +172,87 @@ static void an_asset_without_light_is_found_too(void **state)
     assert_int_equal(r.counts[COMPARE_SURFACE].unexplained, 0);
 }
 
+/* Below the late shadow's start the way up is the nearest one, and at most a voxel long. */
+static void distances_are_measured(void **state)
+{
+    (void)state;
+    const compare_distance late = compared(&words_late, options).counts[COMPARE_RANDOM].boundary;
+    assert_true(late.points > 1000 && late.beyond == 0);
+    assert_true(fabs(late.mean - 0.5) < 0.02 && fabs(late.median - 0.5) < 0.03 && fabs(late.p95 - 0.95) < 0.02);
+    assert_true(late.max > 0.98 && late.max < 1.02);
+
+    const compare_distance none = compared(&words_lit, options).counts[COMPARE_RANDOM].boundary;
+    assert_true(none.beyond == 0 && none.max > 4 && none.max < 4.25 && fabs(none.median - 2.1) < 0.1);
+    assert_true(compared(&words_exact, options).counts[COMPARE_RANDOM].boundary.points == 0);
+}
+
+/* Texels of a quarter of a metre, at least six metres from the sheet's sides: what is two metres below it is beyond reach. */
+static void distances_have_an_end(void **state)
+{
+    (void)state;
+    vxs_light fine     = light_of(&words_lit);
+    fine.ls_from_ws[0] = fine.ls_from_ws[6] = 4;
+    fine.ls_from_ws[9]                      = -4;
+    fine.ls_from_ws[3] = fine.ls_from_ws[7] = -12; /* x and z from 3 to 5 */
+    fine.ls_from_ws[11]                     = 32;
+    fine.texel_metres = fine.voxel_metres = 0.25;
+    compare_options many                  = options;
+    many.points                           = 200000;
+    const compare_counts n                = compared_scene(&scene_of_sheet, fine, many).counts[COMPARE_RANDOM];
+    assert_true(n.leaks > 500 && fabs((double)n.boundary.beyond / (double)n.leaks - 2.2 / 4.2) < 0.05);
+    assert_true(n.boundary.max > 7.9 && n.boundary.max <= 8);
+}
+
+/* From above all that is seen is lit, from below dark; 14 x 14 m are seen, of which the map has 8 x 8. */
+static void what_a_camera_sees_is_compared(void **state)
+{
+    (void)state;
+    const picture_camera above = {.eye_ws = {4, 20, 4}, .target_ws = {4, 4, 4}, .fov_degrees = 60};
+    const picture_camera below = {.eye_ws = {4, -20, 4}, .target_ws = {4, 4, 4}, .fov_degrees = 60};
+    compare_options      o     = options;
+    for (int n = 0; n < 2; n++) {
+        o.camera             = n ? &below : &above;
+        compare_counts right = compared(&words_exact, o).counts[COMPARE_CAMERA];
+        compare_counts wrong = compared(n ? &words_lit : &words_shadow, o).counts[COMPARE_CAMERA];
+        assert_true(right.checked > 800 && right.outside > right.checked && compare_wrong(&right) == 0);
+        assert_true(right.checked_at_surface == right.checked && right.wrong_at_surface == 0);
+        assert_int_equal(n ? wrong.leaks : wrong.false_shadows, wrong.checked);
+        assert_int_equal(wrong.checked, right.checked);
+        assert_int_equal(wrong.wrong_at_surface, wrong.checked_at_surface);
+    }
+    assert_int_equal(compared(&words_exact, options).counts[COMPARE_CAMERA].points, 0);
+}
+
+static void a_picture_has_no_more_pixels_than_points(void **state)
+{
+    (void)state;
+    uint32_t width_px, height_px;
+    for (uint32_t points = 1; points < 3000000000u; points += 1 + points / 7) {
+        compare_picture_size(points, &width_px, &height_px);
+        double pixels = (double)width_px * height_px;
+        assert_true(pixels >= 1 && pixels <= points && (points < 100 || pixels > 0.9 * points));
+        assert_true(points < 5000 || fabs((double)width_px / height_px - 16.0 / 9) < 0.05);
+    }
+}
+
 static void filters_are_compared(void **state)
 {
     (void)state;
     compare_options o    = options;
-    o.filter_px          = 3;
+    o.filter_count       = 2;
+    o.filters_px[0]      = 3;
+    o.filters_px[1]      = 5;
     compare_result exact = compared(&words_exact, o), lit = compared(&words_lit, o);
-    for (int kind = 0; kind < COMPARE_KINDS; kind++) {
-        assert_int_equal(exact.filter[kind].points, exact.counts[kind].checked);
-        assert_true(exact.filter[kind].rmse < 0.3 * lit.filter[kind].rmse); /* not 0: taps beyond the map are lit, rays are not */
-        assert_true(lit.filter[kind].max_error == 1 && lit.filter[kind].rmse > 0.6 && lit.filter[kind].rmse < 0.8);
+    for (int n = 0; n < 2; n++) {
+        for (int kind = 0; kind < COMPARE_CAMERA; kind++) {
+            const compare_error *right = &exact.filters[n].error[kind], *wrong = &lit.filters[n].error[kind];
+            assert_true(n || right->points == exact.counts[kind].checked);
+            assert_true(right->rmse < (n ? 0.5 : 0.3) * wrong->rmse); /* not 0: taps beyond the map are lit, rays are not */
+            assert_true(wrong->max_error == 1 && wrong->rmse > 0.6 && wrong->rmse < 0.8);
+        }
+        assert_true(exact.filters[n].lookup_s > 0 && exact.filters[n].error[COMPARE_CAMERA].points == 0);
     }
-    assert_true(exact.time.filter_s > 0);
+    assert_true(exact.filters[1].error[COMPARE_RANDOM].rmse > 1.1 * exact.filters[0].error[COMPARE_RANDOM].rmse);
 }
 
 static void threads_change_nothing_and_seeds_do(void **state)
@@ -295,7 +371,7 @@ static int is_dark(const vxs_light *l, const fault *f, int map, int i, int j, in
     i += f->shift_texels;
     if (f->mirrored) i = side - 1 - i;
     if (f->swapped_maps) map ^= 1;
-    int at    = (map * side + j) * side + (i < side ? i : side - 1);
+    int at    = (map * side + j) * side + (i < 0 ? 0 : i < side ? i : side - 1);
     int wrong = f->voxel[2] && map == 0 && i == f->voxel[0] && j == f->voxel[1] && k == f->voxel[2];
     return (k + f->early_voxels >= depths[at]) != wrong;
 }
@@ -360,12 +436,12 @@ static compare_result compared_lamp(vxs_light l, fault f, const double at[3], co
 }
 
 static const double          zero[3] = {0, 0, 0}, far_away[3] = {1e7, -2e7, 3e7}, aslant[3] = {0.5, -1, 0.2}, level[3] = {1, 0, 0};
-static const compare_options few    = {.points = 10000, .seed = 1, .filter_px = 1, .threads = 2};
+static const compare_options few    = {.points = 10000, .seed = 1, .threads = 2};
 static const double          degree = 3.14159265358979323846 / 180;
 
 static void assert_right(const compare_result *r, double wrong_share)
 {
-    for (int kind = 0; kind < COMPARE_KINDS; kind++) {
+    for (int kind = 0; kind < COMPARE_CAMERA; kind++) {
         const compare_counts *n = &r->counts[kind];
         assert_true(n->checked > few.points / 2);
         assert_true((double)compare_wrong(n) < wrong_share * (double)n->checked);
@@ -423,6 +499,27 @@ static void faults_of_lamps_are_found(void **state)
     for (uint32_t n = 0; n < swapped.example_count; n++) assert_in_range(swapped.examples[n].map, 0, 5);
 }
 
+static uint64_t wrong_of(const compare_result *r)
+{
+    return compare_wrong(&r->counts[COMPARE_RANDOM]) + compare_wrong(&r->counts[COMPARE_SURFACE]);
+}
+
+/* Too little to be unexplained: all of it stays within two voxels of where it is right. But more answers are wrong, farther off. */
+static void faults_of_one_texel_or_voxel_show(void **state)
+{
+    (void)state;
+    const fault faults[] = {{.shift_texels = 1}, {.shift_texels = -1}, {.early_voxels = 1}, {.early_voxels = -1}};
+    for (int cube = 0; cube < 2; cube++) {
+        const vxs_light l     = lamp_of(zero, aslant, cube ? 0 : 50 * degree, cube, 7, 0);
+        compare_result  right = compared_lamp(l, (fault){0}, zero, few);
+        for (int n = 0; n < 4; n++) {
+            compare_result wrong = compared_lamp(l, faults[n], zero, few);
+            assert_true(wrong_of(&wrong) > 1.2 * (double)wrong_of(&right));
+            assert_true(wrong.counts[COMPARE_SURFACE].boundary.median > 1.2 * right.counts[COMPARE_SURFACE].boundary.median);
+        }
+    }
+}
+
 /* The farthest voxel in the middle of a map that has light all around it, three voxels to each side. */
 static int lit_voxel(const truth *t, const vxs_light *l, int voxel[3])
 {
@@ -470,17 +567,18 @@ static void filters_of_lamps_are_compared(void **state)
 {
     (void)state;
     compare_options o = few;
-    o.filter_px       = 5;
+    o.filters_px[0]   = 5;
+    o.filter_count    = 1;
     o.points          = 2000;
     for (int cube = 0; cube < 2; cube++) {
         const vxs_light l      = lamp_of(zero, aslant, cube ? 0 : 50 * degree, cube, 8, 0);
         compare_result  right  = compared_lamp(l, (fault){0}, zero, o),
                        shifted = compared_lamp(l, (fault){.shift_texels = 3}, zero, o);
-        for (int kind = 0; kind < COMPARE_KINDS; kind++) {
-            assert_true(right.filter[kind].points > 1000);
-            assert_true(right.filter[kind].rmse < 0.05 && shifted.filter[kind].rmse > 1.8 * right.filter[kind].rmse);
+        for (int kind = 0; kind < COMPARE_CAMERA; kind++) {
+            const compare_error *small = &right.filters[0].error[kind], *large = &shifted.filters[0].error[kind];
+            assert_true(small->points > 1000 && small->rmse < 0.05 && large->rmse > 1.8 * small->rmse);
         }
-        assert_true(right.time.filter_s > 0);
+        assert_true(right.filters[0].lookup_s > 0);
     }
 }
 
@@ -558,11 +656,16 @@ int main(void)
         cmocka_unit_test(a_voxel_late_is_explained),
         cmocka_unit_test(an_asset_without_shadow_leaks),
         cmocka_unit_test(an_asset_without_light_is_found_too),
+        cmocka_unit_test(distances_are_measured),
+        cmocka_unit_test(distances_have_an_end),
+        cmocka_unit_test(what_a_camera_sees_is_compared),
+        cmocka_unit_test(a_picture_has_no_more_pixels_than_points),
         cmocka_unit_test(filters_are_compared),
         cmocka_unit_test(threads_change_nothing_and_seeds_do),
         cmocka_unit_test(honest_spots_have_no_fault),
         cmocka_unit_test(honest_cubes_have_no_fault),
         cmocka_unit_test(faults_of_lamps_are_found),
+        cmocka_unit_test(faults_of_one_texel_or_voxel_show),
         cmocka_unit_test(one_wrong_voxel_is_found),
         cmocka_unit_test(filters_of_lamps_are_compared),
         cmocka_unit_test(random_points_are_uniform_by_volume),

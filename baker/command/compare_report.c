@@ -1,0 +1,368 @@
+/* The report of vxs compare; see compare_report.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/command/compare_report.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "baker/base/json_file.h"
+#include "baker/base/text.h"
+#include "baker/base/version.h"
+#include "baker/command/light_text.h"
+
+static const char *const kind_names[COMPARE_KINDS] = {"random", "surface", "camera"};
+
+static double share(uint64_t part, uint64_t whole)
+{
+    return whole ? (double)part / (double)whole : 0;
+}
+
+/* Kinds that were compared come first. */
+static int kind_count(const compare_report *r)
+{
+    return r->options.camera ? COMPARE_KINDS : COMPARE_CAMERA;
+}
+
+static uint32_t light_count(const compared_asset *a)
+{
+    return vxs_asset_light_count(a->asset);
+}
+
+/* all lights together --------------------------------------------------------------------------------- */
+
+/* What counts for the exit status, of kinds [first, last]. */
+static compare_counts total(const compared_asset *a, int first, int last)
+{
+    compare_counts sum = {0};
+    for (uint32_t n = 0; n < light_count(a); n++)
+        for (int kind = first; kind <= last; kind++) {
+            const compare_counts *one = &a->results[n].counts[kind];
+            sum.checked += one->checked;
+            sum.leaks += one->leaks;
+            sum.false_shadows += one->false_shadows;
+            sum.unexplained += one->unexplained;
+        }
+    return sum;
+}
+
+static compare_counts total_of_all(const compared_asset *a)
+{
+    return total(a, 0, COMPARE_KINDS - 1);
+}
+
+static double wrong_share(const compare_counts *n)
+{
+    return share(compare_wrong(n), n->checked);
+}
+
+int compare_asset_passes(const compare_report *r, const compared_asset *a)
+{
+    compare_counts sum = total_of_all(a);
+    return !sum.unexplained && !(r->max_error_given && wrong_share(&sum) > r->max_error);
+}
+
+int compare_passes(const compare_report *r)
+{
+    for (size_t n = 0; n < r->asset_count; n++)
+        if (!compare_asset_passes(r, &r->assets[n])) return 0;
+    return 1;
+}
+
+/* Of all lights, as if their points were those of one. */
+static double rmse_of_all(const compared_asset *a, uint32_t filter, int kind)
+{
+    double squares = 0, points = 0;
+    for (uint32_t n = 0; n < light_count(a); n++) {
+        const compare_error *e = &a->results[n].filters[filter].error[kind];
+        squares += e->rmse * e->rmse * (double)e->points;
+        points += (double)e->points;
+    }
+    return points > 0 ? sqrt(squares / points) : 0;
+}
+
+static double lookup_seconds_of_all(const compared_asset *a)
+{
+    double seconds = 0, points = 0;
+    for (uint32_t n = 0; n < light_count(a); n++) {
+        const compare_time *t = &a->results[n].time;
+        seconds += t->lookup_s * (double)t->points;
+        points += (double)t->points;
+    }
+    return points > 0 ? seconds / points : 0;
+}
+
+/* for people ------------------------------------------------------------------------------------------ */
+
+static void print_counts(FILE *to, const char *name, const compare_counts *n)
+{
+    fprintf(to, "  %-9s %10llu %10llu %10llu %9.4f %% %9llu %9llu %9llu %9llu %11llu\n", name, (unsigned long long)n->checked,
+            (unsigned long long)n->outside, (unsigned long long)n->inside_solid, 100 * wrong_share(n), (unsigned long long)n->leaks,
+            (unsigned long long)n->false_shadows, (unsigned long long)n->near_boundary, (unsigned long long)n->near_surface,
+            (unsigned long long)n->unexplained);
+}
+
+static void print_distance(FILE *to, const char *name, const compare_distance *d)
+{
+    fprintf(to, "  %-9s %10llu %10llu", name, (unsigned long long)d->points, (unsigned long long)d->beyond);
+    if (d->points) fprintf(to, " %10.3f %11.3f %9.3f %9.3f", d->mean, d->median, d->p95, d->max);
+    fprintf(to, "\n");
+}
+
+static void print_example(FILE *to, const compare_example *e)
+{
+    fprintf(to, "  unexplained: (%.9g, %.9g, %.9g)", e->point_ws[0], e->point_ws[1], e->point_ws[2]);
+    if (e->kind != COMPARE_RANDOM) fprintf(to, ", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
+    fprintf(to, ", map %d, voxel (%d, %d, %d): asset %s, truth %s\n", e->map, e->voxel[0], e->voxel[1], e->voxel[2],
+            e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
+}
+
+static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, unsigned filter_px)
+{
+    for (int kind = 0; kind < kind_count(r); kind++)
+        fprintf(to, "  %u x %u filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_px, filter_px,
+                kind_names[kind], f->error[kind].rmse, f->error[kind].max_error, (unsigned long long)f->error[kind].points);
+}
+
+static void print_time(FILE *to, const compare_report *r, const compare_result *result)
+{
+    const compare_time *t = &result->time;
+    fprintf(to, "  one thread: lookup %.1f ns", 1e9 * t->lookup_s);
+    for (uint32_t n = 0; n < r->options.filter_count; n++)
+        fprintf(to, ", %u x %u lookup %.1f ns", r->options.filters_px[n], r->options.filters_px[n],
+                1e9 * result->filters[n].lookup_s);
+    if (t->truth_s > 0) fprintf(to, ", ray %.1f ns (%.3g million rays a second)", 1e9 * t->truth_s, 1e-6 / t->truth_s);
+    fprintf(to, "\n");
+}
+
+static void print_light(FILE *to, const compare_report *r, const vxs_light *l, const compare_result *result)
+{
+    int  wrong = 0;
+    char text[LIGHT_TEXT_BYTES];
+    fprintf(to, "light %s: %s\n", l->name, light_text(text, l));
+    fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s %9s %9s %11s\n", "points", "checked", "outside", "in solids", "wrong", "leaks",
+            "shadows", "boundary", "surface", "unexplained");
+    for (int kind = 0; kind < kind_count(r); kind++) {
+        print_counts(to, kind_names[kind], &result->counts[kind]);
+        wrong |= compare_wrong(&result->counts[kind]) > 0;
+    }
+    if (wrong)
+        fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s   texels from a wrong answer to the nearest boundary\n", "wrong", "found",
+                "beyond", "mean", "median", "95 %", "most");
+    for (int kind = 0; kind < kind_count(r); kind++)
+        if (compare_wrong(&result->counts[kind])) print_distance(to, kind_names[kind], &result->counts[kind].boundary);
+
+    for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) {
+        const compare_counts *n = &result->counts[kind];
+        fprintf(to, "  at the surface itself%s: %.4f %% wrong\n", kind == COMPARE_CAMERA ? ", camera" : "",
+                100 * share(n->wrong_at_surface, n->checked_at_surface));
+    }
+    for (uint32_t n = 0; n < result->example_count; n++) print_example(to, &result->examples[n]);
+    for (uint32_t n = 0; n < r->options.filter_count; n++) print_filter(to, r, &result->filters[n], r->options.filters_px[n]);
+    print_time(to, r, result);
+}
+
+static void print_asset(FILE *to, const compare_report *r, const compared_asset *a)
+{
+    compare_counts sum = total_of_all(a);
+    char           file[32], memory[32], closed[32];
+    fprintf(to, "asset        %s: %u lights, a file of %s, %s in memory\n", a->path, light_count(a), size_text(file, a->file_bytes),
+            size_text(memory, a->memory_bytes));
+    fprintf(to, "casters      %zu triangles, %zu of solids (--closed %s%s)\n", a->triangle_count, a->solid_triangle_count,
+            choice_word(closed, CLOSED_CHOICES, a->solids.closed), a->solids.repair ? ", --repair" : "");
+    if (a->bake_given) fprintf(to, "bake         %.3g s, peak memory %s\n", a->bake_seconds, size_text(memory, a->bake_peak_bytes));
+    for (uint32_t n = 0; n < light_count(a); n++) print_light(to, r, vxs_asset_light(a->asset, n), &a->results[n]);
+    fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
+            (unsigned long long)sum.checked, 100 * wrong_share(&sum), (unsigned long long)sum.unexplained,
+            compare_asset_passes(r, a) ? "" : "; FAILED");
+}
+
+/* "4096", or "64-4096" where lights differ. */
+static const char *texels_text(char text[32], const compared_asset *a)
+{
+    uint32_t least = UINT32_MAX, most = 0;
+    for (uint32_t n = 0; n < light_count(a); n++) {
+        uint32_t side = (uint32_t)1 << vxs_asset_light(a->asset, n)->levels;
+        if (side < least) least = side;
+        if (side > most) most = side;
+    }
+    snprintf(text, 32, least < most ? "%u-%u" : "%u", least, most);
+    return text;
+}
+
+/* A row an asset, its name last: names may be long. */
+static void print_summary(FILE *to, const compare_report *r)
+{
+    char text[64];
+    fprintf(to, "%-12s %11s %11s %9s %9s", "texels", "file", "memory", "bake", "lookup");
+    for (int kind = 0; kind < kind_count(r); kind++) {
+        snprintf(text, sizeof text, "wrong %s", kind_names[kind]);
+        fprintf(to, " %14s", text);
+    }
+    for (uint32_t f = 0; f < r->options.filter_count; f++) {
+        snprintf(text, sizeof text, "RMSE %u x %u %s", r->options.filters_px[f], r->options.filters_px[f],
+                 r->options.camera ? "random/surface/camera" : "random/surface");
+        fprintf(to, "  %*s", 15 + 8 * kind_count(r), text);
+    }
+    fprintf(to, "  asset\n");
+    for (size_t n = 0; n < r->asset_count; n++) {
+        const compared_asset *a = &r->assets[n];
+        fprintf(to, "%-12s", texels_text(text, a));
+        fprintf(to, " %11s", size_text(text, a->file_bytes));
+        fprintf(to, " %11s", size_text(text, a->memory_bytes));
+        snprintf(text, sizeof text, "%.3g s", a->bake_seconds);
+        fprintf(to, " %9s %6.1f ns", a->bake_given ? text : "-", 1e9 * lookup_seconds_of_all(a));
+        for (int kind = 0; kind < kind_count(r); kind++) {
+            compare_counts sum = total(a, kind, kind);
+            fprintf(to, " %12.4f %%", 100 * wrong_share(&sum));
+        }
+        for (uint32_t f = 0; f < r->options.filter_count; f++) {
+            int length = 0;
+            for (int kind = 0; kind < kind_count(r); kind++)
+                length += snprintf(text + length, sizeof text - (size_t)length, "%s%.4f", kind ? "/" : "", rmse_of_all(a, f, kind));
+            fprintf(to, "  %*s", 15 + 8 * kind_count(r), text);
+        }
+        fprintf(to, "  %s%s\n", a->path, compare_asset_passes(r, a) ? "" : "; FAILED");
+    }
+}
+
+void compare_print(FILE *to, const compare_report *r)
+{
+    fprintf(to, "scene        %s\n", r->scene_path);
+    if (r->options.camera) {
+        const picture_camera *c = r->options.camera;
+        uint32_t              width_px, height_px;
+        compare_picture_size(r->options.points, &width_px, &height_px);
+        fprintf(to, "camera       at (%.6g, %.6g, %.6g) towards (%.6g, %.6g, %.6g), %.4g degrees, %u x %u pixels\n", c->eye_ws[0],
+                c->eye_ws[1], c->eye_ws[2], c->target_ws[0], c->target_ws[1], c->target_ws[2], c->fov_degrees, width_px, height_px);
+    }
+    for (size_t n = 0; n < r->asset_count; n++) print_asset(to, r, &r->assets[n]);
+    if (r->asset_count > 1) print_summary(to, r);
+}
+
+/* for machines ---------------------------------------------------------------------------------------- */
+
+static json_t *vector_json(const double v[3])
+{
+    return json_pack("[f,f,f]", v[0], v[1], v[2]);
+}
+
+/* null where there is nothing to tell. */
+static json_t *texels_json(const compare_distance *d, double texels)
+{
+    return d->points ? json_real(texels) : json_null();
+}
+
+static json_t *distance_json(const compare_distance *d)
+{
+    return json_pack("{s:I, s:I, s:o, s:o, s:o, s:o}", "points", (json_int_t)d->points, "beyond", (json_int_t)d->beyond, "mean",
+                     texels_json(d, d->mean), "median", texels_json(d, d->median), "p95", texels_json(d, d->p95), "max",
+                     texels_json(d, d->max));
+}
+
+static json_t *counts_json(const compare_counts *n, compare_kind kind)
+{
+    json_t *counts = json_pack("{s:I, s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "points", (json_int_t)n->points,
+                               "outside", (json_int_t)n->outside, "inside_solid", (json_int_t)n->inside_solid, "checked",
+                               (json_int_t)n->checked, "wrong", (json_int_t)compare_wrong(n), "wrong_share", wrong_share(n),
+                               "leaks", (json_int_t)n->leaks, "false_shadows", (json_int_t)n->false_shadows, "near_boundary",
+                               (json_int_t)n->near_boundary, "near_surface", (json_int_t)n->near_surface, "unexplained",
+                               (json_int_t)n->unexplained, "boundary_texels", distance_json(&n->boundary));
+    if (kind == COMPARE_RANDOM) return counts;
+    json_object_set_new(counts, "checked_at_surface", json_integer((json_int_t)n->checked_at_surface));
+    json_object_set_new(counts, "wrong_at_surface", json_integer((json_int_t)n->wrong_at_surface));
+    json_object_set_new(counts, "wrong_at_surface_share", json_real(share(n->wrong_at_surface, n->checked_at_surface)));
+    return counts;
+}
+
+static json_t *examples_json(const compare_result *result)
+{
+    json_t *examples = json_array();
+    for (uint32_t n = 0; n < result->example_count; n++) {
+        const compare_example *e = &result->examples[n];
+        json_array_append_new(examples, json_pack("{s:s, s:o, s:o, s:i, s:[i,i,i], s:b, s:b}", "kind", kind_names[e->kind],
+                                                  "point_m", vector_json(e->point_ws), "normal",
+                                                  e->kind == COMPARE_RANDOM ? json_null() : vector_json(e->normal_ws), "map",
+                                                  e->map, "voxel", e->voxel[0], e->voxel[1], e->voxel[2], "asset_lit", e->asset_lit,
+                                                  "truth_lit", e->truth_lit));
+    }
+    return examples;
+}
+
+static json_t *filters_json(const compare_report *r, const compare_result *result)
+{
+    json_t *filters = json_array();
+    for (uint32_t n = 0; n < r->options.filter_count; n++) {
+        const compare_filter *f = &result->filters[n];
+        json_t *one = json_pack("{s:I, s:f}", "filter_px", (json_int_t)r->options.filters_px[n], "lookup_ns", 1e9 * f->lookup_s);
+        for (int kind = 0; kind < kind_count(r); kind++) {
+            const compare_error *e = &f->error[kind];
+            json_object_set_new(
+                one, kind_names[kind],
+                json_pack("{s:I, s:f, s:f}", "points", (json_int_t)e->points, "rmse", e->rmse, "max_error", e->max_error));
+        }
+        json_array_append_new(filters, one);
+    }
+    return filters;
+}
+
+static json_t *compared_light_json(const compare_report *r, const vxs_light *l, const compare_result *result)
+{
+    json_t *light = light_json(l);
+    for (int kind = 0; kind < kind_count(r); kind++)
+        json_object_set_new(light, kind_names[kind], counts_json(&result->counts[kind], (compare_kind)kind));
+    json_object_set_new(light, "unexplained", examples_json(result));
+    json_object_set_new(light, "filters", filters_json(r, result));
+    json_object_set_new(light, "time",
+                        json_pack("{s:I, s:f, s:f}", "points", (json_int_t)result->time.points, "lookup_ns",
+                                  1e9 * result->time.lookup_s, "ray_ns", 1e9 * result->time.truth_s));
+    return light;
+}
+
+/* What says in which scene an asset was compared: the members of both an asset and the whole. */
+static void set_casters(json_t *object, const compared_asset *a)
+{
+    char closed[32];
+    json_object_set_new(object, "triangles", json_integer((json_int_t)a->triangle_count));
+    json_object_set_new(object, "solid_triangles", json_integer((json_int_t)a->solid_triangle_count));
+    json_object_set_new(object, "closed", json_string(choice_word(closed, CLOSED_CHOICES, a->solids.closed)));
+}
+
+static json_t *asset_json(const compare_report *r, const compared_asset *a)
+{
+    compare_counts sum    = total_of_all(a);
+    json_t        *lights = json_array();
+    for (uint32_t n = 0; n < light_count(a); n++)
+        json_array_append_new(lights, compared_light_json(r, vxs_asset_light(a->asset, n), &a->results[n]));
+    json_t *root =
+        json_pack("{s:o, s:I, s:I, s:b, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
+                  (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "repaired", a->solids.repair, "lights",
+                  lights, "checked", (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share",
+                  wrong_share(&sum), "unexplained", (json_int_t)sum.unexplained, "passed", compare_asset_passes(r, a));
+    set_casters(root, a);
+    if (a->bake_given)
+        json_object_set_new(
+            root, "bake", json_pack("{s:f, s:I}", "total_seconds", a->bake_seconds, "peak_bytes", (json_int_t)a->bake_peak_bytes));
+    return root;
+}
+
+static json_t *camera_json(const compare_report *r)
+{
+    const picture_camera *c = r->options.camera;
+    uint32_t              width_px, height_px;
+    compare_picture_size(r->options.points, &width_px, &height_px);
+    return json_pack("{s:o, s:o, s:f, s:I, s:I}", "eye_m", vector_json(c->eye_ws), "target_m", vector_json(c->target_ws),
+                     "fov_degrees", c->fov_degrees, "width_px", (json_int_t)width_px, "height_px", (json_int_t)height_px);
+}
+
+json_t *compare_json(const compare_report *r)
+{
+    json_t *assets = json_array();
+    for (size_t n = 0; n < r->asset_count; n++) json_array_append_new(assets, asset_json(r, &r->assets[n]));
+    json_t *root = json_pack("{s:s, s:o, s:I, s:I, s:o, s:b}", "vxs", VXS_VERSION, "scene", json_text(r->scene_path), "points",
+                             (json_int_t)r->options.points, "seed", (json_int_t)r->options.seed, "assets", assets, "passed",
+                             compare_passes(r));
+    set_casters(root, &r->assets[0]);
+    if (r->options.camera) json_object_set_new(root, "camera", camera_json(r));
+    if (r->max_error_given) json_object_set_new(root, "max_error", json_real(r->max_error));
+    return root;
+}

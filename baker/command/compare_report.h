@@ -1,0 +1,53 @@
+/* What vxs compare found, for people and for machines (docs/compare.schema.json).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMPARE_REPORT_H
+#define COMPARE_REPORT_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "baker/mesh/casters.h"
+#include "baker/mesh/mesh_repair.h"
+#include "baker/truth/compare.h"
+#include "runtime/vxs.h"
+
+/* What the scene was made into before it was baked, and is before it is compared. */
+typedef struct solids_choice {
+    int            closed; /* closed_mode */
+    int            repair; /* 1: meshes were mended, as `mending` says */
+    repair_options mending;
+} solids_choice;
+
+typedef struct compared_asset {
+    const char   *path;
+    vxs_asset    *asset;
+    solids_choice solids;
+    size_t        triangle_count, solid_triangle_count; /* of the scene, so made */
+    uint64_t      file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
+
+    int      bake_given; /* 1: a report of its bake told the next two */
+    double   bake_seconds;
+    uint64_t bake_peak_bytes;
+
+    compare_result *results; /* [light count] owned; NULL: not yet compared */
+} compared_asset;
+
+typedef struct compare_report {
+    const char     *scene_path;
+    compare_options options;
+    double          max_error; /* share of wrong points that is accepted */
+    int             max_error_given;
+    compared_asset *assets; /* [asset_count] */
+    size_t          asset_count;
+} compare_report;
+
+/* 1 when no answer of an asset is unexplained, and no more are wrong than accepted; of all assets. */
+int compare_asset_passes(const compare_report *r, const compared_asset *a);
+int compare_passes(const compare_report *r);
+
+void compare_print(FILE *to, const compare_report *r);
+
+/* NULL or incomplete without memory: json_write says so. */
+json_t *compare_json(const compare_report *r);
+
+#endif

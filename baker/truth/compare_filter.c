@@ -1,0 +1,69 @@
+/* Filtered lookups against filtered rays; see compare_filter.h.
+ * Source: [CPVS16] 5.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/truth/compare_filter.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/base/parallel.h"
+#include "runtime/vxs.h"
+
+enum { POINTS_AT_A_TIME = 64 };
+
+typedef struct filter_pass {
+    const comparison *comparison;
+    compare_kind      kind;
+    uint32_t          filter_px;
+    size_t            count;  /* of points, spread over all of the kind */
+    float            *errors; /* [count] of the lookup, signed; INFINITY: not compared */
+} filter_pass;
+
+/* The lookup's own box of texels, from rays through their centres, at the depth of its voxels' middle. */
+static double filtered_truth(const comparison *c, int filter_px, int map, const int32_t voxel[3])
+{
+    int half = filter_px / 2, lit = 0;
+    for (int j = -half; j <= half; j++)
+        for (int i = -half; i <= half; i++) lit += compare_lit_at(c, map, voxel[0] + i + 0.5, voxel[1] + j + 0.5, voxel[2] + 0.5);
+    return (double)lit / (double)(filter_px * filter_px);
+}
+
+static float filter_error(const filter_pass *f, size_t n)
+{
+    const comparison *c     = f->comparison;
+    size_t            index = (size_t)((uint64_t)n * compare_point_count(c, f->kind) / f->count);
+    sample            s;
+    int32_t           voxel[3];
+    int               filter_px = (int)f->filter_px;
+    if (!compare_point(c, f->kind, index, f->filter_px, &s)) return INFINITY;
+    float lookup = vxs_lookup(c->light, s.point_ws, s.normal, filter_px);
+    if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
+    vxs_voxel(c->light, s.point_ws, s.normal, filter_px, voxel);
+    return (float)(lookup - filtered_truth(c, filter_px, s.map, voxel));
+}
+
+static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    filter_pass *f = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) f->errors[n] = filter_error(f, n);
+}
+
+vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m)
+{
+    size_t      all = compare_point_count(c, kind), count = all < COMPARE_FILTER_POINTS_MAX ? all : COMPARE_FILTER_POINTS_MAX;
+    double      squares = 0;
+    filter_pass f       = {c, kind, filter_px, count, malloc(count * sizeof(float))};
+    if (count && !f.errors) return fail(m, VXS_E_MEMORY, "out of memory for %zu points", count);
+    parallel_for(c->options->threads, count, POINTS_AT_A_TIME, filter_points, &f);
+    *out = (compare_error){0};
+    for (size_t n = 0; n < count; n++) {
+        if (isinf(f.errors[n])) continue;
+        out->points++;
+        squares += (double)f.errors[n] * (double)f.errors[n];
+        out->max_error = fmax(out->max_error, fabs((double)f.errors[n]));
+    }
+    if (out->points) out->rmse = sqrt(squares / (double)out->points);
+    free(f.errors);
+    return VXS_OK;
+}

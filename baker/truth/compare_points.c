@@ -1,0 +1,165 @@
+/* Points that are drawn, and points that are seen; see compare_points.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/truth/compare_points.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "baker/truth/baked_light.h"
+#include "runtime/vxs.h"
+
+enum { TRIES = 20 };
+
+/* Bounds of all triangles, 5 % larger; a flat scene gets some height too. */
+static void measure_box(const casters *c, double box_min_ws[3], double box_max_ws[3])
+{
+    double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
+    for (size_t n = 0; n < 3 * c->triangle_count; n++)
+        for (int i = 0; i < 3; i++) {
+            double p = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)i];
+            min[i]   = fmin(min[i], p);
+            max[i]   = fmax(max[i], p);
+        }
+    vec3_sub(max, min, extent);
+    double diagonal = sqrt(vec3_dot(extent, extent));
+    for (int i = 0; i < 3; i++) {
+        double margin = fmax(0.025 * extent[i], 0.01 * diagonal);
+        box_min_ws[i] = min[i] - margin;
+        box_max_ws[i] = max[i] + margin;
+    }
+}
+
+void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px)
+{
+    *height_px = (uint32_t)fmax(1, floor(sqrt(points / COMPARE_CAMERA_ASPECT)));
+    *width_px  = points / *height_px;
+}
+
+void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o)
+{
+    double box_min_ws[3], box_max_ws[3];
+    *out = (comparison){.truth = t, .casters = c, .light = light, .shape = baked_light_shape(light), .options = o};
+    measure_box(c, box_min_ws, box_max_ws);
+    light_volume_init(&out->volume, light, box_min_ws, box_max_ws);
+    if (!o->camera) return;
+    compare_picture_size(o->points, &out->width_px, &out->height_px);
+    out->view = picture_view_of(o->camera, COMPARE_CAMERA_ASPECT);
+}
+
+size_t compare_point_count(const comparison *c, compare_kind kind)
+{
+    return kind == COMPARE_CAMERA ? (size_t)c->width_px * c->height_px : c->options->points;
+}
+
+static double uniform(rng *r)
+{
+    return ldexp((double)rng_u32(r), -32);
+}
+
+static int random_sample(const comparison *c, rng *r, sample *s)
+{
+    int32_t voxel[3];
+    if (!light_volume_draw(&c->volume, r, s->point_ws)) return 0;
+    s->normal = NULL;
+    s->map    = vxs_voxel(c->light, s->point_ws, NULL, 1, voxel);
+    baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
+    memcpy(s->truth_ws, s->point_ws, sizeof s->truth_ws);
+    return 1;
+}
+
+/* Move the truth by what a lookup with this normal is moved by: whole voxels. Asking both from one place leaves the error of the map,
+ * and keeps out how far the bias had to be rounded. */
+static void move_with_bias(const comparison *c, uint32_t filter_px, sample *s)
+{
+    int32_t at[3], biased[3];
+    vxs_voxel(c->light, s->point_ws, NULL, (int)filter_px, at);
+    vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, biased);
+    baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
+    for (int i = 0; i < 3; i++) s->truth_ls[i] += biased[i] - at[i];
+    vxs_point(c->light, s->map, s->truth_ls, s->truth_ws);
+}
+
+/* Of a point and its normal. Returns 0 when the light does not reach the point. */
+static int finish_surface_sample(const comparison *c, uint32_t filter_px, sample *s)
+{
+    int32_t voxel[3];
+    s->normal = s->normal_ws;
+    s->map    = vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, voxel);
+    if (s->map < 0) return 0;
+    move_with_bias(c, filter_px, s);
+    return 1;
+}
+
+static void turn_normal(sample *s)
+{
+    for (int i = 0; i < 3; i++) s->normal_ws[i] = -s->normal_ws[i];
+}
+
+/* A sheet is seen from both sides; a solid from outside. */
+static int finish_drawn_sample(const comparison *c, uint32_t filter_px, uint32_t triangle, rng *r, sample *s)
+{
+    if (triangle >= c->casters->solid_triangle_count && rng_below(r, 2)) turn_normal(s);
+    return finish_surface_sample(c, filter_px, s);
+}
+
+static int sample_by_area(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+{
+    double   uniforms[3] = {uniform(r), uniform(r), uniform(r)};
+    uint32_t triangle;
+    return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) &&
+           finish_drawn_sample(c, filter_px, triangle, r, s);
+}
+
+/* Whatever lies behind a random point of the light's volume. */
+static int sample_along_light(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+{
+    double   from_ws[3], way_ws[3], distance;
+    uint32_t triangle;
+    if (!light_volume_draw(&c->volume, r, from_ws)) return 0;
+    vec3_sub(from_ws, c->shape.position_ws, way_ws);
+    if (!vec3_unit(way_ws, way_ws)) return 0;
+    if (!truth_first_hit(c->truth, from_ws, way_ws, &distance, s->normal_ws, &triangle)) return 0;
+    vec3_mad(from_ws, distance, way_ws, s->point_ws);
+    return finish_drawn_sample(c, filter_px, triangle, r, s);
+}
+
+/* A spot may reach little of what there is: look elsewhere, and at last where it shines. */
+static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+{
+    if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, filter_px, r, s);
+    int found = 0;
+    for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, filter_px, r, s);
+    for (int n = 0; n < TRIES && !found; n++) found = sample_along_light(c, filter_px, r, s);
+    return found;
+}
+
+/* What a pixel's middle shows, whichever side of it is seen. */
+static int camera_sample(const comparison *c, size_t pixel, uint32_t filter_px, sample *s)
+{
+    const double *eye_ws = c->options->camera->eye_ws;
+    double        x      = ((double)(pixel % c->width_px) + 0.5) / c->width_px;
+    double        y      = ((double)(pixel / c->width_px) + 0.5) / c->height_px;
+    double        way_ws[3], distance;
+    picture_direction(&c->view, x, y, way_ws);
+    if (!truth_first_hit(c->truth, eye_ws, way_ws, &distance, s->normal_ws, NULL)) return 0;
+    vec3_mad(eye_ws, distance, way_ws, s->point_ws);
+    if (vec3_dot(s->normal_ws, way_ws) > 0) turn_normal(s);
+    return finish_surface_sample(c, filter_px, s);
+}
+
+int compare_point(const comparison *c, compare_kind kind, size_t index, uint32_t filter_px, sample *s)
+{
+    if (kind == COMPARE_CAMERA) return camera_sample(c, index, filter_px, s);
+    rng all = rng_split(c->options->seed, (uint64_t)kind);
+    rng r   = rng_split(all.state, index);
+    return kind == COMPARE_SURFACE ? surface_sample(c, filter_px, &r, s) : random_sample(c, &r, s);
+}
+
+int compare_lit_at(const comparison *c, int map, double u, double v, double depth)
+{
+    double p[3];
+    vxs_point(c->light, map, (double[3]){u, v, depth}, p);
+    return truth_lit(c->truth, p, &c->shape);
+}

@@ -1,0 +1,44 @@
+/* The points at which a baked light is compared with the truth, and where the truth is asked for each.
+ *
+ * Points are made from (seed, kind, index), so none is stored and every thread makes its own.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMPARE_POINTS_H
+#define COMPARE_POINTS_H
+
+#include "baker/truth/compare.h"
+#include "baker/truth/light_volume.h"
+
+/* What is compared with what. */
+typedef struct comparison {
+    const truth           *truth;
+    const casters         *casters;
+    const vxs_light       *light;
+    light_shape            shape; /* of the light, for the truth */
+    const compare_options *options;
+    light_volume           volume; /* that random points are drawn from */
+    picture_view           view;   /* of options->camera, where there is one */
+    uint32_t               width_px, height_px;
+} comparison;
+
+typedef struct sample {
+    double  point_ws[3];
+    double  normal_ws[3];
+    double *normal;      /* normal_ws, or NULL for a random point */
+    int     map;         /* that is looked up */
+    double  truth_ls[3]; /* where the truth is asked, in the map's coordinates: texels, texels, voxels */
+    double  truth_ws[3];
+} sample;
+
+void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o);
+
+/* How many there are of a kind: 0 of a camera's when there is none. */
+size_t compare_point_count(const comparison *c, compare_kind kind);
+
+/* Point `index` of a kind, [0, compare_point_count), to be looked up with a filter of filter_px.
+ * Returns 0 when there is none: casters without area, outside the light's volume, nothing seen in the pixel. */
+int compare_point(const comparison *c, compare_kind kind, size_t index, uint32_t filter_px, sample *s);
+
+/* The truth at a place of a map: texels, texels, voxels. 1: lit. */
+int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
+
+#endif
