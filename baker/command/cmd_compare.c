@@ -292,8 +292,8 @@ int cmd_compare(int argc, char **argv)
         "compare",
         "SCENE FILE.vxs [FILE.vxs ...] [options]",
         "Compare every light of one or more .vxs files with ray tracing, at random points, on surfaces, and where a camera\n"
-        "looks. The exit status is 1 when an answer is wrong that no surface or shadow boundary within two voxels explains, or\n"
-        "when more than --max-error of a file's are.",
+        "looks. The exit status is 1 when an answer is wrong that the ray through its texel's centre does not explain, or when\n"
+        "more than --max-error of a file's are.",
         options,
         sizeof options / sizeof *options,
         2};

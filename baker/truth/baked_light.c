@@ -58,11 +58,3 @@ void baked_light_coordinates(const vxs_light *light, int map, const double point
     for (int i = 0; i < 2; i++) coordinates[i] = ldexp(0.5, (int)light->levels) + p[i] / z / light->texel_metres;
     coordinates[2] = log(z / light->near_metres) / light->voxel_metres;
 }
-
-double baked_light_texel_m(const vxs_light *light, int map, const double point_ws[3])
-{
-    double p[3];
-    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return light->texel_metres;
-    map_from_ws(light, map, point_ws, p);
-    return fmax(p[2], 0) * light->texel_metres;
-}

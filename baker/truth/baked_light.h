@@ -13,7 +13,4 @@ light_shape baked_light_shape(const vxs_light *light);
  * map  0, or 0 to 5 of a light with six maps: the point lies before it, as in the map that vxs_voxel returns */
 void baked_light_coordinates(const vxs_light *light, int map, const double point_ws[3], double coordinates[3]);
 
-/* Side of a texel, in metres, at the depth of a point: the same everywhere for a directional light. */
-double baked_light_texel_m(const vxs_light *light, int map, const double point_ws[3]);
-
 #endif

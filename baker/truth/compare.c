@@ -6,17 +6,17 @@
  * A lookup with a normal is moved off the surface by whole voxels, and the truth is asked there: that judges the map. The
  * answer is also held against a ray from the surface, which judges map and bias together; it is counted apart.
  *
- * Single taps: the asset samples the truth at texel centres and whole voxels. So an honest wrong answer has a point nearby
- * where it would be right, and the search for one looks where the asset looked:
+ * A voxel is what the ray through the centre of its texel says: lit before casters, shadow behind them, and either where that ray is
+ * inside of a solid or meets a surface. So a wrong answer has one of two excuses, or it is a fault:
  *
- *        u ->      +-----+-----+-----+-----+-----+
- *      depth       |  .  |  .  |  .  |  .  |  .  |      p  the point;   .  rays about it, two voxels to each side
- *        |         |     |     |     |     |  :  |      :  rays through the centre of the texel looked up
- *        v         |  .  |  .  | p.  |  .  | .:  |
- *                  |     |     |     |     |  :  |
+ *        u ->      +-----+-----+-----+        p  the point    c  the ray through the centre of the texel that was looked up
+ *      depth       |     |  c p|/////|
+ *        |         +-----+--c--+/////+        near a boundary: where c is in the voxel, the truth is what the asset says
+ *        v         |     |  c /|/////|        near a surface: c is inside of a solid there, or meets a surface
+ *                  +-----+--c--+-----+
  *
- * Voxels are those of the map that the lookup goes to, and rays are traced in the world. A place beyond the side of a cube's map is
- * a place in the world like any other.
+ * A rasterizer moves edges a little, and depths and rays are rounded: rays are tried about the centre, and voxels count as somewhat
+ * deeper. Rays are traced in the world: a place beyond the side of a cube's map is a place like any other.
  *
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -35,10 +35,19 @@
 #include "baker/truth/compare_time.h"
 #include "runtime/vxs.h"
 
-enum { POINTS_AT_A_TIME = 256, REACH = 2 };
+enum { POINTS_AT_A_TIME = 256, STEPS = 2 };
 
 /* A rasterizer may move an edge by half of this, and its corner by as much again: in texels. */
 #define SNAP (1.0 / 256)
+
+/* How far depths may be off, in voxels. */
+#define DEPTH_SLACK 0.05
+
+/* How far a ray may be off, in truth_precision: it is rounded, it may be tilted, and a map sees it from aside. */
+#define RAY_SLACK 3
+
+/* No more is excused, texels and voxels. */
+#define SLACK_MAX 2.0
 
 typedef enum verdict {
     VERDICT_OUTSIDE,
@@ -59,44 +68,84 @@ typedef struct judgement {
     uint8_t          *verdicts; /* [compare_point_count] */
 } judgement;
 
-/* 1 when one of the rays around a place of a map, REACH steps to each side, has this answer. Steps of depth are whole voxels. */
-static int answered_about(const comparison *c, int map, const double at[3], double texel_step, int lit)
+/* A voxel about the centre of its texel, and how far rounding may have moved it. */
+typedef struct centre {
+    int    map;
+    double u, v, near_vx, far_vx; /* near and far side, with their slack */
+    double step_px;               /* from one place that is tried to the next */
+} centre;
+
+/* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there rays that were rounded are
+ * farthest aside, as the map sees it. A directional light has the same texels everywhere: 1. */
+static double nearest_caster_m(const comparison *c, int map, double u, double v, double depth)
 {
-    for (int k = -REACH; k <= REACH; k++)
-        for (int j = -REACH; j <= REACH; j++)
-            for (int i = -REACH; i <= REACH; i++)
-                if (compare_lit_at(c, map, at[0] + texel_step * i, at[1] + texel_step * j, at[2] + k) == lit) return 1;
-    return 0;
+    static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    double              nearest     = INFINITY;
+    if (c->shape.kind == LIGHT_DIRECTIONAL) return 1;
+    for (int n = 0; n < 5; n++) {
+        double end_ws[3], way_ws[3], distance;
+        vxs_point(c->light, map, (double[3]){u + about[n][0], v + about[n][1], depth}, end_ws);
+        vec3_sub(end_ws, c->shape.position_ws, way_ws);
+        if (vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, c->shape.position_ws, way_ws, &distance, NULL, NULL))
+            nearest = fmin(nearest, distance);
+    }
+    return nearest;
 }
 
-/* 1 when a caster crosses the light's way to a place of a map, REACH voxels before it to as many behind. */
-static int surface_along(const comparison *c, int map, const double at[3])
+static centre centre_of(const comparison *c, const sample *s)
 {
-    double begin_ws[3], end_ws[3], way_ws[3], distance;
-    vxs_point(c->light, map, (double[3]){at[0], at[1], at[2] - REACH}, begin_ws);
-    vxs_point(c->light, map, (double[3]){at[0], at[1], at[2] + REACH}, end_ws);
+    const vxs_light *l    = c->light;
+    int32_t          last = ((int32_t)1 << l->levels) - 1, voxel[3];
+    double           from_light_ws[3], metres = 1;
+    vxs_voxel(l, s->point_ws, s->normal, 1, voxel);
+    if (voxel[2] > last) voxel[2] = last; /* what lies behind the map */
+
+    vec3_sub(s->truth_ws, c->shape.position_ws, from_light_ws);
+    if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
+    double ray_m    = RAY_SLACK * truth_precision(c->truth);
+    double depth_vx = fmin(SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
+    double u = voxel[0] + 0.5, v = voxel[1] + 0.5, caster_m = nearest_caster_m(c, s->map, u, v, voxel[2] + 0.5);
+    double beside_px = fmin(SLACK_MAX, 2 * SNAP + ray_m / (caster_m * l->texel_metres));
+    return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, beside_px / STEPS};
+}
+
+/* 1 when the truth has this answer at the near side of the voxel, in its middle, or at its far side. */
+static int says(const comparison *c, const centre *at, double u, double v, int lit)
+{
+    return compare_lit_at(c, at->map, u, v, at->near_vx) == lit ||
+           compare_lit_at(c, at->map, u, v, 0.5 * (at->near_vx + at->far_vx)) == lit ||
+           compare_lit_at(c, at->map, u, v, at->far_vx) == lit;
+}
+
+/* 1 when the voxel may be lit or shadow: its middle is inside of a solid, or a surface crosses it. */
+static int is_free(const comparison *c, const centre *at, double u, double v, int unused)
+{
+    double begin_ws[3], middle_ws[3], end_ws[3], way_ws[3], distance;
+    (void)unused;
+    vxs_point(c->light, at->map, (double[3]){u, v, at->near_vx}, begin_ws);
+    vxs_point(c->light, at->map, (double[3]){u, v, 0.5 * (at->near_vx + at->far_vx)}, middle_ws);
+    vxs_point(c->light, at->map, (double[3]){u, v, at->far_vx}, end_ws);
+    if (truth_inside_solid(c->truth, middle_ws)) return 1;
     vec3_sub(end_ws, begin_ws, way_ws);
     double length = sqrt(vec3_dot(way_ws, way_ws));
     return vec3_unit(way_ws, way_ws) && truth_first_hit(c->truth, begin_ws, way_ws, &distance, NULL, NULL) && distance <= length;
 }
 
-static int near_surface(const comparison *c, const sample *s, const double middle[3])
+/* 1 when it holds anywhere about the centre. */
+static int holds_about(const comparison *c, const centre *at, int lit,
+                       int (*holds)(const comparison *c, const centre *at, double u, double v, int lit))
 {
-    double reach = REACH * baked_light_texel_m(c->light, s->map, s->truth_ws);
-    if (truth_distance(c->truth, s->truth_ws, 2 * reach) <= reach) return 1;
-
-    /* a sun's voxel is as deep as its texel is wide; a narrow spot's is many times deeper, and one that holds a surface is free */
-    return c->shape.kind != LIGHT_DIRECTIONAL && (surface_along(c, s->map, middle) || surface_along(c, s->map, s->truth_ls));
+    for (int j = -STEPS; j <= STEPS; j++)
+        for (int i = -STEPS; i <= STEPS; i++)
+            if (holds(c, at, at->u + at->step_px * i, at->v + at->step_px * j, lit)) return 1;
+    return 0;
 }
 
 static verdict explain(const comparison *c, const sample *s, int asset_lit)
 {
-    int32_t voxel[3];
-    vxs_voxel(c->light, s->point_ws, s->normal, 1, voxel);
-    const double middle[3] = {voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5};
-    if (answered_about(c, s->map, middle, SNAP, asset_lit)) return VERDICT_NEAR_BOUNDARY;
-    if (answered_about(c, s->map, s->truth_ls, 1, asset_lit)) return VERDICT_NEAR_BOUNDARY;
-    return near_surface(c, s, middle) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
+    centre at = centre_of(c, s);
+    if (holds_about(c, &at, asset_lit, says)) return VERDICT_NEAR_BOUNDARY;
+    return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 
 /* The answer against a ray from the surface itself. */

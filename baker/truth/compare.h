@@ -54,10 +54,9 @@ typedef struct compare_counts {
     uint64_t checked;
     uint64_t leaks;         /* the asset says lit, the truth shadow */
     uint64_t false_shadows; /* the asset says shadow, the truth lit */
-    uint64_t near_boundary; /* within two voxels the truth is what the asset says */
-    uint64_t
-        near_surface; /* not that, but a caster is within two texels; spot and point lights: or within two voxels along the light */
-    uint64_t         unexplained; /* neither: a fault */
+    uint64_t near_boundary; /* the ray through the centre of the texel says what the asset does, in the voxel that was looked up */
+    uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
+    uint64_t unexplained;   /* neither: a fault */
     compare_distance boundary;
 
     /* Points on surfaces only, and apart from the above: the same answers against rays from the surface itself. */
@@ -104,9 +103,9 @@ typedef struct compare_result {
  * Of a surface point the truth is asked where the lookup goes: off the surface by the bias of vxs_voxel, which is whole voxels.
  * So the error that the bias brings is in neither leaks nor false_shadows; wrong_at_surface has it, from rays that start at
  * truth_lift.
- * Two voxels from a boundary means: among rays from 5 x 5 x 5 voxels about the point, and rays through the centre of the
- * texel that was looked up (and as near to it as a rasterizer may move an edge), one has the answer of the asset. Voxels of a spot or
- * point light are as wide and deep as they are at that distance from it. compare_boundary.h says how the distance is measured.
+ * An answer is explained by rays about the centre of the texel that was looked up, in its voxel. How far about: a rasterizer may move
+ * edges by 1/128 texel and depths by a twentieth of a voxel, and rays are off by three times truth_precision, which is more of a texel
+ * the nearer to a spot or point light a caster is; two texels at most. compare_boundary.h says how the distance is measured.
  * t      of c;   c  with the solids that the light was baked with
  * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o,

@@ -75,22 +75,15 @@ def test_nothing_changed_is_nothing_found(vxs_path, folder, sound, damaged):
 
 @pytest.mark.parametrize("texels, voxels", [((1, 0), 0), ((-1, 0), 0), ((0, 1), 0), ((0, -1), 0), ((0, 0), 1), ((0, 0), -1)])
 def test_a_shift_of_one_shows(vxs_path, folder, sound, damaged, texels, voxels):
-    """Each answer stays within two voxels of where it is right, so none is unexplained. But half as many again are wrong on
-    surfaces, and they are twice as far from a boundary, which tells without the sound asset; and --max-error fails."""
+    """As unexplained answers, on surfaces and off them. And half as many again are wrong on surfaces, twice as far from a boundary."""
     path, right = damaged("city.glb", lambda asset: asset.shift(texels, voxels)), sound["city.glb"]
-    found = Compared(vxs_path, folder / "city.glb", path, "--max-error", 1.25 * right.share)
-    assert found.failed and found.share > 1.3 * right.share and found.surface["wrong"] > 1.4 * right.surface["wrong"]
-    assert found.random["wrong"] > 1.1 * right.random["wrong"]
+    found = Compared(vxs_path, folder / "city.glb", path)
+    assert not right.failed and right.unexplained == 0
+    assert found.failed and found.surface["unexplained"] > 500 and found.random["unexplained"] > 50
+    assert found.surface["wrong"] > 1.4 * right.surface["wrong"] and found.random["wrong"] > 1.1 * right.random["wrong"]
     for kind, factor in ("random", 1.5), ("surface", 1.8):
         wrong, sound_texels = getattr(found, kind)["boundary_texels"], getattr(right, kind)["boundary_texels"]
         assert wrong["median"] > factor * sound_texels["median"] and sound_texels["median"] < 0.2 and wrong["median"] > 0.25
-
-
-@pytest.mark.parametrize("texels, voxels", [((5, 0), 0), ((0, -5), 0), ((0, 0), 5)])
-def test_a_shift_of_five_is_unexplained(vxs_path, folder, damaged, texels, voxels):
-    """Five voxels towards the light may not be: solids that are as thick hide where the shadow begins."""
-    found = Compared(vxs_path, folder / "city.glb", damaged("city.glb", lambda asset: asset.shift(texels, voxels)))
-    assert found.failed and found.unexplained > 0
 
 
 # -- nodes and masks -------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@
 #include <cmocka.h>
 
 /* A map of 8^3 voxels is one slice node: two bits a slice, 0 lit, 1 shadow. */
-static const uint32_t words_exact = 0x5500, words_lit = 0, words_shadow = 0x5555, words_late = 0x5400;
+static const uint32_t words_exact = 0x5500, words_lit = 0, words_shadow = 0x5555, words_late = 0x5400, words_later = 0x5000;
 
 /* The sheet, and a speck at each end of the height, outside the map. */
 static double   positions[]    = {-3, 4, -3, 11,    4, -3, 11, 4, 11,    -3, 4, 11, //
@@ -131,7 +131,8 @@ static void the_bias_is_judged_at_the_surface(void **state)
     assert_int_equal(one.counts[COMPARE_RANDOM].checked_at_surface, 0);
 }
 
-/* The shadow begins a voxel late: leaks just below the sheet, all of them near it. */
+/* The sheet lies between two voxels, and rounding may put it into either: a shadow that begins behind the lower one is honest, one
+ * that begins a voxel later is not. */
 static void a_voxel_late_is_explained(void **state)
 {
     (void)state;
@@ -141,33 +142,36 @@ static void a_voxel_late_is_explained(void **state)
     assert_int_equal(n->near_boundary, n->leaks);
     double share = (double)n->leaks / (double)n->checked;
     assert_true(share > 0.10 && share < 0.14); /* one of eight voxels, in a box that is 5 % higher */
+
+    r = compared(&words_later, options);
+    assert_true(fabs((double)n->unexplained / (double)n->leaks - 0.5) < 0.03);
 }
 
-/* Below the sheet all is wrong; what is more than two voxels below has no excuse. */
+/* Below the sheet all is wrong; what is more than a voxel below has no excuse. */
 static void an_asset_without_shadow_leaks(void **state)
 {
     (void)state;
     compare_result        r = compared(&words_lit, options);
     const compare_counts *n = &r.counts[COMPARE_RANDOM];
     assert_int_equal(n->false_shadows, 0);
-    assert_true(n->near_boundary > 0.4 * (double)n->leaks && n->unexplained > 0.4 * (double)n->leaks);
+    assert_true(fabs((double)n->unexplained / (double)n->leaks - 3.2 / 4.2) < 0.02);
     assert_int_equal(r.example_count, COMPARE_EXAMPLES_MAX);
     for (uint32_t i = 0; i < r.example_count; i++) {
         const compare_example *e = &r.examples[i];
         assert_true(e->kind == COMPARE_RANDOM && e->asset_lit == 1 && e->truth_lit == 0);
-        assert_true(e->point_ws[1] < 2 && e->voxel[2] == (int32_t)floor(8 - e->point_ws[1]));
+        assert_true(e->point_ws[1] < 3 && e->voxel[2] == (int32_t)floor(8 - e->point_ws[1]));
         assert_true(e->normal_ws[0] == 0 && e->normal_ws[1] == 0 && e->normal_ws[2] == 0);
     }
 }
 
-/* The other way round; but from above, where the sheet is two texels away, only the sheet excuses it. */
+/* The other way round. A lookup on the sheet is in the voxel before it, which the sheet touches. */
 static void an_asset_without_light_is_found_too(void **state)
 {
     (void)state;
     compare_result        r = compared(&words_shadow, options);
     const compare_counts *n = &r.counts[COMPARE_RANDOM];
     assert_int_equal(n->leaks, 0);
-    assert_true(n->near_boundary > 0.4 * (double)n->false_shadows && n->unexplained > 0.4 * (double)n->false_shadows);
+    assert_true(fabs((double)n->unexplained / (double)n->false_shadows - 3.2 / 4.2) < 0.02);
     assert_true(r.counts[COMPARE_SURFACE].false_shadows > 0.4 * (double)r.counts[COMPARE_SURFACE].checked);
     assert_int_equal(r.counts[COMPARE_SURFACE].unexplained, 0);
 }
@@ -504,16 +508,18 @@ static uint64_t wrong_of(const compare_result *r)
     return compare_wrong(&r->counts[COMPARE_RANDOM]) + compare_wrong(&r->counts[COMPARE_SURFACE]);
 }
 
-/* Too little to be unexplained: all of it stays within two voxels of where it is right. But more answers are wrong, farther off. */
+/* More answers are wrong, farther off, and not all of them have an excuse. The voxel before a surface's is lit; that of the surface may be
+ * either, so that a shadow one voxel early is no fault here. */
 static void faults_of_one_texel_or_voxel_show(void **state)
 {
     (void)state;
-    const fault faults[] = {{.shift_texels = 1}, {.shift_texels = -1}, {.early_voxels = 1}, {.early_voxels = -1}};
+    const fault faults[] = {{.shift_texels = 1}, {.shift_texels = -1}, {.early_voxels = 2}, {.early_voxels = -1}};
     for (int cube = 0; cube < 2; cube++) {
         const vxs_light l     = lamp_of(zero, aslant, cube ? 0 : 50 * degree, cube, 7, 0);
         compare_result  right = compared_lamp(l, (fault){0}, zero, few);
         for (int n = 0; n < 4; n++) {
             compare_result wrong = compared_lamp(l, faults[n], zero, few);
+            assert_true(unexplained(&right) == 0 && unexplained(&wrong) > 10);
             assert_true(wrong_of(&wrong) > 1.2 * (double)wrong_of(&right));
             assert_true(wrong.counts[COMPARE_SURFACE].boundary.median > 1.2 * right.counts[COMPARE_SURFACE].boundary.median);
         }
