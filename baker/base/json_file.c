@@ -1,12 +1,17 @@
-/* JSON to files; see json_file.h.
+/* JSON to files and from them; see json_file.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/json_file.h"
 
+#include <errno.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "baker/base/output_file.h"
+
+enum { READ_MAX_MIB = 256 };
 
 static atomic_int memory_failed;
 
@@ -22,10 +27,15 @@ void json_watch_memory(void)
     json_set_alloc_funcs(watched_alloc, free);
 }
 
+int json_memory_missing(void)
+{
+    return atomic_load(&memory_failed);
+}
+
 char *json_print(const json_t *value, size_t flags)
 {
     char *text = json_dumps(value, flags);
-    if (!atomic_load(&memory_failed)) return text;
+    if (!json_memory_missing()) return text;
     free(text);
     return NULL;
 }
@@ -53,5 +63,27 @@ vxs_result json_write(const char *path, json_t *value, message *m)
     output_file_abort(&out);
     free(text);
     json_decref(value);
+    return r;
+}
+
+vxs_result json_read(json_t **value, const char *path, message *m)
+{
+    FILE        *f = fopen(path, "rbe");
+    struct stat  status;
+    json_error_t e;
+    vxs_result   r = VXS_OK;
+    *value         = NULL;
+    if (!f && errno == ENOMEM)
+        r = fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
+    else if (!f || fstat(fileno(f), &status))
+        r = fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
+    else if (S_ISDIR(status.st_mode))
+        r = fail(m, VXS_E_READ, "%s: cannot read: it is a folder, expected a file name", path);
+    else if (status.st_size > (off_t)READ_MAX_MIB << 20)
+        r = fail(m, VXS_E_READ, "%s: larger than %d MiB, which no JSON of vxs is", path, READ_MAX_MIB);
+    else if (!(*value = json_loadf(f, JSON_REJECT_DUPLICATES, &e)))
+        r = json_memory_missing() ? fail(m, VXS_E_MEMORY, "out of memory while reading %s", path)
+                                  : fail(m, VXS_E_READ, "%s: not JSON: line %d: %s", path, e.line, e.text);
+    if (f) fclose(f);
     return r;
 }
