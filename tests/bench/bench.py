@@ -1,105 +1,83 @@
-# Measure bakes and lookups, print them beside the aims, and write them as JSON (docs/bench.schema.json).
-# BENCH_RESOLUTIONS: texels a side (default 512 to 16384).  BENCH_RUNS: bakes of each, of which the median counts (default 5).
+# Measure the city and Sponza with `vxs bench`, print README's tables and what is aimed at, and write the measurements as JSON
+# (docs/bench.schema.json), which `vxs bench --against` can read.
+# BENCH_RESOLUTIONS: texels a side (default 512 to 16384).  BENCH_RUNS: how often each is measured (default 5).
+# BENCH_POINTS: of each kind, for errors and lookups (default 100000; 0: without them).
 # VXS_SCENES: the shared scenes; without them only the city is measured.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import json
 import os
 import pathlib
-import platform
-import statistics
 import subprocess
 import sys
-import time
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RESOLUTIONS = [int(n) for n in os.environ.get("BENCH_RESOLUTIONS", "512 1024 2048 4096 8192 16384").split()]
 RUNS = int(os.environ.get("BENCH_RUNS", "5"))
+POINTS = int(os.environ.get("BENCH_POINTS", "100000"))
 SCENES = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "scenes"))
-MAPS_TO_DAG = ("pyramid", "masks", "insert", "compress", "merge")
 LOOKUP_RESOLUTION = 4096
 
 # what, at which resolution (None: the worst of all), which figure, unit, aim
 AIMS = [
-    ("mesh to file", 4096, "wall_seconds", "s", 1.0),
-    ("mesh to file", 16384, "wall_seconds", "s", 6.0),
-    ("maps to DAG", 4096, "maps_to_dag_seconds", "s", 0.150),
-    ("maps to DAG", 8192, "maps_to_dag_seconds", "s", 0.600),
-    ("peak memory", None, "peak_bytes", "MiB", 600),
+    ("mesh to file", 4096, lambda c: c["bake"]["wall_seconds"]["median"], "s", 1.0),
+    ("mesh to file", 16384, lambda c: c["bake"]["wall_seconds"]["median"], "s", 6.0),
+    ("maps to DAG", 4096, lambda c: c["bake"]["maps_to_dag_seconds"]["median"], "s", 0.150),
+    ("maps to DAG", 8192, lambda c: c["bake"]["maps_to_dag_seconds"]["median"], "s", 0.600),
+    ("peak memory", None, lambda c: c["bake"]["peak_bytes"] / 2**20, "MiB", 600),
 ]
 LOOKUP_AIM = ("a million scattered single taps", "s", 0.150)
 
 
-def run(*command):
-    """What the command printed; its warnings are not shown unless it fails."""
-    done = subprocess.run(command, capture_output=True, text=True)
+def run(*command, stdout=subprocess.PIPE):
+    """What the command printed; it fails when the command does. Errors and progress go where ours go."""
+    done = subprocess.run([*map(str, command)], stdout=stdout, text=True)
     if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: exit status {done.returncode}\n{done.stderr}")
+        sys.exit(done.returncode)
     return done.stdout
 
 
-def scenes(vxs, folder):
-    """Name, file, options. The city is seen in the light of its own sun."""
-    city = folder / "city.glb"
+def measure(vxs, folder):
+    """One result of all scenes. Those with a light of their own, and those without, need different options: a bench each."""
+    city, sponza = folder / "city.glb", SCENES / "real" / "sponza.glb"
     run(vxs, "scene", "city", "-o", city)
-    found = [("city", city, [])]
-    sponza = SCENES / "real" / "sponza.glb"
-    if sponza.is_file():
-        found.append(("sponza", sponza, ["--sun", "-0.4,-1,-0.2"]))
-    else:
+    scenes = [[city], [sponza, "--sun", "-0.4,-1,-0.2"]]
+    if not sponza.is_file():
         print(f"no {sponza}: only the city is measured", file=sys.stderr)
-    return found
+        scenes.pop()
+    resolutions = [word for n in RESOLUTIONS for word in ("--resolution", n)]
+    results = []
+    for n, scene in enumerate(scenes):
+        path = folder / f"{n}.json"
+        run(vxs, "bench", *scene, "-o", path, *resolutions, "--runs", RUNS, "--points", POINTS, "--filter", 9)
+        results.append(json.loads(path.read_text()))
+    return results[0] | {"cells": [cell for result in results for cell in result["cells"]]}
 
 
-def bake_once(vxs, scene, options, asset):
-    report = asset.with_suffix(".json")
-    start = time.monotonic()
-    run(vxs, "bake", scene, "-o", asset, "--baseline", "off", "--json", report, *options)
-    return json.loads(report.read_text()) | {"wall_seconds": time.monotonic() - start}
+def lookups(build, folder):
+    """A million lookups in the city, beside a float depth map."""
+    if LOOKUP_RESOLUTION not in RESOLUTIONS:
+        return None
+    asset = folder / "city.vxs"
+    run(build / "vxs", "bake", folder / "city.glb", "-o", asset, "--resolution", LOOKUP_RESOLUTION, "--baseline", "off")
+    return json.loads(run(build / "tests" / "bench" / "lookups", asset))
 
 
-def bake(vxs, name, scene, options, resolution, folder):
-    """The medians of RUNS bakes; of memory the most."""
-    asset = folder / f"{name}-{resolution}.vxs"
-    reports = [bake_once(vxs, scene, [*options, "--resolution", str(resolution)], asset) for _ in range(RUNS)]
-    stages = [{s["name"]: s["seconds"] for s in r["stages"]} for r in reports]
-    size = reports[0]["lights"][0]["size"]
-    return {
-        "scene": name, "resolution_px": resolution, "triangles": reports[0]["casters"]["triangles"],
-        "wall_seconds": statistics.median(r["wall_seconds"] for r in reports),
-        "total_seconds": statistics.median(r["total_seconds"] for r in reports),
-        "maps_to_dag_seconds": statistics.median(sum(s[n] for n in MAPS_TO_DAG) for s in stages),
-        "stage_seconds": {n: statistics.median(s[n] for s in stages) for n in stages[0]},
-        "peak_bytes": max(r["peak_bytes"] for r in reports),
-        "file_bytes": reports[0]["file_bytes"], "memory_bytes": size["memory_bytes"],
-        "file_bit_per_texel": 8 * reports[0]["file_bytes"] / resolution**2,
-        "threads": reports[0]["options"]["threads"], "renderer": reports[0]["renderer"],
-    }
+def name_of(cell):
+    return cell["scene"].removesuffix(".glb")
 
 
-def machine():
-    model = platform.processor() or platform.machine()
-    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            model = line.split(":", 1)[1].strip()
-            break
-    return {"processor": model, "cores": len(os.sched_getaffinity(0)),
-            "memory_bytes": os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"), "system": platform.platform()}
-
-
-def aims(bakes, lookups):
-    found = []
+def aims(cells, found):
+    """What, unit, aim, measured."""
+    rows = []
     for what, resolution, figure, unit, aim in AIMS:
-        for scene in dict.fromkeys(b["scene"] for b in bakes):
-            values = [b[figure] for b in bakes if b["scene"] == scene and resolution in (None, b["resolution_px"])]
+        for scene in dict.fromkeys(map(name_of, cells)):
+            values = [figure(c) for c in cells if name_of(c) == scene and resolution in (None, c["options"]["resolution_px"])]
             if values:
-                measured = max(values) / (2**20 if unit == "MiB" else 1)
-                at = f" at {resolution}" if resolution else ""
-                found.append({"what": f"{what}, {scene}{at}", "unit": unit, "aim": aim, "measured": measured})
-    for name in ("volume", "surface") if lookups else ():
-        what, unit, aim = LOOKUP_AIM
-        found.append({"what": f"{what}, {name}", "unit": unit, "aim": aim, "measured": lookups[name]["tap_1_seconds"]})
-    return [a | {"met": a["measured"] <= a["aim"]} for a in found]
+                rows.append([f"{what}, {scene}{f' at {resolution}' if resolution else ''}", unit, aim, max(values)])
+    what, unit, aim = LOOKUP_AIM
+    return rows + [[f"{what}, {name}", unit, aim, found[name]["tap_1_seconds"]] for name in ("volume", "surface") if found]
 
 
 def table(head, rows):
@@ -110,24 +88,33 @@ def table(head, rows):
     print("\n".join([line(head), rule, *map(line, rows)]) + "\n")
 
 
-def print_tables(result):
-    ms = lambda seconds: f"{1e3 * seconds:.0f} ms"
+def ms(seconds):
+    return f"{1e3 * seconds:.0f} ms"
+
+
+def bake_row(cell):
+    bake, side = cell["bake"], cell["options"]["resolution_px"]
+    maps = next(s["seconds"]["median"] for s in bake["stages"] if s["name"] == "maps")
+    return [name_of(cell), str(side), ms(bake["wall_seconds"]["median"]), ms(maps),
+            ms(bake["maps_to_dag_seconds"]["median"]), f"{bake['peak_bytes'] / 2**20:.0f} MiB",
+            f"{cell['size']['file_bytes'] / 1024:.0f} KiB", f"{8 * cell['size']['file_bytes'] / side**2:.3f}"]
+
+
+def print_tables(result, found):
     m = result["machine"]
-    print(f"vxs {result['vxs']} on {m['processor']}, {m['cores']} cores, {m['memory_bytes'] / 2**30:.0f} GiB, {m['system']}; "
+    print(f"\nvxs {result['vxs']} on {m['processor']}, {m['cores']} cores, {m['memory_bytes'] / 2**30:.0f} GiB, {m['system']}; "
           f"medians of {result['runs']} runs\n")
     table(["scene", "texels a side", "mesh to file", "of that depth maps", "maps to DAG", "peak memory", "file", "bit/texel"],
-          [[b["scene"], str(b["resolution_px"]), ms(b["wall_seconds"]), ms(b["stage_seconds"]["maps"]), ms(b["maps_to_dag_seconds"]),
-            f"{b['peak_bytes'] / 2**20:.0f} MiB", f"{b['file_bytes'] / 1024:.0f} KiB", f"{b['file_bit_per_texel']:.3f}"]
-           for b in result["bakes"]])
-    if result["lookups"]:
+          [bake_row(cell) for cell in result["cells"]])
+    if found:
         table([f"a million lookups, one thread, city at {LOOKUP_RESOLUTION}", "1 tap", "9 x 9 taps"],
-              [[f"{points}, {method}", ms(result["lookups"][name][prefix + "tap_1_seconds"]),
-                ms(result["lookups"][name][prefix + "tap_81_seconds"])]
+              [[f"{points}, {method}", ms(found[name][prefix + "tap_1_seconds"]), ms(found[name][prefix + "tap_81_seconds"])]
                for name, points in (("volume", "anywhere in the volume"), ("surface", "within a voxel of a shadow's start"))
                for method, prefix in (("vxs", ""), ("float depth map", "depth_map_"))])
+    missed = lambda measured, aim: "met" if measured <= aim else f"missed by {100 * (measured / aim - 1):.0f} %"
     table(["aim", "at most", "measured", ""],
-          [[a["what"], f"{a['aim']:.3g} {a['unit']}", f"{a['measured']:.3g} {a['unit']}",
-            "met" if a["met"] else f"missed by {100 * (a['measured'] / a['aim'] - 1):.0f} %"] for a in result["aims"]])
+          [[what, f"{aim:.3g} {unit}", f"{measured:.3g} {unit}", missed(measured, aim)]
+           for what, unit, aim, measured in aims(result["cells"], found)])
 
 
 def main():
@@ -135,25 +122,14 @@ def main():
     arguments.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release", help="the build tree")
     arguments.add_argument("--json", type=pathlib.Path, default=ROOT / "build" / "bench.json", help="where the result goes")
     options = arguments.parse_args()
-    vxs, folder = options.build.resolve() / "vxs", options.build / "bench"
-    folder.mkdir(parents=True, exist_ok=True)
+    build = options.build.resolve()
 
-    found = scenes(vxs, folder)
-    bakes = []
-    for name, scene, extra in found:
-        for resolution in RESOLUTIONS:
-            print(f"bake {name} at {resolution}", file=sys.stderr)
-            bakes.append(bake(vxs, name, scene, extra, resolution, folder))
-    lookups = None
-    asset = folder / f"city-{LOOKUP_RESOLUTION}.vxs"
-    if LOOKUP_RESOLUTION in RESOLUTIONS:
-        lookups = json.loads(run(options.build / "tests" / "bench" / "lookups", asset))
-
-    version = run(vxs, "--version").split()[1]
-    result = {"vxs": version, "machine": machine(), "runs": RUNS, "bakes": bakes, "lookups": lookups, "aims": aims(bakes, lookups)}
+    with tempfile.TemporaryDirectory(prefix="vxs-bench-") as folder:
+        result = measure(build / "vxs", pathlib.Path(folder))
+        found = lookups(build, pathlib.Path(folder))
     options.json.parent.mkdir(parents=True, exist_ok=True)
     options.json.write_text(json.dumps(result, indent=2) + "\n")
-    print_tables(result)
+    print_tables(result, found)
     print(f"as JSON: {options.json}")
 
 

@@ -14,7 +14,7 @@ import small_scene
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "picture", "health", "scene"]
+COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "bench", "picture", "health", "scene"]
 PAGES = sorted([ROOT / "README.md", *DOCS.glob("*.md"), *(ROOT / "scenes").glob("*.md"), *(ROOT / "formats").glob("*.md")])
 
 
@@ -63,7 +63,7 @@ def test_help_says_every_default_of_the_manual(vxs, command):
 def test_manual_has_every_command(vxs):
     listed = re.findall(r"^  (\w+) ", vxs("--help").stdout, re.MULTILINE)
     assert listed == COMMANDS
-    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|picture|health|scene)$", (DOCS / "manual.md").read_text(),
+    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|bench|picture|health|scene)$", (DOCS / "manual.md").read_text(),
                       re.MULTILINE) == COMMANDS
 
 
@@ -106,7 +106,7 @@ def test_every_page_is_linked():
     for page in PAGES:
         linked |= {(page.parent / t.partition("#")[0]).resolve() for t in re.findall(r"\]\(([^)\s]+)\)", page.read_text())}
     assert {p for p in PAGES if p.parent == DOCS} <= linked
-    assert {p for p in DOCS.glob("*.schema.json") if "bench" not in p.name} <= linked
+    assert {p for p in DOCS.glob("*.schema.json")} <= linked
 
 
 def test_packages_are_explained():
@@ -151,18 +151,6 @@ def test_validate_schema(vxs, asset, tmp_path):
     report = json.loads(vxs("validate", tmp_path / "broken.vxs", "--json", "-", status=1).stdout)
     validator("validate").validate(report)
     assert report["findings"]
-
-
-def test_bench_schema(vxs_path, tmp_path):
-    """The bench itself, at a size that takes no time."""
-    if not (vxs_path.parent / "tests" / "bench" / "lookups").is_file():
-        pytest.skip("the bench is not built: make check builds it")
-    environment = os.environ | {"BENCH_RESOLUTIONS": "64", "BENCH_RUNS": "1", "VXS_SCENES": str(tmp_path)}
-    done = subprocess.run(["/usr/bin/python3", ROOT / "tests" / "bench" / "bench.py", "--build", vxs_path.parent, "--json",
-                           tmp_path / "bench.json"], env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    validator("bench").validate(json.loads((tmp_path / "bench.json").read_text()))
-    assert "peak memory, city" in done.stdout
 
 
 # --- the runtime guide (VXS_FLAGS: what libvxs.a was compiled with, sanitizers for instance) ------------------------------------------------------------------------------------------------------------

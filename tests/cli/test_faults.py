@@ -7,6 +7,7 @@ import collections
 import concurrent.futures
 import ctypes
 import errno
+import json
 import os
 import pty
 import random
@@ -282,6 +283,24 @@ def test_every_failing_allocation_of_a_reader(faulty, asset, tmp_path, command, 
             assert done.returncode == 6 and one_error_line(done) and b"out of memory" in done.stderr, (n, done)
         else:
             assert done.stdout == whole, n
+
+
+def test_failing_allocation_of_bench(vxs, faulty, scene, tmp_path, monkeypatch):
+    """In itself, and in the bake that it starts. When the measurements are written, only the tables may be missing."""
+    temporary, old, new = tmp_path / "temporary", tmp_path / "old.json", tmp_path / "new.json"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
+    bench = ("bench", scene, *SMALL, "--runs", 1, "--points", 0)
+    vxs(*bench, "-o", old)
+    bench += ("-o", new, "--against", old)
+    calls, failed = faulty.calls("alloc", *bench), 0
+    for n in range(1, calls, max(1, calls // 25)):
+        new.unlink(missing_ok=True)
+        done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bench)
+        assert not done.returncode or (done.returncode == 6 and one_error_line(done) and b"out of memory" in done.stderr), (n, done)
+        assert list(temporary.iterdir()) == [] and (not new.exists() or json.loads(new.read_text())["cells"])
+        failed += done.returncode == 6
+    assert failed >= 20
 
 
 # --- disks and folders ----------------------------------------------------------------------------------------------------------------
