@@ -29,7 +29,7 @@ Q          := $(if $(V),,@)
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
                   libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev
-packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools
+packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
 
@@ -61,12 +61,13 @@ baker.c   := $(filter-out baker/main.c,$(wildcard baker/*.c baker/*/*.c))
 runtime.o := $(runtime.c:%=$B/%.o)
 baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
-helper    := $(patsubst %.c,$B/%,$(wildcard tests/exact/*.c tests/bench/*.c))
+helper    := $(patsubst %.c,$B/%,$(filter-out tests/bench/rival_%,$(wildcard tests/exact/*.c tests/bench/*.c)))
+rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f)))
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(rival.o)
 objects   := $B/baker/main.c.o $(baker.o) $(runtime.o) $(test.o)
 
 .DELETE_ON_ERROR:
@@ -77,6 +78,8 @@ unit: $(unit) $(helper) $(fuzz)
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 $(unit) $(helper): $B/%: $B/%.c.o $(baker.o) $B/libvxs.a
 $(unit): test_libs := -lcmocka
+$B/tests/bench/rivals: $(rival.o)
+$B/tests/bench/rivals: test_libs := -lz
 $B/vxs $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) -pthread -o $@ $(filter %.o %.a,$^) $(test_libs) $(libs) $(LDFLAGS)

@@ -1,0 +1,92 @@
+/* Rivals: ways to keep the shadow of a light for lookups, all made from the same depth maps and all asked the same.
+ *
+ * A rival turns maps into the bytes of a file, the file into what lookups read, and answers for voxels: the contract of an asset
+ * (docs/overview.md) says what is wrong, so that one check serves all of them. What one takes on disk is the size of a file that
+ * was read back. Everything runs on one thread, and times are processor time, so that they can be compared.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RIVAL_H
+#define RIVAL_H
+
+#include "baker/bake.h"
+#include "baker/plan.h"
+#include "baker/truth/truth.h"
+#include "formats/vxs_file.h"
+
+enum { RIVAL_ZSTD_LEVEL = 12 }; /* of DAGs in files: what vxs bake does when it is not told otherwise */
+
+/* The maps of one directional light, and what they were made from. */
+typedef struct light_maps {
+    depth_maps maps;    /* enter and exit; the pyramid belongs to those who need it, and is theirs to fill */
+    float     *checked; /* the enter and exit depths that answers are checked with: those of maps, unless a fault was planted */
+    float     *checked_exit;
+    vxs_light  light;  /* as fitted: all but the DAG */
+    uint32_t   levels; /* the map has 1 << levels texels a side, and as many voxels in depth */
+    scene      scene;
+    casters    casters;
+    bake_plan  plan;
+    char       renderer[128]; /* what OpenGL calls itself */
+    double     seconds;       /* to render them, on all threads */
+} light_maps;
+
+/* Make the maps of the first directional light that `o` asks for, as a bake does.
+ * out  [out] released with light_maps_free, whatever is returned */
+vxs_result light_maps_render(light_maps *out, const bake_options *o, message *m);
+
+/* A texel of the maps that rivals see loses its caster; what answers are checked with keeps it. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result light_maps_spoil(light_maps *maps, message *m);
+
+/* Accepts a zeroed object. */
+void light_maps_free(light_maps *maps);
+
+/* Whether voxel k of texel (i, j) must be lit, or must be in shadow; both 0: it is free. By the depths as they were sampled: no
+ * rounding, pyramid, mask or node takes part. */
+void light_maps_contract(const light_maps *maps, uint32_t i, uint32_t j, uint32_t k, int *must_be_lit, int *must_be_dark);
+
+/* A voxel: each of i, j, k in [0, 1 << levels). */
+typedef struct voxel_at {
+    int32_t i, j, k;
+} voxel_at;
+
+/* Ready for lookups. */
+typedef struct rival_asset {
+    void    *state;
+    uint64_t memory_bytes; /* that lookups may read; 0: not known */
+} rival_asset;
+
+typedef struct rival {
+    const char *name; /* unique; NULL ends an array of rivals */
+    const char *what; /* one line for people */
+    const void *options;
+    int         rays; /* 1: traces rays, and is asked fewer points; may differ from the maps where a ray grazes a triangle */
+
+    /* Encode the maps as a file. NULL: there is none.
+     * file  [out] zero it first; released with free(file->data).   Returns VXS_OK or VXS_E_MEMORY. */
+    vxs_result (*build)(light_maps *maps, const void *options, vxs_bytes *file);
+
+    /* Make a file (or the maps, when there is none) ready for lookups; both are borrowed until close.
+     * asset  [out] ends with close.   Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
+    vxs_result (*open)(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset);
+
+    /* How many of the filter_px x filter_px taps about each of `count` voxels are in shadow; filter_px odd, 1 is a single tap. Taps
+     * outside the map are lit. */
+    void (*count_dark)(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
+
+    void (*close)(void *state);
+} rival;
+
+/* All of them: dag_rivals[0] is vxs as it is. */
+extern const rival dag_rivals[], depth_rivals[], ray_rivals[];
+
+/* The box of a filter's taps, cut to the map: [x0, x1) x [y0, y1). */
+typedef struct tap_box {
+    int32_t x0, x1, y0, y1;
+} tap_box;
+
+static inline tap_box tap_box_at(voxel_at at, int32_t filter_px, int32_t side)
+{
+    int32_t half = filter_px / 2;
+    return (tap_box){at.i < half ? 0 : at.i - half, at.i + half >= side ? side : at.i + half + 1, at.j < half ? 0 : at.j - half,
+                     at.j + half >= side ? side : at.j + half + 1};
+}
+
+#endif

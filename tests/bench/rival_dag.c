@@ -1,0 +1,118 @@
+/* vxs itself, and its own older or simpler ways; see rival.h. The stages are the baker's, called as bake_light.c calls them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
+#include "runtime/vxs.h"
+
+#include "baker/base/integer.h"
+#include "tests/bench/rival.h"
+
+typedef struct dag_options {
+    mask_rule       rule;
+    int             reuse_off;
+    compress_choice compress;
+    stop_stage      stop;
+} dag_options;
+
+/* What compresses sub-DAGs: what is asked for, or what the plan says. */
+static vxs_result compress(dag *d, const bake_plan *plan, const dag_options *o)
+{
+    if (o->stop == STOP_INSERT) return VXS_OK;
+    if (o->compress == COMPRESS_CHOICE_AUTO) return plan->compresses ? dag_compress(d, plan->compress) : VXS_OK;
+    return dag_compress(d, o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN);
+}
+
+static vxs_result add_sub(dag_merger *merger, const bake_plan *plan, const column_source *source, uint32_t sub_px, uint32_t i,
+                          uint32_t j, const dag_options *o)
+{
+    tile_masks masks = {0};
+    dag        d     = {0};
+    uint32_t   tiles = sub_px / 8;
+    vxs_result r;
+    if ((r = tile_masks_build(&masks, source, i * tiles, j * tiles, tiles, o->rule)) != VXS_OK) goto done;
+    if ((r = dag_insert(&d, source, i, j, dag_levels(sub_px), &masks, !o->reuse_off)) != VXS_OK) goto done;
+    if ((r = compress(&d, plan, o)) != VXS_OK) goto done;
+    r = dag_merger_add(merger, &d, 0, i, j);
+done:
+    tile_masks_free(&masks);
+    dag_free(&d);
+    return r;
+}
+
+/* Every other bit: a bake visits sub-DAGs in z order. */
+static uint32_t even_bits(uint32_t n)
+{
+    uint32_t even = 0;
+    for (uint32_t bit = 0; bit < 16; bit++) even |= (n >> 2 * bit & 1) << bit;
+    return even;
+}
+
+static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *file)
+{
+    const dag_options *o      = options;
+    dag_merger        *merger = NULL;
+    dag                d      = {0};
+    uint32_t           side = 1u << maps->levels, sub_px = max_u32(8, min_u32(side / 4, SUB_DAG_MAX_PX)), across = side / sub_px;
+    vxs_result         r;
+
+    depth_maps_reduce(&maps->maps, 1);
+    column_source source = depth_maps_columns(&maps->maps);
+    if ((r = dag_merger_create(&merger, side, sub_px, 1, o->stop == STOP_FINAL)) != VXS_OK) goto done;
+    for (uint32_t n = 0; n < across * across && r == VXS_OK; n++)
+        r = add_sub(merger, &maps->plan, &source, sub_px, even_bits(n), even_bits(n >> 1), o);
+    if (r == VXS_OK) r = dag_merger_finish(merger, &d);
+    if (r != VXS_OK) goto done;
+
+    vxs_write_light light = {.light = maps->light, .dag = dag_view_of(&d)};
+    vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = RIVAL_ZSTD_LEVEL};
+    r                     = vxs_write(file, &desc);
+done:
+    dag_merger_destroy(merger);
+    dag_free(&d);
+    return r;
+}
+
+static vxs_result dag_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+{
+    vxs_asset *opened = NULL;
+    vxs_result r      = vxs_asset_open(&opened, file->data, file->size_bytes, NULL);
+    (void)maps;
+    (void)options;
+    if (r == VXS_OK) *asset = (rival_asset){opened, (uint64_t)vxs_asset_light(opened, 0)->word_count * sizeof(uint32_t)};
+    return r;
+}
+
+static void dag_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+{
+    const vxs_light *light = vxs_asset_light(state, 0);
+    for (size_t n = 0; n < count; n++)
+        dark[n] = filter_px == 1
+                      ? vxs_shadow(light->words, 0, light->levels, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k)
+                      : vxs_shadow_count(light->words, 0, light->levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+}
+
+static void dag_close(void *state)
+{
+    vxs_asset_close(state);
+}
+
+#define DAG_RIVAL(name, what, ...)                                                                                                 \
+    {                                                                                                                              \
+        name, what, &(const dag_options){__VA_ARGS__}, 0, dag_build, dag_open, dag_count_dark, dag_close                           \
+    }
+
+const rival dag_rivals[] = {
+    DAG_RIVAL("vxs", "as vxs bake makes it", .stop = STOP_FINAL),
+    DAG_RIVAL("vxs, older mask rule", "--rule shadow: undefined voxels become dark", .rule = MASK_RULE_SHADOW, .stop = STOP_FINAL),
+    DAG_RIVAL("vxs, no culling", "--reuse off: what equals its neighbour nearer the light is made again", .reuse_off = 1,
+              .stop = STOP_FINAL),
+    DAG_RIVAL("vxs, top-down", "--compress top-down: sub-DAGs by subtree hash, from the roots down",
+              .compress = COMPRESS_CHOICE_TOP_DOWN, .stop = STOP_FINAL),
+    DAG_RIVAL("vxs, bottom-up", "--compress bottom-up: sub-DAGs by sorted contents, from the masks up",
+              .compress = COMPRESS_CHOICE_BOTTOM_UP, .stop = STOP_FINAL),
+    DAG_RIVAL("vxs, uncompressed", "--stop insert: sub-DAGs side by side, as they were inserted", .stop = STOP_INSERT),
+    DAG_RIVAL("vxs, uncompressed, no culling", "--stop insert --reuse off", .reuse_off = 1, .stop = STOP_INSERT),
+    {.name = NULL},
+};

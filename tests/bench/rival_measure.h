@@ -1,0 +1,43 @@
+/* What rivals take and how often they are wrong; see rival.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RIVAL_MEASURE_H
+#define RIVAL_MEASURE_H
+
+#include "tests/bench/rival.h"
+
+enum { FILTER_PX = 9 };
+
+/* Of several runs. */
+typedef struct spread {
+    double median, least, most;
+} spread;
+
+/* Where lookups are asked for: anywhere in the map's volume, where most walks end early; and within a voxel of where vxs turns from
+ * lit to shadowed, where its walks are as long as they get. */
+typedef enum point_set { POINTS_VOLUME, POINTS_EDGE, POINT_SETS } point_set;
+
+typedef struct measure_options {
+    uint32_t runs;
+    uint32_t points; /* of each set, the same for all rivals */
+    uint64_t voxels; /* to compare with the contract; 0: every voxel of the map */
+    uint32_t seed;
+    int      filter_aside; /* a planted fault: filters are asked a texel beside those that they are checked with */
+} measure_options;
+
+typedef struct rival_result {
+    const rival *rival;
+    uint64_t     memory_bytes, file_bytes; /* 0: not known; no file */
+    spread       build_s, open_s;
+    size_t       tap_points, filter_points; /* asked in one run */
+    spread       tap_ns[POINT_SETS], filter_ns[POINT_SETS];
+
+    uint64_t voxels, wrong_lit, wrong_dark; /* single taps, against the contract; free voxels count as asked */
+    uint64_t filters, wrong_filters;        /* filtered lookups, against the rival's own single taps */
+} rival_result;
+
+/* Build, open, ask, check: all of them, in turns.
+ * results  [count] [out] each with its rival on entry, and all else zero; the first one says where edges are
+ * Returns VXS_OK, VXS_E_MEMORY, or what a rival's open said. */
+vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps, const measure_options *o, message *m);
+
+#endif

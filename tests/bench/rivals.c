@@ -1,0 +1,128 @@
+/* rivals: vxs beside other ways to keep a light's shadow, on the same depth maps, in one run.
+ *
+ *     rivals SCENE [--sun X,Y,Z] [--resolution N] [--runs R] [--points P] [--voxels all|COUNT] [--json FILE] [--fault depth|filter]
+ *
+ * The maps are made once; then each rival (rival.h) makes a file of them, reads it, answers at the same points, and is checked:
+ * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
+ * output. --fault plants one that the check must see: a texel whose caster the rivals do not get, or filters that are asked a texel
+ * aside. Exit status 0: no voxel is wrong (rays are not judged: they graze triangles); 1: some are; else as vxs.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/json_file.h"
+#include "baker/base/parallel.h"
+#include "baker/base/process.h"
+#include "baker/command/options.h"
+#include "tests/bench/rival_report.h"
+
+typedef enum fault { FAULT_NONE, FAULT_DEPTH, FAULT_FILTER } fault;
+
+typedef struct rivals_command {
+    bake_options    bake;
+    measure_options measure;
+    const char     *json_path;
+    int             fault;
+} rivals_command;
+
+static const rival *const families[] = {dag_rivals, depth_rivals, ray_rivals};
+
+enum { FAMILY_COUNT = sizeof families / sizeof *families };
+
+static size_t rival_count(void)
+{
+    size_t count = 0;
+    for (int f = 0; f < FAMILY_COUNT; f++)
+        for (const rival *r = families[f]; r->name; r++) count++;
+    return count;
+}
+
+/* [rival_count()] vxs first; NULL without memory. */
+static rival_result *no_results(void)
+{
+    rival_result *results = calloc(rival_count(), sizeof *results), *next = results;
+    for (int f = 0; f < FAMILY_COUNT && results; f++)
+        for (const rival *r = families[f]; r->name; r++) next++->rival = r;
+    return results;
+}
+
+static int all_right(const rival_report *report)
+{
+    uint64_t wrong = 0;
+    for (const rival_result *r = report->results; r < report->results + report->count; r++)
+        wrong += r->wrong_filters + (r->rival->rays ? 0 : r->wrong_lit + r->wrong_dark);
+    return !wrong;
+}
+
+static vxs_result run(rivals_command *c, int *right, message *m)
+{
+    light_maps    maps    = {.levels = 0};
+    rival_result *results = no_results();
+    rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, rival_count()};
+    vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
+    if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
+    if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
+    if (r == VXS_OK) r = rivals_measure(results, rival_count(), &maps, &c->measure, m);
+    if (r != VXS_OK) goto done;
+
+    /* JSON that goes to standard output stays alone there */
+    FILE *to = c->json_path && !strcmp(c->json_path, "-") ? stderr : stdout;
+    if (!rival_report_print(to, &report)) r = fail(m, VXS_E_MEMORY, "out of memory for a table");
+    if (r == VXS_OK && c->json_path) r = json_write(c->json_path, rival_report_json(&report), m);
+    *right = all_right(&report);
+done:
+    light_maps_free(&maps);
+    free(results);
+    return r;
+}
+
+static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_shown, message *m)
+{
+    const char  *voxels    = "2000000";
+    const option options[] = {
+        {"--sun", OPTION_VECTOR, c->bake.sun, 0, 3, NULL, "X,Y,Z", "as bake", &c->bake.sun_given},
+        {"--light", OPTION_TEXTS, &c->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
+        {"--resolution", OPTION_U32, &c->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 4096)",
+         NULL},
+        {"--runs", OPTION_U32, &c->measure.runs, 1, 1000, NULL, "R", "of everything that is timed (default 5)", NULL},
+        {"--points", OPTION_U32, &c->measure.points, 1, 1e8, NULL, "P", "lookups of each kind in a run (default 1000000)", NULL},
+        {"--voxels", OPTION_TEXT, &voxels, 0, 0, NULL, "COUNT", "random voxels to check, or all (default 2000000)", NULL},
+        {"--seed", OPTION_U32, &c->measure.seed, 0, UINT32_MAX, NULL, "S", "other points (default 1)", NULL},
+        {"--json", OPTION_TEXT, &c->json_path, 0, 0, NULL, "FILE", "the same as JSON; - is standard output", NULL},
+        {"--fault", OPTION_CHOICE, &c->fault, 0, 0, "none|depth|filter", NULL, "plant a fault", NULL},
+    };
+    const command_line line = {"rivals",
+                               "SCENE [options]",
+                               "Measure vxs beside other ways to keep a light's shadow, on the same depth maps.",
+                               options,
+                               sizeof options / sizeof *options,
+                               1};
+    vxs_result         r    = options_parse(&line, argc, argv, &c->bake.scene_path, help_shown, m);
+    if (r != VXS_OK) return r;
+    if (c->bake.resolution & (c->bake.resolution - 1))
+        return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", c->bake.resolution);
+    if (strcmp(voxels, "all")) {
+        char *end;
+        c->measure.voxels = strtoull(voxels, &end, 10);
+        if (*end || !c->measure.voxels) return fail(m, VXS_E_ARGUMENT, "--voxels %s: expected all or a number from 1", voxels);
+    }
+    c->measure.filter_aside = c->fault == FAULT_FILTER;
+    return VXS_OK;
+}
+
+int main(int argc, char **argv)
+{
+    rivals_command c = {
+        .bake =
+            {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads(), .baseline = BASELINE_OFF},
+        .measure = {.runs = 5, .points = 1000000, .seed = 1},
+    };
+    message m = {.quiet = 1};
+    int     help_shown, right = 1;
+    process_begin();
+    vxs_result r = parse(&c, argc, argv, &help_shown, &m);
+    if (r == VXS_OK && !help_shown) r = run(&c, &right, &m);
+    free(c.bake.light_names.items);
+    int status = command_end(&m, r);
+    return status ? status : !right;
+}

@@ -1,0 +1,108 @@
+# tests/bench/rivals on a small scene: every rival obeys the contract voxel by voxel, what it says of vxs is what vxs bake says, and
+# planted faults are seen.
+# RIVALS: that program (default tests/bench/rivals beside the command, where the Makefile puts it).
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import os
+import pathlib
+import re
+import subprocess
+
+import jsonschema
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SMALL = ("--resolution", 256, "--voxels", "all", "--runs", 3, "--points", 20000)
+
+
+@pytest.fixture(scope="module")
+def city(vxs, tmp_path_factory):
+    path = tmp_path_factory.mktemp("rivals") / "city.glb"
+    vxs("scene", "city", "--triangles", 5000, "-o", path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def rivals(vxs_path):
+    """run(*args, status=0): what the program printed; its exit status is checked."""
+    path = (ROOT / os.environ.get("RIVALS", vxs_path.parent / "tests" / "bench" / "rivals")).resolve()
+    if not path.is_file():
+        pytest.skip(f"no program at {path}: build it, or set RIVALS")
+
+    def run(*args, status=0):
+        done = subprocess.run([path, *map(str, args)], capture_output=True, text=True, timeout=300)
+        assert done.returncode == status, f"exit status {done.returncode}, expected {status}: {done.stderr}"
+        return done.stdout
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def measured(rivals, city, tmp_path_factory):
+    """The tables, and the JSON."""
+    path = tmp_path_factory.mktemp("rivals") / "rivals.json"
+    tables = rivals(city, *SMALL, "--json", path)
+    return tables, json.loads(path.read_text())
+
+
+def by_name(result):
+    return {r["name"]: r for r in result["rivals"]}
+
+
+def test_json_keeps_to_its_schema(measured):
+    schema = json.loads((ROOT / "docs" / "rivals.schema.json").read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.Draft202012Validator(schema).validate(measured[1])
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.Draft202012Validator(schema).validate({k: v for k, v in measured[1].items() if k != "machine"})
+
+
+def test_no_voxel_is_wrong_and_filters_are_their_taps(measured):
+    for r in measured[1]["rivals"]:
+        check = r["check"]
+        assert check["voxels"] == 256**3 and check["filters"] >= 400 and check["wrong_filters"] == 0, r["name"]
+        wrong = check["wrong_lit"] + check["wrong_dark"]
+        assert wrong <= (1e-4 * 256**3 if r["rays"] else 0), r["name"]
+
+
+def test_vxs_is_what_a_bake_makes(vxs, city, measured, tmp_path):
+    vxs("bake", city, "-o", tmp_path / "city.vxs", "--resolution", 256, "--baseline", "off", "--json", tmp_path / "bake.json")
+    size = json.loads((tmp_path / "bake.json").read_text())["lights"][0]["size"]
+    assert by_name(measured[1])["vxs"]["memory_bytes"] == size["memory_bytes"]
+
+
+def test_rivals_differ_where_they_should(measured):
+    found = by_name(measured[1])
+    memory = {name: r["memory_bytes"] for name, r in found.items()}
+    assert memory["vxs"] == memory["vxs, top-down"] == memory["vxs, bottom-up"]
+    assert memory["vxs"] <= memory["vxs, no culling"] < 1.01 * memory["vxs"]
+    assert memory["vxs"] < memory["vxs, older mask rule"] and memory["vxs"] < memory["vxs, uncompressed"]
+    assert memory["vxs, uncompressed"] < memory["vxs, uncompressed, no culling"]
+    assert memory["16-bit depth map"] == found["16-bit depth map"]["file_bytes"] == 2 * 256**2
+    disk = [found[name]["file_bytes"] for name in ("16-bit depth map", "16-bit, zstd -3", "16-bit, zstd -19")]
+    assert disk == sorted(disk, reverse=True) and len(set(disk)) == 3
+
+
+def test_tables_say_what_the_json_says(measured):
+    tables, result = measured
+    rows = re.findall(r"^\| ([^|]+?) +\|", tables, re.MULTILINE)
+    for r in result["rivals"]:
+        assert rows.count(r["name"]) == 3
+        line = re.search(rf"^- {re.escape(r['name'])}: (.*)$", tables, re.MULTILINE)
+        assert (re.sub(r" \d+\.\d\d", "", line[1]) if line else "") == "; ".join(r["beats_vxs"])
+
+
+@pytest.mark.parametrize("fault", ["depth", "filter"])
+def test_fault_is_seen(rivals, city, fault, tmp_path):
+    rivals(city, "--resolution", 128, "--voxels", "all", "--runs", 1, "--points", 20000, "--fault", fault, "--json",
+           tmp_path / "f.json", status=1)
+    for r in json.loads((tmp_path / "f.json").read_text())["rivals"]:
+        if fault == "filter":
+            assert r["check"]["wrong_filters"] > 0, r["name"]
+        elif not r["rays"]:
+            assert r["check"]["wrong_lit"] > 0 and r["check"]["wrong_dark"] == 0, r["name"]
+
+
+def test_bad_input_is_one_line(rivals, tmp_path):
+    rivals(tmp_path / "none.glb", status=3)
+    rivals(tmp_path / "none.glb", "--voxels", "some", status=2)
