@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "baker/base/json_file.h"
+#include "baker/base/output_file.h"
 #include "baker/base/parallel.h"
 #include "baker/base/process.h"
 #include "baker/command/options.h"
@@ -60,6 +61,7 @@ static vxs_result run(rivals_command *c, int *right, message *m)
     rival_result *results = no_results();
     rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, rival_count()};
     vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
+    if (r == VXS_OK && c->json_path) r = output_file_check(c->json_path, c->bake.scene_path, m);
     if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
     if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
     if (r == VXS_OK) r = rivals_measure(results, rival_count(), &maps, &c->measure, m);

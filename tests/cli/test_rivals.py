@@ -103,6 +103,7 @@ def test_fault_is_seen(rivals, city, fault, tmp_path):
             assert r["check"]["wrong_lit"] > 0 and r["check"]["wrong_dark"] == 0, r["name"]
 
 
-def test_bad_input_is_one_line(rivals, tmp_path):
+def test_bad_input_has_its_exit_status(rivals, city, tmp_path):
     rivals(tmp_path / "none.glb", status=3)
     rivals(tmp_path / "none.glb", "--voxels", "some", status=2)
+    rivals(city, "--json", tmp_path / "none" / "out.json", status=4)  # before anything is measured
