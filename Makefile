@@ -29,7 +29,7 @@ Q          := $(if $(V),,@)
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
                   libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev
-packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev
+packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
 

@@ -20,6 +20,7 @@ static const struct {
     {"truth", cmd_truth, "answer the same question by ray tracing the scene"},
     {"compare", cmd_compare, "error, size and time of .vxs files against ray tracing"},
     {"bench", cmd_bench, "time, memory, size and error of bakes and lookups"},
+    {"report", cmd_report, "a page with plots of what bench measured"},
     {"picture", cmd_picture, "a picture (PNG) of a scene with the shadows of a .vxs file"},
     {"health", cmd_health, "what is wrong with the meshes of a scene"},
     {"scene", cmd_scene, "make a procedural test scene"},

@@ -21,7 +21,8 @@
     X(VXS_E_UNSUPPORTED, 21, "the scene requires what vxs does not read")      \
     X(VXS_E_NO_CASTER,   22, "the scene has no triangle that casts a shadow")  \
     X(VXS_E_NO_LIGHT,    23, "the scene has no light to bake")                 \
-    X(VXS_E_GL,          30, "OpenGL is not available")
+    X(VXS_E_GL,          30, "OpenGL is not available")                        \
+    X(VXS_E_PROGRAM,     31, "a program that is needed is not available")
 /* clang-format on */
 
 typedef enum vxs_result {

@@ -78,7 +78,8 @@ int exit_status(vxs_result code)
     case VXS_E_NO_CASTER:
     case VXS_E_NO_LIGHT: return 5;
     case VXS_E_MEMORY:
-    case VXS_E_GL: return 6;
+    case VXS_E_GL:
+    case VXS_E_PROGRAM: return 6;
     case VXS_E_INTERRUPTED: return 130;
     }
     return 6;

@@ -71,6 +71,7 @@ int cmd_query(int argc, char **argv);
 int cmd_truth(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
+int cmd_report(int argc, char **argv);
 int cmd_picture(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_health(int argc, char **argv);
