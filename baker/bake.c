@@ -232,6 +232,58 @@ static vxs_result report_left_out(bake_report *report, const scene *s, const bak
     return VXS_OK;
 }
 
+/* pictures -------------------------------------------------------------------------------------------------------------------- */
+
+/* What lookups of a DAG read, nearly: enough to tell large lights from small ones before they are encoded. */
+static uint64_t dag_bytes(const dag *d)
+{
+    return 20 * dag_node_count(d) + 8 * (uint64_t)d->mask_count;
+}
+
+/* Keep a picture of a light when it is one of the largest so far; the picture of a smaller one is released for it. */
+static void keep_picture(bake_report *report, const dag *dags, light_picture *picture)
+{
+    light_picture *least = &report->pictures[0];
+    if (report->picture_count < PICTURES_MAX) {
+        report->pictures[report->picture_count++] = *picture;
+        return;
+    }
+    for (uint32_t n = 1; n < PICTURES_MAX; n++)
+        if (dag_bytes(&dags[report->pictures[n].light]) < dag_bytes(&dags[least->light])) least = &report->pictures[n];
+    if (dag_bytes(&dags[picture->light]) <= dag_bytes(&dags[least->light])) {
+        light_picture_free(picture);
+        return;
+    }
+    light_picture_free(least);
+    *least = *picture;
+}
+
+/* Whether a light may be one of the largest: a picture takes time, and of many lights most are thrown away. */
+static int is_picture_wanted(const light_baker *b, const plan_light *planned)
+{
+    uint32_t larger = 0;
+    if (!b->options->pictures) return 0;
+    for (size_t n = 0; n < b->plan->light_count; n++) larger += b->plan->lights[n].stored_bytes > planned->stored_bytes;
+    return larger < 4 * PICTURES_MAX;
+}
+
+/* Bake the next light, and its picture where one is wanted. */
+static vxs_result bake_next(light_baker *b, const plan_light *planned, dag *dags, baseline *bases, message *m)
+{
+    bake_report  *report  = b->report;
+    uint32_t      baked   = report->light_count++;
+    light_picture picture = {0};
+    int           wanted  = is_picture_wanted(b, planned);
+    vxs_result    r       = VXS_OK;
+    if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, m);
+    if (r == VXS_OK) r = bake_light(b, planned, &dags[baked], &bases[baked], wanted ? &picture : NULL, &report->lights[baked], m);
+    if (r == VXS_OK && wanted)
+        keep_picture(report, dags, &picture);
+    else
+        light_picture_free(&picture);
+    return r;
+}
+
 /* start_seconds: of the clock, when the whole bake began. */
 static vxs_result bake_lights(const bake_options *o, const casters *c, double start_seconds, vxs_bytes *file, bake_report *report,
                               message *m)
@@ -256,9 +308,7 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, double st
     baker.past_seconds =
         plan->seconds[STAGE_LOAD] + plan->seconds[STAGE_SOLIDS] + plan->seconds[STAGE_PLAN] + plan->seconds[STAGE_GL];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
-        if (plan->lights[n].left_out) continue;
-        uint32_t baked = report->light_count++;
-        r              = bake_light(&baker, &plan->lights[n], &dags[baked], &bases[baked], &report->lights[baked], m);
+        if (!plan->lights[n].left_out) r = bake_next(&baker, &plan->lights[n], dags, bases, m);
     }
     gl_context_destroy(gl);
     if (r != VXS_OK) goto done;
@@ -333,7 +383,7 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     progress_say(o->progress, "writing %s", o->output_path);
     r = write_file(o, &file, report, m);
     stage_end(&timer, STAGE_WRITE);
-    report->total_seconds = clock_seconds() - start - report->baseline_seconds;
+    report->total_seconds = clock_seconds() - start - report->baseline_seconds - report->picture_seconds;
 done:
     progress_clear();
     free(file.data);
@@ -358,6 +408,7 @@ void bake_report_free(bake_report *r)
     free(r->left_out);
     if (r->plan) plan_free(r->plan);
     free(r->plan);
+    for (uint32_t n = 0; n < r->picture_count; n++) light_picture_free(&r->pictures[n]);
     repair_report_free(&r->repair);
     union_report_free(&r->unite);
     memset(r, 0, sizeof *r);

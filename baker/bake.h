@@ -11,8 +11,9 @@
 #include "baker/mesh/casters.h"
 #include "baker/mesh/mesh_repair.h"
 #include "baker/mesh/mesh_union.h"
+#include "baker/page/light_picture.h"
 
-enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MIN_PX = 512, SUB_DAG_MAX_PX = 1024 };
+enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MIN_PX = 512, SUB_DAG_MAX_PX = 1024, PICTURES_MAX = 4 };
 
 typedef enum stop_stage {
     STOP_INSERT,  /* sub-DAGs as they were inserted, side by side */
@@ -59,6 +60,7 @@ typedef struct bake_options {
     uint32_t        zstd_level; /* 1..19 */
     baseline_mode   baseline;
     uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    int             pictures;     /* 1: keep pictures of the maps of the largest lights, for a page */
     int             progress;     /* 1: say on standard error how far it is */
 } bake_options;
 
@@ -116,8 +118,8 @@ typedef struct bake_plan bake_plan; /* plan.h */
 
 typedef struct bake_report {
     stage_report    stage[STAGE_COUNT];
-    double          total_seconds; /* from start to the file under its name */
-    double          baseline_seconds;
+    double          total_seconds;                     /* from start to the file under its name */
+    double          baseline_seconds, picture_seconds; /* no part of the total */
     uint64_t        peak_bytes;
     char            renderer[128];
     uint64_t        file_bytes;
@@ -131,6 +133,9 @@ typedef struct bake_report {
     repair_report repair; /* zero unless asked for: owned */
     union_report  unite;
     bake_plan    *plan; /* owned */
+
+    light_picture pictures[PICTURES_MAX]; /* of the largest lights, when asked for: owned */
+    uint32_t      picture_count;
 } bake_report;
 
 /* Words for the options that decide what is baked, and for all that make a difference to the report. */

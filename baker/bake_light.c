@@ -19,6 +19,7 @@ typedef struct light_job {
     casters           casters; /* that the light may reach */
     light_report     *report;
     baseline         *base;
+    light_picture    *picture; /* NULL: nobody asked for one */
     dag_merger       *merger;
     depth_renderer   *renderer; /* of the map in work */
     depth_maps        maps;     /* of the tile in work */
@@ -38,6 +39,8 @@ typedef struct sub_dag {
 typedef struct tile_job {
     const bake_options *o;
     const bake_plan    *plan;
+    light_picture      *picture; /* NULL, or what gets the masks of the tile at (i, j) of a map */
+    uint32_t            map, i, j;
     column_source       source;
     uint32_t            sub_px; /* side of a sub-DAG */
     sub_dag            *subs;   /* in z order */
@@ -79,7 +82,10 @@ static void masks_of_sub(void *user, size_t begin, size_t end, uint32_t worker)
         square_at at = z_order((uint32_t)n);
         s->result    = tile_masks_build(&s->masks, &t->source, at.i * tiles, at.j * tiles, tiles, t->o->rule);
         if (s->result != VXS_OK) continue;
-        s->mask_runs = s->masks.run_count;
+        s->mask_runs  = s->masks.run_count;
+        uint32_t side = t->source.side_px / 8;
+        if (t->picture)
+            light_picture_add_masks(t->picture, &s->masks, t->map, t->i * side + at.i * tiles, t->j * side + at.j * tiles);
         for (size_t k = 0; k < (size_t)tiles * tiles; k++) s->mask_tiles += s->masks.first[k] < s->masks.first[k + 1];
     }
 }
@@ -117,7 +123,14 @@ static vxs_result add_tile(light_job *job, uint32_t i, uint32_t j)
     depth_maps_reduce(maps, o->threads);
     stage_end(&timer, STAGE_PYRAMID);
 
-    tile_job t     = {.o = o, .plan = job->baker->plan, .source = depth_maps_columns(maps), .sub_px = sub_dag_side(maps->depth_vx)};
+    tile_job t     = {.o       = o,
+                      .plan    = job->baker->plan,
+                      .picture = job->picture,
+                      .map     = job->map,
+                      .i       = i,
+                      .j       = j,
+                      .source  = depth_maps_columns(maps),
+                      .sub_px  = sub_dag_side(maps->depth_vx)};
     uint32_t side  = maps->side_px / t.sub_px;
     uint32_t count = side * side;
     t.subs         = calloc(count, sizeof *t.subs);
@@ -188,6 +201,10 @@ static vxs_result bake_tile(light_job *job, uint32_t i, uint32_t j, message *m)
     }
     if (r == VXS_OK && job->baker->plan->baseline != BASELINE_OFF && !baseline_add(job->base, &job->maps, empty)) r = VXS_E_MEMORY;
     report->baseline_seconds += clock_seconds() - timer.start;
+    timer = stage_begin(report);
+    if (r == VXS_OK && job->picture && !empty)
+        light_picture_add_depths(job->picture, &job->maps, job->map, i, j, job->baker->options->threads);
+    report->picture_seconds += clock_seconds() - timer.start;
     return r == VXS_OK && !empty ? add_tile(job, i, j) : r;
 }
 
@@ -231,10 +248,11 @@ static vxs_result bake_map(light_job *job, message *m)
     return r;
 }
 
-vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, baseline *base, light_report *light, message *m)
+vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, baseline *base, light_picture *picture,
+                      light_report *light, message *m)
 {
     const bake_options *o    = b->options;
-    light_job           job  = {.baker = b, .planned = planned, .report = light, .base = base};
+    light_job           job  = {.baker = b, .planned = planned, .report = light, .base = base, .picture = picture};
     int                 lamp = planned->light.kind != VXS_LIGHT_KIND_DIRECTIONAL;
     uint32_t            side = 1u << planned->light.levels;
     uint32_t            tile = min_u32(side, b->plan->tile_px);

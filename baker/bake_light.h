@@ -33,10 +33,12 @@ typedef struct light_baker {
 } light_baker;
 
 /* Bake a light as planned.
+ * picture  NULL, or of its maps, without casters yet
  * out    [out] its DAG, a root for each map; released with dag_free, whatever is returned
  * base   [out] a sample of its depth maps; released with baseline_free
  * light  [out] what is to be told
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, baseline *base, light_report *light, message *m);
+vxs_result bake_light(light_baker *b, const plan_light *planned, dag *out, baseline *base, light_picture *picture,
+                      light_report *light, message *m);
 
 #endif

@@ -162,15 +162,28 @@ static uint32_t largest_map(const bake_plan *plan)
     return side;
 }
 
+/* As many as are kept, and one in work; each counts as the largest. */
+static uint64_t picture_bytes(const bake_plan *plan)
+{
+    uint64_t largest = 0;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l     = &plan->lights[n];
+        uint64_t          bytes = l->left_out ? 0 : light_picture_bytes(1u << l->light.levels, l->map_count);
+        if (bytes > largest) largest = bytes;
+    }
+    return largest * (plan->baked_count < PICTURES_MAX ? plan->baked_count : PICTURES_MAX + 1);
+}
+
 /* Smaller tiles until it fits; the last one is as small as a sub-DAG, or a block. */
 static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, message *m)
 {
-    uint32_t side      = largest_map(plan);
-    uint32_t least     = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
-    plan->tile_px      = min_u32(side, TILE_MAX_PX);
-    plan->baseline     = o->baseline;
-    plan->budget_bytes = o->memory_bytes;
-    plan->peak_bytes   = plan_peak_bytes(plan, c, plan->tile_px);
+    uint32_t side       = largest_map(plan);
+    uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
+    plan->tile_px       = min_u32(side, TILE_MAX_PX);
+    plan->baseline      = o->baseline;
+    plan->budget_bytes  = o->memory_bytes;
+    plan->picture_bytes = o->pictures ? picture_bytes(plan) : 0;
+    plan->peak_bytes    = plan_peak_bytes(plan, c, plan->tile_px);
     if (plan->budget_bytes && plan->peak_bytes > plan->budget_bytes)
         plan->baseline = BASELINE_OFF; /* a comparison, no part of the file */
     plan->least_bytes = plan_peak_bytes(plan, c, least);

@@ -121,6 +121,6 @@ uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_
         texels += ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     }
     double compared = plan->baseline == BASELINE_FULL ? 4 * texels : 0; /* 16-bit depths, and what zstd makes of them */
-    return (uint64_t)(1.06 *
-                      (118e6 + 150e3 * (double)plan->baked_count + 190 * (double)c->triangle_count + 71 * nodes + tile + compared));
+    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + 190 * (double)c->triangle_count + 71 * nodes + tile +
+                              compared + (double)plan->picture_bytes));
 }

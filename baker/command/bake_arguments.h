@@ -9,6 +9,7 @@
 typedef struct bake_arguments {
     bake_options o;
     const char  *json_path; /* NULL: none */
+    const char  *page_path; /* --report; NULL: none */
     int          help_shown;
 
     /* where options lie until they are checked */

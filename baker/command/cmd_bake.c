@@ -6,18 +6,24 @@
 
 #include "baker/base/output_file.h"
 #include "baker/command/bake_arguments.h"
+#include "baker/page/bake_page.h"
 #include "baker/report.h"
 
 static vxs_result run(bake_arguments *a, bake_report *report, message *m)
 {
     bake_options *o = &a->o;
     vxs_result    r = a->json_path ? output_file_check(a->json_path, o->scene_path, m) : VXS_OK;
-    o->progress     = isatty(STDERR_FILENO);
+    if (r == VXS_OK && a->page_path) r = output_file_check(a->page_path, o->scene_path, m);
+    o->progress = isatty(STDERR_FILENO);
     if (r == VXS_OK) r = bake(o, report, m);
     /* what goes to standard output stays alone there */
-    int to_stdout = !strcmp(o->output_path, "-") || (a->json_path && !strcmp(a->json_path, "-"));
+    int to_stdout = !strcmp(o->output_path, "-") || (a->json_path && !strcmp(a->json_path, "-")) ||
+                    (a->page_path && !strcmp(a->page_path, "-"));
     if (r == VXS_OK) report_print(to_stdout ? stderr : stdout, o, report);
     if (r == VXS_OK && a->json_path) r = report_write_json(a->json_path, o, report, m);
+    /* names that were not there before, and are one file now: through a linked folder */
+    if (r == VXS_OK && a->page_path) r = output_file_check(a->page_path, strcmp(o->output_path, "-") ? o->output_path : NULL, m);
+    if (r == VXS_OK && a->page_path) r = bake_page_write(a->page_path, o, report, m);
     return r;
 }
 

@@ -13,6 +13,7 @@ static vxs_result run(bake_arguments *a, bake_report *report, message *m)
     vxs_result    r = VXS_OK;
     if (o->output_path) r = output_file_check(o->output_path, o->scene_path, m);
     if (r == VXS_OK && a->json_path) r = output_file_check(a->json_path, o->scene_path, m);
+    if (r == VXS_OK && a->page_path) r = output_file_check(a->page_path, o->scene_path, m);
     if (r == VXS_OK) r = bake_plan_only(o, report, m);
     if (r == VXS_OK) plan_print(a->json_path && !strcmp(a->json_path, "-") ? stderr : stdout, o, report);
     if (r == VXS_OK && a->json_path) r = plan_write_json(a->json_path, o, report, m);

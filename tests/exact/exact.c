@@ -572,7 +572,7 @@ static vxs_result planned_asset(const world *w, const exact_options *o, const ba
         light_report *light = &report.lights[at];
         baseline      base  = {0};
         if (plan->lights[n].left_out) continue;
-        r = bake_light(&baker, &plan->lights[n], &dags[at], &base, light, m);
+        r = bake_light(&baker, &plan->lights[n], &dags[at], &base, NULL, light, m);
         baseline_free(&base);
         if (r != VXS_OK) goto done;
         lights[report.light_count++] = (vxs_write_light){.light = light->light, .dag = dag_view_of(&dags[at])};

@@ -1,0 +1,147 @@
+# vxs bake --report: the page of one bake says what its JSON says, and its pictures show the maps.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import html
+import json
+import os
+import re
+
+import pytest
+
+import small_scene
+from page import Page, decode_png
+from small_scene import GROUND, MORNING, NOON
+
+CLASSES = {(0xf7, 0xd5, 0x7e), (0xf5, 0xb0, 0x41), (0xea, 0x7d, 0x2f), (0xd1, 0x45, 0x3b), (0x9c, 0x1f, 0x5f), (0x4c, 0x12, 0x6b)}
+NASTY = "<script>alert('x')</script> & \"`\\"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("pages")
+    small_scene.write(path / "one.gltf", boxes=(GROUND, ((-1.3, 2, -1.3), (5.1, 3, 1.3))), lights=(("noon", "directional", NOON),))
+    small_scene.write(path / "two.gltf", lights=(("bulb", "point", NOON), (NASTY, "directional", MORNING)))
+    small_scene.write(path / "many.gltf", lights=[(f"spot{n}", "spot", NOON) for n in range(40)])
+    return path
+
+
+@pytest.fixture
+def bake(vxs, tmp_path):
+    """bake(scene, *options): the page, the report as JSON, the asset."""
+
+    def run(scene, *options):
+        vxs("bake", scene, "-o", tmp_path / "a.vxs", "--report", tmp_path / "a.html", "--json", tmp_path / "a.json", *options)
+        return Page((tmp_path / "a.html").read_text()), json.loads((tmp_path / "a.json").read_text()), (tmp_path / "a.vxs").read_bytes()
+
+    return run
+
+
+def size_text(size):
+    return f"{size} B" if size < 10240 else f"{size / 1024:.1f} KiB" if size < 10 << 20 else f"{size / (1 << 20):.1f} MiB"
+
+
+def test_says_what_the_report_says(bake, folder):
+    page, report, _ = bake(folder / "two.gltf", "--resolution", 256)
+    for size in (report["file_bytes"], report["peak_bytes"], *(light["size"]["stored_bytes"] for light in report["lights"])):
+        assert size_text(size) in page.text
+    for decision in report["plan"]["decisions"]:
+        assert f"{decision['name']} {decision['choice']} {decision['reason']}" in page.text
+    for stage in report["stages"]:
+        assert re.search(rf" {stage['name']} [\d.]+ (µs|ms|s|ns) ", page.text)
+    masks = sum(level["count"] for light in report["lights"] for level in light["levels"] if level["kind"] == "masks")
+    assert f"masks {masks} " in page.text and "12 triangles" not in page.text and "24 triangles and 2 lights" in page.text
+    assert NASTY in page.text and html.escape(NASTY).replace("&#x27;", "&#39;") in page.source
+
+
+def colours(rows, x, y, side):
+    """What is seen in a square of a picture."""
+    return {rows[v][u] for v in range(y, y + side) for u in range(x, x + side)}
+
+
+def test_pictures_show_depths_and_masks(bake, folder):
+    """From noon: a block over a square ground, light on dark; every tile that needs masks is coloured, and no other."""
+    page, report, _ = bake(folder / "one.gltf", "--resolution", 256)
+    depths, masks = map(decode_png, page.pictures)
+    assert page.sizes == [(256, 256)] * 2
+    light = report["lights"][0]
+    coloured = [(x, y) for y in range(32) for x in range(32) if colours(masks, 8 * x, 8 * y, 8) <= {(*c, 255) for c in CLASSES}]
+    assert len(coloured) == light["mask_tiles"] > 20
+    for x in range(32):
+        for y in range(32):
+            assert (x, y) in coloured or not colours(masks, 8 * x, 8 * y, 8) & {(*c, 255) for c in CLASSES}
+    block, ground = depths[128][128], depths[128][40]
+    assert block[3] == ground[3] == 255 and block[0] > ground[0] + 50
+    assert depths[2][2][3] == 0 or light["tiles_without_casters"] == 0
+    assert (16, 16) not in coloured and (5, 16) not in coloured, "flat"
+    assert all(len(colours(depths, 8 * x, 8 * y, 8)) > 1 for x, y in coloured), "the same place"
+    assert any(3 < x < 28 and 3 < y < 28 for x, y in coloured), "the block's edge"
+
+
+def test_six_maps(bake, folder):
+    page, _, _ = bake(folder / "two.gltf", "--resolution", 1024, "--baseline", "off")
+    assert sorted(page.sizes) == [(512, 512)] * 12 + [(1024, 1024)] * 2
+    for n in range(1, 7):
+        assert page.text.count(f"Masks, map {n} of 6") == page.text.count(f"Depths, map {n} of 6") == 1
+
+
+def test_many_lights(bake, folder):
+    page, _, _ = bake(folder / "many.gltf", "--resolution", 64)
+    assert len(page.pictures) == 8 and "36 more lights are not pictured" in page.text and "10 smaller lights take" in page.text
+
+
+def test_bytes_do_not_depend_on_the_page(vxs, bake, folder, tmp_path):
+    for threads in (1, 3):
+        _, _, asset = bake(folder / "two.gltf", "--resolution", 128, "--threads", threads)
+        vxs("bake", folder / "two.gltf", "-o", tmp_path / "b.vxs", "--resolution", 128)
+        assert (tmp_path / "b.vxs").read_bytes() == asset
+
+
+def test_pictures_do_not_depend_on_tiles(vxs, bake, folder):
+    """What fits into less memory is rendered in smaller tiles."""
+    if "sanitize" in os.environ.get("VXS_FLAGS", ""):
+        pytest.skip("a sanitizer holds more memory than the plan knows of")
+    options = ("--resolution", 2048, "--baseline", "off")
+    whole, report, _ = bake(folder / "one.gltf", *options)
+    plan = json.loads(vxs("plan", folder / "one.gltf", *options, "--report", "a.html", "--json", "-").stdout)
+    memory = (plan["least_bytes"] + plan["estimate"]["peak_bytes"]) // 2
+    parts, tiled, _ = bake(folder / "one.gltf", *options, "--memory", memory)
+    assert tiled["lights"][0]["tiles"] > report["lights"][0]["tiles"] == 1
+    assert parts.pictures == whole.pictures
+
+
+def test_pictures_count_as_memory(vxs, folder):
+    peaks = [json.loads(vxs("plan", folder / "one.gltf", *options, "--json", "-").stdout)["estimate"]["peak_bytes"]
+             for options in ((), ("--report", "a.html"))]
+    assert 2 << 20 < peaks[1] - peaks[0] < 8 << 20
+
+
+def test_names_that_are_one_file(vxs, folder, tmp_path):
+    scene, page, asset = folder / "one.gltf", tmp_path / "p.html", tmp_path / "a.vxs"
+    before = scene.read_bytes()
+    (tmp_path / "link").symlink_to(tmp_path)
+    for options, says in (
+        (("-o", asset, "--report", asset), "expected two names"),
+        (("-o", asset, "--report", page, "--json", page), "expected two names"),
+        (("-o", asset, "--report", scene), "input itself"),
+        (("-o", "-", "--report", "-"), "exclude"),
+        (("-o", asset, "--json", "-", "--report", "-"), "exclude"),
+    ):
+        assert says in vxs("bake", scene, "--resolution", 8, *options, status=2).stderr
+    assert scene.read_bytes() == before and {p.name for p in tmp_path.iterdir()} == {"link"}
+    vxs("bake", scene, "--resolution", 8, "-o", asset, "--report", tmp_path / "link" / "a.vxs", status=2)
+    assert vxs("validate", asset).returncode == 0, "the asset is no page"
+
+
+def test_all_or_nothing(vxs, folder, tmp_path):
+    assert "No such file" in vxs("bake", folder / "one.gltf", "-o", tmp_path / "a.vxs", "--report", tmp_path / "nobody" / "p.html",
+                                 status=4).stderr
+    (tmp_path / "old.html").write_text("old")
+    small_scene.write(tmp_path / "empty.gltf", boxes=())
+    vxs("bake", tmp_path / "empty.gltf", "-o", tmp_path / "a.vxs", "--report", tmp_path / "old.html", status=5)
+    assert (tmp_path / "old.html").read_text() == "old" and not (tmp_path / "a.vxs").exists()
+    if os.path.exists("/dev/full"):
+        vxs("bake", folder / "one.gltf", "-o", tmp_path / "a.vxs", "--resolution", 64, "--report", "/dev/full", status=4)
+
+
+def test_to_standard_output(vxs, folder, tmp_path):
+    done = vxs("bake", folder / "one.gltf", "-o", tmp_path / "a.vxs", "--resolution", 64, "--report", "-")
+    assert "noon" in Page(done.stdout).text and "stage" in done.stderr
