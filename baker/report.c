@@ -10,9 +10,10 @@
 #include "baker/base/version.h"
 #include "baker/plan_text.h"
 
+/* Of all maps. */
 static double texels_of(const light_report *l)
 {
-    return (double)((uint64_t)1 << (2 * l->light.levels));
+    return (double)((uint64_t)vxs_light_map_count(&l->light) << (2 * l->light.levels));
 }
 
 static double depth16_bytes(const light_report *l)

@@ -1,5 +1,6 @@
-# Measure the city and Sponza with `vxs bench`, print README's tables and what is aimed at, and write the measurements as JSON
-# (docs/bench.schema.json), which `vxs bench --against` can read.
+# Measure the city and Sponza with `vxs bench` and lookups with `rivals`, print README's tables and what is aimed at, and write the
+# measurements as JSON: --json (docs/bench.schema.json), which `vxs bench --against` can read, and NAME-lookups.json beside it
+# (docs/rivals.schema.json).
 # BENCH_RESOLUTIONS: texels a side (default 512 to 16384).  BENCH_RUNS: how often each is measured (default 5).
 # BENCH_POINTS: of each kind, for errors and lookups (default 100000; 0: without them).
 # VXS_SCENES: the shared scenes; without them only the city is measured.
@@ -12,11 +13,12 @@ import subprocess
 import sys
 import tempfile
 
+from tables import SCENES, SPONZA, SPONZA_SUN, machine_line, markdown
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RESOLUTIONS = [int(n) for n in os.environ.get("BENCH_RESOLUTIONS", "512 1024 2048 4096 8192 16384").split()]
 RUNS = int(os.environ.get("BENCH_RUNS", "5"))
 POINTS = int(os.environ.get("BENCH_POINTS", "100000"))
-SCENES = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "scenes"))
 LOOKUP_RESOLUTION = 4096
 
 # what, at which resolution (None: the worst of all), which figure, unit, aim
@@ -27,6 +29,9 @@ AIMS = [
     ("maps to DAG", 8192, lambda c: c["bake"]["maps_to_dag_seconds"]["median"], "s", 0.600),
     ("peak memory", None, lambda c: c["bake"]["peak_bytes"] / 2**20, "MiB", 600),
 ]
+WHERE = {"volume": "anywhere", "edge": "at edges"}  # of shadows
+TAPS = {"1 tap": "tap_ns", "9 x 9": "filter_ns"}
+SHOWN = ("vxs", "merged intervals", "16-bit depth map", "float depth map", "Embree shadow rays")
 LOOKUP_AIM = ("a million scattered single taps", "s", 0.150)
 
 
@@ -40,11 +45,10 @@ def run(*command, stdout=subprocess.PIPE):
 
 def measure(vxs, folder):
     """One result of all scenes. Those with a light of their own, and those without, need different options: a bench each."""
-    city, sponza = folder / "city.glb", SCENES / "real" / "sponza.glb"
-    run(vxs, "scene", "city", "-o", city)
-    scenes = [[city], [sponza, "--sun", "-0.4,-1,-0.2"]]
-    if not sponza.is_file():
-        print(f"no {sponza}: only the city is measured", file=sys.stderr)
+    run(vxs, "scene", "city", "-o", folder / "city.glb")
+    scenes = [[folder / "city.glb"], [SPONZA, "--sun", SPONZA_SUN]]
+    if not SPONZA.is_file():
+        print(f"no {SPONZA}: only the city is measured", file=sys.stderr)
         scenes.pop()
     resolutions = [word for n in RESOLUTIONS for word in ("--resolution", n)]
     results = []
@@ -55,13 +59,12 @@ def measure(vxs, folder):
     return results[0] | {"cells": [cell for result in results for cell in result["cells"]]}
 
 
-def lookups(build, folder):
-    """A million lookups in the city, beside a float depth map."""
+def lookups(build, folder, path):
+    """Lookups in the city, beside its rivals, by name."""
     if LOOKUP_RESOLUTION not in RESOLUTIONS:
         return None
-    asset = folder / "city.vxs"
-    run(build / "vxs", "bake", folder / "city.glb", "-o", asset, "--resolution", LOOKUP_RESOLUTION, "--baseline", "off")
-    return json.loads(run(build / "tests" / "bench" / "lookups", asset))
+    run(build / "tests" / "bench" / "rivals", folder / "city.glb", "--resolution", LOOKUP_RESOLUTION, "--runs", RUNS, "--json", path)
+    return {rival["name"]: rival["lookups"] for rival in json.loads(path.read_text())["rivals"]}
 
 
 def name_of(cell):
@@ -77,15 +80,7 @@ def aims(cells, found):
             if values:
                 rows.append([f"{what}, {scene}{f' at {resolution}' if resolution else ''}", unit, aim, max(values)])
     what, unit, aim = LOOKUP_AIM
-    return rows + [[f"{what}, {name}", unit, aim, found[name]["tap_1_seconds"]] for name in ("volume", "surface") if found]
-
-
-def table(head, rows):
-    """Markdown, in columns for those who read it as it is."""
-    widths = [max(len(row[n]) for row in [head, *rows]) for n in range(len(head))]
-    line = lambda cells: "| " + " | ".join(c.rjust(w) if n else c.ljust(w) for n, (c, w) in enumerate(zip(cells, widths))) + " |"
-    rule = "|" + "|".join("-" * (w + 2) if not n else "-" * (w + 1) + ":" for n, w in enumerate(widths)) + "|"
-    print("\n".join([line(head), rule, *map(line, rows)]) + "\n")
+    return rows + [[f"{what}, {where}", unit, aim, 1e-3 * found["vxs"][where]["tap_ns"]["median"]] for where in WHERE if found]
 
 
 def ms(seconds):
@@ -101,18 +96,15 @@ def bake_row(cell):
 
 
 def print_tables(result, found):
-    m = result["machine"]
-    print(f"\nvxs {result['vxs']} on {m['processor']}, {m['cores']} cores, {m['memory_bytes'] / 2**30:.0f} GiB, {m['system']}; "
-          f"medians of {result['runs']} runs\n")
-    table(["scene", "texels a side", "mesh to file", "of that depth maps", "maps to DAG", "peak memory", "file", "bit/texel"],
+    print(f"\n{machine_line(result)}\n")
+    markdown(["scene", "texels a side", "mesh to file", "of that depth maps", "maps to DAG", "peak memory", "file", "bit/texel"],
           [bake_row(cell) for cell in result["cells"]])
     if found:
-        table([f"a million lookups, one thread, city at {LOOKUP_RESOLUTION}", "1 tap", "9 x 9 taps"],
-              [[f"{points}, {method}", ms(found[name][prefix + "tap_1_seconds"]), ms(found[name][prefix + "tap_81_seconds"])]
-               for name, points in (("volume", "anywhere in the volume"), ("surface", "within a voxel of a shadow's start"))
-               for method, prefix in (("vxs", ""), ("float depth map", "depth_map_"))])
+        markdown([f"a lookup, one thread, city at {LOOKUP_RESOLUTION}", *[f"{taps}, {at}" for at in WHERE.values() for taps in TAPS]],
+                 [[name, *[f"{found[name][where][taps]['median']:.0f} ns" for where in WHERE for taps in TAPS.values()]]
+                  for name in SHOWN])
     missed = lambda measured, aim: "met" if measured <= aim else f"missed by {100 * (measured / aim - 1):.0f} %"
-    table(["aim", "at most", "measured", ""],
+    markdown(["aim", "at most", "measured", ""],
           [[what, f"{aim:.3g} {unit}", f"{measured:.3g} {unit}", missed(measured, aim)]
            for what, unit, aim, measured in aims(result["cells"], found)])
 
@@ -126,8 +118,8 @@ def main():
 
     with tempfile.TemporaryDirectory(prefix="vxs-bench-") as folder:
         result = measure(build / "vxs", pathlib.Path(folder))
-        found = lookups(build, pathlib.Path(folder))
-    options.json.parent.mkdir(parents=True, exist_ok=True)
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        found = lookups(build, pathlib.Path(folder), options.json.with_name(f"{options.json.stem}-lookups.json"))
     options.json.write_text(json.dumps(result, indent=2) + "\n")
     print_tables(result, found)
     print(f"as JSON: {options.json}")

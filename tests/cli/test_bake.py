@@ -108,6 +108,17 @@ def test_report_adds_up(bake, city):
     assert sum(s["seconds"] for s in report["stages"]) <= report["total_seconds"]
     assert report["peak_bytes"] == max(s["peak_bytes"] for s in report["stages"]) > 0
 
+def test_sizes_of_a_point_light_are_of_six_maps(vxs, bake, tmp_path):
+    vxs("scene", "room", "-o", tmp_path / "room.glb")
+    sizes = {light["name"]: light["size"] for light in bake(tmp_path / "room.glb", *SMALL)["lights"]}
+    planned = json.loads(vxs("plan", tmp_path / "room.glb", *SMALL, "--json", "-").stdout)["lights"]
+    assert {light["maps"] for light in planned} == {1, 6}
+    for light in planned:
+        texels, size = light["maps"] * 64 * 64, sizes[light["name"]]
+        assert size["depth16_bytes"] == 2 * texels
+        assert size["stored_bit_per_texel"] == pytest.approx(8 * size["stored_bytes"] / texels)
+
+
 
 def test_report_for_people_names_every_stage(vxs, scene, tmp_path):
     text = vxs("bake", scene, "-o", tmp_path / "a.vxs", *SMALL).stdout

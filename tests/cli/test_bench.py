@@ -211,7 +211,7 @@ def test_progress(vxs_path, folder, tmp_path, temporary):
 
 def test_make_bench(vxs_path, tmp_path, temporary):
     """At a size that takes no time."""
-    if not (vxs_path.parent / "tests" / "bench" / "lookups").is_file():
+    if not (vxs_path.parent / "tests" / "bench" / "rivals").is_file():
         pytest.skip("the bench is not built: make check builds it")
     environment = os.environ | {"BENCH_RESOLUTIONS": "64", "BENCH_RUNS": "1", "BENCH_POINTS": "1000", "VXS_SCENES": str(tmp_path)}
     done = subprocess.run(["/usr/bin/python3", ROOT / "tests" / "bench" / "bench.py", "--build", vxs_path.parent, "--json",

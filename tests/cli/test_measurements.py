@@ -1,0 +1,62 @@
+# The programs that print the figures of docs/measurements.md, at sizes that take no time: that their tables say what their JSON says.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+import os
+import re
+import subprocess
+
+import jsonschema
+import pytest
+
+from conftest import ROOT
+
+
+@pytest.fixture
+def measure(vxs_path, tmp_path):
+    """measure(program, *arguments, **environment): what it printed. Without the shared scenes."""
+
+    def run(program, *arguments, **environment):
+        done = subprocess.run(["/usr/bin/python3", ROOT / "tests" / "bench" / program, "--build", vxs_path.parent, *arguments],
+                              env=os.environ | {"VXS_SCENES": str(tmp_path)} | environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run
+
+
+def schema(name):
+    return jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / f"{name}.schema.json").read_text()))
+
+
+def rows(text, *begin):
+    """Cells of the rows of all tables that begin with these cells."""
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+    return [row for row in cells if row[:len(begin)] == list(begin)]
+
+
+def test_ablation(measure, tmp_path):
+    printed = measure("ablation.py", "--json", tmp_path / "ablation", ABLATION_RESOLUTIONS="32 64", ABLATION_RUNS="1")
+    results = {path.stem: json.loads(path.read_text()) for path in (tmp_path / "ablation").glob("*.json")}
+    assert set(results) == {f"{scene}-{n}" for scene in ("city", "landscape") for n in (1, 2, 3)}
+    for result in results.values():
+        schema("bench").validate(result)
+    assert re.findall(r"^Table (\d)", printed, re.MULTILINE) == list("12345")
+
+    bytes_of = {(c["options"]["resolution_px"], c["options"]["rule"]): c["size"]["memory_bytes"] for c in results["city-2"]["cells"]}
+    (row,) = rows(printed, "city", "64", f"{bytes_of[64, 'greedy'] / 1e6:.3g} MB")
+    assert row[3:5] == [f"{bytes_of[64, 'shadow'] / 1e6:.3g} MB", f"{bytes_of[64, 'shadow'] / bytes_of[64, 'greedy']:.2f}"]
+    stops = {(c["options"]["exit"], c["options"]["stop"]): c["size"]["memory_bytes"] for c in results["landscape-3"]["cells"]
+             if c["options"]["resolution_px"] == 64}
+    for (exit_mode, stop), size in stops.items():
+        (row,) = rows(printed, "landscape", exit_mode, stop)
+        assert row[3:5] == [f"{size / 1e6:.3g} MB", f"{size / stops['peel', 'final']:.2f}"]
+
+
+def test_estimates(measure, tmp_path):
+    printed = measure("estimates.py", "--json", tmp_path / "estimates.json", ESTIMATES_RESOLUTIONS="64")
+    result = json.loads((tmp_path / "estimates.json").read_text())
+    schema("estimates").validate(result)
+    assert {b["scene"] for b in result["bakes"]} == {"city", "landscape", "room", "forest"}
+    ratios = [b["file_bytes"] for b in result["bakes"]]
+    (row,) = rows(printed, "bytes of the file")
+    assert row[1] == f"{min(ratios):.2f}" and row[3] == f"{max(ratios):.2f}"
