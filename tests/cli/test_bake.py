@@ -108,6 +108,7 @@ def test_report_adds_up(bake, city):
     assert sum(s["seconds"] for s in report["stages"]) <= report["total_seconds"]
     assert report["peak_bytes"] == max(s["peak_bytes"] for s in report["stages"]) > 0
 
+
 def test_sizes_of_a_point_light_are_of_six_maps(vxs, bake, tmp_path):
     vxs("scene", "room", "-o", tmp_path / "room.glb")
     sizes = {light["name"]: light["size"] for light in bake(tmp_path / "room.glb", *SMALL)["lights"]}
