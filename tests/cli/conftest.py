@@ -3,9 +3,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import pathlib
+import pty
+import signal
 import subprocess
 
 import pytest
+
+# a shell starts what runs in the background with SIGINT ignored, nohup SIGHUP; what we start would ignore them, too
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -37,6 +43,14 @@ def scenes():
     if not path.is_dir():
         pytest.skip(f"no shared scenes at {path}: set VXS_SCENES")
     return path
+
+
+def open_terminal():
+    """Both sides of a terminal, as file descriptors."""
+    try:
+        return pty.openpty()
+    except OSError as error:
+        pytest.skip(f"no terminal can be had here: {error}")
 
 
 def writes_into(process, folder):

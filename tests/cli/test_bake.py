@@ -474,11 +474,6 @@ def test_failure_keeps_the_old_output(vxs, scene, tmp_path):
     assert old.read_bytes() == b"old" and list(tmp_path.iterdir()) == [old]
 
 
-def heed_interrupts():
-    """A shell starts what runs in the background with SIGINT ignored."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 @pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM)])
 @pytest.mark.parametrize("command", [
     ("bake", "city.glb", "-o", "a.vxs", "--resolution", "16384"),
@@ -490,7 +485,7 @@ def test_interrupt_leaves_nothing(vxs, vxs_path, bake, city, tmp_path, command, 
     bake(city, *SMALL)["path"].rename(tmp_path / "city.vxs")
     (tmp_path / "city.glb").write_bytes(city.read_bytes())
     before = sorted(tmp_path.iterdir())
-    with subprocess.Popen([vxs_path, *command], cwd=tmp_path, preexec_fn=heed_interrupts, stdin=subprocess.PIPE,
+    with subprocess.Popen([vxs_path, *command], cwd=tmp_path, stdin=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
         if command[0] in ("scene", "picture"):
             while not writes_into(process, tmp_path):  # the signal is to find a file to remove

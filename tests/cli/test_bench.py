@@ -4,7 +4,6 @@ import copy
 import json
 import os
 import pathlib
-import pty
 import re
 import signal
 import statistics
@@ -15,8 +14,8 @@ import jsonschema
 import pytest
 
 import small_scene
+from conftest import ROOT, open_terminal
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCHEMA = json.loads((ROOT / "docs" / "bench.schema.json").read_text())
 LIGHTS = (("sun", "directional", (1, -2, 0.5)), ("lamp", "point", (0, -1, 0)))
 SIZES = ("nodes", "masks", "inserted_nodes", "inserted_masks")
@@ -186,7 +185,7 @@ def test_to_standard_output(vxs, folder, temporary):
 
 def test_progress(vxs_path, folder, tmp_path, temporary):
     """Runs go round by round; from the second on there is an estimate."""
-    master, terminal = pty.openpty()
+    master, terminal = open_terminal()
     with subprocess.Popen([vxs_path, "bench", folder / "small.gltf", "-o", tmp_path / "b.json", "--resolution", "64",
                            "--resolution", "2048", "--runs", "4", "--points", "0"], stdout=subprocess.DEVNULL,
                           stderr=terminal) as process:
@@ -384,11 +383,6 @@ def test_runs_of_other_bytes(vxs_path, tmp_path, temporary):
     assert re.fullmatch(r"vxs: error: bake of scene.gltf, 64 texels: run \d+ of 100 wrote other bytes than run 1\n", err)
 
 
-def heed_interrupts():
-    """A shell starts what runs in the background with SIGINT ignored."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def processes_with(word):
     found = []
     for entry in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
@@ -407,7 +401,7 @@ def test_interrupts(vxs, vxs_path, folder, tmp_path, temporary, number):
     took = []
     for delay in (0, 0.01, 0.2):
         with subprocess.Popen([vxs_path, "bench", folder / "city.glb", "-o", tmp_path / "b.json", "--resolution", "16384"],
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heed_interrupts) as process:
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             wait_for(lambda: list(temporary.glob("*/errors.txt")), process)  # a child is there
             time.sleep(delay)
             begin = time.monotonic()

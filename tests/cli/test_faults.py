@@ -9,7 +9,6 @@ import ctypes
 import errno
 import json
 import os
-import pty
 import random
 import resource
 import shutil
@@ -22,7 +21,7 @@ import time
 import pytest
 
 import small_scene
-from conftest import ROOT
+from conftest import ROOT, open_terminal
 from small_scene import MORNING, NOON
 
 SMALL = ("--resolution", "64", "--threads", "2")
@@ -396,11 +395,6 @@ def test_closed_standard_streams_and_query(vxs_path, asset, tmp_path, closed, st
 # --- interrupts -----------------------------------------------------------------------------------------------------------------------
 
 
-def heed_interrupts():
-    """A shell starts what runs in the background with SIGINT ignored."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def test_interrupts_stop_a_long_bake(vxs_path, city, tmp_path):
     """At moments all over seven seconds of work: within a second (ten times that on a busy machine), and nothing is left."""
     out = tmp_path / "a.vxs"
@@ -408,7 +402,7 @@ def test_interrupts_stop_a_long_bake(vxs_path, city, tmp_path):
     took = []
     numbers = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
     for n, delay in enumerate([0.005, 0.02, 0.04, 0.06, 0.1, 0.3, 0.7, 1.5, 3]):
-        with subprocess.Popen([vxs_path, "bake", city, "-o", out, "--resolution", "16384"], preexec_fn=heed_interrupts,
+        with subprocess.Popen([vxs_path, "bake", city, "-o", out, "--resolution", "16384"],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
             time.sleep(delay)
             assert process.poll() is None
@@ -445,8 +439,8 @@ def test_interrupt_in_every_stage(faulty, scene, tmp_path):
 
 def on_a_terminal(command, interrupt_at=None):
     """The exit status, and what came on standard error, which is a terminal; SIGINT once a text was seen there."""
-    master, terminal = pty.openpty()
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=terminal, preexec_fn=heed_interrupts) as process:
+    master, terminal = open_terminal()
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=terminal) as process:
         os.close(terminal)
         said = b""
         while True:

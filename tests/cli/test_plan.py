@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
-import pty
 import re
 import subprocess
 import time
@@ -10,6 +9,7 @@ import time
 import pytest
 
 import small_scene
+from conftest import open_terminal
 from small_scene import NOON
 
 LIGHTS = (("noon", "directional", NOON), ("lamp", "spot", NOON), ("bulb", "point", NOON), ("up", "spot", (0, 1, 0)))
@@ -235,7 +235,7 @@ def test_a_scene_larger_than_the_budget_is_not_read(vxs, tmp_path):
 
 def on_a_terminal(vxs_path, *args):
     """What a run writes to standard error, when that is a terminal."""
-    ours, its = pty.openpty()
+    ours, its = open_terminal()
     run = subprocess.Popen([vxs_path, *map(str, args)], stderr=its, stdout=subprocess.DEVNULL)
     os.close(its)
     said = b""
