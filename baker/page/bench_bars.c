@@ -93,16 +93,18 @@ static void row_text(char text[128], const bench_set *set, const set_cell *c)
 
 static vxs_result draw_stack(plot *p, const char *name, const stack *s, axis x, const char *(*words)(char[32], double), message *m)
 {
-    size_t label = 4, columns = 4;
+    size_t label = 4;
     char   text[128], total[32];
     for (size_t row = 0; row < s->row_count; row++) {
         row_text(text, s->set, s->rows[row]);
         label = strlen(text) > label ? strlen(text) : label;
         axis_add(&x, s->totals[row].max);
     }
-    size_t   most = label > 44 ? 44 : label, key_rows = (s->part_count + columns - 1) / columns;
-    uint32_t width = label > 12 ? PLOT_WIDE : PLOT_WIDTH;
-    FILE    *to    = plot_begin(p, name, width, (uint32_t)(14 + BAR_ROW * s->row_count));
+    uint32_t width    = label > 12 ? PLOT_WIDE : PLOT_WIDTH;
+    size_t   most     = label > 44 ? 44 : label;
+    size_t   columns  = width == PLOT_WIDE ? 4 : 3; /* that fit: SVG takes text to be wider than PNG does */
+    size_t   key_rows = (s->part_count + columns - 1) / columns;
+    FILE    *to       = plot_begin(p, name, width, (uint32_t)(14 + BAR_ROW * s->row_count));
     if (!to) return plot_end(p, m);
     axis_print(&x, to, 'x', 0.14);
     p->height += plot_bottom(to, key_rows);
