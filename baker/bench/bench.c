@@ -200,18 +200,6 @@ static vxs_result run_rounds(bench_work *w, message *m)
     return r;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-spread spread_of(double *values, uint32_t count)
-{
-    qsort(values, count, sizeof *values, compare_doubles);
-    return (spread){.median = (values[(count - 1) / 2] + values[count / 2]) / 2, .min = values[0], .max = values[count - 1]};
-}
-
 static void take_spreads(const bench_job *job, uint32_t runs)
 {
     bench_cell *c          = job->cell;

@@ -12,13 +12,9 @@
 #include "baker/base/message.h"
 #include "baker/base/text.h"
 #include "baker/bench/machine.h"
+#include "baker/bench/spread.h"
 
 enum { BENCH_STAGES_MAX = 32, BENCH_LEVELS_MAX = 32, BENCH_FILTERS_MAX = 9, BENCH_CELLS_MAX = 4096 };
-
-/* Of the runs of one cell. */
-typedef struct spread {
-    double median, min, max;
-} spread;
 
 typedef struct bench_stage {
     char     name[32];
@@ -120,8 +116,5 @@ void bench_cell_free(bench_cell *cell);
 
 /* Scene and options as a cell's key. Returns NULL without memory; released with free(). */
 char *bench_key(const char *scene_name, const json_t *options);
-
-/* values  [count], count > 0; sorted here */
-spread spread_of(double *values, uint32_t count);
 
 #endif

@@ -19,20 +19,6 @@ static double processor_seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Sorts the values. */
-static spread spread_of(double *values, uint32_t count)
-{
-    qsort(values, count, sizeof *values, compare_doubles);
-    double median = count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
-    return (spread){median, values[0], values[count - 1]};
-}
-
 /* All rivals while they are measured. They take turns, so that what else the machine does, and how warm it is, hits all alike. */
 typedef struct contest {
     light_maps            *maps;

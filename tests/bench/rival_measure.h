@@ -3,14 +3,10 @@
 #ifndef RIVAL_MEASURE_H
 #define RIVAL_MEASURE_H
 
+#include "baker/bench/spread.h"
 #include "tests/bench/rival.h"
 
 enum { FILTER_PX = 9 };
-
-/* Of several runs. */
-typedef struct spread {
-    double median, least, most;
-} spread;
 
 /* Where lookups are asked for: anywhere in the map's volume, where most walks end early; and within a voxel of where vxs turns from
  * lit to shadowed, where its walks are as long as they get. */

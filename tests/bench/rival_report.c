@@ -5,34 +5,10 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
-#include <unistd.h>
 
 #include "baker/base/json_file.h"
-#include "baker/base/parallel.h"
 #include "baker/base/version.h"
-
-typedef struct machine {
-    char           processor[128];
-    uint32_t       cores; /* that this process may use */
-    uint64_t       memory_bytes;
-    struct utsname system;
-} machine;
-
-static machine machine_here(void)
-{
-    machine     here = {.processor = "unknown", .cores = parallel_default_threads()};
-    char        line[256];
-    FILE       *info  = fopen("/proc/cpuinfo", "r");
-    const char *model = NULL;
-    while (info && !model && fgets(line, sizeof line, info))
-        if (!strncmp(line, "model name", 10)) model = strchr(line, ':');
-    if (model) snprintf(here.processor, sizeof here.processor, "%.*s", (int)strcspn(model + 2, "\n"), model + 2);
-    if (info) fclose(info);
-    here.memory_bytes = (uint64_t)sysconf(_SC_PAGESIZE) * (uint64_t)sysconf(_SC_PHYS_PAGES);
-    uname(&here.system);
-    return here;
-}
+#include "baker/bench/machine.h"
 
 /* figures ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -70,7 +46,7 @@ static spread figure_of(const rival_result *r, figure f)
 static int beats(const rival_result *r, const rival_result *vxs, figure f)
 {
     spread s = figure_of(r, f);
-    return s.median > 0 && s.most < figure_of(vxs, f).least;
+    return s.median > 0 && s.max < figure_of(vxs, f).min;
 }
 
 static int is_size(figure f)
@@ -91,9 +67,9 @@ static const char *figure_text(char text[64], spread s, figure f)
     if (is_size(f))
         size_text(text, (uint64_t)s.median);
     else if (is_lookup(f))
-        snprintf(text, 64, "%.0f ns (%.0f to %.0f)", s.median, s.least, s.most);
+        snprintf(text, 64, "%.0f ns (%.0f to %.0f)", s.median, s.min, s.max);
     else
-        snprintf(text, 64, "%.1f ms (%.1f to %.1f)", 1e3 * s.median, 1e3 * s.least, 1e3 * s.most);
+        snprintf(text, 64, "%.1f ms (%.1f to %.1f)", 1e3 * s.median, 1e3 * s.min, 1e3 * s.max);
     return text;
 }
 
@@ -226,16 +202,19 @@ static void print_losses(FILE *to, const rival_result *r, const rival_result *vx
 int rival_report_print(FILE *to, const rival_report *report)
 {
     const measure_options *o    = report->options;
-    machine                here = machine_here();
     unsigned               side = 1u << report->maps->levels;
-    fprintf(
-        to,
-        "%s, light %s, %u x %u texels, %zu triangles; vxs %s on %s, %u cores, %.0f GiB; medians of %u runs (least to most), one "
-        "thread, processor time, %u points\n\n",
-        report->scene_path, report->maps->light.name, side, side, report->maps->casters.triangle_count, VXS_VERSION, here.processor,
-        here.cores, (double)here.memory_bytes / (1 << 30), o->runs, o->points);
-    int ok = print_figures(to, report, "rival", FIGURE_DISK, FIGURE_OPEN) &&
-             print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_EDGE) && print_wrong(to, report);
+    bench_machine          here = {0};
+    int                    ok   = machine_describe(&here);
+    if (ok)
+        fprintf(
+            to,
+            "%s, light %s, %u x %u texels, %zu triangles; vxs %s on %s, %u cores, %.0f GiB; medians of %u runs (least to most), "
+            "one thread, processor time, %u points\n\n",
+            report->scene_path, report->maps->light.name, side, side, report->maps->casters.triangle_count, VXS_VERSION,
+            here.processor, (unsigned)here.cores, (double)here.memory_bytes / (1 << 30), o->runs, o->points);
+    machine_free(&here);
+    ok = ok && print_figures(to, report, "rival", FIGURE_DISK, FIGURE_OPEN) &&
+         print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_EDGE) && print_wrong(to, report);
     fputs("Where vxs is beaten (less memory or disk, or the slowest run quicker than its quickest), and the ratio:\n\n", to);
     for (size_t n = 1; n < report->count; n++) print_losses(to, &report->results[n], report->results);
     fputc('\n', to);
@@ -246,7 +225,7 @@ int rival_report_print(FILE *to, const rival_report *report)
 
 static json_t *spread_json(spread s)
 {
-    return s.median > 0 ? json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.least, "max", s.most) : json_null();
+    return s.median > 0 ? json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.min, "max", s.max) : json_null();
 }
 
 static json_t *bytes_json(uint64_t bytes)
@@ -279,13 +258,15 @@ static json_t *result_json(const rival_result *r, const rival_result *vxs)
 json_t *rival_report_json(const rival_report *report)
 {
     const measure_options *o       = report->options;
-    machine                here    = machine_here();
+    bench_machine          here    = {0};
     json_t                *results = json_array();
-    char                   system[256];
-    snprintf(system, sizeof system, "%.60s %.60s %.60s", here.system.sysname, here.system.release, here.system.machine);
     for (size_t n = 0; n < report->count; n++) json_array_append_new(results, result_json(&report->results[n], report->results));
-    json_t *place = json_pack("{s:o, s:I, s:I, s:s, s:s}", "processor", json_text(here.processor), "cores", (json_int_t)here.cores,
-                              "memory_bytes", (json_int_t)here.memory_bytes, "system", system, "renderer", report->maps->renderer);
+    json_t *place =
+        machine_describe(&here)
+            ? json_pack("{s:o, s:I, s:I, s:s, s:s}", "processor", json_text(here.processor), "cores", (json_int_t)here.cores,
+                        "memory_bytes", (json_int_t)here.memory_bytes, "system", here.system, "renderer", report->maps->renderer)
+            : NULL;
+    machine_free(&here);
     return json_pack("{s:s, s:o, s:o, s:s, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "vxs", VXS_VERSION, "machine", place,
                      "scene", json_text(report->scene_path), "light", report->maps->light.name, "resolution_px",
                      (json_int_t)1 << report->maps->levels, "triangles", (json_int_t)report->maps->casters.triangle_count,
