@@ -182,8 +182,8 @@ static void show_progress(const bench_work *w, uint32_t run, size_t at)
         if (n >= at) left_seconds += seconds;
     }
     double spent = clock_seconds() - w->since;
-    progress_clear(); /* what comes may take long: it is named even when the last one took no time */
     double left  = left_seconds + (w->o->runs - run - 1) * round_seconds;
+    progress_clear(); /* what comes may take long: it is named even when the last one took no time */
     progress_share(1, left > 0 ? spent / (spent + left) : 0, w->since, "run %u of %u: %s", run + 1, w->o->runs,
                    bench_cell_name(name, sizeof name, w->result, &w->result->cells[at]));
 }

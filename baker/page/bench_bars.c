@@ -168,6 +168,29 @@ static void say_rows_left_out(plot *p, const stack *s)
     if (s->rows_left_out) snprintf(p->caption + at, sizeof p->caption - at, " %zu more bakes are in the table.", s->rows_left_out);
 }
 
+/* What the bars of one plot are. */
+typedef struct stack_plot {
+    const char *name; /* of the plot; the scene's number is added */
+    axis        x;
+    const char *(*words)(char[32], double);
+    const char *whole, *caption; /* what a bar is of, for the title */
+} stack_plot;
+
+static vxs_result add_stack(bench_plots *plots, stack *s, uint32_t scene, const stack_plot *of, message *m)
+{
+    char name[32];
+    join_small_parts(s, "others");
+    plot *p = bench_plots_another(plots, m);
+    if (!p) return VXS_E_MEMORY;
+    snprintf(name, sizeof name, "%s-%u", of->name, scene + 1);
+    plots->count++;
+    vxs_result r = draw_stack(p, name, s, of->x, of->words, m);
+    stack_title(p, s->set->scenes[scene], s, of->whole);
+    snprintf(p->caption, sizeof p->caption, "%s", of->caption);
+    say_rows_left_out(p, s);
+    return r;
+}
+
 /* Greys before the maps, blue for them, greens from them to the DAG, browns for the file. */
 static const char *stage_colour(const char *name, size_t number)
 {
@@ -182,8 +205,10 @@ static const char *stage_colour(const char *name, size_t number)
 
 vxs_result bench_bars_stages(bench_plots *plots, const bench_set *set, uint32_t scene, message *m)
 {
+    static const char caption[] =
+        "A bar is a bake, labelled with its texels a side; the thin line at its end reaches from the least to the greatest "
+        "run. Stages below 1 % everywhere are joined.";
     stack s;
-    char  name[32];
     collect_rows(&s, set, scene);
     for (size_t row = 0; row < s.row_count; row++) {
         const bench_cell *c = s.rows[row]->measured;
@@ -191,18 +216,8 @@ vxs_result bench_bars_stages(bench_plots *plots, const bench_set *set, uint32_t 
         for (size_t n = 0; n < c->stage_count; n++)
             s.values[row][part_of(&s, c->stages[n].name, stage_colour(c->stages[n].name, n))] += c->stages[n].seconds.median;
     }
-    join_small_parts(&s, "others");
-    plot *p = bench_plots_another(plots, m);
-    if (!p) return VXS_E_MEMORY;
-    snprintf(name, sizeof name, "stages-%u", scene + 1);
-    plots->count++;
-    vxs_result r = draw_stack(p, name, &s, axis_of(UNIT_SECONDS, 1, "bake time by stage, medians"), seconds_text, m);
-    stack_title(p, set->scenes[scene], &s, "the bake");
-    snprintf(p->caption, sizeof p->caption,
-             "A bar is a bake, labelled with its texels a side; the thin line at its end reaches from the least to the greatest "
-             "run. Stages below 1 %% everywhere are joined.");
-    say_rows_left_out(p, &s);
-    return r;
+    stack_plot of = {"stages", axis_of(UNIT_SECONDS, 1, "bake time by stage, medians"), seconds_text, "the bake", caption};
+    return add_stack(plots, &s, scene, &of, m);
 }
 
 /* Fine to coarse: masks stand apart, nodes fade. Levels are counted as bench_cell has them. */
@@ -220,8 +235,10 @@ static void level_part(int level, char name[40], char colour[8])
 
 static vxs_result add_level_bytes(bench_plots *plots, const bench_set *set, uint32_t scene, message *m)
 {
+    static const char caption[] =
+        "Masks are 8 x 8 texels of one depth; n³ are nodes of n voxels a side. Head is what is no light's. What is below 1 % "
+        "everywhere is joined.";
     stack s;
-    char  name[32];
     collect_rows(&s, set, scene);
     for (size_t row = 0; row < s.row_count; row++) {
         const bench_cell *c    = s.rows[row]->measured;
@@ -236,18 +253,8 @@ static vxs_result add_level_bytes(bench_plots *plots, const bench_set *set, uint
         }
         if (rest > 0) s.values[row][part_of(&s, "head", "#8d8a80")] += rest;
     }
-    join_small_parts(&s, "others");
-    plot *p = bench_plots_another(plots, m);
-    if (!p) return VXS_E_MEMORY;
-    snprintf(name, sizeof name, "bytes-by-level-%u", scene + 1);
-    plots->count++;
-    vxs_result r = draw_stack(p, name, &s, axis_of(UNIT_BYTES, 1, "bytes of the file by level"), bytes_text, m);
-    stack_title(p, set->scenes[scene], &s, "the file");
-    snprintf(p->caption, sizeof p->caption,
-             "Masks are 8 x 8 texels of one depth; n³ are nodes of n voxels a side. Head is what is no light's. What is below 1 %% "
-             "everywhere is joined.");
-    say_rows_left_out(p, &s);
-    return r;
+    stack_plot of = {"bytes-by-level", axis_of(UNIT_BYTES, 1, "bytes of the file by level"), bytes_text, "the file", caption};
+    return add_stack(plots, &s, scene, &of, m);
 }
 
 static vxs_result add_level_counts(bench_plots *plots, const bench_set *set, uint32_t scene, message *m)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/base/clock.h"
+#include "baker/base/spread.h"
 #include "runtime/vxs.h"
 
 enum { TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000 };
@@ -29,12 +30,6 @@ static void run_rays(timed *t)
     for (size_t n = 0; n < t->count; n++) t->lit[n] = (float)truth_lit(c->truth, t->points_ws + 3 * n, &c->shape);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Seconds for one point: the median of some runs. */
 static double time_runs(void (*run)(timed *t), timed *t)
 {
@@ -45,8 +40,7 @@ static double time_runs(void (*run)(timed *t), timed *t)
         run(t);
         seconds[n] = clock_seconds() - start;
     }
-    qsort(seconds, TIMED_RUNS, sizeof *seconds, by_value);
-    return seconds[TIMED_RUNS / 2] / (double)t->count;
+    return spread_of(seconds, TIMED_RUNS).median / (double)t->count;
 }
 
 static void gather_points(timed *t, size_t limit)

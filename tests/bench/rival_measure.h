@@ -3,7 +3,7 @@
 #ifndef RIVAL_MEASURE_H
 #define RIVAL_MEASURE_H
 
-#include "baker/bench/spread.h"
+#include "baker/base/spread.h"
 #include "tests/bench/rival.h"
 
 enum { FILTER_PX = 9 };

@@ -1,6 +1,6 @@
 /* How far runs of one thing lie apart; see spread.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/bench/spread.h"
+#include "baker/base/spread.h"
 
 #include <stdlib.h>
 
