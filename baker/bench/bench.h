@@ -95,7 +95,7 @@ typedef struct bench_options {
     text_list          light_names;               /* what follows goes to every bake; NULL or none: not given */
     const char        *sun, *region, *scene_name;
     uint32_t           filters_px[BENCH_FILTERS_MAX]; /* besides single taps: odd, above 1, none twice */
-    size_t             filter_count;
+    uint32_t           filter_count;
     uint32_t           runs;
     uint32_t           points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */
     int                progress; /* 1: say on standard error how far it is */

@@ -10,7 +10,7 @@
 #include "baker/bench/bench_against.h"
 #include "baker/bench/bench_json.h"
 #include "baker/bench/bench_text.h"
-#include "baker/command/options.h"
+#include "baker/command/filter_choice.h"
 #include "formats/vxs_format.h"
 
 /* What the command returns when it worked and found something wrong. */
@@ -28,20 +28,10 @@ typedef struct bench_command {
     size_t       too_slow;
 } bench_command;
 
-static vxs_result take_filters(bench_command *c, message *m)
-{
-    for (size_t n = 0; n < c->filters.count; n++) {
-        uint32_t k = c->filters.items[n];
-        if (k % 2 == 0) return fail(m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d", k, VXS_FILTER_MAX);
-        if (k > 1) c->o.filters_px[c->o.filter_count++] = k;
-    }
-    return VXS_OK;
-}
-
 /* What can be found wrong before the work. */
 static vxs_result check(bench_command *c, message *m)
 {
-    vxs_result r = take_filters(c, m);
+    vxs_result r = filters_take(&c->filters, c->o.filters_px, &c->o.filter_count, m);
     if (r == VXS_OK && !c->output_path) r = fail(m, VXS_E_ARGUMENT, "bench needs -o FILE.json");
     if (r == VXS_OK && c->max_slower_given && !c->against_path) r = fail(m, VXS_E_ARGUMENT, "--max-slower goes with --against");
     for (size_t n = 0; n < c->o.scene_count && r == VXS_OK; n++) r = output_file_check(c->output_path, c->o.scenes[n], m);

@@ -10,6 +10,7 @@
 #include "baker/command/asset_open.h"
 #include "baker/command/camera_choice.h"
 #include "baker/command/compare_report.h"
+#include "baker/command/filter_choice.h"
 #include "baker/command/options.h"
 
 /* What the command returns when it worked and found an asset wrong. */
@@ -36,21 +37,9 @@ typedef struct ground {
 
 /* the command line ------------------------------------------------------------------------------------ */
 
-static vxs_result take_filters(compare_command *c, message *m)
-{
-    compare_options *o = &c->report.options;
-    for (size_t n = 0; n < c->filters_px.count; n++) {
-        uint32_t filter_px = c->filters_px.items[n];
-        if (filter_px % 2 == 0)
-            return fail(m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d", filter_px, VXS_FILTER_MAX);
-        if (filter_px > 1) o->filters_px[o->filter_count++] = filter_px;
-    }
-    return VXS_OK;
-}
-
 static vxs_result check_options(compare_command *c, message *m)
 {
-    vxs_result r = take_filters(c, m);
+    vxs_result r = filters_take(&c->filters_px, c->report.options.filters_px, &c->report.options.filter_count, m);
     if (r == VXS_OK) r = camera_check(&c->camera, m);
     if (r != VXS_OK) return r;
     c->camera_given |= c->camera.eye_given;

@@ -5,6 +5,7 @@
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/camera_choice.h"
+#include "baker/command/filter_choice.h"
 #include "baker/command/options.h"
 
 enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
@@ -20,9 +21,8 @@ typedef struct picture_command {
 static vxs_result check_options(const picture_command *c, message *m)
 {
     if (!c->out) return fail(m, VXS_E_ARGUMENT, "picture needs -o OUT.png");
-    if (c->options.filter_px % 2 == 0)
-        return fail(m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d", c->options.filter_px, VXS_FILTER_MAX);
-    return camera_check(&c->camera, m);
+    vxs_result r = filter_check(c->options.filter_px, m);
+    return r == VXS_OK ? camera_check(&c->camera, m) : r;
 }
 
 static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *const *lights, uint32_t count,

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/command/asset_open.h"
+#include "baker/command/filter_choice.h"
 #include "baker/command/options.h"
 #include "baker/command/points.h"
 
@@ -70,8 +71,7 @@ int cmd_query(int argc, char **argv)
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &path, &help_shown, &m);
     if (r == VXS_OK && !help_shown) {
-        if (o.filter_px % 2 == 0)
-            r = fail(&m, VXS_E_ARGUMENT, "--filter %u: expected an odd number from 1 to %d", o.filter_px, VXS_FILTER_MAX);
+        r = filter_check(o.filter_px, &m);
         if (r == VXS_OK) r = asset_open(&asset, path, &m);
         const vxs_light *lights[VXS_LIGHTS_MAX];
         uint32_t         count = 0;
