@@ -57,7 +57,7 @@ libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs osmesa libzstd libxxh
 
 runtime.c := $(wildcard runtime/*.c) formats/vxs_read.c
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
-baker.c   := $(filter-out baker/main.c,$(wildcard baker/*.c baker/*/*.c))
+baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)
 baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
@@ -99,7 +99,7 @@ $B/libvxs.a: $(runtime.o)
 	@echo "  ar   $@"
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
-$(patsubst %,$B/%.o,$(wildcard baker/mesh/casters_cgal.cc baker/mesh/mesh_*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
+$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 
 $B/%.c.o: %.c
 	@echo "  cc   $<"
@@ -174,7 +174,7 @@ uninstall:
 	[ ! -d $(to)/include/vxs ] || rmdir $(to)/include/vxs
 
 format:
-	clang-format -i $(wildcard $(foreach d,baker baker/* formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))
+	clang-format -i $(wildcard $(foreach d,baker baker/* baker/*/* formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))
 
 clean:
 	$(RM) -r build

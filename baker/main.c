@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/process.h"
+#include "baker/process/process.h"
 #include "baker/base/version.h"
-#include "baker/command/options.h"
+#include "baker/options/options.h"
 
 static const struct {
     const char *name;

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 #include "baker/base/message.h"
 
 /* A longer line would wrap on the narrowest of terminals, and could not be taken back. */

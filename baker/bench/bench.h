@@ -10,9 +10,9 @@
 #include <stdint.h>
 
 #include "baker/base/message.h"
-#include "baker/base/spread.h"
+#include "baker/measure/spread.h"
 #include "baker/base/text.h"
-#include "baker/bench/machine.h"
+#include "baker/measure/machine.h"
 
 enum { BENCH_STAGES_MAX = 32, BENCH_LEVELS_MAX = 32, BENCH_FILTERS_MAX = 9, BENCH_CELLS_MAX = 4096 };
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
-#include "baker/command/bake_arguments.h"
+#include "baker/files/json_file.h"
+#include "baker/options/bake_arguments.h"
 
 static vxs_result no_memory(message *m)
 {

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "baker/base/integer.h"
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 
 /* To JSON ---------------------------------------------------------------------------------------------------------------------- */
 

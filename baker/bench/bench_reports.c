@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "baker/base/integer.h"
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 
 /* From ready depth maps to the DAG. */
 static const char *const maps_to_dag_stages[] = {"pyramid", "masks", "insert", "compress", "merge"};

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 #include "baker/bench/text_table.h"
 
 /* Options -------------------------------------------------------------------------------------------------------------------- */

@@ -4,10 +4,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/base/output_file.h"
-#include "baker/command/bake_arguments.h"
+#include "baker/files/output_file.h"
+#include "baker/options/bake_arguments.h"
 #include "baker/page/bake_page.h"
-#include "baker/report.h"
+#include "baker/report/report.h"
 
 static vxs_result run(bake_arguments *a, bake_report *report, message *m)
 {

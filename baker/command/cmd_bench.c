@@ -5,12 +5,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/bake.h"
-#include "baker/base/output_file.h"
+#include "baker/bake/bake.h"
+#include "baker/files/output_file.h"
 #include "baker/bench/bench_against.h"
 #include "baker/bench/bench_json.h"
 #include "baker/bench/bench_text.h"
-#include "baker/command/filter_choice.h"
+#include "baker/options/filter_choice.h"
 #include "formats/vxs_format.h"
 
 /* What the command returns when it worked and found something wrong. */

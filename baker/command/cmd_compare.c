@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/camera_choice.h"
+#include "baker/options/camera_choice.h"
 #include "baker/command/compare_report.h"
-#include "baker/command/filter_choice.h"
-#include "baker/command/options.h"
+#include "baker/options/filter_choice.h"
+#include "baker/options/options.h"
 
 /* What the command returns when it worked and found an asset wrong. */
 enum { STATUS_WRONG = 1 };

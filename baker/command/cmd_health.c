@@ -6,13 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/base/json_file.h"
-#include "baker/base/output_file.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
 #include "baker/base/progress.h"
-#include "baker/command/options.h"
-#include "baker/mesh/mesh_health.h"
-#include "baker/mesh/mesh_repair.h"
-#include "baker/mesh/mesh_union.h"
+#include "baker/options/options.h"
+#include "baker/mend/mesh_health.h"
+#include "baker/mend/mesh_repair.h"
+#include "baker/mend/mesh_union.h"
 
 enum { ROWS = 30, NAMES = 6 };
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/light_text.h"
-#include "baker/command/options.h"
+#include "baker/options/options.h"
 
 static const char *section_name(uint32_t kind)
 {

@@ -4,9 +4,9 @@
 
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/camera_choice.h"
-#include "baker/command/filter_choice.h"
-#include "baker/command/options.h"
+#include "baker/options/camera_choice.h"
+#include "baker/options/filter_choice.h"
+#include "baker/options/options.h"
 
 enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
 

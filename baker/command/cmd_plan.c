@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/output_file.h"
-#include "baker/command/bake_arguments.h"
-#include "baker/plan_text.h"
+#include "baker/files/output_file.h"
+#include "baker/options/bake_arguments.h"
+#include "baker/report/plan_text.h"
 
 static vxs_result run(bake_arguments *a, bake_report *report, message *m)
 {

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "baker/command/asset_open.h"
-#include "baker/command/filter_choice.h"
-#include "baker/command/options.h"
+#include "baker/options/filter_choice.h"
+#include "baker/options/options.h"
 #include "baker/command/points.h"
 
 enum { BLOCK_POINTS = 65536 };

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "baker/base/output_file.h"
-#include "baker/command/options.h"
+#include "baker/files/output_file.h"
+#include "baker/options/options.h"
 #include "baker/page/bench_page.h"
 
 typedef struct report_command {

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/output_file.h"
-#include "baker/command/options.h"
+#include "baker/files/output_file.h"
+#include "baker/options/options.h"
 #include "baker/generate/generate.h"
 #include "baker/generate/glb_write.h"
 

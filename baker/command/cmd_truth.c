@@ -12,9 +12,9 @@
 #include <string.h>
 
 #include "baker/base/parallel.h"
-#include "baker/command/options.h"
+#include "baker/options/options.h"
 #include "baker/command/points.h"
-#include "baker/mesh/casters.h"
+#include "baker/casters/casters.h"
 #include "baker/scene/light_choice.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/truth.h"

@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
-#include "baker/command/options.h"
+#include "baker/files/json_file.h"
+#include "baker/options/options.h"
 #include "runtime/vxs.h"
 
 static void collect(void *user, int number, const char *text, int section, uint64_t offset)

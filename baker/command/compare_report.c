@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/light_text.h"

@@ -6,8 +6,8 @@
 #include <jansson.h>
 #include <stdio.h>
 
-#include "baker/mesh/casters.h"
-#include "baker/mesh/mesh_repair.h"
+#include "baker/casters/casters.h"
+#include "baker/mend/mesh_repair.h"
 #include "baker/truth/compare.h"
 #include "runtime/vxs.h"
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 #include "baker/truth/baked_light.h"
 
 static double degrees(double radians)

@@ -5,7 +5,7 @@
 #define MASKS_H
 
 #include "baker/base/message.h"
-#include "baker/maps/columns.h"
+#include "baker/columns/columns.h"
 
 typedef enum mask_rule {
     MASK_RULE_GREEDY, /* [CPVS16] 3.4: a mask is reused until the nearest exit depth of the texels that it leaves lit */

@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
-#include "baker/base/png_encode.h"
+#include "baker/files/json_file.h"
+#include "baker/files/png_encode.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "positions and indices are written as they lie in memory, which GLB wants little-endian"

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 #include "baker/base/message.h"
-#include "baker/base/output_file.h"
+#include "baker/files/output_file.h"
 #include "baker/scene/scene.h"
 
 #ifdef __cplusplus

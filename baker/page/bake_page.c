@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/output_file.h"
+#include "baker/files/output_file.h"
 #include "baker/base/version.h"
 #include "baker/page/html.h"
-#include "baker/plan_text.h"
+#include "baker/report/plan_text.h"
 
 enum { LIGHTS_SHOWN = 30 };
 

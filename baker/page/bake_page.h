@@ -3,7 +3,7 @@
 #ifndef BAKE_PAGE_H
 #define BAKE_PAGE_H
 
-#include "baker/bake.h"
+#include "baker/bake/bake.h"
 
 /* Write the page: how big, how long, where the bytes go, what would make it smaller; pictures of the largest lights; the plan and
  * what came of it. path "-" is standard output.

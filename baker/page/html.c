@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/png_encode.h"
+#include "baker/files/png_encode.h"
 #include "baker/base/text.h"
 
 /* style ----------------------------------------------------------------------------------------------------------------------- */

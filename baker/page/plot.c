@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "baker/base/output_file.h"
+#include "baker/files/output_file.h"
 #include "baker/base/text.h"
 #include "baker/page/html.h"
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/clock.h"
-#include "baker/base/spread.h"
+#include "baker/measure/clock.h"
+#include "baker/measure/spread.h"
 #include "runtime/vxs.h"
 
 enum { TIMED_RUNS = 5, TIMED_RAYS_MAX = 100000 };

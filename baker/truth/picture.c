@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "baker/base/parallel.h"
-#include "baker/base/png_encode.h"
+#include "baker/files/png_encode.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/truth/baked_light.h"

@@ -5,7 +5,7 @@
 
 #include <stdint.h>
 
-#include "baker/base/output_file.h"
+#include "baker/files/output_file.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
 

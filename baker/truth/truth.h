@@ -11,7 +11,7 @@
 #ifndef TRUTH_H
 #define TRUTH_H
 
-#include "baker/mesh/casters.h"
+#include "baker/casters/casters.h"
 
 typedef struct truth truth;
 

@@ -7,8 +7,8 @@
 #ifndef RIVAL_H
 #define RIVAL_H
 
-#include "baker/bake.h"
-#include "baker/plan.h"
+#include "baker/bake/bake.h"
+#include "baker/bake/plan.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
 

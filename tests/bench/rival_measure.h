@@ -3,7 +3,7 @@
 #ifndef RIVAL_MEASURE_H
 #define RIVAL_MEASURE_H
 
-#include "baker/base/spread.h"
+#include "baker/measure/spread.h"
 #include "tests/bench/rival.h"
 
 enum { FILTER_PX = 9 };

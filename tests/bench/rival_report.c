@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
+#include "baker/files/json_file.h"
 #include "baker/base/version.h"
-#include "baker/bench/machine.h"
+#include "baker/measure/machine.h"
 
 /* figures ---------------------------------------------------------------------------------------------------------------------- */
 

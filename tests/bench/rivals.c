@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/json_file.h"
-#include "baker/base/output_file.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
 #include "baker/base/parallel.h"
-#include "baker/base/process.h"
-#include "baker/command/options.h"
+#include "baker/process/process.h"
+#include "baker/options/options.h"
 #include "tests/bench/rival_report.h"
 
 typedef enum fault { FAULT_NONE, FAULT_DEPTH, FAULT_FILTER } fault;

@@ -24,14 +24,14 @@
 
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
-#include "baker/bake_light.h"
+#include "baker/bake/bake_light.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/command/asset_open.h"
-#include "baker/command/options.h"
-#include "baker/maps/light_fit.h"
-#include "baker/plan.h"
+#include "baker/options/options.h"
+#include "baker/light/light_fit.h"
+#include "baker/bake/plan.h"
 #include "baker/scene/light_choice.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16 };

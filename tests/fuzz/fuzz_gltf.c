@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/mesh/casters.h"
+#include "baker/casters/casters.h"
 #include "fuzz.h"
 
 /* What takes long for good reasons is no finding. */

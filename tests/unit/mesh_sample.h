@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/mesh/casters.h" /* before cmocka, whose fail() is a macro */
+#include "baker/casters/casters.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 

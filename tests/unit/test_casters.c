@@ -1,4 +1,4 @@
-/* Which components are solids, which are sheets, and that welding loses nothing (baker/mesh/casters.h).
+/* Which components are solids, which are sheets, and that welding loses nothing (baker/casters/casters.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/mesh/casters.h" /* before cmocka, whose fail() is a macro */
+#include "baker/casters/casters.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/bake.h" /* before cmocka, whose fail() is a macro */
+#include "baker/bake/bake.h" /* before cmocka, whose fail() is a macro */
 #include "baker/dag/ref_table.h"
 #include "baker/generate/generate.h"
 

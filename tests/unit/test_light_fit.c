@@ -1,4 +1,4 @@
-/* Where a light's maps lie: all casters inside with the margins that lookups count on (baker/maps/light_fit.h).
+/* Where a light's maps lie: all casters inside with the margins that lookups count on (baker/light/light_fit.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -10,7 +10,7 @@
 
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/maps/light_fit.h" /* before cmocka, whose fail() is a macro */
+#include "baker/light/light_fit.h" /* before cmocka, whose fail() is a macro */
 #include "runtime/vxs.h"
 
 #include <cmocka.h>

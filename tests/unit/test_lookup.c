@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup.h" /* first: it needs nothing before it */
 
-#include "baker/maps/gl.h"
+#include "baker/columns/opengl/gl.h"
 
 #include <GL/osmesa.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* The space of a light's maps, and what of a triangle lies in it, against points of random triangles (baker/maps/map_space.h).
+/* The space of a light's maps, and what of a triangle lies in it, against points of random triangles (baker/light/map_space.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/maps/map_space.h" /* before cmocka, whose fail() is a macro */
+#include "baker/light/map_space.h" /* before cmocka, whose fail() is a macro */
 #include "runtime/vxs.h"
 #include "tests/unit/random_lamp.h"
 

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/mesh_sample.h"
 
-#include "baker/mesh/mesh_intersect.h"
+#include "baker/casters/mesh_intersect.h"
 
 static void find_meeting(sample *b, closed_mode closed)
 {

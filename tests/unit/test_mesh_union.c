@@ -1,9 +1,9 @@
-/* Solids that meet become one, with the same inside (baker/mesh/mesh_union.h).
+/* Solids that meet become one, with the same inside (baker/mend/mesh_union.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/mesh_sample.h"
 
-#include "baker/mesh/mesh_health.h"
-#include "baker/mesh/mesh_union.h"
+#include "baker/mend/mesh_health.h"
+#include "baker/mend/mesh_union.h"
 
 static double solid_volume(const casters *c)
 {

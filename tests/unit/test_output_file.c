@@ -1,6 +1,6 @@
 /* A file appears complete or not at all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/base/output_file.h"
+#include "baker/files/output_file.h"
 
 #include <dirent.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* The casters as one map of a light sees them: what is in the map is there, where it is, with its depth, and without a crack
- * (baker/maps/projection.h).
+ * (baker/light/projection.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <setjmp.h>
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/maps/projection.h" /* before cmocka, whose fail() is a macro */
+#include "baker/light/projection.h" /* before cmocka, whose fail() is a macro */
 #include "runtime/vxs.h"
 #include "tests/unit/random_lamp.h"
 

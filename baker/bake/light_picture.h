@@ -1,0 +1,41 @@
+/* What a light's maps look like, small, and where they need masks: gathered tile by tile while the light is baked.
+ *
+ * A picture has the side of its map, but at most PICTURE_MAX_PX, or CUBE_PICTURE_MAX_PX for each of six: a pixel is a square of texels.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef LIGHT_PICTURE_H
+#define LIGHT_PICTURE_H
+
+#include "baker/dag/masks.h"
+#include "baker/columns/stored/depth_maps.h"
+#include "formats/vxs_file.h"
+
+enum { PICTURE_MAX_PX = 1024, CUBE_PICTURE_MAX_PX = 512, PICTURE_NO_CASTER = 65535 };
+
+typedef struct light_picture {
+    uint32_t  light;      /* its place among those that are baked */
+    uint32_t  map_count;  /* 1 or 6 */
+    uint32_t  map_px;     /* side of a map */
+    uint32_t  side_px;    /* of a picture of depths */
+    uint32_t  mask_px;    /* of a picture of masks: side_px, or less where a pixel would be less than a tile of 8 x 8 */
+    uint32_t  mask_tiles; /* 8 x 8 tiles in a pixel of masks */
+    uint16_t *depth;      /* [map_count * side_px^2] rows; mean depth, 0 to 65534 over the map's depth, or PICTURE_NO_CASTER */
+    uint8_t  *masks;      /* [map_count * mask_px^2] rows; masks (runs) of the tile in the pixel that needs most */
+} light_picture;
+
+/* What a picture of maps of map_px holds. */
+uint64_t light_picture_bytes(uint32_t map_px, uint32_t map_count);
+
+/* A picture without casters. p  [out] zeroed on failure; released with light_picture_free.   Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px, uint32_t map_count, message *m);
+
+/* Take in a rendered tile of a map, tile (i, j) in tiles of its own side. */
+void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);
+
+/* Take in masks whose first tile is the 8 x 8 tile (x, y) of the map.
+ * Threads: at once for squares that are aligned to their side, which is a power of two and at least a pixel's. */
+void light_picture_add_masks(light_picture *p, const tile_masks *masks, uint32_t map, uint32_t x, uint32_t y);
+
+/* Accepts a zeroed object. */
+void light_picture_free(light_picture *p);
+
+#endif

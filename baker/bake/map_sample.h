@@ -1,0 +1,37 @@
+/* What a map will be made of, found out from a part of it without OpenGL: for the plan.
+ *
+ * The map is divided into squares, and one window of each, at a place that its number decides, is made as the bake makes it: columns,
+ * masks, inserted nodes. Which blocks hold triangles is counted for the whole map, and exact.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef MAP_SAMPLE_H
+#define MAP_SAMPLE_H
+
+#include "baker/dag/dag.h"
+#include "baker/light/projection.h"
+
+enum { SAMPLE_LEVELS = 3, SAMPLE_WINDOW_PX = 32, TILE_MAX_PX = 4096, TILE_SIZES = 4 };
+
+typedef struct map_sample {
+    /* of the whole map; blocks are those of depth_block.h */
+    uint64_t blocks, blocks_empty;                       /* blocks_empty: no triangle may touch them */
+    uint64_t blocks_peeled;                              /* hold solids that meet another */
+    uint64_t blocks_not_peeled;                          /* hold solids, and none that meets another */
+    uint64_t block_triangles;                            /* over all blocks, the triangles that may touch each */
+    uint64_t peeled_triangles;                           /* the same over blocks_peeled, solids alone */
+    uint64_t tiles[TILE_SIZES], tiles_empty[TILE_SIZES]; /* of TILE_MAX_PX >> n texels a side, or the whole map */
+
+    /* of the windows */
+    uint64_t texels;
+    double   weight;                      /* texels of the map for each texel looked at */
+    uint64_t peeled_windows, layers;      /* windows with solids; over them, back faces up to the exit where there are most */
+    uint64_t mask_tiles, mask_runs;       /* tiles that need masks, and their masks */
+    uint64_t masks, nodes[SAMPLE_LEVELS]; /* inserted, by level */
+    uint64_t unique_masks, unique_nodes;  /* different ones among them */
+} map_sample;
+
+/* Look at map `map` of a light; p is its projection. peels_all: solids count as meeting whatever is known of them.
+ * s  [out] zeroed on failure.   Returns VXS_OK or VXS_E_MEMORY.  Same input, same result. */
+vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, mask_rule rule, int reuse,
+                           message *m);
+
+#endif

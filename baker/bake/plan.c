@@ -1,0 +1,243 @@
+/* The plan; see plan.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/plan.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/measure/clock.h"
+#include "baker/base/integer.h"
+#include "baker/base/text.h"
+#include "baker/light/light_fit.h"
+
+/* lights ---------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result check_name(const bake_plan *plan, const plan_light *light, message *m)
+{
+    for (const plan_light *other = plan->lights; other < light; other++)
+        if (!other->left_out && !strcmp(other->light.name, light->light.name))
+            return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", light->light.name);
+    return VXS_OK;
+}
+
+static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, const chosen_light *chosen,
+                            message *m)
+{
+    light_fit_desc fit = {.name           = chosen->name,
+                          .shape          = &chosen->shape,
+                          .resolution     = o->resolution,
+                          .resolution_max = RESOLUTION_MAX_PX,
+                          .texel_metres   = o->texel_metres,
+                          .region_ws      = o->region_given ? o->region_ws : NULL};
+    casters        near;
+    vxs_result     r = reach_casters(&near, &plan->reach, c, &chosen->shape, m);
+    if (r == VXS_OK) r = light_fit(&l->light, &near, &fit, m);
+    reach_release(&near, c);
+    l->shape = chosen->shape;
+    snprintf(l->name, sizeof l->name, "%s", chosen->name);
+    if (r == VXS_E_NO_CASTER) {
+        l->left_out = REACHES_NOTHING;
+        return VXS_OK;
+    }
+    plan->baked_count++;
+    l->map_count = vxs_light_map_count(&l->light);
+    return r == VXS_OK ? check_name(plan, l, m) : r;
+}
+
+static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const light_choice *chosen, message *m)
+{
+    vxs_result r = VXS_OK;
+    plan->lights = calloc(chosen->count, sizeof *plan->lights);
+    if (!plan->lights) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", chosen->count);
+    plan->light_count = chosen->count;
+    for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) r = fit_light(plan, &plan->lights[n], o, c, &chosen->lights[n], m);
+    if (r == VXS_OK && !plan->baked_count) return fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
+    return r;
+}
+
+/* solids ---------------------------------------------------------------------------------------------------------------------- */
+
+/* Finding out which solids meet takes time for each of their triangles, on all threads, and may spare time in each block. */
+static const double MEETING_SECONDS_PER_TRIANGLE = 1.4e-6, PEELING_SECONDS_PER_BLOCK = 2.5e-3, PEELING_SECONDS_PER_TRIANGLE = 8e-8;
+
+static void plan_exit(bake_plan *plan, const bake_options *o, const casters *c)
+{
+    double blocks = 0, draws = 0;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l    = &plan->lights[n];
+        double            side = (double)(1u << l->light.levels) / 512;
+        if (l->left_out) continue;
+        blocks += l->map_count * side * side;
+        draws += l->map_count * (side < 1 ? 1 : side);
+    }
+    plan->has_exit_map    = c->solid_triangle_count != 0;
+    plan->peels_all       = o->exit == EXIT_PEEL;
+    plan->meeting_seconds = (double)c->solid_triangle_count * MEETING_SECONDS_PER_TRIANGLE / o->threads;
+    plan->peeling_seconds =
+        blocks * PEELING_SECONDS_PER_BLOCK + draws * (double)c->solid_triangle_count * PEELING_SECONDS_PER_TRIANGLE;
+    plan->meeting_known = plan->has_exit_map && o->exit == EXIT_AUTO && plan->peeling_seconds > plan->meeting_seconds;
+    if (o->exit == EXIT_AUTO && !plan->meeting_known) plan->peels_all = plan->has_exit_map;
+}
+
+/* maps ------------------------------------------------------------------------------------------------------------------------ */
+
+/* Another map of the light. */
+static void add_sample(map_sample *sum, const map_sample *s)
+{
+    sum->blocks += s->blocks;
+    sum->blocks_empty += s->blocks_empty;
+    sum->blocks_peeled += s->blocks_peeled;
+    sum->blocks_not_peeled += s->blocks_not_peeled;
+    sum->block_triangles += s->block_triangles;
+    sum->peeled_triangles += s->peeled_triangles;
+    for (int size = 0; size < TILE_SIZES; size++) {
+        sum->tiles[size] += s->tiles[size];
+        sum->tiles_empty[size] += s->tiles_empty[size];
+    }
+    sum->texels += s->texels;
+    sum->weight = s->weight; /* the same for all maps of a light */
+    sum->layers += s->layers;
+    sum->peeled_windows += s->peeled_windows;
+    sum->mask_tiles += s->mask_tiles;
+    sum->mask_runs += s->mask_runs;
+    sum->masks += s->masks;
+    sum->unique_masks += s->unique_masks;
+    sum->unique_nodes += s->unique_nodes;
+    for (int l = 0; l < SAMPLE_LEVELS; l++) sum->nodes[l] += s->nodes[l];
+}
+
+static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, message *m)
+{
+    casters    near;
+    vxs_result r = reach_casters(&near, &plan->reach, c, &l->shape, m);
+    memset(&l->sample, 0, sizeof l->sample);
+    l->triangles = 0;
+    for (uint32_t map = 0; map < l->map_count && r == VXS_OK; map++) {
+        projection p;
+        map_sample s = {0};
+        r            = projection_init(&p, &near, &l->light, (int)map, o->threads, m);
+        if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, o->rule, o->reuse, m);
+        l->triangles += p.triangle_count;
+        projection_free(&p);
+        add_sample(&l->sample, &s);
+    }
+    reach_release(&near, c);
+    l->blocks            = l->sample.blocks;
+    l->blocks_empty      = l->sample.blocks_empty;
+    l->blocks_peeled     = o->exit == EXIT_BACK ? 0 : l->sample.blocks_peeled;
+    l->blocks_not_peeled = l->sample.blocks_not_peeled + l->sample.blocks_peeled - l->blocks_peeled;
+    return r;
+}
+
+/* sub-DAGs -------------------------------------------------------------------------------------------------------------------- */
+
+/* The pass finds what repeats within a sub-DAG, on all threads; the merge, on one, finds it too, but spends less on what it knows. */
+static const double TOP_DOWN_SECONDS_PER_NODE = 4.5e-8, MERGE_SECONDS_PER_REPEATED_NODE = 1.5e-8;
+
+static void plan_compression(bake_plan *plan, const bake_options *o)
+{
+    double inserted = 0, repeated = 0;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l   = &plan->lights[n];
+        double            all = l->inserted_nodes + l->inserted_masks, kept = l->nodes + l->masks;
+        inserted += all;
+        repeated += all > kept ? all - kept : 0;
+    }
+    plan->compress_seconds     = inserted * TOP_DOWN_SECONDS_PER_NODE / o->threads;
+    plan->merge_seconds_spared = repeated * MERGE_SECONDS_PER_REPEATED_NODE;
+    plan->compress             = o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN;
+    plan->compresses =
+        o->stop == STOP_PARTIAL ||
+        (o->stop == STOP_FINAL && (o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds));
+}
+
+/* memory ---------------------------------------------------------------------------------------------------------------------- */
+
+static uint32_t largest_map(const bake_plan *plan)
+{
+    uint32_t side = 8;
+    for (size_t n = 0; n < plan->light_count; n++)
+        if (!plan->lights[n].left_out && 1u << plan->lights[n].light.levels > side) side = 1u << plan->lights[n].light.levels;
+    return side;
+}
+
+/* As many as are kept, and one in work; each counts as the largest. */
+static uint64_t picture_bytes(const bake_plan *plan)
+{
+    uint64_t largest = 0;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l     = &plan->lights[n];
+        uint64_t          bytes = l->left_out ? 0 : light_picture_bytes(1u << l->light.levels, l->map_count);
+        if (bytes > largest) largest = bytes;
+    }
+    return largest * (plan->baked_count < PICTURES_MAX ? plan->baked_count : PICTURES_MAX + 1);
+}
+
+/* Smaller tiles until it fits; the last one is as small as a sub-DAG, or a block. */
+static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+{
+    uint32_t side       = largest_map(plan);
+    uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
+    plan->tile_px       = min_u32(side, TILE_MAX_PX);
+    plan->baseline      = o->baseline;
+    plan->budget_bytes  = o->memory_bytes;
+    plan->picture_bytes = o->pictures ? picture_bytes(plan) : 0;
+    plan->peak_bytes    = plan_peak_bytes(plan, c, plan->tile_px);
+    if (plan->budget_bytes && plan->peak_bytes > plan->budget_bytes)
+        plan->baseline = BASELINE_OFF; /* a comparison, no part of the file */
+    plan->least_bytes = plan_peak_bytes(plan, c, least);
+    if (!plan->budget_bytes) return VXS_OK;
+    while (plan->peak_bytes > plan->budget_bytes && plan->tile_px > least) {
+        plan->tile_px /= 2;
+        plan->peak_bytes = plan_peak_bytes(plan, c, plan->tile_px);
+    }
+    if (plan->peak_bytes <= plan->budget_bytes) return VXS_OK;
+    char budget[32], needed[32];
+    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s': this bake needs about %s at least",
+                size_text(budget, plan->budget_bytes), o->scene_path, size_text(needed, plan->least_bytes));
+}
+
+static void count_tiles(bake_plan *plan)
+{
+    uint32_t size = 0;
+    while (size + 1 < TILE_SIZES && (uint32_t)TILE_MAX_PX >> size > plan->tile_px) size++;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        plan->lights[n].tiles       = plan->lights[n].sample.tiles[size];
+        plan->lights[n].tiles_empty = plan->lights[n].sample.tiles_empty[size];
+    }
+}
+
+vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const light_choice *chosen, uint64_t scene_bytes,
+                     message *m)
+{
+    double     start = clock_seconds();
+    vxs_result r;
+    memset(plan, 0, sizeof *plan);
+    if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
+    if ((r = fit_lights(plan, o, c, chosen, m)) != VXS_OK) goto done;
+    plan_exit(plan, o, c);
+    if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
+    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
+        plan_light *l = &plan->lights[n];
+        if (l->left_out) continue;
+        r = sample_light(plan, l, o, c, m);
+        plan_estimate_light(l, o);
+    }
+    if (r != VXS_OK) goto done;
+    plan_compression(plan, o);
+    plan_estimate_scene(plan, c, scene_bytes);
+    r = plan_memory(plan, o, c, m);
+    if (r == VXS_OK) count_tiles(plan);
+done:
+    plan->plan_seconds = clock_seconds() - start;
+    if (r != VXS_OK) plan_free(plan);
+    return r;
+}
+
+void plan_free(bake_plan *plan)
+{
+    reach_free(&plan->reach);
+    free(plan->lights);
+    memset(plan, 0, sizeof *plan);
+}

@@ -1,0 +1,84 @@
+/* What a scene needs and what is left out, written down before the work. The bake takes its decisions from it and from nowhere else.
+ *
+ * Decisions come with the numbers that they rest on; plan_text.c puts them into words. Estimates come from a sample of each map
+ * (baker/bake/map_sample.h) and coefficients that were measured (plan_estimate.c): they decide nothing but what takes less time or
+ * memory, never what is in the file. docs/manual.md says how far off they are.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PLAN_H
+#define PLAN_H
+
+#include "baker/bake/bake.h"
+#include "baker/bake/map_sample.h"
+#include "baker/light/reach.h"
+#include "baker/scene/light_choice.h"
+
+/* Of one light. */
+typedef struct plan_light {
+    char        name[VXS_LIGHT_NAME_BYTES];
+    const char *left_out; /* why it is not baked; NULL: it is */
+    light_shape shape;
+    vxs_light   light; /* fitted: all but the DAG */
+    uint32_t    map_count;
+    size_t      triangles; /* that the light can reach */
+
+    /* exact, over all maps */
+    uint64_t tiles, tiles_empty;
+    uint64_t blocks, blocks_empty, blocks_peeled, blocks_not_peeled;
+
+    /* estimated */
+    double     seconds[STAGE_COUNT];
+    double     mask_tiles, mask_runs;
+    double     inserted_nodes, inserted_masks, nodes, masks; /* before and after compression */
+    double     memory_bytes, stored_bytes;                   /* in the words that lookups read; in the file */
+    double     work_bytes;                                   /* most that is held for it alone while it is baked */
+    map_sample sample;                                       /* of all maps together */
+} plan_light;
+
+struct bake_plan {
+    /* solids: where exit depths are peeled */
+    int    has_exit_map;                     /* 0: nothing is solid, and x = e */
+    int    meeting_known;                    /* which solids meet was found out */
+    int    peels_all;                        /* every block with solids is peeled */
+    double meeting_seconds, peeling_seconds; /* what finding out takes; what it might spare */
+
+    /* sub-DAG compression before the merge */
+    int            compresses;
+    compress_order compress;
+    double         compress_seconds, merge_seconds_spared;
+
+    uint32_t      tile_px; /* side of a map tile at most */
+    baseline_mode baseline;
+    uint64_t      picture_bytes; /* what pictures of the largest lights hold; 0: nobody asked for them */
+    uint64_t      budget_bytes;  /* --memory; 0: none */
+    uint64_t      least_bytes;   /* what the smallest plan needs */
+
+    reach_index reach;
+    plan_light *lights; /* [light_count] as chosen, left out ones among them */
+    size_t      light_count, baked_count;
+
+    double   seconds[STAGE_COUNT], total_seconds;
+    uint64_t peak_bytes, file_bytes, memory_bytes;
+    double   plan_seconds; /* measured: what the plan itself took */
+};
+
+/* Make a plan.
+ * plan         [out] zeroed on failure; released with plan_free
+ * c            gets solid_meets where the plan needs it
+ * scene_bytes  of the scene's file
+ * Returns VXS_OK; VXS_E_NO_LIGHT when no light reaches a caster; VXS_E_ARGUMENT for a light that cannot be fitted, or two of one name;
+ * VXS_E_MEMORY, also when no plan stays within the budget: one line says how much is needed.
+ * Same scene and options, same plan, but for the clock. */
+vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const light_choice *chosen, uint64_t scene_bytes,
+                     message *m);
+
+/* Accepts a zeroed object. */
+void plan_free(bake_plan *plan);
+
+/* plan_estimate.c: from the samples to seconds and bytes. */
+void plan_estimate_light(plan_light *l, const bake_options *o);
+void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes);
+
+/* Peak memory with tiles of so many texels. */
+uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px);
+
+#endif

@@ -1,0 +1,245 @@
+/* Which closed shells have something inside; see casters_cgal.h.
+ *
+ * Candidate pairs come from CGAL's box intersection: whatever lies in a shell has its lowest corner in the shell's box. For
+ * those a tree is built of the part of the shell that can matter.
+ *
+ * Inside is decided by the winding number, because the shells are balanced soups and need not be manifold, as
+ * CGAL::Side_of_triangle_mesh wants them. It is counted along a vertical segment from the point to above the shell. That may
+ * run through edges, corners and vertical triangles, so the count is made for the point moved by (h, h^2, 0), h > 0
+ * infinitely small (simulation of simplicity: Edelsbrunner and Muecke 1990). Moved so, the segment crosses a triangle's
+ * interior or misses the triangle, and no other direction has to be tried.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/casters/casters_cgal.h"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/box_intersection_d.h>
+
+#include <algorithm>
+#include <iterator>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace
+{
+using kernel    = CGAL::Exact_predicates_inexact_constructions_kernel;
+using point     = kernel::Point_3;
+using triangle  = kernel::Triangle_3;
+using triangles = std::vector<triangle>;
+using primitive = CGAL::AABB_triangle_primitive<kernel, triangles::const_iterator>;
+using tree      = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
+using box       = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+
+constexpr size_t tested_vertices_max = 4096;
+
+point point_at(const double *xyz)
+{
+    return point(xyz[0], xyz[1], xyz[2]);
+}
+
+/* Where p, moved by (h, h^2), lies of the line through a and b, seen from above. */
+int side_above(const point &a, const point &b, const point &p)
+{
+    using plane_point = kernel::Point_2;
+    int side          = CGAL::orientation(plane_point(a.x(), a.y()), plane_point(b.x(), b.y()), plane_point(p.x(), p.y()));
+    if (side == 0) side = CGAL::compare(a.y(), b.y());
+    if (side == 0) side = CGAL::compare(b.x(), a.x());
+    return side;
+}
+
+/* What a triangle that the upward segment from p meets adds to the winding number of p: +1 when left through its back. */
+int crossing(const triangle &t, const point &p)
+{
+    int ab = side_above(t[0], t[1], p), bc = side_above(t[1], t[2], p), ca = side_above(t[2], t[0], p);
+    return ab == bc && bc == ca ? ab : 0;
+}
+
+/* A guest below s.count is that component, any other is point guest - s.count. */
+CGAL::Bbox_3 guest_box(const shell_set &s, uint32_t guest)
+{
+    if (guest >= s.count) return point_at(&s.points[3 * (guest - s.count)]).bbox();
+    const double *b = &s.boxes[6 * size_t(guest)];
+    return CGAL::Bbox_3(b[0], b[1], b[2], b[3], b[4], b[5]);
+}
+
+/* The part of a component that is above or around an area, and so can tell whether a point of the area is inside. */
+class shell
+{
+  public:
+    shell(const shell_set &s, uint32_t component, const CGAL::Bbox_3 &area)
+    {
+        const CGAL::Bbox_3 whole = guest_box(s, component);
+        top                      = whole.zmax() + (whole.zmax() - whole.zmin()); /* above all: no segment shrinks to a point */
+        const CGAL::Bbox_3 column(area.xmin(), area.ymin(), area.zmin(), area.xmax(), area.ymax(), top);
+
+        for (uint32_t i = s.first[component]; i < s.first[component + 1]; i++) {
+            const uint32_t *v = &s.indices[3 * size_t(s.members[i])];
+            const triangle  t(point_at(&s.positions_ws[3 * size_t(v[0])]), point_at(&s.positions_ws[3 * size_t(v[1])]),
+                              point_at(&s.positions_ws[3 * size_t(v[2])]));
+            /* one without area is seen edge on from everywhere: it adds nothing, and CGAL refuses it */
+            if (CGAL::do_overlap(t.bbox(), column) && !t.is_degenerate()) faces.push_back(t);
+        }
+        face_tree.insert(faces.cbegin(), faces.cend());
+        face_tree.build();
+    }
+
+    bool holds(const point &p)
+    {
+        met.clear();
+        face_tree.all_intersected_primitives(kernel::Segment_3(p, point(p.x(), p.y(), top)), std::back_inserter(met));
+        int winding = 0;
+        for (auto face : met) {
+            if (face->has_on(p)) return true;
+            winding += crossing(*face, p);
+        }
+        return winding != 0;
+    }
+
+  private:
+    double                                 top;
+    triangles                              faces;
+    tree                                   face_tree;
+    std::vector<triangles::const_iterator> met;
+};
+
+std::vector<uint32_t> vertices_of(const shell_set &s, uint32_t component)
+{
+    std::vector<uint32_t> vertices;
+    vertices.reserve(3 * size_t(s.first[component + 1] - s.first[component]));
+    for (uint32_t i = s.first[component]; i < s.first[component + 1]; i++) {
+        const uint32_t *v = &s.indices[3 * size_t(s.members[i])];
+        vertices.insert(vertices.end(), v, v + 3);
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
+/* Is all of a component in the shell? On the surface counts as inside: a point on it says nothing, so further ones decide,
+ * and where all are on it (a copy of the shell, say) the doubt is resolved to the safe side. */
+bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
+{
+    /* most are dismissed by one vertex */
+    const uint32_t corner = s.indices[3 * size_t(s.members[s.first[inner]])];
+    if (!outer.holds(point_at(&s.positions_ws[3 * size_t(corner)]))) return false;
+
+    const std::vector<uint32_t> vertices = vertices_of(s, inner);
+    const size_t                tested   = std::min(vertices.size(), tested_vertices_max);
+    for (size_t i = 0; i < tested; i++) {
+        const uint32_t v = vertices[i * vertices.size() / tested];
+        if (!outer.holds(point_at(&s.positions_ws[3 * size_t(v)]))) return false;
+    }
+    return true;
+}
+
+using candidate = std::pair<uint32_t, uint32_t>; /* shell, guest */
+
+/* In ascending order. */
+std::vector<candidate> find_candidates(const shell_set &s, const uint8_t *wanted)
+{
+    std::vector<box> shells, guests;
+    for (uint32_t i = 0; i < s.count; i++)
+        if (wanted[i]) shells.emplace_back(guest_box(s, i), i);
+    for (uint32_t i = 0; i < s.count + s.point_count; i++) {
+        const CGAL::Bbox_3 b = guest_box(s, i);
+        guests.emplace_back(point(b.xmin(), b.ymin(), b.zmin()).bbox(), i);
+    }
+
+    std::vector<candidate> found;
+    auto                   keep = [&](const box &guest, const box &outer) {
+        const CGAL::Bbox_3 around = outer.bbox();
+        if (guest.info() != outer.info() && guest_box(s, guest.info()) + around == around)
+            found.emplace_back(outer.info(), guest.info());
+    };
+    CGAL::box_intersection_d(guests.begin(), guests.end(), shells.begin(), shells.end(), keep);
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+bool holds_guest(shell &outer, const shell_set &s, uint32_t guest)
+{
+    return guest < s.count ? holds_component(outer, s, guest) : outer.holds(point_at(&s.points[3 * (guest - s.count)]));
+}
+
+/* The candidates [begin, end) of one shell. Often the first is inside, and a small part of the shell shows it; then eight
+ * more are tried, and so on, so that many guests do not cost many trees. */
+bool is_occupied(const shell_set &s, const candidate *begin, const candidate *end)
+{
+    const uint32_t component = begin->first;
+    for (ptrdiff_t batch = 1; begin != end; batch *= 8) {
+        const candidate *stop = begin + std::min(batch, end - begin);
+        CGAL::Bbox_3     area;
+        for (const candidate *c = begin; c != stop; c++) area += guest_box(s, c->second);
+        shell outer(s, component, area);
+        for (; begin != stop; begin++)
+            if (holds_guest(outer, s, begin->second)) return true;
+    }
+    return false;
+}
+
+bool is_occupied_or_unknown(const shell_set &s, const candidate *begin, const candidate *end)
+{
+    try {
+        return is_occupied(s, begin, end);
+    } catch (const std::bad_alloc &) {
+        throw;
+    } catch (...) {
+        return true;
+    }
+}
+
+void find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied)
+{
+    const std::vector<candidate> found = find_candidates(s, wanted);
+    for (size_t i = 0; i < s.count; i++)
+        if (wanted[i]) occupied[i] = 0;
+    const candidate *const all_end = found.data() + found.size();
+    for (const candidate *begin = found.data(), *end; begin != all_end; begin = end) {
+        end                    = std::find_if(begin, all_end, [&](const candidate &c) { return c.first != begin->first; });
+        occupied[begin->first] = is_occupied_or_unknown(s, begin, end);
+    }
+}
+
+/* The pairs [begin, end) of one outer component. */
+void find_inside(const shell_set &s, shell_pair *begin, shell_pair *end)
+{
+    CGAL::Bbox_3 area;
+    for (const shell_pair *p = begin; p != end; p++) area += guest_box(s, p->inner);
+    shell outer(s, begin->outer, area);
+    for (shell_pair *p = begin; p != end; p++) {
+        const uint32_t corner = s.indices[3 * size_t(s.members[s.first[p->inner]])];
+        p->inside             = outer.holds(point_at(&s.positions_ws[3 * size_t(corner)]));
+    }
+}
+} // namespace
+
+vxs_result shells_find_inside(const shell_set *s, shell_pair *pairs, size_t count)
+{
+    for (shell_pair *begin = pairs, *end; begin != pairs + count; begin = end) {
+        end = std::find_if(begin, pairs + count, [&](const shell_pair &p) { return p.outer != begin->outer; });
+        try {
+            find_inside(*s, begin, end);
+        } catch (const std::bad_alloc &) {
+            return VXS_E_MEMORY;
+        } catch (...) {
+            for (shell_pair *p = begin; p != end; p++) p->inside = 1;
+        }
+    }
+    return VXS_OK;
+}
+
+vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied)
+{
+    try {
+        find_occupied(*s, wanted, occupied);
+    } catch (const std::bad_alloc &) {
+        return VXS_E_MEMORY;
+    } catch (...) {
+        for (size_t i = 0; i < s->count; i++)
+            if (wanted[i]) occupied[i] = 1;
+    }
+    return VXS_OK;
+}

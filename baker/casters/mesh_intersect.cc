@@ -1,0 +1,217 @@
+/* Which triangles touch or cross; see mesh_intersect.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/casters/mesh_intersect.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/box_intersection_d.h>
+#include <CGAL/intersections.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <new>
+#include <vector>
+
+#include "baker/base/parallel.h"
+
+namespace
+{
+using kernel   = CGAL::Exact_predicates_inexact_constructions_kernel;
+using point    = kernel::Point_3;
+using segment  = kernel::Segment_3;
+using triangle = kernel::Triangle_3;
+using box      = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+
+constexpr std::ptrdiff_t scan_below = 300;  /* boxes that are compared one by one: fastest for meshes */
+constexpr size_t         slab_boxes = 8192; /* that begin in a slab */
+
+struct limit_met {
+};
+struct all_found {
+};
+
+point corner(const mesh_soup &s, uint32_t t, int i)
+{
+    const double *p = &s.positions_ws[3 * size_t(s.indices[3 * size_t(t) + i % 3])];
+    return point(p[0], p[1], p[2]);
+}
+
+triangle triangle_at(const mesh_soup &s, uint32_t t)
+{
+    return triangle(corner(s, t, 0), corner(s, t, 1), corner(s, t, 2));
+}
+
+bool is_flat(const mesh_soup &s, uint32_t t)
+{
+    return CGAL::collinear(corner(s, t, 0), corner(s, t, 1), corner(s, t, 2));
+}
+
+/* Triangles with a common edge lie on each other when they are in one plane, on one side of the edge. */
+bool overlap_beside_edge(const point &p, const point &q, const point &a, const point &b)
+{
+    return CGAL::coplanar(p, q, a, b) && CGAL::coplanar_orientation(p, q, a, b) == CGAL::POSITIVE;
+}
+
+/* Two boxes have one point in common, or a line along an axis: the common corner or edge lies there, and is all of it. Most of a mesh of
+ * voxels is like that, and exact predicates are slowest there, where everything lies in one plane. */
+bool boxes_have_only_corners_in_common(const mesh_soup &s, uint32_t a, uint32_t b, int common)
+{
+    const CGAL::Bbox_3 u = triangle_at(s, a).bbox(), v = triangle_at(s, b).bbox();
+    int                flat = 0;
+    for (int axis = 0; axis < 3; axis++) flat += std::max(u.min(axis), v.min(axis)) == std::min(u.max(axis), v.max(axis));
+    return flat == 3 || (flat == 2 && common == 2);
+}
+
+bool do_meet(const mesh_soup &s, uint32_t a, uint32_t b)
+{
+    const uint32_t *u = &s.indices[3 * size_t(a)], *v = &s.indices[3 * size_t(b)];
+    int             common = 0, ours[3], theirs[3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (u[i] == v[j]) ours[common] = i, theirs[common] = j, common++;
+
+    if (common == 3) return true;
+    if (common && boxes_have_only_corners_in_common(s, a, b, common)) return false;
+    if (common == 2)
+        return overlap_beside_edge(corner(s, a, ours[0]), corner(s, a, ours[1]), corner(s, a, 3 - ours[0] - ours[1]),
+                                   corner(s, b, 3 - theirs[0] - theirs[1]));
+    if (common == 0) return CGAL::do_intersect(triangle_at(s, a), triangle_at(s, b));
+    /* with one common corner, the side opposite of it reaches the other triangle, one way round or the other */
+    const int i = ours[0], j = theirs[0];
+    return CGAL::do_intersect(triangle_at(s, a), segment(corner(s, b, j + 1), corner(s, b, j + 2))) ||
+           CGAL::do_intersect(triangle_at(s, b), segment(corner(s, a, i + 1), corner(s, a, i + 2)));
+}
+
+/* Boxes are looked at by pointers, which are quicker to sort. */
+template <class visitor> void for_each_overlap(std::vector<const box *> &boxes, const visitor &visit)
+{
+    CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), visit, scan_below);
+}
+
+/* Slabs of space across its longest axis, from one bound to the next. A pair belongs to the slab where both boxes have begun. */
+struct slabs {
+    int                 axis = 0;
+    std::vector<double> bounds; /* ascending, all different; the last slab has no end */
+};
+
+slabs cut(const std::vector<box> &boxes)
+{
+    slabs        s;
+    CGAL::Bbox_3 all;
+    for (const box &b : boxes) all += b.bbox();
+    for (int axis = 1; axis < 3; axis++)
+        if (all.max(axis) - all.min(axis) > all.max(s.axis) - all.min(s.axis)) s.axis = axis;
+
+    std::vector<double> begins;
+    begins.reserve(boxes.size());
+    for (const box &b : boxes) begins.push_back(b.min_coord(s.axis));
+    for (size_t n = 0, last = 0; n < begins.size(); last = n, n += slab_boxes) {
+        std::nth_element(begins.begin() + last, begins.begin() + n, begins.end());
+        if (s.bounds.empty() || begins[n] > s.bounds.back()) s.bounds.push_back(begins[n]);
+    }
+    return s;
+}
+
+/* All slabs of a search, by several threads. What happens in one of them ends all. */
+struct slab_search {
+    const mesh_soup      &soup;
+    mesh_search          &search;
+    std::vector<box>      boxes;
+    slabs                 space;
+    std::mutex            telling;
+    std::atomic<uint64_t> looks{0}, tests{0};
+    std::atomic<bool>     done{false}, gave_up{false}, no_memory{false};
+
+    slab_search(const mesh_soup &s, mesh_search &how) : soup(s), search(how)
+    {
+        boxes.reserve(s.triangle_count);
+        for (uint32_t t = 0; t < s.triangle_count; t++)
+            if (!is_flat(s, t)) boxes.emplace_back(triangle_at(s, t).bbox(), t);
+        space = cut(boxes);
+    }
+
+    void look_at(uint32_t a, uint32_t b)
+    {
+        if (done) throw all_found();
+        if (looks++ >= search.looks_max) throw limit_met();
+        if (!search.wanted(search.user, a, b)) return;
+        if (tests++ >= search.tests_max) throw limit_met();
+        if (!do_meet(soup, a, b)) return;
+        std::lock_guard<std::mutex> one_at_a_time(telling);
+        if (!done && search.found(search.user, a, b)) throw all_found();
+    }
+
+    void search_slab(size_t n)
+    {
+        const double             begin = space.bounds[n];
+        const double             end   = n + 1 < space.bounds.size() ? space.bounds[n + 1] : HUGE_VAL;
+        std::vector<const box *> here;
+        for (const box &b : boxes)
+            if (b.min_coord(space.axis) < end && b.max_coord(space.axis) >= begin) here.push_back(&b);
+        for_each_overlap(here, [&](const box *a, const box *b) {
+            if (std::max(a->min_coord(space.axis), b->min_coord(space.axis)) >= begin) look_at(a->info(), b->info());
+        });
+    }
+
+    static void search_slabs(void *user, size_t begin, size_t end, uint32_t)
+    {
+        slab_search &s = *static_cast<slab_search *>(user);
+        try {
+            for (size_t n = begin; n < end && !s.done; n++) s.search_slab(n);
+            return;
+        } catch (const std::bad_alloc &) {
+            s.no_memory = true;
+        } catch (const all_found &) {
+        } catch (...) { /* a limit, or CGAL fails: either way some pairs are not known */
+            s.gave_up = true;
+        }
+        s.done = true;
+    }
+};
+} // namespace
+
+vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search)
+{
+    search->looks = search->tests = 0;
+    search->gave_up               = 0;
+    try {
+        slab_search all(*s, *search);
+        parallel_for(search->threads, all.space.bounds.size(), 1, slab_search::search_slabs, &all);
+        search->looks   = all.looks;
+        search->tests   = all.tests;
+        search->gave_up = all.gave_up;
+        return all.no_memory ? VXS_E_MEMORY : VXS_OK;
+    } catch (const std::bad_alloc &) {
+        return VXS_E_MEMORY;
+    } catch (...) { /* CGAL fails before the first pair */
+        search->gave_up = 1;
+    }
+    return VXS_OK;
+}
+
+vxs_result mesh_find_overlaps(const double *boxes, size_t count, int (*found)(void *user, uint32_t a, uint32_t b), void *user)
+{
+    try {
+        std::vector<box> all;
+        all.reserve(count);
+        for (uint32_t i = 0; i < count; i++) {
+            const double *b = &boxes[6 * size_t(i)];
+            all.emplace_back(CGAL::Bbox_3(b[0], b[1], b[2], b[3], b[4], b[5]), i);
+        }
+        std::vector<const box *> order;
+        for (const box &b : all) order.push_back(&b);
+        for_each_overlap(order, [&](const box *a, const box *b) {
+            if (found(user, a->info(), b->info())) throw all_found();
+        });
+    } catch (const all_found &) {
+    } catch (...) {
+        return VXS_E_MEMORY; /* boxes are compared, nothing else can fail */
+    }
+    return VXS_OK;
+}
+
+int mesh_is_flat(const mesh_soup *s, size_t triangle)
+{
+    return is_flat(*s, uint32_t(triangle));
+}

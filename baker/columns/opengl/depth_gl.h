@@ -1,0 +1,49 @@
+/* Enter and exit depth maps of the casters, rendered with OpenGL.
+ * Source: [CPVS16] 3.3.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEPTH_GL_H
+#define DEPTH_GL_H
+
+#include "baker/columns/stored/depth_maps.h"
+#include "baker/columns/opengl/gl.h"
+#include "baker/casters/casters.h"
+#include "formats/vxs_file.h"
+
+typedef enum exit_mode {
+    EXIT_AUTO, /* peel where solids meet, as casters_find_meeting knows them: the same depths as EXIT_PEEL */
+    EXIT_PEEL, /* exit depth of the union of solids, by depth peeling */
+    EXIT_BACK  /* the nearest back face: never behind the true exit, often before it */
+} exit_mode;
+
+typedef struct depth_stats {
+    uint64_t blocks_rendered, blocks_empty; /* blocks are the squares that are rendered at once */
+    uint64_t blocks_peeled;                 /* of those rendered */
+    uint64_t blocks_not_peeled;             /* of those rendered: they have solids, and none that needs it */
+    uint64_t triangles_drawn;               /* over all passes */
+    uint64_t peel_passes;                   /* over all blocks */
+    uint32_t peel_passes_max;               /* of the block that took most */
+} depth_stats;
+
+typedef struct depth_renderer depth_renderer;
+
+/* Set up for map `map` of a light (vxs.h numbers them). gl and casters are borrowed until depth_renderer_destroy. Depths are those of
+ * depth_maps.h: shares of the whole for a directional light, -near / distance for the others.
+ * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
+                                 exit_mode mode, uint32_t threads, message *m);
+
+/* 1 when some caster may touch the square of side_px texels at (i, j), counted in such squares. */
+int depth_renderer_has_casters(const depth_renderer *r, uint32_t side_px, uint32_t i, uint32_t j);
+
+/* From now on call watch(user, share) while a square is rendered: the share of its blocks that is begun, 0 to 1. NULL: no more. */
+void depth_renderer_watch(depth_renderer *r, void (*watch)(void *user, double share), void *user);
+
+/* Render the square (i, j), counted in squares of maps->side_px, into maps->enter and maps->exit. maps->exit may be the same array as
+ * enter only when there is no solid. Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, uint32_t j, message *m);
+
+depth_stats depth_renderer_stats(const depth_renderer *r);
+
+void depth_renderer_destroy(depth_renderer *r);
+
+#endif

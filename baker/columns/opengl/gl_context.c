@@ -1,0 +1,129 @@
+/* The one place that knows OSMesa from EGL; see gl.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/osmesa.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef void (*gl_function)(void);
+typedef gl_function (*gl_lookup)(const char *name);
+
+static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
+{
+#define GL_FUNCTION_LOAD(type, name)                                                                                               \
+    gl->name = (type)lookup("gl" #name);                                                                                           \
+    if (!gl->name) return fail(m, VXS_E_GL, "this OpenGL has no gl" #name ": version 4.5 is needed");
+    GL_FUNCTIONS(GL_FUNCTION_LOAD)
+#undef GL_FUNCTION_LOAD
+    const char *renderer = (const char *)gl->GetString(GL_RENDERER);
+    snprintf(gl->renderer, sizeof gl->renderer, "%s", renderer ? renderer : "unknown");
+    return VXS_OK;
+}
+
+static gl_function osmesa_lookup(const char *name)
+{
+    return (gl_function)OSMesaGetProcAddress(name);
+}
+
+static vxs_result create_osmesa(gl_context *gl, message *m)
+{
+    static const int attributes[] = {OSMESA_FORMAT,
+                                     OSMESA_RGBA,
+                                     OSMESA_DEPTH_BITS,
+                                     0,
+                                     OSMESA_PROFILE,
+                                     OSMESA_CORE_PROFILE,
+                                     OSMESA_CONTEXT_MAJOR_VERSION,
+                                     4,
+                                     OSMESA_CONTEXT_MINOR_VERSION,
+                                     5,
+                                     0};
+    gl->handle                    = OSMesaCreateContextAttribs(attributes, NULL);
+    if (!gl->handle) return fail(m, VXS_E_GL, "OSMesa cannot make an OpenGL 4.5 core context");
+    if (!OSMesaMakeCurrent(gl->handle, gl->pixels, GL_UNSIGNED_BYTE, 16, 16))
+        return fail(m, VXS_E_GL, "OSMesa cannot make its context current");
+    return load_functions(gl, osmesa_lookup, m);
+}
+
+/* EGL is opened only when it is asked for, so that a system without it runs vxs all the same. */
+typedef struct egl {
+    PFNEGLGETPROCADDRESSPROC     GetProcAddress;
+    PFNEGLGETPLATFORMDISPLAYPROC GetPlatformDisplay;
+    PFNEGLINITIALIZEPROC         Initialize;
+    PFNEGLBINDAPIPROC            BindAPI;
+    PFNEGLCREATECONTEXTPROC      CreateContext;
+    PFNEGLMAKECURRENTPROC        MakeCurrent;
+    PFNEGLDESTROYCONTEXTPROC     DestroyContext;
+    PFNEGLTERMINATEPROC          Terminate;
+} egl;
+
+static int open_egl(egl *e, void *library)
+{
+    *(void **)&e->GetProcAddress     = dlsym(library, "eglGetProcAddress");
+    *(void **)&e->GetPlatformDisplay = dlsym(library, "eglGetPlatformDisplay");
+    *(void **)&e->Initialize         = dlsym(library, "eglInitialize");
+    *(void **)&e->BindAPI            = dlsym(library, "eglBindAPI");
+    *(void **)&e->CreateContext      = dlsym(library, "eglCreateContext");
+    *(void **)&e->MakeCurrent        = dlsym(library, "eglMakeCurrent");
+    *(void **)&e->DestroyContext     = dlsym(library, "eglDestroyContext");
+    *(void **)&e->Terminate          = dlsym(library, "eglTerminate");
+    return e->GetProcAddress && e->GetPlatformDisplay && e->Initialize && e->BindAPI && e->CreateContext && e->MakeCurrent &&
+           e->DestroyContext && e->Terminate;
+}
+
+static vxs_result create_egl(gl_context *gl, message *m)
+{
+    static const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    egl e;
+    gl->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (!gl->library || !open_egl(&e, gl->library))
+        return fail(m, VXS_E_GL, "--gl egl needs libEGL.so.1 (version 1.5), which is not installed");
+    gl->display = e.GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    if (!gl->display || !e.Initialize(gl->display, NULL, NULL))
+        return fail(m, VXS_E_GL, "EGL has no surfaceless display on this machine");
+    if (!e.BindAPI(EGL_OPENGL_API) || !(gl->handle = e.CreateContext(gl->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes)) ||
+        !e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->handle))
+        return fail(m, VXS_E_GL, "EGL cannot make an OpenGL 4.5 core context");
+    return load_functions(gl, (gl_lookup)e.GetProcAddress, m);
+}
+
+vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m)
+{
+    *out           = NULL;
+    gl_context *gl = calloc(1, sizeof *gl);
+    if (!gl) return fail(m, VXS_E_MEMORY, "out of memory for an OpenGL context");
+    gl->backend = backend;
+
+    /* llvmpipe reads this once; 0 rasterizes on the calling thread */
+    char count[16];
+    snprintf(count, sizeof count, "%u", threads > 1 ? threads : 0);
+    setenv("LP_NUM_THREADS", count, 1);
+
+    vxs_result r = backend == GL_BACKEND_EGL ? create_egl(gl, m) : create_osmesa(gl, m);
+    if (r != VXS_OK) {
+        gl_context_destroy(gl);
+        return r;
+    }
+    *out = gl;
+    return VXS_OK;
+}
+
+void gl_context_destroy(gl_context *gl)
+{
+    if (!gl) return;
+    if (gl->backend == GL_BACKEND_OSMESA && gl->handle) OSMesaDestroyContext(gl->handle);
+    egl e;
+    if (gl->library && open_egl(&e, gl->library) && gl->display) {
+        e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        if (gl->handle) e.DestroyContext(gl->display, gl->handle);
+        e.Terminate(gl->display);
+    }
+    free(gl); /* libEGL stays open: drivers do not like to be unloaded */
+}

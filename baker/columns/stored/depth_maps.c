@@ -1,0 +1,141 @@
+/* Depth maps, their pyramid and their columns; see depth_maps.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/stored/depth_maps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/pages.h"
+#include "baker/base/parallel.h"
+
+vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
+{
+    memset(d, 0, sizeof *d);
+    d->side_px   = side_px;
+    d->depth_vx  = depth_vx;
+    d->voxel_log = voxel_log;
+
+    size_t texels = (size_t)side_px * side_px;
+    d->enter      = pages_alloc(texels * sizeof *d->enter);
+    d->exit       = with_exit ? pages_alloc(texels * sizeof *d->exit) : d->enter;
+
+    size_t squares = 0;
+    for (uint32_t side = side_px / 8; side; side /= 2) squares += (size_t)side * side;
+    d->pyramid[0] = pages_alloc(squares * sizeof *d->pyramid[0]);
+    if (!d->enter || !d->exit || !d->pyramid[0]) {
+        depth_maps_free(d);
+        return fail(m, VXS_E_MEMORY, "out of memory for depth maps of %u x %u texels", side_px, side_px);
+    }
+    for (uint32_t side = side_px / 8; side; side /= 2) {
+        uint32_t l = d->pyramid_levels++;
+        if (side > 1) d->pyramid[l + 1] = d->pyramid[l] + (size_t)side * side;
+    }
+    return VXS_OK;
+}
+
+void depth_maps_free(depth_maps *d)
+{
+    if (d->exit != d->enter) free(d->exit);
+    free(d->enter);
+    free(d->pyramid[0]);
+    memset(d, 0, sizeof *d);
+}
+
+double depth_maps_voxels(const depth_maps *d, float depth)
+{
+    if (d->voxel_log == 0) return (double)depth * d->depth_vx; /* exact: depth_vx is a power of two */
+    double voxels = depth < 0 ? -log(-(double)depth) / d->voxel_log : INFINITY;
+    return fmax(0, fmin(voxels, d->depth_vx));
+}
+
+static uint32_t voxels_down(const depth_maps *d, float depth)
+{
+    return (uint32_t)depth_maps_voxels(d, depth);
+}
+
+static uint32_t voxels_up(const depth_maps *d, float depth)
+{
+    double   voxels = depth_maps_voxels(d, depth);
+    uint32_t down   = (uint32_t)voxels;
+    return down + (down < voxels);
+}
+
+/* The lowest level of the pyramid, rows [begin, end) of tiles. Minimum and maximum commute with rounding, so floats are compared. */
+static void reduce_tiles(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    depth_maps *d     = user;
+    uint32_t    tiles = d->side_px / 8;
+    (void)worker;
+    for (size_t j = begin; j < end; j++)
+        for (uint32_t i = 0; i < tiles; i++) {
+            const float *e = d->enter + j * 8 * d->side_px + i * 8;
+            const float *x = d->exit + j * 8 * d->side_px + i * 8;
+
+            float emin[8], emax[8], xmin[8], xmax[8];
+            for (int n = 0; n < 8; n++) emin[n] = xmin[n] = 2.0f, emax[n] = xmax[n] = -2.0f;
+            for (int row = 0; row < 8; row++, e += d->side_px, x += d->side_px)
+                for (int n = 0; n < 8; n++) {
+                    emin[n] = e[n] < emin[n] ? e[n] : emin[n];
+                    emax[n] = e[n] > emax[n] ? e[n] : emax[n];
+                    xmin[n] = x[n] < xmin[n] ? x[n] : xmin[n];
+                    xmax[n] = x[n] > xmax[n] ? x[n] : xmax[n];
+                }
+            for (int n = 1; n < 8; n++) {
+                emin[0] = emin[n] < emin[0] ? emin[n] : emin[0];
+                emax[0] = emax[n] > emax[0] ? emax[n] : emax[0];
+                xmin[0] = xmin[n] < xmin[0] ? xmin[n] : xmin[0];
+                xmax[0] = xmax[n] > xmax[0] ? xmax[n] : xmax[0];
+            }
+            d->pyramid[0][j * tiles + i] =
+                (column_bounds){voxels_down(d, emin[0]), voxels_down(d, emax[0]), voxels_up(d, xmin[0]), voxels_up(d, xmax[0])};
+        }
+}
+
+static column_bounds unite(column_bounds a, column_bounds b)
+{
+    return (column_bounds){
+        a.emin < b.emin ? a.emin : b.emin,
+        a.emax > b.emax ? a.emax : b.emax,
+        a.xmin < b.xmin ? a.xmin : b.xmin,
+        a.xmax > b.xmax ? a.xmax : b.xmax,
+    };
+}
+
+void depth_maps_reduce(depth_maps *d, uint32_t threads)
+{
+    parallel_for(threads, d->side_px / 8, 4, reduce_tiles, d);
+    for (uint32_t l = 1; l < d->pyramid_levels; l++) {
+        uint32_t             side  = d->side_px >> (3 + l);
+        const column_bounds *below = d->pyramid[l - 1];
+        for (uint32_t j = 0; j < side; j++)
+            for (uint32_t i = 0; i < side; i++) {
+                const column_bounds *near           = below + (size_t)2 * j * 2 * side + 2 * i;
+                const column_bounds *next           = near + (size_t)2 * side;
+                d->pyramid[l][(size_t)j * side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
+            }
+    }
+}
+
+static column_bounds maps_bounds(const void *data, uint32_t level, uint32_t i, uint32_t j)
+{
+    const depth_maps *d = data;
+    return d->pyramid[level][(size_t)j * (d->side_px >> (3 + level)) + i];
+}
+
+static void maps_tile(const void *data, uint32_t i, uint32_t j, column_tile *out)
+{
+    const depth_maps *d = data;
+    const float      *e = d->enter + (size_t)j * 8 * d->side_px + i * 8;
+    const float      *x = d->exit + (size_t)j * 8 * d->side_px + i * 8;
+    for (int row = 0; row < 8; row++, e += d->side_px, x += d->side_px)
+        for (int n = 0; n < 8; n++) {
+            out->e[row * 8 + n] = voxels_down(d, e[n]);
+            out->x[row * 8 + n] = voxels_up(d, x[n]);
+        }
+}
+
+column_source depth_maps_columns(const depth_maps *d)
+{
+    return (column_source){.data = d, .side_px = d->side_px, .depth_vx = d->depth_vx, .bounds = maps_bounds, .tile = maps_tile};
+}

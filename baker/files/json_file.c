@@ -1,0 +1,89 @@
+/* JSON to files and from them; see json_file.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/files/json_file.h"
+
+#include <errno.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "baker/files/output_file.h"
+
+enum { READ_MAX_MIB = 256 };
+
+static atomic_int memory_failed;
+
+static void *watched_alloc(size_t size)
+{
+    void *memory = malloc(size);
+    if (!memory) atomic_store(&memory_failed, 1);
+    return memory;
+}
+
+void json_watch_memory(void)
+{
+    json_set_alloc_funcs(watched_alloc, free);
+}
+
+int json_memory_missing(void)
+{
+    return atomic_load(&memory_failed);
+}
+
+char *json_print(const json_t *value, size_t flags)
+{
+    char *text = json_dumps(value, flags);
+    if (!json_memory_missing()) return text;
+    free(text);
+    return NULL;
+}
+
+json_t *json_text(const char *text)
+{
+    json_t *value = json_string(text);
+    char   *ascii = value ? NULL : strdup(text);
+    if (!ascii) return value;
+    for (char *c = ascii; *c; c++)
+        if ((unsigned char)*c > 0x7f) *c = '?';
+    value = json_string(ascii);
+    free(ascii);
+    return value;
+}
+
+vxs_result json_write(const char *path, json_t *value, message *m)
+{
+    char       *text = value ? json_print(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
+    output_file out  = {0};
+    vxs_result  r    = text ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
+    if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
+    if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    free(text);
+    json_decref(value);
+    return r;
+}
+
+vxs_result json_read(json_t **value, const char *path, message *m)
+{
+    FILE        *f = fopen(path, "rbe");
+    struct stat  status;
+    json_error_t e;
+    vxs_result   r = VXS_OK;
+    *value         = NULL;
+    if (!f && errno == ENOMEM)
+        r = fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
+    else if (!f || fstat(fileno(f), &status))
+        r = fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
+    else if (S_ISDIR(status.st_mode))
+        r = fail(m, VXS_E_READ, "%s: cannot read: it is a folder, expected a file name", path);
+    else if (status.st_size > (off_t)READ_MAX_MIB << 20)
+        r = fail(m, VXS_E_READ, "%s: larger than %d MiB, which no JSON of vxs is", path, READ_MAX_MIB);
+    else if (!(*value = json_loadf(f, JSON_REJECT_DUPLICATES, &e)))
+        r = json_memory_missing() ? fail(m, VXS_E_MEMORY, "out of memory while reading %s", path)
+                                  : fail(m, VXS_E_READ, "%s: not JSON: line %d: %s", path, e.line, e.text);
+    if (f) fclose(f);
+    return r;
+}

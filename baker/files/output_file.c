@@ -1,0 +1,269 @@
+/* A file that appears complete or not at all; see output_file.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/files/output_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "baker/base/progress.h"
+
+/* enough for the files of earlier runs that were killed and had the same process number */
+enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };
+
+/* The temporary files that there are, for a signal handler: it may not lock or allocate, so names are copied to where they are
+ * never freed, and only a state tells which of them count. Files may be opened and closed by several threads. */
+enum { SLOT_FREE, SLOT_TAKEN, SLOT_PENDING };
+
+static struct {
+    atomic_int state;
+    char       name[PATH_MAX];
+} pending[PENDING_MAX];
+
+/* The number of a slot for `name`, from 1; 0 when there is none. */
+static int remember(const char *name)
+{
+    if (strlen(name) >= PATH_MAX) return 0;
+    for (int n = 0; n < PENDING_MAX; n++) {
+        int state = SLOT_FREE;
+        if (!atomic_compare_exchange_strong(&pending[n].state, &state, SLOT_TAKEN)) continue;
+        strcpy(pending[n].name, name);
+        atomic_store(&pending[n].state, SLOT_PENDING);
+        return n + 1;
+    }
+    return 0;
+}
+
+static void forget(int slot)
+{
+    if (slot) atomic_store(&pending[slot - 1].state, SLOT_FREE);
+}
+
+void output_file_remove_temporary(void)
+{
+    for (int n = 0; n < PENDING_MAX; n++)
+        if (atomic_load(&pending[n].state) == SLOT_PENDING) unlink(pending[n].name);
+}
+
+/* The signal handler: only what is safe in one. A file that another thread commits meanwhile is either complete or gone. */
+static void end_run(int number)
+{
+    output_file_remove_temporary();
+    progress_clear();
+    if (number == SIGINT) _exit(exit_status(VXS_E_INTERRUPTED));
+    signal(number, SIG_DFL);
+    raise(number); /* takes effect when the handler returns */
+}
+
+void output_file_catch_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+        struct sigaction action;
+        if (sigaction(numbers[n], NULL, &action) || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL) continue;
+        action = (struct sigaction){.sa_handler = end_run, .sa_flags = SA_RESTART};
+        sigfillset(&action.sa_mask);
+        sigaction(numbers[n], &action, NULL);
+    }
+}
+
+static vxs_result out_of_memory(const char *path, message *m)
+{
+    return fail(m, VXS_E_MEMORY, "out of memory while opening %s", path);
+}
+
+static vxs_result cannot_write(const output_file *f, int error, message *m)
+{
+    return fail(m, VXS_E_WRITE, "%s: cannot write: %s", f->name, strerror(error));
+}
+
+/* A name beside the target that no other process takes: its number is in it. NULL without memory. */
+static char *temporary_name(const output_file *f, int n)
+{
+    const char *slash  = strrchr(f->target, '/');
+    int         folder = slash ? (int)(slash + 1 - f->target) : 0;
+    char       *name;
+    return asprintf(&name, "%.*s.vxs-%ld-%d.tmp", folder, f->target, (long)getpid(), n) < 0 ? NULL : name;
+}
+
+/* Where the system shows an open file; a link to it gives the file its first name. */
+static void descriptor_path(char path[64], int descriptor)
+{
+    snprintf(path, 64, "/proc/self/fd/%d", descriptor);
+}
+
+/* Make a file of a new name, or give the file without a name that `descriptor` is one. Returns -1, and errno, when that fails. */
+static int take_name(const char *name, int descriptor)
+{
+    char from[64];
+    if (descriptor < 0) return open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    descriptor_path(from, descriptor);
+    return linkat(AT_FDCWD, from, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
+}
+
+/* The same, and remember the name for as long as the file has it. No signal comes between the two steps: the name alone would not do,
+ * since the file may be that of another process until it was made. */
+static int take_and_remember_name(output_file *f, int descriptor)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    int taken = take_name(f->temporary, descriptor);
+    int error = errno;
+    if (taken >= 0) f->pending = remember(f->temporary);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    errno = error;
+    return taken;
+}
+
+/* Find f->temporary, a name that is free, for a new file (descriptor -1) or for one that has none yet. mkstemp would not do: it gives
+ * the permissions 0600, and umask cannot be asked for without changing it.
+ * taken  [out] what open or linkat returned */
+static vxs_result name_temporary(output_file *f, int descriptor, int *taken, message *m)
+{
+    for (int n = 0; n < TEMPORARY_NAMES; n++) {
+        f->temporary = temporary_name(f, n);
+        if (!f->temporary) return out_of_memory(f->name, m);
+        *taken = take_and_remember_name(f, descriptor);
+        if (*taken >= 0) return VXS_OK;
+        int error = errno;
+        free(f->temporary);
+        f->temporary = NULL;
+        if (error != EEXIST) return cannot_write(f, error, m);
+    }
+    return cannot_write(f, EEXIST, m);
+}
+
+/* A new file in the folder of f->target that has no name until it is complete, so that nothing is left of it when this process ends,
+ * however it ends. -1 where the file system or the kernel has no such files, or would give them no name later. */
+static int create_nameless(const output_file *f)
+{
+#ifdef O_TMPFILE
+    const char *slash      = strrchr(f->target, '/');
+    char       *folder     = slash ? strndup(f->target, (size_t)(slash + 1 - f->target)) : strdup(".");
+    int         descriptor = folder ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
+    char        path[64];
+    free(folder);
+    if (descriptor < 0) return -1;
+    descriptor_path(path, descriptor);
+    if (!access(path, F_OK)) return descriptor;
+    close(descriptor);
+#else
+    (void)f;
+#endif
+    return -1;
+}
+
+static vxs_result open_temporary(output_file *f, message *m)
+{
+    int        descriptor = create_nameless(f);
+    vxs_result r          = descriptor < 0 ? name_temporary(f, -1, &descriptor, m) : VXS_OK;
+    if (r != VXS_OK) return r;
+    f->stream = fdopen(descriptor, "wb");
+    if (f->stream) return VXS_OK;
+    close(descriptor);
+    if (f->temporary) unlink(f->temporary);
+    return out_of_memory(f->name, m);
+}
+
+static vxs_result open_directly(output_file *f, const char *path, message *m)
+{
+    f->stream = fopen(path, "wbe");
+    return f->stream ? VXS_OK : cannot_write(f, errno, m);
+}
+
+/* A path that exists is replaced where its links lead; a new one stays as it was given. */
+static vxs_result open_beside(output_file *f, const char *path, int exists, message *m)
+{
+    f->target = exists ? realpath(path, NULL) : strdup(path);
+    if (!f->target) return errno == ENOMEM ? out_of_memory(path, m) : cannot_write(f, errno, m);
+    return open_temporary(f, m);
+}
+
+static void release(output_file *f)
+{
+    forget(f->pending);
+    free(f->name);
+    free(f->target);
+    free(f->temporary);
+    *f = (output_file){0};
+}
+
+vxs_result output_file_open(output_file *f, const char *path, message *m)
+{
+    int is_stdout = !strcmp(path, "-");
+    *f            = (output_file){.name = strdup(is_stdout ? "standard output" : path)};
+    if (!f->name) return out_of_memory(path, m);
+    if (is_stdout) {
+        f->stream = stdout;
+        return VXS_OK;
+    }
+
+    struct stat status;
+    int         exists = !stat(path, &status);
+    vxs_result  r;
+    if (!path[0])
+        r = fail(m, VXS_E_WRITE, "the output's name is empty: expected a file name, or - for standard output");
+    else if (exists && S_ISDIR(status.st_mode))
+        r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a folder, expected a file name", path);
+    else if (exists && !S_ISREG(status.st_mode))
+        r = open_directly(f, path, m);
+    else
+        r = open_beside(f, path, exists, m);
+    if (r != VXS_OK) release(f);
+    return r;
+}
+
+vxs_result output_file_check(const char *path, const char *input, message *m)
+{
+    struct stat out, in;
+    if (!strcmp(path, "-")) return VXS_OK;
+    int exists = !stat(path, &out);
+    if (exists && input && !stat(input, &in) && out.st_dev == in.st_dev && out.st_ino == in.st_ino)
+        return fail(m, VXS_E_ARGUMENT, "%s: is the input itself: expected another name for the output", path);
+    if (exists && !S_ISREG(out.st_mode) && !S_ISDIR(out.st_mode)) return VXS_OK;
+
+    /* as far as the name that it would get: not every file system that has files without names lets them have one later */
+    output_file f = {0};
+    int         linked;
+    vxs_result  r = output_file_open(&f, path, m);
+    if (r == VXS_OK && f.target && !f.temporary) r = name_temporary(&f, fileno(f.stream), &linked, m);
+    output_file_abort(&f);
+    return r;
+}
+
+vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m)
+{
+    if (size_bytes && fwrite(bytes, 1, size_bytes, f->stream) != size_bytes) return cannot_write(f, errno, m);
+    return VXS_OK;
+}
+
+vxs_result output_file_commit(output_file *f, message *m)
+{
+    vxs_result r      = VXS_OK;
+    int        failed = ferror(f->stream); /* an earlier write through stdio that nobody checked; its errno is lost */
+    int        error  = EIO, linked;
+    if (fflush(f->stream)) failed = 1, error = errno;
+    if (!failed && f->target && !f->temporary) r = name_temporary(f, fileno(f->stream), &linked, m);
+    if (f->stream != stdout && fclose(f->stream) && !failed) failed = 1, error = errno;
+    if (!failed && f->temporary && rename(f->temporary, f->target)) failed = 1, error = errno;
+
+    if (failed && r == VXS_OK) r = cannot_write(f, error, m);
+    if (failed && f->temporary) unlink(f->temporary);
+    release(f);
+    return r;
+}
+
+void output_file_abort(output_file *f)
+{
+    if (f->stream && f->stream != stdout) fclose(f->stream);
+    if (f->stream && f->temporary) unlink(f->temporary);
+    release(f);
+}

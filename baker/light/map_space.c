@@ -1,0 +1,114 @@
+/* Map space and clipping in it; see map_space.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/light/map_space.h"
+
+#include <math.h>
+
+#include "formats/vxs_cube.h"
+
+/* A caster may come nearer than the near plane of a light that hangs in it; what is nearer than this share of it is cut off. */
+#define NEAREST_SHARE (1.0 / 1024)
+
+void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
+{
+    const vxs_map_axes axes    = vxs_axes_of_map(light, map);
+    const int          rows[3] = {axes.u, axes.v, axes.along};
+    for (int n = 0; n < 3; n++) {
+        const double *m = light->ls_from_ws + 4 * rows[n];
+        out[n]          = m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3];
+    }
+    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        out[2] = ldexp(out[2], -(int)light->levels);
+    else
+        out[2] *= axes.sign;
+}
+
+/* Metres along a spot's direction. */
+static double along_spot(const vxs_map_axes *axes, const double at[3])
+{
+    return axes->along == 2 ? at[2] * axes->sign : at[axes->u == 2 ? 0 : 1];
+}
+
+int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle)
+{
+    if (light->kind != VXS_LIGHT_KIND_SPOT) return 0;
+    const vxs_map_axes axes = vxs_axes_of_map(light, map);
+    for (int n = 0; n < triangle->count; n++)
+        if (along_spot(&axes, triangle->corners[n].at) >= 0) return 0;
+    return 1;
+}
+
+map_sides map_sides_of(const vxs_light *light, double beyond_px)
+{
+    int       lamp   = light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    double    middle = ldexp(0.5, (int)light->levels), half = middle + beyond_px;
+    map_sides s = {{{0}}};
+    for (int n = 0; n < 4; n++) {
+        double sign   = n % 2 ? 1 : -1;
+        s.n[n][n / 2] = sign;
+        if (lamp)
+            s.n[n][2] = half * light->texel_metres;
+        else
+            s.n[n][3] = half - sign * middle;
+    }
+    s.n[4][2] = lamp;
+    s.n[4][3] = lamp ? -light->near_metres * NEAREST_SHARE : 1;
+    return s;
+}
+
+static double inside_by(const double side[4], const map_corner *c)
+{
+    return side[0] * c->at[0] + side[1] * c->at[1] + side[2] * c->at[2] + side[3];
+}
+
+int map_sides_touch(const map_sides *s, const map_polygon *triangle)
+{
+    for (int n = 0; n < MAP_SIDES; n++) {
+        int outside = 1;
+        for (int k = 0; k < triangle->count; k++) outside &= inside_by(s->n[n], &triangle->corners[k]) < 0;
+        if (outside) return 0;
+    }
+    return 1;
+}
+
+/* Where the edge from a corner inside to one outside leaves: computed in that direction, whichever way the edge is walked. */
+static map_corner crossing(const map_corner *inside, double d_inside, const map_corner *outside, double d_outside)
+{
+    map_corner c;
+    double     share = d_inside / (d_inside - d_outside);
+    for (int n = 0; n < 3; n++) c.at[n] = inside->at[n] + share * (outside->at[n] - inside->at[n]);
+    for (int n = 0; n < 2; n++) c.uv[n] = inside->uv[n] + share * (outside->uv[n] - inside->uv[n]);
+    return c;
+}
+
+/* Sutherland and Hodgman, 1974. Returns 0 when all of it is inside. */
+static int clip(const double side[4], const map_polygon *polygon, map_polygon *out)
+{
+    double d[MAP_CORNERS_MAX];
+    int    whole = 1;
+    for (int n = 0; n < polygon->count; n++) whole &= (d[n] = inside_by(side, &polygon->corners[n])) >= 0;
+    if (whole) return 0;
+    out->count = 0;
+    for (int n = 0; n < polygon->count && out->count < MAP_CORNERS_MAX - 1; n++) {
+        int               to = (n + 1) % polygon->count;
+        const map_corner *a = &polygon->corners[n], *b = &polygon->corners[to];
+        if (d[n] >= 0) out->corners[out->count++] = *a;
+        if (d[n] >= 0 && d[to] < 0) out->corners[out->count++] = crossing(a, d[n], b, d[to]);
+        if (d[n] < 0 && d[to] >= 0) out->corners[out->count++] = crossing(b, d[to], a, d[n]);
+    }
+    return 1;
+}
+
+int map_sides_clip(const map_sides *s, const map_polygon *triangle, map_polygon *out)
+{
+    map_polygon kept;
+    int         clipped = 0;
+    *out                = *triangle;
+    /* the tip first: the sides of a pyramid mean something only in front of it */
+    for (int n = MAP_SIDES - 1; n >= 0 && out->count; n--)
+        if (clip(s->n[n], out, &kept)) {
+            *out    = kept;
+            clipped = 1;
+        }
+    return clipped;
+}

@@ -1,0 +1,158 @@
+/* Casters that a light reaches; see reach.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/light/reach.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/vec3.h"
+#include "baker/light/light_fit.h"
+
+static reach_run run_of(const casters *c, size_t first, size_t end)
+{
+    double    low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, size[3];
+    reach_run run;
+    for (size_t n = 3 * first; n < 3 * end; n++)
+        for (int axis = 0; axis < 3; axis++) {
+            double at  = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)axis];
+            low[axis]  = fmin(low[axis], at);
+            high[axis] = fmax(high[axis], at);
+        }
+    vec3_sub(high, low, size);
+    vec3_mad(low, 0.5, size, run.center_ws);
+    run.radius_m = 0.5 * sqrt(vec3_dot(size, size)) * (1 + 1e-9) + 1e-12;
+    return run;
+}
+
+vxs_result reach_init(reach_index *x, const casters *c, message *m)
+{
+    x->run_count = (c->triangle_count + REACH_RUN - 1) / REACH_RUN;
+    x->runs      = malloc((x->run_count + 1) * sizeof *x->runs);
+    if (!x->runs) return fail(m, VXS_E_MEMORY, "out of memory for the reach of lights");
+    for (size_t n = 0; n < x->run_count; n++) {
+        size_t end = (n + 1) * REACH_RUN;
+        x->runs[n] = run_of(c, n * REACH_RUN, end < c->triangle_count ? end : c->triangle_count);
+    }
+    return VXS_OK;
+}
+
+void reach_free(reach_index *x)
+{
+    free(x->runs);
+    memset(x, 0, sizeof *x);
+}
+
+/* A cone about all of the map: its corners, and its border, which is an eighth of its side at most on each side. A little more. */
+static double slope_around(const light_shape *light)
+{
+    return tan(light->outer_rad) * (4.0 / 3) * sqrt(2) * 1.02;
+}
+
+static int touches_cone(const reach_run *run, const light_shape *light, double slope)
+{
+    double from[3], across[3];
+    vec3_sub(run->center_ws, light->position_ws, from);
+    double along = vec3_dot(from, light->direction_ws);
+    vec3_mad(from, -along, light->direction_ws, across);
+    double beside = sqrt(vec3_dot(across, across)) - along * slope; /* across the axis, beyond the cone */
+    return along > -run->radius_m && beside <= run->radius_m * sqrt(1 + slope * slope);
+}
+
+/* arrays of the casters that are kept ------------------------------------------------------------------------------------------- */
+
+typedef struct keeper {
+    casters       *out;
+    const casters *c;
+    uint32_t      *slot; /* [c->vertex_count] 1 + its vertex in out; 0: none yet */
+} keeper;
+
+static uint32_t keep_vertex(keeper *k, uint32_t vertex)
+{
+    if (!k->slot[vertex]) {
+        memcpy(k->out->positions_ws + 3 * k->out->vertex_count, k->c->positions_ws + 3 * (size_t)vertex, 3 * sizeof(double));
+        k->slot[vertex] = (uint32_t)++k->out->vertex_count;
+    }
+    return k->slot[vertex] - 1;
+}
+
+static void keep_triangle(keeper *k, size_t t)
+{
+    casters       *out = k->out;
+    const casters *c   = k->c;
+    size_t         to  = out->triangle_count++;
+    for (size_t n = 0; n < 3; n++) out->indices[3 * to + n] = keep_vertex(k, c->indices[3 * t + n]);
+    if (t < c->solid_triangle_count && c->solid_meets) out->solid_meets[to] = c->solid_meets[t];
+    if (t < c->solid_triangle_count) out->solid_triangle_count = to + 1;
+    if (t < c->masked_first) {
+        out->masked_first = to + 1;
+        return;
+    }
+    memcpy(out->mask_uvs + 6 * (to - out->masked_first), c->mask_uvs + 6 * (t - c->masked_first), 6 * sizeof *c->mask_uvs);
+    size_t mask = 0;
+    while (t >= c->mask_first[mask + 1]) mask++;
+    out->mask_first[mask + 1]++;
+}
+
+static void keep_runs(keeper *k, const uint8_t *kept, size_t run_count)
+{
+    for (size_t n = 0; n < run_count; n++)
+        for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) keep_triangle(k, t);
+    casters *out = k->out;
+    if (!out->mask_first) return;
+    /* counts of each mask become where it starts */
+    out->mask_first[0] = out->masked_first;
+    for (size_t mask = 0; mask < out->mask_count; mask++) out->mask_first[mask + 1] += out->mask_first[mask];
+}
+
+static int allocate(keeper *k, size_t triangles)
+{
+    casters       *out = k->out;
+    const casters *c   = k->c;
+    out->mask_count    = c->mask_count;
+    out->masks         = c->masks;
+    out->images        = c->images;
+    out->positions_ws  = malloc((9 * triangles + 1) * sizeof *out->positions_ws);
+    out->indices       = malloc((3 * triangles + 1) * sizeof *out->indices);
+    out->mask_uvs      = malloc((6 * triangles + 1) * sizeof *out->mask_uvs);
+    out->mask_first    = calloc(c->mask_count + 1, sizeof *out->mask_first);
+    out->solid_meets   = c->solid_meets ? malloc(triangles + 1) : NULL;
+    k->slot            = calloc(c->vertex_count + 1, sizeof *k->slot);
+    return out->positions_ws && out->indices && out->mask_uvs && out->mask_first && k->slot &&
+           (out->solid_meets || !c->solid_meets);
+}
+
+vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, message *m)
+{
+    *out = *c;
+    if (light->kind != LIGHT_SPOT || light->outer_rad > LAMP_SPOT_MAX_RAD) return VXS_OK;
+    uint8_t *kept  = malloc(x->run_count + 1);
+    size_t   count = 0;
+    double   slope = slope_around(light);
+    for (size_t n = 0; n < x->run_count && kept; n++) count += kept[n] = (uint8_t)touches_cone(&x->runs[n], light, slope);
+    if (count == x->run_count && kept) {
+        free(kept);
+        return VXS_OK;
+    }
+    memset(out, 0, sizeof *out);
+    keeper k  = {.out = out, .c = c};
+    int    ok = kept && allocate(&k, count * REACH_RUN);
+    if (ok) keep_runs(&k, kept, x->run_count);
+    free(k.slot);
+    free(kept);
+    if (ok) return VXS_OK;
+    reach_release(out, c);
+    return fail(m, VXS_E_MEMORY, "out of memory for the casters that a light reaches");
+}
+
+void reach_release(casters *out, const casters *c)
+{
+    if (out->positions_ws != c->positions_ws) {
+        free(out->positions_ws);
+        free(out->indices);
+        free(out->mask_uvs);
+        free(out->mask_first);
+        free(out->solid_meets);
+    }
+    memset(out, 0, sizeof *out);
+}

@@ -1,0 +1,405 @@
+/* Examining components; see mesh_health.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/mend/mesh_health.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/casters/mesh_edges.h"
+#include "baker/casters/mesh_intersect.h"
+#include "baker/casters/mesh_join.h"
+
+/* Some ten seconds together. */
+#define LOOKS_MAX 1000000000u
+#define TESTS_MAX 40000000u
+
+enum { RECENT = 1 << 16 }; /* pairs of components that are remembered, so that most are listed once */
+
+typedef struct examination {
+    mesh_health   *h;
+    const casters *c;
+    uint32_t      *sorted; /* [3 * triangle_count] half-edges */
+    uint32_t      *joined; /* scratch for union-find, [3 * triangle_count] at most */
+    uint8_t       *turned; /* [triangle_count] against its parent in the forest */
+    uint64_t      *keys;   /* scratch: [3 * triangle_count] */
+    uint64_t      *pairs;  /* [pair_count] solids that meet: lower, higher */
+    size_t         pair_count, pair_room;
+    uint64_t      *recent; /* [RECENT] */
+    int            no_memory;
+} examination;
+
+static component_health *component_at(const examination *x, size_t triangle)
+{
+    return &x->h->components[x->c->component_of[triangle]];
+}
+
+/* --- edges ------------------------------------------------------------------------------------------------------------ */
+
+/* Half-edges [begin, end) of x->sorted are one edge. */
+static void examine_edge(examination *x, uint32_t begin, uint32_t end)
+{
+    const uint32_t   *indices = x->c->indices;
+    component_health *k       = component_at(x, x->sorted[begin] / 3);
+    uint32_t          count = end - begin, start = indices[x->sorted[begin]];
+    int64_t           balance = 0;
+    for (uint32_t i = begin; i < end; i++) balance += indices[x->sorted[i]] == start ? 1 : -1;
+    k->edges++;
+    k->boundary_edges += count == 1;
+    k->nonmanifold_edges += count > 2;
+    k->misoriented_edges += count == 2 && balance;
+    if (count % 2) k->closed = 0;
+    if (balance > (int64_t)(count % 2) || -balance > (int64_t)(count % 2)) k->oriented = 0;
+}
+
+/* Whether two sides exist: triangles are joined across edges of two, each knowing whether it is turned against its root. */
+static void examine_sides(examination *x, uint32_t begin, uint32_t end)
+{
+    if (end - begin != 2) return;
+    const uint32_t *indices = x->c->indices;
+    uint32_t        h = x->sorted[begin], g = x->sorted[begin + 1];
+    int             same_way = indices[h] == indices[g]; /* one of them is turned */
+    if (!mesh_join_turned(x->joined, x->turned, h / 3, g / 3, same_way)) component_at(x, h / 3)->orientable = 0;
+}
+
+static void for_each_edge(examination *x, void (*examine)(examination *x, uint32_t begin, uint32_t end))
+{
+    uint32_t edge_count = (uint32_t)(3 * x->c->triangle_count);
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        for (end = begin; end < edge_count && mesh_same_edge(x->c->indices, x->sorted[begin], x->sorted[end]);) end++;
+        examine(x, begin, end);
+    }
+}
+
+static void start_joining(examination *x, size_t count)
+{
+    for (uint32_t i = 0; i < count; i++) x->joined[i] = i;
+}
+
+/* Corners at the two ends of an edge belong together. */
+static void join_corners(examination *x, uint32_t begin, uint32_t end)
+{
+    const uint32_t *indices = x->c->indices;
+    uint32_t        first = x->sorted[begin], start = indices[first];
+    uint32_t        first_end = first % 3 == 2 ? first - 2 : first + 1;
+    for (uint32_t i = begin + 1; i < end; i++) {
+        uint32_t h = x->sorted[i], h_end = h % 3 == 2 ? h - 2 : h + 1;
+        mesh_join(x->joined, first, indices[h] == start ? h : h_end);
+        mesh_join(x->joined, first_end, indices[h] == start ? h_end : h);
+    }
+}
+
+/* Of a boundary edge, its two vertices belong to one hole. */
+static void join_hole(examination *x, uint32_t begin, uint32_t end)
+{
+    if (end - begin == 1) mesh_join(x->joined, x->c->indices[x->sorted[begin]], mesh_edge_end(x->c->indices, x->sorted[begin]));
+}
+
+static int by_key(const void *a, const void *b)
+{
+    uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
+    return p < q ? -1 : p > q;
+}
+
+/* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their holes:
+ * each still has its own, so roots are told apart by component. */
+static void count_holes(examination *x)
+{
+    size_t key_count = 0, edge_count = 3 * x->c->triangle_count;
+    start_joining(x, x->c->vertex_count);
+    for_each_edge(x, join_hole);
+    for (size_t begin = 0, end; begin < edge_count; begin = end) {
+        uint32_t h = x->sorted[begin];
+        for (end = begin; end < edge_count && mesh_same_edge(x->c->indices, h, x->sorted[end]);) end++;
+        if (end - begin == 1)
+            x->keys[key_count++] = (uint64_t)x->c->component_of[h / 3] << 32 | mesh_find(x->joined, x->c->indices[h]);
+    }
+    qsort(x->keys, key_count, sizeof *x->keys, by_key);
+    for (size_t i = 0; i < key_count; i++)
+        if (!i || x->keys[i] != x->keys[i - 1]) x->h->components[x->keys[i] >> 32].holes++;
+}
+
+/* One root of corners for each group of triangles around a vertex. */
+static void count_vertices(examination *x)
+{
+    size_t key_count = 0, corner_count = 3 * x->c->triangle_count;
+    start_joining(x, corner_count);
+    for_each_edge(x, join_corners);
+    for (uint32_t i = 0; i < corner_count; i++)
+        if (mesh_find(x->joined, i) == i) x->keys[key_count++] = (uint64_t)x->c->component_of[i / 3] << 32 | x->c->indices[i];
+    qsort(x->keys, key_count, sizeof *x->keys, by_key);
+    for (size_t begin = 0, end; begin < key_count; begin = end) {
+        component_health *k = &x->h->components[x->keys[begin] >> 32];
+        for (end = begin; end < key_count && x->keys[end] == x->keys[begin];) end++;
+        k->vertices++;
+        k->nonmanifold_vertices += end - begin > 1;
+    }
+}
+
+/* --- triangles -------------------------------------------------------------------------------------------------------- */
+
+static void sort_corners(uint32_t out[3], const uint32_t *v)
+{
+    memcpy(out, v, 3 * sizeof *out);
+    for (int i = 0; i < 3; i++) { /* two exchanges suffice, a third does no harm */
+        int      k   = i % 2;
+        uint32_t low = out[k] < out[k + 1] ? out[k] : out[k + 1], high = out[k] < out[k + 1] ? out[k + 1] : out[k];
+        out[k]     = low;
+        out[k + 1] = high;
+    }
+}
+
+static int same_corners(const uint32_t *v, const uint32_t *w)
+{
+    uint32_t p[3], q[3];
+    sort_corners(p, v);
+    sort_corners(q, w);
+    return !memcmp(p, q, sizeof p);
+}
+
+/* Repeated triangles are found at the edge of their two lowest corners, where they differ only in the third. */
+static void find_repeated(examination *x, uint32_t begin, uint32_t end)
+{
+    const uint32_t *indices = x->c->indices;
+    size_t          count   = 0;
+    if (end - begin < 2) return;
+    for (uint32_t i = begin; i < end; i++) {
+        uint32_t        h = x->sorted[i];
+        const uint32_t *v = &indices[3 * (size_t)(h / 3)];
+        uint32_t        sorted_corners[3];
+        sort_corners(sorted_corners, v);
+        if (sorted_corners[0] != mesh_edge_low(indices, h) || sorted_corners[1] != mesh_edge_high(indices, h)) continue;
+        x->keys[count++] = sorted_corners[2];
+    }
+    qsort(x->keys, count, sizeof *x->keys, by_key);
+    for (size_t i = 1; i < count; i++) component_at(x, x->sorted[begin] / 3)->repeated_triangles += x->keys[i] == x->keys[i - 1];
+}
+
+static void measure(examination *x)
+{
+    const casters *c    = x->c;
+    mesh_soup      soup = {c->positions_ws, c->indices, c->triangle_count};
+    for (size_t t = 0; t < c->triangle_count; t++) {
+        component_health *k = component_at(x, t);
+        const double     *p[3];
+        for (size_t i = 0; i < 3; i++) p[i] = &c->positions_ws[3 * (size_t)c->indices[3 * t + i]];
+        if (!k->triangles++)
+            for (int i = 0; i < 6; i++) k->box_ws[i] = p[0][i % 3];
+        for (int i = 0; i < 9; i++) {
+            double at = p[i / 3][i % 3];
+            if (at < k->box_ws[i % 3]) k->box_ws[i % 3] = at;
+            if (at > k->box_ws[3 + i % 3]) k->box_ws[3 + i % 3] = at;
+        }
+        k->zero_area_triangles += (uint32_t)mesh_is_flat(&soup, t);
+    }
+}
+
+/* Once boxes are known: volumes are summed from a corner of the box, so that large coordinates cancel. */
+static void sum_volumes(examination *x)
+{
+    const casters *c = x->c;
+    for (size_t t = 0; t < c->triangle_count; t++) {
+        component_health *k = component_at(x, t);
+        double            e[3][3];
+        if (!k->closed || !k->oriented) continue;
+        for (size_t i = 0; i < 9; i++)
+            e[i / 3][i % 3] = c->positions_ws[3 * (size_t)c->indices[3 * t + i / 3] + i % 3] - k->box_ws[i % 3];
+        k->volume_m3 += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+                        6;
+    }
+}
+
+/* --- intersections ---------------------------------------------------------------------------------------------------- */
+
+static size_t drop_repeated(uint64_t *keys, size_t count)
+{
+    size_t kept = 0;
+    if (count > 1) qsort(keys, count, sizeof *keys, by_key); /* keys may be NULL when there are none */
+    for (size_t i = 0; i < count; i++)
+        if (!i || keys[i] != keys[i - 1]) keys[kept++] = keys[i];
+    return kept;
+}
+
+static uint64_t pair_key(const examination *x, uint32_t a, uint32_t b)
+{
+    uint32_t p = x->c->component_of[a], q = x->c->component_of[b];
+    return p < q ? (uint64_t)p << 32 | q : (uint64_t)q << 32 | p;
+}
+
+static uint64_t *recent_at(const examination *x, uint64_t key)
+{
+    return &x->recent[(key * 0x9e3779b97f4a7c15u) >> 48];
+}
+
+static int add_pair(examination *x, uint64_t key)
+{
+    if (x->pair_count == x->pair_room) x->pair_count = drop_repeated(x->pairs, x->pair_count);
+    if (2 * x->pair_count >= x->pair_room) {
+        size_t    room  = x->pair_room ? 2 * x->pair_room : 1024;
+        uint64_t *grown = realloc(x->pairs, room * sizeof *grown);
+        if (!grown) return 0;
+        x->pairs     = grown;
+        x->pair_room = room;
+    }
+    x->pairs[x->pair_count++] = key;
+    return 1;
+}
+
+/* Pairs within one component, or of two solids that are not known to meet. */
+static int matters(void *user, uint32_t a, uint32_t b)
+{
+    const examination *x  = user;
+    const uint32_t    *of = x->c->component_of;
+    if (of[a] == of[b]) return 1;
+    if (x->c->kind_of[of[a]] != COMPONENT_SOLID || x->c->kind_of[of[b]] != COMPONENT_SOLID) return 0;
+    uint64_t key = pair_key(x, a, b);
+    return *recent_at(x, key) != key;
+}
+
+static int keep_intersection(void *user, uint32_t a, uint32_t b)
+{
+    examination    *x  = user;
+    const uint32_t *of = x->c->component_of, *indices = x->c->indices;
+    if (of[a] == of[b]) {
+        component_at(x, a)->self_intersections += (uint64_t)!same_corners(&indices[3 * (size_t)a], &indices[3 * (size_t)b]);
+        return 0;
+    }
+    uint64_t key       = pair_key(x, a, b);
+    *recent_at(x, key) = key;
+    x->no_memory       = !add_pair(x, key);
+    return x->no_memory;
+}
+
+/* Lay out who meets whom: every pair twice, once from each side. */
+static int list_met(examination *x)
+{
+    mesh_health *h = x->h;
+    x->pair_count  = drop_repeated(x->pairs, x->pair_count);
+    h->met         = malloc((2 * x->pair_count + 1) * sizeof *h->met);
+    if (!h->met) return 0;
+    for (size_t i = 0; i < x->pair_count; i++) {
+        h->components[x->pairs[i] >> 32].meets++;
+        h->components[(uint32_t)x->pairs[i]].meets++;
+    }
+    uint64_t place = 0;
+    for (size_t i = 0; i < h->count; i++) {
+        h->components[i].meets_first = place;
+        place += h->components[i].meets;
+        h->components[i].meets = 0;
+    }
+    /* lower ones first, then higher ones, so that each list ascends */
+    for (int higher = 0; higher < 2; higher++)
+        for (size_t i = 0; i < x->pair_count; i++) {
+            uint32_t          low = (uint32_t)(x->pairs[i] >> 32), high = (uint32_t)x->pairs[i];
+            component_health *k                 = &h->components[higher ? low : high];
+            h->met[k->meets_first + k->meets++] = higher ? high : low;
+        }
+    return 1;
+}
+
+static int examine_intersections(examination *x)
+{
+    mesh_soup   soup   = {x->c->positions_ws, x->c->indices, x->c->triangle_count};
+    mesh_search search = {.wanted = matters, .found = keep_intersection, .user = x, .looks_max = LOOKS_MAX, .tests_max = TESTS_MAX};
+    if (mesh_find_intersections(&soup, &search) != VXS_OK || x->no_memory) return 0;
+    x->h->gave_up = search.gave_up;
+    return list_met(x);
+}
+
+/* ---------------------------------------------------------------------------------------------------------------------- */
+
+static void sum_up(mesh_health *h)
+{
+    component_health *sum = &h->total;
+    sum->closed = sum->orientable = sum->oriented = 1;
+    for (size_t i = 0; i < h->count; i++) {
+        const component_health *k = &h->components[i];
+        if (!i) memcpy(sum->box_ws, k->box_ws, sizeof sum->box_ws);
+        for (int axis = 0; axis < 3; axis++) {
+            if (k->box_ws[axis] < sum->box_ws[axis]) sum->box_ws[axis] = k->box_ws[axis];
+            if (k->box_ws[3 + axis] > sum->box_ws[3 + axis]) sum->box_ws[3 + axis] = k->box_ws[3 + axis];
+        }
+        sum->triangles += k->triangles;
+        sum->vertices += k->vertices;
+        sum->edges += k->edges;
+        sum->boundary_edges += k->boundary_edges;
+        sum->holes += k->holes;
+        sum->nonmanifold_edges += k->nonmanifold_edges;
+        sum->misoriented_edges += k->misoriented_edges;
+        sum->nonmanifold_vertices += k->nonmanifold_vertices;
+        sum->zero_area_triangles += k->zero_area_triangles;
+        sum->repeated_triangles += k->repeated_triangles;
+        sum->self_intersections += k->self_intersections;
+        sum->meets += k->meets;
+        sum->closed &= k->closed;
+        sum->orientable &= k->orientable;
+        sum->oriented &= k->oriented;
+        if (k->kind == COMPONENT_SOLID) sum->volume_m3 += k->volume_m3;
+    }
+}
+
+static int make_room(examination *x, mesh_health *h, const casters *c)
+{
+    for (int kind = 0; kind < COMPONENT_KINDS; kind++) h->count += c->component_count[kind];
+    size_t corners = 3 * c->triangle_count;
+    h->components  = calloc(h->count + 1, sizeof *h->components);
+    x->sorted      = malloc((corners + 1) * sizeof *x->sorted);
+    x->joined      = malloc((corners + 1) * sizeof *x->joined); /* there are no more vertices than corners */
+    x->turned      = calloc(c->triangle_count + 1, sizeof *x->turned);
+    x->keys        = malloc((corners + 1) * sizeof *x->keys);
+    x->recent      = malloc(RECENT * sizeof *x->recent);
+    if (x->recent) memset(x->recent, 0xff, RECENT * sizeof *x->recent);
+    return h->components && x->sorted && x->joined && x->turned && x->keys && x->recent;
+}
+
+static int examine(examination *x, mesh_health *h, const casters *c, void (*progress)(const char *what))
+{
+    if (progress) progress("edges");
+    if (!make_room(x, h, c)) return 0;
+    for (size_t i = 0; i < h->count; i++)
+        h->components[i] = (component_health){.kind = (component_kind)c->kind_of[i], .closed = 1, .orientable = 1, .oriented = 1};
+    if (mesh_sort_edges(x->sorted, c->indices, c->triangle_count, c->vertex_count) != VXS_OK) return 0;
+    for_each_edge(x, examine_edge);
+    for_each_edge(x, find_repeated);
+    start_joining(x, c->triangle_count);
+    for_each_edge(x, examine_sides);
+    count_vertices(x);
+    count_holes(x);
+
+    if (progress) progress("triangles");
+    measure(x);
+    sum_volumes(x);
+    if (progress) progress("intersections");
+    return examine_intersections(x);
+}
+
+vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress)(const char *what), message *m)
+{
+    *h             = (mesh_health){.collapsed_triangles = c->collapsed_count};
+    examination x  = {.h = h, .c = c};
+    int         ok = examine(&x, h, c, progress);
+    if (ok) sum_up(h);
+    free(x.sorted);
+    free(x.joined);
+    free(x.turned);
+    free(x.keys);
+    free(x.pairs);
+    free(x.recent);
+    if (ok) return VXS_OK;
+    mesh_health_free(h);
+    return fail(m, VXS_E_MEMORY, "out of memory while examining %zu triangles", c->triangle_count);
+}
+
+void mesh_health_free(mesh_health *h)
+{
+    free(h->components);
+    free(h->met);
+    *h = (mesh_health){0};
+}
+
+int component_has_faults(const component_health *c)
+{
+    return c->boundary_edges || c->nonmanifold_edges || c->misoriented_edges || c->nonmanifold_vertices || c->zero_area_triangles ||
+           c->repeated_triangles || c->self_intersections || c->meets || !c->closed || !c->orientable || !c->oriented ||
+           c->kind == COMPONENT_SHEET_INWARD;
+}

@@ -1,0 +1,795 @@
+/* Mending components; see mesh_repair.h. Each step looks at the scene anew, so that it sees what the last one has made of it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/mend/mesh_repair.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/casters/mesh_edges.h"
+#include "baker/mend/mesh_hole.h"
+#include "baker/casters/mesh_intersect.h"
+#include "baker/casters/mesh_join.h"
+#include "baker/casters/mesh_weld.h"
+
+#define NONE UINT32_MAX
+
+enum {
+    COPIES_MAX  = 64, /* an edge of more faces is no mistake of copying */
+    BORDERS_MAX = 256 /* around one vertex; beyond, holes cannot be told apart in good time */
+};
+
+/* The scene as it is now. */
+typedef struct view {
+    mesh_weld mesh;
+    uint32_t *sorted;       /* [3 * triangles] half-edges */
+    uint32_t *component_of; /* [triangles] */
+    size_t    component_count;
+    uint8_t  *broken; /* [component_count] 1: some edge does not balance, and no triangle is alpha-tested */
+    uint8_t  *masked; /* [component_count] 1: some triangle is */
+} view;
+
+typedef struct repair {
+    scene                *s;
+    const repair_options *o;
+    uint8_t              *masked;    /* [scene triangles] 1: alpha-tested */
+    uint32_t             *origin_of; /* [scene triangles] its component in the scene as it was; NONE: it was collapsed */
+    repaired_component   *origins;   /* [origin_count] */
+    size_t                origin_count;
+    view                  v;
+    uint32_t             *line;   /* [REPAIR_HOLE_EDGES_MAX] vertices along a hole */
+    double               *points; /* [3 * REPAIR_HOLE_EDGES_MAX] */
+    uint32_t             *filled; /* [3 * REPAIR_HOLE_EDGES_MAX] */
+} repair;
+
+/* --- looking ---------------------------------------------------------------------------------------------------------- */
+
+static void view_free(view *v)
+{
+    mesh_weld_free(&v->mesh);
+    free(v->sorted);
+    free(v->component_of);
+    free(v->broken);
+    free(v->masked);
+    *v = (view){0};
+}
+
+static uint32_t edge_run(const view *v, uint32_t begin)
+{
+    uint32_t end = begin + 1, edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    while (end < edge_count && mesh_same_edge(v->mesh.indices, v->sorted[begin], v->sorted[end])) end++;
+    return end;
+}
+
+static int64_t edge_balance(const view *v, uint32_t begin, uint32_t end)
+{
+    int64_t balance = 0;
+    for (uint32_t i = begin; i < end; i++) balance += v->mesh.indices[v->sorted[i]] == v->mesh.indices[v->sorted[begin]] ? 1 : -1;
+    return balance;
+}
+
+static void judge_components(const repair *x, view *v)
+{
+    uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->masked[v->mesh.from[t]];
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        end             = edge_run(v, begin);
+        uint32_t within = v->component_of[v->sorted[begin] / 3];
+        if (edge_balance(v, begin, end) && !v->masked[within]) v->broken[within] = 1;
+    }
+}
+
+static vxs_result look(repair *x, message *m)
+{
+    view      *v = &x->v;
+    vxs_result r;
+    view_free(v);
+    if ((r = mesh_weld_scene(&v->mesh, x->s, m)) != VXS_OK) return r;
+    size_t count    = v->mesh.triangle_count;
+    v->sorted       = malloc((3 * count + 1) * sizeof *v->sorted);
+    v->component_of = malloc((count + 1) * sizeof *v->component_of);
+    v->broken       = calloc(count + 1, sizeof *v->broken);
+    v->masked       = calloc(count + 1, sizeof *v->masked);
+    if (!v->sorted || !v->component_of || !v->broken || !v->masked ||
+        mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count) != VXS_OK)
+        return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
+    v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count);
+    judge_components(x, v);
+    return VXS_OK;
+}
+
+static int is_broken(const view *v, uint32_t triangle)
+{
+    return v->broken[v->component_of[triangle]];
+}
+
+/* What was done is noted where the triangle came from. */
+static repaired_component *note(const repair *x, uint32_t triangle)
+{
+    return &x->origins[x->origin_of[x->v.mesh.from[triangle]]];
+}
+
+static const double *position(const view *v, uint32_t vertex)
+{
+    return &v->mesh.positions_ws[3 * (size_t)vertex];
+}
+
+/* --- stitch ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct stitching {
+    double    reach, cell; /* side of a grid's cell, at least the reach */
+    uint8_t  *border;      /* [vertices] 1: at a border; 2: and must not be moved */
+    uint32_t *owner;       /* [vertices] a triangle there */
+    uint32_t *heads;       /* [mask + 1] hashed cells of a grid: the last vertex that stays, or NONE */
+    uint32_t *next;        /* [vertices] the one before in that cell */
+    uint32_t *moved_to;    /* [vertices] or NONE */
+    size_t    mask;
+} stitching;
+
+static void find_borders(const view *v, stitching *g)
+{
+    uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        end        = edge_run(v, begin);
+        uint32_t h = v->sorted[begin], ends[2] = {v->mesh.indices[h], mesh_edge_end(v->mesh.indices, h)};
+        for (int i = 0; i < 2; i++) {
+            if (v->masked[v->component_of[h / 3]]) g->border[ends[i]] |= 2;
+            if (!is_broken(v, h / 3) || end - begin != 1) continue;
+            g->border[ends[i]] |= 1;
+            g->owner[ends[i]] = h / 3;
+        }
+    }
+}
+
+static size_t cell_slot(const stitching *g, const double *p, const int *step)
+{
+    uint64_t hash = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double cell = floor(p[axis] / g->cell) + step[axis];
+        hash        = (hash ^ (uint64_t)(int64_t)cell) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+    }
+    return hash & g->mask;
+}
+
+static double distance(const double *p, const double *q)
+{
+    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+}
+
+/* The nearest vertex that stays and is within reach, or NONE. */
+static uint32_t find_nearest(const view *v, const stitching *g, uint32_t vertex)
+{
+    uint32_t      nearest = NONE;
+    double        best    = g->reach;
+    const double *p       = position(v, vertex);
+    for (int n = 0; n < 27; n++) {
+        const int step[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+        for (uint32_t at = g->heads[cell_slot(g, p, step)]; at != NONE; at = g->next[at]) {
+            double away = distance(p, position(v, at));
+            if (away > best || (away == best && nearest != NONE && at >= nearest)) continue;
+            best    = away;
+            nearest = at;
+        }
+    }
+    return nearest;
+}
+
+/* Each border vertex moves onto an earlier one that stayed, so none moves farther than the reach, however many are in a row. */
+static size_t choose_moves(const view *v, stitching *g)
+{
+    static const int here[3] = {0, 0, 0};
+    size_t           moves   = 0;
+    for (uint32_t vertex = 0; vertex < v->mesh.vertex_count; vertex++) {
+        if (!(g->border[vertex] & 1)) continue;
+        uint32_t nearest = g->border[vertex] & 2 ? NONE : find_nearest(v, g, vertex);
+        if (nearest != NONE) {
+            g->moved_to[vertex] = nearest;
+            moves++;
+            continue;
+        }
+        uint32_t *head  = &g->heads[cell_slot(g, position(v, vertex), here)];
+        g->next[vertex] = *head;
+        *head           = vertex;
+    }
+    return moves;
+}
+
+static void move_vertices(repair *x, const stitching *g)
+{
+    const view *v = &x->v;
+    for (uint32_t vertex = 0; vertex < v->mesh.vertex_count; vertex++)
+        if (g->moved_to[vertex] != NONE) note(x, g->owner[vertex])->stitched_vertices++;
+    for (size_t i = 0; i < x->s->vertex_count; i++) {
+        uint32_t vertex = v->mesh.welded_of[i];
+        if (vertex == NONE || g->moved_to[vertex] == NONE) continue;
+        memcpy(&x->s->positions_ws[3 * i], position(v, g->moved_to[vertex]), 3 * sizeof(double));
+    }
+}
+
+static double farthest_coordinate(const view *v)
+{
+    double far = 0;
+    for (size_t i = 0; i < 3 * v->mesh.vertex_count; i++) far = fmax(far, fabs(v->mesh.positions_ws[i]));
+    return far;
+}
+
+static vxs_result stitch(repair *x, message *m)
+{
+    size_t    vertex_count = x->v.mesh.vertex_count;
+    stitching g            = {.reach = x->o->stitch_m, .mask = 15};
+    if (!(g.reach > 0)) return VXS_OK;
+    while (g.mask + 1 < 2 * vertex_count) g.mask = 2 * g.mask + 1;
+    g.border     = calloc(vertex_count + 1, sizeof *g.border);
+    g.owner      = calloc(vertex_count + 1, sizeof *g.owner);
+    g.heads      = malloc((g.mask + 1) * sizeof *g.heads);
+    g.next       = malloc((vertex_count + 1) * sizeof *g.next);
+    g.moved_to   = malloc((vertex_count + 1) * sizeof *g.moved_to);
+    g.cell       = fmax(g.reach, 0x1p-50 * farthest_coordinate(&x->v)); /* so that cells can be numbered */
+    int    ok    = g.border && g.owner && g.heads && g.next && g.moved_to;
+    size_t moves = 0;
+    if (ok) {
+        memset(g.heads, 0xff, (g.mask + 1) * sizeof *g.heads);
+        memset(g.moved_to, 0xff, (vertex_count + 1) * sizeof *g.moved_to);
+        find_borders(&x->v, &g);
+        moves = choose_moves(&x->v, &g);
+        if (moves) move_vertices(x, &g);
+    }
+    free(g.border);
+    free(g.owner);
+    free(g.heads);
+    free(g.next);
+    free(g.moved_to);
+    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while stitching %zu vertices", vertex_count);
+    return moves ? look(x, m) : VXS_OK;
+}
+
+/* --- remove ----------------------------------------------------------------------------------------------------------- */
+
+/* The third corner of a triangle. */
+static uint32_t opposite(const view *v, uint32_t h)
+{
+    return v->mesh.indices[h % 3 == 0 ? h + 2 : h - 1];
+}
+
+/* Of triangles with the same corners, with the half-edge h of both lowest ones: which way round do most look, and by how many? */
+static int64_t count_copies(const view *v, uint32_t begin, uint32_t end, uint32_t h)
+{
+    int64_t more = 0;
+    for (uint32_t i = begin; i < end; i++)
+        if (opposite(v, v->sorted[i]) == opposite(v, h)) more += v->mesh.indices[v->sorted[i]] == v->mesh.indices[h] ? 1 : -1;
+    return more;
+}
+
+/* Does the surface go on from a triangle that has `copies` in all? Then each of its edges has an odd number of other triangles.
+ * faces  [half-edges] how many triangles their edges have */
+static int goes_on(const uint32_t *faces, uint32_t t, uint32_t copies)
+{
+    for (uint32_t h = 3 * t; h < 3 * t + 3; h++)
+        if ((faces[h] - copies) % 2 == 0) return 0;
+    return 1;
+}
+
+static uint32_t count_same(const view *v, uint32_t begin, uint32_t end, uint32_t h)
+{
+    uint32_t count = 0;
+    for (uint32_t i = begin; i < end; i++) count += opposite(v, v->sorted[i]) == opposite(v, h);
+    return count;
+}
+
+/* At the edge of its two lowest corners each triangle is met once. Of its copies the first one stays that looks the way most do. When as
+ * many look one way as the other and the surface does not go on, they are walls of closed surfaces that touch: all stay. */
+static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const uint32_t *faces, uint8_t *removed)
+{
+    const view *v = &x->v;
+    for (uint32_t i = begin; i < end && end - begin <= COPIES_MAX; i++) {
+        uint32_t h = v->sorted[i];
+        if (removed[h / 3] || opposite(v, h) < mesh_edge_high(v->mesh.indices, h)) continue;
+        int64_t  more = count_copies(v, begin, end, h);
+        uint32_t kept = NONE;
+        if (!more && !goes_on(faces, h / 3, count_same(v, begin, end, h))) continue;
+        for (uint32_t k = begin; k < end; k++) {
+            uint32_t g = v->sorted[k];
+            if (opposite(v, g) != opposite(v, h)) continue;
+            int as_most = (v->mesh.indices[g] == v->mesh.indices[h]) == (more >= 0);
+            if (as_most && kept == NONE)
+                kept = g / 3;
+            else
+                removed[g / 3] = 1;
+        }
+    }
+}
+
+static void find_removed(repair *x, uint32_t *faces, uint8_t *removed)
+{
+    const view *v          = &x->v;
+    mesh_soup   soup       = {v->mesh.positions_ws, v->mesh.indices, v->mesh.triangle_count};
+    uint32_t    edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        end = edge_run(v, begin);
+        for (uint32_t i = begin; i < end; i++) faces[v->sorted[i]] = end - begin;
+    }
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        end = begin + faces[v->sorted[begin]];
+        if (end - begin > 1 && is_broken(v, v->sorted[begin] / 3)) find_repeated(x, begin, end, faces, removed);
+    }
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+        if (removed[t]) note(x, t)->removed_repeated++;
+        if (removed[t] || !is_broken(v, t) || !mesh_is_flat(&soup, t)) continue;
+        removed[t] = 1;
+        note(x, t)->removed_zero_area++;
+    }
+}
+
+/* Take triangles out of the scene.  gone  [scene triangles] */
+static void close_ranks(repair *x, const uint8_t *gone)
+{
+    scene *s    = x->s;
+    size_t kept = 0, masks = 0;
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        while (masks < s->mask_triangle_count && s->mask_triangles[masks].triangle < t) masks++;
+        if (gone[t]) continue;
+        if (masks < s->mask_triangle_count && s->mask_triangles[masks].triangle == t)
+            s->mask_triangles[masks++].triangle = (uint32_t)kept;
+        memmove(&s->indices[3 * kept], &s->indices[3 * t], 3 * sizeof *s->indices);
+        s->triangle_flags[kept] = s->triangle_flags[t];
+        x->masked[kept]         = x->masked[t];
+        x->origin_of[kept++]    = x->origin_of[t];
+    }
+    s->triangle_count = kept;
+}
+
+static vxs_result remove_triangles(repair *x, message *m)
+{
+    const view *v       = &x->v;
+    uint8_t    *removed = calloc(v->mesh.triangle_count + 1, sizeof *removed);
+    uint8_t    *gone    = calloc(x->s->triangle_count + 1, sizeof *gone);
+    uint32_t   *faces   = malloc((3 * v->mesh.triangle_count + 1) * sizeof *faces);
+    size_t      count   = 0;
+    int         ok      = removed && gone && faces;
+    if (ok) {
+        find_removed(x, faces, removed);
+        for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+            gone[v->mesh.from[t]] = removed[t];
+            count += removed[t];
+        }
+        if (count) close_ranks(x, gone);
+    }
+    free(removed);
+    free(gone);
+    free(faces);
+    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
+    return count ? look(x, m) : VXS_OK;
+}
+
+/* --- orient ----------------------------------------------------------------------------------------------------------- */
+
+/* Triangles that are connected by edges of two. */
+typedef struct patch {
+    double area[2]; /* of those that look as its first one does, and of the others */
+    double volume;  /* as the first one looks, around its first corner */
+    double origin[3];
+    int    started, one_sided;
+} patch;
+
+static void triangle_edges(const view *v, uint32_t t, const double *o, double e[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int axis = 0; axis < 3; axis++) e[i][axis] = position(v, v->mesh.indices[3 * (size_t)t + (size_t)i])[axis] - o[axis];
+}
+
+static double determinant(double e[3][3])
+{
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+static double area_of(const view *v, uint32_t t)
+{
+    double e[3][3];
+    triangle_edges(v, t, position(v, v->mesh.indices[3 * (size_t)t]), e);
+    double x = e[1][1] * e[2][2] - e[1][2] * e[2][1], y = e[1][2] * e[2][0] - e[1][0] * e[2][2],
+           z = e[1][0] * e[2][1] - e[1][1] * e[2][0];
+    return sqrt(x * x + y * y + z * z) / 2;
+}
+
+static void measure_patch(const view *v, patch *p, uint32_t t, int turned)
+{
+    double e[3][3];
+    if (!p->started) memcpy(p->origin, position(v, v->mesh.indices[3 * (size_t)t]), sizeof p->origin);
+    p->started = 1;
+    p->area[turned] += area_of(v, t);
+    triangle_edges(v, t, p->origin, e);
+    p->volume += turned ? -determinant(e) : determinant(e);
+}
+
+/* Should triangles that look as the first one does be turned? */
+static int first_is_wrong(const patch *p)
+{
+    double all = p->area[0] + p->area[1];
+    if (p->area[0] >= REPAIR_MAJORITY * all) return 0;
+    if (p->area[1] >= REPAIR_MAJORITY * all) return 1;
+    return p->volume < 0;
+}
+
+static void turn_triangle(scene *s, uint32_t t)
+{
+    uint32_t *v       = &s->indices[3 * (size_t)t];
+    uint32_t  swapped = v[1];
+    v[1]              = v[2];
+    v[2]              = swapped;
+}
+
+/* parents, turned  [triangles];  patches  [triangles], used at roots */
+static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch *patches)
+{
+    const view *v          = &x->v;
+    uint32_t    edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    size_t      count      = 0;
+    int         is_turned;
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) parents[t] = t;
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        end = edge_run(v, begin);
+        if (end - begin != 2 || !is_broken(v, v->sorted[begin] / 3)) continue;
+        uint32_t a = v->sorted[begin] / 3, b = v->sorted[begin + 1] / 3;
+        if (!mesh_join_turned(parents, turned, a, b, edge_balance(v, begin, end) != 0)) patches[a].one_sided = 1;
+    }
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+        uint32_t root = mesh_find_turned(parents, turned, t, &is_turned);
+        if (patches[t].one_sided) patches[root].one_sided = 1;
+        measure_patch(v, &patches[root], t, is_turned);
+    }
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+        const patch *p     = &patches[mesh_find_turned(parents, turned, t, &is_turned)];
+        int          mixed = p->area[0] > 0 && p->area[1] > 0 && !p->one_sided;
+        if (!mixed || is_turned != !first_is_wrong(p)) continue;
+        turn_triangle(x->s, v->mesh.from[t]);
+        note(x, t)->turned_triangles++;
+        count++;
+    }
+    return count;
+}
+
+static vxs_result orient(repair *x, message *m)
+{
+    size_t    triangle_count = x->v.mesh.triangle_count, count = 0;
+    uint32_t *parents = malloc((triangle_count + 1) * sizeof *parents);
+    uint8_t  *turned  = calloc(triangle_count + 1, sizeof *turned);
+    patch    *patches = calloc(triangle_count + 1, sizeof *patches);
+    int       ok      = parents && turned && patches;
+    if (ok) count = turn_patches(x, parents, turned, patches);
+    free(parents);
+    free(turned);
+    free(patches);
+    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", triangle_count);
+    return count ? look(x, m) : VXS_OK;
+}
+
+/* --- fill ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct filling {
+    uint32_t *ends_at;   /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
+    uint32_t *at;        /* [half-edges] */
+    uint8_t  *used;      /* [half-edges] */
+    uint32_t *on_path;   /* [vertices] place on the path plus 1, or 0 */
+    uint32_t *path;      /* [half-edges] half-edges, against the way they run */
+    uint32_t *vertex_of; /* [vertices] one of the scene's */
+    uint8_t  *hopeless;  /* [component_count] 1: holes are not all that is wrong, or some are too large */
+    double   *boxes;     /* [6 * component_count] */
+    uint32_t *added;     /* [3 * added_count] scene vertices */
+    uint32_t *beside;    /* [added_count] the triangle at the hole */
+    size_t    added_count, added_room;
+    int       no_memory;
+} filling;
+
+static void filling_free(filling *f)
+{
+    free(f->ends_at);
+    free(f->at);
+    free(f->used);
+    free(f->on_path);
+    free(f->path);
+    free(f->vertex_of);
+    free(f->hopeless);
+    free(f->boxes);
+    free(f->added);
+    free(f->beside);
+}
+
+static int filling_init(filling *f, const view *v)
+{
+    size_t edges = 3 * v->mesh.triangle_count + 1, vertices = v->mesh.vertex_count + 2;
+    f->ends_at   = calloc(vertices, sizeof *f->ends_at);
+    f->at        = malloc(edges * sizeof *f->at);
+    f->used      = calloc(edges, sizeof *f->used);
+    f->on_path   = calloc(vertices, sizeof *f->on_path);
+    f->path      = malloc(edges * sizeof *f->path);
+    f->vertex_of = malloc(vertices * sizeof *f->vertex_of);
+    f->hopeless  = calloc(v->component_count + 1, sizeof *f->hopeless);
+    f->boxes     = malloc((6 * v->component_count + 1) * sizeof *f->boxes);
+    return f->ends_at && f->at && f->used && f->on_path && f->path && f->vertex_of && f->hopeless && f->boxes;
+}
+
+/* Gather border half-edges by the vertex where they end. Components with other edges that do not balance are hopeless. */
+static void gather_borders(const view *v, filling *f)
+{
+    uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++)
+        if (!is_broken(v, t)) f->hopeless[v->component_of[t]] = 1;
+    for (int place = 0; place < 2; place++) {
+        for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+            end        = edge_run(v, begin);
+            uint32_t h = v->sorted[begin], to = mesh_edge_end(v->mesh.indices, h);
+            if (end - begin > 1 && edge_balance(v, begin, end)) f->hopeless[v->component_of[h / 3]] = 1;
+            if (end - begin > 1 || !is_broken(v, h / 3)) continue;
+            if (place)
+                f->at[f->ends_at[to + 1]++] = h;
+            else
+                f->ends_at[to + 2]++;
+        }
+        if (!place)
+            for (size_t i = 2; i < v->mesh.vertex_count + 2; i++) f->ends_at[i] += f->ends_at[i - 1];
+    }
+}
+
+static void measure_boxes(const view *v, double *boxes)
+{
+    for (size_t i = 0; i < v->component_count; i++)
+        for (int k = 0; k < 6; k++) boxes[6 * i + (size_t)k] = k < 3 ? INFINITY : -INFINITY;
+    for (size_t i = 0; i < 3 * v->mesh.triangle_count; i++) {
+        const double *p   = position(v, v->mesh.indices[i]);
+        double       *box = &boxes[6 * (size_t)v->component_of[i / 3]];
+        for (int axis = 0; axis < 3; axis++) {
+            box[axis]     = fmin(box[axis], p[axis]);
+            box[3 + axis] = fmax(box[3 + axis], p[axis]);
+        }
+    }
+}
+
+/* A hole's half-edges, against the way they run; 0 when it is not to be filled. */
+static int may_fill(repair *x, const filling *f, const uint32_t *hole, size_t count)
+{
+    const view *v      = &x->v;
+    double      box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    if (count > x->o->hole_edges_max || count > REPAIR_HOLE_EDGES_MAX || count < 3) return 0;
+    for (size_t i = 0; i < count; i++) {
+        x->line[i]      = mesh_edge_end(v->mesh.indices, hole[i]);
+        const double *p = position(v, x->line[i]);
+        memcpy(&x->points[3 * i], p, 3 * sizeof *p);
+        for (int axis = 0; axis < 3; axis++) {
+            box[axis]     = fmin(box[axis], p[axis]);
+            box[3 + axis] = fmax(box[3 + axis], p[axis]);
+        }
+    }
+    const double *all      = &f->boxes[6 * (size_t)v->component_of[hole[0] / 3]];
+    double        diameter = distance(box, box + 3);
+    if (diameter <= x->o->hole_diameter_m && diameter <= REPAIR_HOLE_SHARE * distance(all, all + 3)) return 1;
+    return mesh_is_crack(x->points, count);
+}
+
+/* Room for more triangles; 0 without memory. */
+static int reserve(filling *f, size_t more)
+{
+    if (f->added_count + more <= f->added_room) return 1;
+    size_t    room  = 2 * (f->added_count + more);
+    uint32_t *added = realloc(f->added, 3 * room * sizeof *added);
+    if (added) f->added = added;
+    uint32_t *beside = realloc(f->beside, room * sizeof *beside);
+    if (beside) f->beside = beside;
+    if (added && beside) f->added_room = room;
+    return added && beside;
+}
+
+/* One hole, in the first round to see whether it can be filled, in the second to do so. */
+static void meet_hole(repair *x, filling *f, const uint32_t *hole, size_t count, int fill)
+{
+    uint32_t beside = hole[0] / 3, component = x->v.component_of[beside];
+    if (!fill) {
+        if (!f->hopeless[component] && (!may_fill(x, f, hole, count) || !mesh_fill_hole(x->points, count, x->filled)))
+            f->hopeless[component] = 1;
+        return;
+    }
+    if (f->hopeless[component]) {
+        note(x, beside)->left_holes++;
+        return;
+    }
+    if (!may_fill(x, f, hole, count) || !mesh_fill_hole(x->points, count, x->filled)) return; /* it went well a moment ago */
+    if (!reserve(f, count - 2)) {
+        f->no_memory = 1;
+        return;
+    }
+    for (size_t i = 0; i < count - 2; i++) {
+        for (size_t k = 0; k < 3; k++) f->added[3 * f->added_count + k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
+        f->beside[f->added_count++] = beside;
+    }
+    note(x, beside)->filled_holes++;
+    note(x, beside)->added_triangles += (uint32_t)(count - 2);
+}
+
+/* Walk along borders. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets itself. */
+static void walk(repair *x, filling *f, uint32_t first, int fill)
+{
+    const uint32_t *indices = x->v.mesh.indices;
+    size_t          length  = 0;
+    for (uint32_t h = first;;) {
+        uint32_t from = mesh_edge_end(indices, h), to = indices[h];
+        f->used[h]        = 1;
+        f->path[length++] = h;
+        f->on_path[from]  = (uint32_t)length; /* its place, plus 1 */
+        if (f->on_path[to]) {
+            size_t begin = f->on_path[to] - 1;
+            meet_hole(x, f, &f->path[begin], length - begin, fill);
+            for (size_t i = begin; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
+            length = begin;
+        }
+        uint32_t next = NONE, tried = 0;
+        for (uint32_t i = f->ends_at[to]; i < f->ends_at[to + 1] && next == NONE && tried < BORDERS_MAX; i++, tried++)
+            if (!f->used[f->at[i]] && x->v.component_of[f->at[i] / 3] == x->v.component_of[h / 3]) next = f->at[i];
+        if (next == NONE) break;
+        h = next;
+    }
+    /* a path that leads nowhere: triangles there do not agree which way is out */
+    if (length) f->hopeless[x->v.component_of[first / 3]] = 1;
+    if (length && fill) note(x, first / 3)->left_holes++;
+    for (size_t i = 0; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
+}
+
+static void walk_all(repair *x, filling *f, int fill)
+{
+    size_t count = f->ends_at[x->v.mesh.vertex_count];
+    memset(f->used, 0, 3 * x->v.mesh.triangle_count);
+    for (size_t i = 0; i < count; i++)
+        if (!f->used[f->at[i]]) walk(x, f, f->at[i], fill);
+}
+
+/* New triangles at the scene's end. */
+static int append(repair *x, const filling *f)
+{
+    scene    *s       = x->s;
+    size_t    count   = s->triangle_count + f->added_count;
+    uint32_t *indices = realloc(s->indices, 3 * count * sizeof *indices);
+    if (indices) s->indices = indices;
+    uint8_t *flags = realloc(s->triangle_flags, count);
+    if (flags) s->triangle_flags = flags;
+    uint8_t *masked = realloc(x->masked, count);
+    if (masked) x->masked = masked;
+    uint32_t *origin_of = realloc(x->origin_of, count * sizeof *origin_of);
+    if (origin_of) x->origin_of = origin_of;
+    if (!indices || !flags || !masked || !origin_of) return 0;
+
+    for (size_t i = 0; i < f->added_count; i++) {
+        size_t   t    = s->triangle_count++;
+        uint32_t like = x->v.mesh.from[f->beside[i]];
+        memcpy(&s->indices[3 * t], &f->added[3 * i], 3 * sizeof *s->indices);
+        s->triangle_flags[t] = s->triangle_flags[like];
+        x->masked[t]         = 0;
+        x->origin_of[t]      = x->origin_of[like];
+    }
+    return 1;
+}
+
+static vxs_result fill(repair *x, message *m)
+{
+    const view *v  = &x->v;
+    filling     f  = {0};
+    int         ok = filling_init(&f, v);
+    if (ok) {
+        for (size_t i = 0; i < x->s->vertex_count; i++)
+            if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
+        gather_borders(v, &f);
+        measure_boxes(v, f.boxes);
+        walk_all(x, &f, 0);
+        walk_all(x, &f, 1);
+        ok = !f.no_memory && (!f.added_count || append(x, &f));
+    }
+    size_t added = f.added_count;
+    filling_free(&f);
+    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while filling holes of %zu triangles", x->s->triangle_count);
+    return added ? look(x, m) : VXS_OK;
+}
+
+/* --- report ----------------------------------------------------------------------------------------------------------- */
+
+/* Components as they are before anything is done. */
+static vxs_result start(repair *x, message *m)
+{
+    scene *s     = x->s;
+    x->masked    = calloc(s->triangle_count + 1, sizeof *x->masked);
+    x->origin_of = malloc((s->triangle_count + 1) * sizeof *x->origin_of);
+    x->line      = malloc(REPAIR_HOLE_EDGES_MAX * sizeof *x->line);
+    x->points    = malloc(3 * REPAIR_HOLE_EDGES_MAX * sizeof *x->points);
+    x->filled    = malloc(3 * REPAIR_HOLE_EDGES_MAX * sizeof *x->filled);
+    if (!x->masked || !x->origin_of || !x->line || !x->points || !x->filled)
+        return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", s->triangle_count);
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        x->masked[t]    = (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0;
+        x->origin_of[t] = NONE;
+    }
+    for (size_t i = 0; i < s->mask_triangle_count; i++) x->masked[s->mask_triangles[i].triangle] = 1;
+
+    vxs_result r = look(x, m);
+    if (r != VXS_OK) return r;
+    const view *v   = &x->v;
+    x->origin_count = v->component_count;
+    x->origins      = calloc(x->origin_count + 1, sizeof *x->origins);
+    if (!x->origins) return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", s->triangle_count);
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+        uint32_t            component = v->component_of[t];
+        repaired_component *c         = &x->origins[component];
+        x->origin_of[v->mesh.from[t]] = component;
+        if (!c->triangles++) c->triangle = v->mesh.from[t];
+        c->closed_before = !v->broken[component] && !v->masked[component];
+    }
+    return VXS_OK;
+}
+
+static void note_closed(repair *x)
+{
+    const view *v = &x->v;
+    for (size_t i = 0; i < x->origin_count; i++)
+        x->origins[i].closed_after = x->origins[i].triangles > x->origins[i].removed_repeated + x->origins[i].removed_zero_area;
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+        uint32_t component = v->component_of[t];
+        if (v->broken[component] || v->masked[component]) note(x, t)->closed_after = 0;
+    }
+}
+
+static int is_worth_telling(const repaired_component *c)
+{
+    return c->stitched_vertices || c->removed_repeated || c->removed_zero_area || c->turned_triangles || c->filled_holes ||
+           c->left_holes;
+}
+
+static vxs_result sum_up(const repair *x, repair_report *out, message *m)
+{
+    out->components = malloc((x->origin_count + 1) * sizeof *out->components);
+    if (!out->components) return fail(m, VXS_E_MEMORY, "out of memory for a report of %zu components", x->origin_count);
+    out->component_count = x->origin_count;
+    for (size_t i = 0; i < x->origin_count; i++) {
+        const repaired_component *c = &x->origins[i];
+        repaired_component       *t = &out->total;
+        out->closed_before += c->closed_before;
+        out->closed_after += c->closed_after;
+        t->triangles += c->triangles;
+        t->stitched_vertices += c->stitched_vertices;
+        t->removed_repeated += c->removed_repeated;
+        t->removed_zero_area += c->removed_zero_area;
+        t->turned_triangles += c->turned_triangles;
+        t->filled_holes += c->filled_holes;
+        t->added_triangles += c->added_triangles;
+        t->left_holes += c->left_holes;
+        if (is_worth_telling(c)) out->components[out->count++] = *c;
+    }
+    return VXS_OK;
+}
+
+vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m)
+{
+    repair     x = {.s = s, .o = o};
+    vxs_result r;
+
+    *out = (repair_report){0};
+    if ((r = start(&x, m)) != VXS_OK) goto done;
+    if ((r = stitch(&x, m)) != VXS_OK) goto done;
+    if ((r = remove_triangles(&x, m)) != VXS_OK) goto done;
+    if ((r = orient(&x, m)) != VXS_OK) goto done;
+    if ((r = fill(&x, m)) != VXS_OK) goto done;
+    note_closed(&x);
+    r = sum_up(&x, out, m);
+done:
+    if (r != VXS_OK) repair_report_free(out);
+    view_free(&x.v);
+    free(x.masked);
+    free(x.origin_of);
+    free(x.origins);
+    free(x.line);
+    free(x.points);
+    free(x.filled);
+    return r;
+}
+
+void repair_report_free(repair_report *r)
+{
+    free(r->components);
+    *r = (repair_report){0};
+}

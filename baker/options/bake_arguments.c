@@ -1,0 +1,123 @@
+/* The command line of bake and plan; see bake_arguments.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/options/bake_arguments.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "baker/base/parallel.h"
+
+/* Two outputs that are one. Names that differ may still be links to one file. */
+static vxs_result check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m)
+{
+    struct stat a_status, b_status;
+    if (!a_path || !b_path) return VXS_OK;
+    int is_same = !strcmp(a_path, b_path);
+    if (is_same && !strcmp(a_path, "-"))
+        return fail(m, VXS_E_ARGUMENT, "%s - and %s - exclude each other: both would go to standard output", a, b);
+    if (!is_same && strcmp(a_path, "-") && strcmp(b_path, "-") && !stat(a_path, &a_status) && !stat(b_path, &b_status))
+        is_same = S_ISREG(a_status.st_mode) && a_status.st_dev == b_status.st_dev && a_status.st_ino == b_status.st_ino;
+    return is_same ? fail(m, VXS_E_ARGUMENT, "%s and %s are both %s: expected two names", a, b, b_path) : VXS_OK;
+}
+
+static vxs_result check(bake_arguments *a, int output_needed, message *m)
+{
+    bake_options *o = &a->o;
+    vxs_result    r;
+    if (output_needed && !o->output_path) return fail(m, VXS_E_ARGUMENT, "bake needs -o OUT.vxs");
+    if ((r = check_apart("-o", o->output_path, "--json", a->json_path, m)) != VXS_OK) return r;
+    if ((r = check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
+    if ((r = check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
+    if (a->resolution_given && a->texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
+    if (a->mending_given && !o->repair)
+        return fail(m, VXS_E_ARGUMENT, "--stitch, --hole-diameter and --hole-edges go with --repair");
+    if (a->texel_given) o->resolution = 0;
+    if (o->resolution & (o->resolution - 1))
+        return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two from %d to %d", o->resolution, RESOLUTION_MIN_PX,
+                    RESOLUTION_MAX_PX);
+    for (int axis = 0; axis < 3 && o->region_given; axis++)
+        if (!(o->region_ws[axis] < o->region_ws[axis + 3]))
+            return fail(m, VXS_E_ARGUMENT, "--region: the minimum must be less than the maximum, but is %g and %g on axis %c",
+                        o->region_ws[axis], o->region_ws[axis + 3], "xyz"[axis]);
+    return VXS_OK;
+}
+
+static void take_choices(bake_arguments *a)
+{
+    a->o.closed   = (closed_mode)a->closed;
+    a->o.exit     = (exit_mode)a->exit;
+    a->o.rule     = (mask_rule)a->rule;
+    a->o.compress = (compress_choice)a->compress;
+    a->o.stop     = (stop_stage)a->stop;
+    a->o.gl       = (gl_backend)a->gl;
+    a->o.baseline = (baseline_mode)a->baseline;
+}
+
+vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed,
+                                int argc, char **argv, message *m)
+{
+    memset(a, 0, sizeof *a);
+    a->o = (bake_options){
+        .resolution = 4096, .reuse = 1, .zstd_level = 12, .threads = parallel_default_threads(), .mending = REPAIR_DEFAULTS};
+    a->stop                = STOP_FINAL;
+    const option options[] = {
+        {"-o", OPTION_TEXT, &a->o.output_path, 0, 0, NULL, "OUT.vxs", "where the asset goes; - is standard output", NULL},
+        {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default: all)", NULL},
+        {"--sun", OPTION_VECTOR, a->o.sun, 0, 3, NULL, "X,Y,Z", "add a light named sun that travels this way", &a->o.sun_given},
+        {"--resolution", OPTION_U32, &a->o.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N",
+         "texels a side of the map, a power of two, 8 to 16384 (default 4096)", &a->resolution_given},
+        {"--texel", OPTION_F64, &a->o.texel_metres, 1e-9, 1e9, NULL, "METRES", "side of a texel; the resolution follows from it",
+         &a->texel_given},
+        {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",
+         "x,y,z,x,y,z of the box that will be looked up, metres (default: all casters)", &a->o.region_given},
+        {"--scene", OPTION_TEXT, &a->o.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)",
+         NULL},
+        {"--maps", OPTION_CHOICE, &a->maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto, which is gl)", NULL},
+        {"--gl", OPTION_CHOICE, &a->gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
+        {"--exit", OPTION_CHOICE, &a->exit, 0, 0, EXIT_CHOICES, NULL,
+         "exit depth of solids: peeled, or the nearest back face (default auto: peeled where solids meet)", NULL},
+        {"--closed", OPTION_CHOICE, &a->closed, 0, 0, CLOSED_CHOICES, NULL,
+         "solids: by the rules, all that is closed, none (default auto)", NULL},
+        {"--repair", OPTION_SWITCH, &a->o.repair, 0, 0, NULL, NULL, "mend meshes first, in memory (vxs health says what that does)",
+         NULL},
+        {"--stitch", OPTION_F64, &a->o.mending.stitch_m, 0, 1e6, NULL, "METRES",
+         "repair: stitch borders this far apart (default 0)", &a->mending_given},
+        {"--hole-diameter", OPTION_F64, &a->o.mending.hole_diameter_m, 0, 1e9, NULL, "METRES",
+         "repair: the largest hole to fill (default 0.1)", &a->mending_given},
+        {"--hole-edges", OPTION_U32, &a->o.mending.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
+         "repair: the most edges of a hole to fill (default 64)", &a->mending_given},
+        {"--union", OPTION_SWITCH, &a->o.unite, 0, 0, NULL, NULL,
+         "replace solids that meet by their union: nothing is peeled for them", NULL},
+        {"--rule", OPTION_CHOICE, &a->rule, 0, 0, RULE_CHOICES, NULL,
+         "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
+        {"--reuse", OPTION_CHOICE, &a->o.reuse, 0, 0, REUSE_CHOICES, NULL,
+         "insertion refers to an equal neighbour nearer the light (default on)", NULL},
+        {"--compress", OPTION_CHOICE, &a->compress, 0, 0, COMPRESS_CHOICES, NULL,
+         "order of sub-DAG compression (default auto: top-down where it pays)", NULL},
+        {"--stop", OPTION_CHOICE, &a->stop, 0, 0, STOP_CHOICES, NULL,
+         "after insertion, sub-DAG compression, or the merge (default final)", NULL},
+        {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
+        {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
+         "threads (default: all processors); never changes the bytes", NULL},
+        {"--baseline", OPTION_CHOICE, &a->baseline, 0, 0, BASELINE_CHOICES, NULL,
+         "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
+        {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
+         "hold no more memory than this: 800M, 2G, or plain bytes (default: as much as it needs)", NULL},
+        {"--report", OPTION_TEXT, &a->page_path, 0, 0, NULL, "FILE.html",
+         "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
+        {"--json", OPTION_TEXT, &a->json_path, 0, 0, NULL, "FILE", "the report as JSON; - is standard output", NULL},
+    };
+    const command_line line = {name, synopsis, summary, options, sizeof options / sizeof *options, 1};
+    vxs_result         r    = options_parse(&line, argc, argv, &a->o.scene_path, &a->help_shown, m);
+    if (r != VXS_OK || a->help_shown) return r;
+    take_choices(a);
+    a->o.pictures = a->page_path != NULL;
+    return check(a, output_needed, m);
+}
+
+void bake_arguments_free(bake_arguments *a)
+{
+    free(a->o.light_names.items);
+    memset(a, 0, sizeof *a);
+}

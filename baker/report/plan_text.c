@@ -1,0 +1,280 @@
+/* A plan in words; see plan_text.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/report/plan_text.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+#include "baker/files/json_file.h"
+#include "baker/base/text.h"
+#include "baker/base/version.h"
+#include "baker/report/report.h"
+
+/* decisions ------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct decision_list {
+    plan_decision *items;
+    size_t         count;
+} decision_list;
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 4, 5)))
+#endif
+static void
+decide(decision_list *l, const char *name, const char *choice, const char *format, ...)
+{
+    plan_decision *d = &l->items[l->count++];
+    va_list        arguments;
+    d->name = name;
+    snprintf(d->choice, sizeof d->choice, "%s", choice);
+    va_start(arguments, format);
+    vsnprintf(d->reason, sizeof d->reason, format, arguments);
+    va_end(arguments);
+}
+
+typedef struct block_sums {
+    unsigned long long tiles, tiles_empty, blocks_peeled, blocks_not_peeled;
+} block_sums;
+
+static block_sums sums_of(const bake_plan *plan)
+{
+    block_sums s = {0};
+    for (size_t n = 0; n < plan->light_count; n++) {
+        s.tiles += plan->lights[n].tiles;
+        s.tiles_empty += plan->lights[n].tiles_empty;
+        s.blocks_peeled += plan->lights[n].blocks_peeled;
+        s.blocks_not_peeled += plan->lights[n].blocks_not_peeled;
+    }
+    return s;
+}
+
+static void decide_exit(decision_list *l, const bake_plan *plan, const bake_options *o, const casters *c)
+{
+    size_t     solids = c->component_count[COMPONENT_SOLID];
+    block_sums s      = sums_of(plan);
+    if (!plan->has_exit_map) {
+        decide(l, "exit map", "none", "no component is solid: light leaves a sheet where it enters");
+        return;
+    }
+    decide(l, "exit map", "made", "%zu solids with %zu triangles have an inside that nobody asks about", solids,
+           c->solid_triangle_count);
+    if (o->exit == EXIT_BACK) {
+        decide(l, "peeling", "nowhere", "--exit back: the nearest back face, sooner found, and a larger file where solids meet");
+    } else if (o->exit == EXIT_PEEL) {
+        decide(l, "peeling", "everywhere", "--exit peel: all %llu blocks with solids", s.blocks_peeled);
+    } else if (plan->meeting_known) {
+        decide(l, "peeling", s.blocks_peeled ? "where solids meet" : "nowhere",
+               "%zu of %zu solids meet another or themselves%s: %llu blocks need it, %llu with solids do not", c->meeting.meet,
+               c->meeting.solids, c->meeting.assumed ? " (assumed: the search took too long)" : "", s.blocks_peeled,
+               s.blocks_not_peeled);
+    } else {
+        decide(l, "peeling", "everywhere",
+               "finding out which solids meet takes about %.2g s, and peeling all %llu blocks with solids no more than %.2g s",
+               plan->meeting_seconds, s.blocks_peeled, plan->peeling_seconds);
+    }
+}
+
+static void decide_compression(decision_list *l, const bake_plan *plan, const bake_options *o)
+{
+    if (o->stop == STOP_INSERT)
+        decide(l, "sub-DAG compression", "left out", "--stop insert");
+    else if (o->stop == STOP_PARTIAL)
+        decide(l, "sub-DAG compression", "done", "--stop partial: it is the last step");
+    else if (o->compress != COMPRESS_CHOICE_AUTO)
+        decide(l, "sub-DAG compression", "done", "--compress %s",
+               o->compress == COMPRESS_CHOICE_BOTTOM_UP ? "bottom-up" : "top-down");
+    else
+        decide(l, "sub-DAG compression", plan->compresses ? "done" : "left out",
+               "it would take about %.2g s on %u threads and spare the merge, which finds the same, about %.2g s",
+               plan->compress_seconds, o->threads, plan->merge_seconds_spared);
+}
+
+static void decide_memory(decision_list *l, const bake_plan *plan, const bake_options *o)
+{
+    char choice[64], a[32], b[32];
+    snprintf(choice, sizeof choice, "%u x %u texels", plan->tile_px, plan->tile_px);
+    if (!plan->budget_bytes)
+        decide(l, "tile size", choice, "no --memory: the largest, or the map itself");
+    else
+        decide(l, "tile size", choice, "--memory %s: about %s with these tiles", size_text(a, plan->budget_bytes),
+               size_text(b, plan->peak_bytes));
+    if (plan->baseline == o->baseline) return;
+    decide(l, "baseline", "left out", "--memory %s: the comparison with a plain depth map is no part of the file",
+           size_text(a, plan->budget_bytes));
+}
+
+static void decide_lights(decision_list *l, const bake_plan *plan, const bake_report *report)
+{
+    char   choice[64];
+    size_t nothing = plan->light_count - plan->baked_count;
+    snprintf(choice, sizeof choice, "%zu baked", plan->baked_count);
+    if (!report->left_out_count)
+        decide(l, "lights", choice, "none is left out");
+    else
+        decide(l, "lights", choice, "%zu left out: %zu that nobody asked for, %zu that reach no caster", report->left_out_count,
+               report->left_out_count - nothing, nothing);
+}
+
+static void decide_meshes(decision_list *l, const bake_options *o, const bake_report *report)
+{
+    const repaired_component *k = &report->repair.total;
+    const union_cluster      *u = &report->unite.total;
+    char                      choice[64];
+    if (o->repair) {
+        snprintf(choice, sizeof choice, "%zu components closed of %zu", report->repair.closed_after,
+                 report->repair.component_count);
+        decide(l, "repair", choice,
+               "%zu were before; %u vertices stitched, %u triangles removed, %u turned, %u added in %u holes; %u holes left",
+               report->repair.closed_before, k->stitched_vertices, k->removed_repeated + k->removed_zero_area, k->turned_triangles,
+               k->added_triangles, k->filled_holes, k->left_holes);
+    }
+    if (!o->unite) return;
+    snprintf(choice, sizeof choice, "%u solids became %u", u->left[UNITED], u->results);
+    decide(l, "union", choice,
+           "of %u solids that meet, in %zu clusters; left as they were: %u not manifold, %u cross themselves, %u not outward, "
+           "%u too large, %u failed%s",
+           u->solids, report->unite.count, u->left[UNITE_NOT_MANIFOLD], u->left[UNITE_CROSSES_ITSELF], u->left[UNITE_NOT_OUTWARD],
+           u->left[UNITE_TOO_LARGE], u->left[UNITE_FAILED], report->unite.gave_up ? "; not all that meet were found" : "");
+}
+
+size_t plan_decisions(const bake_plan *plan, const bake_options *o, const bake_report *report, plan_decision *decisions)
+{
+    decision_list l = {.items = decisions};
+    block_sums    s = sums_of(plan);
+    char          choice[64];
+    decide_lights(&l, plan, report);
+    decide_meshes(&l, o, report);
+    decide_exit(&l, plan, o, &report->casters);
+    snprintf(choice, sizeof choice, "%llu of %llu", s.tiles - s.tiles_empty, s.tiles);
+    decide(&l, "tiles", choice, "%llu that no caster may touch are left out: they are lit", s.tiles_empty);
+    decide_memory(&l, plan, o);
+    decide_compression(&l, plan, o);
+    decide(&l, "file", "levels and masks of each light", "no depth maps, no names or materials of the scene, no empty section");
+    return l.count;
+}
+
+/* for people ------------------------------------------------------------------------------------------------------------------ */
+
+void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o, const bake_report *report)
+{
+    plan_decision decisions[PLAN_DECISIONS_MAX];
+    size_t        count = plan_decisions(plan, o, report, decisions);
+    for (size_t n = 0; n < count; n++) fprintf(to, "%-20s %s: %s\n", decisions[n].name, decisions[n].choice, decisions[n].reason);
+}
+
+static void print_light(FILE *to, const plan_light *l)
+{
+    char     name[VXS_LIGHT_NAME_BYTES], a[32], b[32];
+    unsigned side = 1u << l->light.levels;
+    one_line(strcpy(name, l->name));
+    if (l->left_out) {
+        fprintf(to, "light %s is left out: it %s\n", name, l->left_out);
+        return;
+    }
+    fprintf(to, "light %s\n", name);
+    fprintf(to, "  map        %u of %u x %u texels of %.4g m, voxels %.4g %s deep\n", l->map_count, side, side,
+            l->light.texel_metres, l->light.voxel_metres, l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
+    fprintf(to, "  tiles      %llu, left out without casters: %llu; %llu blocks to render, %llu of them to peel\n",
+            (unsigned long long)l->tiles, (unsigned long long)l->tiles_empty, (unsigned long long)(l->blocks - l->blocks_empty),
+            (unsigned long long)l->blocks_peeled);
+    fprintf(to, "  about      %.3g masks, %.3g nodes; %s in memory, %s on disk\n", l->masks, l->nodes,
+            size_text(a, (uint64_t)l->memory_bytes), size_text(b, (uint64_t)l->stored_bytes));
+}
+
+void plan_print(FILE *to, const bake_options *o, const bake_report *report)
+{
+    const bake_plan *plan = report->plan;
+    char             a[32], b[32], c[32];
+    fprintf(to, "scene        %s\n", o->scene_path);
+    report_print_casters(to, report);
+    plan_print_decisions(to, plan, o, report);
+    for (size_t n = 0; n < plan->light_count; n++) print_light(to, &plan->lights[n]);
+    for (size_t n = 0; n < report->left_out_count; n++)
+        if (report->left_out[n].why != REACHES_NOTHING) {
+            char name[VXS_LIGHT_NAME_BYTES];
+            fprintf(to, "light %s is left out: %s\n", one_line(strcpy(name, report->left_out[n].name)), report->left_out[n].why);
+        }
+    fprintf(to, "estimate     %.2g s, %s of memory, a file of %s, %s when loaded\n", plan->total_seconds,
+            size_text(a, plan->peak_bytes), size_text(b, plan->file_bytes), size_text(c, plan->memory_bytes));
+}
+
+/* for machines ---------------------------------------------------------------------------------------------------------------- */
+
+json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report)
+{
+    plan_decision decisions[PLAN_DECISIONS_MAX];
+    size_t        count = plan_decisions(plan, o, report, decisions);
+    json_t       *array = json_array();
+    for (size_t n = 0; n < count; n++)
+        json_array_append_new(array, json_pack("{s:s, s:s, s:s}", "name", decisions[n].name, "choice", decisions[n].choice,
+                                               "reason", decisions[n].reason));
+    return array;
+}
+
+json_t *plan_estimate_json(const bake_plan *plan)
+{
+    json_t *stages = json_array();
+    for (int s = 0; s < STAGE_COUNT; s++)
+        json_array_append_new(stages, json_pack("{s:s, s:f}", "name", bake_stage_name((bake_stage)s), "seconds", plan->seconds[s]));
+    return json_pack("{s:f, s:o, s:I, s:I, s:I}", "total_seconds", plan->total_seconds, "stages", stages, "peak_bytes",
+                     (json_int_t)plan->peak_bytes, "file_bytes", (json_int_t)plan->file_bytes, "memory_bytes",
+                     (json_int_t)plan->memory_bytes);
+}
+
+static json_t *light_json(const plan_light *l)
+{
+    if (l->left_out) return json_pack("{s:o, s:s}", "name", json_text(l->name), "left_out", l->left_out);
+    return json_pack("{s:o, s:I, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name",
+                     json_text(l->name), "resolution_px", (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "triangles",
+                     (json_int_t)l->triangles, "tiles", (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_empty,
+                     "blocks", (json_int_t)l->blocks, "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled",
+                     (json_int_t)l->blocks_peeled, "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles",
+                     (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes",
+                     (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "nodes", (json_int_t)l->nodes,
+                     "masks", (json_int_t)l->masks, "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
+                     (json_int_t)l->stored_bytes);
+}
+
+json_t *plan_lights_json(const bake_plan *plan)
+{
+    json_t *lights = json_array();
+    for (size_t n = 0; n < plan->light_count; n++) json_array_append_new(lights, light_json(&plan->lights[n]));
+    return lights;
+}
+
+json_t *plan_meshes_json(const bake_options *o, const bake_report *report)
+{
+    const repaired_component *k      = &report->repair.total;
+    const union_cluster      *u      = &report->unite.total;
+    json_t                   *meshes = json_object();
+    if (o->repair)
+        json_object_set_new(meshes, "repair",
+                            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "components",
+                                      (json_int_t)report->repair.component_count, "closed_before",
+                                      (json_int_t)report->repair.closed_before, "closed_after",
+                                      (json_int_t)report->repair.closed_after, "stitched_vertices",
+                                      (json_int_t)k->stitched_vertices, "removed_repeated", (json_int_t)k->removed_repeated,
+                                      "removed_zero_area", (json_int_t)k->removed_zero_area, "turned_triangles",
+                                      (json_int_t)k->turned_triangles, "filled_holes", (json_int_t)k->filled_holes,
+                                      "added_triangles", (json_int_t)k->added_triangles, "left_holes", (json_int_t)k->left_holes));
+    if (o->unite)
+        json_object_set_new(meshes, "union",
+                            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "clusters", (json_int_t)report->unite.count, "solids",
+                                      (json_int_t)u->solids, "united", (json_int_t)u->left[UNITED], "results",
+                                      (json_int_t)u->results, "solids_after", (json_int_t)report->unite.solids_after,
+                                      "triangles_after", (json_int_t)report->unite.triangles_after, "complete",
+                                      !report->unite.gave_up));
+    return meshes;
+}
+
+vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m)
+{
+    const bake_plan *plan = report->plan;
+    json_t          *root =
+        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:f}", "vxs", VXS_VERSION, "scene",
+                  json_text(o->scene_path), "options", bake_options_json(o), "casters", report_casters_json(report), "meshes",
+                  plan_meshes_json(o, report), "decisions", plan_decisions_json(plan, o, report), "lights", plan_lights_json(plan),
+                  "lights_left_out", report_left_out_json(report), "warnings", report_warnings_json(m), "estimate",
+                  plan_estimate_json(plan), "least_bytes", (json_int_t)plan->least_bytes, "plan_seconds", plan->plan_seconds);
+    return json_write(path, root, m);
+}

@@ -1,0 +1,37 @@
+/* A plan in words: for people, and as JSON (docs/plan.schema.json). The report of a bake repeats it, with what came of it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PLAN_TEXT_H
+#define PLAN_TEXT_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "baker/bake/plan.h"
+
+enum { PLAN_DECISIONS_MAX = 16 };
+
+/* "exit map", "left out", "nothing is solid: ..." */
+typedef struct plan_decision {
+    const char *name;
+    char        choice[64];
+    char        reason[256];
+} plan_decision;
+
+/* What was decided, and why. decisions  [PLAN_DECISIONS_MAX] [out].   Returns how many. */
+size_t plan_decisions(const bake_plan *plan, const bake_options *o, const bake_report *report, plan_decision *decisions);
+
+void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o, const bake_report *report);
+
+/* The whole of vxs plan. */
+void plan_print(FILE *to, const bake_options *o, const bake_report *report);
+
+/* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
+vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m);
+
+/* Parts of it, for the report of the bake. */
+json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report);
+json_t *plan_estimate_json(const bake_plan *plan);
+json_t *plan_meshes_json(const bake_options *o, const bake_report *report);
+json_t *plan_lights_json(const bake_plan *plan);
+
+#endif

@@ -1,0 +1,204 @@
+/* The report of a bake; see report.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/report/report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/files/json_file.h"
+#include "baker/base/text.h"
+#include "baker/base/version.h"
+#include "baker/report/plan_text.h"
+
+/* Of all maps. */
+static double texels_of(const light_report *l)
+{
+    return (double)((uint64_t)vxs_light_map_count(&l->light) << (2 * l->light.levels));
+}
+
+static double depth16_bytes(const light_report *l)
+{
+    return 2 * texels_of(l);
+}
+
+/* for people ------------------------------------------------------------------------------------------------------------------ */
+
+void report_print_casters(FILE *to, const bake_report *r)
+{
+    const casters *c = &r->casters;
+    fprintf(to, "casters      %zu triangles, %zu solids with %zu triangles\n", c->triangle_count,
+            c->component_count[COMPONENT_SOLID], c->solid_triangle_count);
+    for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
+        if (c->component_count[kind])
+            fprintf(to, "             %zu sheets with %zu triangles: %s\n", c->component_count[kind], c->triangles_of_kind[kind],
+                    component_kind_name((component_kind)kind));
+    if (c->collapsed_count) fprintf(to, "             %zu triangles left out: two corners in one place\n", c->collapsed_count);
+    fprintf(to, "             %.6g x %.6g x %.6g m\n", r->casters_max_ws[0] - r->casters_min_ws[0],
+            r->casters_max_ws[1] - r->casters_min_ws[1], r->casters_max_ws[2] - r->casters_min_ws[2]);
+}
+
+static void print_light(FILE *to, const light_report *l)
+{
+    char     a[32], b[32], c[32];
+    unsigned side = 1u << l->light.levels;
+    char     name[VXS_LIGHT_NAME_BYTES];
+    fprintf(to, "light %s\n", one_line(strcpy(name, l->light.name)));
+    fprintf(to, "  map        %u x %u texels of %.4g m, voxels %.4g m deep\n", side, side, l->light.texel_metres,
+            l->light.voxel_metres);
+    fprintf(to, "  tiles      %llu, left out without casters: %llu; rendered in %llu blocks, left out: %llu\n",
+            (unsigned long long)l->tiles, (unsigned long long)l->tiles_skipped, (unsigned long long)l->depth.blocks_rendered,
+            (unsigned long long)l->depth.blocks_empty);
+    fprintf(to, "  peeling    in %llu blocks, %llu passes, at most %u for a block; not needed in %llu blocks with solids\n",
+            (unsigned long long)l->depth.blocks_peeled, (unsigned long long)l->depth.peel_passes, l->depth.peel_passes_max,
+            (unsigned long long)l->depth.blocks_not_peeled);
+    fprintf(to, "  masks      %llu tiles of 8 x 8 need %llu masks\n", (unsigned long long)l->mask_tiles,
+            (unsigned long long)l->mask_runs);
+    fprintf(to, "  inserted   %llu nodes, %llu masks\n", (unsigned long long)l->inserted_nodes,
+            (unsigned long long)l->inserted_masks);
+    fprintf(to, "  %-12s %10s %12s %12s\n", "level", "count", "memory", "on disk");
+    for (uint32_t n = 0; n < l->level_count; n++) {
+        const level_report *v = &l->level[n];
+        char                what[32];
+        snprintf(what, sizeof what, v->side_voxels ? "%u^3" : "masks", v->side_voxels);
+        fprintf(to, "  %-12s %10u %12s %12s\n", what, v->count, size_text(a, v->memory_bytes), size_text(b, v->stored_bytes));
+    }
+    fprintf(to, "  size       %s in memory, %s on disk: %.4g and %.4g bit/texel\n", size_text(a, l->memory_bytes),
+            size_text(b, l->stored_bytes), 8.0 * (double)l->memory_bytes / texels_of(l),
+            8.0 * (double)l->stored_bytes / texels_of(l));
+    fprintf(to, "             a 16-bit depth map takes %s, %.4g times as much as the file",
+            size_text(c, (uint64_t)depth16_bytes(l)), depth16_bytes(l) / (double)l->stored_bytes);
+    if (l->depth_zstd19_ratio > 0) {
+        double zstd_bytes = depth16_bytes(l) * l->depth_zstd19_ratio;
+        fprintf(to, "; under zstd -19 %s, %.4g times", size_text(c, (uint64_t)zstd_bytes), zstd_bytes / (double)l->stored_bytes);
+        if (l->depth_sample_share < 1) fprintf(to, " (estimated from %.2g %% of it)", 100 * l->depth_sample_share);
+    }
+    fprintf(to, "\n");
+}
+
+void report_print(FILE *to, const bake_options *o, const bake_report *r)
+{
+    char a[32], b[32], c[32];
+    fprintf(to, "scene        %s\n", o->scene_path);
+    report_print_casters(to, r);
+    plan_print_decisions(to, r->plan, o, r);
+    for (uint32_t n = 0; n < r->light_count; n++) print_light(to, &r->lights[n]);
+    for (size_t n = 0; n < r->left_out_count; n++) {
+        char name[VXS_LIGHT_NAME_BYTES];
+        fprintf(to, "left out     light %s: %s\n", one_line(strcpy(name, r->left_out[n].name)), r->left_out[n].why);
+    }
+    fprintf(to, "%-12s %10s %14s %12s\n", "stage", "time", "peak memory", "planned");
+    for (int s = 0; s < STAGE_COUNT; s++)
+        fprintf(to, "%-12s %7.1f ms %14s %9.1f ms\n", bake_stage_name((bake_stage)s), 1e3 * r->stage[s].seconds,
+                size_text(a, r->stage[s].peak_bytes), 1e3 * r->plan->seconds[s]);
+    fprintf(to, "%-12s %7.1f ms %14s %9.1f ms, %s; a file of %s\n", "total", 1e3 * r->total_seconds, size_text(a, r->peak_bytes),
+            1e3 * r->plan->total_seconds, size_text(b, r->plan->peak_bytes), size_text(c, r->plan->file_bytes));
+    if (o->baseline != BASELINE_OFF)
+        fprintf(to, "%-12s %7.1f ms    not part of the total: --baseline off leaves it out\n", "baseline",
+                1e3 * r->baseline_seconds);
+    if (o->pictures) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
+    fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
+}
+
+/* for machines ---------------------------------------------------------------------------------------------------------------- */
+
+json_t *report_casters_json(const bake_report *r)
+{
+    const casters *c      = &r->casters;
+    json_t        *sheets = json_object();
+    for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
+        json_object_set_new(sheets, component_kind_name((component_kind)kind),
+                            json_pack("{s:I, s:I}", "components", (json_int_t)c->component_count[kind], "triangles",
+                                      (json_int_t)c->triangles_of_kind[kind]));
+    return json_pack("{s:I, s:I, s:{s:I, s:I}, s:o, s:[f,f,f], s:[f,f,f]}", "triangles", (json_int_t)c->triangle_count,
+                     "collapsed_triangles", (json_int_t)c->collapsed_count, "solids", "components",
+                     (json_int_t)c->component_count[COMPONENT_SOLID], "triangles", (json_int_t)c->solid_triangle_count, "sheets",
+                     sheets, "min_m", r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m",
+                     r->casters_max_ws[0], r->casters_max_ws[1], r->casters_max_ws[2]);
+}
+
+static json_t *levels_json(const light_report *l)
+{
+    json_t *levels = json_array();
+    for (uint32_t n = 0; n < l->level_count; n++) {
+        const level_report *v = &l->level[n];
+        json_array_append_new(levels,
+                              json_pack("{s:s, s:i, s:I, s:I, s:I}", "kind", v->side_voxels ? "nodes" : "masks", "side_voxels",
+                                        (int)(v->side_voxels ? v->side_voxels : 8), "count", (json_int_t)v->count, "memory_bytes",
+                                        (json_int_t)v->memory_bytes, "stored_bytes", (json_int_t)v->stored_bytes));
+    }
+    return levels;
+}
+
+static json_t *light_json(const light_report *l)
+{
+    double  texels = texels_of(l);
+    json_t *o      = json_pack(
+             "{s:o, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
+             json_text(l->light.name), "resolution_px", (json_int_t)1 << l->light.levels, "texel_m", l->light.texel_metres, "voxel_m",
+             l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
+             (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
+             (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
+             (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
+             (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
+             (json_int_t)l->depth.peel_passes_max, "mask_tiles", (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs,
+             "inserted_nodes", (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
+    json_t *size =
+        json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
+                  (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
+                  "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes", (json_int_t)depth16_bytes(l));
+    if (l->depth_zstd19_ratio > 0) {
+        json_object_set_new(size, "depth16_zstd19_bytes", json_integer((json_int_t)(depth16_bytes(l) * l->depth_zstd19_ratio)));
+        json_object_set_new(size, "depth16_zstd19_sample_share", json_real(l->depth_sample_share));
+    }
+    json_object_set_new(o, "size", size);
+    return o;
+}
+
+static json_t *stages_json(const bake_report *r)
+{
+    json_t *stages = json_array();
+    for (int s = 0; s < STAGE_COUNT; s++)
+        json_array_append_new(stages, json_pack("{s:s, s:f, s:I}", "name", bake_stage_name((bake_stage)s), "seconds",
+                                                r->stage[s].seconds, "peak_bytes", (json_int_t)r->stage[s].peak_bytes));
+    return stages;
+}
+
+json_t *report_left_out_json(const bake_report *r)
+{
+    json_t *lights = json_array();
+    for (size_t n = 0; n < r->left_out_count; n++)
+        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
+    return lights;
+}
+
+json_t *report_warnings_json(const message *m)
+{
+    json_t *warnings = json_array();
+    for (size_t n = 0; n < m->warning_count; n++) json_array_append_new(warnings, json_text(m->warnings[n]));
+    return warnings;
+}
+
+/* What was planned, and what came of it. */
+static json_t *plan_json(const bake_options *o, const bake_report *r)
+{
+    uint64_t memory_bytes = 0;
+    for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
+    return json_pack("{s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
+                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "actual", "total_seconds",
+                     r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes", (json_int_t)r->file_bytes,
+                     "memory_bytes", (json_int_t)memory_bytes);
+}
+
+vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+{
+    json_t *lights = json_array();
+    for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
+    json_t *root =
+        json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
+                  json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
+                  r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", report_casters_json(r), "meshes",
+                  plan_meshes_json(o, r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
+                  report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
+                  "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
+    return json_write(path, root, m);
+}

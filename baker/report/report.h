@@ -1,0 +1,21 @@
+/* The report of a bake: a table for people, and the same as JSON (docs/bake-report.schema.json).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef REPORT_H
+#define REPORT_H
+
+#include <stdio.h>
+
+#include "baker/bake/bake.h"
+
+void report_print(FILE *to, const bake_options *o, const bake_report *r);
+
+/* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
+vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+
+/* Parts that a plan shows, too. */
+void    report_print_casters(FILE *to, const bake_report *r);
+json_t *report_casters_json(const bake_report *r);
+json_t *report_left_out_json(const bake_report *r);
+json_t *report_warnings_json(const message *m);
+
+#endif
