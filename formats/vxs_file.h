@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-/* One light as it is stored and looked up. */
+/* The record of a light in the file: how its maps lie in the world. */
 typedef struct vxs_light {
     char     name[VXS_LIGHT_NAME_BYTES]; /* UTF-8, NUL-terminated, unique in the file */
     uint32_t kind;                       /* VXS_LIGHT_KIND_* */
@@ -29,13 +29,27 @@ typedef struct vxs_light {
     double near_metres;     /* spot and point: depth 0 is so far from the light along its map's axis; else 0 */
     double cos_outer;       /* spot: cosine of the angle between its direction and the edge of its cone, [0, 1); else 0 */
     double range_metres;    /* spot and point: metres from the light to where its volume ends; 0: no end; else 0 */
-
-    const uint32_t *words; /* [word_count] the DAG as vxs_lookup.h reads it */
-    uint32_t        word_count;
-    uint32_t        node_count[VXS_LEVELS_MAX]; /* by height: [0] slice nodes, [levels - 3] the root */
-    uint32_t        node_words[VXS_LEVELS_MAX]; /* words that they take */
-    uint32_t        mask_count;
 } vxs_light;
+
+/* The DAG of a light's maps, as vxs_lookup.h walks it. */
+typedef struct vxs_dag {
+    const uint32_t *words; /* [word_count] */
+    uint32_t        word_count;
+} vxs_dag;
+
+/* How many nodes and masks the words of a DAG hold. */
+typedef struct vxs_dag_counts {
+    uint32_t nodes[VXS_LEVELS_MAX];      /* by height: [0] slice nodes, [levels - 3] the roots */
+    uint32_t node_words[VXS_LEVELS_MAX]; /* words that they take */
+    uint32_t masks;                      /* two words each */
+} vxs_dag_counts;
+
+/* A light with its DAG: what is looked up. */
+typedef struct vxs_baked_light {
+    vxs_light      light;
+    vxs_dag        dag;
+    vxs_dag_counts counts;
+} vxs_baked_light;
 
 /* How many maps a light has, and roots its DAG: 1, or 6. */
 static inline uint32_t vxs_light_map_count(const vxs_light *light)
@@ -68,14 +82,14 @@ typedef struct vxs_section {
 
 /* What a file holds, decoded. Release with vxs_contents_free. */
 typedef struct vxs_contents {
-    uint32_t      version;
-    uint32_t      light_count;
-    vxs_light    *lights;
-    uint32_t      section_count;
-    vxs_section  *sections;
-    char         *metadata; /* JSON text, NUL-terminated; NULL when the file has none */
-    size_t        metadata_bytes;
-    vxs_allocator allocator;
+    uint32_t         version;
+    uint32_t         light_count;
+    vxs_baked_light *lights;
+    uint32_t         section_count;
+    vxs_section     *sections;
+    char            *metadata; /* JSON text, NUL-terminated; NULL when the file has none */
+    size_t           metadata_bytes;
+    vxs_allocator    allocator;
 } vxs_contents;
 
 /* Check every byte of a file and decode it, so that a lookup may trust every offset.
@@ -104,7 +118,7 @@ typedef struct vxs_dag_view {
     uint32_t        roots[VXS_CUBE_FACES]; /* indices into the top level, one for each map of the light */
 } vxs_dag_view;
 
-/* A light to be written: of `light`, what describes the DAG (words, counts) is ignored. */
+/* A light to be written. */
 typedef struct vxs_write_light {
     vxs_light    light;
     vxs_dag_view dag;

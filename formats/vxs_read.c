@@ -244,7 +244,8 @@ static void check_light(reader *r, const vxs_light *light, const uint8_t *record
     const uint8_t *name = record + VXS_LIGHT_NAME;
     const uint8_t *end  = memchr(name, 0, VXS_LIGHT_NAME_BYTES);
     int            good = end && end != name && zeros(end, (size_t)(name + VXS_LIGHT_NAME_BYTES - end));
-    for (const vxs_light *other = r->out.lights; other < light && good; other++) good = strcmp(other->name, light->name) != 0;
+    for (const vxs_baked_light *other = r->out.lights; &other->light < light && good; other++)
+        good = strcmp(other->light.name, light->name) != 0;
     if (!good) found(r, 306, section, at + VXS_LIGHT_NAME);
 
     if (!reach_valid(light)) found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
@@ -265,13 +266,13 @@ static void read_light_records(reader *r, int section, const uint8_t *table, uin
     memset(r->out.lights, 0, count * sizeof *r->out.lights);
     r->out.light_count = count;
     for (uint32_t n = 0; n < count && go_on(r); n++) {
-        uint64_t       at     = VXS_LIGHTS_PREFIX_BYTES + (uint64_t)n * VXS_LIGHT_BYTES;
-        const uint8_t *record = table + at;
-        vxs_light     *light  = &r->out.lights[n];
-        light->kind           = vxs_load32(record + VXS_LIGHT_KIND);
-        light->levels         = vxs_load32(record + VXS_LIGHT_LEVELS);
-        light->word_count     = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
-        light->flags          = vxs_load32(record + VXS_LIGHT_FLAGS);
+        uint64_t       at               = VXS_LIGHTS_PREFIX_BYTES + (uint64_t)n * VXS_LIGHT_BYTES;
+        const uint8_t *record           = table + at;
+        vxs_light     *light            = &r->out.lights[n].light;
+        light->kind                     = vxs_load32(record + VXS_LIGHT_KIND);
+        light->levels                   = vxs_load32(record + VXS_LIGHT_LEVELS);
+        light->flags                    = vxs_load32(record + VXS_LIGHT_FLAGS);
+        r->out.lights[n].dag.word_count = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
         for (int k = 0; k < 12; k++) light->ls_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);
         light->voxel_metres = vxs_load_f64(record + VXS_LIGHT_VOXEL_METRES);
@@ -303,7 +304,7 @@ static void check_owners(reader *r)
         if (!known_kind(s->kind)) continue;
         int of_light = s->kind == VXS_KIND_LEVEL || s->kind == VXS_KIND_MASKS;
         int good     = of_light ? s->light < r->out.light_count : s->light == VXS_NO_LIGHT;
-        good         = good && s->level <= (s->kind == VXS_KIND_LEVEL ? r->out.lights[s->light].levels - VXS_LEVELS_MIN : 0);
+        good         = good && s->level <= (s->kind == VXS_KIND_LEVEL ? r->out.lights[s->light].light.levels - VXS_LEVELS_MIN : 0);
         if (!good) found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
     }
 }
@@ -320,14 +321,14 @@ typedef struct level {
 } level;
 
 typedef struct light_reader {
-    reader    *r;
-    vxs_light *light;
-    uint32_t   level_count;
-    level      level[VXS_LEVELS_MAX];
-    uint8_t   *masks;
-    int        mask_section;
-    uint64_t   words; /* used so far */
-    uint32_t   maps;
+    reader          *r;
+    vxs_baked_light *baked;
+    uint32_t         level_count;
+    level            level[VXS_LEVELS_MAX];
+    uint8_t         *masks;
+    int              mask_section;
+    uint64_t         words; /* used so far */
+    uint32_t         maps;
 } light_reader;
 
 static uint32_t level_states(const level *l, uint32_t node)
@@ -348,7 +349,7 @@ static int lay_out_level(light_reader *lr, uint32_t index)
 {
     reader *r  = lr->r;
     level  *l  = &lr->level[index];
-    l->section = find_section(r, VXS_KIND_LEVEL, (uint32_t)(lr->light - r->out.lights), index);
+    l->section = find_section(r, VXS_KIND_LEVEL, (uint32_t)(lr->baked - r->out.lights), index);
     if (l->section < 0 || !(l->content = inflate(r, l->section, 4))) return 0;
     l->size  = r->out.sections[l->section].inflated_bytes;
     l->count = vxs_load32(l->content);
@@ -362,20 +363,20 @@ static int lay_out_level(light_reader *lr, uint32_t index)
         lr->words += 1 + vxs_popcount(vxs_own(states));
         if (lr->words > UINT32_MAX) return found(r, 406, l->section, 0), 0;
     }
-    lr->light->node_count[index] = l->count;
-    lr->light->node_words[index] = (uint32_t)(lr->words - start);
+    lr->baked->counts.nodes[index]      = l->count;
+    lr->baked->counts.node_words[index] = (uint32_t)(lr->words - start);
     return 1;
 }
 
 static int lay_out_masks(light_reader *lr)
 {
     reader *r        = lr->r;
-    lr->mask_section = find_section(r, VXS_KIND_MASKS, (uint32_t)(lr->light - r->out.lights), 0);
+    lr->mask_section = find_section(r, VXS_KIND_MASKS, (uint32_t)(lr->baked - r->out.lights), 0);
     if (lr->mask_section < 0 || !(lr->masks = inflate(r, lr->mask_section, 0))) return 0;
     uint64_t size = r->out.sections[lr->mask_section].inflated_bytes;
     lr->words += lr->words & 1;
     if (size % 8 || lr->words + size / 4 > UINT32_MAX) return found(r, 401, lr->mask_section, 0), 0;
-    lr->light->mask_count = (uint32_t)(size / 8);
+    lr->baked->counts.masks = (uint32_t)(size / 8);
     return 1;
 }
 
@@ -400,7 +401,7 @@ static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint3
 {
     const level *l     = &lr->level[index];
     const level *below = index ? &lr->level[index - 1] : NULL;
-    uint32_t     room  = below ? below->count : lr->light->mask_count;
+    uint32_t     room  = below ? below->count : lr->baked->counts.masks;
     uint32_t     next  = 0;
     uint64_t     at    = 4 + (uint64_t)l->count * 2;
     for (uint32_t n = 0; n < l->count; n++) {
@@ -425,8 +426,8 @@ static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint3
 static int decode_light(light_reader *lr)
 {
     reader *r       = lr->r;
-    lr->level_count = lr->light->levels - 2;
-    lr->maps        = vxs_light_map_count(lr->light);
+    lr->level_count = lr->baked->light.levels - 2;
+    lr->maps        = vxs_light_map_count(&lr->baked->light);
     lr->words       = lr->maps > 1 ? lr->maps : 0;
     for (uint32_t l = lr->level_count; l-- > 0;)
         if (!lay_out_level(lr, l)) return 0;
@@ -434,22 +435,22 @@ static int decode_light(light_reader *lr)
     if (!lay_out_masks(lr)) return 0;
 
     uint32_t mask_word = (uint32_t)lr->words;
-    uint64_t total     = lr->words + (uint64_t)lr->light->mask_count * 2;
-    if (total != lr->light->word_count) return found(r, 406, lr->mask_section, 0), 0;
+    uint64_t total     = lr->words + (uint64_t)lr->baked->counts.masks * 2;
+    if (total != lr->baked->dag.word_count) return found(r, 406, lr->mask_section, 0), 0;
     uint32_t *words = take(r, total, sizeof *words, lr->mask_section);
     if (!words) return 0;
-    lr->light->words                     = words;
+    lr->baked->dag.words                 = words;
     words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
     for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
     for (uint32_t l = 0; l < lr->level_count; l++)
         if (!decode_level(lr, l, words, mask_word)) return 0;
-    for (uint32_t n = 0; n < 2 * lr->light->mask_count; n++) words[mask_word + n] = vxs_load32(lr->masks + (size_t)n * 4);
+    for (uint32_t n = 0; n < 2 * lr->baked->counts.masks; n++) words[mask_word + n] = vxs_load32(lr->masks + (size_t)n * 4);
     return 1;
 }
 
-static void read_light(reader *r, vxs_light *light)
+static void read_light(reader *r, vxs_baked_light *baked)
 {
-    light_reader lr = {.r = r, .light = light};
+    light_reader lr = {.r = r, .baked = baked};
     decode_light(&lr);
     for (uint32_t l = 0; l < lr.level_count; l++) {
         give_back(r, lr.level[l].word, lr.level[l].count, sizeof *lr.level[l].word);
@@ -505,8 +506,8 @@ void vxs_contents_free(vxs_contents *c)
 {
     vxs_allocator *a = &c->allocator;
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_light *l = &c->lights[n];
-        if (l->words) a->free((void *)l->words, (size_t)l->word_count * sizeof *l->words, a->user);
+        const vxs_dag *dag = &c->lights[n].dag;
+        if (dag->words) a->free((void *)dag->words, (size_t)dag->word_count * sizeof *dag->words, a->user);
     }
     if (c->lights) a->free(c->lights, c->light_count * sizeof *c->lights, a->user);
     if (c->sections) a->free(c->sections, c->section_count * sizeof *c->sections, a->user);

@@ -77,15 +77,15 @@ uint32_t vxs_asset_light_count(const vxs_asset *asset)
     return asset->contents.light_count;
 }
 
-const vxs_light *vxs_asset_light(const vxs_asset *asset, uint32_t index)
+const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index)
 {
     return index < asset->contents.light_count ? &asset->contents.lights[index] : NULL;
 }
 
-const vxs_light *vxs_asset_find_light(const vxs_asset *asset, const char *name)
+const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *name)
 {
     for (uint32_t n = 0; n < asset->contents.light_count; n++)
-        if (!strcmp(asset->contents.lights[n].name, name)) return &asset->contents.lights[n];
+        if (!strcmp(asset->contents.lights[n].light.name, name)) return &asset->contents.lights[n];
     return NULL;
 }
 

@@ -135,26 +135,27 @@ void vxs_point(const vxs_light *light, int map, const double at[3], double point
         point_ws[c] = (from[0] * cofactor[0][c] + from[1] * cofactor[1][c] + from[2] * cofactor[2][c]) / determinant;
 }
 
-float vxs_lookup(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px)
+float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)
 {
-    int32_t voxel[3];
-    int32_t side = (int32_t)1 << light->levels;
-    int     map  = vxs_voxel(light, point_ws, normal_ws, filter_px, voxel);
+    const vxs_light *light = &baked->light;
+    const uint32_t  *words = baked->dag.words;
+    int32_t          voxel[3];
+    int32_t          side = (int32_t)1 << light->levels;
+    int              map  = vxs_voxel(light, point_ws, normal_ws, filter_px, voxel);
     if (map < 0) return VXS_OUTSIDE;
     if (voxel[2] < 0) return 1.0f;
 
-    uint32_t root = light->flags & VXS_LIGHT_CUBE ? vxs_face_root(light->words, (uint32_t)map) : 0;
+    uint32_t root = light->flags & VXS_LIGHT_CUBE ? vxs_face_root(words, (uint32_t)map) : 0;
     uint32_t k    = (uint32_t)(voxel[2] < side ? voxel[2] : side - 1);
-    if (filter_px == 1)
-        return vxs_shadow(light->words, root, light->levels, (uint32_t)voxel[0], (uint32_t)voxel[1], k) ? 0.0f : 1.0f;
-    uint32_t dark = vxs_shadow_count(light->words, root, light->levels, voxel[0], voxel[1], k, filter_px);
+    if (filter_px == 1) return vxs_shadow(words, root, light->levels, (uint32_t)voxel[0], (uint32_t)voxel[1], k) ? 0.0f : 1.0f;
+    uint32_t dark = vxs_shadow_count(words, root, light->levels, voxel[0], voxel[1], k, filter_px);
     uint32_t taps = (uint32_t)(filter_px * filter_px);
     return (float)(taps - dark) / (float)taps;
 }
 
-void vxs_lookup_many(const vxs_light *light, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
+void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit)
 {
     for (size_t n = 0; n < count; n++)
-        lit[n] = vxs_lookup(light, points_ws + 3 * n, normals_ws ? normals_ws + 3 * n : NULL, filter_px);
+        lit[n] = vxs_lookup(baked, points_ws + 3 * n, normals_ws ? normals_ws + 3 * n : NULL, filter_px);
 }

@@ -2,7 +2,7 @@
  *
  *     vxs_asset *asset;
  *     if (vxs_asset_open_file(&asset, "level.vxs", NULL) != VXS_OK) ...
- *     const vxs_light *sun = vxs_asset_light(asset, 0);
+ *     const vxs_baked_light *sun = vxs_asset_light(asset, 0);
  *     float lit = vxs_lookup(sun, position_ws, normal_ws, 9);      // 9 x 9 PCF: 0 dark .. 1 lit, VXS_OUTSIDE
  *     vxs_asset_close(asset);
  *
@@ -44,11 +44,11 @@ void vxs_asset_close(vxs_asset *asset);
 /* At least 1. */
 uint32_t vxs_asset_light_count(const vxs_asset *asset);
 
-/* Light `index`, in file order; NULL when there are fewer. Valid until vxs_asset_close. */
-const vxs_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
+/* Light `index` and its DAG, in file order; NULL when there are fewer. Valid until vxs_asset_close. */
+const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
 
 /* The light of a name, or NULL. */
-const vxs_light *vxs_asset_find_light(const vxs_asset *asset, const char *name);
+const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *name);
 
 /* Everything that was read: sections, metadata. Valid until vxs_asset_close. */
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
@@ -74,11 +74,11 @@ void vxs_point(const vxs_light *light, int map, const double coordinates[3], dou
  * Returns [0, 1], or VXS_OUTSIDE when the point is outside the light's volume (vxs_voxel). Taps outside the map are lit: maps of spot
  * and point lights have a border, so that no filter leaves them where they are 256 texels or wider.
  * Cost: one walk of at most `levels` nodes for each tile of 8 x 8 texels that the filter touches. Threads: any. */
-float vxs_lookup(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px);
+float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px);
 
 /* The same for many points.
  * points_ws  [3 * count];   normals_ws  [3 * count] or NULL;   lit  [out] [count] */
-void vxs_lookup_many(const vxs_light *light, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
+void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit);
 
 /* "out of memory" and the like; never NULL. */

@@ -127,19 +127,18 @@ static vxs_result encode(const bake_options *o, const dag *dags, const bake_repo
 static void report_contents(const vxs_contents *c, bake_report *report)
 {
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_light *stored = &c->lights[n];
-        light_report    *light  = &report->lights[n];
-        light->light            = *stored;
-        light->light.words      = NULL;
-        light->memory_bytes     = (uint64_t)stored->word_count * 4;
+        const vxs_dag_counts *counts = &c->lights[n].counts;
+        light_report         *light  = &report->lights[n];
+        light->light                 = c->lights[n].light;
+        light->memory_bytes          = (uint64_t)c->lights[n].dag.word_count * 4;
         for (uint32_t s = 0; s < c->section_count; s++) {
             const vxs_section *section = &c->sections[s];
             if (section->light != n) continue;
             int masks                          = section->kind == VXS_KIND_MASKS;
             light->level[light->level_count++] = (level_report){
                 .side_voxels  = masks ? 0 : 8u << section->level,
-                .count        = masks ? stored->mask_count : stored->node_count[section->level],
-                .memory_bytes = masks ? (uint64_t)stored->mask_count * 8 : (uint64_t)stored->node_words[section->level] * 4,
+                .count        = masks ? counts->masks : counts->nodes[section->level],
+                .memory_bytes = masks ? (uint64_t)counts->masks * 8 : (uint64_t)counts->node_words[section->level] * 4,
                 .stored_bytes = section->stored_bytes,
             };
             light->stored_bytes += section->stored_bytes;

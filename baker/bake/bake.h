@@ -93,7 +93,7 @@ typedef struct level_report {
 } level_report;
 
 typedef struct light_report {
-    vxs_light    light; /* words is NULL */
+    vxs_light    light;
     depth_stats  depth;
     uint64_t     tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
     uint64_t     mask_tiles, mask_runs;          /* 8 x 8 tiles that need masks; masks before merging */

@@ -17,7 +17,7 @@ typedef struct plan_light {
     char        name[VXS_LIGHT_NAME_BYTES];
     const char *left_out; /* why it is not baked; NULL: it is */
     light_shape shape;
-    vxs_light   light; /* fitted: all but the DAG */
+    vxs_light   light; /* fitted */
     uint32_t    map_count;
     size_t      triangles; /* that the light can reach */
 

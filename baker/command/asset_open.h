@@ -13,7 +13,7 @@ vxs_result asset_open(vxs_asset **asset, const char *path, message *m);
 /* The lights of a file that names ask for: all of them, in file order, when there is no name; else those, in the order given.
  * lights  [out] [VXS_LIGHTS_MAX] valid until the asset is closed
  * Returns VXS_OK or VXS_E_ARGUMENT: no such light, or one given twice. */
-vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, const vxs_light **lights, uint32_t *count,
+vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, const vxs_baked_light **lights, uint32_t *count,
                                message *m);
 
 #endif

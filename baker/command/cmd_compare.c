@@ -132,7 +132,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     const vxs_contents *contents = vxs_asset_contents(a->asset);
     const vxs_section  *last     = &contents->sections[contents->section_count - 1]; /* it ends where the file does */
     a->file_bytes                = last->offset_bytes + last->stored_bytes;
-    for (uint32_t l = 0; l < contents->light_count; l++) a->memory_bytes += (uint64_t)contents->lights[l].word_count * 4;
+    for (uint32_t l = 0; l < contents->light_count; l++) a->memory_bytes += (uint64_t)contents->lights[l].dag.word_count * 4;
     return n < c->bake_reports.count ? read_bake_report(a, c->bake_reports.items[n], m) : VXS_OK;
 }
 
@@ -170,9 +170,9 @@ static vxs_result compare_asset(compare_command *c, compared_asset *a, const gro
     a->results              = calloc(count, sizeof *a->results);
     if (!a->results) return fail(m, VXS_E_MEMORY, "out of memory for the results of %u lights", count);
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        const vxs_light *l = vxs_asset_light(a->asset, n);
+        const vxs_baked_light *l = vxs_asset_light(a->asset, n);
         if ((r = compare_light(&a->results[n], g->truth, &g->casters, l, &c->report.options, m)) == VXS_OK)
-            r = require_checked(c, l, &a->results[n], m);
+            r = require_checked(c, &l->light, &a->results[n], m);
     }
     return r;
 }
@@ -199,10 +199,10 @@ static void ground_free(ground *g)
 /* All assets see the same camera. */
 static vxs_result stand_camera(compare_command *c, const ground *g, message *m)
 {
-    const vxs_light *lights[VXS_LIGHTS_MAX];
-    uint32_t         count;
-    const text_list  all = {0};
-    vxs_result       r   = asset_choose_lights(c->report.assets[0].asset, &all, lights, &count, m);
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    uint32_t               count;
+    const text_list        all = {0};
+    vxs_result             r   = asset_choose_lights(c->report.assets[0].asset, &all, lights, &count, m);
     if (r != VXS_OK) return r;
     camera_stand(&c->camera, &g->casters, lights, count, COMPARE_CAMERA_ASPECT);
     c->report.options.camera = &c->camera.camera;

@@ -27,12 +27,12 @@ static uint32_t section_count(const vxs_contents *c, const vxs_section *s, uint6
 {
     *memory_bytes = 0;
     if (s->kind == VXS_KIND_LEVEL) {
-        *memory_bytes = (uint64_t)c->lights[s->light].node_words[s->level] * 4;
-        return c->lights[s->light].node_count[s->level];
+        *memory_bytes = (uint64_t)c->lights[s->light].counts.node_words[s->level] * 4;
+        return c->lights[s->light].counts.nodes[s->level];
     }
     if (s->kind == VXS_KIND_MASKS) {
-        *memory_bytes = (uint64_t)c->lights[s->light].mask_count * 8;
-        return c->lights[s->light].mask_count;
+        *memory_bytes = (uint64_t)c->lights[s->light].counts.masks * 8;
+        return c->lights[s->light].counts.masks;
     }
     return 0;
 }
@@ -46,10 +46,10 @@ static vxs_result print_info(const char *path, const vxs_contents *c, uint64_t f
     if (metadata) printf("metadata     %s\n", one_line(metadata));
     free(metadata);
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_light *l = &c->lights[n];
+        const vxs_light *l = &c->lights[n].light;
         char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
         printf("light %s: %s, %s in memory\n", one_line(strcpy(name, l->name)), light_text(text, l),
-               size_text(a, (uint64_t)l->word_count * 4));
+               size_text(a, (uint64_t)c->lights[n].dag.word_count * 4));
     }
     printf("%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) {
@@ -62,7 +62,7 @@ static vxs_result print_info(const char *path, const vxs_contents *c, uint64_t f
         else
             snprintf(name, sizeof name, "%s", section_name(s->kind));
         printf("%-10s %-16s %10u %12s %12s %12s\n", name,
-               one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].name : "-")), count,
+               one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), count,
                size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
     }
     return VXS_OK;
@@ -72,11 +72,11 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
 {
     json_t *lights = json_array(), *sections = json_array();
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_light *l      = &c->lights[n];
+        const vxs_light *l      = &c->lights[n].light;
         json_t          *matrix = json_array(), *light = light_json(l);
         for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->ls_from_ws[k]));
         json_object_set_new(light, "ls_from_ws", matrix);
-        json_object_set_new(light, "memory_bytes", json_integer((json_int_t)l->word_count * 4));
+        json_object_set_new(light, "memory_bytes", json_integer((json_int_t)c->lights[n].dag.word_count * 4));
         json_array_append_new(lights, light);
     }
     for (uint32_t n = 0; n < c->section_count; n++) {
@@ -86,7 +86,7 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
         json_t            *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", section_name(s->kind), "offset_bytes",
                                              (json_int_t)s->offset_bytes, "stored_bytes", (json_int_t)s->stored_bytes, "inflated_bytes",
                                              (json_int_t)s->inflated_bytes, "memory_bytes", (json_int_t)memory, "count", (json_int_t)count);
-        if (s->light < c->light_count) json_object_set_new(entry, "light", json_text(c->lights[s->light].name));
+        if (s->light < c->light_count) json_object_set_new(entry, "light", json_text(c->lights[s->light].light.name));
         if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer((json_int_t)8 << s->level));
         json_array_append_new(sections, entry);
     }

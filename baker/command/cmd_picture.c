@@ -25,8 +25,8 @@ static vxs_result check_options(const picture_command *c, message *m)
     return r == VXS_OK ? camera_check(&c->camera, m) : r;
 }
 
-static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_light *const *lights, uint32_t count,
-                       output_file *out, message *m)
+static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_baked_light *const *lights,
+                       uint32_t count, output_file *out, message *m)
 {
     picture_options *o = &c->options;
     camera_stand(&c->camera, casting, lights, count, (double)o->width_px / o->height_px);
@@ -41,14 +41,14 @@ static vxs_result draw(picture_command *c, const truth *t, const casters *castin
 
 static vxs_result run(picture_command *c, message *m)
 {
-    vxs_asset       *asset = NULL;
-    const vxs_light *lights[VXS_LIGHTS_MAX];
-    uint32_t         light_count;
-    scene            s       = {0};
-    casters          casting = {0};
-    truth           *t       = NULL;
-    output_file      out     = {0};
-    vxs_result       r;
+    vxs_asset             *asset = NULL;
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    uint32_t               light_count;
+    scene                  s       = {0};
+    casters                casting = {0};
+    truth                 *t       = NULL;
+    output_file            out     = {0};
+    vxs_result             r;
 
     if ((r = check_options(c, m)) != VXS_OK) goto done;
     if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;

@@ -25,7 +25,7 @@ static int print_answer(float lit, char end)
     return printf("%.6g%c", (double)lit, end);
 }
 
-static vxs_result answer_points(const query_options *o, const vxs_light *const *lights, uint32_t light_count, message *m)
+static vxs_result answer_points(const query_options *o, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
     query_point *points = malloc(BLOCK_POINTS * sizeof *points);
     point_reader reader = {0};
@@ -73,8 +73,8 @@ int cmd_query(int argc, char **argv)
     if (r == VXS_OK && !help_shown) {
         r = filter_check(o.filter_px, &m);
         if (r == VXS_OK) r = asset_open(&asset, path, &m);
-        const vxs_light *lights[VXS_LIGHTS_MAX];
-        uint32_t         count = 0;
+        const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+        uint32_t               count = 0;
         if (r == VXS_OK) r = asset_choose_lights(asset, &o.light_names, lights, &count, &m);
         if (r == VXS_OK) r = answer_points(&o, lights, count, &m);
     }

@@ -170,7 +170,7 @@ static void print_asset(FILE *to, const compare_report *r, const compared_asset 
     fprintf(to, "casters      %zu triangles, %zu of solids (--closed %s%s)\n", a->triangle_count, a->solid_triangle_count,
             choice_word(closed, CLOSED_CHOICES, a->solids.closed), a->solids.repair ? ", --repair" : "");
     if (a->bake_given) fprintf(to, "bake         %.3g s, peak memory %s\n", a->bake_seconds, size_text(memory, a->bake_peak_bytes));
-    for (uint32_t n = 0; n < light_count(a); n++) print_light(to, r, vxs_asset_light(a->asset, n), &a->results[n]);
+    for (uint32_t n = 0; n < light_count(a); n++) print_light(to, r, &vxs_asset_light(a->asset, n)->light, &a->results[n]);
     fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
             (unsigned long long)sum.checked, 100 * wrong_share(&sum), (unsigned long long)sum.unexplained,
             compare_asset_passes(r, a) ? "" : "; FAILED");
@@ -181,7 +181,7 @@ static const char *texels_text(char text[32], const compared_asset *a)
 {
     uint32_t least = UINT32_MAX, most = 0;
     for (uint32_t n = 0; n < light_count(a); n++) {
-        uint32_t side = (uint32_t)1 << vxs_asset_light(a->asset, n)->levels;
+        uint32_t side = (uint32_t)1 << vxs_asset_light(a->asset, n)->light.levels;
         if (side < least) least = side;
         if (side > most) most = side;
     }
@@ -332,7 +332,7 @@ static json_t *asset_json(const compare_report *r, const compared_asset *a)
     compare_counts sum    = total_of_all(a);
     json_t        *lights = json_array();
     for (uint32_t n = 0; n < light_count(a); n++)
-        json_array_append_new(lights, compared_light_json(r, vxs_asset_light(a->asset, n), &a->results[n]));
+        json_array_append_new(lights, compared_light_json(r, &vxs_asset_light(a->asset, n)->light, &a->results[n]));
     json_t *root =
         json_pack("{s:o, s:I, s:I, s:b, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
                   (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "repaired", a->solids.repair, "lights",

@@ -14,15 +14,16 @@ vxs_result camera_check(const camera_choice *c, message *m)
 }
 
 /* The way light travels that the camera stands beside: a sun's, or one as suns often have it. */
-static const double *light_way(const vxs_light *const *lights, uint32_t count)
+static const double *light_way(const vxs_baked_light *const *lights, uint32_t count)
 {
     static const double usual[3] = {-0.43, -0.86, -0.26};
     for (uint32_t n = 0; n < count; n++)
-        if (lights[n]->kind == VXS_LIGHT_KIND_DIRECTIONAL) return lights[n]->direction_ws;
+        if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return lights[n]->light.direction_ws;
     return usual;
 }
 
-void camera_stand(camera_choice *c, const casters *casting, const vxs_light *const *lights, uint32_t light_count, double aspect)
+void camera_stand(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
+                  double aspect)
 {
     if (!c->eye_given) picture_frame(&c->camera, casting, light_way(lights, light_count), aspect);
 }

@@ -15,6 +15,7 @@ vxs_result camera_check(const camera_choice *c, message *m);
 
 /* Where no eye is given: stand where all of the casters are in view, beside the first sun of the lights (picture_frame).
  * lights  [light_count];   aspect  width / height */
-void camera_stand(camera_choice *c, const casters *casting, const vxs_light *const *lights, uint32_t light_count, double aspect);
+void camera_stand(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
+                  double aspect);
 
 #endif

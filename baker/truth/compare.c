@@ -171,7 +171,7 @@ static uint8_t judge(const judgement *j, size_t index)
     const comparison *c = j->comparison;
     sample            s;
     if (!compare_point(c, j->kind, index, 1, &s)) return VERDICT_OUTSIDE;
-    float lookup = vxs_lookup(c->light, s.point_ws, s.normal, 1);
+    float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
     if (lookup < 0) return VERDICT_OUTSIDE;
     return judge_lookup(c, &s, lookup > 0) | (s.normal ? judge_at_surface(c, &s, lookup > 0) : 0);
 }
@@ -257,8 +257,8 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
     return r;
 }
 
-vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o,
-                         message *m)
+vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,
+                         const compare_options *o, message *m)
 {
     comparison work;
     vxs_result r = VXS_OK;

@@ -36,7 +36,7 @@ static float filter_error(const filter_pass *f, size_t n)
     int32_t           voxel[3];
     int               filter_px = (int)f->filter_px;
     if (!compare_point(c, f->kind, index, f->filter_px, &s)) return INFINITY;
-    float lookup = vxs_lookup(c->light, s.point_ws, s.normal, filter_px);
+    float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
     if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
     vxs_voxel(c->light, s.point_ws, s.normal, filter_px, voxel);
     return (float)(lookup - filtered_truth(c, filter_px, s.map, voxel));

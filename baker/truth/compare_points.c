@@ -37,10 +37,11 @@ void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_
     *width_px  = points / *height_px;
 }
 
-void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o)
+void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_baked_light *baked, const compare_options *o)
 {
-    double box_min_ws[3], box_max_ws[3];
-    *out = (comparison){.truth = t, .casters = c, .light = light, .shape = baked_light_shape(light), .options = o};
+    double           box_min_ws[3], box_max_ws[3];
+    const vxs_light *light = &baked->light;
+    *out = (comparison){.truth = t, .casters = c, .baked = baked, .light = light, .shape = baked_light_shape(light), .options = o};
     measure_box(c, box_min_ws, box_max_ws);
     light_volume_init(&out->volume, light, box_min_ws, box_max_ws);
     if (!o->camera) return;

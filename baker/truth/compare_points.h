@@ -12,7 +12,8 @@
 typedef struct comparison {
     const truth           *truth;
     const casters         *casters;
-    const vxs_light       *light;
+    const vxs_baked_light *baked;
+    const vxs_light       *light; /* of baked */
     light_shape            shape; /* of the light, for the truth */
     const compare_options *options;
     light_volume           volume; /* that random points are drawn from */
@@ -29,7 +30,7 @@ typedef struct sample {
     double  truth_ws[3];
 } sample;
 
-void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_light *light, const compare_options *o);
+void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_baked_light *baked, const compare_options *o);
 
 /* How many there are of a kind: 0 of a camera's when there is none. */
 size_t compare_point_count(const comparison *c, compare_kind kind);

@@ -21,7 +21,7 @@ typedef struct timed {
 
 static void run_lookups(timed *t)
 {
-    vxs_lookup_many(t->comparison->light, t->points_ws, NULL, t->count, t->filter_px, t->lit);
+    vxs_lookup_many(t->comparison->baked, t->points_ws, NULL, t->count, t->filter_px, t->lit);
 }
 
 static void run_rays(timed *t)

@@ -38,24 +38,24 @@ static const double bounce[3]      = {0.09, 0.08, 0.07};
 static const double night = 0.07; /* of a sky without a sun */
 
 typedef struct lamp {
-    const vxs_light *light;
-    light_shape      shape;
-    double           usual_metres; /* to what it shines on */
-    double           reach_metres; /* it is not seen farther away */
+    const vxs_baked_light *light;
+    light_shape            shape;
+    double                 usual_metres; /* to what it shines on */
+    double                 reach_metres; /* it is not seen farther away */
 } lamp;
 
 typedef struct view {
-    const picture_options *options;
-    const truth           *truth;
-    const vxs_light      **suns;  /* [sun_count] */
-    lamp                  *lamps; /* [lamp_count] */
-    uint32_t               sun_count, lamp_count;
-    double                 day; /* of the sky's light: 1, or night */
-    uint8_t               *rgb;
-    picture_view           seen;
-    double                 near_metres; /* haze begins */
-    double                 haze_metres; /* it takes 1 - 1/e in so much */
-    double                 sky_metres;  /* what is this far away shuts out half of the sky behind it */
+    const picture_options  *options;
+    const truth            *truth;
+    const vxs_baked_light **suns;  /* [sun_count] */
+    lamp                   *lamps; /* [lamp_count] */
+    uint32_t                sun_count, lamp_count;
+    double                  day; /* of the sky's light: 1, or night */
+    uint8_t                *rgb;
+    picture_view            seen;
+    double                  near_metres; /* haze begins */
+    double                  haze_metres; /* it takes 1 - 1/e in so much */
+    double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
 } view;
 
 /* the camera ------------------------------------------------------------------------------------------ */
@@ -251,7 +251,7 @@ static double sun_light(const view *v, const double point_ws[3], const double no
 {
     double sum = 0;
     for (uint32_t n = 0; n < v->sun_count; n++) {
-        double facing = -vec3_dot(normal, v->suns[n]->direction_ws);
+        double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
         if (facing <= 0) continue;
         float lit = vxs_lookup(v->suns[n], point_ws, normal, (int)v->options->filter_px);
         sum += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count;
@@ -271,9 +271,9 @@ static void lamp_direction(const light_shape *s, rng *r, double direction[3])
     for (int i = 0; i < 3; i++) direction[i] = wide * (cos(turn) * a[i] + sin(turn) * b[i]) + (1 - sunk) * s->direction_ws[i];
 }
 
-static lamp make_lamp(const view *v, const vxs_light *light, double size)
+static lamp make_lamp(const view *v, const vxs_baked_light *light, double size)
 {
-    lamp   l    = {.light = light, .shape = baked_light_shape(light)};
+    lamp   l    = {.light = light, .shape = baked_light_shape(&light->light)};
     rng    r    = {1};
     double sum  = 0, metres;
     int    hits = 0;
@@ -419,8 +419,8 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) render_pixel(v, n, v->rgb + 3 * n);
 }
 
-vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *const *lights,
-                          uint32_t light_count, message *m)
+vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
+                          const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
     view       v    = make_view(o, t, c, rgb);
     box        b    = bounds_of(c);
@@ -433,7 +433,7 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
         goto done;
     }
     for (uint32_t n = 0; n < light_count; n++) {
-        if (lights[n]->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
             v.suns[v.sun_count++] = lights[n];
         else
             v.lamps[v.lamp_count++] = make_lamp(&v, lights[n], size);

@@ -43,8 +43,8 @@ void picture_direction(const picture_view *v, double x, double y, double directi
  * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
  * lights  [light_count]
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c, const vxs_light *const *lights,
-                          uint32_t light_count, message *m);
+vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
+                          const vxs_baked_light *const *lights, uint32_t light_count, message *m);
 
 /* Encode as PNG. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m);

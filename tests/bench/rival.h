@@ -19,7 +19,7 @@ typedef struct light_maps {
     depth_maps maps;    /* enter and exit; the pyramid belongs to those who need it, and is theirs to fill */
     float     *checked; /* the enter and exit depths that answers are checked with: those of maps, unless a fault was planted */
     float     *checked_exit;
-    vxs_light  light;  /* as fitted: all but the DAG */
+    vxs_light  light;  /* as fitted */
     uint32_t   levels; /* the map has 1 << levels texels a side, and as many voxels in depth */
     scene      scene;
     casters    casters;

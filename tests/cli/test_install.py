@@ -40,9 +40,10 @@ int main(int argc, char **argv)
 {
     vxs_asset *asset = nullptr;
     if (argc != 2 || vxs_asset_open_file(&asset, argv[1], nullptr) != VXS_OK) return 1;
-    const vxs_light   *sun      = vxs_asset_find_light(asset, "sun");
+    const vxs_baked_light *sun  = vxs_asset_find_light(asset, "sun");
     const vxs_contents *contents = vxs_asset_contents(asset);
-    std::printf("%u %u %u ", contents->version, vxs_shadow(sun->words, 0, sun->levels, 2, 2, 3), vxs_shadow(sun->words, 0, sun->levels, 2, 2, 2));
+    std::printf("%u %u %u ", contents->version, vxs_shadow(sun->dag.words, 0, sun->light.levels, 2, 2, 3),
+                vxs_shadow(sun->dag.words, 0, sun->light.levels, 2, 2, 2));
     vxs_asset_close(asset);
     /* the layer below, by its own header */
     vxs_contents none = {};

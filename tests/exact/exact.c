@@ -620,10 +620,11 @@ static vxs_result check_asset(const exact_options *o, const world *w, const vxs_
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < vxs_asset_light_count(asset) && r == VXS_OK; n++) {
-        const vxs_light *light = vxs_asset_light(asset, n);
-        uint32_t        *words = malloc((size_t)light->word_count * sizeof *words);
+        const vxs_light *light  = &vxs_asset_light(asset, n)->light;
+        const vxs_dag   *stored = &vxs_asset_light(asset, n)->dag;
+        uint32_t        *words  = malloc((size_t)stored->word_count * sizeof *words);
         if (!words) return fail(m, VXS_E_MEMORY, "out of memory");
-        memcpy(words, light->words, (size_t)light->word_count * sizeof *words);
+        memcpy(words, stored->words, (size_t)stored->word_count * sizeof *words);
         if (o->fault == FAULT_WORD) spoil_word(words, light);
         r = check_light(o, w, light, words, sum, m);
         free(words);

@@ -127,12 +127,12 @@ static void check_lit(float lit, int filter_px)
     if (filter_px == 1) FUZZ_CHECK(lit == VXS_OUTSIDE || lit == 0 || lit == 1);
 }
 
-static void look_up(const vxs_light *l, uint64_t *random)
+static void look_up(const vxs_baked_light *l, uint64_t *random)
 {
     static const double normals[][3] = {{0, 1, 0}, {-1, 0, 0}, {0.6, 0, -0.8}};
     for (int n = 0; n < POINTS_PER_LIGHT; n++) {
         double point[3];
-        point_ws(l, random, point);
+        point_ws(&l->light, random, point);
         const double *normal = normals[n % 3];
         float         single = vxs_lookup(l, point, NULL, 1), box = vxs_lookup(l, point, NULL, 9);
         check_lit(single, 1);
@@ -158,8 +158,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     uint64_t random = size;
     for (uint32_t n = 0; asset && n < vxs_asset_light_count(asset); n++) {
-        const vxs_light *light = vxs_asset_light(asset, n);
-        FUZZ_CHECK(vxs_asset_find_light(asset, light->name) == light);
+        const vxs_baked_light *light = vxs_asset_light(asset, n);
+        FUZZ_CHECK(vxs_asset_find_light(asset, light->light.name) == light);
         if (n < LIGHTS_LOOKED_UP) look_up(light, &random);
     }
     if (asset && vxs_asset_contents(asset)->metadata)

@@ -33,17 +33,16 @@ static double   positions[]    = {-3, 4, -3, 11,    4, -3, 11, 4, 11,    -3, 4, 
 static uint32_t indices[]      = {0, 1, 2, 0, 2, 3, 4, 5, 6, 7, 8, 9};
 static casters  scene_of_sheet = {.vertex_count = 10, .positions_ws = positions, .triangle_count = 4, .indices = indices};
 
-static vxs_light light_of(const uint32_t *words)
+static vxs_baked_light light_of(const uint32_t *words)
 {
-    return (vxs_light){.name         = "noon",
+    vxs_light light = {.name         = "noon",
                        .kind         = VXS_LIGHT_KIND_DIRECTIONAL,
                        .levels       = 3,
                        .ls_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 8},
                        .texel_metres = 1,
                        .voxel_metres = 1,
-                       .direction_ws = {0, -1, 0},
-                       .words        = words,
-                       .word_count   = 1};
+                       .direction_ws = {0, -1, 0}};
+    return (vxs_baked_light){.light = light, .dag = {.words = words, .word_count = 1}};
 }
 
 static uint64_t pixels_of(const compare_options *o)
@@ -53,7 +52,7 @@ static uint64_t pixels_of(const compare_options *o)
     return o->camera ? (uint64_t)width_px * height_px : 0;
 }
 
-static compare_result compared_scene(const casters *c, vxs_light light, compare_options o)
+static compare_result compared_scene(const casters *c, vxs_baked_light light, compare_options o)
 {
     message        m = {0};
     truth         *t = NULL;
@@ -94,20 +93,20 @@ static void nothing_is_wrong_with_an_exact_asset(void **state)
 static void random_points_are_drawn_in_the_volume(void **state)
 {
     (void)state;
-    vxs_light small     = light_of(&words_lit);
-    small.flags         = VXS_LIGHT_BOUNDED;
-    small.ls_from_ws[0] = small.ls_from_ws[6] = 4;
-    small.ls_from_ws[9]                       = -4;
-    small.ls_from_ws[3]                       = -40; /* x from 10 to 12; the box ends at 11.35 */
-    small.ls_from_ws[11]                      = 32;  /* y from 6 to 8 */
-    small.texel_metres = small.voxel_metres = 0.25;
-    compare_result r                        = compared_scene(&scene_of_sheet, small, options);
+    vxs_baked_light small     = light_of(&words_lit);
+    small.light.flags         = VXS_LIGHT_BOUNDED;
+    small.light.ls_from_ws[0] = small.light.ls_from_ws[6] = 4;
+    small.light.ls_from_ws[9]                             = -4;
+    small.light.ls_from_ws[3]                             = -40; /* x from 10 to 12; the box ends at 11.35 */
+    small.light.ls_from_ws[11]                            = 32;  /* y from 6 to 8 */
+    small.light.texel_metres = small.light.voxel_metres = 0.25;
+    compare_result r                                    = compared_scene(&scene_of_sheet, small, options);
     assert_int_equal(r.counts[COMPARE_RANDOM].checked, options.points);
     assert_int_equal(compare_wrong(&r.counts[COMPARE_RANDOM]), 0);
     assert_int_equal(r.time.points, options.points);
 
-    small.ls_from_ws[3] = -400; /* far beyond the box */
-    r                   = compared_scene(&scene_of_sheet, small, options);
+    small.light.ls_from_ws[3] = -400; /* far beyond the box */
+    r                         = compared_scene(&scene_of_sheet, small, options);
     for (int kind = 0; kind < COMPARE_CAMERA; kind++) assert_int_equal(r.counts[kind].outside, options.points);
     assert_int_equal(r.time.points, 0);
 }
@@ -194,15 +193,15 @@ static void distances_are_measured(void **state)
 static void distances_have_an_end(void **state)
 {
     (void)state;
-    vxs_light fine     = light_of(&words_lit);
-    fine.ls_from_ws[0] = fine.ls_from_ws[6] = 4;
-    fine.ls_from_ws[9]                      = -4;
-    fine.ls_from_ws[3] = fine.ls_from_ws[7] = -12; /* x and z from 3 to 5 */
-    fine.ls_from_ws[11]                     = 32;
-    fine.texel_metres = fine.voxel_metres = 0.25;
-    compare_options many                  = options;
-    many.points                           = 200000;
-    const compare_counts n                = compared_scene(&scene_of_sheet, fine, many).counts[COMPARE_RANDOM];
+    vxs_baked_light fine     = light_of(&words_lit);
+    fine.light.ls_from_ws[0] = fine.light.ls_from_ws[6] = 4;
+    fine.light.ls_from_ws[9]                            = -4;
+    fine.light.ls_from_ws[3] = fine.light.ls_from_ws[7] = -12; /* x and z from 3 to 5 */
+    fine.light.ls_from_ws[11]                           = 32;
+    fine.light.texel_metres = fine.light.voxel_metres = 0.25;
+    compare_options many                              = options;
+    many.points                                       = 200000;
+    const compare_counts n                            = compared_scene(&scene_of_sheet, fine, many).counts[COMPARE_RANDOM];
     assert_true(n.leaks > 500 && fabs((double)n.boundary.beyond / (double)n.leaks - 2.2 / 4.2) < 0.05);
     assert_true(n.boundary.max > 7.9 && n.boundary.max <= 8);
 }
@@ -409,7 +408,7 @@ static uint32_t put_node(const vxs_light *l, const fault *f, int map, int i, int
     return node;
 }
 
-static void bake_lamp(vxs_light *l, const fault *f)
+static vxs_baked_light bake_lamp(const vxs_light *l, const fault *f)
 {
     int side = 1 << l->levels, maps = l->flags & VXS_LIGHT_CUBE ? 6 : 1, slices = (side / 8) * (side / 8) * (side / 8);
     dag       = malloc((size_t)(6 + maps * slices * (25 + 9)) * sizeof *dag);
@@ -420,8 +419,7 @@ static void bake_lamp(vxs_light *l, const fault *f)
         uint32_t root = put_node(l, f, map, 0, 0, 0, side);
         if (maps > 1) dag[map] = root;
     }
-    l->words      = dag;
-    l->word_count = dag_words;
+    return (vxs_baked_light){.light = *l, .dag = {.words = dag, .word_count = dag_words}};
 }
 
 static compare_result compared_lamp(vxs_light l, fault f, const double at[3], compare_options o)
@@ -431,8 +429,7 @@ static compare_result compared_lamp(vxs_light l, fault f, const double at[3], co
     truth        *t = NULL;
     assert_int_equal(truth_create(&t, &c, 1, &m), VXS_OK);
     trace_depths(t, &l, f.exits);
-    bake_lamp(&l, &f);
-    compare_result result = compared_scene(&c, l, o);
+    compare_result result = compared_scene(&c, bake_lamp(&l, &f), o);
     truth_destroy(t);
     free(depths);
     free(dag);

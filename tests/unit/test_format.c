@@ -75,57 +75,57 @@ static void refused(const vxs_bytes *file, int number)
     assert_int_equal(f.first, number);
 }
 
-static uint32_t map_count(const vxs_light *l)
+static uint32_t map_count(const vxs_baked_light *l)
 {
-    return l->flags & VXS_LIGHT_CUBE ? 6 : 1;
+    return l->light.flags & VXS_LIGHT_CUBE ? 6 : 1;
 }
 
 /* Words 0 to 5 say where six roots are; behind them the nodes begin. */
-static uint32_t root_of(const vxs_light *l, uint32_t map)
+static uint32_t root_of(const vxs_baked_light *l, uint32_t map)
 {
     if (map_count(l) == 1) return 0;
-    assert_in_range(l->words[map], 6, l->word_count - 1);
-    assert_int_equal(vxs_face_root(l->words, map), l->words[map]);
-    return l->words[map];
+    assert_in_range(l->dag.words[map], 6, l->dag.word_count - 1);
+    assert_int_equal(vxs_face_root(l->dag.words, map), l->dag.words[map]);
+    return l->dag.words[map];
 }
 
 /* Every offset that a lookup could follow, checked without the reader's help. seen[w]: 1 + the level of the node at word w. */
-static void walk_node(const vxs_light *l, uint8_t *seen, uint32_t at, uint32_t level)
+static void walk_node(const vxs_baked_light *l, uint8_t *seen, uint32_t at, uint32_t level)
 {
-    assert_true(at < l->word_count);
+    assert_true(at < l->dag.word_count);
     if (seen[at]) {
         assert_int_equal(seen[at], level + 1);
         return;
     }
     seen[at]        = (uint8_t)(level + 1);
-    uint32_t states = l->words[at], offset = at;
+    uint32_t states = l->dag.words[at], offset = at;
     assert_int_equal(states >> 16, 0);
     for (uint32_t c = 0, masks = 0; c < 8; c++) {
         uint32_t state = states >> (2 * c) & 3;
         if (state == VXS_CHILD_SAME) assert_true(level ? c >= 4 && (states >> (2 * c - 8) & 3) == VXS_CHILD_OWN : masks);
         masks = state >= VXS_CHILD_OWN;
         if (state != VXS_CHILD_OWN) continue;
-        assert_true(++offset < l->word_count);
-        uint32_t child = l->words[offset];
+        assert_true(++offset < l->dag.word_count);
+        uint32_t child = l->dag.words[offset];
         if (level)
             walk_node(l, seen, child, level - 1);
         else
-            assert_true(child % 2 == 0 && child < l->word_count && child + 1 < l->word_count);
+            assert_true(child % 2 == 0 && child < l->dag.word_count && child + 1 < l->dag.word_count);
     }
 }
 
-static void walk(const vxs_light *l)
+static void walk(const vxs_baked_light *l)
 {
-    uint8_t *seen = dag_sample_alloc(l->word_count, 1);
-    assert_in_range(l->levels, VXS_LEVELS_MIN, VXS_LEVELS_MAX);
-    for (uint32_t map = 0; map < map_count(l); map++) walk_node(l, seen, root_of(l, map), l->levels - 3);
+    uint8_t *seen = dag_sample_alloc(l->dag.word_count, 1);
+    assert_in_range(l->light.levels, VXS_LEVELS_MIN, VXS_LEVELS_MAX);
+    for (uint32_t map = 0; map < map_count(l); map++) walk_node(l, seen, root_of(l, map), l->light.levels - 3);
     free(seen);
-    uint32_t side = 1u << l->levels;
-    rng      r    = {l->word_count};
+    uint32_t side = 1u << l->light.levels;
+    rng      r    = {l->dag.word_count};
     for (int n = 0; n < 16; n++) {
         uint32_t i = rng_below(&r, side), j = rng_below(&r, side), k = rng_below(&r, side),
                  root = root_of(l, (uint32_t)n % map_count(l));
-        assert_in_range(vxs_shadow(l->words, root, l->levels, i, j, k), 0, 1);
+        assert_in_range(vxs_shadow(l->dag.words, root, l->light.levels, i, j, k), 0, 1);
     }
 }
 
@@ -335,14 +335,14 @@ static vxs_bytes lamps_file(void)
 
 /* what is written is read back ------------------------------------------------------------------------------------------------- */
 
-static void check_map(const vxs_light *light, uint32_t root, const dag_sample *s)
+static void check_map(const vxs_baked_light *baked, uint32_t root, const dag_sample *s)
 {
     uint32_t tiles = dag_sample_tiles(s), side = 8 * tiles;
     for (uint32_t k = 0; k < side; k++)
         for (uint32_t y = 0; y < tiles; y++)
             for (uint32_t x = 0; x < tiles; x++) {
                 uint32_t low, high;
-                vxs_slice(light->words, root, light->levels, x, y, k, &low, &high);
+                vxs_slice(baked->dag.words, root, baked->light.levels, x, y, k, &low, &high);
                 if ((low | (uint64_t)high << 32) != s->dense[x + tiles * (y + (size_t)tiles * k)])
                     fail_msg("tile %u %u, slice %u", x, y, k);
             }
@@ -350,12 +350,13 @@ static void check_map(const vxs_light *light, uint32_t root, const dag_sample *s
     for (uint32_t k = 0; k < side; k++)
         for (uint32_t j = 0; j < side; j++)
             for (uint32_t i = 0; i < side; i++)
-                if (vxs_shadow(light->words, root, light->levels, i, j, k) != dag_sample_shadow(s, i, j, k))
+                if (vxs_shadow(baked->dag.words, root, baked->light.levels, i, j, k) != dag_sample_shadow(s, i, j, k))
                     fail_msg("voxel %u %u %u", i, j, k);
 }
 
-static void check_light(const vxs_light *light, const vxs_write_light *wanted, dag_sample *s)
+static void check_light(const vxs_baked_light *baked, const vxs_write_light *wanted, dag_sample *s)
 {
+    const vxs_light *light = &baked->light;
     assert_string_equal(light->name, wanted->light.name);
     assert_int_equal(light->kind, wanted->light.kind);
     assert_int_equal(light->flags, wanted->light.flags);
@@ -365,10 +366,10 @@ static void check_light(const vxs_light *light, const vxs_write_light *wanted, d
     assert_true(light->texel_metres == wanted->light.texel_metres && light->voxel_metres == wanted->light.voxel_metres);
     assert_true(light->near_metres == wanted->light.near_metres && light->cos_outer == wanted->light.cos_outer);
     assert_true(light->range_metres == wanted->light.range_metres);
-    walk(light);
-    for (uint32_t map = 0; map < map_count(light); map++) {
+    walk(baked);
+    for (uint32_t map = 0; map < map_count(baked); map++) {
         dag_sample_show(s, map);
-        check_map(light, root_of(light, map), s);
+        check_map(baked, root_of(baked, map), s);
     }
 }
 
@@ -467,13 +468,13 @@ static void test_unreachable_nodes_are_left_out(void **state)
     vxs_contents   contents;
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &(vxs_read_desc){.allocator = &allocator}), VXS_OK);
-    const vxs_light *l = contents.lights;
-    assert_int_equal(l->node_count[0], 1);
-    assert_int_equal(l->mask_count, 2);
-    assert_int_equal(l->node_words[0], 3);
-    assert_int_equal(l->word_count, 8); /* states, two offsets, padding, two masks */
+    const vxs_baked_light *l = contents.lights;
+    assert_int_equal(l->counts.nodes[0], 1);
+    assert_int_equal(l->counts.masks, 2);
+    assert_int_equal(l->counts.node_words[0], 3);
+    assert_int_equal(l->dag.word_count, 8); /* states, two offsets, padding, two masks */
     const uint32_t wanted[8] = {0x5ee0, 4, 6, 0, 1, 0, 2, 0};
-    assert_memory_equal(l->words, wanted, sizeof wanted);
+    assert_memory_equal(l->dag.words, wanted, sizeof wanted);
     vxs_contents_free(&contents);
     free(file.data);
 }
@@ -493,14 +494,14 @@ static void test_six_equal_roots(void **state)
     vxs_contents   contents;
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, NULL), VXS_OK);
-    const vxs_light *l          = contents.lights;
-    const uint32_t   wanted[20] = {6,      8,  10,     12, 14,     16, 0x55e0, 18, 0x55e0,      18,
-                                   0x55e0, 18, 0x55e0, 18, 0x55e0, 18, 0x55e0, 18, 0x9abcdef0u, 0x12345678u};
-    assert_int_equal(l->node_count[0], 6);
-    assert_int_equal(l->node_words[0], 12);
-    assert_int_equal(l->mask_count, 1);
-    assert_int_equal(l->word_count, 20);
-    assert_memory_equal(l->words, wanted, sizeof wanted);
+    const vxs_baked_light *l          = contents.lights;
+    const uint32_t         wanted[20] = {6,      8,  10,     12, 14,     16, 0x55e0, 18, 0x55e0,      18,
+                                         0x55e0, 18, 0x55e0, 18, 0x55e0, 18, 0x55e0, 18, 0x9abcdef0u, 0x12345678u};
+    assert_int_equal(l->counts.nodes[0], 6);
+    assert_int_equal(l->counts.node_words[0], 12);
+    assert_int_equal(l->counts.masks, 1);
+    assert_int_equal(l->dag.word_count, 20);
+    assert_memory_equal(l->dag.words, wanted, sizeof wanted);
     vxs_contents_free(&contents);
     free(file.data);
 }

@@ -86,8 +86,8 @@ static void test_count_exhaustive(void **state)
 {
     (void)state;
     enum { SIDE = 32, PAD = 20, TABLE = SIDE + 2 * PAD + 1 };
-    subject          s     = subject_make(11, 5, 40);
-    const vxs_light *light = vxs_asset_light(s.asset, 0);
+    subject                s     = subject_make(11, 5, 40);
+    const vxs_baked_light *light = vxs_asset_light(s.asset, 0);
     for (uint32_t k = 0; k < SIDE; k++) {
         static uint32_t sum[TABLE][TABLE]; /* shadowed texels in front of (x, y), both counted from -PAD */
         for (int y = 1; y < TABLE; y++)
@@ -102,7 +102,7 @@ static void test_count_exhaustive(void **state)
                 for (int i = -10; i < SIDE + 10; i++) {
                     int      x0 = i - filter_px / 2 + PAD, x1 = x0 + filter_px, y0 = j - filter_px / 2 + PAD, y1 = y0 + filter_px;
                     uint32_t wanted = sum[y1][x1] - sum[y0][x1] - sum[y1][x0] + sum[y0][x0];
-                    if (vxs_shadow_count(light->words, 0, light->levels, i, j, k, filter_px) != wanted)
+                    if (vxs_shadow_count(light->dag.words, 0, light->light.levels, i, j, k, filter_px) != wanted)
                         fail_msg("texel %d %d, depth %u, filter %d", i, j, k, filter_px);
                 }
     }
@@ -127,17 +127,17 @@ static void test_lookups_random(void **state)
     (void)state;
     rng r = {3};
     for (uint32_t levels = 3; levels <= 8; levels++) {
-        subject          s     = subject_make(20 + levels, levels, levels < 5 ? 12 : 200);
-        const vxs_light *light = vxs_asset_light(s.asset, 0);
-        uint32_t         side  = 1u << levels;
+        subject                s     = subject_make(20 + levels, levels, levels < 5 ? 12 : 200);
+        const vxs_baked_light *light = vxs_asset_light(s.asset, 0);
+        uint32_t               side  = 1u << levels;
         for (int n = 0; n < 10000; n++) {
             int32_t  i = tricky_texel(&r, (int32_t)side), j = tricky_texel(&r, (int32_t)side);
             uint32_t k         = rng_below(&r, side);
             int32_t  filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            assert_int_equal(vxs_shadow_count(light->words, 0, levels, i, j, k, filter_px),
+            assert_int_equal(vxs_shadow_count(light->dag.words, 0, levels, i, j, k, filter_px),
                              count_taps(&s.sample, i, j, k, filter_px));
             if (i < 0 || j < 0 || i >= (int32_t)side || j >= (int32_t)side) continue;
-            assert_int_equal(vxs_shadow(light->words, 0, levels, (uint32_t)i, (uint32_t)j, k),
+            assert_int_equal(vxs_shadow(light->dag.words, 0, levels, (uint32_t)i, (uint32_t)j, k),
                              dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k));
         }
         subject_free(&s);
@@ -238,12 +238,12 @@ static uint32_t gather_words(const subject *s, uint32_t count, uint32_t *dag, ui
     uint32_t total = 5; /* no light starts at word 0 */
     for (uint32_t n = 0; n < count; n++) {
         dag[n] = total;
-        total += vxs_asset_light(s[n].asset, 0)->word_count;
+        total += vxs_asset_light(s[n].asset, 0)->dag.word_count;
     }
     *all = dag_sample_alloc(total, sizeof **all);
     for (uint32_t n = 0; n < count; n++) {
-        const vxs_light *light = vxs_asset_light(s[n].asset, 0);
-        memcpy(*all + dag[n], light->words, light->word_count * sizeof **all);
+        const vxs_baked_light *light = vxs_asset_light(s[n].asset, 0);
+        memcpy(*all + dag[n], light->dag.words, light->dag.word_count * sizeof **all);
     }
     return total;
 }
@@ -290,12 +290,12 @@ static void test_shader_answers_like_c(void **state)
     assert_int_equal(c.gl->GetError(), GL_NO_ERROR);
 
     for (uint32_t n = 0; n < QUERIES; n++) {
-        const query     *q     = &queries[n];
-        const vxs_light *light = vxs_asset_light(s[n % 3].asset, 0);
-        int32_t          last  = (1 << q->levels) - 1;
+        const query           *q     = &queries[n];
+        const vxs_baked_light *light = vxs_asset_light(s[n % 3].asset, 0);
+        int32_t                last  = (1 << q->levels) - 1;
         uint32_t i = (uint32_t)(q->i < 0 ? 0 : q->i < last ? q->i : last), j = (uint32_t)(q->j < 0 ? 0 : q->j < last ? q->j : last);
-        assert_int_equal(answers[2 * n], vxs_shadow_count(light->words, 0, q->levels, q->i, q->j, q->k, q->filter_px));
-        assert_int_equal(answers[2 * n + 1], vxs_shadow(light->words, 0, q->levels, i, j, q->k));
+        assert_int_equal(answers[2 * n], vxs_shadow_count(light->dag.words, 0, q->levels, q->i, q->j, q->k, q->filter_px));
+        assert_int_equal(answers[2 * n + 1], vxs_shadow(light->dag.words, 0, q->levels, i, j, q->k));
     }
     gl_context_destroy(c.gl);
     free(answers);
@@ -404,7 +404,8 @@ static void test_shader_of_the_guide(void **state)
         vxs_write_desc desc = {.lights = &light, .light_count = 1, .zstd_level = 1};
         assert_int_equal(vxs_write(&file, &desc), VXS_OK);
         assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
-        const vxs_light *l = vxs_asset_light(asset, 0);
+        const vxs_baked_light *baked = vxs_asset_light(asset, 0);
+        const vxs_light       *l     = &baked->light;
 
         for (int n = 0; n < POINTS; n++) {
             double way[3], normal[3], metres = 0.4 * pow(25, uniform(&r, 0, 1));
@@ -417,7 +418,7 @@ static void test_shader_of_the_guide(void **state)
             queries[n][7] = (float)(1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2));
         }
         set_lamp(&c, l);
-        bind_buffer(&c, 0, l->word_count * sizeof *l->words, l->words);
+        bind_buffer(&c, 0, baked->dag.word_count * sizeof *baked->dag.words, baked->dag.words);
         bind_buffer(&c, 1, sizeof queries, queries);
         bind_buffer(&c, 2, sizeof answers, NULL);
         c.DispatchCompute(POINTS / GROUP, 1, 1);
@@ -429,7 +430,7 @@ static void test_shader_of_the_guide(void **state)
             double point[3], normal[3];
             for (int k = 0; k < 3; k++) point[k] = (double)queries[n][k], normal[k] = (double)queries[n][4 + k];
             if (clear_by(l, queries[n], queries[n] + 4, filter_px) < 0.005) continue;
-            float wanted = vxs_lookup(l, point, normal, filter_px);
+            float wanted = vxs_lookup(baked, point, normal, filter_px);
             if (fabsf(answers[n] - wanted) > 1e-6f)
                 fail_msg("light %d, point %d: %g, expected %g", shape, n, (double)answers[n], (double)wanted);
             asked++;

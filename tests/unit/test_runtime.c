@@ -65,8 +65,8 @@ static void test_asset(void **state)
 {
     const fixture *f = *state;
     assert_int_equal(vxs_asset_light_count(f->asset), 2);
-    assert_string_equal(vxs_asset_light(f->asset, 0)->name, "sun");
-    assert_string_equal(vxs_asset_light(f->asset, 1)->name, "moon");
+    assert_string_equal(vxs_asset_light(f->asset, 0)->light.name, "sun");
+    assert_string_equal(vxs_asset_light(f->asset, 1)->light.name, "moon");
     assert_null(vxs_asset_light(f->asset, 2));
     assert_null(vxs_asset_light(f->asset, UINT32_MAX));
     assert_ptr_equal(vxs_asset_find_light(f->asset, "moon"), vxs_asset_light(f->asset, 1));
@@ -188,7 +188,7 @@ static void check_voxel(const vxs_light *light, const double *point_ws, const do
 static void test_voxel(void **state)
 {
     const fixture   *f     = *state;
-    const vxs_light *light = vxs_asset_light(f->asset, 0);
+    const vxs_light *light = &vxs_asset_light(f->asset, 0)->light;
     double           p[3];
     ws_from_vx(p, 3.5, 4.5, 5.5);
     check_voxel(light, p, NULL, 9, 3, 4, 5);
@@ -207,7 +207,7 @@ static void test_voxel(void **state)
 static void test_voxel_bias(void **state)
 {
     const fixture   *f     = *state;
-    const vxs_light *light = vxs_asset_light(f->asset, 0);
+    const vxs_light *light = &vxs_asset_light(f->asset, 0)->light;
     double           p[3];
     ws_from_vx(p, 30.5, 30.5, 30.5);
     check_voxel(light, p, (double[3]){1, 0, 0}, 1, 31, 30, 30); /* 0.5 -> 1 */
@@ -243,10 +243,10 @@ static float lit_fraction(const dag_sample *s, int32_t i, int32_t j, int32_t k, 
 
 static void test_lookup(void **state)
 {
-    const fixture   *f   = *state;
-    const vxs_light *sun = vxs_asset_light(f->asset, 0), *moon = vxs_asset_light(f->asset, 1);
-    rng              r      = {7};
-    int              partly = 0;
+    const fixture         *f   = *state;
+    const vxs_baked_light *sun = vxs_asset_light(f->asset, 0), *moon = vxs_asset_light(f->asset, 1);
+    rng                    r      = {7};
+    int                    partly = 0;
     for (int n = 0; n < 30000; n++) {
         int32_t i = rng_between(&r, -10, SIDE + 9), j = rng_between(&r, -10, SIDE + 9), k = rng_between(&r, -10, SIDE + 9);
         int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
@@ -263,9 +263,9 @@ static void test_lookup(void **state)
 
 static void test_lookup_with_normal(void **state)
 {
-    const fixture   *f     = *state;
-    const vxs_light *light = vxs_asset_light(f->asset, 0);
-    rng              r     = {8};
+    const fixture         *f     = *state;
+    const vxs_baked_light *light = vxs_asset_light(f->asset, 0);
+    rng                    r     = {8};
     for (int n = 0; n < 10000; n++) {
         double  p[3], normal[3], length = 0;
         int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
@@ -274,16 +274,16 @@ static void test_lookup_with_normal(void **state)
         for (int k = 0; k < 3; k++) normal[k] = rng_between(&r, -100, 100);
         for (int k = 0; k < 3; k++) length += normal[k] * normal[k];
         for (int k = 0; k < 3; k++) normal[k] = length > 0 ? normal[k] / sqrt(length) : 0;
-        vxs_voxel(light, p, normal, filter_px, voxel);
+        vxs_voxel(&light->light, p, normal, filter_px, voxel);
         assert_true(vxs_lookup(light, p, normal, filter_px) == lit_fraction(&f->sample, voxel[0], voxel[1], voxel[2], filter_px));
     }
 }
 
 static void test_lookup_far_away(void **state)
 {
-    const fixture   *f     = *state;
-    const vxs_light *light = vxs_asset_light(f->asset, 0);
-    double           p[3];
+    const fixture         *f     = *state;
+    const vxs_baked_light *light = vxs_asset_light(f->asset, 0);
+    double                 p[3];
     ws_from_vx(p, 20.5, 20.5, -1e12);
     assert_true(vxs_lookup(light, p, NULL, 9) == 1);
     ws_from_vx(p, 20.5, 20.5, 1e12);
@@ -296,11 +296,11 @@ static void test_lookup_far_away(void **state)
 static void test_lookup_many(void **state)
 {
     enum { COUNT = 500 };
-    const fixture   *f     = *state;
-    const vxs_light *light = vxs_asset_light(f->asset, 0);
-    rng              r     = {9};
-    static double    points[3 * COUNT], normals[3 * COUNT];
-    static float     lit[COUNT + 1];
+    const fixture         *f     = *state;
+    const vxs_baked_light *light = vxs_asset_light(f->asset, 0);
+    rng                    r     = {9};
+    static double          points[3 * COUNT], normals[3 * COUNT];
+    static float           lit[COUNT + 1];
     for (int n = 0; n < COUNT; n++) {
         ws_from_vx(points + 3 * n, rng_between(&r, -40, 680) / 10.0, rng_between(&r, -40, 680) / 10.0,
                    rng_between(&r, 0, 640) / 10.0);
@@ -361,7 +361,7 @@ static void test_lamp_voxel_and_point(void **state)
 static void test_sun_voxel_and_point(void **state)
 {
     const fixture   *f     = *state;
-    const vxs_light *light = vxs_asset_light(f->asset, 0);
+    const vxs_light *light = &vxs_asset_light(f->asset, 0)->light;
     rng              r     = {22};
     for (int n = 0; n < 10000; n++) {
         double  at[3], point[3], wanted[3];
@@ -535,14 +535,14 @@ static void test_lamp_bias(void **state)
 
 /* Where the format has six roots: lookups of a sample whose maps are known. */
 typedef struct lamp_asset {
-    dag_sample sample;
-    vxs_asset *asset;
-    lamp       lamp; /* as dag_sample_lamp has it */
+    dag_sample      sample;
+    vxs_asset      *asset;
+    vxs_baked_light baked; /* a copy, to be changed */
 } lamp_asset;
 
 static lamp_asset lamp_asset_make(uint32_t levels, uint32_t kind, uint32_t flags, uint64_t seed)
 {
-    lamp_asset a = {.lamp = {.axis = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}, .at = {1, 2, 3}}};
+    lamp_asset a = {0};
     rng        r = {seed};
     dag_sample_init(&a.sample, &r, levels, 100);
     vxs_write_light light = dag_sample_lamp(&a.sample, "lamp", kind, flags);
@@ -551,7 +551,7 @@ static lamp_asset lamp_asset_make(uint32_t levels, uint32_t kind, uint32_t flags
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
     assert_int_equal(vxs_asset_open(&a.asset, file.data, file.size_bytes, NULL), VXS_OK);
     free(file.data);
-    a.lamp.light = *vxs_asset_light(a.asset, 0);
+    a.baked = *vxs_asset_light(a.asset, 0);
     return a;
 }
 
@@ -584,11 +584,11 @@ static void test_lamp_lookup(void **state)
     int partly = 0, asked = 0;
     for (uint32_t levels = 3; levels <= 6; levels++)
         for (size_t shape = 0; shape < 3; shape++) {
-            lamp_asset a           = lamp_asset_make(levels, shapes[shape].kind, shapes[shape].flags, 40 + levels);
-            double     side        = (double)(1 << levels);
-            rng        r           = {levels};
-            a.lamp.light.cos_outer = 0;
-            for (int map = 0; map < map_count(&a.lamp.light); map++) {
+            lamp_asset a            = lamp_asset_make(levels, shapes[shape].kind, shapes[shape].flags, 40 + levels);
+            double     side         = (double)(1 << levels);
+            rng        r            = {levels};
+            a.baked.light.cos_outer = 0;
+            for (int map = 0; map < map_count(&a.baked.light); map++) {
                 dag_sample_show(&a.sample, (uint32_t)map);
                 for (int n = 0; n < 3000; n++) {
                     int     filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2), edge = n % 2;
@@ -597,17 +597,17 @@ static void test_lamp_lookup(void **state)
                     for (int c = 0; c < 2; c++) at[c] = edge && rng_below(&r, 2) ? uniform(&r, 0, 2) : uniform(&r, 0, side);
                     for (int c = 0; c < 2; c++) at[c] = edge && rng_below(&r, 2) ? side - at[c] : at[c];
                     at[2] = uniform(&r, -3, side + 10);
-                    vxs_point(&a.lamp.light, map, at, point);
-                    if (!clear_of_boundaries(at) || vxs_voxel(&a.lamp.light, point, NULL, filter_px, voxel) != map) continue;
+                    vxs_point(&a.baked.light, map, at, point);
+                    if (!clear_of_boundaries(at) || vxs_voxel(&a.baked.light, point, NULL, filter_px, voxel) != map) continue;
                     for (int c = 0; c < 3; c++) assert_int_equal(voxel[c], (int32_t)floor(at[c]));
                     float wanted = lamp_fraction(&a.sample, voxel, filter_px);
-                    assert_true(vxs_lookup(&a.lamp.light, point, NULL, filter_px) == wanted);
+                    assert_true(vxs_lookup(&a.baked, point, NULL, filter_px) == wanted);
                     partly += wanted > 0 && wanted < 1;
                     asked++;
                     random_direction(&r, normal);
-                    vxs_voxel(&a.lamp.light, point, normal, filter_px, voxel);
+                    vxs_voxel(&a.baked.light, point, normal, filter_px, voxel);
                     assert_true(voxel[0] >= 0 && voxel[0] < (int32_t)side && voxel[1] >= 0 && voxel[1] < (int32_t)side);
-                    assert_true(vxs_lookup(&a.lamp.light, point, normal, filter_px) == lamp_fraction(&a.sample, voxel, filter_px));
+                    assert_true(vxs_lookup(&a.baked, point, normal, filter_px) == lamp_fraction(&a.sample, voxel, filter_px));
                 }
             }
             lamp_asset_free(&a);
@@ -624,11 +624,11 @@ static void test_lamp_own_place(void **state)
         for (int n = 0; n < 7; n++) {
             double normal[3] = {n == 0, n == 1, n == 2}, point[3] = {1, 2, 3};
             if (n > 2) normal[n % 3] = -1;
-            assert_true(vxs_lookup(&a.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
-            assert_true(vxs_lookup(&b.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
             point[0] -= 1e-15; /* ahead, nearer than anything */
-            assert_true(vxs_lookup(&a.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
-            assert_true(vxs_lookup(&b.lamp.light, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&a.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
+            assert_true(vxs_lookup(&b.baked, point, n == 6 ? NULL : normal, filter_px) == 1);
         }
     lamp_asset_free(&a);
     lamp_asset_free(&b);
@@ -649,28 +649,29 @@ static void test_lamp_extremes(void **state)
     for (int shape = 0; shape < 3; shape++) {
         lamp_asset a = lamp_asset_make(4, shape < 2 ? VXS_LIGHT_KIND_SPOT : VXS_LIGHT_KIND_POINT, shape ? VXS_LIGHT_CUBE : 0, 53);
         for (int n = 0; n < 100000; n++) {
-            vxs_light l = a.lamp.light;
-            double    point[3], normal[3];
-            int32_t   voxel[3];
+            vxs_baked_light baked = a.baked;
+            vxs_light      *l     = &baked.light;
+            double          point[3], normal[3];
+            int32_t         voxel[3];
             for (int c = 0; c < 3; c++) point[c] = rng_below(&r, 2) ? numbers[rng_below(&r, NUMBERS)] : uniform(&r, -9, 9);
             for (int c = 0; c < 3; c++) normal[c] = numbers[rng_below(&r, NUMBERS)];
-            if (n % 3 == 0) l.ls_from_ws[rng_below(&r, 12)] = numbers[rng_below(&r, NUMBERS)];
-            if (n % 5 == 0) l.texel_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
-            if (n % 7 == 0) l.voxel_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
-            if (n % 11 == 0) l.near_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
-            if (n % 13 == 0) l.range_metres = fabs(numbers[rng_below(&r, NUMBERS)]);
-            if (n % 17 == 0 && shape < 2) l.cos_outer = rng_below(&r, 2) ? 0 : 0.99999999999;
+            if (n % 3 == 0) l->ls_from_ws[rng_below(&r, 12)] = numbers[rng_below(&r, NUMBERS)];
+            if (n % 5 == 0) l->texel_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
+            if (n % 7 == 0) l->voxel_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
+            if (n % 11 == 0) l->near_metres = fabs(numbers[2 + rng_below(&r, NUMBERS - 2)]);
+            if (n % 13 == 0) l->range_metres = fabs(numbers[rng_below(&r, NUMBERS)]);
+            if (n % 17 == 0 && shape < 2) l->cos_outer = rng_below(&r, 2) ? 0 : 0.99999999999;
             int filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            int map       = vxs_voxel(&l, point, n % 2 ? normal : NULL, filter_px, voxel);
-            assert_true(map >= -1 && map < map_count(&l));
+            int map       = vxs_voxel(l, point, n % 2 ? normal : NULL, filter_px, voxel);
+            assert_true(map >= -1 && map < map_count(l));
             assert_true(voxel[0] >= 0 && voxel[0] < 16 && voxel[1] >= 0 && voxel[1] < 16);
-            assert_true(is_fraction(vxs_lookup(&l, point, n % 2 ? normal : NULL, filter_px)));
+            assert_true(is_fraction(vxs_lookup(&baked, point, n % 2 ? normal : NULL, filter_px)));
         }
         for (int c = 0; c < 3; c++) {
             double point[3] = {0, 2, 3};
             point[c]        = (double)NAN;
-            assert_true(vxs_lookup(&a.lamp.light, point, NULL, 9) == VXS_OUTSIDE);
-            assert_true(vxs_lookup(&a.lamp.light, (double[3]){0, 2, 3}, point, 9) >= 0); /* a normal that is none */
+            assert_true(vxs_lookup(&a.baked, point, NULL, 9) == VXS_OUTSIDE);
+            assert_true(vxs_lookup(&a.baked, (double[3]){0, 2, 3}, point, 9) >= 0); /* a normal that is none */
         }
         lamp_asset_free(&a);
     }
