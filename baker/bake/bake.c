@@ -10,13 +10,13 @@
 #include <sys/stat.h>
 
 #include "baker/bake/bake_light.h"
-#include "baker/measure/clock.h"
-#include "baker/files/json_file.h"
-#include "baker/files/output_file.h"
+#include "baker/bake/plan.h"
 #include "baker/base/pages.h"
 #include "baker/base/progress.h"
 #include "baker/base/version.h"
-#include "baker/bake/plan.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+#include "baker/measure/clock.h"
 #include "baker/scene/light_choice.h"
 
 /* time and memory by stage ---------------------------------------------------------------------------------------------------- */
@@ -69,11 +69,6 @@ json_t *bake_choices_json(const bake_options *o)
     set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
     set_word(object, "rule", RULE_CHOICES, (int)o->rule);
     set_word(object, "stop", STOP_CHOICES, (int)o->stop);
-    if (o->repair)
-        json_object_set_new(object, "repair",
-                            json_pack("{s:f, s:f, s:I}", "stitch_m", o->mending.stitch_m, "hole_diameter_m",
-                                      o->mending.hole_diameter_m, "hole_edges", (json_int_t)o->mending.hole_edges_max));
-    if (o->unite) json_object_set_new(object, "union", json_true());
     return object;
 }
 
@@ -346,9 +341,7 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
     stage_end(&timer, STAGE_LOAD);
     if (r == VXS_OK) r = bake_within_budget(o, report, m);
     progress_say(o->progress, "telling solids from sheets");
-    if (r == VXS_OK && o->repair) r = scene_repair(s, &o->mending, &report->repair, m);
     if (r == VXS_OK) r = casters_from_scene(c, s, o->closed, m);
-    if (r == VXS_OK && o->unite) r = casters_unite(c, &report->unite, m);
     if (r == VXS_OK) r = lights_choose(s, &o->light_names, o->sun_given, o->sun, &chosen, m);
     stage_end(&timer, STAGE_SOLIDS);
     if (r == VXS_OK) r = bake_within_budget(o, report, m);
@@ -408,7 +401,5 @@ void bake_report_free(bake_report *r)
     if (r->plan) plan_free(r->plan);
     free(r->plan);
     for (uint32_t n = 0; n < r->picture_count; n++) light_picture_free(&r->pictures[n]);
-    repair_report_free(&r->repair);
-    union_report_free(&r->unite);
     memset(r, 0, sizeof *r);
 }

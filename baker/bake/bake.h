@@ -5,13 +5,11 @@
 
 #include <jansson.h>
 
-#include "baker/base/text.h"
-#include "baker/dag/dag.h"
-#include "baker/columns/opengl/depth_gl.h"
-#include "baker/casters/casters.h"
-#include "baker/mend/mesh_repair.h"
-#include "baker/mend/mesh_union.h"
 #include "baker/bake/light_picture.h"
+#include "baker/base/text.h"
+#include "baker/casters/casters.h"
+#include "baker/columns/opengl/depth_gl.h"
+#include "baker/dag/dag.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384, TILE_MIN_PX = 512, SUB_DAG_MAX_PX = 1024, PICTURES_MAX = 4 };
 
@@ -46,9 +44,6 @@ typedef struct bake_options {
     double          texel_metres;
     int             region_given;
     double          region_ws[6]; /* min xyz, max xyz */
-    int             repair;       /* 1: mend meshes first, as `mending` says */
-    repair_options  mending;
-    int             unite; /* 1: solids that meet become one */
     closed_mode     closed;
     exit_mode       exit;
     mask_rule       rule;
@@ -130,9 +125,7 @@ typedef struct bake_report {
     light_left_out *left_out;
     size_t          left_out_count;
 
-    repair_report repair; /* zero unless asked for: owned */
-    union_report  unite;
-    bake_plan    *plan; /* owned */
+    bake_plan *plan; /* owned */
 
     light_picture pictures[PICTURES_MAX]; /* of the largest lights, when asked for: owned */
     uint32_t      picture_count;

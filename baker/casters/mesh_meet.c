@@ -1,10 +1,10 @@
-/* Which solids meet; see casters_find_meeting in casters.h, and mesh_meet.h.
+/* Which solids meet; see casters_find_meeting in casters.h.
  *
  *   corners ---in common---> meet
  *   triangles ---touch, cross---> meet          (of one solid too)
  *   boxes in boxes ---a corner inside---> meet  (what does not touch is inside as a whole, or not at all)
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/casters/mesh_meet.h"
+#include "baker/casters/casters.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,6 @@
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
-#include "baker/casters/mesh_join.h"
 
 /* A few seconds each. */
 #define LOOKS_MAX 400000000u
@@ -31,7 +30,6 @@ typedef struct meeting {
     shell_pair    *pairs;        /* [pair_count] boxes in boxes */
     size_t         pair_count, pair_room;
     int            gave_up;
-    uint32_t      *cluster_of; /* [solids] parents of a forest: solids that meet are joined; NULL: they are only marked */
 } meeting;
 
 static void meeting_free(meeting *w)
@@ -55,13 +53,11 @@ static void mark_pair(meeting *w, uint32_t a, uint32_t b)
 {
     mark(w, a);
     mark(w, b);
-    if (w->cluster_of) mesh_join(w->cluster_of, a, b);
 }
 
 /* Is there nothing to learn from two solids? */
 static int is_known(const meeting *w, uint32_t a, uint32_t b)
 {
-    if (w->cluster_of) return mesh_find(w->cluster_of, a) == mesh_find(w->cluster_of, b);
     return __atomic_load_n(&w->meets[a], __ATOMIC_RELAXED) && __atomic_load_n(&w->meets[b], __ATOMIC_RELAXED);
 }
 
@@ -118,7 +114,7 @@ static int surfaces_meet(void *user, uint32_t a, uint32_t b)
 {
     meeting *w = user;
     mark_pair(w, w->c->component_of[a], w->c->component_of[b]);
-    return !w->open && !w->cluster_of;
+    return !w->open;
 }
 
 static vxs_result search_surfaces(meeting *w, uint32_t threads)
@@ -240,23 +236,4 @@ vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m)
     }
     meeting_free(&w);
     return r;
-}
-
-vxs_result mesh_find_clusters(uint32_t *cluster_of, int *gave_up, const casters *c, message *m)
-{
-    vxs_result r      = VXS_E_MEMORY;
-    size_t     solids = c->component_count[COMPONENT_SOLID];
-    meeting    w      = {.c = c, .solids = solids, .open = solids, .cluster_of = cluster_of};
-
-    for (uint32_t i = 0; i < solids; i++) cluster_of[i] = i;
-    if (make_room(&w)) {
-        mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
-        measure_boxes(&w);
-        r = search_surfaces(&w, 1); /* joining is for one thread */
-        if (r == VXS_OK && !w.gave_up) r = search_insides(&w);
-    }
-    for (uint32_t i = 0; i < solids; i++) cluster_of[i] = mesh_find(cluster_of, i);
-    *gave_up = w.gave_up;
-    meeting_free(&w);
-    return r == VXS_OK ? VXS_OK : out_of_memory(&w, m);
 }

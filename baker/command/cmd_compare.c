@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
-#include "baker/options/camera_choice.h"
 #include "baker/command/compare_report.h"
+#include "baker/files/json_file.h"
+#include "baker/options/camera_choice.h"
 #include "baker/options/filter_choice.h"
 #include "baker/options/options.h"
 
@@ -61,38 +61,15 @@ static int number_member(const json_t *object, const char *key, double most, dou
     return json_is_number(value) && *out >= 0 && *out <= most;
 }
 
-/* How the meshes of an asset were mended, as its metadata says; not at all where they do not. */
-static void take_repair(solids_choice *out, const json_t *repair)
+/* Which components were solids when an asset was baked, as its metadata says; auto where it does not. */
+static closed_mode closed_of_asset(const vxs_asset *asset)
 {
-    double edges;
-    if (!number_member(repair, "stitch_m", 1e6, &out->mending.stitch_m)) return;
-    if (!number_member(repair, "hole_diameter_m", 1e9, &out->mending.hole_diameter_m)) return;
-    if (!number_member(repair, "hole_edges", REPAIR_HOLE_EDGES_MAX, &edges)) return;
-    out->mending.hole_edges_max = (uint32_t)edges;
-    out->repair                 = 1;
-}
-
-/* Which solids an asset was baked with, as its metadata says; auto where they do not. A union is left out: it casts no other shadow
- * than its parts. */
-static solids_choice solids_of_asset(const vxs_asset *asset)
-{
-    solids_choice out      = {.closed = CLOSED_AUTO};
-    const char   *metadata = vxs_asset_contents(asset)->metadata;
-    json_t       *root     = metadata ? json_loads(metadata, 0, NULL) : NULL;
-    const json_t *options  = json_object_get(root, "options");
-    const char   *text     = json_string_value(json_object_get(options, "closed"));
-    int           closed   = text ? choice_index(CLOSED_CHOICES, text) : -1;
-    if (closed >= 0) out.closed = closed;
-    take_repair(&out, json_object_get(options, "repair"));
+    const char *metadata = vxs_asset_contents(asset)->metadata;
+    json_t     *root     = metadata ? json_loads(metadata, 0, NULL) : NULL;
+    const char *text     = json_string_value(json_object_get(json_object_get(root, "options"), "closed"));
+    int         closed   = text ? choice_index(CLOSED_CHOICES, text) : -1;
     json_decref(root);
-    return out;
-}
-
-static int same_solids(const solids_choice *a, const solids_choice *b)
-{
-    if (a->closed != b->closed || a->repair != b->repair) return 0;
-    return !a->repair || (a->mending.stitch_m == b->mending.stitch_m && a->mending.hole_diameter_m == b->mending.hole_diameter_m &&
-                          a->mending.hole_edges_max == b->mending.hole_edges_max);
+    return closed < 0 ? CLOSED_AUTO : (closed_mode)closed;
 }
 
 /* What vxs bake --json wrote of an asset. */
@@ -126,8 +103,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     a->path           = c->files[1 + n];
     vxs_result r      = asset_open(&a->asset, a->path, m);
     if (r != VXS_OK) return r;
-    a->solids = solids_of_asset(a->asset);
-    if (c->closed_given) a->solids.closed = c->closed;
+    a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->asset);
 
     const vxs_contents *contents = vxs_asset_contents(a->asset);
     const vxs_section  *last     = &contents->sections[contents->section_count - 1]; /* it ends where the file does */
@@ -177,14 +153,11 @@ static vxs_result compare_asset(compare_command *c, compared_asset *a, const gro
     return r;
 }
 
-static vxs_result ground_make(ground *g, const compare_command *c, const solids_choice *solids, message *m)
+static vxs_result ground_make(ground *g, const compare_command *c, closed_mode closed, message *m)
 {
-    repair_report repaired = {0};
-    vxs_result    r        = scene_load_gltf(&g->scene, c->files[0], c->scene_name, m);
-    if (r == VXS_OK && solids->repair) r = scene_repair(&g->scene, &solids->mending, &repaired, m);
-    if (r == VXS_OK) r = casters_from_scene(&g->casters, &g->scene, (closed_mode)solids->closed, m);
+    vxs_result r = scene_load_gltf(&g->scene, c->files[0], c->scene_name, m);
+    if (r == VXS_OK) r = casters_from_scene(&g->casters, &g->scene, closed, m);
     if (r == VXS_OK) r = truth_create(&g->truth, &g->casters, c->report.options.threads, m);
-    repair_report_free(&repaired);
     return r;
 }
 
@@ -214,10 +187,10 @@ static vxs_result compare_alike(compare_command *c, size_t first, message *m)
 {
     compared_asset *assets = c->report.assets;
     ground          g      = {0};
-    vxs_result      r      = ground_make(&g, c, &assets[first].solids, m);
+    vxs_result      r      = ground_make(&g, c, assets[first].closed, m);
     if (r == VXS_OK && first == 0 && c->camera_given) r = stand_camera(c, &g, m);
     for (size_t n = first; n < c->report.asset_count && r == VXS_OK; n++)
-        if (same_solids(&assets[n].solids, &assets[first].solids)) r = compare_asset(c, &assets[n], &g, m);
+        if (assets[n].closed == assets[first].closed) r = compare_asset(c, &assets[n], &g, m);
     ground_free(&g);
     return r;
 }

@@ -6,19 +6,18 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "baker/base/progress.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
-#include "baker/base/progress.h"
-#include "baker/options/options.h"
 #include "baker/mend/mesh_health.h"
 #include "baker/mend/mesh_repair.h"
-#include "baker/mend/mesh_union.h"
+#include "baker/options/options.h"
 
 enum { ROWS = 30, NAMES = 6 };
 
 typedef struct health_command {
     const char    *path, *scene_name, *json_path;
-    int            closed, all, repair, repair_detail_given, unite;
+    int            closed, all, repair, repair_detail_given;
     repair_options how;
     json_t        *json;
 } health_command;
@@ -189,7 +188,6 @@ static const struct repair_count {
     const char *name, *text;
     size_t      offset;
 } repair_counts[] = {
-    {"stitched_vertices", "vertices stitched", offsetof(repaired_component, stitched_vertices)},
     {"removed_repeated", "repeated triangles removed", offsetof(repaired_component, removed_repeated)},
     {"removed_zero_area", "triangles without area removed", offsetof(repaired_component, removed_zero_area)},
     {"turned_triangles", "triangles turned", offsetof(repaired_component, turned_triangles)},
@@ -268,66 +266,6 @@ static vxs_result repair(health_command *c, scene *s, message *m)
     return VXS_OK;
 }
 
-/* --- union ------------------------------------------------------------------------------------------------------------ */
-
-static void print_united(FILE *to, const union_cluster *k)
-{
-    fprintf(to, "%u solids with %u triangles: %u became %u", k->solids, k->triangles, k->left[UNITED], k->results);
-    for (int i = UNITED + 1; i < UNITE_OUTCOMES; i++)
-        if (k->left[i]) fprintf(to, ", %u left (%s)", k->left[i], unite_outcome_name((unite_outcome)i));
-    fputs("\n", to);
-}
-
-static void print_union(const health_command *c, const union_report *r)
-{
-    FILE  *to   = people(c);
-    size_t rows = c->all || r->count <= ROWS ? r->count : ROWS;
-    fprintf(to, "\nunion: %zu clusters of solids that meet\n", r->count);
-    for (size_t i = 0; i < rows; i++) {
-        fprintf(to, "  with solid %u, ", r->clusters[i].solid);
-        print_united(to, &r->clusters[i]);
-    }
-    if (r->count > rows) fprintf(to, "  %zu more: --all lists them\n", r->count - rows);
-    fprintf(to, "  in all: ");
-    print_united(to, &r->total);
-    if (r->gave_up) fprintf(to, "  too many intersections: some solids that meet are not united\n");
-    fprintf(to, "  %zu solids with %zu triangles\n\n", r->solids_after, r->triangles_after);
-}
-
-static json_t *cluster_json(const union_cluster *k)
-{
-    json_t *left = json_object();
-    for (int i = UNITED + 1; i < UNITE_OUTCOMES; i++)
-        json_object_set_new(left, unite_outcome_name((unite_outcome)i), json_integer((json_int_t)k->left[i]));
-    return json_pack("{s:I, s:I, s:I, s:I, s:o}", "solids", (json_int_t)k->solids, "triangles", (json_int_t)k->triangles, "united",
-                     (json_int_t)k->left[UNITED], "results", (json_int_t)k->results, "left", left);
-}
-
-static json_t *union_json(const union_report *r)
-{
-    json_t *clusters = json_array();
-    for (size_t i = 0; i < r->count; i++) {
-        json_t *entry = cluster_json(&r->clusters[i]);
-        json_object_set_new(entry, "solid", json_integer((json_int_t)r->clusters[i].solid));
-        json_array_append_new(clusters, entry);
-    }
-    return json_pack("{s:o, s:o, s:I, s:I, s:b}", "total", cluster_json(&r->total), "clusters", clusters, "solids_after",
-                     (json_int_t)r->solids_after, "triangles_after", (json_int_t)r->triangles_after, "complete", !r->gave_up);
-}
-
-static vxs_result unite(health_command *c, casters *casting, message *m)
-{
-    union_report report;
-    say_progress("unions");
-    vxs_result r = casters_unite(casting, &report, m);
-    progress_clear();
-    if (r != VXS_OK) return r;
-    print_union(c, &report);
-    if (c->json_path) json_object_set_new(c->json, "union", union_json(&report));
-    union_report_free(&report);
-    return tell(c, casting, "united", m);
-}
-
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Sort the casters and say how they are. */
@@ -350,7 +288,6 @@ static vxs_result examine(health_command *c, message *m)
     if ((r = sort_and_tell(c, &casting, &s, "health", m)) != VXS_OK) goto done;
     if (c->repair && (r = repair(c, &s, m)) != VXS_OK) goto done;
     if (c->repair && (r = sort_and_tell(c, &casting, &s, "repaired", m)) != VXS_OK) goto done;
-    if (c->unite && (r = unite(c, &casting, m)) != VXS_OK) goto done;
     if (c->json_path) {
         json_t *json = c->json;
         c->json      = NULL;
@@ -373,14 +310,10 @@ int cmd_health(int argc, char **argv)
           {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component, not only the worst", NULL},
           {"--repair", OPTION_SWITCH, &c.repair, 0, 0, NULL, NULL, "mend what can be mended, say what was done, and examine again",
            NULL},
-          {"--stitch", OPTION_F64, &c.how.stitch_m, 0, 1e6, NULL, "METRES", "repair: stitch borders this far apart (default 0)",
-           &c.repair_detail_given},
           {"--hole-diameter", OPTION_F64, &c.how.hole_diameter_m, 0, 1e9, NULL, "METRES",
            "repair: the largest hole to fill (default 0.1)", &c.repair_detail_given},
           {"--hole-edges", OPTION_U32, &c.how.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
            "repair: the most edges of a hole to fill (default 64)", &c.repair_detail_given},
-          {"--union", OPTION_SWITCH, &c.unite, 0, 0, NULL, NULL, "unite solids that meet, say what came of it, and examine again",
-           NULL},
           {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "everything as JSON; - is standard output", NULL},
     };
     const command_line line = {"health",
@@ -392,7 +325,7 @@ int cmd_health(int argc, char **argv)
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
     if (r == VXS_OK && !help_shown && c.repair_detail_given && !c.repair)
-        r = fail(&m, VXS_E_ARGUMENT, "--stitch, --hole-diameter and --hole-edges go with --repair");
+        r = fail(&m, VXS_E_ARGUMENT, "--hole-diameter and --hole-edges go with --repair");
     if (r == VXS_OK && !help_shown) r = examine(&c, &m);
     return command_end(&m, r);
 }

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "baker/files/output_file.h"
-#include "baker/options/options.h"
 #include "baker/generate/generate.h"
-#include "baker/generate/glb_write.h"
+#include "baker/gltf/glb_write.h"
+#include "baker/options/options.h"
 
 typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_STRESS, KINDS } scene_kind;
 

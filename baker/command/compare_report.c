@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/light_text.h"
+#include "baker/files/json_file.h"
 
 static const char *const kind_names[COMPARE_KINDS] = {"random", "surface", "camera"};
 
@@ -167,8 +167,8 @@ static void print_asset(FILE *to, const compare_report *r, const compared_asset 
     char           file[32], memory[32], closed[32];
     fprintf(to, "asset        %s: %u lights, a file of %s, %s in memory\n", a->path, light_count(a), size_text(file, a->file_bytes),
             size_text(memory, a->memory_bytes));
-    fprintf(to, "casters      %zu triangles, %zu of solids (--closed %s%s)\n", a->triangle_count, a->solid_triangle_count,
-            choice_word(closed, CLOSED_CHOICES, a->solids.closed), a->solids.repair ? ", --repair" : "");
+    fprintf(to, "casters      %zu triangles, %zu of solids (--closed %s)\n", a->triangle_count, a->solid_triangle_count,
+            choice_word(closed, CLOSED_CHOICES, (int)a->closed));
     if (a->bake_given) fprintf(to, "bake         %.3g s, peak memory %s\n", a->bake_seconds, size_text(memory, a->bake_peak_bytes));
     for (uint32_t n = 0; n < light_count(a); n++) print_light(to, r, &vxs_asset_light(a->asset, n)->light, &a->results[n]);
     fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
@@ -324,7 +324,7 @@ static void set_casters(json_t *object, const compared_asset *a)
     char closed[32];
     json_object_set_new(object, "triangles", json_integer((json_int_t)a->triangle_count));
     json_object_set_new(object, "solid_triangles", json_integer((json_int_t)a->solid_triangle_count));
-    json_object_set_new(object, "closed", json_string(choice_word(closed, CLOSED_CHOICES, a->solids.closed)));
+    json_object_set_new(object, "closed", json_string(choice_word(closed, CLOSED_CHOICES, (int)a->closed)));
 }
 
 static json_t *asset_json(const compare_report *r, const compared_asset *a)
@@ -333,11 +333,10 @@ static json_t *asset_json(const compare_report *r, const compared_asset *a)
     json_t        *lights = json_array();
     for (uint32_t n = 0; n < light_count(a); n++)
         json_array_append_new(lights, compared_light_json(r, &vxs_asset_light(a->asset, n)->light, &a->results[n]));
-    json_t *root =
-        json_pack("{s:o, s:I, s:I, s:b, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
-                  (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "repaired", a->solids.repair, "lights",
-                  lights, "checked", (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share",
-                  wrong_share(&sum), "unexplained", (json_int_t)sum.unexplained, "passed", compare_asset_passes(r, a));
+    json_t *root = json_pack("{s:o, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
+                             (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "lights", lights, "checked",
+                             (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share", wrong_share(&sum),
+                             "unexplained", (json_int_t)sum.unexplained, "passed", compare_asset_passes(r, a));
     set_casters(root, a);
     if (a->bake_given)
         json_object_set_new(

@@ -7,23 +7,15 @@
 #include <stdio.h>
 
 #include "baker/casters/casters.h"
-#include "baker/mend/mesh_repair.h"
 #include "baker/truth/compare.h"
 #include "runtime/vxs.h"
 
-/* What the scene was made into before it was baked, and is before it is compared. */
-typedef struct solids_choice {
-    int            closed; /* closed_mode */
-    int            repair; /* 1: meshes were mended, as `mending` says */
-    repair_options mending;
-} solids_choice;
-
 typedef struct compared_asset {
-    const char   *path;
-    vxs_asset    *asset;
-    solids_choice solids;
-    size_t        triangle_count, solid_triangle_count; /* of the scene, so made */
-    uint64_t      file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
+    const char *path;
+    vxs_asset  *asset;
+    closed_mode closed;                               /* which components are solids, as it was baked or as the command line says */
+    size_t      triangle_count, solid_triangle_count; /* of the scene, so made */
+    uint64_t    file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
 
     int      bake_given; /* 1: a report of its bake told the next two */
     double   bake_seconds;

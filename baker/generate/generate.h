@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "baker/generate/glb_write.h"
+#include "baker/gltf/glb_write.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #ifndef GENERATE_PARTS_H
 #define GENERATE_PARTS_H
 
-#include "baker/generate/glb_write.h"
+#include "baker/gltf/glb_write.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -7,10 +7,10 @@
 #include <string.h>
 
 #include "baker/casters/mesh_edges.h"
-#include "baker/mend/mesh_hole.h"
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
 #include "baker/casters/mesh_weld.h"
+#include "baker/mend/mesh_hole.h"
 
 #define NONE UINT32_MAX
 
@@ -112,136 +112,6 @@ static repaired_component *note(const repair *x, uint32_t triangle)
 static const double *position(const view *v, uint32_t vertex)
 {
     return &v->mesh.positions_ws[3 * (size_t)vertex];
-}
-
-/* --- stitch ----------------------------------------------------------------------------------------------------------- */
-
-typedef struct stitching {
-    double    reach, cell; /* side of a grid's cell, at least the reach */
-    uint8_t  *border;      /* [vertices] 1: at a border; 2: and must not be moved */
-    uint32_t *owner;       /* [vertices] a triangle there */
-    uint32_t *heads;       /* [mask + 1] hashed cells of a grid: the last vertex that stays, or NONE */
-    uint32_t *next;        /* [vertices] the one before in that cell */
-    uint32_t *moved_to;    /* [vertices] or NONE */
-    size_t    mask;
-} stitching;
-
-static void find_borders(const view *v, stitching *g)
-{
-    uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end        = edge_run(v, begin);
-        uint32_t h = v->sorted[begin], ends[2] = {v->mesh.indices[h], mesh_edge_end(v->mesh.indices, h)};
-        for (int i = 0; i < 2; i++) {
-            if (v->masked[v->component_of[h / 3]]) g->border[ends[i]] |= 2;
-            if (!is_broken(v, h / 3) || end - begin != 1) continue;
-            g->border[ends[i]] |= 1;
-            g->owner[ends[i]] = h / 3;
-        }
-    }
-}
-
-static size_t cell_slot(const stitching *g, const double *p, const int *step)
-{
-    uint64_t hash = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double cell = floor(p[axis] / g->cell) + step[axis];
-        hash        = (hash ^ (uint64_t)(int64_t)cell) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-    }
-    return hash & g->mask;
-}
-
-static double distance(const double *p, const double *q)
-{
-    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
-}
-
-/* The nearest vertex that stays and is within reach, or NONE. */
-static uint32_t find_nearest(const view *v, const stitching *g, uint32_t vertex)
-{
-    uint32_t      nearest = NONE;
-    double        best    = g->reach;
-    const double *p       = position(v, vertex);
-    for (int n = 0; n < 27; n++) {
-        const int step[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
-        for (uint32_t at = g->heads[cell_slot(g, p, step)]; at != NONE; at = g->next[at]) {
-            double away = distance(p, position(v, at));
-            if (away > best || (away == best && nearest != NONE && at >= nearest)) continue;
-            best    = away;
-            nearest = at;
-        }
-    }
-    return nearest;
-}
-
-/* Each border vertex moves onto an earlier one that stayed, so none moves farther than the reach, however many are in a row. */
-static size_t choose_moves(const view *v, stitching *g)
-{
-    static const int here[3] = {0, 0, 0};
-    size_t           moves   = 0;
-    for (uint32_t vertex = 0; vertex < v->mesh.vertex_count; vertex++) {
-        if (!(g->border[vertex] & 1)) continue;
-        uint32_t nearest = g->border[vertex] & 2 ? NONE : find_nearest(v, g, vertex);
-        if (nearest != NONE) {
-            g->moved_to[vertex] = nearest;
-            moves++;
-            continue;
-        }
-        uint32_t *head  = &g->heads[cell_slot(g, position(v, vertex), here)];
-        g->next[vertex] = *head;
-        *head           = vertex;
-    }
-    return moves;
-}
-
-static void move_vertices(repair *x, const stitching *g)
-{
-    const view *v = &x->v;
-    for (uint32_t vertex = 0; vertex < v->mesh.vertex_count; vertex++)
-        if (g->moved_to[vertex] != NONE) note(x, g->owner[vertex])->stitched_vertices++;
-    for (size_t i = 0; i < x->s->vertex_count; i++) {
-        uint32_t vertex = v->mesh.welded_of[i];
-        if (vertex == NONE || g->moved_to[vertex] == NONE) continue;
-        memcpy(&x->s->positions_ws[3 * i], position(v, g->moved_to[vertex]), 3 * sizeof(double));
-    }
-}
-
-static double farthest_coordinate(const view *v)
-{
-    double far = 0;
-    for (size_t i = 0; i < 3 * v->mesh.vertex_count; i++) far = fmax(far, fabs(v->mesh.positions_ws[i]));
-    return far;
-}
-
-static vxs_result stitch(repair *x, message *m)
-{
-    size_t    vertex_count = x->v.mesh.vertex_count;
-    stitching g            = {.reach = x->o->stitch_m, .mask = 15};
-    if (!(g.reach > 0)) return VXS_OK;
-    while (g.mask + 1 < 2 * vertex_count) g.mask = 2 * g.mask + 1;
-    g.border     = calloc(vertex_count + 1, sizeof *g.border);
-    g.owner      = calloc(vertex_count + 1, sizeof *g.owner);
-    g.heads      = malloc((g.mask + 1) * sizeof *g.heads);
-    g.next       = malloc((vertex_count + 1) * sizeof *g.next);
-    g.moved_to   = malloc((vertex_count + 1) * sizeof *g.moved_to);
-    g.cell       = fmax(g.reach, 0x1p-50 * farthest_coordinate(&x->v)); /* so that cells can be numbered */
-    int    ok    = g.border && g.owner && g.heads && g.next && g.moved_to;
-    size_t moves = 0;
-    if (ok) {
-        memset(g.heads, 0xff, (g.mask + 1) * sizeof *g.heads);
-        memset(g.moved_to, 0xff, (vertex_count + 1) * sizeof *g.moved_to);
-        find_borders(&x->v, &g);
-        moves = choose_moves(&x->v, &g);
-        if (moves) move_vertices(x, &g);
-    }
-    free(g.border);
-    free(g.owner);
-    free(g.heads);
-    free(g.next);
-    free(g.moved_to);
-    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while stitching %zu vertices", vertex_count);
-    return moves ? look(x, m) : VXS_OK;
 }
 
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
@@ -546,6 +416,11 @@ static void measure_boxes(const view *v, double *boxes)
     }
 }
 
+static double distance(const double *p, const double *q)
+{
+    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+}
+
 /* A hole's half-edges, against the way they run; 0 when it is not to be filled. */
 static int may_fill(repair *x, const filling *f, const uint32_t *hole, size_t count)
 {
@@ -736,8 +611,7 @@ static void note_closed(repair *x)
 
 static int is_worth_telling(const repaired_component *c)
 {
-    return c->stitched_vertices || c->removed_repeated || c->removed_zero_area || c->turned_triangles || c->filled_holes ||
-           c->left_holes;
+    return c->removed_repeated || c->removed_zero_area || c->turned_triangles || c->filled_holes || c->left_holes;
 }
 
 static vxs_result sum_up(const repair *x, repair_report *out, message *m)
@@ -751,7 +625,6 @@ static vxs_result sum_up(const repair *x, repair_report *out, message *m)
         out->closed_before += c->closed_before;
         out->closed_after += c->closed_after;
         t->triangles += c->triangles;
-        t->stitched_vertices += c->stitched_vertices;
         t->removed_repeated += c->removed_repeated;
         t->removed_zero_area += c->removed_zero_area;
         t->turned_triangles += c->turned_triangles;
@@ -770,7 +643,6 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
 
     *out = (repair_report){0};
     if ((r = start(&x, m)) != VXS_OK) goto done;
-    if ((r = stitch(&x, m)) != VXS_OK) goto done;
     if ((r = remove_triangles(&x, m)) != VXS_OK) goto done;
     if ((r = orient(&x, m)) != VXS_OK) goto done;
     if ((r = fill(&x, m)) != VXS_OK) goto done;

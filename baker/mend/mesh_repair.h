@@ -3,7 +3,6 @@
  * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room seen from
  * inside is meant so. Components with alpha-tested triangles are left alone.
  *
- *   stitch   vertices of borders that are near each other become one
  *   remove   repeated triangles, and those without area
  *   orient   triangles that look the other way than most of their neighbours
  *   fill     small holes, where that closes the component: what stays open anyway keeps its holes, light may be meant to pass
@@ -20,7 +19,6 @@ extern "C" {
 #endif
 
 typedef struct repair_options {
-    double   stitch_m; /* border vertices at most this far apart are stitched, metres; 0: those at equal positions, as always */
     uint32_t hole_edges_max;  /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
     double   hole_diameter_m; /* nor those whose box has a longer diagonal, metres. A crack, all on one line, may have any length */
 } repair_options;
@@ -28,7 +26,7 @@ typedef struct repair_options {
 #define REPAIR_HOLE_EDGES_MAX 1000u
 #define REPAIR_DEFAULTS                                                                                                            \
     {                                                                                                                              \
-        .stitch_m = 0, .hole_edges_max = 64, .hole_diameter_m = 0.1                                                                \
+        .hole_edges_max = 64, .hole_diameter_m = 0.1                                                                               \
     }
 
 /* No hole is filled that is longer than this part of its component's diagonal: it is not a hole but the opening of a cup, or the rim
@@ -42,7 +40,6 @@ typedef struct repaired_component {
     uint32_t triangle, triangles; /* its first in the scene as it was, and how many it had */
     uint8_t  closed_before;       /* closed and consistently oriented */
     uint8_t  closed_after;        /* what has become of all of it is */
-    uint32_t stitched_vertices;   /* moved onto another */
     uint32_t removed_repeated, removed_zero_area;
     uint32_t turned_triangles;
     uint32_t filled_holes, added_triangles;

@@ -30,8 +30,6 @@ static vxs_result check(bake_arguments *a, int output_needed, message *m)
     if ((r = check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
     if ((r = check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
     if (a->resolution_given && a->texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
-    if (a->mending_given && !o->repair)
-        return fail(m, VXS_E_ARGUMENT, "--stitch, --hole-diameter and --hole-edges go with --repair");
     if (a->texel_given) o->resolution = 0;
     if (o->resolution & (o->resolution - 1))
         return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two from %d to %d", o->resolution, RESOLUTION_MIN_PX,
@@ -58,9 +56,8 @@ vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char 
                                 int argc, char **argv, message *m)
 {
     memset(a, 0, sizeof *a);
-    a->o = (bake_options){
-        .resolution = 4096, .reuse = 1, .zstd_level = 12, .threads = parallel_default_threads(), .mending = REPAIR_DEFAULTS};
-    a->stop                = STOP_FINAL;
+    a->o    = (bake_options){.resolution = 4096, .reuse = 1, .zstd_level = 12, .threads = parallel_default_threads()};
+    a->stop = STOP_FINAL;
     const option options[] = {
         {"-o", OPTION_TEXT, &a->o.output_path, 0, 0, NULL, "OUT.vxs", "where the asset goes; - is standard output", NULL},
         {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default: all)", NULL},
@@ -79,16 +76,6 @@ vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char 
          "exit depth of solids: peeled, or the nearest back face (default auto: peeled where solids meet)", NULL},
         {"--closed", OPTION_CHOICE, &a->closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
-        {"--repair", OPTION_SWITCH, &a->o.repair, 0, 0, NULL, NULL, "mend meshes first, in memory (vxs health says what that does)",
-         NULL},
-        {"--stitch", OPTION_F64, &a->o.mending.stitch_m, 0, 1e6, NULL, "METRES",
-         "repair: stitch borders this far apart (default 0)", &a->mending_given},
-        {"--hole-diameter", OPTION_F64, &a->o.mending.hole_diameter_m, 0, 1e9, NULL, "METRES",
-         "repair: the largest hole to fill (default 0.1)", &a->mending_given},
-        {"--hole-edges", OPTION_U32, &a->o.mending.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
-         "repair: the most edges of a hole to fill (default 64)", &a->mending_given},
-        {"--union", OPTION_SWITCH, &a->o.unite, 0, 0, NULL, NULL,
-         "replace solids that meet by their union: nothing is peeled for them", NULL},
         {"--rule", OPTION_CHOICE, &a->rule, 0, 0, RULE_CHOICES, NULL,
          "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
         {"--reuse", OPTION_CHOICE, &a->o.reuse, 0, 0, REUSE_CHOICES, NULL,

@@ -13,7 +13,7 @@ typedef struct bake_arguments {
     int          help_shown;
 
     /* where options lie until they are checked */
-    int resolution_given, texel_given, mending_given;
+    int resolution_given, texel_given;
     int closed, exit, rule, compress, stop, gl, baseline, maps;
 } bake_arguments;
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/output_file.h"
 #include "baker/base/version.h"
+#include "baker/files/output_file.h"
 #include "baker/page/html.h"
 #include "baker/report/plan_text.h"
 
@@ -422,7 +422,7 @@ static void print_sheet_hint(FILE *to, const bake_report *r)
         to);
     html_count(to, (double)c->triangles_of_kind[reason]);
     html_textf(to, ", are %s", component_kind_name((component_kind)reason));
-    fputs(": <code>vxs health</code> names them, and <code>--repair</code> closes what can be closed.</li>\n", to);
+    fputs(": <code>vxs health</code> names them, and <code>vxs mend</code> closes what can be closed.</li>\n", to);
 }
 
 static void print_hints(FILE *to, const bake_options *o, const bake_report *r)

@@ -5,9 +5,9 @@
 #include <stdarg.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/files/json_file.h"
 #include "baker/report/report.h"
 
 /* decisions ------------------------------------------------------------------------------------------------------------------- */
@@ -115,35 +115,12 @@ static void decide_lights(decision_list *l, const bake_plan *plan, const bake_re
                report->left_out_count - nothing, nothing);
 }
 
-static void decide_meshes(decision_list *l, const bake_options *o, const bake_report *report)
-{
-    const repaired_component *k = &report->repair.total;
-    const union_cluster      *u = &report->unite.total;
-    char                      choice[64];
-    if (o->repair) {
-        snprintf(choice, sizeof choice, "%zu components closed of %zu", report->repair.closed_after,
-                 report->repair.component_count);
-        decide(l, "repair", choice,
-               "%zu were before; %u vertices stitched, %u triangles removed, %u turned, %u added in %u holes; %u holes left",
-               report->repair.closed_before, k->stitched_vertices, k->removed_repeated + k->removed_zero_area, k->turned_triangles,
-               k->added_triangles, k->filled_holes, k->left_holes);
-    }
-    if (!o->unite) return;
-    snprintf(choice, sizeof choice, "%u solids became %u", u->left[UNITED], u->results);
-    decide(l, "union", choice,
-           "of %u solids that meet, in %zu clusters; left as they were: %u not manifold, %u cross themselves, %u not outward, "
-           "%u too large, %u failed%s",
-           u->solids, report->unite.count, u->left[UNITE_NOT_MANIFOLD], u->left[UNITE_CROSSES_ITSELF], u->left[UNITE_NOT_OUTWARD],
-           u->left[UNITE_TOO_LARGE], u->left[UNITE_FAILED], report->unite.gave_up ? "; not all that meet were found" : "");
-}
-
 size_t plan_decisions(const bake_plan *plan, const bake_options *o, const bake_report *report, plan_decision *decisions)
 {
     decision_list l = {.items = decisions};
     block_sums    s = sums_of(plan);
     char          choice[64];
     decide_lights(&l, plan, report);
-    decide_meshes(&l, o, report);
     decide_exit(&l, plan, o, &report->casters);
     snprintf(choice, sizeof choice, "%llu of %llu", s.tiles - s.tiles_empty, s.tiles);
     decide(&l, "tiles", choice, "%llu that no caster may touch are left out: they are lit", s.tiles_empty);
@@ -242,39 +219,13 @@ json_t *plan_lights_json(const bake_plan *plan)
     return lights;
 }
 
-json_t *plan_meshes_json(const bake_options *o, const bake_report *report)
-{
-    const repaired_component *k      = &report->repair.total;
-    const union_cluster      *u      = &report->unite.total;
-    json_t                   *meshes = json_object();
-    if (o->repair)
-        json_object_set_new(meshes, "repair",
-                            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "components",
-                                      (json_int_t)report->repair.component_count, "closed_before",
-                                      (json_int_t)report->repair.closed_before, "closed_after",
-                                      (json_int_t)report->repair.closed_after, "stitched_vertices",
-                                      (json_int_t)k->stitched_vertices, "removed_repeated", (json_int_t)k->removed_repeated,
-                                      "removed_zero_area", (json_int_t)k->removed_zero_area, "turned_triangles",
-                                      (json_int_t)k->turned_triangles, "filled_holes", (json_int_t)k->filled_holes,
-                                      "added_triangles", (json_int_t)k->added_triangles, "left_holes", (json_int_t)k->left_holes));
-    if (o->unite)
-        json_object_set_new(meshes, "union",
-                            json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "clusters", (json_int_t)report->unite.count, "solids",
-                                      (json_int_t)u->solids, "united", (json_int_t)u->left[UNITED], "results",
-                                      (json_int_t)u->results, "solids_after", (json_int_t)report->unite.solids_after,
-                                      "triangles_after", (json_int_t)report->unite.triangles_after, "complete",
-                                      !report->unite.gave_up));
-    return meshes;
-}
-
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m)
 {
     const bake_plan *plan = report->plan;
-    json_t          *root =
-        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:f}", "vxs", VXS_VERSION, "scene",
-                  json_text(o->scene_path), "options", bake_options_json(o), "casters", report_casters_json(report), "meshes",
-                  plan_meshes_json(o, report), "decisions", plan_decisions_json(plan, o, report), "lights", plan_lights_json(plan),
-                  "lights_left_out", report_left_out_json(report), "warnings", report_warnings_json(m), "estimate",
-                  plan_estimate_json(plan), "least_bytes", (json_int_t)plan->least_bytes, "plan_seconds", plan->plan_seconds);
+    json_t          *root = json_pack(
+                 "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:f}", "vxs", VXS_VERSION, "scene", json_text(o->scene_path), "options",
+                 bake_options_json(o), "casters", report_casters_json(report), "decisions", plan_decisions_json(plan, o, report), "lights",
+                 plan_lights_json(plan), "lights_left_out", report_left_out_json(report), "warnings", report_warnings_json(m), "estimate",
+                 plan_estimate_json(plan), "least_bytes", (json_int_t)plan->least_bytes, "plan_seconds", plan->plan_seconds);
     return json_write(path, root, m);
 }

@@ -31,7 +31,6 @@ vxs_result plan_write_json(const char *path, const bake_options *o, const bake_r
 /* Parts of it, for the report of the bake. */
 json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report);
 json_t *plan_estimate_json(const bake_plan *plan);
-json_t *plan_meshes_json(const bake_options *o, const bake_report *report);
 json_t *plan_lights_json(const bake_plan *plan);
 
 #endif

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/files/json_file.h"
 #include "baker/report/plan_text.h"
 
 /* Of all maps. */
@@ -193,12 +193,11 @@ vxs_result report_write_json(const char *path, const bake_options *o, const bake
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root =
-        json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
-                  json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
-                  r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", report_casters_json(r), "meshes",
-                  plan_meshes_json(o, r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
-                  report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
-                  "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
+    json_t *root = json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
+                             "scene", json_text(o->scene_path), "output", json_text(o->output_path), "options",
+                             bake_options_json(o), "renderer", r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters",
+                             report_casters_json(r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
+                             report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds",
+                             r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
     return json_write(path, root, m);
 }

@@ -195,16 +195,14 @@ def with_a_turned_triangle(path):
 
 
 def test_each_asset_has_the_solids_that_it_was_baked_with(vxs, compare_all, city):
-    """--closed and --repair of the bake count, whatever the others have."""
+    """--closed of the bake counts, whatever the others have."""
     scene = with_a_turned_triangle(small_scene.write(city / "whole.gltf"))
     options = "--resolution", 128, "--baseline", "off", "-o"
     vxs("bake", scene, *options, city / "open.vxs")
-    vxs("bake", scene, "--repair", *options, city / "mended.vxs")
-    vxs("bake", scene, "--repair", "--closed", "off", *options, city / "sheets.vxs")
-    report = compare_all(scene, ["open.vxs", "mended.vxs", "open.vxs", "sheets.vxs"], "--points", 20000)
-    assert [a["repaired"] for a in report["assets"]] == [False, True, False, True]
-    assert [a["closed"] for a in report["assets"]] == ["auto", "auto", "auto", "off"]
-    assert [a["solid_triangles"] for a in report["assets"]] == [12, 24, 12, 0]
+    vxs("bake", scene, "--closed", "off", *options, city / "sheets.vxs")
+    report = compare_all(scene, ["open.vxs", "sheets.vxs", "open.vxs"], "--points", 20000)
+    assert [a["closed"] for a in report["assets"]] == ["auto", "off", "auto"]
+    assert [a["solid_triangles"] for a in report["assets"]] == [12, 0, 12]
     assert without_times(report)["assets"][0] == report["assets"][2]
 
 

@@ -121,7 +121,7 @@ def test_repair(vxs, tmp_path):
     report = health(vxs, sound, "--repair")
     assert report["repair"]["components"] == [] and report["repair"]["closed_after"] == 2
     assert "nothing to do" in vxs("health", sound, "--repair").stdout
-    vxs("health", sound, "--stitch", "1", status=2)
+    vxs("health", sound, "--hole-diameter", "1", status=2)
     vxs("health", sound, "--repair", "--hole-edges", "1001", status=2)
 
 
@@ -138,28 +138,3 @@ def test_repair_of_real_scenes(vxs, scenes, name):
     for component in report["repaired"]["components"]:
         if component["kind"] == "solid":
             assert component["closed"] and component["oriented"] and component["volume_m3"] > 0
-
-
-# --- union --------------------------------------------------------------------------------------------------------------------------
-
-
-def test_union(vxs, tmp_path):
-    boxes = [((0, 0, 0), (4, 4, 4)), ((3, 1, 1), (6, 2, 2)), ((10, 0, 0), (11, 1, 1)), ((20, 0, 0), (21, 1, 1)), ((21, 1, 0.25), (22, 2, 0.75))]
-    path = small_scene.write(tmp_path / "scene.gltf", boxes=boxes)
-    report = health(vxs, path, "--union")
-    assert report["union"]["total"] == {"solids": 4, "triangles": 48, "united": 2, "results": 1, "left": {
-        "not manifold": 0, "crosses itself": 0, "not outward": 0, "no union": 2, "too large": 0}}
-    assert report["union"]["solids_after"] == 4 and len(report["union"]["clusters"]) == 2
-    assert report["health"]["total"]["pairs_that_meet"] == 2 and report["united"]["total"]["pairs_that_meet"] == 1
-    assert report["united"]["total"]["volume_m3"] == pytest.approx(64 + 2 + 1 + 1 + 0.5)
-    text = vxs("health", path, "--union", "--repair").stdout
-    assert "2 became 1" in text and "2 left (no union)" in text and "nothing to do" in text
-
-
-def test_union_of_a_city(vxs, tmp_path):
-    vxs("scene", "city", "--triangles", 2000, "--blocks", 2, "-o", tmp_path / "city.glb")
-    first, second = (health(vxs, tmp_path / "city.glb", "--union") for _ in range(2))
-    assert first == second, "the same each time"
-    assert first["union"]["total"]["united"] > 0
-    assert first["united"]["total"]["boundary_edges"] == 0 and first["united"]["total"]["oriented"]
-    assert first["united"]["total"]["pairs_that_meet"] < first["health"]["total"]["pairs_that_meet"]

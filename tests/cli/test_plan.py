@@ -118,34 +118,6 @@ def test_compression_pays_or_not(vxs, plan, bake, folder, tmp_path):
     assert plan(folder / "city.glb", "--threads", 256, "--resolution", 1024)["decided"]["sub-DAG compression"]["choice"] == "done"
 
 
-def test_union(vxs, plan, bake, folder, tmp_path):
-    """Two boxes that intersect become one solid: nothing is peeled, and the file is that of peeling."""
-    big = ("--resolution", 2048)
-    peeled = bake(folder / "meet.gltf", *big)
-    expected = sections(vxs, tmp_path / "out.vxs")
-    united = bake(folder / "meet.gltf", *big, "--union", "--exit", "back")
-    assert peeled["lights"][0]["blocks_peeled"] > 0 and united["lights"][0]["blocks_peeled"] == 0
-    assert sections(vxs, tmp_path / "out.vxs") == expected
-    assert united["meshes"]["union"] | {"solids": 2, "united": 2, "results": 1, "solids_after": 2, "complete": True} == united["meshes"]["union"]
-    assert united["casters"]["solids"]["components"] == 2 and peeled["meshes"] == {}
-    assert plan(folder / "meet.gltf", *big, "--union")["decided"]["union"]["choice"] == "2 solids became 1"
-    assert plan(folder / "meet.gltf", *big, "--union")["decided"]["peeling"]["choice"] == "nowhere"
-
-
-def test_repair(bake, folder, scenes):
-    terrain = scenes / "real" / "low_poly_terrain.glb"
-    found = bake(terrain, "--sun", "0,-1,0", "--resolution", 64, "--repair")["meshes"]["repair"]
-    assert found["closed_after"] > found["closed_before"] and found["removed_repeated"] + found["removed_zero_area"] > 100
-    # a face that lacks is no hole of 0.1 m, and no hole is longer than a part of what it is in
-    left = bake(folder / "sheets.gltf", "--resolution", 64, "--repair", "--hole-diameter", 0.5)
-    assert left["meshes"]["repair"]["filled_holes"] == 0 and left["meshes"]["repair"]["left_holes"] == 2
-    assert left["options"]["repair"]["hole_diameter_m"] == 0.5
-
-
-def test_details_of_a_repair_need_one(vxs, folder):
-    assert "go with --repair" in vxs("plan", folder / "sheets.gltf", "--stitch", 1, status=2).stderr
-
-
 # --- estimates -------------------------------------------------------------------------------------------------------------------
 
 

@@ -52,7 +52,7 @@ static void test_what_is_sound_is_left_alone(void **state)
     uint32_t *before = malloc(3 * count * sizeof *before);
     assert_non_null(before);
     memcpy(before, b.s.indices, 3 * count * sizeof *before);
-    repair_report r = mend_with(&b, (repair_options){.stitch_m = 0.01, .hole_edges_max = 64, .hole_diameter_m = 1});
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 1});
     assert_int_equal(b.s.triangle_count, count);
     assert_memory_equal(b.s.indices, before, 3 * count * sizeof *before);
     assert_int_equal(r.count, 0);
@@ -218,46 +218,6 @@ static void test_repeated_and_flat_triangles_are_removed(void **state)
     done(&b, &r);
 }
 
-static void test_stitching(void **state)
-{
-    (void)state;
-    uint32_t seed = 9;
-    for (int asked = 0; asked < 2; asked++) {
-        sample b = {0};
-        sample_ball(&b, (double[3]){1000, 0, 0}, 1, 16);
-        for (size_t i = 0; i < 3 * b.s.vertex_count; i++) b.s.positions_ws[i] += 1e-6 * sample_uniform(&seed);
-        repair_report r =
-            mend_with(&b, (repair_options){.stitch_m = asked ? 1e-5 : 1e-8, .hole_edges_max = 64, .hole_diameter_m = 0.1});
-        assert_int_equal(r.component_count, b.s.triangle_count); /* each triangle was alone */
-        if (asked) {
-            expect_solids(&b, 1, 0);
-            assert_float_equal(solid_volume(&b), 4.0 / 3 * acos(-1), 0.15);
-            assert_int_equal(r.closed_after, r.component_count);
-            assert_int_equal(b.c.vertex_count, 2 + 15 * 32);
-        } else {
-            expect_solids(&b, 0, b.s.triangle_count);
-        }
-        done(&b, &r);
-    }
-    /* no vertex moves farther than was said, though a chain of them would reach on */
-    sample b = {0};
-    for (int i = 0; i < 50; i++)
-        sample_points(&b, (double[3]){0.8 * i, 0, 0}, (double[3]){0.8 * i, 100, 0}, (double[3]){0.8 * i, 0, 100});
-    double *before = malloc(3 * b.s.vertex_count * sizeof *before);
-    assert_non_null(before);
-    memcpy(before, b.s.positions_ws, 3 * b.s.vertex_count * sizeof *before);
-    repair_report r     = mend_with(&b, (repair_options){.stitch_m = 1});
-    size_t        moved = 0;
-    for (size_t i = 0; i < 3 * b.s.vertex_count; i++) {
-        assert_true(fabs(before[i] - b.s.positions_ws[i]) <= 1);
-        moved += before[i] != b.s.positions_ws[i];
-    }
-    assert_int_equal(moved, 3 * 25); /* every other one */
-    assert_int_equal(r.total.stitched_vertices, moved);
-    free(before);
-    done(&b, &r);
-}
-
 static void test_masks_stay_right(void **state)
 {
     (void)state;
@@ -278,7 +238,7 @@ static void test_masks_stay_right(void **state)
     b.s.mask_count = 2;
     b.s.masks      = calloc(2, sizeof *b.s.masks);
     assert_non_null(b.s.masks);
-    repair_report r = mend_with(&b, (repair_options){.stitch_m = 0.001, .hole_edges_max = 64, .hole_diameter_m = 100});
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 100});
     expect_solids(&b, 1, 2);
     assert_int_equal(r.total.removed_repeated, 2);
     assert_int_equal(r.count, 1);
@@ -366,7 +326,7 @@ static void test_stress(void **state)
             sample_points(&b, (double[3]){0, 500, 0}, (double[3]){1 + n, 501, 0}, (double[3]){1 + n, 501, 1});
         for (int n = 0; n < 20000; n++) sample_points(&b, (double[3]){0, 700, 0}, (double[3]){0, 701, 0}, (double[3]){1, 700.5, n});
         sample_map(&b, scales[i][0], scales[i][1]);
-        repair_report r = mend_with(&b, (repair_options){.stitch_m = 1e-12, .hole_edges_max = 1000, .hole_diameter_m = 1e9});
+        repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 1000, .hole_diameter_m = 1e9});
         assert_true(b.c.component_count[COMPONENT_SOLID] >= 100);
         done(&b, &r);
     }
@@ -387,7 +347,6 @@ int main(void)
         cmocka_unit_test(test_triangles_are_turned),
         cmocka_unit_test(test_one_sided_surfaces_are_left_alone),
         cmocka_unit_test(test_repeated_and_flat_triangles_are_removed),
-        cmocka_unit_test(test_stitching),
         cmocka_unit_test(test_masks_stay_right),
         cmocka_unit_test(test_random_damage),
         cmocka_unit_test(test_stress),

@@ -6,7 +6,7 @@
  *     chunk   length, "BIN\0", positions, indices, texture coordinates, images     2 words + data; images are padded
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/generate/glb_write.h"
+#include "baker/gltf/glb_write.h"
 
 #include <jansson.h>
 #include <math.h>
