@@ -61,7 +61,7 @@ baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)
 baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
-helper    := $(patsubst %.c,$B/%,$(filter-out tests/bench/rival_%,$(wildcard tests/exact/*.c tests/bench/*.c)))
+helper    := $B/tests/exact/exact $(patsubst %.c,$B/%,$(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
@@ -78,6 +78,7 @@ unit: $(unit) $(helper) $(fuzz)
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 $(unit) $(helper): $B/%: $B/%.c.o $(baker.o) $B/libvxs.a
 $(unit): test_libs := -lcmocka
+$B/tests/exact/exact: $(patsubst %.c,$B/%.c.o,$(filter-out tests/exact/exact.c,$(wildcard tests/exact/*.c)))
 $B/tests/bench/rivals: $(rival.o)
 $B/tests/bench/rivals: test_libs := -lz
 $B/vxs $(unit) $(helper):

@@ -2,179 +2,22 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/bake.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
-#include "baker/bake/plan.h"
+#include "baker/bake/light_columns.h"
 #include "baker/base/pages.h"
-#include "baker/base/progress.h"
-#include "baker/base/version.h"
-#include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/measure/clock.h"
+#include "baker/measure/progress.h"
 #include "baker/scene/light_choice.h"
 
-/* time and memory by stage ---------------------------------------------------------------------------------------------------- */
-
-stage_timer stage_begin(bake_report *report)
-{
-    memory_peak_reset();
-    return (stage_timer){report, clock_seconds()};
-}
-
-void stage_end(stage_timer *t, bake_stage stage)
-{
-    stage_report *s    = &t->report->stage[stage];
-    uint64_t      peak = memory_peak_bytes();
-    s->seconds += clock_seconds() - t->start;
-    if (peak > s->peak_bytes) s->peak_bytes = peak;
-    if (peak > t->report->peak_bytes) t->report->peak_bytes = peak;
-    memory_peak_reset();
-    t->start = clock_seconds();
-}
-
-vxs_result bake_within_budget(const bake_options *o, const bake_report *report, message *m)
-{
-    char budget[32], held[32];
-    if (!o->memory_bytes || report->peak_bytes <= o->memory_bytes) return VXS_OK;
-    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
-                size_text(budget, o->memory_bytes), o->scene_path, size_text(held, report->peak_bytes));
-}
-
-static const char *const stage_names[STAGE_COUNT] = {"load",  "solids", "plan",     "gl",    "maps",   "pyramid",
-                                                     "masks", "insert", "compress", "merge", "encode", "write"};
-
-const char *bake_stage_name(bake_stage stage)
-{
-    return stage_names[stage];
-}
-
-/* the file -------------------------------------------------------------------------------------------------------------------- */
-
-static int set_word(json_t *object, const char *key, const char *choices, int index)
-{
-    char word[32];
-    return json_object_set_new(object, key, json_string(choice_word(word, choices, index)));
-}
-
-json_t *bake_choices_json(const bake_options *o)
-{
-    json_t *object = json_object();
-    set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
-    set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
-    set_word(object, "rule", RULE_CHOICES, (int)o->rule);
-    set_word(object, "stop", STOP_CHOICES, (int)o->stop);
-    return object;
-}
-
-json_t *bake_options_json(const bake_options *o)
-{
-    json_t       *object = bake_choices_json(o);
-    const double *b      = o->region_ws;
-    set_word(object, "reuse", REUSE_CHOICES, o->reuse);
-    set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
-    set_word(object, "gl", GL_CHOICES, (int)o->gl);
-    set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
-    json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
-    json_object_set_new(object, "threads", json_integer(o->threads));
-    if (o->memory_bytes) json_object_set_new(object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
-    if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
-    return object;
-}
-
-/* What made the file, for people and tools; a lookup needs none of it. No clock, no path: same input, same bytes. */
-static char *metadata_text(const bake_options *o, const bake_report *report)
-{
-    json_t *root = json_pack("{s:s, s:I, s:I, s:I, s:o}", "generator", "vxs " VXS_VERSION, "triangles",
-                             (json_int_t)report->casters.triangle_count, "solids",
-                             (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
-                             (json_int_t)report->casters.solid_triangle_count, "options", bake_choices_json(o));
-    char   *text = root ? json_print(root, JSON_COMPACT) : NULL;
-    json_decref(root);
-    return text;
-}
-
-static vxs_result encode(const bake_options *o, const dag *dags, const bake_report *report, vxs_bytes *out, message *m)
-{
-    vxs_write_light *lights = calloc(report->light_count, sizeof *lights);
-    char            *text   = metadata_text(o, report);
-    vxs_result       r      = VXS_E_MEMORY;
-    if (lights && text) {
-        for (uint32_t n = 0; n < report->light_count; n++) {
-            lights[n].light = report->lights[n].light;
-            lights[n].dag   = dag_view_of(&dags[n]);
-        }
-        vxs_write_desc desc = {
-            .lights = lights, .light_count = report->light_count, .metadata = text, .zstd_level = (int)o->zstd_level};
-        r = vxs_write(out, &desc);
-    }
-    free(text);
-    free(lights);
-    return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
-}
-
-/* Sizes by level, from the file as a reader sees it. */
-static void report_contents(const vxs_contents *c, bake_report *report)
-{
-    for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_dag_counts *counts = &c->lights[n].counts;
-        light_report         *light  = &report->lights[n];
-        light->light                 = c->lights[n].light;
-        light->memory_bytes          = (uint64_t)c->lights[n].dag.word_count * 4;
-        for (uint32_t s = 0; s < c->section_count; s++) {
-            const vxs_section *section = &c->sections[s];
-            if (section->light != n) continue;
-            int masks                          = section->kind == VXS_KIND_MASKS;
-            light->level[light->level_count++] = (level_report){
-                .side_voxels  = masks ? 0 : 8u << section->level,
-                .count        = masks ? counts->masks : counts->nodes[section->level],
-                .memory_bytes = masks ? (uint64_t)counts->masks * 8 : (uint64_t)counts->node_words[section->level] * 4,
-                .stored_bytes = section->stored_bytes,
-            };
-            light->stored_bytes += section->stored_bytes;
-        }
-    }
-}
-
-/* Read back what was encoded, as a game would, before it gets the name of the output. */
-static vxs_result write_file(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m)
-{
-    vxs_contents contents = {0};
-    output_file  out      = {0};
-    vxs_result   r        = vxs_read(&contents, file->data, file->size_bytes, NULL);
-    if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
-    report_contents(&contents, report);
-    vxs_contents_free(&contents);
-    report->file_bytes = file->size_bytes;
-
-    if ((r = output_file_open(&out, o->output_path, m)) != VXS_OK) return r;
-    if ((r = output_file_write(&out, file->data, file->size_bytes, m)) == VXS_OK) r = output_file_commit(&out, m);
-    output_file_abort(&out);
-    return r;
-}
-
-/* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
-static uint64_t file_bytes(const char *path)
-{
-    struct stat s;
-    return stat(path, &s) || s.st_size < 0 ? 0 : (uint64_t)s.st_size;
-}
-
-/* A scene is held whole while it is read. */
-static vxs_result check_scene_bytes(const bake_options *o, uint64_t scene_bytes, message *m)
-{
-    char budget[32], size[32];
-    if (!o->memory_bytes || scene_bytes <= o->memory_bytes) return VXS_OK;
-    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s', a file of %s", size_text(budget, o->memory_bytes),
-                o->scene_path, size_text(size, scene_bytes));
-}
-
-/* all lights ------------------------------------------------------------------------------------------------------------------ */
+/* what is known before the work ------------------------------------------------------------------------------------------------------------------ */
 
 static void report_casters(bake_report *report, const casters *c)
 {
@@ -196,8 +39,6 @@ static void report_casters(bake_report *report, const casters *c)
         }
     }
 }
-
-const char REACHES_NOTHING[] = "reaches no caster";
 
 static void leave_out(bake_report *report, const char *name, const char *why)
 {
@@ -224,6 +65,22 @@ static vxs_result report_left_out(bake_report *report, const scene *s, const bak
         warn(m, "light '%s' %s: it is left out", l->name, l->left_out);
     }
     return VXS_OK;
+}
+
+/* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
+static uint64_t file_bytes(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) || s.st_size < 0 ? 0 : (uint64_t)s.st_size;
+}
+
+/* A scene is held whole while it is read. */
+static vxs_result check_scene_bytes(const bake_options *o, uint64_t scene_bytes, message *m)
+{
+    char budget[32], size[32];
+    if (!o->memory_bytes || scene_bytes <= o->memory_bytes) return VXS_OK;
+    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s', a file of %s", size_text(budget, o->memory_bytes),
+                o->scene_path, size_text(size, scene_bytes));
 }
 
 /* pictures -------------------------------------------------------------------------------------------------------------------- */
@@ -253,24 +110,71 @@ static void keep_picture(bake_report *report, const dag *dags, light_picture *pi
 }
 
 /* Whether a light may be one of the largest: a picture takes time, and of many lights most are thrown away. */
-static int is_picture_wanted(const light_baker *b, const plan_light *planned)
+static int is_picture_wanted(const bake_options *o, const bake_plan *plan, const plan_light *planned)
 {
     uint32_t larger = 0;
-    if (!b->options->pictures) return 0;
-    for (size_t n = 0; n < b->plan->light_count; n++) larger += b->plan->lights[n].stored_bytes > planned->stored_bytes;
+    if (!o->pictures) return 0;
+    for (size_t n = 0; n < plan->light_count; n++) larger += plan->lights[n].stored_bytes > planned->stored_bytes;
     return larger < 4 * PICTURES_MAX;
 }
 
-/* Bake the next light, and its picture where one is wanted. */
-static vxs_result bake_next(light_baker *b, const plan_light *planned, dag *dags, baseline *bases, message *m)
+/* the lights ------------------------------------------------------------------------------------------------------------------ */
+
+static void report_light(light_report *light, const plan_light *planned, const light_columns *columns, const build_stats *stats,
+                         uint32_t tile_px)
 {
-    bake_report  *report  = b->report;
+    uint64_t across       = max_u32(1, (1u << planned->light.levels) / tile_px);
+    light->light          = planned->light;
+    light->depth          = columns->rendered.stats;
+    light->tiles          = planned->map_count * across * across;
+    light->tiles_skipped  = light->tiles - stats->squares_fetched;
+    light->mask_tiles     = stats->mask_tiles;
+    light->mask_runs      = stats->mask_runs;
+    light->inserted_nodes = stats->inserted_nodes;
+    light->inserted_masks = stats->inserted_masks;
+}
+
+/* What a plain depth map of the light would take. */
+static vxs_result measure_baseline(light_columns *columns, uint32_t map_count, light_report *light, bake_context *ctx)
+{
+    stage_begin(ctx, STAGE_BASELINE);
+    vxs_result r = baseline_end(&columns->depths, map_count);
+    if (r == VXS_OK) light->depth_zstd19_ratio = baseline_ratio(&columns->depths, &light->depth_sample_share);
+    stage_begin(ctx, STAGE_NONE);
+    return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for a sample of depth maps");
+}
+
+/* picture  NULL: nobody wants one */
+static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
+                               gl_context *gl, light_picture *picture, dag *out, light_report *light, bake_context *ctx)
+{
+    light_columns columns;
+    build_options build = plan_build_options(plan, o);
+    build_stats   stats = {0};
+    stage_begin(ctx, STAGE_GL);
+    vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);
+    stage_begin(ctx, STAGE_NONE);
+    if (r == VXS_OK) {
+        column_source source = light_columns_source(&columns);
+        r                    = bake_light(planned, &source, &build, o->stop == STOP_FINAL, picture, out, &stats, ctx);
+    }
+    report_light(light, planned, &columns, &stats, plan->tile_px);
+    if (r == VXS_OK && columns.wants_depths) r = measure_baseline(&columns, planned->map_count, light, ctx);
+    light_columns_free(&columns);
+    return r;
+}
+
+/* Bake the next light, and its picture where one is wanted. */
+static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, gl_context *gl, dag *dags,
+                            bake_report *report, bake_context *ctx)
+{
     uint32_t      baked   = report->light_count++;
     light_picture picture = {0};
-    int           wanted  = is_picture_wanted(b, planned);
+    int           wanted  = is_picture_wanted(o, report->plan, planned);
     vxs_result    r       = VXS_OK;
-    if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, m);
-    if (r == VXS_OK) r = bake_light(b, planned, &dags[baked], &bases[baked], wanted ? &picture : NULL, &report->lights[baked], m);
+    if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->message);
+    if (r == VXS_OK)
+        r = bake_planned(o, report->plan, planned, c, gl, wanted ? &picture : NULL, &dags[baked], &report->lights[baked], ctx);
     if (r == VXS_OK && wanted)
         keep_picture(report, dags, &picture);
     else
@@ -278,104 +182,118 @@ static vxs_result bake_next(light_baker *b, const plan_light *planned, dag *dags
     return r;
 }
 
-/* start_seconds: of the clock, when the whole bake began. */
-static vxs_result bake_lights(const bake_options *o, const casters *c, double start_seconds, vxs_bytes *file, bake_report *report,
-                              message *m)
+static vxs_result bake_lights(const bake_options *o, const casters *c, dag *dags, bake_report *report, bake_context *ctx)
 {
-    const bake_plan *plan  = report->plan;
-    gl_context      *gl    = NULL;
-    dag             *dags  = calloc(plan->baked_count, sizeof *dags);
-    baseline        *bases = calloc(plan->baked_count, sizeof *bases);
-    vxs_result       r     = VXS_E_MEMORY;
-    report->lights         = calloc(plan->baked_count, sizeof *report->lights);
-    if (!dags || !bases || !report->lights) {
-        fail(m, r, "out of memory for %zu lights", plan->baked_count);
+    const bake_plan *plan = report->plan;
+    gl_context      *gl   = NULL;
+    stage_begin(ctx, STAGE_GL);
+    vxs_result r = gl_context_create(&gl, o->gl, o->threads, ctx->message);
+    stage_begin(ctx, STAGE_NONE);
+    if (r != VXS_OK) return r;
+    snprintf(report->renderer, sizeof report->renderer, "%s", gl->renderer);
+    ctx->total_seconds = plan->total_seconds;
+    for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
+    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
+        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, dags, report, ctx);
+    gl_context_destroy(gl);
+    return r;
+}
+
+/* All lights, and their file. */
+static vxs_result bake_file(const bake_options *o, const casters *c, vxs_bytes *file, bake_report *report, bake_context *ctx)
+{
+    size_t     count = report->plan->baked_count;
+    dag       *dags  = calloc(count, sizeof *dags);
+    vxs_result r     = VXS_E_MEMORY;
+    report->lights   = calloc(count, sizeof *report->lights);
+    if (!dags || !report->lights) {
+        fail(ctx->message, r, "out of memory for %zu lights", count);
         goto done;
     }
-
-    stage_timer timer = stage_begin(report);
-    if ((r = gl_context_create(&gl, o->gl, o->threads, m)) != VXS_OK) goto done;
-    snprintf(report->renderer, sizeof report->renderer, "%s", gl->renderer);
-    stage_end(&timer, STAGE_GL);
-
-    light_baker baker = {.options = o, .plan = plan, .gl = gl, .casters = c, .report = report, .start = start_seconds};
-    baker.past_seconds =
-        plan->seconds[STAGE_LOAD] + plan->seconds[STAGE_SOLIDS] + plan->seconds[STAGE_PLAN] + plan->seconds[STAGE_GL];
-    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
-        if (!plan->lights[n].left_out) r = bake_next(&baker, &plan->lights[n], dags, bases, m);
-    }
-    gl_context_destroy(gl);
-    if (r != VXS_OK) goto done;
-
+    if ((r = bake_lights(o, c, dags, report, ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "compressing the file");
-    timer = stage_begin(report);
-    r     = encode(o, dags, report, file, m);
-    stage_end(&timer, STAGE_ENCODE);
-    if (r == VXS_OK) r = bake_within_budget(o, report, m);
-
-    /* the comparison with a plain depth map is no part of the bake: its time is its own */
-    double start = clock_seconds();
-    if (plan->baseline != BASELINE_OFF) progress_say(o->progress, "measuring depth maps under zstd -19");
-    for (size_t n = 0; n < report->light_count && r == VXS_OK && plan->baseline != BASELINE_OFF; n++)
-        report->lights[n].depth_zstd19_ratio = baseline_ratio(&bases[n], &report->lights[n].depth_sample_share);
-    report->baseline_seconds += clock_seconds() - start;
+    stage_begin(ctx, STAGE_ENCODE);
+    if ((r = asset_encode(o, dags, report, file, ctx->message)) != VXS_OK) goto done;
+    stage_begin(ctx, STAGE_NONE);
+    r = context_within_memory(ctx);
 done:
-    for (size_t n = 0; n < plan->baked_count; n++) {
-        if (dags) dag_free(&dags[n]);
-        if (bases) baseline_free(&bases[n]);
-    }
+    for (size_t n = 0; n < count && dags; n++) dag_free(&dags[n]);
     free(dags);
-    free(bases);
     return r;
 }
 
 /* From the scene's file to the plan of its bake. */
-static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, message *m)
+static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, bake_context *ctx)
 {
     light_choice chosen = {0};
-    stage_timer  timer  = stage_begin(report);
+    message     *m      = ctx->message;
     uint64_t     bytes  = file_bytes(o->scene_path);
-    vxs_result   r      = check_scene_bytes(o, bytes, m);
+    vxs_result   r;
+    stage_begin(ctx, STAGE_LOAD);
     progress_say(o->progress, "reading %s", o->scene_path);
-    if (r == VXS_OK) r = scene_load_gltf(s, o->scene_path, o->scene_name, m);
-    stage_end(&timer, STAGE_LOAD);
-    if (r == VXS_OK) r = bake_within_budget(o, report, m);
-    progress_say(o->progress, "telling solids from sheets");
-    if (r == VXS_OK) r = casters_from_scene(c, s, o->closed, m);
-    if (r == VXS_OK) r = lights_choose(s, &o->light_names, o->sun_given, o->sun, &chosen, m);
-    stage_end(&timer, STAGE_SOLIDS);
-    if (r == VXS_OK) r = bake_within_budget(o, report, m);
+    if ((r = check_scene_bytes(o, bytes, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
 
+    stage_begin(ctx, STAGE_SOLIDS);
+    if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
+    progress_say(o->progress, "telling solids from sheets");
+    if ((r = casters_from_scene(c, s, o->closed, m)) != VXS_OK) goto done;
+    if ((r = lights_choose(s, &o->light_names, o->sun_given, o->sun, &chosen, m)) != VXS_OK) goto done;
+
+    stage_begin(ctx, STAGE_PLAN);
+    if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "making a plan");
-    report->plan = r == VXS_OK ? calloc(1, sizeof *report->plan) : NULL;
-    if (r == VXS_OK && !report->plan) r = fail(m, VXS_E_MEMORY, "out of memory for a plan");
-    if (r == VXS_OK) r = plan_make(report->plan, o, c, &chosen, bytes, m);
-    if (r == VXS_OK) report_casters(report, c);
-    if (r == VXS_OK) r = report_left_out(report, s, report->plan, m);
-    stage_end(&timer, STAGE_PLAN);
-    if (r == VXS_OK) r = bake_within_budget(o, report, m);
+    if (!(report->plan = calloc(1, sizeof *report->plan))) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for a plan");
+        goto done;
+    }
+    if ((r = plan_make(report->plan, o, c, &chosen, bytes, m)) != VXS_OK) goto done;
+    report_casters(report, c);
+    if ((r = report_left_out(report, s, report->plan, m)) != VXS_OK) goto done;
+    stage_begin(ctx, STAGE_NONE);
+    r = context_within_memory(ctx);
+done:
     light_choice_free(&chosen);
     return r;
 }
 
+static bake_context context_of(const bake_options *o, message *m)
+{
+    return (bake_context){.message      = m,
+                          .threads      = o->threads,
+                          .progress     = o->progress,
+                          .subject      = o->scene_path,
+                          .memory_bytes = o->memory_bytes,
+                          .begun        = clock_seconds()};
+}
+
+static void report_stages(bake_report *report, const bake_context *ctx)
+{
+    memcpy(report->stage, ctx->stage, sizeof report->stage);
+    report->peak_bytes       = ctx->peak_bytes;
+    report->baseline_seconds = ctx->stage[STAGE_BASELINE].seconds;
+    report->picture_seconds  = ctx->stage[STAGE_PICTURE].seconds;
+    report->total_seconds    = clock_seconds() - ctx->begun - report->baseline_seconds - report->picture_seconds;
+}
+
 vxs_result bake(const bake_options *o, bake_report *report, message *m)
 {
-    double     start = clock_seconds();
-    scene      s     = {0};
-    casters    c     = {0};
-    vxs_bytes  file  = {0};
-    vxs_result r;
+    bake_context ctx  = context_of(o, m);
+    scene        s    = {0};
+    casters      c    = {0};
+    vxs_bytes    file = {0};
+    vxs_result   r;
 
     pages_return_large();
     if ((r = output_file_check(o->output_path, o->scene_path, m)) != VXS_OK) goto done;
-    if ((r = prepare(o, &s, &c, report, m)) != VXS_OK) goto done;
-    if ((r = bake_lights(o, &c, start, &file, report, m)) != VXS_OK) goto done;
+    if ((r = prepare(o, &s, &c, report, &ctx)) != VXS_OK) goto done;
+    if ((r = bake_file(o, &c, &file, report, &ctx)) != VXS_OK) goto done;
 
-    stage_timer timer = stage_begin(report);
+    stage_begin(&ctx, STAGE_WRITE);
     progress_say(o->progress, "writing %s", o->output_path);
-    r = write_file(o, &file, report, m);
-    stage_end(&timer, STAGE_WRITE);
-    report->total_seconds = clock_seconds() - start - report->baseline_seconds - report->picture_seconds;
+    if ((r = asset_write(o, &file, report, m)) != VXS_OK) goto done;
+    stage_begin(&ctx, STAGE_NONE);
+    report_stages(report, &ctx);
 done:
     progress_clear();
     free(file.data);
@@ -386,9 +304,11 @@ done:
 
 vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m)
 {
-    scene      s = {0};
-    casters    c = {0};
-    vxs_result r = prepare(o, &s, &c, report, m);
+    bake_context ctx = context_of(o, m);
+    scene        s   = {0};
+    casters      c   = {0};
+    vxs_result   r   = prepare(o, &s, &c, report, &ctx);
+    report_stages(report, &ctx);
     casters_free(&c);
     scene_free(&s);
     return r;

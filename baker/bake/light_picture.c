@@ -92,15 +92,14 @@ void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t
     parallel_for(threads, side, 8, depth_rows, &job);
 }
 
-void light_picture_add_masks(light_picture *p, const tile_masks *masks, uint32_t map, uint32_t x, uint32_t y)
+void light_picture_add_masks(light_picture *p, const column_tree *tree, uint32_t map)
 {
-    uint32_t pixel   = p->map_px / 8 / p->mask_px; /* tiles a side */
+    uint32_t pixel = p->map_px / 8 / p->mask_px; /* tiles a side */
+    uint32_t x = tree->columns->u_px / 8, y = tree->columns->v_px / 8;
     uint8_t *picture = p->masks + (size_t)map * p->mask_px * p->mask_px;
-    for (uint32_t v = 0; v < masks->side_tiles; v++)
-        for (uint32_t u = 0; u < masks->side_tiles; u++) {
-            size_t   t    = (size_t)v * masks->side_tiles + u;
-            uint32_t runs = masks->first[t + 1] - masks->first[t];
-            uint8_t *most = &picture[(size_t)((y + v) / pixel) * p->mask_px + (x + u) / pixel];
-            if (runs > *most) *most = (uint8_t)runs; /* 64 at most */
-        }
+    for (size_t n = 0; n < tree->tile_count; n++) {
+        const tree_tile *t    = &tree->tiles[n];
+        uint8_t         *most = &picture[(size_t)((y + t->y) / pixel) * p->mask_px + (x + t->x) / pixel];
+        if (t->end - t->first > *most) *most = (uint8_t)(t->end - t->first); /* 64 at most */
+    }
 }

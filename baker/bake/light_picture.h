@@ -5,11 +5,11 @@
 #ifndef LIGHT_PICTURE_H
 #define LIGHT_PICTURE_H
 
-#include "baker/dag/masks.h"
 #include "baker/columns/stored/depth_maps.h"
+#include "baker/dag/column_tree.h"
 #include "formats/vxs_file.h"
 
-enum { PICTURE_MAX_PX = 1024, CUBE_PICTURE_MAX_PX = 512, PICTURE_NO_CASTER = 65535 };
+enum { PICTURES_MAX = 4, PICTURE_MAX_PX = 1024, CUBE_PICTURE_MAX_PX = 512, PICTURE_NO_CASTER = 65535 };
 
 typedef struct light_picture {
     uint32_t  light;      /* its place among those that are baked */
@@ -31,9 +31,9 @@ vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px,
 /* Take in a rendered tile of a map, tile (i, j) in tiles of its own side. */
 void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);
 
-/* Take in masks whose first tile is the 8 x 8 tile (x, y) of the map.
+/* Take in the masks of a square of a map.
  * Threads: at once for squares that are aligned to their side, which is a power of two and at least a pixel's. */
-void light_picture_add_masks(light_picture *p, const tile_masks *masks, uint32_t map, uint32_t x, uint32_t y);
+void light_picture_add_masks(light_picture *p, const column_tree *tree, uint32_t map);
 
 /* Accepts a zeroed object. */
 void light_picture_free(light_picture *p);

@@ -290,25 +290,22 @@ static void take_hash(sampler *j, int level, uint64_t hash)
 
 static vxs_result insert_window(sampler *j)
 {
-    tile_masks    masks  = {0};
-    dag           d      = {0};
-    column_source source = depth_maps_columns(&j->maps);
-    uint32_t      tiles  = j->window_px / 8;
-    vxs_result    r      = tile_masks_build(&masks, &source, 0, 0, tiles, j->rule);
-    if (r == VXS_OK) r = dag_insert(&d, &source, 0, 0, dag_levels(j->window_px), &masks, j->reuse);
-    if (r == VXS_OK) {
-        j->s->mask_runs += masks.run_count;
-        for (uint32_t n = 0; n < tiles * tiles; n++) j->s->mask_tiles += masks.first[n] < masks.first[n + 1];
-        j->s->masks += d.mask_count;
-        for (uint32_t n = 0; n < d.mask_count; n++) take_hash(j, SAMPLE_LEVELS, d.masks[n]);
-        for (uint32_t l = 0; l < d.level_count; l++) {
-            j->s->nodes[l] += d.level[l].count;
-            for (uint32_t n = 0; n < d.level[l].count; n++) take_hash(j, (int)l, d.level[l].hash[n]);
-        }
+    dag           d       = {0};
+    column_square columns = depth_maps_square(&j->maps);
+    build_options o       = {.rule = j->rule, .reuse = j->reuse};
+    build_stats   stats   = {0};
+    vxs_result    r       = dag_build_square(&d, &columns, square_level(j->window_px), 0, 0, &o, &stats);
+    if (r != VXS_OK) return r;
+    j->s->mask_runs += stats.mask_runs;
+    j->s->mask_tiles += stats.mask_tiles;
+    j->s->masks += d.mask_count;
+    for (uint32_t n = 0; n < d.mask_count; n++) take_hash(j, SAMPLE_LEVELS, d.masks[n]);
+    for (uint32_t l = 0; l < d.level_count; l++) {
+        j->s->nodes[l] += d.level[l].count;
+        for (uint32_t n = 0; n < d.level[l].count; n++) take_hash(j, (int)l, d.level[l].hash[n]);
     }
-    tile_masks_free(&masks);
     dag_free(&d);
-    return r;
+    return VXS_OK;
 }
 
 static vxs_result look_at(sampler *j, uint32_t n)

@@ -6,10 +6,11 @@
 #ifndef MAP_SAMPLE_H
 #define MAP_SAMPLE_H
 
-#include "baker/dag/dag.h"
+#include "baker/columns/opengl/opengl_columns.h"
+#include "baker/dag/build.h"
 #include "baker/light/projection.h"
 
-enum { SAMPLE_LEVELS = 3, SAMPLE_WINDOW_PX = 32, TILE_MAX_PX = 4096, TILE_SIZES = 4 };
+enum { SAMPLE_LEVELS = 3, SAMPLE_WINDOW_PX = 32, TILE_SIZES = 4 };
 
 typedef struct map_sample {
     /* of the whole map; blocks are those of depth_block.h */

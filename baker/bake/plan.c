@@ -6,10 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/measure/clock.h"
+#include "baker/bake/light_picture.h"
 #include "baker/base/integer.h"
 #include "baker/base/text.h"
 #include "baker/light/light_fit.h"
+#include "baker/measure/clock.h"
+
+const char REACHES_NOTHING[] = "reaches no caster";
 
 /* lights ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -146,10 +149,18 @@ static void plan_compression(bake_plan *plan, const bake_options *o)
     }
     plan->compress_seconds     = inserted * TOP_DOWN_SECONDS_PER_NODE / o->threads;
     plan->merge_seconds_spared = repeated * MERGE_SECONDS_PER_REPEATED_NODE;
-    plan->compress             = o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN;
-    plan->compresses =
-        o->stop == STOP_PARTIAL ||
-        (o->stop == STOP_FINAL && (o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds));
+    int pays =
+        o->stop == STOP_PARTIAL || o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds;
+    plan->compress = o->stop == STOP_INSERT || !pays            ? COMPRESS_NONE
+                     : o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP
+                                                                : COMPRESS_TOP_DOWN;
+}
+
+build_options plan_build_options(const bake_plan *plan, const bake_options *o)
+{
+    /* parts that are alike are kept once where the merge would find them anyway; what is left side by side is kept as insertion made it */
+    return (build_options){
+        .rule = o->rule, .reuse = o->reuse, .compress = plan->compress, .share = o->reuse && o->stop == STOP_FINAL};
 }
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */

@@ -7,9 +7,10 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include "baker/bake/bake.h"
+#include "baker/bake/bake_options.h"
 #include "baker/bake/map_sample.h"
 #include "baker/light/reach.h"
+#include "baker/measure/context.h"
 #include "baker/scene/light_choice.h"
 
 /* Of one light. */
@@ -34,7 +35,7 @@ typedef struct plan_light {
     map_sample sample;                                       /* of all maps together */
 } plan_light;
 
-struct bake_plan {
+typedef struct bake_plan {
     /* solids: where exit depths are peeled */
     int    has_exit_map;                     /* 0: nothing is solid, and x = e */
     int    meeting_known;                    /* which solids meet was found out */
@@ -42,8 +43,7 @@ struct bake_plan {
     double meeting_seconds, peeling_seconds; /* what finding out takes; what it might spare */
 
     /* sub-DAG compression before the merge */
-    int            compresses;
-    compress_order compress;
+    compress_order compress; /* COMPRESS_NONE: left out */
     double         compress_seconds, merge_seconds_spared;
 
     uint32_t      tile_px; /* side of a map tile at most */
@@ -59,7 +59,13 @@ struct bake_plan {
     double   seconds[STAGE_COUNT], total_seconds;
     uint64_t peak_bytes, file_bytes, memory_bytes;
     double   plan_seconds; /* measured: what the plan itself took */
-};
+} bake_plan;
+
+/* Why a light reaches nothing. */
+extern const char REACHES_NOTHING[];
+
+/* How the DAG of a planned light is built from its columns. */
+build_options plan_build_options(const bake_plan *plan, const bake_options *o);
 
 /* Make a plan.
  * plan         [out] zeroed on failure; released with plan_free

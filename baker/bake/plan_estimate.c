@@ -84,7 +84,7 @@ void plan_estimate_light(plan_light *l, const bake_options *o)
 
 void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes)
 {
-    double compress = plan->compresses ? plan->compress_seconds : 0;
+    double compress = plan->compress != COMPRESS_NONE ? plan->compress_seconds : 0;
     double bytes    = 1200;
     double memory   = 0;
     for (int s = 0; s < STAGE_COUNT; s++) plan->seconds[s] = 0;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/progress.h"
+#include "baker/measure/progress.h"
 
 char *one_line(char *text)
 {
@@ -78,6 +78,7 @@ int exit_status(vxs_result code)
     case VXS_E_NO_CASTER:
     case VXS_E_NO_LIGHT: return 5;
     case VXS_E_MEMORY:
+    case VXS_E_REFERENCES:
     case VXS_E_GL:
     case VXS_E_PROGRAM: return 6;
     case VXS_E_INTERRUPTED: return 130;

@@ -8,14 +8,14 @@
 #include <string.h>
 #include <time.h>
 
-#include "baker/measure/clock.h"
-#include "baker/base/progress.h"
 #include "baker/base/version.h"
 #include "baker/bench/bench_jobs.h"
 #include "baker/bench/bench_reports.h"
 #include "baker/bench/bench_text.h"
 #include "baker/bench/child.h"
 #include "baker/bench/work_folder.h"
+#include "baker/measure/clock.h"
+#include "baker/measure/progress.h"
 
 typedef struct bench_work {
     const bench_options *o;

@@ -6,9 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/base/progress.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
+#include "baker/measure/progress.h"
 #include "baker/mend/mesh_health.h"
 #include "baker/mend/mesh_repair.h"
 #include "baker/options/options.h"

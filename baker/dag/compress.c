@@ -202,6 +202,7 @@ static int compress_bottom_up(const dag *d, dag *out)
 
 vxs_result dag_compress(dag *d, compress_order order)
 {
+    if (order == COMPRESS_NONE) return VXS_OK;
     dag out   = {.level_count = d->level_count, .root_count = d->root_count};
     out.roots = malloc(((size_t)d->root_count + 1) * sizeof *out.roots);
     int ok    = out.roots != NULL;

@@ -7,6 +7,8 @@
 #include <string.h>
 #include <xxhash.h>
 
+#include "baker/base/array.h"
+
 void dag_free(dag *d)
 {
     for (uint32_t l = 0; l < DAG_LEVELS_MAX; l++) {
@@ -18,22 +20,24 @@ void dag_free(dag *d)
     memset(d, 0, sizeof *d);
 }
 
-/* Twice the capacity, at most 2^32 - 2 elements since references must reach them; 0 when that cannot be had. */
-static uint32_t grown(uint32_t capacity)
+/* Whether one more of `count` elements can be referred to. */
+static int has_room(dag *d, uint32_t count)
 {
-    if (!capacity) return 1024;
-    return capacity > UINT32_MAX / 2 - 1 ? 0 : capacity * 2;
+    uint32_t limit = d->limit ? d->limit : UINT32_MAX - REF_FIRST;
+    if (count < limit) return 1;
+    d->full = 1;
+    return 0;
+}
+
+vxs_result dag_failure(const dag *d)
+{
+    return d->full ? VXS_E_REFERENCES : VXS_E_MEMORY;
 }
 
 uint32_t dag_add_mask(dag *d, uint64_t mask)
 {
-    if (d->mask_count == d->mask_capacity) {
-        uint32_t  capacity = grown(d->mask_capacity);
-        uint64_t *masks    = capacity ? realloc(d->masks, capacity * sizeof *masks) : NULL;
-        if (!masks) return 0;
-        d->masks         = masks;
-        d->mask_capacity = capacity;
-    }
+    if (!has_room(d, d->mask_count)) return 0;
+    if (!array_reserve(&d->masks, &d->mask_capacity, (size_t)d->mask_count + 1, sizeof *d->masks)) return 0;
     d->masks[d->mask_count] = mask;
     return REF_FIRST + d->mask_count++;
 }
@@ -60,16 +64,11 @@ uint32_t dag_add_node(dag *d, uint32_t level, const dag_node *node)
 
 uint32_t dag_add_node_hashed(dag *d, uint32_t level, const dag_node *node, uint64_t hash)
 {
-    dag_level *l = &d->level[level];
-    if (l->count == l->capacity) {
-        uint32_t  capacity = grown(l->capacity);
-        dag_node *nodes    = capacity ? realloc(l->nodes, capacity * sizeof *nodes) : NULL;
-        if (nodes) l->nodes = nodes;
-        uint64_t *hashes = capacity ? realloc(l->hash, capacity * sizeof *hashes) : NULL;
-        if (hashes) l->hash = hashes;
-        if (!nodes || !hashes) return 0;
-        l->capacity = capacity;
-    }
+    dag_level *l     = &d->level[level];
+    size_t     count = (size_t)l->count + 1;
+    if (!has_room(d, l->count)) return 0;
+    if (!array_reserve(&l->nodes, &l->node_capacity, count, sizeof *l->nodes)) return 0;
+    if (!array_reserve(&l->hash, &l->hash_capacity, count, sizeof *l->hash)) return 0;
     l->nodes[l->count] = *node;
     l->hash[l->count]  = hash;
     return REF_FIRST + l->count++;

@@ -16,145 +16,116 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/integer.h"
 #include "baker/dag/dag.h"
 
-/* What is known of a square of columns: its bounds, and the last volume in it that became a node. */
-typedef struct square {
-    uint32_t xmin, emax;
-    uint32_t ref;   /* 0 until there is one */
-    uint32_t until; /* voxels: the contents of ref hold until here */
-} square;
-
 typedef struct inserter {
-    dag              *d;
-    const tile_masks *masks;
-    square           *level[DAG_LEVELS_MAX]; /* [l]: squares of 8 << l texels, in rows; level[0] owns all */
-    uint32_t         *run;                   /* [tiles] the run that each tile has come to */
-    uint32_t         *run_ref;               /* [tiles] the mask that was inserted for it, 0 when none was */
-    int               reuse;
-    int               failed;
+    dag         *d;
+    column_tree *tree;
+    int          reuse;
 } inserter;
 
-/* The reference to a tile's mask at depth k; *until becomes the depth to which it holds. */
-static uint32_t slice_ref(inserter *s, uint32_t tile, uint32_t k, uint32_t *until)
+/* A volume that was placed. */
+typedef struct placed {
+    uint32_t ref;
+    uint32_t until; /* voxels: what ref holds stays the same up to here */
+} placed;
+
+/* The mask of a tile at depth k. */
+static vxs_result place_slice(inserter *s, tree_tile *tile, uint32_t k, placed *out)
 {
-    const tile_masks *t = s->masks;
-    while (t->until[s->run[tile]] <= k) {
-        s->run[tile]++;
-        s->run_ref[tile] = 0;
+    const mask_run *runs = s->tree->runs;
+    while (runs[tile->run].until <= k) {
+        tile->run++;
+        tile->run_ref = 0;
     }
-    if (!s->run_ref[tile] || !s->reuse) s->run_ref[tile] = dag_add_mask(s->d, t->mask[s->run[tile]]);
-    *until = t->until[s->run[tile]];
-    return s->run_ref[tile];
+    if (!tile->run_ref || !s->reuse) tile->run_ref = dag_add_mask(s->d, runs[tile->run].mask);
+    *out = (placed){tile->run_ref, runs[tile->run].until};
+    return out->ref ? VXS_OK : dag_failure(s->d);
 }
 
-static uint32_t add_slice_node(inserter *s, square *q, uint32_t tile, uint32_t k0)
+static vxs_result add_slice_node(inserter *s, tree_square *q, uint32_t k0)
 {
     dag_node node;
-    uint32_t until = UINT32_MAX;
+    q->until = UINT32_MAX;
     for (uint32_t n = 0; n < 8; n++) {
-        uint32_t k = k0 + n;
-        if (k < q->xmin) {
-            node.child[n] = REF_LIT;
-            until         = min_u32(until, q->xmin);
-        } else if (k >= q->emax) {
-            node.child[n] = REF_SHADOW;
-        } else {
-            uint32_t holds;
-            node.child[n] = slice_ref(s, tile, k, &holds);
-            until         = min_u32(until, holds);
-            s->failed |= !node.child[n];
-        }
+        placed     slice = {REF_SHADOW, UINT32_MAX};
+        vxs_result r     = VXS_OK;
+        if (k0 + n < q->xmin)
+            slice = (placed){REF_LIT, q->xmin};
+        else if (k0 + n < q->emax)
+            r = place_slice(s, &s->tree->tiles[q->parts], k0 + n, &slice);
+        if (r != VXS_OK) return r;
+        node.child[n] = slice.ref;
+        q->until      = min_u32(q->until, slice.until);
     }
-    q->until      = until;
-    return q->ref = dag_add_node(s->d, 0, &node);
+    q->ref = dag_add_node(s->d, 0, &node);
+    return q->ref ? VXS_OK : dag_failure(s->d);
 }
 
-/* The volume of square (i, j) at `level` that starts at depth k0; *until becomes the depth to which it holds. */
-static uint32_t place(inserter *s, uint32_t level, uint32_t i, uint32_t j, uint32_t k0, uint32_t *until)
+static vxs_result place(inserter *s, size_t at, uint32_t level, uint32_t i, uint32_t j, uint32_t k0, placed *out);
+
+/* A node of eight parts. Squares may move in memory while parts are placed. */
+static vxs_result add_octree_node(inserter *s, size_t at, uint32_t level, uint32_t i, uint32_t j, uint32_t k0)
 {
-    uint32_t side = (s->masks->side_tiles >> level);
-    square  *q    = &s->level[level][(size_t)j * side + i];
-    uint32_t end  = k0 + (8u << level);
+    column_tree *t = s->tree;
+    vxs_result   r;
+    if (t->squares[at].parts == PARTS_UNKNOWN && (r = column_tree_look_into(t, at, level, i, j)) != VXS_OK) return r;
+    uint32_t first = t->squares[at].parts, until = UINT32_MAX;
+    int      alike = t->share && t->squares[at].alike;
+    dag_node node;
+    for (uint32_t c = 0; c < 8; c++) {
+        placed   part;
+        uint32_t square = c & 3;
+        if (alike && square) {
+            node.child[c] = node.child[c & 4];
+            continue;
+        }
+        r = place(s, first + square, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1 & 1), k0 + (c >> 2) * (4u << level), &part);
+        if (r != VXS_OK) return r;
+        node.child[c] = part.ref;
+        until         = min_u32(until, part.until);
+    }
+    tree_square *q = &t->squares[at];
+    q->until       = until;
+    q->ref         = dag_add_node(s->d, level, &node);
+    return q->ref ? VXS_OK : dag_failure(s->d);
+}
+
+/* The volume of square (i, j) of `level`, number `at` of the tree, that starts at depth k0. */
+static vxs_result place(inserter *s, size_t at, uint32_t level, uint32_t i, uint32_t j, uint32_t k0, placed *out)
+{
+    tree_square *q   = &s->tree->squares[at];
+    uint32_t     end = k0 + (8u << level);
+    vxs_result   r   = VXS_OK;
     if (end <= q->xmin) {
-        *until = q->xmin;
-        return REF_LIT;
+        *out = (placed){REF_LIT, q->xmin};
+        return VXS_OK;
     }
     if (k0 >= q->emax) {
-        *until = UINT32_MAX;
-        return REF_SHADOW;
+        *out = (placed){REF_SHADOW, UINT32_MAX};
+        return VXS_OK;
     }
-    if (s->reuse && q->ref && end <= q->until) {
-        *until = q->until;
-        return q->ref;
-    }
-
-    if (level == 0) {
-        s->failed |= !add_slice_node(s, q, j * side + i, k0);
-    } else {
-        dag_node node;
-        uint32_t least = UINT32_MAX;
-        uint32_t half  = 4u << level;
-        for (uint32_t c = 0; c < 8 && !s->failed; c++) {
-            uint32_t holds;
-            node.child[c] = place(s, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1 & 1), k0 + (c >> 2) * half, &holds);
-            least         = min_u32(least, holds);
-        }
-        if (s->failed) return REF_LIT;
-        q->until = least;
-        q->ref   = dag_add_node(s->d, level, &node);
-        s->failed |= !q->ref;
-    }
-    *until = q->until;
-    return q->ref;
+    if (!s->reuse || !q->ref || end > q->until) r = level ? add_octree_node(s, at, level, i, j, k0) : add_slice_node(s, q, k0);
+    q    = &s->tree->squares[at];
+    *out = (placed){q->ref, q->until};
+    return r;
 }
 
-static int inserter_init(inserter *s, const column_source *source, uint32_t i, uint32_t j, uint32_t level_count)
-{
-    uint32_t side  = s->masks->side_tiles;
-    size_t   tiles = (size_t)side * side;
-    size_t   total = 0;
-    for (uint32_t l = 0; l < level_count; l++) total += tiles >> (2 * l);
-    s->level[0] = malloc(total * sizeof *s->level[0]);
-    s->run      = malloc(tiles * sizeof *s->run);
-    s->run_ref  = calloc(tiles, sizeof *s->run_ref);
-    if (!s->level[0] || !s->run || !s->run_ref) return 0;
-
-    memcpy(s->run, s->masks->first, tiles * sizeof *s->run);
-    square *q = s->level[0];
-    for (size_t t = 0; t < tiles; t++) *q++ = (square){.xmin = s->masks->xmin[t], .emax = s->masks->emax[t]};
-    for (uint32_t l = 1; l < level_count; l++) {
-        side /= 2;
-        s->level[l] = q;
-        for (uint32_t y = 0; y < side; y++)
-            for (uint32_t x = 0; x < side; x++) {
-                column_bounds b = source->bounds(source->data, l, i * side + x, j * side + y);
-                *q++            = (square){.xmin = b.xmin, .emax = b.emax};
-            }
-    }
-    return 1;
-}
-
-vxs_result dag_insert(dag *d, const column_source *source, uint32_t i, uint32_t j, uint32_t level_count, const tile_masks *masks,
-                      int reuse)
+vxs_result dag_insert(dag *d, column_tree *tree, int reuse)
 {
     memset(d, 0, sizeof *d);
-    uint32_t side  = 4u << level_count; /* texels: 8 << (level_count - 1) */
-    d->level_count = level_count;
-    d->root_count  = source->depth_vx / side;
-    d->roots       = malloc(d->root_count * sizeof *d->roots);
-    inserter s     = {.d = d, .masks = masks, .reuse = reuse};
-    s.failed       = !d->roots || !inserter_init(&s, source, i, j, level_count);
-
-    for (uint32_t slab = 0; slab < d->root_count && !s.failed; slab++) {
-        uint32_t until;
-        d->roots[slab] = place(&s, level_count - 1, 0, 0, slab * side, &until);
+    uint32_t   side = 8u << tree->level;
+    inserter   s    = {.d = d, .tree = tree, .reuse = reuse};
+    vxs_result r    = VXS_OK;
+    d->level_count  = tree->level + 1;
+    d->root_count   = tree->columns->depth_vx / side;
+    d->roots        = malloc(d->root_count * sizeof *d->roots);
+    if (!d->roots) return VXS_E_MEMORY;
+    for (uint32_t slab = 0; slab < d->root_count && r == VXS_OK; slab++) {
+        placed root    = {0};
+        r              = place(&s, 0, tree->level, tree->i, tree->j, slab * side, &root);
+        d->roots[slab] = root.ref;
     }
-
-    free(s.level[0]);
-    free(s.run);
-    free(s.run_ref);
-    if (s.failed) dag_free(d);
-    return s.failed ? VXS_E_MEMORY : VXS_OK;
+    if (r != VXS_OK) dag_free(d);
+    return r;
 }

@@ -13,9 +13,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/dag/masks.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #ifdef __SSE2__
 #include <emmintrin.h>
 #endif
@@ -91,49 +88,8 @@ static uint64_t mask_at_far(const column_tile *c, uint32_t k0, mask_rule rule, u
     return shadow;
 }
 
-static int reserve_runs(tile_masks *t, uint32_t more)
-{
-    if (t->run_capacity - t->run_count >= more) return 1;
-    if (t->run_capacity > UINT32_MAX / 2) return 0;
-    uint32_t  capacity = t->run_capacity ? t->run_capacity * 2 : 4096;
-    uint64_t *mask     = realloc(t->mask, capacity * sizeof *mask);
-    if (mask) t->mask = mask;
-    uint32_t *until = realloc(t->until, capacity * sizeof *until);
-    if (until) t->until = until;
-    if (!mask || !until) return 0;
-    t->run_capacity = capacity;
-    return 1;
-}
-
-static void add_run(tile_masks *t, uint64_t mask, uint32_t until)
-{
-    t->mask[t->run_count]    = mask;
-    t->until[t->run_count++] = until;
-}
-
-/* At most 64 runs a tile: each one but the last ends where a texel goes dark. */
-static void tile_runs(tile_masks *t, const column_tile *columns, column_bounds b, mask_rule rule)
-{
-    if (b.emax - b.xmin >= FAR) {
-        for (uint32_t k0 = b.xmin, next; k0 < b.emax; k0 = next) {
-            uint64_t mask = mask_at_far(columns, k0, rule, &next);
-            if (next > b.emax) next = b.emax;
-            add_run(t, mask, next);
-        }
-        return;
-    }
-    near_columns near;
-    columns_relative(&near, columns, b.xmin, rule);
-    int16_t end = (int16_t)(b.emax - b.xmin);
-    for (int16_t k0 = 0, next; k0 < end; k0 = next) {
-        uint64_t mask = mask_at(&near, k0, &next);
-        if (next > end) next = end;
-        add_run(t, mask, b.xmin + (uint32_t)next);
-    }
-}
-
-/* Bounds may be loose; runs must not depend on how loose, so the tile's own columns decide. */
-static column_bounds tile_bounds(const column_tile *columns)
+/* Bounds of a source may be loose; runs must not depend on how loose, so the tile's own columns decide. */
+static column_bounds bounds_of_tile(const column_tile *columns)
 {
     column_bounds b = {columns->e[0], columns->e[0], columns->x[0], columns->x[0]};
     for (int n = 1; n < 64; n++) {
@@ -145,45 +101,27 @@ static column_bounds tile_bounds(const column_tile *columns)
     return b;
 }
 
-vxs_result tile_masks_build(tile_masks *out, const column_source *source, uint32_t i, uint32_t j, uint32_t side_tiles,
-                            mask_rule rule)
+uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds)
 {
-    memset(out, 0, sizeof *out);
-    out->side_tiles = side_tiles;
-    size_t tiles    = (size_t)side_tiles * side_tiles;
-    out->first      = malloc((tiles + 1) * sizeof *out->first);
-    out->xmin       = malloc(tiles * sizeof *out->xmin);
-    out->emax       = malloc(tiles * sizeof *out->emax);
-    int failed      = !out->first || !out->xmin || !out->emax;
-
-    for (size_t t = 0; t < tiles && !failed; t++) {
-        uint32_t      x = i + (uint32_t)(t % side_tiles), y = j + (uint32_t)(t / side_tiles);
-        column_bounds bounds = source->bounds(source->data, 0, x, y);
-        out->first[t]        = out->run_count;
-        if (bounds.emax > bounds.xmin) {
-            column_tile columns;
-            source->tile(source->data, x, y, &columns);
-            bounds = tile_bounds(&columns);
-            failed = !reserve_runs(out, 64);
-            if (!failed) tile_runs(out, &columns, bounds, rule);
+    column_bounds b     = bounds_of_tile(columns);
+    uint32_t      count = 0;
+    *bounds             = b;
+    if (b.emax <= b.xmin) return 0;
+    if (b.emax - b.xmin >= FAR) {
+        for (uint32_t k0 = b.xmin, next; k0 < b.emax; k0 = next) {
+            uint64_t mask = mask_at_far(columns, k0, rule, &next);
+            next          = min_u32(next, b.emax);
+            runs[count++] = (mask_run){mask, next};
         }
-        out->xmin[t] = bounds.xmin;
-        out->emax[t] = bounds.emax;
+        return count;
     }
-    if (failed) {
-        tile_masks_free(out);
-        return VXS_E_MEMORY;
+    near_columns near;
+    columns_relative(&near, columns, b.xmin, rule);
+    int16_t end = (int16_t)(b.emax - b.xmin);
+    for (int16_t k0 = 0, next; k0 < end; k0 = next) {
+        uint64_t mask = mask_at(&near, k0, &next);
+        next          = next < end ? next : end;
+        runs[count++] = (mask_run){mask, b.xmin + (uint32_t)next};
     }
-    out->first[tiles] = out->run_count;
-    return VXS_OK;
-}
-
-void tile_masks_free(tile_masks *t)
-{
-    free(t->first);
-    free(t->xmin);
-    free(t->emax);
-    free(t->mask);
-    free(t->until);
-    memset(t, 0, sizeof *t);
+    return count;
 }

@@ -4,7 +4,6 @@
 #ifndef MASKS_H
 #define MASKS_H
 
-#include "baker/base/message.h"
 #include "baker/columns/columns.h"
 
 typedef enum mask_rule {
@@ -12,24 +11,18 @@ typedef enum mask_rule {
     MASK_RULE_SHADOW  /* [Sintorn 2014]: in a slice with lit and shadowed voxels, undefined becomes shadow */
 } mask_rule;
 
-/* The masks of a square of tiles. A tile is lit in front of its xmin; then each of its runs holds up to its `until`; behind its
- * emax it is shadowed. A tile with emax <= xmin has no run: one depth parts lit from shadowed. */
-typedef struct tile_masks {
-    uint32_t  side_tiles;
-    uint32_t *xmin, *emax; /* [side_tiles * side_tiles] exact for tiles with runs, the source's bounds for others */
-    uint32_t *first;       /* [side_tiles * side_tiles + 1] runs of tile t are [first[t], first[t + 1]), near to far */
-    uint64_t *mask;        /* [run_count] bit x + 8y: texel (x, y) is in shadow */
-    uint32_t *until;       /* [run_count] voxels: the run holds for depths k < until */
-    uint32_t  run_count;
-    uint32_t  run_capacity;
-} tile_masks;
+/* A visibility mask and the depths that it holds for: from the run before it (a tile's first run: from xmin) to k < until. */
+typedef struct mask_run {
+    uint64_t mask;  /* bit x + 8y: texel (x, y) is in shadow */
+    uint32_t until; /* (xmin, emax] voxels */
+} mask_run;
 
-/* Masks of the tiles [i, i + side) x [j, j + side) of a source.
- * out  [out] zeroed on failure; released with tile_masks_free.   Returns VXS_OK or VXS_E_MEMORY.
- * Threads: none shared; different squares of one source may be worked on at once. */
-vxs_result tile_masks_build(tile_masks *out, const column_source *source, uint32_t i, uint32_t j, uint32_t side_tiles,
-                            mask_rule rule);
+enum { TILE_RUNS_MAX = 64 }; /* each run but the last ends where a texel goes dark */
 
-void tile_masks_free(tile_masks *t);
+/* The runs of a tile, near to far. The tile is lit in front of its xmin and shadowed behind its emax; with emax <= xmin one depth parts
+ * lit from shadowed, and there is no run.
+ * bounds  [out] of the tile's columns, exact
+ * Returns the number of runs, [0, TILE_RUNS_MAX]. The last run ends at emax. */
+uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds);
 
 #endif

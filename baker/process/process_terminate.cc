@@ -8,8 +8,8 @@
 #include <new>
 
 #include "baker/files/output_file.h"
+#include "baker/measure/progress.h"
 #include "baker/process/process.h"
-#include "baker/base/progress.h"
 
 /* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
  * missing memory is thrown there. */

@@ -84,7 +84,7 @@ static void decide_compression(decision_list *l, const bake_plan *plan, const ba
         decide(l, "sub-DAG compression", "done", "--compress %s",
                o->compress == COMPRESS_CHOICE_BOTTOM_UP ? "bottom-up" : "top-down");
     else
-        decide(l, "sub-DAG compression", plan->compresses ? "done" : "left out",
+        decide(l, "sub-DAG compression", plan->compress != COMPRESS_NONE ? "done" : "left out",
                "it would take about %.2g s on %u threads and spare the merge, which finds the same, about %.2g s",
                plan->compress_seconds, o->threads, plan->merge_seconds_spared);
 }

@@ -1,4 +1,4 @@
-/* vxs itself, and its own older or simpler ways; see rival.h. The stages are the baker's, called as bake_light.c calls them.
+/* vxs itself, and its own older or simpler ways; see rival.h. The stages are the baker's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 #include "runtime/vxs.h"
 
-#include "baker/base/integer.h"
+#include "baker/dag/build.h"
 #include "tests/bench/rival.h"
 
 typedef struct dag_options {
@@ -17,59 +17,37 @@ typedef struct dag_options {
 } dag_options;
 
 /* What compresses sub-DAGs: what is asked for, or what the plan says. */
-static vxs_result compress(dag *d, const bake_plan *plan, const dag_options *o)
+static compress_order order_of(const bake_plan *plan, const dag_options *o)
 {
-    if (o->stop == STOP_INSERT) return VXS_OK;
-    if (o->compress == COMPRESS_CHOICE_AUTO) return plan->compresses ? dag_compress(d, plan->compress) : VXS_OK;
-    return dag_compress(d, o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN);
-}
-
-static vxs_result add_sub(dag_merger *merger, const bake_plan *plan, const column_source *source, uint32_t sub_px, uint32_t i,
-                          uint32_t j, const dag_options *o)
-{
-    tile_masks masks = {0};
-    dag        d     = {0};
-    uint32_t   tiles = sub_px / 8;
-    vxs_result r;
-    if ((r = tile_masks_build(&masks, source, i * tiles, j * tiles, tiles, o->rule)) != VXS_OK) goto done;
-    if ((r = dag_insert(&d, source, i, j, dag_levels(sub_px), &masks, !o->reuse_off)) != VXS_OK) goto done;
-    if ((r = compress(&d, plan, o)) != VXS_OK) goto done;
-    r = dag_merger_add(merger, &d, 0, i, j);
-done:
-    tile_masks_free(&masks);
-    dag_free(&d);
-    return r;
-}
-
-/* Every other bit: a bake visits sub-DAGs in z order. */
-static uint32_t even_bits(uint32_t n)
-{
-    uint32_t even = 0;
-    for (uint32_t bit = 0; bit < 16; bit++) even |= (n >> 2 * bit & 1) << bit;
-    return even;
+    if (o->stop == STOP_INSERT) return COMPRESS_NONE;
+    if (o->compress == COMPRESS_CHOICE_AUTO) return plan->compress;
+    return o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN;
 }
 
 static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *file)
 {
-    const dag_options *o      = options;
-    dag_merger        *merger = NULL;
-    dag                d      = {0};
-    uint32_t           side = 1u << maps->levels, sub_px = max_u32(8, min_u32(side / 4, SUB_DAG_MAX_PX)), across = side / sub_px;
-    vxs_result         r;
+    const dag_options *o     = options;
+    int                unify = o->stop == STOP_FINAL;
+    build_options      build = {
+             .rule = o->rule, .reuse = !o->reuse_off, .compress = order_of(&maps->plan, o), .share = unify && !o->reuse_off};
+    build_stats  stats   = {0};
+    message      m       = {.quiet = 1};
+    bake_context ctx     = {.message = &m, .threads = 1};
+    column_map   columns = depth_maps_map(&maps->maps);
+    dag_merger   merger;
+    dag          d = {0};
+    vxs_result   r;
 
     depth_maps_reduce(&maps->maps, 1);
-    column_source source = depth_maps_columns(&maps->maps);
-    if ((r = dag_merger_create(&merger, side, sub_px, 1, o->stop == STOP_FINAL)) != VXS_OK) goto done;
-    for (uint32_t n = 0; n < across * across && r == VXS_OK; n++)
-        r = add_sub(merger, &maps->plan, &source, sub_px, even_bits(n), even_bits(n >> 1), o);
-    if (r == VXS_OK) r = dag_merger_finish(merger, &d);
-    if (r != VXS_OK) goto done;
+    if ((r = dag_merger_init(&merger, columns.side_px, 1, unify)) != VXS_OK) goto done;
+    if ((r = dag_build_map(&merger, 0, &columns, &build, &stats, &ctx)) != VXS_OK) goto done;
+    if ((r = dag_merger_finish(&merger, &d)) != VXS_OK) goto done;
 
     vxs_write_light light = {.light = maps->light, .dag = dag_view_of(&d)};
     vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = RIVAL_ZSTD_LEVEL};
     r                     = vxs_write(file, &desc);
 done:
-    dag_merger_destroy(merger);
+    dag_merger_free(&merger);
     dag_free(&d);
     return r;
 }

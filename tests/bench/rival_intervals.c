@@ -57,7 +57,7 @@ typedef struct subtree {
 } subtree;
 
 typedef struct builder {
-    const column_source *source;
+    const column_square *columns;
     interval_node       *nodes;
     uint32_t             count, capacity;
     ref_table            table;
@@ -158,14 +158,14 @@ static subtree join(builder *b, const subtree child[4])
 /* Right from e to x. Lit to the far side, or free to there, is right at any depth that lies behind. */
 static subtree column(const builder *b, uint32_t e, uint32_t x)
 {
-    return (subtree){UNIFORM, (int32_t)e, x >= b->source->depth_vx ? DEPTH_FAR : (int32_t)x};
+    return (subtree){UNIFORM, (int32_t)e, x >= b->columns->depth_vx ? DEPTH_FAR : (int32_t)x};
 }
 
 static subtree build_tile(builder *b, uint32_t i, uint32_t j)
 {
     column_tile t;
     subtree     s[64];
-    b->source->tile(b->source->data, i, j, &t);
+    b->columns->tile(b->columns->data, i, j, &t);
     for (int n = 0; n < 64; n++) s[n] = column(b, t.e[n], t.x[n]);
     for (int side = 4; side; side /= 2)
         for (int y = 0; y < side; y++)
@@ -179,8 +179,9 @@ static subtree build_tile(builder *b, uint32_t i, uint32_t j)
 /* The square (i, j) of 8 << level texels. */
 static subtree build_square(builder *b, uint32_t level, uint32_t i, uint32_t j)
 {
-    column_bounds bounds = b->source->bounds(b->source->data, level, i, j);
-    subtree       child[4];
+    column_bounds bounds;
+    b->columns->bounds(b->columns->data, level, i, j, &bounds);
+    subtree child[4];
     if (bounds.emax <= bounds.xmin) return column(b, bounds.emax, bounds.xmin);
     if (level == 0) return build_tile(b, i, j);
     for (uint32_t c = 0; c < 4; c++) child[c] = build_square(b, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1));
@@ -274,10 +275,10 @@ static vxs_result intervals_build(light_maps *maps, const void *options, vxs_byt
 {
     (void)options;
     depth_maps_reduce(&maps->maps, 1);
-    column_source source = depth_maps_columns(&maps->maps);
-    builder       b      = {.source = &source};
-    subtree       root   = build_square(&b, maps->levels - 3, 0, 0);
-    vxs_result    r      = b.failed ? VXS_E_MEMORY : write_file(&b, maps->levels, root, file);
+    column_square columns = depth_maps_square(&maps->maps);
+    builder       b       = {.columns = &columns};
+    subtree       root    = build_square(&b, maps->levels - 3, 0, 0);
+    vxs_result    r       = b.failed ? VXS_E_MEMORY : write_file(&b, maps->levels, root, file);
     free(b.nodes);
     ref_table_free(&b.table);
     return r;

@@ -25,32 +25,18 @@
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
 #include "baker/bake/bake_light.h"
+#include "baker/bake/light_columns.h"
+#include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/command/asset_open.h"
-#include "baker/options/options.h"
 #include "baker/light/light_fit.h"
-#include "baker/bake/plan.h"
+#include "baker/options/options.h"
 #include "baker/scene/light_choice.h"
+#include "tests/exact/spoil.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16 };
-
-typedef enum fault {
-    FAULT_NONE,       /* bake() itself */
-    FAULT_STAGES,     /* the stages as they are called here, unspoilt: must be right */
-    FAULT_DEPTH,      /* a texel of the depth maps loses its caster */
-    FAULT_TILE,       /* the bounds of a tile: a depth that parts nothing is said to part lit from shadowed */
-    FAULT_SQUARE,     /* the bounds of a square of 16 texels or more: lit to the end */
-    FAULT_MASK,       /* a bit of a visibility mask */
-    FAULT_UNTIL,      /* a run of a tile holds one voxel too long */
-    FAULT_INSERTED,   /* a child of a node after insertion */
-    FAULT_COMPRESSED, /* after compression */
-    FAULT_MERGED,     /* after the merge */
-    FAULT_WORD        /* a word of the file, after it was read */
-} fault;
-
-static const char fault_names[] = "none|stages|depth|tile|square|mask|until|inserted|compressed|merged|word";
 
 typedef struct exact_options {
     bake_options bake;
@@ -356,149 +342,6 @@ static vxs_result check_light(const exact_options *o, const world *w, const vxs_
     return r;
 }
 
-/* the bake, with something spoilt
- * ---------------------------------------------------------------------------------------------
- *
- * Each fault is put where it must show, not where it may hide in a voxel that is free. The place is random, by the seed. */
-
-static void spoil_depth(depth_maps *maps, rng *random)
-{
-    size_t texels = (size_t)maps->side_px * maps->side_px;
-    size_t at     = rng_below(random, (uint32_t)texels);
-    while (maps->exit[at] >= 1 - 1.0f / (float)maps->depth_vx) at = (at + 1) % texels;
-    maps->enter[at] = maps->exit[at] = 1;
-}
-
-static void spoil_tile(depth_maps *maps, rng *random)
-{
-    size_t tiles = (size_t)(maps->side_px / 8) * (maps->side_px / 8);
-    size_t at    = rng_below(random, (uint32_t)tiles);
-    while (maps->pyramid[0][at].emax <= maps->pyramid[0][at].xmin) at = (at + 1) % tiles;
-    maps->pyramid[0][at].emax = maps->pyramid[0][at].xmin;
-}
-
-/* The square nearest the light of a larger one that is looked into: there it must be dark somewhere. */
-static void spoil_square(depth_maps *maps, rng *random)
-{
-    uint32_t level = 1 + rng_below(random, maps->pyramid_levels - 3);
-    uint32_t side  = maps->side_px >> (3 + level);
-    for (size_t at = rng_below(random, side * side);; at = (at + 1) % ((size_t)side * side)) {
-        column_bounds *square = &maps->pyramid[level][at];
-        column_bounds *parent = &maps->pyramid[level + 1][at / side / 2 * (side / 2) + at % side / 2];
-        if (square->xmin != parent->xmin || parent->emax <= parent->xmin) continue;
-        square->xmin = square->emax = maps->depth_vx;
-        return;
-    }
-}
-
-/* The tiles of a sub-DAG in turn, from a random one on, until one of them can be spoilt. */
-static int spoil_some_tile(tile_masks *t, const column_source *source, uint32_t i, uint32_t j, rng *random,
-                           int (*spoil)(tile_masks *t, uint32_t tile, const column_tile *columns))
-{
-    uint32_t tiles = t->side_tiles * t->side_tiles;
-    uint32_t at    = rng_below(random, tiles);
-    for (uint32_t n = 0; n < tiles; n++, at = (at + 1) % tiles) {
-        column_tile columns;
-        source->tile(source->data, i + at % t->side_tiles, j + at / t->side_tiles, &columns);
-        if (t->first[at] < t->first[at + 1] && spoil(t, at, &columns)) return 1;
-    }
-    return 0;
-}
-
-/* A tile's first run starts at xmin: a texel with that exit depth has to be dark in it. */
-static int spoil_mask(tile_masks *t, uint32_t tile, const column_tile *columns)
-{
-    uint32_t texel = 0;
-    while (columns->x[texel] != t->xmin[tile]) texel++;
-    t->mask[t->first[tile]] &= ~((uint64_t)1 << texel);
-    return 1;
-}
-
-/* The first run goes on to where a texel that it leaves lit has to be dark. */
-static int spoil_until(tile_masks *t, uint32_t tile, const column_tile *columns)
-{
-    uint32_t run = t->first[tile], x = t->emax[tile];
-    for (uint32_t n = 0; n < 64; n++)
-        if (!(t->mask[run] >> n & 1) && columns->x[n] < x) x = columns->x[n];
-    if (x == t->emax[tile]) return 0;
-    t->until[run] = x + 1;
-    return 1;
-}
-
-/* A child that is a node or a mask has voxels that must be dark: else it would have been lit. */
-static int spoil_node(dag *d, uint32_t level, rng *random)
-{
-    dag_level *l = &d->level[level];
-    if (!l->count) return 0;
-    for (uint32_t at = rng_below(random, l->count * 8);; at = (at + 1) % (l->count * 8)) {
-        uint32_t *child = &l->nodes[at / 8].child[at % 8];
-        if (*child < REF_FIRST) continue;
-        *child = REF_LIT;
-        return 1;
-    }
-}
-
-/* One sub-DAG as bake.c makes it; *left counts the faults still to be planted. */
-static vxs_result build_sub(const exact_options *o, const column_source *source, uint32_t sub_px, uint32_t i, uint32_t j,
-                            dag_merger *merger, int *left, rng *random)
-{
-    tile_masks masks = {0};
-    dag        d     = {0};
-    uint32_t   tiles = sub_px / 8, levels = 1;
-    vxs_result r;
-    while (8u << (levels - 1) < sub_px) levels++;
-
-    if ((r = tile_masks_build(&masks, source, i * tiles, j * tiles, tiles, o->bake.rule)) != VXS_OK) goto done;
-    if (*left && o->fault == FAULT_MASK) *left -= spoil_some_tile(&masks, source, i * tiles, j * tiles, random, spoil_mask);
-    if (*left && o->fault == FAULT_UNTIL) *left -= spoil_some_tile(&masks, source, i * tiles, j * tiles, random, spoil_until);
-    if ((r = dag_insert(&d, source, i, j, levels, &masks, o->bake.reuse)) != VXS_OK) goto done;
-    uint32_t level = rng_below(random, levels);
-    if (*left && o->fault == FAULT_INSERTED) *left -= spoil_node(&d, level, random);
-    if (o->bake.stop != STOP_INSERT &&
-        (r = dag_compress(&d, o->bake.compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN)) != VXS_OK)
-        goto done;
-    if (*left && o->fault == FAULT_COMPRESSED) *left -= spoil_node(&d, level, random);
-    r = dag_merger_add(merger, &d, 0, i, j);
-done:
-    tile_masks_free(&masks);
-    dag_free(&d);
-    return r;
-}
-
-static vxs_result build_dag(const exact_options *o, const world *w, const vxs_light *light, dag *out, message *m)
-{
-    rng             random   = rng_split(o->seed, 1);
-    depth_renderer *renderer = NULL;
-    dag_merger     *merger   = NULL;
-    depth_maps      maps     = {0};
-    vxs_result      r;
-    uint32_t        side = 1u << light->levels, sub = side / 4 < SUB_DAG_MAX_PX ? side / 4 : SUB_DAG_MAX_PX;
-    int             faults = o->fault != FAULT_STAGES && o->fault != FAULT_WORD;
-
-    if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, 0, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
-    if ((r = depth_maps_init(&maps, side, side, 0, w->c.solid_triangle_count != 0, m)) != VXS_OK) goto done;
-    if ((r = dag_merger_create(&merger, side, sub, 1, o->bake.stop == STOP_FINAL)) != VXS_OK) goto done;
-    if ((r = depth_renderer_tile(renderer, &maps, 0, 0, m)) != VXS_OK) goto done;
-    if (o->fault == FAULT_DEPTH) spoil_depth(&maps, &random);
-    depth_maps_reduce(&maps, o->bake.threads);
-    if (o->fault == FAULT_TILE) spoil_tile(&maps, &random);
-    if (o->fault == FAULT_SQUARE) spoil_square(&maps, &random);
-
-    column_source source = depth_maps_columns(&maps);
-    uint32_t      count = (side / sub) * (side / sub), first = rng_below(&random, count);
-    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        uint32_t at = (first + n) % count;
-        r           = build_sub(o, &source, sub, at % (side / sub), at / (side / sub), merger, &faults, &random);
-    }
-    if (r == VXS_OK) r = dag_merger_finish(merger, out);
-    if (r == VXS_OK && o->fault == FAULT_MERGED) spoil_node(out, out->level_count - 1, &random);
-done:
-    dag_merger_destroy(merger);
-    depth_maps_free(&maps);
-    depth_renderer_destroy(renderer);
-    return r;
-}
-
 static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *file, message *m)
 {
     light_choice    chosen = {0};
@@ -513,7 +356,7 @@ static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *
     }
     light_fit_desc fit = {.name = chosen.lights[0].name, .shape = &chosen.lights[0].shape, .resolution = o->bake.resolution};
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
-    if ((r = build_dag(o, w, &out.light, &d, m)) != VXS_OK) goto done;
+    if ((r = spoilt_dag(&(spoil_desc){w->gl, &w->c, &out.light, &o->bake, o->fault, o->seed}, &d, m)) != VXS_OK) goto done;
 
     out.dag             = dag_view_of(&d);
     vxs_write_desc desc = {.lights = &out, .light_count = 1, .zstd_level = 1};
@@ -558,31 +401,34 @@ static vxs_result bake_asset(exact_options *o, vxs_asset **asset, message *m)
 static vxs_result planned_asset(const world *w, const exact_options *o, const bake_plan *plan, vxs_asset **asset, message *m)
 {
     size_t           count  = plan->light_count;
-    bake_report      report = {0};
+    bake_context     ctx    = {.message = m, .threads = o->bake.threads};
+    build_options    build  = plan_build_options(plan, &o->bake);
+    uint32_t         baked  = 0;
     vxs_write_light *lights = calloc(count, sizeof *lights);
     dag             *dags   = calloc(count, sizeof *dags);
     vxs_bytes        file   = {0};
     vxs_result       r      = VXS_E_MEMORY;
-    report.lights           = calloc(count, sizeof *report.lights);
-    if (!lights || !dags || !report.lights) goto done;
+    if (!lights || !dags) goto done;
 
-    light_baker baker = {.options = &o->bake, .plan = plan, .gl = w->gl, .casters = &w->c, .report = &report};
     for (size_t n = 0; n < count; n++) {
-        uint32_t      at    = report.light_count;
-        light_report *light = &report.lights[at];
-        baseline      base  = {0};
-        if (plan->lights[n].left_out) continue;
-        r = bake_light(&baker, &plan->lights[n], &dags[at], &base, NULL, light, m);
-        baseline_free(&base);
+        const plan_light *planned = &plan->lights[n];
+        build_stats       stats   = {0};
+        light_columns     columns;
+        if (planned->left_out) continue;
+        if ((r = light_columns_init(&columns, w->gl, &o->bake, plan, planned, &w->c, NULL, m)) == VXS_OK) {
+            column_source source = light_columns_source(&columns);
+            r = bake_light(planned, &source, &build, o->bake.stop == STOP_FINAL, NULL, &dags[baked], &stats, &ctx);
+        }
+        light_columns_free(&columns);
         if (r != VXS_OK) goto done;
-        lights[report.light_count++] = (vxs_write_light){.light = light->light, .dag = dag_view_of(&dags[at])};
+        lights[baked] = (vxs_write_light){.light = planned->light, .dag = dag_view_of(&dags[baked])};
+        baked++;
     }
-    vxs_write_desc desc = {.lights = lights, .light_count = report.light_count, .zstd_level = 1};
+    vxs_write_desc desc = {.lights = lights, .light_count = baked, .zstd_level = 1};
     if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
         fail(m, r, "the asset cannot be written and read back");
 done:
     for (size_t n = 0; n < count && dags; n++) dag_free(&dags[n]);
-    free(report.lights);
     free(dags);
     free(lights);
     free(file.data);
@@ -657,7 +503,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
         {"--threads", OPTION_U32, &o->bake.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "as bake", NULL},
         {"--columns", OPTION_TEXT, &columns, 0, 0, NULL, "COUNT", "random columns to look at, or all (default)", NULL},
         {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
-        {"--fault", OPTION_CHOICE, &planted, 0, 0, fault_names, NULL, "spoil one thing", NULL},
+        {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
     };
     const command_line line = {"exact",
                                "SCENE [options]",

@@ -17,12 +17,12 @@
 
 #include "tests/unit/random_maps.h"
 
-typedef struct build_options {
+typedef struct insert_way {
     mask_rule rule;
     int       reuse;
-} build_options;
+} insert_way;
 
-static const build_options ways[] = {{MASK_RULE_GREEDY, 1}, {MASK_RULE_GREEDY, 0}, {MASK_RULE_SHADOW, 1}, {MASK_RULE_SHADOW, 0}};
+static const insert_way ways[] = {{MASK_RULE_GREEDY, 1}, {MASK_RULE_GREEDY, 0}, {MASK_RULE_SHADOW, 1}, {MASK_RULE_SHADOW, 0}};
 
 /* --- making and reading DAGs
  * ------------------------------------------------------------------------------------------------- */
@@ -37,24 +37,21 @@ static void make_maps(depth_maps *d, uint32_t side, uint32_t depth, map_kind kin
 }
 
 /* The DAG of the square of `side` texels at (i, j). */
-static dag insert_source(const column_source *s, uint32_t side, uint32_t i, uint32_t j, build_options o)
+static dag insert_columns(const column_square *s, uint32_t side, uint32_t i, uint32_t j, insert_way o)
 {
-    tile_masks masks;
-    dag        d;
-    uint32_t   levels = 1;
-    while (8u << (levels - 1) < side) levels++;
-    assert_int_equal(tile_masks_build(&masks, s, i * side / 8, j * side / 8, side / 8, o.rule), VXS_OK);
-    assert_int_equal(dag_insert(&d, s, i, j, levels, &masks, o.reuse), VXS_OK);
-    tile_masks_free(&masks);
-    assert_int_equal(d.level_count, levels);
+    build_options options = {.rule = o.rule, .reuse = o.reuse};
+    build_stats   stats   = {0};
+    dag           d;
+    assert_int_equal(dag_build_square(&d, s, square_level(side), i, j, &options, &stats), VXS_OK);
+    assert_int_equal(d.level_count, square_level(side) + 1);
     assert_int_equal(d.root_count, s->depth_vx / side);
     return d;
 }
 
-static dag insert(const depth_maps *maps, uint32_t side, uint32_t i, uint32_t j, build_options o)
+static dag insert(const depth_maps *maps, uint32_t side, uint32_t i, uint32_t j, insert_way o)
 {
-    column_source s = depth_maps_columns(maps);
-    return insert_source(&s, side, i, j, o);
+    column_square s = depth_maps_square(maps);
+    return insert_columns(&s, side, i, j, o);
 }
 
 static int voxel(const dag *d, uint32_t i, uint32_t j, uint32_t k)
@@ -250,7 +247,7 @@ static void reuse_changes_no_voxel(void **state)
         for (mask_rule rule = MASK_RULE_GREEDY; rule <= MASK_RULE_SHADOW; rule++) {
             depth_maps maps;
             make_maps(&maps, 32, 128, kind, 5);
-            dag on = insert(&maps, 32, 0, 0, (build_options){rule, 1}), off = insert(&maps, 32, 0, 0, (build_options){rule, 0});
+            dag on = insert(&maps, 32, 0, 0, (insert_way){rule, 1}), off = insert(&maps, 32, 0, 0, (insert_way){rule, 0});
             assert_same_voxels(&on, &off, 32, 128);
             assert_true(dag_node_count(&on) <= dag_node_count(&off));
             assert_true(on.mask_count <= off.mask_count);
@@ -263,16 +260,16 @@ static void reuse_changes_no_voxel(void **state)
     assert_true(with < without);
 }
 
-static column_bounds loose_bounds(const void *data, uint32_t level, uint32_t i, uint32_t j)
+static vxs_result loose_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *b)
 {
     const depth_maps *d  = data;
-    column_bounds     b  = depth_maps_columns(d).bounds(d, level, i, j);
     uint32_t          by = (i + j + level) % 11;
-    b.emin               = b.emin > by ? b.emin - by : 0;
-    b.xmin               = b.xmin > by ? b.xmin - by : 0;
-    b.emax               = b.emax + by < d->depth_vx ? b.emax + by : d->depth_vx;
-    b.xmax               = b.xmax + by < d->depth_vx ? b.xmax + by : d->depth_vx;
-    return b;
+    assert_int_equal(depth_maps_square(d).bounds(data, level, i, j, b), VXS_OK);
+    b->emin = b->emin > by ? b->emin - by : 0;
+    b->xmin = b->xmin > by ? b->xmin - by : 0;
+    b->emax = b->emax + by < d->depth_vx ? b->emax + by : d->depth_vx;
+    b->xmax = b->xmax + by < d->depth_vx ? b->xmax + by : d->depth_vx;
+    return VXS_OK;
 }
 
 /* A source may bound its squares loosely, as long as it is not wrong. */
@@ -283,9 +280,9 @@ static void loose_bounds_are_right(void **state)
         for (int way = 0; way < 4; way++) {
             depth_maps maps;
             make_maps(&maps, 32, 64, kind, 11);
-            column_source s = depth_maps_columns(&maps);
+            column_square s = depth_maps_square(&maps);
             s.bounds        = loose_bounds;
-            dag    d        = insert_source(&s, 32, 0, 0, ways[way]);
+            dag    d        = insert_columns(&s, 32, 0, 0, ways[way]);
             census least    = take_census(&d);
             assert_exact(&d, &maps, 0, 0);
             assert_int_equal(dag_compress(&d, COMPRESS_TOP_DOWN), VXS_OK);
@@ -394,11 +391,11 @@ static void masks_whose_hashes_meet(void **state)
             assert_non_null(d.roots);
             d.roots[0] = dag_add_node(&d, 0, &node);
             if (merging) {
-                dag_merger *merger;
-                assert_int_equal(dag_merger_create(&merger, 8, 8, 1, 1), VXS_OK);
-                assert_int_equal(dag_merger_add(merger, &d, 0, 0, 0), VXS_OK);
-                assert_int_equal(dag_merger_finish(merger, &merged), VXS_OK);
-                dag_merger_destroy(merger);
+                dag_merger merger;
+                assert_int_equal(dag_merger_init(&merger, 8, 1, 1), VXS_OK);
+                assert_int_equal(dag_merger_add(&merger, &d, 0, 0, 0, 0), VXS_OK);
+                assert_int_equal(dag_merger_finish(&merger, &merged), VXS_OK);
+                dag_merger_free(&merger);
                 dag_free(&d);
                 d = merged;
             } else {
@@ -447,30 +444,30 @@ static void equal_subtrees_are_kept_once(void **state)
  * ----------------------------------------------------------------------------------------------------------------- */
 
 /* The map of maps->side_px texels from sub-DAGs of `sub` texels. compress: 0 as inserted, else before merging. */
-static dag merge(const depth_maps *maps, uint32_t sub, build_options o, int compress, int unify, int backwards, uint64_t keep)
+static dag merge(const depth_maps *maps, uint32_t sub, insert_way o, int compress, int unify, int backwards, uint64_t keep)
 {
-    dag_merger *merger;
-    dag         d;
-    uint32_t    side = maps->side_px / sub;
-    assert_int_equal(dag_merger_create(&merger, maps->side_px, sub, 1, unify), VXS_OK);
+    dag_merger merger;
+    dag        d;
+    uint32_t   side = maps->side_px / sub;
+    assert_int_equal(dag_merger_init(&merger, maps->side_px, 1, unify), VXS_OK);
     for (uint32_t n = 0; n < side * side; n++) {
         uint32_t at = backwards ? side * side - 1 - n : n;
         dag      s  = insert(maps, sub, at % side, at / side, o);
         if (compress) assert_int_equal(dag_compress(&s, COMPRESS_TOP_DOWN), VXS_OK);
         lie(&s, keep);
         assert_exact(&s, maps, at % side * sub, at / side * sub);
-        assert_int_equal(dag_merger_add(merger, &s, 0, at % side, at / side), VXS_OK);
+        assert_int_equal(dag_merger_add(&merger, &s, 0, square_level(sub), at % side, at / side), VXS_OK);
         dag_free(&s);
     }
-    assert_int_equal(dag_merger_finish(merger, &d), VXS_OK);
-    dag_merger_destroy(merger);
+    assert_int_equal(dag_merger_finish(&merger, &d), VXS_OK);
+    dag_merger_free(&merger);
     assert_int_equal(d.root_count, 1);
     assert_true(d.roots[0] >= REF_FIRST);
     return d;
 }
 
 /* Built at once; a root that is all lit or all shadow becomes a node, as in a merged DAG. */
-static dag whole(const depth_maps *maps, build_options o)
+static dag whole(const depth_maps *maps, insert_way o)
 {
     dag d = insert(maps, maps->side_px, 0, 0, o);
     assert_int_equal(dag_compress(&d, COMPRESS_BOTTOM_UP), VXS_OK);
@@ -520,13 +517,13 @@ static void six_maps_share_one_dag(void **state)
     (void)state;
     for (uint64_t seed = 0; seed < 30; seed++)
         for (int unify = 0; unify < 2; unify++) {
-            rng         r   = rng_split(seed, 70);
-            uint32_t    sub = 8u << rng_below(&r, 3), side = SIDE / sub, count = MAPS * side * side;
-            int         order = (int)(seed % 3), same = seed % 5 == 4, left_out = seed % 7 == 6; /* the fourth map */
-            depth_maps  maps[MAPS];
-            dag_merger *merger;
-            dag         d, alone[MAPS];
-            assert_int_equal(dag_merger_create(&merger, SIDE, sub, MAPS, unify), VXS_OK);
+            rng        r   = rng_split(seed, 70);
+            uint32_t   sub = 8u << rng_below(&r, 3), side = SIDE / sub, count = MAPS * side * side;
+            int        order = (int)(seed % 3), same = seed % 5 == 4, left_out = seed % 7 == 6; /* the fourth map */
+            depth_maps maps[MAPS];
+            dag_merger merger;
+            dag        d, alone[MAPS];
+            assert_int_equal(dag_merger_init(&merger, SIDE, MAPS, unify), VXS_OK);
             for (uint32_t m = 0; m < MAPS; m++)
                 make_maps(&maps[m], SIDE, SIDE, same ? MAPS_BOXES : (map_kind)rng_below(&r, MAP_KINDS), same ? 1 : seed + m);
             for (uint32_t n = 0; n < count; n++) {
@@ -536,11 +533,11 @@ static void six_maps_share_one_dag(void **state)
                 dag part = insert(&maps[m], sub, square % side, square / side, ways[seed % 4]);
                 assert_int_equal(dag_compress(&part, COMPRESS_TOP_DOWN), VXS_OK);
                 lie(&part, lies[seed % 4]);
-                assert_int_equal(dag_merger_add(merger, &part, m, square % side, square / side), VXS_OK);
+                assert_int_equal(dag_merger_add(&merger, &part, m, square_level(sub), square % side, square / side), VXS_OK);
                 dag_free(&part);
             }
-            assert_int_equal(dag_merger_finish(merger, &d), VXS_OK);
-            dag_merger_destroy(merger);
+            assert_int_equal(dag_merger_finish(&merger, &d), VXS_OK);
+            dag_merger_free(&merger);
 
             assert_int_equal(d.root_count, MAPS);
             uint64_t nodes = 0;
@@ -603,16 +600,16 @@ static void missing_squares_are_lit(void **state)
     depth_maps maps;
     make_maps(&maps, 16, 64, MAPS_BOXES, 2); /* the square (1, 2) of a map of 4 x 4 */
     for (int added = 0; added < 2; added++) {
-        dag_merger *merger;
-        dag         d;
-        assert_int_equal(dag_merger_create(&merger, 64, 16, 1, 1), VXS_OK);
+        dag_merger merger;
+        dag        d;
+        assert_int_equal(dag_merger_init(&merger, 64, 1, 1), VXS_OK);
         if (added) {
             dag s = insert(&maps, 16, 0, 0, ways[0]);
-            assert_int_equal(dag_merger_add(merger, &s, 0, 1, 2), VXS_OK);
+            assert_int_equal(dag_merger_add(&merger, &s, 0, square_level(16), 1, 2), VXS_OK);
             dag_free(&s);
         }
-        assert_int_equal(dag_merger_finish(merger, &d), VXS_OK);
-        dag_merger_destroy(merger);
+        assert_int_equal(dag_merger_finish(&merger, &d), VXS_OK);
+        dag_merger_free(&merger);
         assert_true(d.roots[0] >= REF_FIRST);
         for (uint32_t k = 0; k < 64; k++)
             for (uint32_t j = 0; j < 64; j++)
@@ -624,7 +621,8 @@ static void missing_squares_are_lit(void **state)
         dag_free(&d);
     }
     depth_maps_free(&maps);
-    dag_merger_destroy(NULL);
+    dag_merger nothing = {0};
+    dag_merger_free(&nothing);
 }
 
 /* --- the same bytes at any thread count

@@ -9,20 +9,16 @@
 #include <string.h>
 
 #include "baker/base/random.h"
-#include "baker/dag/masks.h" /* before cmocka, whose fail() is a macro */
+#include "baker/dag/column_tree.h" /* before cmocka, whose fail() is a macro */
 
 #include <cmocka.h>
 
-vxs_result plain_tile_masks_build(tile_masks *out, const column_source *source, uint32_t i, uint32_t j, uint32_t side_tiles,
-                                  mask_rule rule);
-void       plain_tile_masks_free(tile_masks *t);
+uint32_t plain_tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds);
 
 #undef __SSE2__
-#define tile_masks_build plain_tile_masks_build
-#define tile_masks_free  plain_tile_masks_free
+#define tile_runs plain_tile_runs
 #include "baker/dag/masks.c"
-#undef tile_masks_build
-#undef tile_masks_free
+#undef tile_runs
 
 /* tiles that are written down
  * ------------------------------------------------------------------------------------------------- */
@@ -35,33 +31,36 @@ typedef struct fixture {
     uint32_t    depth, loose;
 } fixture;
 
-static column_bounds fixture_bounds(const void *data, uint32_t level, uint32_t i, uint32_t j)
+static vxs_result fixture_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *b)
 {
     const fixture *f = data;
-    column_bounds  b = {UINT32_MAX, 0, UINT32_MAX, 0};
-    assert_int_equal(level, 0);
-    for (int n = 0; n < 64; n++) {
-        uint32_t e = f->tiles[j * TILES + i].e[n], x = f->tiles[j * TILES + i].x[n];
-        b.emin = e < b.emin ? e : b.emin;
-        b.emax = e > b.emax ? e : b.emax;
-        b.xmin = x < b.xmin ? x : b.xmin;
-        b.xmax = x > b.xmax ? x : b.xmax;
+    *b               = (column_bounds){UINT32_MAX, 0, UINT32_MAX, 0};
+    for (uint32_t tile = 0; tile < TILES * TILES; tile++) {
+        if ((tile % TILES) >> level != i || (tile / TILES) >> level != j) continue;
+        for (int n = 0; n < 64; n++) {
+            uint32_t e = f->tiles[tile].e[n], x = f->tiles[tile].x[n];
+            b->emin = e < b->emin ? e : b->emin;
+            b->emax = e > b->emax ? e : b->emax;
+            b->xmin = x < b->xmin ? x : b->xmin;
+            b->xmax = x > b->xmax ? x : b->xmax;
+        }
     }
-    b.emin = b.emin > f->loose ? b.emin - f->loose : 0;
-    b.xmin = b.xmin > f->loose ? b.xmin - f->loose : 0;
-    b.emax = b.emax + f->loose < f->depth ? b.emax + f->loose : f->depth;
-    b.xmax = b.xmax + f->loose < f->depth ? b.xmax + f->loose : f->depth;
-    return b;
+    b->emin = b->emin > f->loose ? b->emin - f->loose : 0;
+    b->xmin = b->xmin > f->loose ? b->xmin - f->loose : 0;
+    b->emax = b->emax + f->loose < f->depth ? b->emax + f->loose : f->depth;
+    b->xmax = b->xmax + f->loose < f->depth ? b->xmax + f->loose : f->depth;
+    return VXS_OK;
 }
 
-static void fixture_tile(const void *data, uint32_t i, uint32_t j, column_tile *out)
+static vxs_result fixture_tile(void *data, uint32_t i, uint32_t j, column_tile *out)
 {
     *out = ((const fixture *)data)->tiles[j * TILES + i];
+    return VXS_OK;
 }
 
-static column_source source_of(const fixture *f)
+static column_square columns_of(fixture *f)
 {
-    return (column_source){.data = f, .side_px = TILES * 8, .depth_vx = f->depth, .bounds = fixture_bounds, .tile = fixture_tile};
+    return (column_square){.data = f, .side_px = TILES * 8, .depth_vx = f->depth, .bounds = fixture_bounds, .tile = fixture_tile};
 }
 
 /* how a random tile is filled */
@@ -184,72 +183,95 @@ static uint32_t least_runs(const column_tile *t)
 /* checks
  * ---------------------------------------------------------------------------------------------------------------------- */
 
-static void assert_contract(const tile_masks *m, uint32_t tile, const column_tile *t)
+/* A tile's masks, and the depths between which they stand. */
+typedef struct tile_masks {
+    const mask_run *runs;
+    uint32_t        count, xmin, emax;
+} tile_masks;
+
+/* What a tree, whose square is `level` and starts at tile (0, 0), knows of a tile. */
+static tile_masks masks_of(const column_tree *t, uint32_t x, uint32_t y)
 {
-    uint32_t k = m->xmin[tile];
-    for (uint32_t r = m->first[tile]; r < m->first[tile + 1]; r++) {
-        assert_true(m->until[r] > k);
-        for (int n = 0; n < 64; n++) {
-            int dark = m->mask[r] >> n & 1;
-            assert_false(dark && k < t->e[n]);                 /* lit voxels end at e: the first of the run is the one to ask */
-            assert_false(!dark && m->until[r] - 1 >= t->x[n]); /* dark ones begin at x: the last */
+    const tree_square *q = &t->squares[0];
+    for (uint32_t level = t->level; level > 0 && q->parts != PARTS_UNKNOWN; level--)
+        q = &t->squares[q->parts + (x >> (level - 1) & 1) + 2 * (y >> (level - 1) & 1)];
+    tile_masks m = {NULL, 0, q->xmin, q->emax};
+    for (size_t n = 0; n < t->tile_count; n++)
+        if (t->tiles[n].x == x && t->tiles[n].y == y) {
+            assert_null(m.runs);
+            m.runs  = t->runs + t->tiles[n].first;
+            m.count = t->tiles[n].end - t->tiles[n].first;
+            assert_true(m.count > 0);
         }
-        k = m->until[r];
+    return m;
+}
+
+static void assert_contract(const tile_masks *m, const column_tile *t)
+{
+    uint32_t k = m->xmin;
+    for (uint32_t r = 0; r < m->count; r++) {
+        assert_true(m->runs[r].until > k);
+        for (int n = 0; n < 64; n++) {
+            int dark = m->runs[r].mask >> n & 1;
+            assert_false(dark && k < t->e[n]); /* lit voxels end at e: the first of the run is the one to ask */
+            assert_false(!dark && m->runs[r].until - 1 >= t->x[n]); /* dark ones begin at x: the last */
+        }
+        k = m->runs[r].until;
     }
-    if (m->first[tile] < m->first[tile + 1]) assert_int_equal(k, m->emax[tile]);
+    if (m->count) assert_int_equal(k, m->emax);
+    if (!m->count) assert_true(m->emax <= m->xmin); /* one depth parts lit from dark */
     for (int n = 0; n < 64; n++) {
-        assert_true(m->xmin[tile] <= t->x[n]); /* lit before xmin */
-        assert_true(m->emax[tile] >= t->e[n]); /* dark behind emax */
+        assert_true(m->xmin <= t->x[n]); /* lit before xmin */
+        assert_true(m->emax >= t->e[n]); /* dark behind emax */
     }
 }
 
-static void assert_runs(const tile_masks *m, uint32_t tile, const run *runs, uint32_t count)
+static void assert_runs(const mask_run *found, uint32_t found_count, const run *runs, uint32_t count)
 {
-    assert_int_equal(m->first[tile + 1] - m->first[tile], count);
+    assert_int_equal(found_count, count);
     for (uint32_t n = 0; n < count; n++) {
-        assert_true(m->mask[m->first[tile] + n] == runs[n].mask);
-        assert_int_equal(m->until[m->first[tile] + n], runs[n].until);
+        assert_true(found[n].mask == runs[n].mask);
+        assert_int_equal(found[n].until, runs[n].until);
     }
 }
 
-static void assert_same(const tile_masks *a, const tile_masks *b)
+/* One tile, with everything that is known about it. */
+static void check_tile(const fixture *f, const column_tile *t, mask_rule rule, const tile_masks *tight, const tile_masks *loose)
 {
-    size_t tiles = (size_t)a->side_tiles * a->side_tiles;
-    assert_int_equal(a->run_count, b->run_count);
-    assert_memory_equal(a->first, b->first, (tiles + 1) * sizeof *a->first);
-    assert_memory_equal(a->xmin, b->xmin, tiles * sizeof *a->xmin);
-    assert_memory_equal(a->emax, b->emax, tiles * sizeof *a->emax);
-    if (!a->run_count) return;
-    assert_memory_equal(a->mask, b->mask, a->run_count * sizeof *a->mask);
-    assert_memory_equal(a->until, b->until, a->run_count * sizeof *a->until);
+    run           runs[64];
+    mask_run      plain[TILE_RUNS_MAX], fast[TILE_RUNS_MAX];
+    column_bounds plain_bounds, bounds;
+    uint32_t      count = rule == MASK_RULE_GREEDY ? greedy_runs(t, runs) : shadow_runs(t, runs);
+    assert_contract(tight, t);
+    assert_contract(loose, t);
+    assert_runs(tight->runs, tight->count, runs, count);
+    assert_runs(loose->runs, loose->count, runs, count);
+    assert_runs(plain, plain_tile_runs(t, rule, plain, &plain_bounds), runs, count);
+    assert_runs(fast, tile_runs(t, rule, fast, &bounds), runs, count);
+    assert_memory_equal(&plain_bounds, &bounds, sizeof bounds);
+    assert_int_equal(bounds.xmin, nearest_exit(t));
+    assert_int_equal(bounds.emax, farthest_enter(t));
+    if (rule == MASK_RULE_GREEDY && f->depth <= 256) assert_int_equal(count, least_runs(t));
 }
 
-/* Tiles of one kind, or of all kinds mixed, with everything that is known about them. */
+enum { WHOLE = 2 }; /* the level of a fixture */
+
+/* Tiles of one kind, or of all kinds mixed. */
 static void check_fixture(fixture *f)
 {
-    column_source s = source_of(f);
+    column_square s = columns_of(f);
     for (mask_rule rule = MASK_RULE_GREEDY; rule <= MASK_RULE_SHADOW; rule++) {
-        tile_masks tight, loose, plain;
+        column_tree tight, loose;
         f->loose = 0;
-        assert_int_equal(tile_masks_build(&tight, &s, 0, 0, TILES, rule), VXS_OK);
-        assert_int_equal(plain_tile_masks_build(&plain, &s, 0, 0, TILES, rule), VXS_OK);
-        assert_same(&tight, &plain);
+        assert_int_equal(column_tree_build(&tight, &s, WHOLE, 0, 0, rule, 0), VXS_OK);
         f->loose = 5;
-        assert_int_equal(tile_masks_build(&loose, &s, 0, 0, TILES, rule), VXS_OK);
-
+        assert_int_equal(column_tree_build(&loose, &s, WHOLE, 0, 0, rule, 0), VXS_OK);
         for (uint32_t tile = 0; tile < TILES * TILES; tile++) {
-            const column_tile *t = &f->tiles[tile];
-            run                runs[64];
-            uint32_t           count = rule == MASK_RULE_GREEDY ? greedy_runs(t, runs) : shadow_runs(t, runs);
-            assert_contract(&tight, tile, t);
-            assert_contract(&loose, tile, t);
-            assert_runs(&tight, tile, runs, count);
-            assert_runs(&loose, tile, runs, count);
-            if (rule == MASK_RULE_GREEDY && f->depth <= 256) assert_int_equal(count, least_runs(t));
+            tile_masks a = masks_of(&tight, tile % TILES, tile / TILES), b = masks_of(&loose, tile % TILES, tile / TILES);
+            check_tile(f, &f->tiles[tile], rule, &a, &b);
         }
-        tile_masks_free(&tight);
-        tile_masks_free(&loose);
-        plain_tile_masks_free(&plain);
+        column_tree_free(&tight);
+        column_tree_free(&loose);
     }
 }
 
@@ -297,12 +319,12 @@ static void most_runs_of_a_tile(void **state)
     for (int t = 0; t < TILES * TILES; t++)
         for (uint32_t n = 0; n < 64; n++) f.tiles[t].e[n] = f.tiles[t].x[n] = 3 * ((n * 37 + (uint32_t)t) % 64);
     check_fixture(&f);
-    column_source s = source_of(&f);
-    tile_masks    m;
+    column_square s = columns_of(&f);
+    column_tree   t;
     f.loose = 0;
-    assert_int_equal(tile_masks_build(&m, &s, 0, 0, TILES, MASK_RULE_GREEDY), VXS_OK);
-    assert_int_equal(m.run_count, TILES * TILES * 63);
-    tile_masks_free(&m);
+    assert_int_equal(column_tree_build(&t, &s, WHOLE, 0, 0, MASK_RULE_GREEDY, 0), VXS_OK);
+    assert_int_equal(t.run_count, TILES * TILES * 63);
+    column_tree_free(&t);
 }
 
 /* By hand: drawn in masks.c. */
@@ -315,16 +337,16 @@ static void an_example(void **state)
             f.tiles[t].e[n] = n == 0 ? 15 : n == 1 ? 18 : 38;
             f.tiles[t].x[n] = n == 0 ? 20 : n == 1 ? 29 : 48;
         }
-    column_source s = source_of(&f);
+    column_square s = columns_of(&f);
     for (mask_rule rule = MASK_RULE_GREEDY; rule <= MASK_RULE_SHADOW; rule++) {
-        tile_masks m;
-        assert_int_equal(tile_masks_build(&m, &s, 1, 2, 1, rule), VXS_OK);
-        assert_int_equal(m.run_count, 1);
-        assert_int_equal(m.xmin[0], 20);
-        assert_int_equal(m.emax[0], 38);
-        assert_int_equal(m.mask[0], 3);
-        assert_int_equal(m.until[0], 38);
-        tile_masks_free(&m);
+        column_tree t;
+        assert_int_equal(column_tree_build(&t, &s, 0, 1, 2, rule, 0), VXS_OK);
+        assert_int_equal(t.run_count, 1);
+        assert_int_equal(t.squares[0].xmin, 20);
+        assert_int_equal(t.squares[0].emax, 38);
+        assert_int_equal(t.runs[0].mask, 3);
+        assert_int_equal(t.runs[0].until, 38);
+        column_tree_free(&t);
     }
 }
 
@@ -335,21 +357,27 @@ static void squares_of_a_source(void **state)
     fixture f = {.depth = 64};
     rng     r = {4};
     for (int t = 0; t < TILES * TILES; t++) fill_tile(&f.tiles[t], TILE_NOISE, f.depth, &r);
-    column_source s = source_of(&f);
-    tile_masks    whole, part;
-    assert_int_equal(tile_masks_build(&whole, &s, 0, 0, TILES, MASK_RULE_GREEDY), VXS_OK);
-    assert_int_equal(tile_masks_build(&part, &s, 2, 1, 2, MASK_RULE_GREEDY), VXS_OK);
-    for (uint32_t tile = 0; tile < 4; tile++) {
-        uint32_t from = (1 + tile / 2) * TILES + 2 + tile % 2, runs = part.first[tile + 1] - part.first[tile];
-        assert_int_equal(whole.first[from + 1] - whole.first[from], runs);
-        assert_memory_equal(whole.mask + whole.first[from], part.mask + part.first[tile], runs * sizeof *part.mask);
-        assert_memory_equal(whole.until + whole.first[from], part.until + part.first[tile], runs * sizeof *part.until);
-        assert_int_equal(whole.xmin[from], part.xmin[tile]);
-        assert_int_equal(whole.emax[from], part.emax[tile]);
+    column_square s = columns_of(&f);
+    column_tree   whole, part;
+    assert_int_equal(column_tree_build(&whole, &s, WHOLE, 0, 0, MASK_RULE_GREEDY, 0), VXS_OK);
+    assert_int_equal(column_tree_build(&part, &s, 1, 1, 1, MASK_RULE_GREEDY, 0), VXS_OK);
+    assert_int_equal(part.tile_count, 4);
+    for (uint32_t n = 0; n < 4; n++) {
+        const tree_tile *t    = &part.tiles[n]; /* in z order, which is the order of rows for four */
+        tile_masks       from = masks_of(&whole, 2 + n % 2, 2 + n / 2);
+        assert_int_equal(t->x, 2 + n % 2);
+        assert_int_equal(t->y, 2 + n / 2);
+        assert_int_equal(t->end - t->first, from.count);
+        for (uint32_t k = 0; k < from.count; k++) {
+            assert_true(part.runs[t->first + k].mask == from.runs[k].mask);
+            assert_int_equal(part.runs[t->first + k].until, from.runs[k].until);
+        }
+        assert_int_equal(part.squares[part.squares[0].parts + n].xmin, from.xmin);
+        assert_int_equal(part.squares[part.squares[0].parts + n].emax, from.emax);
     }
-    tile_masks_free(&whole);
-    tile_masks_free(&part);
-    tile_masks_free(&part); /* a zeroed object is accepted */
+    column_tree_free(&whole);
+    column_tree_free(&part);
+    column_tree_free(&part); /* a zeroed object is accepted */
 }
 
 int main(void)

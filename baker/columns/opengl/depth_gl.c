@@ -41,7 +41,7 @@ static const char next_text[] =
     "    if (order * gl_FragCoord.z <= order * texelFetch(last, ivec2(gl_FragCoord.xy), 0).r) discard;\n"
     "}\n";
 
-static vxs_result set_up_gl(block_context *x, message *m)
+static vxs_result make_programs(block_context *x, message *m)
 {
     gl_context       *gl = x->gl;
     vxs_result        r;
@@ -51,10 +51,15 @@ static vxs_result set_up_gl(block_context *x, message *m)
     x->program_depth = gl->depth_programs[0];
     x->program_count = gl->depth_programs[1];
     x->program_next  = gl->depth_programs[2];
-    gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
-    gl->GenFramebuffers(1, &x->framebuffer);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
+    return VXS_OK;
+}
 
+/* The context is shared with other renderers: whatever one of them may have left is set before a tile is rendered. */
+static void set_state(const block_context *x)
+{
+    gl_context *gl = x->gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, x->framebuffer);
+    gl->ProgramUniform1f(x->program_next, 0, x->order.sign);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl->FrontFace(GL_CW); /* u, v and the light's direction are right-handed: seen from the light, the map is mirrored */
     gl->Viewport(0, 0, (GLsizei)x->block_px, (GLsizei)x->block_px);
@@ -62,7 +67,6 @@ static vxs_result set_up_gl(block_context *x, message *m)
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_DEPTH_CLAMP); /* casters before the near plane of a region still cast */
     gl->BlendFunc(GL_ONE, GL_ONE);
-    return VXS_OK;
 }
 
 static void bound_triangles(void *user, size_t begin, size_t end, uint32_t worker)
@@ -83,7 +87,8 @@ static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)
     if (!x->boxes || !x->candidates || !x->vertex_slot || !x->vertex_gather)
         return fail(m, VXS_E_MEMORY, "out of memory for rendering depth maps");
     parallel_for(threads, p->triangle_count, 4096, bound_triangles, r);
-    vxs_result result = set_up_gl(x, m);
+    vxs_result result = make_programs(x, m);
+    x->gl->GenFramebuffers(1, &x->framebuffer);
     if (result == VXS_OK) result = mask_images_init(&x->images, x->gl, p->casters, m);
     for (int n = 0; n < LANES && result == VXS_OK; n++) result = depth_block_init(&r->lane[n], x, m);
     return result;
@@ -207,6 +212,7 @@ vxs_result depth_renderer_tile(depth_renderer *r, depth_maps *maps, uint32_t i, 
 {
     uint32_t    blocks = maps->side_px / r->context.block_px;
     tile_blocks t      = {.maps = maps, .u0 = i * maps->side_px, .v0 = j * maps->side_px, .count = blocks * blocks};
+    set_state(&r->context);
     gather_candidates(&r->context, &t);
     render_blocks(r, &t);
     GLenum error = r->context.gl->GetError();

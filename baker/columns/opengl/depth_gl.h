@@ -4,9 +4,9 @@
 #ifndef DEPTH_GL_H
 #define DEPTH_GL_H
 
-#include "baker/columns/stored/depth_maps.h"
-#include "baker/columns/opengl/gl.h"
 #include "baker/casters/casters.h"
+#include "baker/columns/opengl/gl.h"
+#include "baker/columns/stored/depth_maps.h"
 #include "formats/vxs_file.h"
 
 typedef enum exit_mode {
@@ -26,8 +26,8 @@ typedef struct depth_stats {
 
 typedef struct depth_renderer depth_renderer;
 
-/* Set up for map `map` of a light (vxs.h numbers them). gl and casters are borrowed until depth_renderer_destroy. Depths are those of
- * depth_maps.h: shares of the whole for a directional light, -near / distance for the others.
+/* Set up for map `map` of a light (vxs.h numbers them). gl and casters are borrowed until depth_renderer_destroy; any number of renderers
+ * may share a context and take turns. Depths are those of depth_maps.h: shares of the whole for a directional light, -near / distance for the others.
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result depth_renderer_create(depth_renderer **out, gl_context *gl, const casters *c, const vxs_light *light, int map,
                                  exit_mode mode, uint32_t threads, message *m);

@@ -117,13 +117,14 @@ void depth_maps_reduce(depth_maps *d, uint32_t threads)
     }
 }
 
-static column_bounds maps_bounds(const void *data, uint32_t level, uint32_t i, uint32_t j)
+static vxs_result maps_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
     const depth_maps *d = data;
-    return d->pyramid[level][(size_t)j * (d->side_px >> (3 + level)) + i];
+    *out                = d->pyramid[level][(size_t)j * (d->side_px >> (3 + level)) + i];
+    return VXS_OK;
 }
 
-static void maps_tile(const void *data, uint32_t i, uint32_t j, column_tile *out)
+static vxs_result maps_tile(void *data, uint32_t i, uint32_t j, column_tile *out)
 {
     const depth_maps *d = data;
     const float      *e = d->enter + (size_t)j * 8 * d->side_px + i * 8;
@@ -133,9 +134,43 @@ static void maps_tile(const void *data, uint32_t i, uint32_t j, column_tile *out
             out->e[row * 8 + n] = voxels_down(d, e[n]);
             out->x[row * 8 + n] = voxels_up(d, x[n]);
         }
+    return VXS_OK;
 }
 
-column_source depth_maps_columns(const depth_maps *d)
+column_square depth_maps_square(const depth_maps *d)
 {
-    return (column_source){.data = d, .side_px = d->side_px, .depth_vx = d->depth_vx, .bounds = maps_bounds, .tile = maps_tile};
+    return (column_square){
+        .data = (void *)d, .side_px = d->side_px, .depth_vx = d->depth_vx, .bounds = maps_bounds, .tile = maps_tile};
+}
+
+static vxs_result maps_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
+{
+    (void)ctx;
+    (void)i;
+    (void)j;
+    *out = depth_maps_square(data);
+    return 8u << level == out->side_px ? VXS_OK : VXS_E_ARGUMENT;
+}
+
+static void maps_release(void *data, column_square *square)
+{
+    (void)data;
+    (void)square;
+}
+
+static void maps_close(void *data)
+{
+    (void)data;
+}
+
+column_map depth_maps_map(const depth_maps *d)
+{
+    return (column_map){.data     = (void *)d,
+                        .side_px  = d->side_px,
+                        .depth_vx = d->depth_vx,
+                        .fetch_px = d->side_px,
+                        .bounds   = maps_bounds,
+                        .fetch    = maps_fetch,
+                        .release  = maps_release,
+                        .close    = maps_close};
 }

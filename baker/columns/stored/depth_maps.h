@@ -1,10 +1,9 @@
-/* A pair of depth maps and its min-max pyramid: the column source of everything that is rendered or stored.
+/* A pair of depth maps and its min-max pyramid: the columns of everything that is rendered or stored.
  * Source: [CPVS16] 3 (min-max hierarchy), 6.1 (down to one entry per 8 x 8 tile).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DEPTH_MAPS_H
 #define DEPTH_MAPS_H
 
-#include "baker/base/message.h"
 #include "baker/columns/columns.h"
 
 enum { PYRAMID_LEVELS_MAX = 16 };
@@ -30,8 +29,9 @@ vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, d
 /* Compute the pyramid from the maps; call again whenever they change. */
 void depth_maps_reduce(depth_maps *d, uint32_t threads);
 
-/* The maps as a column source; borrowed, valid until depth_maps_free. */
-column_source depth_maps_columns(const depth_maps *d);
+/* The maps as a square of columns, and as a map that is open; borrowed, valid until depth_maps_free. */
+column_square depth_maps_square(const depth_maps *d);
+column_map    depth_maps_map(const depth_maps *d);
 
 void depth_maps_free(depth_maps *d);
 

@@ -1,0 +1,79 @@
+/* The asset's file; see asset_file.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/asset_file.h"
+
+#include <stdlib.h>
+
+#include "baker/base/version.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+
+/* What made the file, for people and tools; a lookup needs none of it. No clock, no path: same input, same bytes. */
+static char *metadata_text(const bake_options *o, const bake_report *report)
+{
+    json_t *root = json_pack("{s:s, s:I, s:I, s:I, s:o}", "generator", "vxs " VXS_VERSION, "triangles",
+                             (json_int_t)report->casters.triangle_count, "solids",
+                             (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
+                             (json_int_t)report->casters.solid_triangle_count, "options", bake_choices_json(o));
+    char   *text = root ? json_print(root, JSON_COMPACT) : NULL;
+    json_decref(root);
+    return text;
+}
+
+vxs_result asset_encode(const bake_options *o, const dag *dags, const bake_report *report, vxs_bytes *out, message *m)
+{
+    vxs_write_light *lights = calloc(report->light_count, sizeof *lights);
+    char            *text   = metadata_text(o, report);
+    vxs_result       r      = VXS_E_MEMORY;
+    if (lights && text) {
+        for (uint32_t n = 0; n < report->light_count; n++) {
+            lights[n].light = report->lights[n].light;
+            lights[n].dag   = dag_view_of(&dags[n]);
+        }
+        vxs_write_desc desc = {
+            .lights = lights, .light_count = report->light_count, .metadata = text, .zstd_level = (int)o->zstd_level};
+        r = vxs_write(out, &desc);
+    }
+    free(text);
+    free(lights);
+    return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
+}
+
+/* Sizes by level, from the file as a reader sees it. */
+static void report_contents(const vxs_contents *c, bake_report *report)
+{
+    for (uint32_t n = 0; n < c->light_count; n++) {
+        const vxs_dag_counts *counts = &c->lights[n].counts;
+        light_report         *light  = &report->lights[n];
+        light->light                 = c->lights[n].light;
+        light->memory_bytes          = (uint64_t)c->lights[n].dag.word_count * 4;
+        for (uint32_t s = 0; s < c->section_count; s++) {
+            const vxs_section *section = &c->sections[s];
+            if (section->light != n) continue;
+            int masks                          = section->kind == VXS_KIND_MASKS;
+            light->level[light->level_count++] = (level_report){
+                .side_voxels  = masks ? 0 : 8u << section->level,
+                .count        = masks ? counts->masks : counts->nodes[section->level],
+                .memory_bytes = masks ? (uint64_t)counts->masks * 8 : (uint64_t)counts->node_words[section->level] * 4,
+                .stored_bytes = section->stored_bytes,
+            };
+            light->stored_bytes += section->stored_bytes;
+        }
+    }
+}
+
+vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m)
+{
+    vxs_contents contents = {0};
+    output_file  out      = {0};
+    vxs_result   r        = vxs_read(&contents, file->data, file->size_bytes, NULL);
+    if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
+    report_contents(&contents, report);
+    vxs_contents_free(&contents);
+    report->file_bytes = file->size_bytes;
+
+    if ((r = output_file_open(&out, o->output_path, m)) != VXS_OK) return r;
+    if ((r = output_file_write(&out, file->data, file->size_bytes, m)) == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    return r;
+}

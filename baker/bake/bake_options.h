@@ -1,0 +1,65 @@
+/* What a bake is asked to do.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BAKE_OPTIONS_H
+#define BAKE_OPTIONS_H
+
+#include <jansson.h>
+
+#include "baker/base/text.h"
+#include "baker/casters/casters.h"
+#include "baker/columns/opengl/depth_gl.h"
+#include "baker/dag/masks.h"
+
+enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384 };
+
+typedef enum stop_stage {
+    STOP_INSERT,  /* sub-DAGs as they were inserted, side by side */
+    STOP_PARTIAL, /* each sub-DAG compressed, side by side */
+    STOP_FINAL    /* merged into one DAG without equal subtrees */
+} stop_stage;
+
+/* Order of sub-DAG compression; auto: top-down, where the plan says that it pays. */
+typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, COMPRESS_CHOICE_BOTTOM_UP } compress_choice;
+
+typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
+
+/* The words of the options below, in the order of their enums. */
+#define EXIT_CHOICES     "auto|peel|back"
+#define RULE_CHOICES     "greedy|shadow"
+#define REUSE_CHOICES    "off|on"
+#define COMPRESS_CHOICES "auto|top-down|bottom-up"
+#define STOP_CHOICES     "insert|partial|final"
+#define GL_CHOICES       "osmesa|egl"
+#define BASELINE_CHOICES "sample|full|off"
+
+typedef struct bake_options {
+    const char     *scene_path;
+    const char     *output_path; /* "-" is standard output */
+    const char     *scene_name;  /* NULL: the default scene */
+    text_list       light_names; /* none: all directional lights, or the sun */
+    int             sun_given;
+    double          sun[3];     /* the way sunlight travels; any length but zero */
+    uint32_t        resolution; /* texels a side; 0: from texel_metres */
+    double          texel_metres;
+    int             region_given;
+    double          region_ws[6]; /* min xyz, max xyz */
+    closed_mode     closed;
+    exit_mode       exit;
+    mask_rule       rule;
+    int             reuse;
+    compress_choice compress;
+    stop_stage      stop;
+    gl_backend      gl;
+    uint32_t        threads;
+    uint32_t        zstd_level; /* 1..19 */
+    baseline_mode   baseline;
+    uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    int             pictures;     /* 1: keep pictures of the maps of the largest lights, for a page */
+    int             progress;     /* 1: say on standard error how far it is */
+} bake_options;
+
+/* Words for the options that decide what is baked, and for all that make a difference to the report. */
+json_t *bake_choices_json(const bake_options *o);
+json_t *bake_options_json(const bake_options *o);
+
+#endif
