@@ -61,13 +61,14 @@ baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)
 baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
-helper    := $B/tests/exact/exact $(patsubst %.c,$B/%,$(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
+helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
+exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(rival.o)
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o)
 objects   := $B/baker/main.c.o $(baker.o) $(runtime.o) $(test.o)
 
 .DELETE_ON_ERROR:
@@ -78,7 +79,7 @@ unit: $(unit) $(helper) $(fuzz)
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 $(unit) $(helper): $B/%: $B/%.c.o $(baker.o) $B/libvxs.a
 $(unit): test_libs := -lcmocka
-$B/tests/exact/exact: $(patsubst %.c,$B/%.c.o,$(filter-out tests/exact/exact.c,$(wildcard tests/exact/*.c)))
+$B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o)
 $B/tests/bench/rivals: test_libs := -lz
 $B/vxs $(unit) $(helper):

@@ -41,18 +41,28 @@ FAULTS = ["depth", "tile", "square", "mask", "until", "inserted", "compressed", 
 
 @pytest.fixture(scope="session")
 def exact(vxs_path):
-    """run(scene, *options, status=0): the counts of one run, whose exit status is checked."""
+    """run(scene, *options, status=0, **choices): the counts of one run, whose exit status is checked: a list, one for each combination of
+    choices, which are lists of values of an option."""
     path = (ROOT / os.environ.get("EXACT", vxs_path.parent / "tests" / "exact" / "exact")).resolve()
     if not path.is_file():
         pytest.skip(f"no program at {path}: build it, or set EXACT")
 
-    def run(scene, *options, status=0):
-        done = subprocess.run([path, scene, *map(str, options)], capture_output=True, text=True, timeout=300)
+    def run(scene, *options, status=0, **choices):
+        chosen = [word for name, values in choices.items() for value in values for word in (f"--{name}", value)]
+        done = subprocess.run([path, scene, *map(str, [*options, *chosen])], capture_output=True, text=True, timeout=300)
         found = f"status {done.returncode}, expected {status}: {done.stdout}{done.stderr}"
-        assert done.returncode == status, f"{options}: {found}"
-        return json.loads(done.stdout) if done.stdout else None
+        assert done.returncode == status, f"{options} {choices}: {found}"
+        counts = [json.loads(line) for line in done.stdout.splitlines()]
+        if status in (0, 1):
+            asked = itertools.product(*([numbers(v) if name == "sun" else v for v in values] for name, values in choices.items()))
+            assert sorted(tuple(c[name] for name in choices) for c in counts) == sorted(asked), "each combination once"
+        return counts
 
     return run
+
+
+def numbers(text):
+    return [float(number) for number in text.split(",")]
 
 
 @pytest.fixture(scope="session")
@@ -73,68 +83,66 @@ def scene(vxs, tmp_path_factory):
     return find
 
 
-def assert_complete(counts, resolution):
-    assert counts["resolution"] == resolution and counts["columns"] == resolution**2 and counts["voxels"] == resolution**3
+def assert_complete(found, resolution):
+    for counts in found:
+        assert counts["resolution"] == resolution and counts["columns"] == resolution**2 and counts["voxels"] == resolution**3
 
 
-def assert_complete_lamps(counts, resolution):
+def assert_complete_lamps(found, resolution):
     """All maps of all lamps but those, of one map each, that may reach nothing."""
-    assert 13 <= counts["maps"] <= 16 and counts["columns"] == counts["maps"] * resolution**2
-    assert counts["voxels"] == counts["maps"] * resolution**3 and counts["resolution"] == resolution
+    for counts in found:
+        assert 13 <= counts["maps"] <= 16 and counts["columns"] == counts["maps"] * resolution**2
+        assert counts["voxels"] == counts["maps"] * resolution**3 and counts["resolution"] == resolution
 
 
 @pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")
 @pytest.mark.parametrize("name", LOADABLE)
 def test_every_voxel_of_every_scene(exact, scene, name):
-    for sun in SUNS:
-        assert_complete(exact(scene(name), "--sun", sun), 512)
+    assert_complete(exact(scene(name), sun=SUNS), 512)
 
 
 @pytest.mark.parametrize("name", sorted(REFUSED))
 def test_refused_scenes_say_so(exact, scene, name):
-    assert exact(scene(name), "--sun", SUNS[0], status=REFUSED[name]) is None
+    assert exact(scene(name), "--sun", SUNS[0], status=REFUSED[name]) == []
 
 
 @pytest.mark.parametrize("name", GENERATED + LOADABLE)
 def test_every_voxel_after_every_stage_with_each_rule(exact, scene, name):
-    suns = SUNS if name in EVERY_OPTION else SUNS[:1]
-    for sun, stop, rule in itertools.product(suns, STOPS, RULES):
-        assert_complete(exact(scene(name), "--sun", sun, "--stop", stop, "--rule", rule), 512)
+    assert_complete(exact(scene(name), sun=SUNS if name in EVERY_OPTION else SUNS[:1], stop=STOPS, rule=RULES), 512)
 
 
 @pytest.mark.parametrize("name", EVERY_OPTION)
 def test_every_voxel_without_reuse_and_compressed_either_way(exact, scene, name):
-    for reuse, order, stop in itertools.product(["on", "off"], ["top-down", "bottom-up"], ["partial", "final"]):
-        assert_complete(exact(scene(name), "--sun", SUNS[0], "--reuse", reuse, "--compress", order, "--stop", stop), 512)
+    assert_complete(exact(scene(name), "--sun", SUNS[0], reuse=["on", "off"], compress=["top-down", "bottom-up"],
+                          stop=["partial", "final"]), 512)
 
 
 @pytest.mark.parametrize("name", EVERY_OPTION)
 def test_every_voxel_whatever_is_solid(exact, scene, name):
-    for closed, depth in itertools.product(["on", "off"], ["peel", "back"]):
-        assert_complete(exact(scene(name), "--sun", SUNS[1], "--closed", closed, "--exit", depth), 512)
+    assert_complete(exact(scene(name), "--sun", SUNS[1], closed=["on", "off"], exit=["peel", "back"]), 512)
 
 
 @pytest.mark.parametrize("name", EVERY_OPTION)
-@pytest.mark.parametrize("sun", ["0,-1,0", "1,0,0", "0,0.001,-1"])
-def test_every_voxel_of_suns_along_an_axis(exact, scene, name, sun):
-    assert_complete(exact(scene(name), "--sun", sun, "--resolution", 256), 256)
+def test_every_voxel_of_suns_along_an_axis(exact, scene, name):
+    assert_complete(exact(scene(name), "--resolution", 256, sun=["0,-1,0", "1,0,0", "0,0.001,-1"]), 256)
 
 
-@pytest.mark.parametrize("resolution", [8, 16, 32, 64, 128, 1024])
-def test_every_voxel_at_every_resolution(exact, scene, resolution):
-    for name, sun in itertools.product(GENERATED, SUNS):
-        assert_complete(exact(scene(name), "--sun", sun, "--resolution", resolution), resolution)
+@pytest.mark.parametrize("name", GENERATED)
+def test_every_voxel_at_every_resolution(exact, scene, name):
+    for resolution in [8, 16, 32, 64, 128, 1024]:
+        assert_complete(exact(scene(name), sun=SUNS, resolution=[resolution]), resolution)
 
 
 @pytest.mark.parametrize("name", FINE)
 def test_a_million_columns_at_4096(exact, scene, name):
-    counts = exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", 1000000)
+    counts, = exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", 1000000)
     assert counts["columns"] == 1000000 and counts["voxels"] > 20000000
 
 
 def test_several_map_tiles(exact, scene):
     """8192 texels are four tiles that are rendered one by one."""
-    assert exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000)["columns"] == 1000000
+    counts, = exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000)
+    assert counts["columns"] == 1000000
 
 
 @pytest.mark.parametrize("name", GENERATED + LOADABLE)
@@ -149,10 +157,8 @@ def test_every_voxel_of_fine_lamps(exact, scene, name):
 
 @pytest.mark.parametrize("name", GENERATED + EVERY_OPTION[-2:])
 def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, name):
-    for stop, rule in itertools.product(STOPS, RULES):
-        assert_complete_lamps(exact(scene(name), *LAMPS, "--stop", stop, "--rule", rule, "--resolution", 256), 256)
-    for closed, depth in itertools.product(["on", "off"], ["peel", "back"]):
-        assert_complete_lamps(exact(scene(name), *LAMPS, "--closed", closed, "--exit", depth, "--resolution", 256), 256)
+    assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 256, stop=STOPS, rule=RULES), 256)
+    assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 256, closed=["on", "off"], exit=["peel", "back"]), 256)
 
 
 @pytest.mark.parametrize("resolution", [8, 16, 32, 64, 1024])
@@ -162,28 +168,28 @@ def test_every_voxel_of_lamps_at_every_resolution(exact, scene, resolution):
 
 def test_columns_of_fine_lamps(exact, scene):
     """8192 texels are four map tiles."""
-    counts = exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", 400000)
+    counts, = exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", 400000)
     assert counts["maps"] == 1 and counts["columns"] == 400000
-    assert exact(scene("city"), *LAMPS[-2:], "--resolution", 2048, "--columns", 200000)["maps"] == 6
+    counts, = exact(scene("city"), *LAMPS[-2:], "--resolution", 2048, "--columns", 200000)
+    assert counts["maps"] == 6
 
 
 def test_lamps_that_reach_nothing(exact, scene):
-    assert exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", status=5) is None
-    assert exact(scene("city"), "--point", "0.5,9,0.5,0.1", status=5) is None
-    both = exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", "--spot", "0.5,2,0.5,0,-1,0,60", "--resolution", 64)
+    assert exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", status=5) == []
+    assert exact(scene("city"), "--point", "0.5,9,0.5,0.1", status=5) == []
+    both, = exact(scene("city"), "--spot", "0.5,2,0.5,0,1,0,60", "--spot", "0.5,2,0.5,0,-1,0,60", "--resolution", 64)
     assert both["maps"] == 1
 
 
 @pytest.mark.parametrize("lamp", [LAMPS[2:4], LAMPS[6:8], LAMPS[10:12]], ids=["spot", "wide", "point"])
 def test_faults_of_lamps_are_seen(exact, scene, lamp):
-    counts = exact(scene("city"), *lamp, "--fault", "word", status=1)
+    counts, = exact(scene("city"), *lamp, "--fault", "word", status=1)
     assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
 
 
 @pytest.mark.parametrize("fault", ["stages"] + FAULTS)
 def test_faults_are_seen(exact, scene, fault):
     """Proof that the comparison sees what it is there to see: one fault in one stage, in places that a seed picks."""
-    for name, seed in itertools.product(GENERATED, [1, 2, 3]):
-        options = ["--sun", SUNS[1], "--fault", fault, "--seed", seed, "--rule", RULES[seed % 2]]
-        counts = exact(scene(name), *options, status=int(fault != "stages"))
-        assert (counts["wrong_lit"] + counts["wrong_shadow"] > 0) == (fault != "stages")
+    for name in GENERATED:
+        found = exact(scene(name), "--sun", SUNS[1], "--fault", fault, status=int(fault != "stages"), seed=[1, 2, 3], rule=RULES)
+        assert all((counts["wrong_lit"] + counts["wrong_shadow"] > 0) == (fault != "stages") for counts in found)

@@ -1,19 +1,23 @@
-/* exact: bake a scene, then ask the file about the voxels of its depth maps, one by one.
+/* exact: bake a scene, then ask the file about the voxels of its depth maps, all of them.
  *
  * The contract (docs/overview.md): with e and x the enter and exit depth of texel (i,j) in voxels, voxel (i,j,k) is lit if
  * its far side is at or before e (k + 1 <= e), shadowed if its near side is at or behind x (k >= x), and free otherwise. The
- * maps are rendered a second time and compared as the floats that they are, in double: no rounding to whole voxels, pyramid,
- * mask or node takes part. What the bake and this check have in common is the renderer and the lookup.
+ * maps are rendered a second time and compared as the floats that they are, in double: no pyramid, mask or node takes part. What the
+ * bake and this check have in common is the renderer and the lookup.
  *
- *     exact SCENE [--sun X,Y,Z] [--resolution N] [--columns all|COUNT] [bake's options] [--fault NAME]
+ *     exact SCENE [--sun X,Y,Z]... [--resolution N]... [--columns all|COUNT] [bake's options]... [--fault NAME]
  *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
+ * --sun, --resolution, --closed, --exit, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
+ * compared. The scene is read once; casters are found once for each --closed; and maps are rendered once for all files that differ in
+ * rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
+ * others by its stages.
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
  * others.
  * --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how far in shares of
  * its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
  * --fault builds the DAG here, stage by stage, and spoils one thing after one of them: the check must see it.
- * One line of JSON on standard output. Exit status 0: no voxel is wrong; 1: some are; else as vxs.
+ * One line of JSON on standard output for each combination. Exit status 0: no voxel is wrong; 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <math.h>
@@ -28,28 +32,50 @@
 #include "baker/bake/light_columns.h"
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
-#include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/command/asset_open.h"
 #include "baker/light/light_fit.h"
 #include "baker/options/options.h"
 #include "baker/scene/light_choice.h"
+#include "tests/exact/check.h"
 #include "tests/exact/spoil.h"
 
-enum { WINDOW_VX = 3, RANDOM_VOXELS = 16 };
+/* Options of bake of which several values may be asked for. */
+enum choice { CHOICE_CLOSED, CHOICE_EXIT, CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP, CHOICES };
+
+static const struct {
+    const char *option, *words;
+    int         usual;
+} choices[CHOICES] = {
+    [CHOICE_CLOSED]   = {"--closed", CLOSED_CHOICES, CLOSED_AUTO},
+    [CHOICE_EXIT]     = {"--exit", EXIT_CHOICES, EXIT_AUTO},
+    [CHOICE_RULE]     = {"--rule", RULE_CHOICES, MASK_RULE_GREEDY},
+    [CHOICE_REUSE]    = {"--reuse", REUSE_CHOICES, 1},
+    [CHOICE_COMPRESS] = {"--compress", COMPRESS_CHOICES, COMPRESS_CHOICE_AUTO},
+    [CHOICE_STOP]     = {"--stop", STOP_CHOICES, STOP_FINAL},
+};
+
+enum { CHOICE_VALUES_MAX = 8, WAYS_MAX = 64 };
 
 typedef struct exact_options {
-    bake_options bake;
+    bake_options bake; /* what is the same in all combinations */
     const char  *scene_path;
-    uint64_t     columns; /* 0: all */
-    uint32_t     seed;
+    text_list    suns; /* none: the scene's lights */
+    number_list  resolutions, seeds;
+    int          value[CHOICES][CHOICE_VALUES_MAX];
+    size_t       value_count[CHOICES]; /* at least 1 */
+    uint64_t     columns;              /* 0: all */
     fault        fault;
     text_list    spots, points;
 } exact_options;
 
-typedef struct tally {
-    uint64_t columns, voxels, wrong_lit, wrong_shadow, insane, maps;
-} tally;
+/* A combination, its file, and what is found of it. */
+typedef struct way {
+    bake_options bake;
+    uint32_t     seed;
+    vxs_asset   *asset;
+    tally        sum;
+} way;
 
 /* a scene and what casts shadows in it
  * ---------------------------------------------------------------------------------------- */
@@ -60,7 +86,6 @@ typedef struct world {
     gl_context *gl;
 } world;
 
-/* min xyz, max xyz */
 /* Bounds, and room above and below what is flat: a lamp in its plane would see an edge. */
 static void scene_box(const scene *s, double box[6])
 {
@@ -126,11 +151,8 @@ static vxs_result put_lamps(scene *s, const exact_options *o, message *m)
 static vxs_result world_load(world *w, const exact_options *o, message *m)
 {
     vxs_result r;
-    memset(w, 0, sizeof *w);
     if ((r = scene_load_gltf(&w->s, o->scene_path, NULL, m)) != VXS_OK) return r;
-    if (lamps_asked_for(o) && (r = put_lamps(&w->s, o, m)) != VXS_OK) return r;
-    if ((r = casters_from_scene(&w->c, &w->s, o->bake.closed, m)) != VXS_OK) return r;
-    return gl_context_create(&w->gl, GL_BACKEND_OSMESA, o->bake.threads, m);
+    return lamps_asked_for(o) ? put_lamps(&w->s, o, m) : VXS_OK;
 }
 
 static void world_free(world *w)
@@ -140,257 +162,22 @@ static void world_free(world *w)
     scene_free(&w->s);
 }
 
-/* comparing
- * ------------------------------------------------------------------------------------------------------------------- */
-
-typedef struct check {
-    const depth_maps *maps;
-    const uint32_t   *words;
-    uint32_t          root; /* of the map in words */
-    uint32_t          levels;
-    uint32_t          side_vx;
-    uint32_t          i0, j0; /* first texel of the rendered tile in the map */
-    uint64_t          seed;
-    tally             worker[PARALLEL_THREADS_MAX];
-    int               failed;
-} check;
-
-/* A depth as it was sampled, in voxels: shares of the whole, or near / distance of a perspective map, negative, whose logarithm is
- * divided by a voxel's. */
-static double voxels(const check *c, float depth)
-{
-    if (c->maps->voxel_log == 0) return (double)depth * c->side_vx;
-    return depth == 0 ? c->side_vx : fmin(log(-1 / (double)depth) / c->maps->voxel_log, c->side_vx);
-}
-
-static int must_be_lit(const check *c, float enter, uint32_t k)
-{
-    return (double)k + 1 <= voxels(c, enter);
-}
-
-static int must_be_dark(const check *c, float exit, uint32_t k)
-{
-    return (double)k >= voxels(c, exit);
-}
-
-static void ask_voxel(const check *c, tally *t, uint32_t i, uint32_t j, uint32_t k)
-{
-    size_t   at   = (size_t)j * c->maps->side_px + i;
-    uint32_t dark = vxs_shadow(c->words, c->root, c->levels, c->i0 + i, c->j0 + j, k);
-    t->voxels++;
-    t->wrong_shadow += dark && must_be_lit(c, c->maps->enter[at], k);
-    t->wrong_lit += !dark && must_be_dark(c, c->maps->exit[at], k);
-}
-
-static void ask_window(const check *c, tally *t, uint32_t i, uint32_t j, float depth)
-{
-    int64_t at = (int64_t)voxels(c, depth);
-    for (int64_t k = at - WINDOW_VX; k <= at + WINDOW_VX; k++)
-        if (k >= 0 && k < c->side_vx) ask_voxel(c, t, i, j, (uint32_t)k);
-}
-
-static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    check *c = user;
-    tally *t = &c->worker[worker];
-    for (size_t n = begin; n < end; n++) {
-        rng      random = rng_split(c->seed, n);
-        uint32_t i = rng_below(&random, c->maps->side_px), j = rng_below(&random, c->maps->side_px);
-        size_t   at = (size_t)j * c->maps->side_px + i;
-        ask_window(c, t, i, j, c->maps->enter[at]);
-        ask_window(c, t, i, j, c->maps->exit[at]);
-        ask_voxel(c, t, i, j, 0);
-        ask_voxel(c, t, i, j, c->side_vx - 1);
-        for (int k = 0; k < RANDOM_VOXELS; k++) ask_voxel(c, t, i, j, rng_below(&random, c->side_vx));
-        t->columns++;
-    }
-}
-
-/* Every voxel of the tile of 8 x 8 texels at (x, y), a slice at a time. changes[k] is set where some answer may differ from
- * the one at k - 1, with a voxel to spare on either side, so that the 64 comparisons need not be made at each depth. */
-static void ask_tile(const check *c, tally *t, uint32_t x, uint32_t y, uint8_t *changes)
-{
-    const float *enter = c->maps->enter + (size_t)y * 8 * c->maps->side_px + x * 8;
-    const float *exit  = c->maps->exit + (size_t)y * 8 * c->maps->side_px + x * 8;
-    memset(changes, 0, c->side_vx + 4);
-    for (uint32_t n = 0; n < 64; n++) {
-        size_t at = (size_t)(n / 8) * c->maps->side_px + n % 8;
-        memset(changes + (uint32_t)voxels(c, enter[at]), 1, 3);
-        memset(changes + (uint32_t)voxels(c, exit[at]), 1, 3);
-    }
-    uint64_t lit = 0, dark = 0;
-    for (uint32_t k = 0; k < c->side_vx; k++) {
-        if (k == 0 || changes[k] || changes[k + 1]) {
-            lit = dark = 0;
-            for (uint32_t n = 0; n < 64; n++) {
-                size_t at = (size_t)(n / 8) * c->maps->side_px + n % 8;
-                lit |= (uint64_t)must_be_lit(c, enter[at], k) << n;
-                dark |= (uint64_t)must_be_dark(c, exit[at], k) << n;
-            }
-        }
-        uint32_t low, high;
-        vxs_slice(c->words, c->root, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k, &low, &high);
-        uint64_t found = low | (uint64_t)high << 32;
-        t->wrong_shadow += (uint64_t)__builtin_popcountll(found & lit);
-        t->wrong_lit += (uint64_t)__builtin_popcountll(~found & dark);
-    }
-    t->columns += 64;
-    t->voxels += (uint64_t)64 * c->side_vx;
-}
-
-static void ask_rows(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    check   *c       = user;
-    uint8_t *changes = malloc(c->side_vx + 4);
-    if (!changes) {
-        c->failed = 1;
-        return;
-    }
-    for (size_t y = begin; y < end; y++)
-        for (uint32_t x = 0; x < c->maps->side_px / 8; x++) ask_tile(c, &c->worker[worker], x, (uint32_t)y, changes);
-    free(changes);
-}
-
-/* Depths are depths, and a column without a solid is entered and left at once. */
-static uint64_t insane_texels(const depth_maps *maps, const depth_maps *solids)
-{
-    uint64_t count  = 0;
-    size_t   texels = (size_t)maps->side_px * maps->side_px;
-    float    near = maps->voxel_log == 0 ? 0 : -1, far = near + 1;
-    for (size_t n = 0; n < texels; n++) {
-        float e = maps->enter[n], x = maps->exit[n];
-        count += !(near <= e && e <= x && x <= far) || ((!solids || solids->enter[n] == far) && e != x);
-    }
-    return count;
-}
-
-static void add_tallies(tally *to, const tally *worker)
-{
-    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) {
-        to->columns += worker[n].columns;
-        to->voxels += worker[n].voxels;
-        to->wrong_lit += worker[n].wrong_lit;
-        to->wrong_shadow += worker[n].wrong_shadow;
-    }
-}
-
-/* A map of a light of the file against depths that are rendered anew. */
-static vxs_result check_map(const exact_options *o, const world *w, const vxs_light *light, int map, const uint32_t *words,
-                            tally *sum, message *m)
-{
-    casters         solids_only = w->c;
-    depth_renderer *renderer = NULL, *solid_renderer = NULL;
-    depth_maps      maps = {0}, solids = {0};
-    vxs_result      r;
-    uint32_t        side      = 1u << light->levels;
-    uint32_t        tile      = side < TILE_MAX_PX ? side : TILE_MAX_PX;
-    uint64_t        tiles     = (uint64_t)(side / tile) * (side / tile);
-    int             any       = w->c.solid_triangle_count != 0;
-    double          voxel_log = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres;
-    check          *c         = malloc(sizeof *c);
-    if (!c) return fail(m, VXS_E_MEMORY, "out of memory");
-
-    solids_only.triangle_count = solids_only.masked_first = solids_only.solid_triangle_count;
-    solids_only.mask_count                                = 0;
-    if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, map, o->bake.exit, o->bake.threads, m)) != VXS_OK) goto done;
-    if ((r = depth_maps_init(&maps, tile, side, voxel_log, any, m)) != VXS_OK) goto done;
-    if (any && (r = depth_maps_init(&solids, tile, side, voxel_log, 1, m)) != VXS_OK) goto done;
-
-    for (uint64_t n = 0; n < tiles && r == VXS_OK; n++) {
-        uint32_t i = (uint32_t)(n % (side / tile)), j = (uint32_t)(n / (side / tile));
-        if ((r = depth_renderer_tile(renderer, &maps, i, j, m)) != VXS_OK) break;
-        if (any) {
-            /* one renderer at a time sets up the context */
-            depth_renderer_destroy(renderer);
-            renderer = NULL;
-            if ((r = depth_renderer_create(&solid_renderer, w->gl, &solids_only, light, map, EXIT_BACK, o->bake.threads, m)) !=
-                VXS_OK)
-                break;
-            if ((r = depth_renderer_tile(solid_renderer, &solids, i, j, m)) != VXS_OK) break;
-            depth_renderer_destroy(solid_renderer);
-            solid_renderer = NULL;
-            if ((r = depth_renderer_create(&renderer, w->gl, &w->c, light, map, o->bake.exit, o->bake.threads, m)) != VXS_OK) break;
-        }
-        sum->insane += insane_texels(&maps, any ? &solids : NULL);
-
-        *c      = (check){.maps = &maps, .words = words, .levels = light->levels, .side_vx = side, .i0 = i * tile, .j0 = j * tile};
-        c->root = light->flags & VXS_LIGHT_CUBE ? words[map] : 0;
-        c->seed = rng_split(o->seed + (uint64_t)map, n).state;
-        if (o->columns)
-            parallel_for(o->bake.threads, o->columns / tiles, 1024, ask_random_columns, c);
-        else
-            parallel_for(o->bake.threads, tile / 8, 1, ask_rows, c);
-        add_tallies(sum, c->worker);
-        if (c->failed) r = fail(m, VXS_E_MEMORY, "out of memory");
-    }
-done:
-    free(c);
-    depth_maps_free(&maps);
-    depth_maps_free(&solids);
-    depth_renderer_destroy(renderer);
-    depth_renderer_destroy(solid_renderer);
-    return r;
-}
-
-static vxs_result check_light(const exact_options *o, const world *w, const vxs_light *light, const uint32_t *words, tally *sum,
-                              message *m)
-{
-    int        maps = (int)vxs_light_map_count(light);
-    vxs_result r    = VXS_OK;
-    for (int map = 0; map < maps && r == VXS_OK; map++) r = check_map(o, w, light, map, words, sum, m);
-    sum->maps += (uint64_t)maps;
-    return r;
-}
-
-static vxs_result build_file(const world *w, const exact_options *o, vxs_bytes *file, message *m)
-{
-    light_choice    chosen = {0};
-    vxs_write_light out;
-    dag             d = {0};
-    vxs_result      r;
-    memset(&out, 0, sizeof out);
-    if ((r = lights_choose(&w->s, &o->bake.light_names, o->bake.sun_given, o->bake.sun, &chosen, m)) != VXS_OK) return r;
-    if (chosen.lights[0].shape.kind != LIGHT_DIRECTIONAL) {
-        r = fail(m, VXS_E_ARGUMENT, "--fault: the first light is not directional");
-        goto done;
-    }
-    light_fit_desc fit = {.name = chosen.lights[0].name, .shape = &chosen.lights[0].shape, .resolution = o->bake.resolution};
-    if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
-    if ((r = spoilt_dag(&(spoil_desc){w->gl, &w->c, &out.light, &o->bake, o->fault, o->seed}, &d, m)) != VXS_OK) goto done;
-
-    out.dag             = dag_view_of(&d);
-    vxs_write_desc desc = {.lights = &out, .light_count = 1, .zstd_level = 1};
-    if ((r = vxs_write(file, &desc)) != VXS_OK) fail(m, r, "the asset cannot be encoded");
-done:
-    dag_free(&d);
-    light_choice_free(&chosen);
-    return r;
-}
-
-/* A child of a root that was a node of its own becomes lit: of the first of six that has one. */
-static void spoil_word(uint32_t *words, const vxs_light *light)
-{
-    uint32_t root = light->flags & VXS_LIGHT_CUBE ? words[0] : 0;
-    for (uint32_t map = 1; map < VXS_CUBE_FACES && light->flags & VXS_LIGHT_CUBE && !vxs_own(words[root]); map++) root = words[map];
-    uint32_t own = vxs_own(words[root]);
-    words[root] &= ~(2u * (own & (0u - own)));
-}
-
 /* the three ways to an asset
  * ---------------------------------------------------------------------------------------------------- */
 
-static vxs_result bake_asset(exact_options *o, vxs_asset **asset, message *m)
+static vxs_result bake_asset(const exact_options *o, way *y, message *m)
 {
-    bake_report report   = {0};
-    const char *tmp      = getenv("TMPDIR");
-    char        dir[512] = "", path[600];
+    bake_options bake_it  = y->bake;
+    bake_report  report   = {0};
+    const char  *tmp      = getenv("TMPDIR");
+    char         dir[512] = "", path[600];
     snprintf(dir, sizeof dir, "%s/exact-XXXXXX", tmp && *tmp ? tmp : "/tmp");
     if (!mkdtemp(dir)) return fail(m, VXS_E_WRITE, "%s: cannot make a folder", dir);
     snprintf(path, sizeof path, "%s/asset.vxs", dir);
-    o->bake.scene_path  = o->scene_path;
-    o->bake.output_path = path;
-    vxs_result r        = bake(&o->bake, &report, m);
-    if (r == VXS_OK) r = asset_open(asset, path, m);
+    bake_it.scene_path  = o->scene_path;
+    bake_it.output_path = path;
+    vxs_result r        = bake(&bake_it, &report, m);
+    if (r == VXS_OK) r = asset_open(&y->asset, path, m);
     bake_report_free(&report);
     unlink(path);
     rmdir(dir);
@@ -398,11 +185,11 @@ static vxs_result bake_asset(exact_options *o, vxs_asset **asset, message *m)
 }
 
 /* The lights of a plan, each as bake() bakes one. */
-static vxs_result planned_asset(const world *w, const exact_options *o, const bake_plan *plan, vxs_asset **asset, message *m)
+static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, message *m)
 {
     size_t           count  = plan->light_count;
-    bake_context     ctx    = {.message = m, .threads = o->bake.threads};
-    build_options    build  = plan_build_options(plan, &o->bake);
+    bake_context     ctx    = {.message = m, .threads = y->bake.threads};
+    build_options    build  = plan_build_options(plan, &y->bake);
     uint32_t         baked  = 0;
     vxs_write_light *lights = calloc(count, sizeof *lights);
     dag             *dags   = calloc(count, sizeof *dags);
@@ -415,9 +202,9 @@ static vxs_result planned_asset(const world *w, const exact_options *o, const ba
         build_stats       stats   = {0};
         light_columns     columns;
         if (planned->left_out) continue;
-        if ((r = light_columns_init(&columns, w->gl, &o->bake, plan, planned, &w->c, NULL, m)) == VXS_OK) {
+        if ((r = light_columns_init(&columns, w->gl, &y->bake, plan, planned, &w->c, NULL, m)) == VXS_OK) {
             column_source source = light_columns_source(&columns);
-            r = bake_light(planned, &source, &build, o->bake.stop == STOP_FINAL, NULL, &dags[baked], &stats, &ctx);
+            r = bake_light(planned, &source, &build, y->bake.stop == STOP_FINAL, NULL, &dags[baked], &stats, &ctx);
         }
         light_columns_free(&columns);
         if (r != VXS_OK) goto done;
@@ -425,7 +212,7 @@ static vxs_result planned_asset(const world *w, const exact_options *o, const ba
         baked++;
     }
     vxs_write_desc desc = {.lights = lights, .light_count = baked, .zstd_level = 1};
-    if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
+    if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(&y->asset, file.data, file.size_bytes, NULL)) != VXS_OK)
         fail(m, r, "the asset cannot be written and read back");
 done:
     for (size_t n = 0; n < count && dags; n++) dag_free(&dags[n]);
@@ -435,76 +222,281 @@ done:
     return r;
 }
 
-/* The lights of the command line; those that reach no caster are left out. */
-static vxs_result lamps_asset(world *w, const exact_options *o, vxs_asset **asset, message *m)
+/* By the stages of bake(); lights that reach no caster are left out. */
+static vxs_result staged_asset(world *w, const light_choice *chosen, way *y, message *m)
 {
-    light_choice chosen = {0};
-    bake_plan    plan   = {0};
-    vxs_result   r;
-    if ((r = lights_choose(&w->s, &o->bake.light_names, 0, o->bake.sun, &chosen, m)) != VXS_OK) goto done;
-    if ((r = plan_make(&plan, &o->bake, &w->c, &chosen, 0, m)) != VXS_OK) goto done;
-    r = planned_asset(w, o, &plan, asset, m);
-done:
+    bake_plan  plan = {0};
+    vxs_result r    = plan_make(&plan, &y->bake, &w->c, chosen, 0, m);
+    if (r == VXS_OK) r = planned_asset(w, &plan, y, m);
     plan_free(&plan);
+    return r;
+}
+
+/* Of the first light, which is spoilt. */
+static vxs_result spoilt_asset(const world *w, const light_choice *chosen, fault planted, way *y, message *m)
+{
+    vxs_write_light     out  = {0};
+    vxs_bytes           file = {0};
+    dag                 d    = {0};
+    const chosen_light *l    = &chosen->lights[0];
+    vxs_result          r;
+    if (y->bake.resolution < 64 || y->bake.resolution > TILE_MAX_PX)
+        return fail(m, VXS_E_ARGUMENT, "--fault needs --resolution 64 to %d", TILE_MAX_PX);
+    if (l->shape.kind != LIGHT_DIRECTIONAL) return fail(m, VXS_E_ARGUMENT, "--fault: the first light is not directional");
+    light_fit_desc fit   = {.name = l->name, .shape = &l->shape, .resolution = y->bake.resolution};
+    spoil_desc     spoil = {w->gl, &w->c, &out.light, &y->bake, planted, y->seed};
+    if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
+    if ((r = spoilt_dag(&spoil, &d, m)) != VXS_OK) goto done;
+    out.dag             = dag_view_of(&d);
+    vxs_write_desc desc = {.lights = &out, .light_count = 1, .zstd_level = 1};
+    if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(&y->asset, file.data, file.size_bytes, NULL)) != VXS_OK)
+        fail(m, r, "the asset cannot be written and read back");
+done:
+    free(file.data);
+    dag_free(&d);
+    return r;
+}
+
+/* comparing
+ * ------------------------------------------------------------------------------------------------------------------- */
+
+/* A child of a root that was a node of its own becomes lit: of the first of six that has one. */
+static void spoil_word(uint32_t *words, const vxs_light *light)
+{
+    uint32_t root = light->flags & VXS_LIGHT_CUBE ? words[0] : 0;
+    for (uint32_t map = 1; map < VXS_CUBE_FACES && light->flags & VXS_LIGHT_CUBE && !vxs_own(words[root]); map++) root = words[map];
+    uint32_t own = vxs_own(words[root]);
+    words[root] &= ~(2u * (own & (0u - own)));
+}
+
+/* What lookups and maps are made of is the same in both: all but the words. */
+static int same_light(const vxs_light *a, const vxs_light *b)
+{
+    return a->kind == b->kind && a->levels == b->levels && a->flags == b->flags && a->voxel_metres == b->voxel_metres &&
+           !strcmp(a->name, b->name) && !memcmp(a->ls_from_ws, b->ls_from_ws, sizeof a->ls_from_ws);
+}
+
+/* Light n of all files, against maps that are rendered once. */
+static vxs_result check_light(const exact_options *o, const world *w, way *ways, uint32_t count, uint32_t n, message *m)
+{
+    const vxs_light *light = &vxs_asset_light(ways[0].asset, n)->light;
+    checked_file     files[WAYS_MAX];
+    check_desc       d    = {.gl         = w->gl,
+                             .casters    = &w->c,
+                             .light      = light,
+                             .exit       = ways[0].bake.exit,
+                             .threads    = o->bake.threads,
+                             .columns    = o->columns,
+                             .seed       = ways[0].seed,
+                             .files      = files,
+                             .file_count = count};
+    int              maps = (int)vxs_light_map_count(light);
+    vxs_result       r    = VXS_OK;
+    memset(files, 0, sizeof files);
+    for (uint32_t y = 0; y < count; y++) {
+        const vxs_baked_light *own   = vxs_asset_light(ways[y].asset, n);
+        uint32_t              *words = malloc((size_t)own->dag.word_count * sizeof *words);
+        files[y].words               = words;
+        r                            = VXS_E_MEMORY;
+        if (!words) goto done;
+        memcpy(words, own->dag.words, (size_t)own->dag.word_count * sizeof *words);
+        if (o->fault == FAULT_WORD) spoil_word(words, &own->light);
+        r = VXS_E_CORRUPT;
+        if (!same_light(light, &own->light)) goto done;
+    }
+    r = VXS_OK;
+    for (int map = 0; map < maps && r == VXS_OK; map++) r = check_map(&d, map, m);
+done:
+    if (r == VXS_E_MEMORY) fail(m, r, "out of memory");
+    if (r == VXS_E_CORRUPT) fail(m, r, "light %u is not the same in all files", n);
+    for (uint32_t y = 0; y < count; y++) {
+        tally *to = &ways[y].sum, *from = &files[y].sum;
+        to->columns += from->columns;
+        to->voxels += from->voxels;
+        to->wrong_lit += from->wrong_lit;
+        to->wrong_shadow += from->wrong_shadow;
+        to->misread += from->misread;
+        to->insane += from->insane;
+        to->maps += (uint64_t)maps;
+        free((void *)files[y].words);
+    }
+    return r;
+}
+
+static int print_result(const exact_options *o, const way *y)
+{
+    const tally *t = &y->sum;
+    json_t      *line =
+        json_pack("{s:s, s:I, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
+                  (json_int_t)y->bake.resolution, "sun", y->bake.sun[0], y->bake.sun[1], y->bake.sun[2], "seed",
+                  (json_int_t)y->seed, "maps", (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels",
+                  (json_int_t)t->voxels, "wrong_lit", (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow,
+                  "misread", (json_int_t)t->misread, "insane_depths", (json_int_t)t->insane);
+    json_t *told   = bake_options_json(&y->bake);
+    int     failed = !line || !told || json_object_update_missing(line, told) || json_dumpf(line, stdout, JSON_COMPACT) ||
+                 puts("") < 0 || fflush(stdout);
+    json_decref(line);
+    json_decref(told);
+    return !failed && !t->wrong_lit && !t->wrong_shadow && !t->misread && !t->insane && t->columns;
+}
+
+/* all combinations
+ * ------------------------------------------------------------------------------------------------------------ */
+
+/* The combinations that share maps: they differ in rule, reuse, compress, stop and seed. */
+static uint32_t ways_of(const exact_options *o, const bake_options *bake, way *ways)
+{
+    static const int inner[] = {CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP};
+    size_t           count   = o->seeds.count;
+    for (int n = 0; n < 4; n++) count *= o->value_count[inner[n]];
+    if (count > WAYS_MAX) return 0;
+    for (size_t y = 0; y < count; y++) {
+        size_t at = y;
+        int    chosen[4];
+        for (int n = 0; n < 4; n++) {
+            chosen[n] = o->value[inner[n]][at % o->value_count[inner[n]]];
+            at /= o->value_count[inner[n]];
+        }
+        ways[y]               = (way){.bake = *bake, .seed = o->seeds.items[at]};
+        ways[y].bake.rule     = (mask_rule)chosen[0];
+        ways[y].bake.reuse    = chosen[1];
+        ways[y].bake.compress = (compress_choice)chosen[2];
+        ways[y].bake.stop     = (stop_stage)chosen[3];
+    }
+    return (uint32_t)count;
+}
+
+/* What is told apart by one pass over the maps.
+ * first   NULL, or the asset of the first combination, which is taken over
+ * *right  becomes 0 when something is wrong */
+static vxs_result compare_ways(const exact_options *o, world *w, const bake_options *bake, vxs_asset **first, int *right,
+                               message *m)
+{
+    way          ways[WAYS_MAX];
+    light_choice chosen = {0};
+    uint32_t     count  = ways_of(o, bake, ways), lights;
+    vxs_result   r;
+    if (!count) return fail(m, VXS_E_ARGUMENT, "more than %d combinations for the same maps", WAYS_MAX);
+    ways[0].asset = *first;
+    *first        = NULL;
+    if ((r = lights_choose(&w->s, &bake->light_names, bake->sun_given, bake->sun, &chosen, m)) != VXS_OK) goto done;
+    for (uint32_t y = 0; y < count; y++) {
+        if (ways[y].asset) continue;
+        r = o->fault == FAULT_NONE || (lamps_asked_for(o) && o->fault == FAULT_WORD)
+                ? staged_asset(w, &chosen, &ways[y], m)
+                : spoilt_asset(w, &chosen, o->fault, &ways[y], m);
+        if (r != VXS_OK) goto done;
+    }
+    lights = vxs_asset_light_count(ways[0].asset);
+    for (uint32_t n = 0; n < lights; n++)
+        if ((r = check_light(o, w, ways, count, n, m)) != VXS_OK) goto done;
+    for (uint32_t y = 0; y < count; y++) *right &= print_result(o, &ways[y]);
+done:
+    for (uint32_t y = 0; y < count; y++) vxs_asset_close(ways[y].asset);
     light_choice_free(&chosen);
     return r;
 }
 
-static vxs_result spoilt_asset(const world *w, const exact_options *o, vxs_asset **asset, message *m)
+/* The sun of the command line; without one, nothing. */
+static vxs_result set_sun(bake_options *bake, const char *text, message *m)
 {
-    vxs_bytes  file = {0};
-    vxs_result r;
-    if (o->bake.resolution < 64 || o->bake.resolution > TILE_MAX_PX)
-        return fail(m, VXS_E_ARGUMENT, "--fault needs --resolution 64 to %d", TILE_MAX_PX);
-    if ((r = build_file(w, o, &file, m)) == VXS_OK && (r = vxs_asset_open(asset, file.data, file.size_bytes, NULL)) != VXS_OK)
-        fail(m, r, "the asset cannot be read back");
-    free(file.data);
-    return r;
+    int end         = 0;
+    bake->sun_given = text != NULL;
+    if (text && (sscanf(text, "%lf,%lf,%lf%n", &bake->sun[0], &bake->sun[1], &bake->sun[2], &end) != 3 || text[end]))
+        return fail(m, VXS_E_ARGUMENT, "--sun %s: expected 3 numbers", text);
+    return VXS_OK;
 }
 
-static vxs_result check_asset(const exact_options *o, const world *w, const vxs_asset *asset, tally *sum, message *m)
+/* The combinations of what decides casters and maps, and in each all others. */
+static vxs_result compare_all(const exact_options *o, int *right, message *m)
 {
-    vxs_result r = VXS_OK;
-    for (uint32_t n = 0; n < vxs_asset_light_count(asset) && r == VXS_OK; n++) {
-        const vxs_light *light  = &vxs_asset_light(asset, n)->light;
-        const vxs_dag   *stored = &vxs_asset_light(asset, n)->dag;
-        uint32_t        *words  = malloc((size_t)stored->word_count * sizeof *words);
-        if (!words) return fail(m, VXS_E_MEMORY, "out of memory");
-        memcpy(words, stored->words, (size_t)stored->word_count * sizeof *words);
-        if (o->fault == FAULT_WORD) spoil_word(words, light);
-        r = check_light(o, w, light, words, sum, m);
-        free(words);
+    world        w     = {0};
+    bake_options bake  = o->bake;
+    vxs_asset   *first = NULL;
+    size_t       suns  = o->suns.count ? o->suns.count : 1;
+    vxs_result   r;
+    if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
+        way ways[WAYS_MAX];
+        bake.closed     = (closed_mode)o->value[CHOICE_CLOSED][0];
+        bake.exit       = (exit_mode)o->value[CHOICE_EXIT][0];
+        bake.resolution = o->resolutions.items[0];
+        if ((r = set_sun(&bake, o->suns.count ? o->suns.items[0] : NULL, m)) != VXS_OK) goto done;
+        if (ways_of(o, &bake, ways) && (r = bake_asset(o, &ways[0], m)) != VXS_OK) goto done;
+        first = ways[0].asset;
     }
+    if ((r = world_load(&w, o, m)) != VXS_OK) goto done;
+    for (size_t closed = 0; closed < o->value_count[CHOICE_CLOSED]; closed++) {
+        bake.closed = (closed_mode)o->value[CHOICE_CLOSED][closed];
+        casters_free(&w.c);
+        if ((r = casters_from_scene(&w.c, &w.s, bake.closed, m)) != VXS_OK) goto done;
+        if (!w.gl && (r = gl_context_create(&w.gl, GL_BACKEND_OSMESA, bake.threads, m)) != VXS_OK) goto done;
+        for (size_t sun = 0; sun < suns; sun++) {
+            if ((r = set_sun(&bake, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
+            for (size_t n = 0; n < o->value_count[CHOICE_EXIT] * o->resolutions.count; n++) {
+                bake.exit       = (exit_mode)o->value[CHOICE_EXIT][n / o->resolutions.count];
+                bake.resolution = o->resolutions.items[n % o->resolutions.count];
+                if ((r = compare_ways(o, &w, &bake, &first, right, m)) != VXS_OK) goto done;
+            }
+        }
+    }
+done:
+    vxs_asset_close(first);
+    world_free(&w);
     return r;
 }
 
 /* the command line
  * ------------------------------------------------------------------------------------------------------------ */
 
+/* The words given for a choice; without any, the usual one. */
+static vxs_result set_choice(exact_options *o, enum choice c, const text_list *given, message *m)
+{
+    o->value[c][0]    = choices[c].usual;
+    o->value_count[c] = given->count ? given->count : 1;
+    if (given->count > CHOICE_VALUES_MAX) return fail(m, VXS_E_ARGUMENT, "%s is given too often", choices[c].option);
+    for (size_t n = 0; n < given->count; n++)
+        if ((o->value[c][n] = choice_index(choices[c].words, given->items[n])) < 0)
+            return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s", choices[c].option, given->items[n], choices[c].words);
+    return VXS_OK;
+}
+
+static vxs_result check_options(exact_options *o, const char *columns, message *m)
+{
+    if (!o->resolutions.count) o->resolutions = (number_list){{512}, 1};
+    if (!o->seeds.count) o->seeds = (number_list){{1}, 1};
+    for (size_t n = 0; n < o->resolutions.count; n++)
+        if (o->resolutions.items[n] & (o->resolutions.items[n] - 1))
+            return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", o->resolutions.items[n]);
+    if (strcmp(columns, "all")) {
+        char *end;
+        o->columns = strtoull(columns, &end, 10);
+        if (*end || !o->columns) return fail(m, VXS_E_ARGUMENT, "--columns %s: expected all or a number from 1", columns);
+    }
+    if (lamps_asked_for(o) && (o->suns.count || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
+        return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or a --fault but word");
+    return VXS_OK;
+}
+
 static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown, message *m)
 {
-    int         closed = CLOSED_AUTO, exit_choice = EXIT_AUTO, rule = MASK_RULE_GREEDY, stop = STOP_FINAL, reuse = 0;
-    int         compress = COMPRESS_CHOICE_AUTO, planted = FAULT_NONE;
-    const char *columns = "all";
-
-    const option options[] = {
-        {"--sun", OPTION_VECTOR, o->bake.sun, 0, 3, NULL, "X,Y,Z", "as bake", &o->bake.sun_given},
-        {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
-        {"--spot", OPTION_TEXTS, &o->spots, 0, 0, NULL, "X,Y,Z,DX,DY,DZ,DEGREES[,RANGE]", "a spot light", NULL},
-        {"--point", OPTION_TEXTS, &o->points, 0, 0, NULL, "X,Y,Z[,RANGE]", "a point light", NULL},
-        {"--resolution", OPTION_U32, &o->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 512)",
-         NULL},
-        {"--exit", OPTION_CHOICE, &exit_choice, 0, 0, "auto|peel|back", NULL, "as bake", NULL},
-        {"--closed", OPTION_CHOICE, &closed, 0, 0, CLOSED_CHOICES, NULL, "as bake", NULL},
-        {"--rule", OPTION_CHOICE, &rule, 0, 0, "greedy|shadow", NULL, "as bake", NULL},
-        {"--reuse", OPTION_CHOICE, &reuse, 0, 0, "on|off", NULL, "as bake", NULL},
-        {"--compress", OPTION_CHOICE, &compress, 0, 0, COMPRESS_CHOICES, NULL, "as bake", NULL},
-        {"--stop", OPTION_CHOICE, &stop, 0, 0, "insert|partial|final", NULL, "as bake", NULL},
-        {"--threads", OPTION_U32, &o->bake.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "as bake", NULL},
-        {"--columns", OPTION_TEXT, &columns, 0, 0, NULL, "COUNT", "random columns to look at, or all (default)", NULL},
-        {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
-        {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
+    text_list   given[CHOICES]       = {{0}};
+    int         planted              = FAULT_NONE;
+    const char *columns              = "all";
+    option      options[CHOICES + 9] = {
+             {"--sun", OPTION_TEXTS, &o->suns, 0, 0, NULL, "X,Y,Z", "as bake; repeated for more", NULL},
+             {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
+             {"--spot", OPTION_TEXTS, &o->spots, 0, 0, NULL, "X,Y,Z,DX,DY,DZ,DEGREES[,RANGE]", "a spot light", NULL},
+             {"--point", OPTION_TEXTS, &o->points, 0, 0, NULL, "X,Y,Z[,RANGE]", "a point light", NULL},
+             {"--resolution", OPTION_U32S, &o->resolutions, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N",
+              "as bake (default 512); repeated for more", NULL},
+             {"--threads", OPTION_U32, &o->bake.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "as bake", NULL},
+             {"--columns", OPTION_TEXT, &columns, 0, 0, NULL, "COUNT", "random columns to look at, or all (default)", NULL},
+             {"--seed", OPTION_U32S, &o->seeds, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
+             {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
     };
+    for (int c = 0; c < CHOICES; c++)
+        options[9 + c] =
+            (option){choices[c].option, OPTION_TEXTS, &given[c], 0, 0, NULL, choices[c].words, "as bake; repeated for more", NULL};
     const command_line line = {"exact",
                                "SCENE [options]",
                                "Bake a scene and compare voxels with its depth maps.",
@@ -512,60 +504,25 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
                                sizeof options / sizeof *options,
                                1};
     vxs_result         r    = options_parse(&line, argc, argv, &o->scene_path, help_shown, m);
-    if (r != VXS_OK) return r;
-    if (o->bake.resolution & (o->bake.resolution - 1))
-        return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", o->bake.resolution);
-    if (strcmp(columns, "all")) {
-        char *end;
-        o->columns = strtoull(columns, &end, 10);
-        if (*end || !o->columns) return fail(m, VXS_E_ARGUMENT, "--columns %s: expected all or a number from 1", columns);
+    o->fault                = (fault)planted;
+    for (int c = 0; c < CHOICES; c++) {
+        if (r == VXS_OK) r = set_choice(o, (enum choice)c, &given[c], m);
+        free(given[c].items);
     }
-    o->bake.closed   = (closed_mode)closed;
-    o->bake.exit     = (exit_mode)exit_choice;
-    o->bake.rule     = (mask_rule)rule;
-    o->bake.reuse    = reuse == 0;
-    o->bake.compress = (compress_choice)compress;
-    o->bake.stop     = (stop_stage)stop;
-    o->fault         = (fault)planted;
-    if (lamps_asked_for(o) &&
-        (o->bake.sun_given || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
-        return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or a --fault but word");
-    return VXS_OK;
-}
-
-static int print_result(const exact_options *o, const tally *t)
-{
-    json_t *line =
-        json_pack("{s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution", (json_int_t)o->bake.resolution,
-                  "maps", (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "wrong_lit",
-                  (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow, "insane_depths", (json_int_t)t->insane);
-    int failed = !line || json_dumpf(line, stdout, JSON_COMPACT) || puts("") < 0 || fflush(stdout);
-    json_decref(line);
-    return !failed && !t->wrong_lit && !t->wrong_shadow && !t->insane && t->columns;
+    return r == VXS_OK ? check_options(o, columns, m) : r;
 }
 
 int main(int argc, char **argv)
 {
-    exact_options o     = {.bake = {.resolution = 512, .zstd_level = 1, .baseline = BASELINE_OFF}, .seed = 1};
-    world         w     = {0};
-    vxs_asset    *asset = NULL;
-    tally         sum   = {0};
-    message       m     = {.quiet = 1};
+    exact_options o = {.bake = {.zstd_level = 1, .baseline = BASELINE_OFF}};
+    message       m = {.quiet = 1};
     int           help_shown, right = 1;
     vxs_result    r;
 
     o.bake.threads = parallel_default_threads();
-    if ((r = parse(&o, argc, argv, &help_shown, &m)) != VXS_OK || help_shown) goto done;
-    int lamps = lamps_asked_for(&o) != 0;
-    if (!lamps && o.fault == FAULT_NONE && (r = bake_asset(&o, &asset, &m)) != VXS_OK) goto done;
-    if ((r = world_load(&w, &o, &m)) != VXS_OK) goto done;
-    if (lamps && (r = lamps_asset(&w, &o, &asset, &m)) != VXS_OK) goto done;
-    if (!lamps && o.fault != FAULT_NONE && (r = spoilt_asset(&w, &o, &asset, &m)) != VXS_OK) goto done;
-    if ((r = check_asset(&o, &w, asset, &sum, &m)) != VXS_OK) goto done;
-    right = print_result(&o, &sum);
-done:
-    vxs_asset_close(asset);
-    world_free(&w);
+    r              = parse(&o, argc, argv, &help_shown, &m);
+    if (r == VXS_OK && !help_shown) r = compare_all(&o, &right, &m);
+    free(o.suns.items);
     free(o.spots.items);
     free(o.points.items);
     int status = command_end(&m, r);

@@ -58,7 +58,8 @@ static int spoil_until(column_tree *t, const tree_tile *tile, const column_tile 
 }
 
 /* The tiles of a square in turn, from a random one on, until one of them can be spoilt. */
-static int spoil_some_tile(column_tree *t, rng *random, int (*spoil)(column_tree *t, const tree_tile *tile, const column_tile *columns))
+static int spoil_some_tile(column_tree *t, rng *random,
+                           int (*spoil)(column_tree *t, const tree_tile *tile, const column_tile *columns))
 {
     size_t at = t->tile_count ? rng_below(random, (uint32_t)t->tile_count) : 0;
     for (size_t n = 0; n < t->tile_count; n++, at = (at + 1) % t->tile_count) {
@@ -107,7 +108,7 @@ static vxs_result spoil_square_dag(void *user, bake_stage stage, column_tree *tr
 /* The DAG of the maps, as bake() builds it, with what the spoiler does; on one thread, so that it spoils one square at a time. */
 static vxs_result build_dag(const bake_options *bake, const depth_maps *maps, spoiler *s, dag *out, build_stats *stats, message *m)
 {
-    compress_order compress = bake->stop == STOP_INSERT                         ? COMPRESS_NONE
+    compress_order compress = bake->stop == STOP_INSERT                     ? COMPRESS_NONE
                               : bake->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP
                                                                             : COMPRESS_TOP_DOWN;
     build_options  o        = {.rule     = bake->rule,
@@ -132,7 +133,7 @@ static vxs_result build_spoilt(const spoil_desc *s, const depth_maps *maps, rng 
     int         in_square = s->planted >= FAULT_MASK && s->planted <= FAULT_COMPRESSED;
     build_stats stats     = {0};
     spoiler     none = {.planted = FAULT_NONE}, some = {.planted = s->planted, .left = in_square, .random = *random};
-    vxs_result  r    = build_dag(s->bake, maps, &none, out, &stats, m);
+    vxs_result  r = build_dag(s->bake, maps, &none, out, &stats, m);
     if (r != VXS_OK || !in_square) return r;
     dag_free(out);
     some.skip = stats.squares_built ? 1 + rng_below(random, (uint32_t)stats.squares_built) : 0;

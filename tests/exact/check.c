@@ -1,0 +1,280 @@
+/* Comparing files with depth maps; see check.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tests/exact/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/vxs_format.h"
+#include "formats/vxs_lookup.h"
+
+#include "baker/bake/plan.h"
+#include "baker/base/parallel.h"
+#include "baker/base/random.h"
+
+enum { WINDOW_VX = 3, RANDOM_VOXELS = 16, EACH_VOXEL_MAX_VX = 64 };
+
+/* A tile of a map while it is compared. */
+typedef struct check {
+    const check_desc *d;
+    const depth_maps *maps;
+    uint32_t          map;
+    uint32_t          levels;
+    uint32_t          side_vx;
+    uint32_t          i0, j0; /* first texel of the rendered tile in the map */
+    uint64_t          seed;
+    tally            *worker; /* [PARALLEL_THREADS_MAX * file_count] */
+} check;
+
+static uint32_t root_of(const check *c, const uint32_t *words)
+{
+    return c->d->light->flags & VXS_LIGHT_CUBE ? words[c->map] : 0;
+}
+
+/* A depth as it was sampled, in voxels: shares of the whole, or near / distance of a perspective map, negative, whose logarithm is
+ * divided by a voxel's. */
+static double voxels(const check *c, float depth)
+{
+    if (c->maps->voxel_log == 0) return (double)depth * c->side_vx;
+    return depth == 0 ? c->side_vx : fmin(log(-1 / (double)depth) / c->maps->voxel_log, c->side_vx);
+}
+
+/* voxel by voxel: the lookup of every voxel, or of those where columns change
+ * -------------------------------------------------------------------------- */
+
+static void ask_voxel(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, uint32_t k)
+{
+    const uint32_t *words = c->d->files[file].words;
+    size_t          at    = (size_t)j * c->maps->side_px + i;
+    uint32_t        dark  = vxs_shadow(words, root_of(c, words), c->levels, c->i0 + i, c->j0 + j, k);
+    t->voxels++;
+    t->wrong_shadow += dark && (double)k + 1 <= voxels(c, c->maps->enter[at]);
+    t->wrong_lit += !dark && (double)k >= voxels(c, c->maps->exit[at]);
+}
+
+static void ask_window(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, float depth)
+{
+    int64_t at = (int64_t)voxels(c, depth);
+    for (int64_t k = at - WINDOW_VX; k <= at + WINDOW_VX; k++)
+        if (k >= 0 && k < c->side_vx) ask_voxel(c, file, t, i, j, (uint32_t)k);
+}
+
+static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const check *c = user;
+    for (uint32_t file = 0; file < c->d->file_count; file++) {
+        tally *t = &c->worker[worker * c->d->file_count + file];
+        for (size_t n = begin; n < end; n++) {
+            rng      random = rng_split(c->seed, n);
+            uint32_t i = rng_below(&random, c->maps->side_px), j = rng_below(&random, c->maps->side_px);
+            size_t   at = (size_t)j * c->maps->side_px + i;
+            ask_window(c, file, t, i, j, c->maps->enter[at]);
+            ask_window(c, file, t, i, j, c->maps->exit[at]);
+            ask_voxel(c, file, t, i, j, 0);
+            ask_voxel(c, file, t, i, j, c->side_vx - 1);
+            for (int k = 0; k < RANDOM_VOXELS; k++) ask_voxel(c, file, t, i, j, rng_below(&random, c->side_vx));
+            t->columns++;
+        }
+    }
+}
+
+/* all voxels of 8 x 8 texels: the runs of equal slices that the file's nodes stand for
+ * ---------------------------------------------------------------- */
+
+/* The columns of an 8 x 8 tile in whole voxels: those that must be lit are [0, lit_end), those that must be dark [dark_begin, ...). */
+typedef struct tile_columns {
+    uint32_t lit_end[64], dark_begin[64];
+    uint32_t lit_end_max, dark_begin_min;
+} tile_columns;
+
+typedef struct tile_walk {
+    const check        *c;
+    const tile_columns *columns;
+    const uint32_t     *words;
+    uint32_t            root, x, y; /* of the tile, in tiles of the map */
+    uint32_t            at_vx;      /* where the next run has to begin */
+    tally              *t;
+} tile_walk;
+
+/* Voxels [begin, end) of the tile, which all have the texels `dark` in shadow. A lookup has to find the same at both ends. */
+static void ask_run(tile_walk *w, uint32_t begin, uint32_t end, uint64_t dark)
+{
+    int missed = begin != w->at_vx;
+    for (int last = 0; last < 2; last++) {
+        uint32_t low, high;
+        vxs_slice(w->words, w->root, w->c->levels, w->x, w->y, last ? end - 1 : begin, &low, &high);
+        missed |= (low | (uint64_t)high << 32) != dark;
+    }
+    /* most runs are all lit before every surface, or all dark behind: nothing can be wrong in them */
+    int may_be_wrong = (dark && begin < w->columns->lit_end_max) || (~dark && end > w->columns->dark_begin_min);
+    for (uint32_t n = 0; may_be_wrong && n < 64; n++) {
+        uint32_t lit_end = w->columns->lit_end[n], dark_begin = w->columns->dark_begin[n];
+        if (dark >> n & 1)
+            w->t->wrong_shadow += lit_end <= begin ? 0 : min_u32(end, lit_end) - begin;
+        else
+            w->t->wrong_lit += dark_begin >= end ? 0 : end - (dark_begin > begin ? dark_begin : begin);
+    }
+    w->at_vx = end;
+    w->t->misread += (uint64_t)missed;
+    w->t->voxels += (uint64_t)64 * (end - begin);
+}
+
+/* What child c of a node is (vxs_format.h). */
+static uint32_t state_of(const tile_walk *w, uint32_t node, uint32_t c)
+{
+    return w->words[node] >> 2 * c & 3;
+}
+
+/* The eight slices of a slice node, from depth k on. */
+static void ask_slices(tile_walk *w, uint32_t node, uint32_t k)
+{
+    uint32_t own  = 0;
+    uint64_t mask = 0; /* of the last slice that owns one */
+    for (uint32_t n = 0; n < 8; n++) {
+        uint32_t state = state_of(w, node, n);
+        if (state == VXS_CHILD_OWN) {
+            uint32_t at = w->words[node + ++own];
+            mask        = w->words[at] | (uint64_t)w->words[at + 1] << 32;
+        }
+        ask_run(w, k + n, k + n + 1, state == VXS_CHILD_LIT ? 0 : state == VXS_CHILD_SHADOW ? ~(uint64_t)0 : mask);
+    }
+}
+
+/* A node of 8 << level voxels a side, from depth k on: its two children along the column, the nearer first. */
+static void ask_node(tile_walk *w, uint32_t node, uint32_t level, uint32_t k)
+{
+    if (level == 0) {
+        ask_slices(w, node, k);
+        return;
+    }
+    uint32_t half = 4u << level;
+    uint32_t xy   = (w->x >> (level - 1) & 1) + 2 * (w->y >> (level - 1) & 1);
+    for (uint32_t n = 0; n < 2; n++) {
+        uint32_t child = state_of(w, node, xy + 4 * n) == VXS_CHILD_SAME ? xy : xy + 4 * n, own = 1;
+        uint32_t state = state_of(w, node, child);
+        for (uint32_t c = 0; c < child; c++) own += state_of(w, node, c) == VXS_CHILD_OWN;
+        if (state == VXS_CHILD_OWN)
+            ask_node(w, w->words[node + own], level - 1, k + n * half);
+        else
+            ask_run(w, k + n * half, k + (n + 1) * half, state == VXS_CHILD_SHADOW ? ~(uint64_t)0 : 0);
+    }
+}
+
+static void ask_tile(const check *c, uint32_t x, uint32_t y, uint32_t worker)
+{
+    tile_columns columns = {.lit_end_max = 0, .dark_begin_min = c->side_vx};
+    for (uint32_t n = 0; n < 64; n++) {
+        size_t at              = (size_t)(8 * y + n / 8) * c->maps->side_px + 8 * x + n % 8;
+        columns.lit_end[n]     = (uint32_t)floor(voxels(c, c->maps->enter[at]));
+        columns.dark_begin[n]  = (uint32_t)ceil(voxels(c, c->maps->exit[at]));
+        columns.lit_end_max    = max_u32(columns.lit_end_max, columns.lit_end[n]);
+        columns.dark_begin_min = min_u32(columns.dark_begin_min, columns.dark_begin[n]);
+    }
+    for (uint32_t file = 0; file < c->d->file_count; file++) {
+        const uint32_t *words = c->d->files[file].words;
+        tile_walk       w     = {.c       = c,
+                                 .columns = &columns,
+                                 .words   = words,
+                                 .root    = root_of(c, words),
+                                 .x       = c->i0 / 8 + x,
+                                 .y       = c->j0 / 8 + y,
+                                 .t       = &c->worker[worker * c->d->file_count + file]};
+        ask_node(&w, w.root, c->levels - 3, 0);
+        w.t->misread += w.at_vx != c->side_vx;
+        w.t->columns += 64;
+        for (uint32_t n = 0; c->side_vx <= EACH_VOXEL_MAX_VX && n < 64 * c->side_vx; n++)
+            ask_voxel(c, file, w.t, 8 * x + n % 8, 8 * y + n / 8 % 8, n / 64);
+        if (c->side_vx <= EACH_VOXEL_MAX_VX) w.t->voxels -= (uint64_t)64 * c->side_vx; /* asked twice, counted once */
+    }
+}
+
+static void ask_rows(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const check *c = user;
+    for (size_t y = begin; y < end; y++)
+        for (uint32_t x = 0; x < c->maps->side_px / 8; x++) ask_tile(c, x, (uint32_t)y, worker);
+}
+
+/* a map
+ * --------------------------------------------------------------------------------------------------------------------- */
+
+/* Depths are depths, and a column without a solid is entered and left at once. */
+static uint64_t insane_texels(const depth_maps *maps, const depth_maps *solids)
+{
+    uint64_t count  = 0;
+    size_t   texels = (size_t)maps->side_px * maps->side_px;
+    float    near = maps->voxel_log == 0 ? 0 : -1, far = near + 1;
+    for (size_t n = 0; n < texels; n++) {
+        float e = maps->enter[n], x = maps->exit[n];
+        count += !(near <= e && e <= x && x <= far) || ((!solids || solids->enter[n] == far) && e != x);
+    }
+    return count;
+}
+
+/* Render the tile (i, j) of a map. One renderer at a time sets up the context. */
+static vxs_result render(const check_desc *d, const casters *c, exit_mode exit, int map, depth_maps *maps, uint32_t i, uint32_t j,
+                         message *m)
+{
+    depth_renderer *renderer = NULL;
+    vxs_result      r        = depth_renderer_create(&renderer, d->gl, c, d->light, map, exit, d->threads, m);
+    if (r == VXS_OK) r = depth_renderer_tile(renderer, maps, i, j, m);
+    depth_renderer_destroy(renderer);
+    return r;
+}
+
+static void add_tallies(const check *c)
+{
+    for (size_t n = 0; n < (size_t)PARALLEL_THREADS_MAX * c->d->file_count; n++) {
+        tally *to = &c->d->files[n % c->d->file_count].sum, *from = &c->worker[n];
+        to->columns += from->columns;
+        to->voxels += from->voxels;
+        to->wrong_lit += from->wrong_lit;
+        to->wrong_shadow += from->wrong_shadow;
+        to->misread += from->misread;
+        memset(from, 0, sizeof *from);
+    }
+}
+
+vxs_result check_map(const check_desc *d, int map, message *m)
+{
+    casters    all  = *d->casters, solids_only;
+    depth_maps maps = {0}, solids = {0};
+    uint32_t   side      = 1u << d->light->levels;
+    uint32_t   tile      = min_u32(side, TILE_MAX_PX);
+    uint32_t   tiles     = side / tile; /* a side */
+    int        any       = all.solid_triangle_count != 0;
+    double     voxel_log = d->light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : d->light->voxel_metres;
+    check      c         = {.d = d, .maps = &maps, .map = (uint32_t)map, .levels = d->light->levels, .side_vx = side};
+    vxs_result r;
+
+    all.solid_meets            = NULL; /* what a plan found out is not trusted: all solids are peeled */
+    solids_only                = all;
+    solids_only.triangle_count = solids_only.masked_first = all.solid_triangle_count;
+    solids_only.mask_count                                = 0;
+    if (!(c.worker = calloc((size_t)PARALLEL_THREADS_MAX * d->file_count, sizeof *c.worker)))
+        return fail(m, VXS_E_MEMORY, "out of memory");
+    if ((r = depth_maps_init(&maps, tile, side, voxel_log, any, m)) != VXS_OK) goto done;
+    if (any && (r = depth_maps_init(&solids, tile, side, voxel_log, 1, m)) != VXS_OK) goto done;
+
+    for (uint32_t n = 0; n < tiles * tiles; n++) {
+        uint32_t i = n % tiles, j = n / tiles;
+        if ((r = render(d, &all, d->exit, map, &maps, i, j, m)) != VXS_OK) goto done;
+        if (any && (r = render(d, &solids_only, EXIT_BACK, map, &solids, i, j, m)) != VXS_OK) goto done;
+        c.i0   = i * tile;
+        c.j0   = j * tile;
+        c.seed = rng_split(d->seed + (uint64_t)map, n).state;
+        if (d->columns)
+            parallel_for(d->threads, d->columns / (tiles * tiles), 1024, ask_random_columns, &c);
+        else
+            parallel_for(d->threads, tile / 8, 1, ask_rows, &c);
+        add_tallies(&c);
+        uint64_t insane = insane_texels(&maps, any ? &solids : NULL);
+        for (uint32_t file = 0; file < d->file_count; file++) d->files[file].sum.insane += insane;
+    }
+done:
+    free(c.worker);
+    depth_maps_free(&maps);
+    depth_maps_free(&solids);
+    return r;
+}

@@ -1,0 +1,38 @@
+/* A map of a light in several files against depths that are rendered anew.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef EXACT_CHECK_H
+#define EXACT_CHECK_H
+
+#include <stdint.h>
+
+#include "baker/columns/opengl/depth_gl.h"
+
+typedef struct tally {
+    uint64_t columns, voxels, wrong_lit, wrong_shadow;
+    uint64_t misread; /* runs of voxels that a lookup does not find as they are stored */
+    uint64_t insane;  /* texels whose depths cannot be */
+    uint64_t maps;
+} tally;
+
+/* The light in one file, and what was found of it. */
+typedef struct checked_file {
+    const uint32_t *words;
+    tally           sum; /* added to */
+} checked_file;
+
+typedef struct check_desc {
+    gl_context      *gl;
+    const casters   *casters;
+    const vxs_light *light; /* as all files have it, but for the words */
+    exit_mode        exit;
+    uint32_t         threads;
+    uint64_t         columns; /* random ones of each map; 0: all voxels */
+    uint64_t         seed;    /* of the columns */
+    checked_file    *files;
+    uint32_t         file_count;
+} check_desc;
+
+/* Compare map `map` of all the files. Returns VXS_OK whatever is wrong, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result check_map(const check_desc *d, int map, message *m);
+
+#endif
