@@ -4,31 +4,17 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "baker/base/parallel.h"
-
-/* Two outputs that are one. Names that differ may still be links to one file. */
-static vxs_result check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m)
-{
-    struct stat a_status, b_status;
-    if (!a_path || !b_path) return VXS_OK;
-    int is_same = !strcmp(a_path, b_path);
-    if (is_same && !strcmp(a_path, "-"))
-        return fail(m, VXS_E_ARGUMENT, "%s - and %s - exclude each other: both would go to standard output", a, b);
-    if (!is_same && strcmp(a_path, "-") && strcmp(b_path, "-") && !stat(a_path, &a_status) && !stat(b_path, &b_status))
-        is_same = S_ISREG(a_status.st_mode) && a_status.st_dev == b_status.st_dev && a_status.st_ino == b_status.st_ino;
-    return is_same ? fail(m, VXS_E_ARGUMENT, "%s and %s are both %s: expected two names", a, b, b_path) : VXS_OK;
-}
 
 static vxs_result check(bake_arguments *a, int output_needed, message *m)
 {
     bake_options *o = &a->o;
     vxs_result    r;
     if (output_needed && !o->output_path) return fail(m, VXS_E_ARGUMENT, "bake needs -o OUT.vxs");
-    if ((r = check_apart("-o", o->output_path, "--json", a->json_path, m)) != VXS_OK) return r;
-    if ((r = check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
-    if ((r = check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
+    if ((r = outputs_check_apart("-o", o->output_path, "--json", a->json_path, m)) != VXS_OK) return r;
+    if ((r = outputs_check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
+    if ((r = outputs_check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
     if (a->resolution_given && a->texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
     if (a->texel_given) o->resolution = 0;
     if (o->resolution & (o->resolution - 1))

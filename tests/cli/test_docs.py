@@ -14,7 +14,7 @@ import small_scene
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "bench", "report", "picture", "health", "scene"]
+COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "bench", "report", "picture", "health", "mend", "scene"]
 PAGES = sorted([ROOT / "README.md", *DOCS.glob("*.md"), *(ROOT / "scenes").glob("*.md"), *(ROOT / "formats").glob("*.md")])
 
 
@@ -63,7 +63,7 @@ def test_help_says_every_default_of_the_manual(vxs, command):
 def test_manual_has_every_command(vxs):
     listed = re.findall(r"^  (\w+) ", vxs("--help").stdout, re.MULTILINE)
     assert listed == COMMANDS
-    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|bench|report|picture|health|scene)$", (DOCS / "manual.md").read_text(),
+    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|bench|report|picture|health|mend|scene)$", (DOCS / "manual.md").read_text(),
                       re.MULTILINE) == COMMANDS
 
 
