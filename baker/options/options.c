@@ -18,6 +18,10 @@ static void print_help(const command_line *c)
     for (size_t i = 0; i < c->option_count; i++) {
         const option *o = &c->options[i];
         char          left[96];
+        if (o->kind == OPTION_GROUP) {
+            printf("\n%s:\n", o->help);
+            continue;
+        }
         snprintf(left, sizeof left, "%s %s", o->name,
                  o->kind == OPTION_SWITCH   ? ""
                  : o->kind == OPTION_CHOICE ? o->choices
@@ -29,7 +33,8 @@ static void print_help(const command_line *c)
 static const option *find_option(const command_line *c, const char *name, size_t length)
 {
     for (size_t i = 0; i < c->option_count; i++)
-        if (strlen(c->options[i].name) == length && !memcmp(c->options[i].name, name, length)) return &c->options[i];
+        if (c->options[i].name && strlen(c->options[i].name) == length && !memcmp(c->options[i].name, name, length))
+            return &c->options[i];
     return NULL;
 }
 
@@ -102,6 +107,7 @@ static vxs_result set_option(const option *o, const char *value, message *m)
 {
     double number;
     switch (o->kind) {
+    case OPTION_GROUP: break; /* has no name to be found by */
     case OPTION_SWITCH: *(int *)o->target = 1; break;
     case OPTION_TEXT: *(const char **)o->target = value; break;
     case OPTION_VECTOR: {

@@ -18,7 +18,8 @@ typedef enum option_kind {
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
     OPTION_TEXT,   /* const char *, borrowed from argv */
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
-    OPTION_CHOICE  /* int: index of the value in `choices` */
+    OPTION_CHOICE, /* int: index of the value in `choices` */
+    OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
 } option_kind;
 
 enum { OPTION_NUMBERS_MAX = 32 };
@@ -30,7 +31,7 @@ typedef struct number_list {
 } number_list;
 
 typedef struct option {
-    const char *name; /* "--resolution", "-o" */
+    const char *name; /* "--resolution", "-o"; NULL for a group */
     option_kind kind;
     void       *target; /* holds the default on entry */
     double      min, max;
