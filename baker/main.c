@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/process/process.h"
 #include "baker/base/version.h"
 #include "baker/options/options.h"
+#include "baker/process/process.h"
 
 static const struct {
     const char *name;
@@ -23,6 +23,7 @@ static const struct {
     {"report", cmd_report, "a page with plots of what bench measured"},
     {"picture", cmd_picture, "a picture (PNG) of a scene with the shadows of a .vxs file"},
     {"health", cmd_health, "what is wrong with the meshes of a scene"},
+    {"mend", cmd_mend, "write a scene with closed meshes, for smaller files"},
     {"scene", cmd_scene, "make a procedural test scene"},
 };
 

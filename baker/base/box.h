@@ -4,6 +4,8 @@
 #define BOX_H
 
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct box {
     double min[3], max[3]; /* max < min while it holds no point */
@@ -21,6 +23,15 @@ static inline void box_add(box *b, const double point[3])
         b->min[axis] = fmin(b->min[axis], point[axis]);
         b->max[axis] = fmax(b->max[axis], point[axis]);
     }
+}
+
+/* The box of the corners of triangles.
+ * positions  [3 * vertices];   indices  [count] vertices */
+static inline box box_of_corners(const double *positions, const uint32_t *indices, size_t count)
+{
+    box b = box_empty();
+    for (size_t i = 0; i < count; i++) box_add(&b, &positions[3 * (size_t)indices[i]]);
+    return b;
 }
 
 #endif

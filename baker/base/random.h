@@ -33,6 +33,12 @@ static inline uint32_t rng_u32(rng *r)
     return (uint32_t)(rng_mix(r->state) >> 32);
 }
 
+/* Uniform in [0, 1), a multiple of 2^-32. */
+static inline double rng_unit(rng *r)
+{
+    return rng_u32(r) * 0x1p-32;
+}
+
 /* Uniform in [0, count), count > 0: the high word of a product; the few low words that would make some results likelier
  * than others are drawn again (Lemire: "Fast random integer generation in an interval", 2019). */
 static inline uint32_t rng_below(rng *r, uint32_t count)

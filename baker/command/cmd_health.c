@@ -1,6 +1,5 @@
 /* vxs health: what keeps components of a scene from being solids, and what else is wrong with them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,16 +9,13 @@
 #include "baker/files/output_file.h"
 #include "baker/measure/progress.h"
 #include "baker/mend/mesh_health.h"
-#include "baker/mend/mesh_repair.h"
 #include "baker/options/options.h"
 
 enum { ROWS = 30, NAMES = 6 };
 
 typedef struct health_command {
-    const char    *path, *scene_name, *json_path;
-    int            closed, all, repair, repair_detail_given;
-    repair_options how;
-    json_t        *json;
+    const char *path, *scene_name, *json_path;
+    int         closed, all;
 } health_command;
 
 /* --- for people ------------------------------------------------------------------------------------------------------- */
@@ -170,131 +166,26 @@ static json_t *health_json(const mesh_health *h)
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Examine, print, and add to the JSON under a name. */
-static vxs_result tell(health_command *c, const casters *casting, const char *name, message *m)
+static vxs_result run(health_command *c, message *m)
 {
-    mesh_health h = {0};
-    vxs_result  r = mesh_health_examine(&h, casting, say_progress, m);
-    progress_clear();
-    if (r == VXS_OK) r = print_health(c, casting, &h, m);
-    if (r == VXS_OK && c->json_path) json_object_set_new(c->json, name, health_json(&h));
-    mesh_health_free(&h);
-    return r;
-}
+    scene       s       = {0};
+    casters     casting = {0};
+    mesh_health h       = {0};
+    vxs_result  r;
 
-/* --- repair ----------------------------------------------------------------------------------------------------------- */
-
-static const struct repair_count {
-    const char *name, *text;
-    size_t      offset;
-} repair_counts[] = {
-    {"removed_repeated", "repeated triangles removed", offsetof(repaired_component, removed_repeated)},
-    {"removed_zero_area", "triangles without area removed", offsetof(repaired_component, removed_zero_area)},
-    {"turned_triangles", "triangles turned", offsetof(repaired_component, turned_triangles)},
-    {"filled_holes", "holes filled", offsetof(repaired_component, filled_holes)},
-    {"added_triangles", "triangles added", offsetof(repaired_component, added_triangles)},
-    {"left_holes", "holes left", offsetof(repaired_component, left_holes)},
-};
-enum { REPAIR_COUNTS = sizeof repair_counts / sizeof *repair_counts };
-
-static uint32_t repair_count_of(const repaired_component *k, int which)
-{
-    uint32_t count;
-    memcpy(&count, (const char *)k + repair_counts[which].offset, sizeof count);
-    return count;
-}
-
-static void print_done(FILE *to, const repaired_component *k)
-{
-    const char *separator = "";
-    for (int i = 0; i < REPAIR_COUNTS; i++) {
-        uint32_t count = repair_count_of(k, i);
-        if (count) fprintf(to, "%s%u %s", separator, count, repair_counts[i].text);
-        if (count) separator = ", ";
-    }
-    fprintf(to, "%s\n", *separator ? "" : "nothing to do");
-}
-
-static void print_repair(const health_command *c, const repair_report *r)
-{
-    FILE  *to   = people(c);
-    size_t rows = c->all || r->count <= ROWS ? r->count : ROWS;
-    fprintf(to, "\nrepair\n");
-    for (size_t i = 0; i < rows; i++) {
-        const repaired_component *k = &r->components[i];
-        fprintf(to, "  component of %u triangles from triangle %u, %s: ", k->triangles, k->triangle,
-                k->closed_after ? "now closed" : "still open");
-        print_done(to, k);
-    }
-    if (r->count > rows) fprintf(to, "  %zu more: --all lists them\n", r->count - rows);
-    fprintf(to, "  in all: ");
-    print_done(to, &r->total);
-    fprintf(to, "  %zu of %zu components were closed and oriented, %zu are now\n\n", r->closed_before, r->component_count,
-            r->closed_after);
-}
-
-static json_t *repaired_json(const repaired_component *k)
-{
-    json_t *json = json_pack("{s:I}", "triangles", (json_int_t)k->triangles);
-    for (int i = 0; i < REPAIR_COUNTS; i++)
-        json_object_set_new(json, repair_counts[i].name, json_integer((json_int_t)repair_count_of(k, i)));
-    return json;
-}
-
-static json_t *repair_json(const repair_report *r)
-{
-    json_t *components = json_array();
-    for (size_t i = 0; i < r->count; i++) {
-        json_t *entry = repaired_json(&r->components[i]);
-        json_object_set_new(entry, "first_triangle", json_integer((json_int_t)r->components[i].triangle));
-        json_object_set_new(entry, "closed_after", json_boolean(r->components[i].closed_after));
-        json_array_append_new(components, entry);
-    }
-    return json_pack("{s:o, s:o, s:I, s:I, s:I}", "total", repaired_json(&r->total), "components", components, "component_count",
-                     (json_int_t)r->component_count, "closed_before", (json_int_t)r->closed_before, "closed_after",
-                     (json_int_t)r->closed_after);
-}
-
-static vxs_result repair(health_command *c, scene *s, message *m)
-{
-    repair_report report;
-    vxs_result    r = scene_repair(s, &c->how, &report, m);
-    if (r != VXS_OK) return r;
-    print_repair(c, &report);
-    if (c->json_path) json_object_set_new(c->json, "repair", repair_json(&report));
-    repair_report_free(&report);
-    return VXS_OK;
-}
-
-/* ---------------------------------------------------------------------------------------------------------------------- */
-
-/* Sort the casters and say how they are. */
-static vxs_result sort_and_tell(health_command *c, casters *casting, const scene *s, const char *name, message *m)
-{
-    casters_free(casting);
-    vxs_result r = casters_from_scene(casting, s, (closed_mode)c->closed, m);
-    return r == VXS_OK ? tell(c, casting, name, m) : r;
-}
-
-static vxs_result examine(health_command *c, message *m)
-{
-    scene      s       = {0};
-    casters    casting = {0};
-    vxs_result r;
-
-    if (c->json_path && (r = output_file_check(c->json_path, c->path, m)) != VXS_OK) return r;
+    if (c->json_path && (r = output_file_check(c->json_path, c->path, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
-    if (c->json_path) c->json = json_pack("{s:o, s:o}", "scene", json_text(c->path), "name", json_text(s.name));
-    if ((r = sort_and_tell(c, &casting, &s, "health", m)) != VXS_OK) goto done;
-    if (c->repair && (r = repair(c, &s, m)) != VXS_OK) goto done;
-    if (c->repair && (r = sort_and_tell(c, &casting, &s, "repaired", m)) != VXS_OK) goto done;
-    if (c->json_path) {
-        json_t *json = c->json;
-        c->json      = NULL;
-        r            = json_write(c->json_path, json, m);
-    }
+    if ((r = casters_from_scene(&casting, &s, (closed_mode)c->closed, m)) != VXS_OK) goto done;
+    r = mesh_health_examine(&h, &casting, say_progress, m);
+    progress_clear();
+    if (r != VXS_OK) goto done;
+    if ((r = print_health(c, &casting, &h, m)) != VXS_OK) goto done;
+    if (c->json_path)
+        r = json_write(
+            c->json_path,
+            json_pack("{s:o, s:o, s:o}", "scene", json_text(c->path), "name", json_text(s.name), "health", health_json(&h)), m);
 done:
-    json_decref(c->json);
+    mesh_health_free(&h);
     casters_free(&casting);
     scene_free(&s);
     return r;
@@ -302,18 +193,12 @@ done:
 
 int cmd_health(int argc, char **argv)
 {
-    health_command c         = {.closed = CLOSED_AUTO, .how = REPAIR_DEFAULTS};
+    health_command c         = {.closed = CLOSED_AUTO};
     message        m         = {0};
     const option   options[] = {
           {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene", NULL},
           {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL, "which components are solids, as bake has it", NULL},
           {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component, not only the worst", NULL},
-          {"--repair", OPTION_SWITCH, &c.repair, 0, 0, NULL, NULL, "mend what can be mended, say what was done, and examine again",
-           NULL},
-          {"--hole-diameter", OPTION_F64, &c.how.hole_diameter_m, 0, 1e9, NULL, "METRES",
-           "repair: the largest hole to fill (default 0.1)", &c.repair_detail_given},
-          {"--hole-edges", OPTION_U32, &c.how.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
-           "repair: the most edges of a hole to fill (default 64)", &c.repair_detail_given},
           {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "everything as JSON; - is standard output", NULL},
     };
     const command_line line = {"health",
@@ -324,8 +209,6 @@ int cmd_health(int argc, char **argv)
                                1};
     int                help_shown;
     vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown && c.repair_detail_given && !c.repair)
-        r = fail(&m, VXS_E_ARGUMENT, "--hole-diameter and --hole-edges go with --repair");
-    if (r == VXS_OK && !help_shown) r = examine(&c, &m);
+    if (r == VXS_OK && !help_shown) r = run(&c, &m);
     return command_end(&m, r);
 }

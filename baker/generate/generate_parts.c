@@ -249,9 +249,11 @@ void parts_light(parts *p, const char *name, light_shape shape)
 {
     glb_scene *s = p->s;
     if (!reserve(p, &s->lights, &p->lights, s->light_count, sizeof *s->lights)) return;
-    glb_light *light = &s->lights[s->light_count++];
-    *light           = (glb_light){.shape = shape};
-    snprintf(light->name, sizeof light->name, "%s", name);
+    char *copy = strdup(name);
+    if (copy)
+        s->lights[s->light_count++] = (scene_light){copy, shape};
+    else
+        p->out_of_memory = 1;
 }
 
 void parts_sun(parts *p, const double direction[3])

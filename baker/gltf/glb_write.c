@@ -1,4 +1,4 @@
-/* Triangle meshes, materials with holes, and lights as a binary glTF 2.0 file (glTF 2.0 specification, section 4, "GLB File
+/* Triangle meshes, materials with holes, lights and cameras as a binary glTF 2.0 file (glTF 2.0 specification, section 4, "GLB File
  * Format").
  *
  *     header  magic, version 2, length of the file            3 words
@@ -28,6 +28,10 @@ enum {
     GL_FLOAT             = 5126,
     ARRAY_BUFFER         = 34962,
     ELEMENT_ARRAY_BUFFER = 34963,
+    GL_NEAREST           = 9728,
+    GL_REPEAT            = 10497,
+    GL_CLAMP_TO_EDGE     = 33071,
+    GL_MIRRORED_REPEAT   = 33648,
     VERTEX_BYTES         = 3 * sizeof(float),
     TEXCOORD_BYTES       = 2 * sizeof(float),
     TRIANGLE_BYTES       = 3 * sizeof(uint32_t)
@@ -149,7 +153,7 @@ static void quaternion_from_direction(double q[4], const double direction[3])
     q[3] = w / norm;
 }
 
-static json_t *json_light(const glb_light *light)
+static json_t *json_light(const scene_light *light)
 {
     json_t *json   = json_pack("{s:s, s:s}", "name", light->name, "type", light_kind_name(light->shape.kind));
     int     failed = !json;
@@ -190,6 +194,12 @@ static int append_light_node(json_t *root, const glb_scene *s, size_t i)
     if (!failed) return append_node(root, node);
     json_decref(node);
     return 1;
+}
+
+/* All share one camera. */
+static int append_camera_node(json_t *root, const double position[3])
+{
+    return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_real3(position)));
 }
 
 /* Of finite positions: a broken one has no bounds that JSON could say. */
@@ -248,10 +258,25 @@ static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t 
     return failed | append_node(root, node);
 }
 
-static int append_material(json_t *root, const glb_material *material)
+static int has_sampler(const glb_material *material)
 {
-    json_t *json   = json_pack("{s:s}", "name", material->name);
-    int     failed = !json;
+    return material->image && (material->wrap_u != WRAP_REPEAT || material->wrap_v != WRAP_REPEAT || material->nearest);
+}
+
+/* Image i is texture i, which repeats and is bilinear. Materials that want another sampler have textures behind these. */
+static size_t texture_of(const glb_scene *s, size_t material)
+{
+    if (!has_sampler(&s->materials[material])) return s->materials[material].image - 1;
+    size_t index = s->image_count;
+    for (size_t i = 0; i < material; i++) index += (size_t)has_sampler(&s->materials[i]);
+    return index;
+}
+
+static int append_material(json_t *root, const glb_scene *s, size_t i)
+{
+    const glb_material *material = &s->materials[i];
+    json_t             *json     = json_pack("{s:s}", "name", material->name);
+    int                 failed   = !json;
     if (!failed && material->double_sided) failed |= json_object_set_new(json, "doubleSided", json_true());
     if (!failed && material->alpha_cutoff > 0) {
         failed |= json_object_set_new(json, "alphaMode", json_string("MASK"));
@@ -259,16 +284,25 @@ static int append_material(json_t *root, const glb_material *material)
     }
     if (!failed && material->image)
         failed |= json_object_set_new(json, "pbrMetallicRoughness",
-                                      json_pack("{s:{s:I}, s:f, s:f}", "baseColorTexture", "index", (json_int_t)material->image - 1,
+                                      json_pack("{s:{s:I}, s:f, s:f}", "baseColorTexture", "index", (json_int_t)texture_of(s, i),
                                                 "metallicFactor", 0.0, "roughnessFactor", 1.0));
     return failed | append(root, "materials", json);
 }
 
-/* Image i is texture i. */
 static int append_image(json_t *root, const chunk *c, size_t i)
 {
     return append(root, "textures", json_pack("{s:I}", "source", (json_int_t)i)) |
            append(root, "images", json_pack("{s:I, s:s}", "bufferView", (json_int_t)(c->image_part + i), "mimeType", "image/png"));
+}
+
+static int append_sampler(json_t *root, const glb_material *material)
+{
+    static const int wraps[] = {[WRAP_REPEAT] = GL_REPEAT, [WRAP_CLAMP] = GL_CLAMP_TO_EDGE, [WRAP_MIRROR] = GL_MIRRORED_REPEAT};
+    json_int_t       index   = (json_int_t)json_array_size(json_object_get(root, "samplers"));
+    json_t          *json    = json_pack("{s:i, s:i}", "wrapS", wraps[material->wrap_u], "wrapT", wraps[material->wrap_v]);
+    int              failed  = json && material->nearest && json_object_set_new(json, "magFilter", json_integer(GL_NEAREST));
+    return failed | append(root, "samplers", json) |
+           append(root, "textures", json_pack("{s:I, s:I}", "sampler", index, "source", (json_int_t)material->image - 1));
 }
 
 static int append_views(json_t *root, const chunk *c)
@@ -296,12 +330,18 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
     if (!failed && s->light_count) failed = set_lights(root, s);
     if (!failed) failed = json_object_set_new(root, "scene", json_integer(0));
     if (!failed) failed = append(root, "scenes", json_pack("{s:s}", "name", s->name));
-    if (!failed && s->mesh_count + s->light_count) failed = json_object_set_new(root, "nodes", json_array());
+    if (!failed && s->mesh_count + s->light_count + s->camera_count) failed = json_object_set_new(root, "nodes", json_array());
     if (!failed && s->mesh_count) failed = json_object_set_new(root, "meshes", json_array());
     for (size_t i = 0; !failed && i < s->mesh_count; i++) failed = append_mesh(root, c, s, i);
-    for (size_t i = 0; !failed && i < s->material_count; i++) failed = append_material(root, &s->materials[i]);
+    for (size_t i = 0; !failed && i < s->material_count; i++) failed = append_material(root, s, i);
     for (size_t i = 0; !failed && i < s->image_count; i++) failed = append_image(root, c, i);
+    for (size_t i = 0; !failed && i < s->material_count; i++)
+        failed = has_sampler(&s->materials[i]) && append_sampler(root, &s->materials[i]);
     for (size_t i = 0; !failed && i < s->light_count; i++) failed = append_light_node(root, s, i);
+    if (!failed && s->camera_count)
+        failed = append(root, "cameras",
+                        json_pack("{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", 1.0, "znear", 0.1));
+    for (size_t i = 0; !failed && i < s->camera_count; i++) failed = append_camera_node(root, &s->camera_positions_ws[3 * i]);
     if (!failed) failed = append_views(root, c);
     if (!failed) return root;
     json_decref(root);
@@ -363,6 +403,8 @@ void glb_scene_free(glb_scene *s)
     free(s->meshes);
     free(s->materials);
     free(s->images);
+    for (size_t i = 0; i < s->light_count; i++) free(s->lights[i].name);
     free(s->lights);
+    free(s->camera_positions_ws);
     *s = (glb_scene){0};
 }

@@ -1,4 +1,4 @@
-/* Triangle meshes, materials with holes, and lights as a binary glTF 2.0 file.
+/* Triangle meshes, materials with holes, lights and cameras as a binary glTF 2.0 file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GLB_WRITE_H
 #define GLB_WRITE_H
@@ -24,10 +24,12 @@ typedef struct glb_mesh {
 } glb_mesh;
 
 typedef struct glb_material {
-    const char *name; /* borrowed */
-    int         double_sided;
-    double      alpha_cutoff; /* 0: OPAQUE; else alphaMode is MASK with this cutoff, (0, 1] */
-    uint32_t    image;        /* 1 + index into images: the base colour texture; 0: none */
+    const char  *name; /* borrowed */
+    int          double_sided;
+    double       alpha_cutoff; /* 0: OPAQUE; else alphaMode is MASK with this cutoff, (0, 1] */
+    uint32_t     image;        /* 1 + index into images: the base colour texture; 0: none */
+    texture_wrap wrap_u, wrap_v;
+    int          nearest; /* 1: the nearest pixel; 0: bilinear */
 } glb_material;
 
 /* Stored as PNG. */
@@ -35,11 +37,6 @@ typedef struct glb_image {
     uint32_t width_px, height_px; /* 1 to ALPHA_IMAGE_MAX_PX each */
     uint8_t *rgba;                /* [4 * width * height] rows from the top, sRGB and straight alpha; owned */
 } glb_image;
-
-typedef struct glb_light {
-    char        name[32];
-    light_shape shape; /* direction of any length but 0 */
-} glb_light;
 
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
@@ -54,13 +51,14 @@ typedef struct glb_scene {
     size_t    mesh_count;
     glb_mesh *meshes; /* [mesh_count] owned */
 
-    size_t        material_count, image_count, light_count;
-    glb_material *materials; /* [material_count] owned */
-    glb_image    *images;    /* [image_count] owned */
-    glb_light    *lights;    /* [light_count] owned */
+    size_t        material_count, image_count, light_count, camera_count;
+    glb_material *materials;           /* [material_count] owned */
+    glb_image    *images;              /* [image_count] owned */
+    scene_light  *lights;              /* [light_count] directions of any length but 0; owned with their names */
+    double       *camera_positions_ws; /* [3 * camera_count] owned; where they look is not kept */
 } glb_scene;
 
-/* Write the scene: one node a mesh, then one a light of KHR_lights_punctual. Positions and texture coordinates are FLOAT,
+/* Write the scene: one node a mesh, then one a light of KHR_lights_punctual, then one a camera. Positions and texture coordinates are FLOAT,
  * indices UNSIGNED_INT, one buffer view each, one for each image; what a scene has none of is not mentioned. The same
  * scene gives the same bytes (images: by the same version of libpng).
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than the 4 GiB a GLB can hold), VXS_E_MEMORY. */

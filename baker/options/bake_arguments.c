@@ -4,31 +4,17 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "baker/base/parallel.h"
-
-/* Two outputs that are one. Names that differ may still be links to one file. */
-static vxs_result check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m)
-{
-    struct stat a_status, b_status;
-    if (!a_path || !b_path) return VXS_OK;
-    int is_same = !strcmp(a_path, b_path);
-    if (is_same && !strcmp(a_path, "-"))
-        return fail(m, VXS_E_ARGUMENT, "%s - and %s - exclude each other: both would go to standard output", a, b);
-    if (!is_same && strcmp(a_path, "-") && strcmp(b_path, "-") && !stat(a_path, &a_status) && !stat(b_path, &b_status))
-        is_same = S_ISREG(a_status.st_mode) && a_status.st_dev == b_status.st_dev && a_status.st_ino == b_status.st_ino;
-    return is_same ? fail(m, VXS_E_ARGUMENT, "%s and %s are both %s: expected two names", a, b, b_path) : VXS_OK;
-}
 
 static vxs_result check(bake_arguments *a, int output_needed, message *m)
 {
     bake_options *o = &a->o;
     vxs_result    r;
     if (output_needed && !o->output_path) return fail(m, VXS_E_ARGUMENT, "bake needs -o OUT.vxs");
-    if ((r = check_apart("-o", o->output_path, "--json", a->json_path, m)) != VXS_OK) return r;
-    if ((r = check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
-    if ((r = check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
+    if ((r = outputs_check_apart("-o", o->output_path, "--json", a->json_path, m)) != VXS_OK) return r;
+    if ((r = outputs_check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
+    if ((r = outputs_check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
     if (a->resolution_given && a->texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
     if (a->texel_given) o->resolution = 0;
     if (o->resolution & (o->resolution - 1))
@@ -76,6 +62,15 @@ vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char 
          "exit depth of solids: peeled, or the nearest back face (default auto: peeled where solids meet)", NULL},
         {"--closed", OPTION_CHOICE, &a->closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
+        {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
+        {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
+         "threads (default: all processors); never changes the bytes", NULL},
+        {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
+         "hold no more memory than this: 800M, 2G, or plain bytes (default: as much as it needs)", NULL},
+        {"--report", OPTION_TEXT, &a->page_path, 0, 0, NULL, "FILE.html",
+         "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
+        {"--json", OPTION_TEXT, &a->json_path, 0, 0, NULL, "FILE", "the report as JSON; - is standard output", NULL},
+        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "for comparison with older work", NULL},
         {"--rule", OPTION_CHOICE, &a->rule, 0, 0, RULE_CHOICES, NULL,
          "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
         {"--reuse", OPTION_CHOICE, &a->o.reuse, 0, 0, REUSE_CHOICES, NULL,
@@ -84,16 +79,8 @@ vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char 
          "order of sub-DAG compression (default auto: top-down where it pays)", NULL},
         {"--stop", OPTION_CHOICE, &a->stop, 0, 0, STOP_CHOICES, NULL,
          "after insertion, sub-DAG compression, or the merge (default final)", NULL},
-        {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
-        {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
-         "threads (default: all processors); never changes the bytes", NULL},
         {"--baseline", OPTION_CHOICE, &a->baseline, 0, 0, BASELINE_CHOICES, NULL,
          "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
-        {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
-         "hold no more memory than this: 800M, 2G, or plain bytes (default: as much as it needs)", NULL},
-        {"--report", OPTION_TEXT, &a->page_path, 0, 0, NULL, "FILE.html",
-         "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
-        {"--json", OPTION_TEXT, &a->json_path, 0, 0, NULL, "FILE", "the report as JSON; - is standard output", NULL},
     };
     const command_line line = {name, synopsis, summary, options, sizeof options / sizeof *options, 1};
     vxs_result         r    = options_parse(&line, argc, argv, &a->o.scene_path, &a->help_shown, m);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "baker/measure/progress.h"
 
@@ -17,6 +18,10 @@ static void print_help(const command_line *c)
     for (size_t i = 0; i < c->option_count; i++) {
         const option *o = &c->options[i];
         char          left[96];
+        if (o->kind == OPTION_GROUP) {
+            printf("\n%s:\n", o->help);
+            continue;
+        }
         snprintf(left, sizeof left, "%s %s", o->name,
                  o->kind == OPTION_SWITCH   ? ""
                  : o->kind == OPTION_CHOICE ? o->choices
@@ -28,7 +33,8 @@ static void print_help(const command_line *c)
 static const option *find_option(const command_line *c, const char *name, size_t length)
 {
     for (size_t i = 0; i < c->option_count; i++)
-        if (strlen(c->options[i].name) == length && !memcmp(c->options[i].name, name, length)) return &c->options[i];
+        if (c->options[i].name && strlen(c->options[i].name) == length && !memcmp(c->options[i].name, name, length))
+            return &c->options[i];
     return NULL;
 }
 
@@ -101,6 +107,7 @@ static vxs_result set_option(const option *o, const char *value, message *m)
 {
     double number;
     switch (o->kind) {
+    case OPTION_GROUP: break; /* has no name to be found by */
     case OPTION_SWITCH: *(int *)o->target = 1; break;
     case OPTION_TEXT: *(const char **)o->target = value; break;
     case OPTION_VECTOR: {
@@ -201,6 +208,18 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, const cha
 vxs_result options_parse_repeated(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m)
 {
     return parse(c, argc, argv, SIZE_MAX, operands, help_shown, m);
+}
+
+vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m)
+{
+    struct stat a_status, b_status;
+    if (!a_path || !b_path) return VXS_OK;
+    int is_same = !strcmp(a_path, b_path);
+    if (is_same && !strcmp(a_path, "-"))
+        return fail(m, VXS_E_ARGUMENT, "%s - and %s - exclude each other: both would go to standard output", a, b);
+    if (!is_same && strcmp(a_path, "-") && strcmp(b_path, "-") && !stat(a_path, &a_status) && !stat(b_path, &b_status))
+        is_same = S_ISREG(a_status.st_mode) && a_status.st_dev == b_status.st_dev && a_status.st_ino == b_status.st_ino;
+    return is_same ? fail(m, VXS_E_ARGUMENT, "%s and %s are both %s: expected two names", a, b, b_path) : VXS_OK;
 }
 
 int command_end(message *m, vxs_result code)

@@ -18,7 +18,8 @@ typedef enum option_kind {
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
     OPTION_TEXT,   /* const char *, borrowed from argv */
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
-    OPTION_CHOICE  /* int: index of the value in `choices` */
+    OPTION_CHOICE, /* int: index of the value in `choices` */
+    OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
 } option_kind;
 
 enum { OPTION_NUMBERS_MAX = 32 };
@@ -30,7 +31,7 @@ typedef struct number_list {
 } number_list;
 
 typedef struct option {
-    const char *name; /* "--resolution", "-o" */
+    const char *name; /* "--resolution", "-o"; NULL for a group */
     option_kind kind;
     void       *target; /* holds the default on entry */
     double      min, max;
@@ -60,6 +61,12 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, const cha
  * operands  [argc] those that are not given are left alone */
 vxs_result options_parse_repeated(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m);
 
+/* Two outputs that must not be one file, nor both standard output. Names that differ may still be links to one file.
+ * a, b            the options that name them, for the message
+ * a_path, b_path  NULL: not given
+ * Returns VXS_OK or VXS_E_ARGUMENT. */
+vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m);
+
 /* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`. */
 int command_end(message *m, vxs_result code);
 
@@ -75,6 +82,7 @@ int cmd_report(int argc, char **argv);
 int cmd_picture(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_health(int argc, char **argv);
+int cmd_mend(int argc, char **argv);
 int cmd_scene(int argc, char **argv);
 
 #endif

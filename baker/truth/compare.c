@@ -1,7 +1,7 @@
 /* A baked light against the ray-traced truth; see compare.h.
  *
  * A pass over all points of a kind writes one verdict each; counts and examples are taken from the verdicts in order. Then it is
- * measured how far the wrong ones are from a boundary (compare_boundary.h).
+ * measured how far the wrong ones are from a boundary (compare_boundary.c).
  *
  * A lookup with a normal is moved off the surface by whole voxels, and the truth is asked there: that judges the map. The
  * answer is also held against a ray from the surface, which judges map and bias together; it is counted apart.
@@ -29,10 +29,7 @@
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
 #include "baker/truth/baked_light.h"
-#include "baker/truth/compare_boundary.h"
-#include "baker/truth/compare_filter.h"
 #include "baker/truth/compare_points.h"
-#include "baker/truth/compare_time.h"
 #include "runtime/vxs.h"
 
 enum { POINTS_AT_A_TIME = 256, STEPS = 2 };

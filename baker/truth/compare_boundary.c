@@ -1,6 +1,14 @@
-/* The distance of wrong answers from a boundary; see compare_boundary.h.
+/* How far wrong answers are from a place where they would be right.
+ *
+ * From where the truth was asked, probes go 26 ways in the coordinates of the map, where a texel counts as much as a voxel's depth:
+ * across the light, along it, and between, as from the middle of a cube to its corners and to the middles of its edges and faces.
+ *
+ *        \ | /        Each way the truth is asked at 1/2, 1, 1 1/2, 2, 3, 4, 6 and 8 texels. Where it first is what the asset
+ *       -- p --       says, the last step is halved six times. The least distance of all ways is the answer. To a flat boundary
+ *        / | \        that is at most 13 % too far; what is thinner than a step may be missed. Inside of solids it is dark.
+ *
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/compare_boundary.h"
+#include "baker/truth/compare_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +17,7 @@
 
 enum { ANSWERS_AT_A_TIME = 16, HALVINGS = 6 };
 
-static const double steps[] = {0.5, 1, 1.5, 2, 3, 4, 6, COMPARE_BOUNDARY_REACH};
+static const double steps[] = {0.5, 1, 1.5, 2, 3, 4, 6, 8};
 enum { STEPS = sizeof steps / sizeof *steps };
 
 typedef struct search {

@@ -13,22 +13,18 @@
 enum { TRIES = 20 };
 
 /* Bounds of all triangles, 5 % larger; a flat scene gets some height too. */
-static void measure_box(const casters *c, double box_min_ws[3], double box_max_ws[3])
+static box measure_box(const casters *c)
 {
-    double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
-    for (size_t n = 0; n < 3 * c->triangle_count; n++)
-        for (int i = 0; i < 3; i++) {
-            double p = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)i];
-            min[i]   = fmin(min[i], p);
-            max[i]   = fmax(max[i], p);
-        }
-    vec3_sub(max, min, extent);
+    box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    double extent[3];
+    vec3_sub(b.max, b.min, extent);
     double diagonal = sqrt(vec3_dot(extent, extent));
     for (int i = 0; i < 3; i++) {
         double margin = fmax(0.025 * extent[i], 0.01 * diagonal);
-        box_min_ws[i] = min[i] - margin;
-        box_max_ws[i] = max[i] + margin;
+        b.min[i] -= margin;
+        b.max[i] += margin;
     }
+    return b;
 }
 
 void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px)
@@ -39,11 +35,10 @@ void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_
 
 void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_baked_light *baked, const compare_options *o)
 {
-    double           box_min_ws[3], box_max_ws[3];
-    const vxs_light *light = &baked->light;
+    const vxs_light *light  = &baked->light;
+    box              box_ws = measure_box(c);
     *out = (comparison){.truth = t, .casters = c, .baked = baked, .light = light, .shape = baked_light_shape(light), .options = o};
-    measure_box(c, box_min_ws, box_max_ws);
-    light_volume_init(&out->volume, light, box_min_ws, box_max_ws);
+    light_volume_init(&out->volume, light, &box_ws);
     if (!o->camera) return;
     compare_picture_size(o->points, &out->width_px, &out->height_px);
     out->view = picture_view_of(o->camera, COMPARE_CAMERA_ASPECT);
@@ -52,11 +47,6 @@ void comparison_init(comparison *out, const truth *t, const casters *c, const vx
 size_t compare_point_count(const comparison *c, compare_kind kind)
 {
     return kind == COMPARE_CAMERA ? (size_t)c->width_px * c->height_px : c->options->points;
-}
-
-static double uniform(rng *r)
-{
-    return ldexp((double)rng_u32(r), -32);
 }
 
 static int random_sample(const comparison *c, rng *r, sample *s)
@@ -107,7 +97,7 @@ static int finish_drawn_sample(const comparison *c, uint32_t filter_px, uint32_t
 
 static int sample_by_area(const comparison *c, uint32_t filter_px, rng *r, sample *s)
 {
-    double   uniforms[3] = {uniform(r), uniform(r), uniform(r)};
+    double   uniforms[3] = {rng_unit(r), rng_unit(r), rng_unit(r)};
     uint32_t triangle;
     return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) &&
            finish_drawn_sample(c, filter_px, triangle, r, s);

@@ -42,4 +42,27 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, uint32_t
 /* The truth at a place of a map: texels, texels, voxels. 1: lit. */
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
 
+/* compare_boundary.c: how far wrong answers are from a place where they would be right. */
+
+typedef struct wrong_answer {
+    uint64_t index; /* of the point */
+    int      asset_lit;
+    float    texels; /* to the boundary; INFINITY: farther than 8 */
+} wrong_answer;
+
+/* Measure the distance of each wrong answer.
+ * answers  [count] texels is written; sorted by it in the end
+ * Cost: 208 rays and some for an answer that is beyond, a few dozen for most others. */
+compare_distance compare_boundary(const comparison *c, compare_kind kind, wrong_answer *answers, size_t count);
+
+/* compare_filter.c: filtered lookups against the same filter over rays, of COMPARE_FILTER_POINTS_MAX points at most, spread over all of
+ * the kind.
+ * out  [out] written only when VXS_OK is returned.   Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result compare_filtered(const comparison *c, compare_kind kind, uint32_t filter_px, compare_error *out, message *m);
+
+/* compare_time.c: fill a result's time, and that of its filters. Only points that the map reaches count: others cost nothing, and would
+ * flatter.
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result compare_measure_time(const comparison *c, compare_result *out, message *m);
+
 #endif

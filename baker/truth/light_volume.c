@@ -22,15 +22,10 @@ enum { TRIES = 100, CELL_PROBES_SIDE = 3 };
 
 static const double pi = 3.14159265358979323846;
 
-static double uniform(rng *r)
-{
-    return ldexp((double)rng_u32(r), -32);
-}
-
 static int in_box(const light_volume *v, const double point_ws[3])
 {
     for (int i = 0; i < 3; i++)
-        if (point_ws[i] < v->box_min_ws[i] || point_ws[i] > v->box_max_ws[i]) return 0;
+        if (point_ws[i] < v->box_ws.min[i] || point_ws[i] > v->box_ws.max[i]) return 0;
     return 1;
 }
 
@@ -50,7 +45,7 @@ static int cross_box(const light_volume *v, const double direction_ws[3], double
     *begin = 0;
     *end   = v->shape.range_m;
     for (int i = 0; i < 3; i++) {
-        double to_min = v->box_min_ws[i] - v->shape.position_ws[i], to_max = v->box_max_ws[i] - v->shape.position_ws[i];
+        double to_min = v->box_ws.min[i] - v->shape.position_ws[i], to_max = v->box_ws.max[i] - v->shape.position_ws[i];
         if (direction_ws[i] == 0) {
             if (to_min > 0 || to_max < 0) return 0;
             continue;
@@ -98,11 +93,11 @@ static int cell_at(const light_volume *v, double sum)
 
 static int draw_from_cone(const light_volume *v, rng *r, double point_ws[3])
 {
-    int    cell = cell_at(v, uniform(r) * v->cell_sum[VOLUME_CELLS - 1]);
-    double x    = (cell % VOLUME_CELLS_SIDE + uniform(r)) / VOLUME_CELLS_SIDE;
-    double y    = (cell / VOLUME_CELLS_SIDE + uniform(r)) / VOLUME_CELLS_SIDE, direction[3], begin, end;
+    int    cell = cell_at(v, rng_unit(r) * v->cell_sum[VOLUME_CELLS - 1]);
+    double x    = (cell % VOLUME_CELLS_SIDE + rng_unit(r)) / VOLUME_CELLS_SIDE;
+    double y    = (cell / VOLUME_CELLS_SIDE + rng_unit(r)) / VOLUME_CELLS_SIDE, direction[3], begin, end;
     cone_direction(v, x, y, direction);
-    double kept = uniform(r), along = uniform(r);
+    double kept = rng_unit(r), along = rng_unit(r);
     if (!cross_box(v, direction, &begin, &end)) return 0;
 
     /* a cell's directions are not all as likely as the cell: keep the more likely ones more often */
@@ -145,16 +140,13 @@ static void choose_for_sun(light_volume *v, double box_volume)
     v->way            = (v->light->flags & VXS_LIGHT_BOUNDED) && map_volume < box_volume ? DRAW_FROM_MAP : DRAW_FROM_BOX;
 }
 
-void light_volume_init(light_volume *v, const vxs_light *light, const double box_min_ws[3], const double box_max_ws[3])
+void light_volume_init(light_volume *v, const vxs_light *light, const box *box_ws)
 {
     double box_volume = 1;
     v->light          = light;
     v->shape          = baked_light_shape(light);
-    for (int i = 0; i < 3; i++) {
-        v->box_min_ws[i] = box_min_ws[i];
-        v->box_max_ws[i] = box_max_ws[i];
-        box_volume *= box_max_ws[i] - box_min_ws[i];
-    }
+    v->box_ws         = *box_ws;
+    for (int i = 0; i < 3; i++) box_volume *= box_ws->max[i] - box_ws->min[i];
     if (v->shape.kind == LIGHT_DIRECTIONAL)
         choose_for_sun(v, box_volume);
     else
@@ -167,10 +159,10 @@ static int draw_once(const light_volume *v, rng *r, double point_ws[3])
     if (v->way == DRAW_FROM_CONE) {
         if (!draw_from_cone(v, r, point_ws)) return 0;
     } else {
-        double u[3] = {uniform(r), uniform(r), uniform(r)}, at[3];
+        double u[3] = {rng_unit(r), rng_unit(r), rng_unit(r)}, at[3];
         for (int i = 0; i < 3; i++) {
             at[i]       = ldexp(u[i], (int)v->light->levels);
-            point_ws[i] = v->box_min_ws[i] + u[i] * (v->box_max_ws[i] - v->box_min_ws[i]);
+            point_ws[i] = v->box_ws.min[i] + u[i] * (v->box_ws.max[i] - v->box_ws.min[i]);
         }
         if (v->way == DRAW_FROM_MAP) vxs_point(v->light, 0, at, point_ws);
     }

@@ -3,6 +3,7 @@
 #ifndef LIGHT_VOLUME_H
 #define LIGHT_VOLUME_H
 
+#include "baker/base/box.h"
 #include "baker/base/random.h"
 #include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
@@ -12,15 +13,15 @@ enum { VOLUME_CELLS_SIDE = 64, VOLUME_CELLS = VOLUME_CELLS_SIDE * VOLUME_CELLS_S
 typedef struct light_volume {
     const vxs_light *light; /* borrowed */
     light_shape      shape;
-    double           box_min_ws[3], box_max_ws[3];
+    box              box_ws;
     enum { DRAW_FROM_BOX, DRAW_FROM_MAP, DRAW_FROM_CONE } way;
     double axes[3][3];                /* of the cone: two across it, and its direction */
     double cell_weight[VOLUME_CELLS]; /* the mean of t1^3 - t0^3 of rays through a cell, which are in the box from t0 to t1 */
     double cell_sum[VOLUME_CELLS];    /* this cell and all before it */
 } light_volume;
 
-/* box_min_ws, box_max_ws  metres; of some volume */
-void light_volume_init(light_volume *v, const vxs_light *light, const double box_min_ws[3], const double box_max_ws[3]);
+/* box_ws  metres; of some volume */
+void light_volume_init(light_volume *v, const vxs_light *light, const box *box_ws);
 
 /* A point in the box and in the volume of the light, uniform by volume.
  * Returns 0 when hundred points in a row were in one of them alone.   Threads: any. */

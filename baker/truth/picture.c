@@ -16,10 +16,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/box.h"
 #include "baker/base/parallel.h"
-#include "baker/files/png_encode.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "baker/files/png_encode.h"
 #include "baker/truth/baked_light.h"
 #include "runtime/vxs.h"
 
@@ -59,22 +60,6 @@ typedef struct view {
 } view;
 
 /* the camera ------------------------------------------------------------------------------------------ */
-
-typedef struct box {
-    double min[3], max[3];
-} box;
-
-static box bounds_of(const casters *c)
-{
-    box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t n = 0; n < 3 * c->triangle_count; n++)
-        for (int i = 0; i < 3; i++) {
-            double p = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)i];
-            b.min[i] = fmin(b.min[i], p);
-            b.max[i] = fmax(b.max[i], p);
-        }
-    return b;
-}
 
 static double diagonal_of(const box *b)
 {
@@ -123,7 +108,7 @@ static double closer(const box *b)
 void picture_frame(picture_camera *camera, const casters *c, const double sun_ws[3], double aspect)
 {
     const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
-    box          b     = bounds_of(c);
+    box          b     = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double       size  = fmax(diagonal_of(&b), 1e-9);
     double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
     double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
@@ -189,7 +174,7 @@ static double distance_to_box(const box *b, const double eye[3])
 
 static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
 {
-    box    b      = bounds_of(c);
+    box    b      = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double size   = fmax(diagonal_of(&b), 1e-9);
     view   v      = {.options = o, .truth = t, .rgb = rgb};
     v.seen        = picture_view_of(&o->camera, (double)o->width_px / o->height_px);
@@ -235,8 +220,8 @@ static void sky_light(const view *v, const double from_ws[3], const double norma
     for (int n = 0; n < SKY_RAYS; n++) {
         int    row    = n / SKY_RAYS_SIDE * SIDE_SAMPLES + sample / SIDE_SAMPLES;
         int    column = n % SKY_RAYS_SIDE * SIDE_SAMPLES + sample % SIDE_SAMPLES;
-        double square = (column + ldexp((double)rng_u32(r), -32)) / (SKY_RAYS_SIDE * SIDE_SAMPLES);
-        double angle  = (row + ldexp((double)rng_u32(r), -32)) / (SKY_RAYS_SIDE * SIDE_SAMPLES) * 2 * pi;
+        double square = (column + rng_unit(r)) / (SKY_RAYS_SIDE * SIDE_SAMPLES);
+        double angle  = (row + rng_unit(r)) / (SKY_RAYS_SIDE * SIDE_SAMPLES) * 2 * pi;
         double radius = sqrt(square), height = sqrt(1 - square), distance, direction[3], sky[3];
         for (int i = 0; i < 3; i++) direction[i] = radius * cos(angle) * a[i] + radius * sin(angle) * b[i] + height * normal[i];
         sky_colour(direction, sky);
@@ -264,7 +249,7 @@ static double sun_light(const view *v, const double point_ws[3], const double no
 /* A random direction of a lamp's cone. */
 static void lamp_direction(const light_shape *s, rng *r, double direction[3])
 {
-    double a[3], b[3], sunk = ldexp((double)rng_u32(r), -32), turn = 2 * pi * ldexp((double)rng_u32(r), -32);
+    double a[3], b[3], sunk = rng_unit(r), turn = 2 * pi * rng_unit(r);
     sunk *= s->kind == LIGHT_POINT ? 2 : 1 - cos(s->outer_rad);
     double wide = sqrt(sunk * (2 - sunk));
     frame_of(s->direction_ws, a, b);
@@ -341,7 +326,7 @@ static double air_light(const view *v, const double direction[3], double metres,
     double       sum       = 0;
     for (uint32_t n = 0; n < v->lamp_count; n++) {
         const lamp *l     = &v->lamps[n];
-        double      begin = 0, end = metres, nearest, beside, first = ldexp((double)rng_u32(r), -32), to_lamp[3], point[3];
+        double      begin = 0, end = metres, nearest, beside, first = rng_unit(r), to_lamp[3], point[3];
         if (!pass_lamp(v, l, direction, &begin, &end, &nearest, &beside)) continue;
         double low = atan((begin - nearest) / beside), step = (atan((end - nearest) / beside) - low) / AIR_STEPS;
         for (int i = 0; i < AIR_STEPS; i++) {
@@ -423,7 +408,7 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
     view       v    = make_view(o, t, c, rgb);
-    box        b    = bounds_of(c);
+    box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     vxs_result r    = VXS_OK;
     double     size = fmax(diagonal_of(&b), 1e-9);
     v.suns          = malloc(light_count * sizeof *v.suns);

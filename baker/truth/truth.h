@@ -1,10 +1,10 @@
-/* The ray-traced truth: what is lit, what is inside, how far is the nearest surface. Slow, plain, and independent of the
+/* The ray-traced truth: what is lit, what is inside, what a ray meets. Slow, plain, and independent of the
  * bake, so that the bake can be judged by it.
  *
  * All coordinates are world space, in metres. Embree traces in float, so casters and points are moved to the centre of the
  * casters' bounds and scaled by a power of two, in double, before they are rounded: answers are those of casters and rays
  * displaced by at most truth_precision(), wherever the scene stands in the world. Both sides of every triangle count.
- * Rays pass through the holes of alpha-tested triangles (baker/scene/alpha_mask.h); distances are to whole triangles.
+ * Rays pass through the holes of alpha-tested triangles (baker/scene/alpha_mask.h).
  *
  * Threads: every function that takes a const truth may be called from any number of threads at once.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -46,10 +46,6 @@ int truth_lit(const truth *t, const double point_ws[3], const light_shape *light
 /* 1 when the winding number of the solids about the point is above zero: inside one solid or more. Sheets do not count.
  * Within truth_precision of a solid's surface the answer may be either. */
 int truth_inside_solid(const truth *t, const double point_ws[3]);
-
-/* The distance in metres from the point to the nearest caster, or `limit` where that is less (INFINITY: no limit). Exact to
- * double rounding. Holes of alpha-tested triangles count as surface, so that the distance is never too large. A point farther from the casters than 1e15 times their size gets `limit`. */
-double truth_distance(const truth *t, const double point_ws[3], double limit);
 
 /* The first caster along a ray; the lower triangle where several are equally near.
  * direction_ws  unit

@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "baker/base/box.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
 #include "baker/scene/alpha_mask.h"
@@ -60,23 +61,16 @@ static void scaled_normal(const truth *t, size_t triangle, double normal[3])
 
 static vxs_result measure_bounds(truth *t, message *m)
 {
-    const casters *c      = t->casters;
-    double         min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t triangle = 0; triangle < c->triangle_count; triangle++) {
-        for (int k = 0; k < 3; k++) {
-            const double *p = corner(c, triangle, k);
-            for (int i = 0; i < 3; i++) {
-                if (!isfinite(p[i])) return fail(m, VXS_E_SCENE, "triangle %zu has a position that is not finite", triangle);
-                min[i] = fmin(min[i], p[i]);
-                max[i] = fmax(max[i], p[i]);
-            }
-        }
-    }
+    const casters *c = t->casters;
+    for (size_t i = 0; i < 9 * c->triangle_count; i++)
+        if (!isfinite(c->positions_ws[3 * (size_t)c->indices[i / 3] + i % 3]))
+            return fail(m, VXS_E_SCENE, "triangle %zu has a position that is not finite", i / 9);
 
+    box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double half[3];
     for (int i = 0; i < 3; i++) {
-        t->centre_ws[i] = 0.5 * min[i] + 0.5 * max[i];
-        half[i]         = 0.5 * max[i] - 0.5 * min[i];
+        t->centre_ws[i] = 0.5 * b.min[i] + 0.5 * b.max[i];
+        half[i]         = 0.5 * b.max[i] - 0.5 * b.min[i];
     }
     t->radius = sqrt(vec3_dot(half, half));
     if (!(t->radius < 1e100)) return fail(m, VXS_E_SCENE, "the scene is too large to trace: %g m", 2 * t->radius);
@@ -538,54 +532,6 @@ int truth_inside_solid(const truth *t, const double point_ws[3])
     return votes[0] != votes[1] ? votes[1] > votes[0] : doubtful_votes[1] > doubtful_votes[0];
 }
 
-/* -- distance -------------------------------------------------------------------------------------------- */
-
-typedef struct distance_query {
-    const truth *truth;
-    double       point_unit[3]; /* unit space, not rounded to float */
-    double       slack;         /* unit space: what rounding may hide from Embree's own distances */
-    double       nearest;       /* unit space */
-} distance_query;
-
-/* Rounded up, so that the search never shrinks below the distance found. */
-static float search_radius(const distance_query *q)
-{
-    return nextafterf((float)(q->nearest + q->slack), INFINITY);
-}
-
-static bool measure_triangle(struct RTCPointQueryFunctionArguments *args)
-{
-    distance_query *q = args->userPtr;
-    const truth    *t = q->truth;
-    double          corners[3][3];
-    for (int k = 0; k < 3; k++) {
-        const double *p = corner(t->casters, args->primID, k);
-        for (int i = 0; i < 3; i++) corners[k][i] = (p[i] - t->centre_ws[i]) * t->scale - q->point_unit[i];
-    }
-
-    double distance = sqrt(triangle_distance2(corners[0], corners[1], corners[2]));
-    if (!(distance < q->nearest)) return false;
-    q->nearest          = distance;
-    args->query->radius = search_radius(q);
-    return true;
-}
-
-double truth_distance(const truth *t, const double point_ws[3], double limit)
-{
-    distance_query q = {.truth = t, .nearest = limit * t->scale};
-    for (int i = 0; i < 3; i++) q.point_unit[i] = (point_ws[i] - t->centre_ws[i]) * t->scale;
-    double from_centre = sqrt(vec3_dot(q.point_unit, q.point_unit));
-    if (!(from_centre < 1e15)) return limit;
-    q.slack = FLOAT_SLACK * (1 + from_centre);
-
-    struct RTCPointQuery query = {
-        .x = (float)q.point_unit[0], .y = (float)q.point_unit[1], .z = (float)q.point_unit[2], .radius = search_radius(&q)};
-    struct RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(t->scene, &query, &context, measure_triangle, &q);
-    return fmin(limit, q.nearest / t->scale);
-}
-
 /* -- surface points -------------------------------------------------------------------------------------- */
 
 /* The first triangle whose sum exceeds `area`: never one without area. */
@@ -629,7 +575,7 @@ int truth_sample_surface(const truth *t, const double uniforms[3], double point_
     rng again = {(uint64_t)ldexp(uniforms[0], 60) ^ (uint64_t)ldexp(uniforms[1], 52) ^ (uint64_t)ldexp(uniforms[2], 44)};
     while (!draw_surface_point(t, drawn_from, found, &chosen)) {
         if (tries++ == SURFACE_TRIES) return 0;
-        for (int i = 0; i < 3; i++) drawn_from[i] = ldexp((double)rng_u32(&again), -32);
+        for (int i = 0; i < 3; i++) drawn_from[i] = rng_unit(&again);
     }
     scaled_normal(t, chosen, normal);
     for (int i = 0; i < 3; i++) point_ws[i] = found[i];

@@ -65,3 +65,15 @@ def write(path, boxes=(GROUND, BLOCK), lights=(("sun", "directional", NOON),), o
     gltf |= {"nodes": nodes, "scenes": [{"name": "small", "nodes": list(range(len(nodes)))}]}
     path.write_text(json.dumps(gltf))
     return path
+
+
+def with_a_turned_triangle(path):
+    """A copy of a small scene whose first triangle looks inward: its box is no solid until it is mended."""
+    gltf = json.loads(path.read_text())
+    head, _, text = gltf["buffers"][0]["uri"].partition(",")
+    data, at = bytearray(base64.b64decode(text)), gltf["bufferViews"][1]["byteOffset"]
+    data[at:at + 8] = data[at + 4:at + 8] + data[at:at + 4]
+    gltf["buffers"][0]["uri"] = head + "," + base64.b64encode(data).decode()
+    turned = path.with_stem("turned")
+    turned.write_text(json.dumps(gltf))
+    return turned

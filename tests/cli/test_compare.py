@@ -1,6 +1,5 @@
 # vxs compare and vxs picture on a small baked city: an honest asset passes, a wrong one fails and says where.
 # SPDX-License-Identifier: GPL-3.0-or-later
-import base64
 import json
 import os
 import pathlib
@@ -182,21 +181,9 @@ def test_sizes_are_those_of_the_file(vxs, compare, city):
     assert asset["memory_bytes"] == sum(light["memory_bytes"] for light in info["lights"])
 
 
-def with_a_turned_triangle(path):
-    """A copy of a small scene whose first triangle looks inward: its box is no solid until it is mended."""
-    gltf = json.loads(path.read_text())
-    head, _, text = gltf["buffers"][0]["uri"].partition(",")
-    data, at = bytearray(base64.b64decode(text)), gltf["bufferViews"][1]["byteOffset"]
-    data[at:at + 8] = data[at + 4:at + 8] + data[at:at + 4]
-    gltf["buffers"][0]["uri"] = head + "," + base64.b64encode(data).decode()
-    turned = path.with_stem("turned")
-    turned.write_text(json.dumps(gltf))
-    return turned
-
-
 def test_each_asset_has_the_solids_that_it_was_baked_with(vxs, compare_all, city):
     """--closed of the bake counts, whatever the others have."""
-    scene = with_a_turned_triangle(small_scene.write(city / "whole.gltf"))
+    scene = small_scene.with_a_turned_triangle(small_scene.write(city / "whole.gltf"))
     options = "--resolution", 128, "--baseline", "off", "-o"
     vxs("bake", scene, *options, city / "open.vxs")
     vxs("bake", scene, "--closed", "off", *options, city / "sheets.vxs")

@@ -14,7 +14,7 @@ import small_scene
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "bench", "report", "picture", "health", "scene"]
+COMMANDS = ["bake", "plan", "info", "validate", "query", "truth", "compare", "bench", "report", "picture", "health", "mend", "scene"]
 PAGES = sorted([ROOT / "README.md", *DOCS.glob("*.md"), *(ROOT / "scenes").glob("*.md"), *(ROOT / "formats").glob("*.md")])
 
 
@@ -60,10 +60,19 @@ def test_help_says_every_default_of_the_manual(vxs, command):
         assert re.search(rf"default:? {re.escape(default)}\b", line)
 
 
+@pytest.mark.parametrize("command", ["bake", "plan"])
+def test_options_for_comparison_stand_apart(vxs, command):
+    usual, older = vxs(command, "--help").stdout.split("\nfor comparison with older work:\n")
+    assert re.findall(r"^  (-\S+)", older, re.MULTILINE) == ["--rule", "--reuse", "--compress", "--stop", "--baseline"]
+    assert "--json" in usual and "\noptions:\n" in usual
+    listed = manual_section(command).partition("For comparison with older work:")[2]
+    assert re.findall(r"^\| `(-\S+)", listed, re.MULTILINE) == ["--rule", "--reuse", "--compress", "--stop", "--baseline"]
+
+
 def test_manual_has_every_command(vxs):
     listed = re.findall(r"^  (\w+) ", vxs("--help").stdout, re.MULTILINE)
     assert listed == COMMANDS
-    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|bench|report|picture|health|scene)$", (DOCS / "manual.md").read_text(),
+    assert re.findall(r"^## (bake|plan|info|validate|query|truth|compare|bench|report|picture|health|mend|scene)$", (DOCS / "manual.md").read_text(),
                       re.MULTILINE) == COMMANDS
 
 

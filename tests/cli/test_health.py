@@ -104,37 +104,3 @@ def test_errors(vxs, tmp_path):
     done = vxs("health", path, "--json", "-")
     json.loads(done.stdout)
     assert "total" in done.stderr
-
-
-# --- repair -------------------------------------------------------------------------------------------------------------------------
-
-
-def test_repair(vxs, tmp_path):
-    path = small_scene.write(tmp_path / "open.gltf", open_faces=True)  # openings as large as the boxes are not filled
-    report = health(vxs, path, "--repair", "--hole-diameter", "100")
-    assert report["repair"]["total"]["left_holes"] == 2 and report["repair"]["closed_after"] == 0
-    assert report["health"] == report["repaired"]
-    text = vxs("health", path, "--repair").stdout
-    assert "still open: 1 holes left" in text and text.count("24 triangles") == 0 and text.count("20 triangles in 2 components") == 2
-
-    sound = small_scene.write(tmp_path / "sound.gltf")
-    report = health(vxs, sound, "--repair")
-    assert report["repair"]["components"] == [] and report["repair"]["closed_after"] == 2
-    assert "nothing to do" in vxs("health", sound, "--repair").stdout
-    vxs("health", sound, "--hole-diameter", "1", status=2)
-    vxs("health", sound, "--repair", "--hole-edges", "1001", status=2)
-
-
-@pytest.mark.parametrize("name", ["sponza", "dream_apartment", "pandora_indoor", "low_poly_terrain", "truck_town", "chess_board"])
-def test_repair_of_real_scenes(vxs, scenes, name):
-    """More of them is solid than before, and nothing that was solid is lost."""
-    report = health(vxs, scenes / "real" / (name + ".glb"), "--repair")
-    solids = [sum(c["kind"] == "solid" for c in report[when]["components"]) for when in ("health", "repaired")]
-    total = report["repair"]["total"]
-    assert solids[1] >= solids[0]
-    assert report["repair"]["closed_after"] >= report["repair"]["closed_before"]
-    assert (report["repaired"]["total"]["triangles"] + report["repaired"]["total"]["collapsed_triangles"] == report["health"]["total"]["triangles"]
-            + report["health"]["total"]["collapsed_triangles"] - total["removed_repeated"] - total["removed_zero_area"] + total["added_triangles"])
-    for component in report["repaired"]["components"]:
-        if component["kind"] == "solid":
-            assert component["closed"] and component["oriented"] and component["volume_m3"] > 0

@@ -593,7 +593,7 @@ static void random_points_are_uniform_by_volume(void **state)
     (void)state;
     enum { POINTS = 40000 };
     static light_volume v;
-    const double        box_min[3] = {-20, -14, -20}, box_max[3] = {20, 26, 20};
+    const box           bounds   = {{-20, -14, -20}, {20, 26, 20}};
     const int           ways[]   = {DRAW_FROM_CONE, DRAW_FROM_CONE, DRAW_FROM_CONE, DRAW_FROM_BOX, DRAW_FROM_CONE};
     const double        outers[] = {0.5, 20, 80, 0, 0}, ranges[] = {20, 18, 18, 19.5, 4};
     for (int n = 0; n < 5; n++) {
@@ -602,7 +602,7 @@ static void random_points_are_uniform_by_volume(void **state)
         rng         r    = {(uint64_t)n};
         int         near = 0, inner = 0, beside = 0;
         double      side[3];
-        light_volume_init(&v, &l, box_min, box_max);
+        light_volume_init(&v, &l, &bounds);
         assert_int_equal(v.way, ways[n]);
         vec3_cross(s.direction_ws, (double[]){0.3, 0.4, 0.8}, side);
         double cos_outer = s.kind == LIGHT_POINT ? -1 : l.cos_outer, cos_middle = 0.5 + 0.5 * cos_outer;
@@ -627,13 +627,14 @@ static void random_points_are_found_in_needles(void **state)
 {
     (void)state;
     static light_volume v;
-    const double        low[3] = {-500, 0, -500}, high[3] = {500, 5, 500}, down[3] = {0, -1, 0};
+    const box           flat      = {{-500, 0, -500}, {500, 5, 500}};
+    const double        down[3]   = {0, -1, 0};
     const double        heights[] = {-3, 1e3, 1e6}; /* the lamp is six metres higher */
     for (int n = 0; n < 3; n++) {
         vxs_light   l = lamp_of((double[]){1, heights[n], 2}, down, 0.5 * degree, 0, 7, 0);
         light_shape s = baked_light_shape(&l);
         rng         r = {7};
-        light_volume_init(&v, &l, low, high);
+        light_volume_init(&v, &l, &flat);
         double sum = 0;
         for (int i = 0; i < 10000; i++) {
             double p[3];
@@ -646,7 +647,7 @@ static void random_points_are_found_in_needles(void **state)
     vxs_light up = lamp_of((double[]){0, 10, 0}, (double[]){0, 1, 0}, 0.5 * degree, 0, 7, 0);
     rng       r  = {7};
     double    p[3];
-    light_volume_init(&v, &up, low, high);
+    light_volume_init(&v, &up, &flat);
     assert_int_equal(light_volume_draw(&v, &r, p), 0);
 }
 

@@ -252,7 +252,7 @@ static double distance_to_solid(const solid *s, const double at[3])
     return most;
 }
 
-static void check_spot(const glb_light *light, size_t number)
+static void check_spot(const scene_light *light, size_t number)
 {
     const double       degree = acos(-1) / 180;
     const light_shape *shape  = &light->shape;

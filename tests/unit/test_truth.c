@@ -206,28 +206,6 @@ static int brute_first_hit(const double origin[3], const double direction[3], do
     return *distance < INFINITY;
 }
 
-/* The nearest point of a triangle by projection on ever smaller quarters of it: slow, and unlike the code it checks. */
-static double brute_distance(size_t t, const double point[3])
-{
-    double c[3][3];
-    for (int k = 0; k < 3; k++) vec3_sub(corner_of(t, k), point, c[k]);
-    double best = INFINITY, b[2] = {1 / 3.0, 1 / 3.0};
-    for (double step = 0.5; step > 1e-9; step *= 0.7) {
-        for (int moved = 1; moved;) {
-            moved = 0;
-            for (int way = 0; way < 6; way++) {
-                static const double ways[6][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}};
-                double u = fmin(1, fmax(0, b[0] + step * ways[way][0])), v = fmin(1 - u, fmax(0, b[1] + step * ways[way][1]));
-                double p[3];
-                for (int i = 0; i < 3; i++) p[i] = (1 - u - v) * c[0][i] + u * c[1][i] + v * c[2][i];
-                double length2 = vec3_dot(p, p);
-                if (length2 < best) best = length2, b[0] = u, b[1] = v, moved = 1;
-            }
-        }
-    }
-    return sqrt(best);
-}
-
 /* -- light ----------------------------------------------------------------------------------------------- */
 
 static void a_box_on_the_ground_casts_the_shadow_drawn_by_hand(void **state)
@@ -595,7 +573,6 @@ static void light_passes_holes_drawn_by_hand(void **state)
             assert_int_equal(truth_first_hit(t, (const double[]){x + 0.49, 5, z + 0.52}, down, &distance, normal, &which), 1);
             assert_true(distance == (hole ? 5 : 2) && normal[1] == 1 && (which < 2) == hole);
             assert_int_equal(truth_first_hit(t, (const double[]){x + 0.49, 1, z + 0.52}, up, NULL, NULL, NULL), !hole);
-            assert_true(truth_distance(t, (const double[]){x + 0.49, 3.5, z + 0.52}, 10) == 0.5); /* whole triangles */
         }
     truth_destroy(t);
 }
@@ -760,23 +737,32 @@ static void inside_agrees_with_analytic_solids(void **state)
     move_all(offset[0], offset[1], offset[2]);
     truth *t = make();
 
-    int inside = 0, asked = 0;
+    int    inside = 0, asked = 0;
+    double slack = 4 * truth_precision(t);
     for (int i = 0; i < 40000; i++) {
         double p[3];
         random_point(&r, 20, p);
         int expected = 0, near = 0;
-        for (int b = 0; b < 5; b++) expected |= in_box(p, boxes[b]);
+        for (int b = 0; b < 5; b++) {
+            double larger[6], smaller[6];
+            for (int k = 0; k < 6; k++) {
+                larger[k]  = boxes[b][k] + (k < 3 ? -slack : slack);
+                smaller[k] = boxes[b][k] + (k < 3 ? slack : -slack);
+            }
+            expected |= in_box(p, boxes[b]);
+            near |= in_box(p, larger) && !in_box(p, smaller);
+        }
         for (int b = 0; b < 3; b++) {
             double d[3];
             vec3_sub(p, balls[b], d);
             double distance = sqrt(vec3_dot(d, d));
             expected |= distance < balls[b][3];
-            near |= distance < balls[b][3] && distance > 0.99 * balls[b][3]; /* the mesh is a little smaller than its sphere */
+            near |=
+                distance < balls[b][3] + slack && distance > 0.99 * balls[b][3]; /* the mesh is a little smaller than its sphere */
         }
         if (near) continue;
         asked++;
         for (int k = 0; k < 3; k++) p[k] += offset[k];
-        if (truth_distance(t, p, 1) < 4 * truth_precision(t)) continue;
         assert_int_equal(truth_inside_solid(t, p), expected);
         inside += expected;
     }
@@ -851,52 +837,6 @@ static void inside_survives_two_directions_through_edges(void **state)
     }
 }
 
-/* -- distance -------------------------------------------------------------------------------------------- */
-
-static void compare_distances(const double offset[3])
-{
-    rng r = {13};
-    start();
-    random_triangles(&r, 400);
-    triangle(0, 0, 1); /* no area */
-    move_all(offset[0], offset[1], offset[2]);
-    truth *t = make();
-    for (int i = 0; i < 60; i++) {
-        double p[3], expected = INFINITY;
-        random_point(&r, i % 2 ? 120 : 1000, p);
-        for (int k = 0; k < 3; k++) p[k] += offset[k];
-        for (size_t j = 0; j < built.triangle_count; j++) expected = fmin(expected, brute_distance(j, p));
-        double found = truth_distance(t, p, INFINITY);
-        assert_true(fabs(found - expected) < 1e-6 * (1 + expected));
-        assert_true(truth_distance(t, p, 2 * expected) == found);
-        assert_true(truth_distance(t, p, expected / 2) == expected / 2);
-    }
-    truth_destroy(t);
-}
-
-static void distances_agree_with_brute_force(void **state)
-{
-    (void)state;
-    compare_distances((const double[]){0, 0, 0});
-    compare_distances((const double[]){-3e7, 1e7, 1e7});
-}
-
-static void distances_are_exact_by_hand(void **state)
-{
-    (void)state;
-    start();
-    box(1e7, 0, 0, 1e7 + 2, 2, 2);
-    truth *t = make();
-    assert_true(truth_distance(t, (const double[]){1e7 - 0.375, 1, 1}, INFINITY) == 0.375); /* from a face */
-    assert_true(truth_distance(t, (const double[]){1e7 - 3, -4, 1}, INFINITY) == 5);        /* from an edge */
-    assert_true(truth_distance(t, (const double[]){1e7 - 2, -3, -6}, INFINITY) == 7);       /* from a corner */
-    assert_true(truth_distance(t, (const double[]){1e7 + 1, 1, 0.25}, INFINITY) == 0.25);   /* from inside */
-    assert_true(truth_distance(t, (const double[]){1e7, 1, 1}, INFINITY) == 0);
-    assert_true(truth_distance(t, (const double[]){0, 1, 1}, 123) == 123);
-    assert_true(truth_distance(t, (const double[]){1e40, 1, 1}, 123) == 123);
-    truth_destroy(t);
-}
-
 /* -- surface points -------------------------------------------------------------------------------------- */
 
 static void surface_points_are_uniform_by_area(void **state)
@@ -952,7 +892,6 @@ static void casters_without_area_have_no_surface_points(void **state)
     truth *t = make();
     double p[3];
     assert_int_equal(truth_sample_surface(t, (const double[]){0.5, 0.5, 0.5}, p, NULL, NULL), 0);
-    assert_true(truth_distance(t, (const double[]){2.5, 3, 0}, 10) == 3);
     truth_destroy(t);
 }
 
@@ -1032,7 +971,7 @@ static void answer(void *user, size_t begin, size_t end, uint32_t worker)
         light_shape down = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}};
         q->answers[i][0] = truth_lit(q->truth, q->points[i], &down);
         q->answers[i][1] = truth_inside_solid(q->truth, q->points[i]);
-        q->answers[i][2] = truth_distance(q->truth, q->points[i], INFINITY);
+        if (!truth_first_hit(q->truth, q->points[i], down.direction_ws, &q->answers[i][2], NULL, NULL)) q->answers[i][2] = -1;
     }
 }
 
@@ -1081,8 +1020,6 @@ int main(void)
         cmocka_unit_test(inside_agrees_with_analytic_solids),
         cmocka_unit_test(inside_survives_a_direction_through_edges),
         cmocka_unit_test(inside_survives_two_directions_through_edges),
-        cmocka_unit_test(distances_agree_with_brute_force),
-        cmocka_unit_test(distances_are_exact_by_hand),
         cmocka_unit_test(surface_points_are_uniform_by_area),
         cmocka_unit_test(casters_without_area_have_no_surface_points),
         cmocka_unit_test(hopeless_casters_are_refused),

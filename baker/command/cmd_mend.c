@@ -1,0 +1,195 @@
+/* vxs mend: a scene with fewer holes, so that more of it is solid.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "baker/casters/casters.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+#include "baker/gltf/scene_to_glb.h"
+#include "baker/mend/mesh_repair.h"
+#include "baker/options/options.h"
+
+enum { ROWS = 30 };
+
+typedef struct mend_command {
+    const char    *path, *output_path, *scene_name, *json_path;
+    int            all;
+    repair_options how;
+    repair_report  report;
+    size_t         solids[2], triangles[2]; /* solids, and triangles of solids, before and after */
+} mend_command;
+
+static const struct repair_count {
+    const char *name, *text;
+    size_t      offset;
+} repair_counts[] = {
+    {"removed_repeated", "repeated triangles removed", offsetof(repaired_component, removed_repeated)},
+    {"removed_zero_area", "triangles without area removed", offsetof(repaired_component, removed_zero_area)},
+    {"turned_triangles", "triangles turned", offsetof(repaired_component, turned_triangles)},
+    {"filled_holes", "holes filled", offsetof(repaired_component, filled_holes)},
+    {"added_triangles", "triangles added", offsetof(repaired_component, added_triangles)},
+    {"left_holes", "holes left", offsetof(repaired_component, left_holes)},
+};
+enum { REPAIR_COUNTS = sizeof repair_counts / sizeof *repair_counts };
+
+static uint32_t repair_count_of(const repaired_component *k, int which)
+{
+    uint32_t count;
+    memcpy(&count, (const char *)k + repair_counts[which].offset, sizeof count);
+    return count;
+}
+
+/* as text -------------------------------------------------------------------------------------------------------------- */
+
+static void print_counts(FILE *to, const repaired_component *k)
+{
+    const char *separator = "";
+    for (int i = 0; i < REPAIR_COUNTS; i++) {
+        uint32_t count = repair_count_of(k, i);
+        if (count) fprintf(to, "%s%u %s", separator, count, repair_counts[i].text);
+        if (count) separator = ", ";
+    }
+    fprintf(to, "%s\n", *separator ? "" : "nothing to do");
+}
+
+static void print_report(FILE *to, const mend_command *c)
+{
+    const repair_report *r    = &c->report;
+    size_t               rows = c->all || r->count <= ROWS ? r->count : ROWS;
+    fprintf(to, "scene        %s\n", c->path);
+    for (size_t i = 0; i < rows; i++) {
+        const repaired_component *k = &r->components[i];
+        fprintf(to, "component of %u triangles from triangle %u, %s: ", k->triangles, k->triangle,
+                k->closed_after ? "now closed" : "still open");
+        print_counts(to, k);
+    }
+    if (r->count > rows) fprintf(to, "%zu more: --all lists them\n", r->count - rows);
+    fprintf(to, "in all       ");
+    print_counts(to, &r->total);
+    fprintf(to, "closed       %zu of %zu components were closed and oriented, %zu are now\n", r->closed_before, r->component_count,
+            r->closed_after);
+    fprintf(to, "solids       %zu with %zu triangles were solids, %zu with %zu are now\n", c->solids[0], c->triangles[0],
+            c->solids[1], c->triangles[1]);
+    fprintf(to, "wrote        %s\n", c->output_path);
+}
+
+/* as JSON -------------------------------------------------------------------------------------------------------------- */
+
+static json_t *counts_json(const repaired_component *k)
+{
+    json_t *json = json_pack("{s:I}", "triangles", (json_int_t)k->triangles);
+    for (int i = 0; i < REPAIR_COUNTS; i++)
+        json_object_set_new(json, repair_counts[i].name, json_integer((json_int_t)repair_count_of(k, i)));
+    return json;
+}
+
+static json_t *solids_json(const mend_command *c, int when)
+{
+    return json_pack("{s:I, s:I}", "components", (json_int_t)c->solids[when], "triangles", (json_int_t)c->triangles[when]);
+}
+
+static json_t *report_json(const mend_command *c)
+{
+    const repair_report *r          = &c->report;
+    json_t              *components = json_array();
+    for (size_t i = 0; i < r->count; i++) {
+        json_t *entry = counts_json(&r->components[i]);
+        json_object_set_new(entry, "first_triangle", json_integer((json_int_t)r->components[i].triangle));
+        json_object_set_new(entry, "closed_after", json_boolean(r->components[i].closed_after));
+        json_array_append_new(components, entry);
+    }
+    return json_pack("{s:o, s:o, s:{s:f, s:I}, s:o, s:o, s:I, s:I, s:I, s:o, s:o}", "scene", json_text(c->path), "output",
+                     json_text(c->output_path), "options", "hole_diameter_m", c->how.hole_diameter_m, "hole_edges",
+                     (json_int_t)c->how.hole_edges_max, "total", counts_json(&r->total), "components", components,
+                     "component_count", (json_int_t)r->component_count, "closed_before", (json_int_t)r->closed_before,
+                     "closed_after", (json_int_t)r->closed_after, "solids_before", solids_json(c, 0), "solids_after",
+                     solids_json(c, 1));
+}
+
+/* ---------------------------------------------------------------------------------------------------------------------- */
+
+/* when  0: before, 1: after */
+static vxs_result count_solids(mend_command *c, const scene *s, int when, message *m)
+{
+    casters    casting;
+    vxs_result r = casters_from_scene(&casting, s, CLOSED_AUTO, m);
+    if (r != VXS_OK) return r;
+    c->solids[when]    = casting.component_count[COMPONENT_SOLID];
+    c->triangles[when] = casting.solid_triangle_count;
+    casters_free(&casting);
+    return VXS_OK;
+}
+
+static vxs_result write_scene(const char *path, const scene *s, message *m)
+{
+    glb_scene   glb = {0};
+    output_file out = {0};
+    vxs_result  r;
+
+    if ((r = glb_from_scene(&glb, s, m)) != VXS_OK) goto done;
+    if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
+    if ((r = glb_write(&glb, &out, m)) != VXS_OK) goto done;
+    r = output_file_commit(&out, m);
+done:
+    output_file_abort(&out);
+    glb_scene_free(&glb);
+    return r;
+}
+
+static vxs_result check_outputs(const mend_command *c, message *m)
+{
+    vxs_result r;
+    if (!c->output_path) return fail(m, VXS_E_ARGUMENT, "mend needs -o OUT.glb");
+    if ((r = outputs_check_apart("-o", c->output_path, "--json", c->json_path, m)) != VXS_OK) return r;
+    if ((r = output_file_check(c->output_path, c->path, m)) != VXS_OK) return r;
+    return c->json_path ? output_file_check(c->json_path, c->path, m) : VXS_OK;
+}
+
+static vxs_result run(mend_command *c, message *m)
+{
+    scene      s = {0};
+    vxs_result r;
+
+    if ((r = check_outputs(c, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
+    if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
+    if ((r = glb_round_positions(&s, m)) != VXS_OK) goto done; /* first, so that what is closed here is closed in the file */
+    if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
+    if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
+    if ((r = write_scene(c->output_path, &s, m)) != VXS_OK) goto done;
+    /* what goes to standard output stays alone there */
+    print_report(!strcmp(c->output_path, "-") || (c->json_path && !strcmp(c->json_path, "-")) ? stderr : stdout, c);
+    if (c->json_path) r = json_write(c->json_path, report_json(c), m);
+done:
+    repair_report_free(&c->report);
+    scene_free(&s);
+    return r;
+}
+
+int cmd_mend(int argc, char **argv)
+{
+    mend_command c         = {.how = REPAIR_DEFAULTS};
+    message      m         = {0};
+    const option options[] = {
+        {"-o", OPTION_TEXT, &c.output_path, 0, 0, NULL, "OUT.glb", "where the mended scene goes; - is standard output", NULL},
+        {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
+        {"--hole-diameter", OPTION_F64, &c.how.hole_diameter_m, 0, 1e9, NULL, "METRES", "the largest hole to fill (default 0.1)",
+         NULL},
+        {"--hole-edges", OPTION_U32, &c.how.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
+         "the most edges of a hole to fill (default 64)", NULL},
+        {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component that was mended or still has holes", NULL},
+        {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "what was done as JSON; - is standard output", NULL},
+    };
+    const command_line line = {"mend",
+                               "SCENE -o OUT.glb [options]",
+                               "Close what can be closed, so that more of a scene is solid, and write what a bake needs of it.",
+                               options,
+                               sizeof options / sizeof *options,
+                               1};
+    int                help_shown;
+    vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
+    if (r == VXS_OK && !help_shown) r = run(&c, &m);
+    return command_end(&m, r);
+}

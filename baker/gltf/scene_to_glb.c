@@ -1,0 +1,171 @@
+/* A loaded scene as one that can be written; see scene_to_glb.h.
+ *
+ * A mesh holds the triangles of one material. Meshes without a mask share the scene's vertices; those with one have three of their own for
+ * each triangle, because texture coordinates belong to corners:
+ *
+ *     vertices   the scene's | 3 of each masked triangle
+ *     triangles  one-sided | double-sided | mask 0, one-sided | mask 0, double-sided | mask 1, ...
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/gltf/scene_to_glb.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MATERIALS_WITHOUT_MASK = 2 };
+
+typedef struct material_sort {
+    size_t  count; /* materials: one-sided and double-sided, without a mask and with each */
+    size_t *first; /* [count + 1] triangles first[i] .. first[i + 1] - 1 have material i */
+    size_t *next;  /* [count] where the next triangle of a material goes */
+} material_sort;
+
+/* The number of a triangle's material. 0 is the default one: glTF needs no entry for it, and glb_mesh.material calls it "none". */
+static size_t material_of(const scene *s, size_t triangle, const mask_triangle *hole)
+{
+    size_t double_sided = (s->triangle_flags[triangle] & TRIANGLE_DOUBLE_SIDED) != 0;
+    return double_sided + (hole ? MATERIALS_WITHOUT_MASK * (1 + (size_t)hole->mask) : 0);
+}
+
+/* The mask of triangle t, or NULL. *at runs along mask_triangles, as t along the triangles. */
+static const mask_triangle *hole_of(const scene *s, size_t t, size_t *at)
+{
+    while (*at < s->mask_triangle_count && s->mask_triangles[*at].triangle < t) ++*at;
+    return *at < s->mask_triangle_count && s->mask_triangles[*at].triangle == t ? &s->mask_triangles[*at] : NULL;
+}
+
+static void count_materials(material_sort *k, const scene *s)
+{
+    for (size_t t = 0, at = 0; t < s->triangle_count; t++) k->first[material_of(s, t, hole_of(s, t, &at)) + 1]++;
+    for (size_t i = 0; i < k->count; i++) k->first[i + 1] += k->first[i];
+    memcpy(k->next, k->first, k->count * sizeof *k->next);
+}
+
+static void add_meshes(glb_scene *out, const material_sort *k, const scene *s)
+{
+    for (size_t i = 0; i < k->count; i++) {
+        glb_mesh mesh = {.material = (uint32_t)i, .triangle_first = k->first[i], .triangle_count = k->first[i + 1] - k->first[i]};
+        if (!mesh.triangle_count) continue;
+        if (i < MATERIALS_WITHOUT_MASK) {
+            mesh.vertex_count = s->vertex_count;
+        } else {
+            mesh.vertex_first = s->vertex_count + 3 * (mesh.triangle_first - k->first[MATERIALS_WITHOUT_MASK]);
+            mesh.vertex_count = 3 * mesh.triangle_count;
+        }
+        snprintf(mesh.name, sizeof mesh.name, "material %zu", i);
+        out->meshes[out->mesh_count++] = mesh;
+    }
+}
+
+static void add_triangles(glb_scene *out, material_sort *k, const scene *s)
+{
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) out->positions[i] = (float)s->positions_ws[i];
+    for (size_t t = 0, at = 0; t < s->triangle_count; t++) {
+        const mask_triangle *hole     = hole_of(s, t, &at);
+        size_t               material = material_of(s, t, hole), place = k->next[material]++;
+        const uint32_t      *corners = &s->indices[3 * t];
+        for (size_t i = 0; i < 3 && !hole; i++) out->indices[3 * place + i] = corners[i];
+        for (size_t i = 0; i < 3 && hole; i++) {
+            size_t vertex = s->vertex_count + 3 * (place - k->first[MATERIALS_WITHOUT_MASK]) + i;
+            memcpy(&out->positions[3 * vertex], &out->positions[3 * (size_t)corners[i]], 3 * sizeof *out->positions);
+            memcpy(&out->texcoords[2 * vertex], hole->uv[i], 2 * sizeof *out->texcoords);
+            out->indices[3 * place + i] = (uint32_t)(3 * (place - k->first[material]) + i);
+        }
+    }
+}
+
+static void add_materials(glb_scene *out, const scene *s)
+{
+    for (size_t i = 1; i < MATERIALS_WITHOUT_MASK * (1 + s->mask_count); i++) {
+        glb_material material = {.name = "double-sided", .double_sided = i % MATERIALS_WITHOUT_MASK};
+        if (i >= MATERIALS_WITHOUT_MASK) {
+            const alpha_mask *mask = &s->masks[i / MATERIALS_WITHOUT_MASK - 1];
+            material.name          = "mask";
+            material.alpha_cutoff  = mask->threshold;
+            material.image         = mask->image + 1;
+            material.wrap_u        = mask->wrap_u;
+            material.wrap_v        = mask->wrap_v;
+            material.nearest       = mask->nearest;
+        }
+        out->materials[out->material_count++] = material;
+    }
+}
+
+/* White, with the image's alpha. */
+static int add_image(glb_scene *out, const alpha_image *image)
+{
+    size_t   pixels = (size_t)image->width_px * image->height_px;
+    uint8_t *rgba   = malloc(4 * pixels);
+    if (!rgba) return 0;
+    memset(rgba, 0xff, 4 * pixels);
+    for (size_t i = 0; i < pixels; i++) rgba[4 * i + 3] = image->alpha[i];
+    out->images[out->image_count++] = (glb_image){image->width_px, image->height_px, rgba};
+    return 1;
+}
+
+static int add_light(glb_scene *out, const scene_light *light)
+{
+    char *name = strdup(light->name);
+    if (name) out->lights[out->light_count++] = (scene_light){name, light->shape};
+    return name != NULL;
+}
+
+/* Room for everything, whose counts are known but for what is added one by one. */
+static int reserve(glb_scene *out, material_sort *k, const scene *s)
+{
+    k->count            = MATERIALS_WITHOUT_MASK * (1 + s->mask_count);
+    k->first            = calloc(k->count + 1, sizeof *k->first);
+    k->next             = calloc(k->count, sizeof *k->next);
+    out->vertex_count   = s->vertex_count + 3 * s->mask_triangle_count;
+    out->triangle_count = s->triangle_count;
+    out->positions      = malloc((3 * out->vertex_count + 1) * sizeof *out->positions);
+    out->indices        = malloc((3 * out->triangle_count + 1) * sizeof *out->indices);
+    out->meshes         = calloc(k->count, sizeof *out->meshes);
+    out->materials      = calloc(k->count, sizeof *out->materials);
+    out->images         = calloc(s->image_count + 1, sizeof *out->images);
+    out->lights         = calloc(s->light_count + 1, sizeof *out->lights);
+    if (s->mask_triangle_count && !(out->texcoords = calloc(out->vertex_count, 2 * sizeof *out->texcoords))) return 0;
+    out->camera_positions_ws = malloc((3 * s->camera_count + 1) * sizeof *out->camera_positions_ws);
+    return k->first && k->next && out->positions && out->indices && out->meshes && out->materials && out->images && out->lights &&
+           out->camera_positions_ws;
+}
+
+vxs_result glb_round_positions(scene *s, message *m)
+{
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) {
+        double rounded = (float)s->positions_ws[i];
+        if (isfinite(s->positions_ws[i]) && !isfinite(rounded))
+            return fail(m, VXS_E_SCENE, "a vertex has the coordinate %g: expected one that fits into a float", s->positions_ws[i]);
+        s->positions_ws[i] = rounded;
+    }
+    return VXS_OK;
+}
+
+vxs_result glb_from_scene(glb_scene *out, const scene *s, message *m)
+{
+    material_sort k  = {0};
+    int           ok = 1;
+    vxs_result    r  = VXS_OK;
+
+    *out = (glb_scene){.name = s->name};
+    ok   = reserve(out, &k, s);
+    for (size_t i = 0; ok && i < s->image_count; i++) ok = add_image(out, &s->images[i]);
+    for (size_t i = 0; ok && i < s->light_count; i++) ok = add_light(out, &s->lights[i]);
+    if (!ok) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for writing %zu triangles", s->triangle_count);
+        goto done;
+    }
+    count_materials(&k, s);
+    add_meshes(out, &k, s);
+    add_triangles(out, &k, s);
+    add_materials(out, s);
+    if (s->camera_count)
+        memcpy(out->camera_positions_ws, s->camera_positions_ws, 3 * s->camera_count * sizeof *s->camera_positions_ws);
+    out->camera_count = s->camera_count;
+done:
+    free(k.first);
+    free(k.next);
+    if (r != VXS_OK) glb_scene_free(out);
+    return r;
+}
