@@ -147,7 +147,8 @@ void check_index_values(loader &l, const elements &e, size_t vertices)
 {
     size_t limit = std::min(vertices, e.size == 4 ? (size_t)UINT32_MAX : ((size_t)1 << 8 * e.size) - 1);
     size_t below = e.indices_below, bad = 0;
-    for (size_t i = 0; !e.indices_below && i < e.count; i++) below = std::max(below, (size_t)e.index(i) + 1);
+    if (!below)
+        for (size_t i = 0; i < e.count; i++) below = std::max(below, (size_t)e.index(i) + 1);
     e.indices_below = below;
     if (below <= limit) return;
     while (e.index(bad) < limit) bad++;
