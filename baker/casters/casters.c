@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/box.h"
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_weld.h"
@@ -26,30 +27,24 @@ typedef struct component {
     component_kind kind;
     uint32_t       number;    /* in the result */
     double         origin[3]; /* one of its corners: volumes are summed from there, so that large coordinates cancel */
-    double         volume;    /* signed: positive when its faces look outward */
+    double         volume;    /* signed: positive when it faces outward */
 } component;
 
 /* Everything between the scene and the result; vertex numbers are welded ones. */
 typedef struct work {
-    size_t    vertex_count;
-    double   *positions_ws; /* [3 * vertex_count] */
-    size_t    triangle_count;
-    uint32_t *indices;      /* [3 * triangle_count] */
-    uint32_t *from;         /* [triangle_count] the scene's triangles */
-    uint8_t  *flags;        /* [triangle_count] */
+    mesh_weld mesh;
+    uint8_t  *flags;        /* [triangle_count] TRIANGLE_*, EDGE_OPEN */
     uint32_t *hole_of;      /* [triangle_count] which of the scene's mask_triangles, or NONE; NULL: the scene has none */
     uint32_t *component_of; /* [triangle_count] */
 
     size_t     component_count;
     component *components; /* in the order of their first triangles */
-    double    *boxes;      /* [6 * component_count] min xyz, max xyz */
+    box       *boxes;      /* [component_count] */
 } work;
 
 static void work_free(work *w)
 {
-    free(w->positions_ws);
-    free(w->indices);
-    free(w->from);
+    mesh_weld_free(&w->mesh);
     free(w->flags);
     free(w->hole_of);
     free(w->component_of);
@@ -70,11 +65,6 @@ static vxs_result out_of_memory(message *m, size_t triangle_count)
 
 /* --- weld ------------------------------------------------------------------------------------------------------------- */
 
-static int is_finite_position(const double *p)
-{
-    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
-}
-
 /* Which of the scene's mask_triangles triangle t is, or NONE. *at runs along them, as t along the triangles. */
 static uint32_t find_hole(const scene *s, size_t t, size_t *at)
 {
@@ -82,13 +72,13 @@ static uint32_t find_hole(const scene *s, size_t t, size_t *at)
     return *at < s->mask_triangle_count && s->mask_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
 }
 
-/* What the scene says about each triangle that is left. */
+/* The flags and holes of each triangle that is left. */
 static void note_materials(work *w, const scene *s)
 {
     size_t hole_at = 0;
-    for (size_t t = 0; t < w->triangle_count; t++) {
-        uint32_t hole = find_hole(s, w->from[t], &hole_at);
-        w->flags[t]   = s->triangle_flags[w->from[t]] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
+        uint32_t hole = find_hole(s, w->mesh.from[t], &hole_at);
+        w->flags[t]   = s->triangle_flags[w->mesh.from[t]] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
         if (hole != NONE) w->flags[t] |= TRIANGLE_ALPHA_MASK;
         if (w->hole_of) w->hole_of[t] = hole;
     }
@@ -96,17 +86,10 @@ static void note_materials(work *w, const scene *s)
 
 static vxs_result weld(work *w, const scene *s, message *m)
 {
-    mesh_weld  mesh;
-    vxs_result r = mesh_weld_scene(&mesh, s, m);
+    vxs_result r = mesh_weld_scene(&w->mesh, s, m);
     if (r != VXS_OK) return r;
-    w->vertex_count   = mesh.vertex_count;
-    w->positions_ws   = mesh.positions_ws;
-    w->triangle_count = mesh.triangle_count;
-    w->indices        = mesh.indices;
-    w->from           = mesh.from;
-    free(mesh.welded_of);
-    w->flags = allocate(w->triangle_count, 1);
-    if (s->mask_triangle_count) w->hole_of = allocate(w->triangle_count, sizeof *w->hole_of);
+    w->flags = allocate(w->mesh.triangle_count, 1);
+    if (s->mask_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
     if (!w->flags || (s->mask_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
     note_materials(w, s);
     return VXS_OK;
@@ -118,46 +101,32 @@ static vxs_result weld(work *w, const scene *s, message *m)
  * balance: two boxes that touch along an edge are still two closed boxes. */
 static void mark_open_edges(work *w, const uint32_t *sorted)
 {
-    uint32_t edge_count = (uint32_t)(3 * w->triangle_count);
+    uint32_t edge_count = (uint32_t)(3 * w->mesh.triangle_count);
     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
         uint32_t first   = sorted[begin];
         int64_t  balance = 0;
-        for (end = begin; end < edge_count && mesh_same_edge(w->indices, first, sorted[end]); end++)
-            balance += w->indices[sorted[end]] == w->indices[first] ? 1 : -1;
+        for (end = begin; end < edge_count && mesh_same_edge(w->mesh.indices, first, sorted[end]); end++)
+            balance += w->mesh.indices[sorted[end]] == w->mesh.indices[first] ? 1 : -1;
         if (balance) w->flags[first / 3] |= EDGE_OPEN;
     }
 }
 
 static vxs_result connect(work *w, message *m)
 {
-    uint32_t *sorted = malloc(3 * w->triangle_count * sizeof *sorted);
-    w->component_of  = malloc(w->triangle_count * sizeof *w->component_of);
-    if (!sorted || !w->component_of || mesh_sort_edges(sorted, w->indices, w->triangle_count, w->vertex_count) != VXS_OK) {
+    uint32_t *sorted = malloc(3 * w->mesh.triangle_count * sizeof *sorted);
+    w->component_of  = malloc(w->mesh.triangle_count * sizeof *w->component_of);
+    if (!sorted || !w->component_of ||
+        mesh_sort_edges(sorted, w->mesh.indices, w->mesh.triangle_count, w->mesh.vertex_count) != VXS_OK) {
         free(sorted);
-        return out_of_memory(m, w->triangle_count);
+        return out_of_memory(m, w->mesh.triangle_count);
     }
-    w->component_count = mesh_find_components(w->component_of, sorted, w->indices, w->triangle_count);
+    w->component_count = mesh_find_components(w->component_of, sorted, w->mesh.indices, w->mesh.triangle_count);
     mark_open_edges(w, sorted);
     free(sorted);
     return VXS_OK;
 }
 
 /* --- measure ---------------------------------------------------------------------------------------------------------- */
-
-static void start_component(component *c, double *box, const double *corner)
-{
-    memcpy(c->origin, corner, sizeof c->origin);
-    memcpy(box, corner, 3 * sizeof *box);
-    memcpy(box + 3, corner, 3 * sizeof *box);
-}
-
-static void grow_box(double *box, const double *p)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        if (p[axis] < box[axis]) box[axis] = p[axis];
-        if (p[axis] > box[3 + axis]) box[3 + axis] = p[axis];
-    }
-}
 
 static double tetrahedron_volume(const double *o, const double *const p[3])
 {
@@ -172,17 +141,19 @@ static double tetrahedron_volume(const double *o, const double *const p[3])
 static vxs_result measure_components(work *w, message *m)
 {
     w->components = allocate(w->component_count, sizeof *w->components);
-    w->boxes      = allocate(w->component_count, 6 * sizeof *w->boxes);
-    if (!w->components || !w->boxes) return out_of_memory(m, w->triangle_count);
+    w->boxes      = allocate(w->component_count, sizeof *w->boxes);
+    if (!w->components || !w->boxes) return out_of_memory(m, w->mesh.triangle_count);
 
-    for (size_t t = 0; t < w->triangle_count; t++) {
-        const uint32_t *v    = &w->indices[3 * t];
-        component      *c    = &w->components[w->component_of[t]];
-        double         *box  = &w->boxes[6 * (size_t)w->component_of[t]];
-        const double   *p[3] = {&w->positions_ws[3 * (size_t)v[0]], &w->positions_ws[3 * (size_t)v[1]],
-                                &w->positions_ws[3 * (size_t)v[2]]};
-        if (!c->triangle_count++) start_component(c, box, p[0]);
-        for (int i = 0; i < 3; i++) grow_box(box, p[i]);
+    for (size_t i = 0; i < w->component_count; i++) w->boxes[i] = box_empty();
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
+        const uint32_t *v = &w->mesh.indices[3 * t];
+        component      *c = &w->components[w->component_of[t]];
+        const double   *p[3];
+        for (int i = 0; i < 3; i++) {
+            p[i] = &w->mesh.positions_ws[3 * (size_t)v[i]];
+            box_add(&w->boxes[w->component_of[t]], p[i]);
+        }
+        if (!c->triangle_count++) memcpy(c->origin, p[0], sizeof c->origin);
         c->flags |= w->flags[t];
         c->volume += tetrahedron_volume(c->origin, p);
     }
@@ -191,13 +162,13 @@ static vxs_result measure_components(work *w, message *m)
 
 /* The least volume that is more than rounding: of the sum, whose terms are products of the box's three sides, and of the
  * coordinates, which are only known to the last bit of the largest. */
-static double least_volume(const double *box)
+static double least_volume(const box *b)
 {
     double side[3], longest = 0, reach = 0;
     for (int axis = 0; axis < 3; axis++) {
-        side[axis] = box[3 + axis] - box[axis];
+        side[axis] = b->max[axis] - b->min[axis];
         longest    = fmax(longest, side[axis]);
-        reach      = fmax(reach, fmax(fabs(box[axis]), fabs(box[3 + axis])));
+        reach      = fmax(reach, fmax(fabs(b->min[axis]), fabs(b->max[axis])));
     }
     return 1e-9 * (side[0] * side[1] * side[2]) + 4 * DBL_EPSILON * reach * longest * longest;
 }
@@ -206,23 +177,23 @@ static double least_volume(const double *box)
 
 /* The kind as far as the component alone shows. Occupied ones are still among the solids.
  *
- * A positive volume does not say that no part is inside out: of two lobes joined along one edge, the smaller may be. There
+ * A positive volume does not mean that no part is inside out: of two lobes joined along one edge, the smaller may be. There
  * the winding number is negative: a ray leaves before it enters. The peeling of exit depths counts both and calls only a
  * positive count inside, so the volume is enough here. Sizes beyond 1e100, whose volume is not a number, make sheets. */
-static component_kind judge(const component *c, const double *box, closed_mode closed)
+static component_kind judge(const component *c, const box *b, closed_mode closed)
 {
     if (closed == CLOSED_OFF) return COMPONENT_SHEET_FORCED;
     if (c->flags & TRIANGLE_ALPHA_MASK) return COMPONENT_SHEET_ALPHA_MASK;
     if (c->flags & EDGE_OPEN) return COMPONENT_SHEET_OPEN;
-    if (closed == CLOSED_ON) return fabs(c->volume) > least_volume(box) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
+    if (closed == CLOSED_ON) return fabs(c->volume) > least_volume(b) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
     if (c->flags & TRIANGLE_DOUBLE_SIDED) return COMPONENT_SHEET_DOUBLE_SIDED;
-    return c->volume > least_volume(box) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
+    return c->volume > least_volume(b) ? COMPONENT_SOLID : COMPONENT_SHEET_INWARD;
 }
 
+/* Append a place; what is nowhere is not inside either. */
 static void add_point(double *points, size_t *count, const double *at_ws)
 {
-    /* what is nowhere is not inside either */
-    if (is_finite_position(at_ws)) memcpy(&points[3 * (*count)++], at_ws, 3 * sizeof *points);
+    if (isfinite(at_ws[0]) && isfinite(at_ws[1]) && isfinite(at_ws[2])) memcpy(&points[3 * (*count)++], at_ws, 3 * sizeof *points);
 }
 
 /* Where lights and cameras are; sunlight comes from nowhere.  points  [3 * (light_count + camera_count)] */
@@ -235,29 +206,29 @@ static size_t collect_points(double *points, const scene *s)
     return count;
 }
 
-/* Solids with something inside become sheets, for whoever is inside wants to know where light reaches.
+/* Solids with something inside become sheets: where a light or a camera is, or another component, shadows are asked for.
  *
- * Copies of a solid: exact ones share their edges, so they are one component, whose winding number tells what they are
- * together (2 inside when both look outward, 0 when one is turned). Copies with other vertices lie in each other, and all
+ * Copies of a solid: exact ones share their edges, so they are one component, whose winding number is that of both
+ * together (2 inside when both face outward, 0 when one is turned). Copies with other vertices lie in each other, and all
  * become sheets: right, only larger. */
 static vxs_result evict_occupied(work *w, const scene *s, message *m)
 {
     vxs_result r        = VXS_OK;
     double    *points   = allocate(s->light_count + s->camera_count, 3 * sizeof *points);
     uint32_t  *first    = malloc((w->component_count + 1) * sizeof *first);
-    uint32_t  *members  = malloc(w->triangle_count * sizeof *members);
+    uint32_t  *members  = malloc(w->mesh.triangle_count * sizeof *members);
     uint8_t   *wanted   = allocate(w->component_count, 1);
     uint8_t   *occupied = allocate(w->component_count, 1);
 
     if (!points || !first || !members || !wanted || !occupied) {
-        r = out_of_memory(m, w->triangle_count);
+        r = out_of_memory(m, w->mesh.triangle_count);
         goto done;
     }
-    mesh_group(first, members, w->component_of, w->triangle_count, w->component_count);
+    mesh_group(first, members, w->component_of, w->mesh.triangle_count, w->component_count);
     for (size_t i = 0; i < w->component_count; i++) wanted[i] = w->components[i].kind == COMPONENT_SOLID;
 
-    shell_set shells = {.positions_ws = w->positions_ws,
-                        .indices      = w->indices,
+    shell_set shells = {.positions_ws = w->mesh.positions_ws,
+                        .indices      = w->mesh.indices,
                         .count        = w->component_count,
                         .first        = first,
                         .members      = members,
@@ -265,7 +236,7 @@ static vxs_result evict_occupied(work *w, const scene *s, message *m)
                         .point_count  = collect_points(points, s),
                         .points       = points};
     if ((r = shells_find_occupied(&shells, wanted, occupied)) != VXS_OK) {
-        out_of_memory(m, w->triangle_count);
+        out_of_memory(m, w->mesh.triangle_count);
         goto done;
     }
     for (size_t i = 0; i < w->component_count; i++)
@@ -281,7 +252,7 @@ done:
 
 static vxs_result judge_components(work *w, const scene *s, closed_mode closed, message *m)
 {
-    for (size_t i = 0; i < w->component_count; i++) w->components[i].kind = judge(&w->components[i], &w->boxes[6 * i], closed);
+    for (size_t i = 0; i < w->component_count; i++) w->components[i].kind = judge(&w->components[i], &w->boxes[i], closed);
     return closed == CLOSED_AUTO ? evict_occupied(w, s, m) : VXS_OK;
 }
 
@@ -310,7 +281,7 @@ static void number_by_kind(casters *c, work *w)
 static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uint32_t v)
 {
     if (emitted_as[v] == NONE) {
-        memcpy(&c->positions_ws[3 * c->vertex_count], &w->positions_ws[3 * (size_t)v], 3 * sizeof *c->positions_ws);
+        memcpy(&c->positions_ws[3 * c->vertex_count], &w->mesh.positions_ws[3 * (size_t)v], 3 * sizeof *c->positions_ws);
         emitted_as[v] = (uint32_t)c->vertex_count++;
     }
     return emitted_as[v];
@@ -320,10 +291,10 @@ static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uin
  * from the first corner, and the same surface in another encoding has to give the same depths. */
 static unsigned least_corner(const work *w, size_t t)
 {
-    const uint32_t *v     = &w->indices[3 * t];
+    const uint32_t *v     = &w->mesh.indices[3 * t];
     unsigned        least = 0;
     for (unsigned n = 1; n < 3; n++) {
-        const double *a = &w->positions_ws[3 * (size_t)v[n]], *b = &w->positions_ws[3 * (size_t)v[least]];
+        const double *a = &w->mesh.positions_ws[3 * (size_t)v[n]], *b = &w->mesh.positions_ws[3 * (size_t)v[least]];
         int           axis = 0;
         while (axis < 2 && a[axis] == b[axis]) axis++;
         if (a[axis] < b[axis]) least = n;
@@ -334,7 +305,7 @@ static unsigned least_corner(const work *w, size_t t)
 /* Write triangle t of the work, from corner `begin` on, as triangle `at` of the result. */
 static void emit_triangle(casters *c, const work *w, uint32_t *emitted_as, size_t t, unsigned begin, size_t at, int turn)
 {
-    const uint32_t *from = &w->indices[3 * t];
+    const uint32_t *from = &w->mesh.indices[3 * t];
     uint32_t       *to   = &c->indices[3 * at];
     for (unsigned n = 0; n < 3; n++) to[n] = emit_vertex(c, w, emitted_as, from[(begin + (turn ? 3 - n : n)) % 3]);
     c->component_of[at] = w->components[w->component_of[t]].number;
@@ -348,7 +319,7 @@ static int has_holes(const work *w, size_t t)
 /* The solids, or the sheets without holes. */
 static void emit_whole_triangles(casters *c, const work *w, uint32_t *emitted_as, int solids)
 {
-    for (size_t t = 0; t < w->triangle_count; t++) {
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
         const component *of = &w->components[w->component_of[t]];
         if ((of->kind == COMPONENT_SOLID) != solids || has_holes(w, t)) continue;
         int turn = solids && of->volume < 0; /* only --closed on lets such a one be a solid */
@@ -359,7 +330,7 @@ static void emit_whole_triangles(casters *c, const work *w, uint32_t *emitted_as
 /* Where the triangles of each mask go, behind all others: mask_first from counts. */
 static void place_masks(casters *c, const work *w, const scene *s)
 {
-    for (size_t t = 0; t < w->triangle_count; t++)
+    for (size_t t = 0; t < w->mesh.triangle_count; t++)
         if (has_holes(w, t)) c->mask_first[s->mask_triangles[w->hole_of[t]].mask + 1]++;
     c->mask_first[0] = c->masked_first;
     for (size_t i = 0; i < c->mask_count; i++) c->mask_first[i + 1] += c->mask_first[i];
@@ -369,7 +340,7 @@ static void place_masks(casters *c, const work *w, const scene *s)
 static void emit_masked_triangles(casters *c, const work *w, const scene *s, uint32_t *emitted_as, size_t *next)
 {
     memcpy(next, c->mask_first, c->mask_count * sizeof *next);
-    for (size_t t = 0; t < w->triangle_count; t++) {
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
         if (!has_holes(w, t)) continue;
         const mask_triangle *hole  = &s->mask_triangles[w->hole_of[t]];
         size_t               at    = next[hole->mask]++;
@@ -378,22 +349,22 @@ static void emit_masked_triangles(casters *c, const work *w, const scene *s, uin
         for (unsigned n = 0; n < 3; n++)
             memcpy(&c->mask_uvs[6 * (at - c->masked_first) + 2 * n], hole->uv[(begin + n) % 3], sizeof hole->uv[0]);
     }
-    c->triangle_count = w->triangle_count;
+    c->triangle_count = w->mesh.triangle_count;
 }
 
 static size_t count_holes(const work *w)
 {
     size_t count = 0;
-    for (size_t t = 0; t < w->triangle_count; t++) count += (size_t)has_holes(w, t);
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) count += (size_t)has_holes(w, t);
     return count;
 }
 
 /* Room for the result; all of it is casters_free's. */
 static int make_room(casters *c, const work *w, const scene *s)
 {
-    c->positions_ws = malloc(3 * w->vertex_count * sizeof *c->positions_ws);
-    c->indices      = malloc(3 * w->triangle_count * sizeof *c->indices);
-    c->component_of = malloc(w->triangle_count * sizeof *c->component_of);
+    c->positions_ws = malloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
+    c->indices      = malloc(3 * w->mesh.triangle_count * sizeof *c->indices);
+    c->component_of = malloc(w->mesh.triangle_count * sizeof *c->component_of);
     c->kind_of      = malloc(w->component_count * sizeof *c->kind_of);
     c->mask_count   = s->mask_count;
     c->masks        = allocate(s->mask_count, sizeof *c->masks);
@@ -405,14 +376,14 @@ static int make_room(casters *c, const work *w, const scene *s)
 
 static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
-    uint32_t *emitted_as = malloc(w->vertex_count * sizeof *emitted_as);
-    size_t   *next       = allocate(s->mask_count, sizeof *next);
+    vxs_result r          = VXS_OK;
+    uint32_t  *emitted_as = malloc(w->mesh.vertex_count * sizeof *emitted_as);
+    size_t    *next       = allocate(s->mask_count, sizeof *next);
     if (!make_room(c, w, s) || !emitted_as || !next) {
-        free(emitted_as);
-        free(next);
-        return out_of_memory(m, w->triangle_count);
+        r = out_of_memory(m, w->mesh.triangle_count);
+        goto done;
     }
-    memset(emitted_as, 0xff, w->vertex_count * sizeof *emitted_as);
+    memset(emitted_as, 0xff, w->mesh.vertex_count * sizeof *emitted_as);
     if (s->mask_count) memcpy(c->masks, s->masks, s->mask_count * sizeof *c->masks);
     count_kinds(c, w);
     number_by_kind(c, w);
@@ -422,9 +393,10 @@ static vxs_result emit(casters *c, work *w, const scene *s, message *m)
     c->masked_first = c->triangle_count;
     place_masks(c, w, s);
     emit_masked_triangles(c, w, s, emitted_as, next);
+done:
     free(emitted_as);
     free(next);
-    return VXS_OK;
+    return r;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
@@ -443,8 +415,8 @@ vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, me
 
     *c = (casters){0};
     if ((r = weld(&w, s, m)) != VXS_OK) goto done;
-    c->collapsed_count = s->triangle_count - w.triangle_count;
-    if (!w.triangle_count) {
+    c->collapsed_count = s->triangle_count - w.mesh.triangle_count;
+    if (!w.mesh.triangle_count) {
         r = no_caster(s, m);
         goto done;
     }

@@ -15,7 +15,7 @@ typedef enum component_kind {
     COMPONENT_SHEET_FORCED,       /* --closed off */
     COMPONENT_SHEET_ALPHA_MASK,   /* has holes that geometry does not show */
     COMPONENT_SHEET_OPEN,         /* an edge whose triangles do not cancel: open or inconsistently oriented */
-    COMPONENT_SHEET_DOUBLE_SIDED, /* a material says that both sides are seen */
+    COMPONENT_SHEET_DOUBLE_SIDED, /* a material whose both sides are seen */
     COMPONENT_SHEET_INWARD,       /* encloses no positive volume: turned inside out, or flat */
     COMPONENT_SHEET_OCCUPIED,     /* a light, a camera or another whole component is inside */
     COMPONENT_KINDS

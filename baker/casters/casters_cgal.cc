@@ -23,15 +23,17 @@
 #include <utility>
 #include <vector>
 
+#include "baker/base/box.h"
+
 namespace
 {
-using kernel    = CGAL::Exact_predicates_inexact_constructions_kernel;
-using point     = kernel::Point_3;
-using triangle  = kernel::Triangle_3;
-using triangles = std::vector<triangle>;
-using primitive = CGAL::AABB_triangle_primitive<kernel, triangles::const_iterator>;
-using tree      = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
-using box       = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+using kernel       = CGAL::Exact_predicates_inexact_constructions_kernel;
+using point        = kernel::Point_3;
+using triangle     = kernel::Triangle_3;
+using triangles    = std::vector<triangle>;
+using primitive    = CGAL::AABB_triangle_primitive<kernel, triangles::const_iterator>;
+using tree         = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
+using numbered_box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
 
 constexpr size_t tested_vertices_max = 4096;
 
@@ -61,11 +63,11 @@ int crossing(const triangle &t, const point &p)
 CGAL::Bbox_3 guest_box(const shell_set &s, uint32_t guest)
 {
     if (guest >= s.count) return point_at(&s.points[3 * (guest - s.count)]).bbox();
-    const double *b = &s.boxes[6 * size_t(guest)];
-    return CGAL::Bbox_3(b[0], b[1], b[2], b[3], b[4], b[5]);
+    const double *low = s.boxes[guest].min, *high = s.boxes[guest].max;
+    return CGAL::Bbox_3(low[0], low[1], low[2], high[0], high[1], high[2]);
 }
 
-/* The part of a component that is above or around an area, and so can tell whether a point of the area is inside. */
+/* The part of a component that is above or around an area, and so decides whether a point of the area is inside. */
 class shell
 {
   public:
@@ -118,8 +120,8 @@ std::vector<uint32_t> vertices_of(const shell_set &s, uint32_t component)
     return vertices;
 }
 
-/* Is all of a component in the shell? On the surface counts as inside: a point on it says nothing, so further ones decide,
- * and where all are on it (a copy of the shell, say) the doubt is resolved to the safe side. */
+/* Is all of a component in the shell? On the surface counts as inside: a point on it decides nothing, so further ones do,
+ * and where all are on it (as those of a copy of the shell are) the doubt is resolved to the safe side. */
 bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
 {
     /* most are dismissed by one vertex */
@@ -140,7 +142,7 @@ using candidate = std::pair<uint32_t, uint32_t>; /* shell, guest */
 /* In ascending order. */
 std::vector<candidate> find_candidates(const shell_set &s, const uint8_t *wanted)
 {
-    std::vector<box> shells, guests;
+    std::vector<numbered_box> shells, guests;
     for (uint32_t i = 0; i < s.count; i++)
         if (wanted[i]) shells.emplace_back(guest_box(s, i), i);
     for (uint32_t i = 0; i < s.count + s.point_count; i++) {
@@ -149,7 +151,7 @@ std::vector<candidate> find_candidates(const shell_set &s, const uint8_t *wanted
     }
 
     std::vector<candidate> found;
-    auto                   keep = [&](const box &guest, const box &outer) {
+    auto                   keep = [&](const numbered_box &guest, const numbered_box &outer) {
         const CGAL::Bbox_3 around = outer.bbox();
         if (guest.info() != outer.info() && guest_box(s, guest.info()) + around == around)
             found.emplace_back(outer.info(), guest.info());

@@ -12,16 +12,18 @@
 extern "C" {
 #endif
 
+struct box; /* baker/base/box.h */
+
 /* Connected components of a triangle soup; everything is borrowed. */
 typedef struct shell_set {
-    const double   *positions_ws; /* [3 * vertices] finite */
-    const uint32_t *indices;      /* [3 * triangles] */
-    size_t          count;        /* components */
-    const uint32_t *first;        /* [count + 1] component i owns members[first[i]] .. members[first[i + 1] - 1] */
-    const uint32_t *members;      /* triangle numbers, grouped by component */
-    const double   *boxes;        /* [6 * count] min xyz, max xyz of each component */
-    size_t          point_count;
-    const double   *points; /* [3 * point_count] places from which somebody looks: lights, cameras */
+    const double     *positions_ws; /* [3 * vertices] finite */
+    const uint32_t   *indices;      /* [3 * triangles] */
+    size_t            count;        /* components */
+    const uint32_t   *first;        /* [count + 1] component i owns members[first[i]] .. members[first[i + 1] - 1] */
+    const uint32_t   *members;      /* triangle numbers, grouped by component */
+    const struct box *boxes;        /* [count] of each component */
+    size_t            point_count;
+    const double     *points; /* [3 * point_count] lights and cameras */
 } shell_set;
 
 /* For every component i with wanted[i] nonzero, set occupied[i] to 1 when one of the points, or another whole component

@@ -13,15 +13,16 @@
 #include <new>
 #include <vector>
 
+#include "baker/base/box.h"
 #include "baker/base/parallel.h"
 
 namespace
 {
-using kernel   = CGAL::Exact_predicates_inexact_constructions_kernel;
-using point    = kernel::Point_3;
-using segment  = kernel::Segment_3;
-using triangle = kernel::Triangle_3;
-using box      = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+using kernel       = CGAL::Exact_predicates_inexact_constructions_kernel;
+using point        = kernel::Point_3;
+using segment      = kernel::Segment_3;
+using triangle     = kernel::Triangle_3;
+using numbered_box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
 
 constexpr std::ptrdiff_t scan_below = 300;  /* boxes that are compared one by one: fastest for meshes */
 constexpr size_t         slab_boxes = 8192; /* that begin in a slab */
@@ -84,7 +85,7 @@ bool do_meet(const mesh_soup &s, uint32_t a, uint32_t b)
 }
 
 /* Boxes are looked at by pointers, which are quicker to sort. */
-template <class visitor> void for_each_overlap(std::vector<const box *> &boxes, const visitor &visit)
+template <class visitor> void for_each_overlap(std::vector<const numbered_box *> &boxes, const visitor &visit)
 {
     CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), visit, scan_below);
 }
@@ -95,17 +96,17 @@ struct slabs {
     std::vector<double> bounds; /* ascending, all different; the last slab has no end */
 };
 
-slabs cut(const std::vector<box> &boxes)
+slabs cut(const std::vector<numbered_box> &boxes)
 {
     slabs        s;
     CGAL::Bbox_3 all;
-    for (const box &b : boxes) all += b.bbox();
+    for (const numbered_box &b : boxes) all += b.bbox();
     for (int axis = 1; axis < 3; axis++)
         if (all.max(axis) - all.min(axis) > all.max(s.axis) - all.min(s.axis)) s.axis = axis;
 
     std::vector<double> begins;
     begins.reserve(boxes.size());
-    for (const box &b : boxes) begins.push_back(b.min_coord(s.axis));
+    for (const numbered_box &b : boxes) begins.push_back(b.min_coord(s.axis));
     for (size_t n = 0, last = 0; n < begins.size(); last = n, n += slab_boxes) {
         std::nth_element(begins.begin() + last, begins.begin() + n, begins.end());
         if (s.bounds.empty() || begins[n] > s.bounds.back()) s.bounds.push_back(begins[n]);
@@ -115,13 +116,13 @@ slabs cut(const std::vector<box> &boxes)
 
 /* All slabs of a search, by several threads. What happens in one of them ends all. */
 struct slab_search {
-    const mesh_soup      &soup;
-    mesh_search          &search;
-    std::vector<box>      boxes;
-    slabs                 space;
-    std::mutex            telling;
-    std::atomic<uint64_t> looks{0}, tests{0};
-    std::atomic<bool>     done{false}, gave_up{false}, no_memory{false};
+    const mesh_soup          &soup;
+    mesh_search              &search;
+    std::vector<numbered_box> boxes;
+    slabs                     space;
+    std::mutex                reporting;
+    std::atomic<uint64_t>     overlaps{0}, tests{0};
+    std::atomic<bool>         done{false}, gave_up{false}, no_memory{false};
 
     slab_search(const mesh_soup &s, mesh_search &how) : soup(s), search(how)
     {
@@ -131,26 +132,26 @@ struct slab_search {
         space = cut(boxes);
     }
 
-    void look_at(uint32_t a, uint32_t b)
+    void examine(uint32_t a, uint32_t b)
     {
         if (done) throw all_found();
-        if (looks++ >= search.looks_max) throw limit_met();
+        if (overlaps++ >= search.overlaps_max) throw limit_met();
         if (!search.wanted(search.user, a, b)) return;
         if (tests++ >= search.tests_max) throw limit_met();
         if (!do_meet(soup, a, b)) return;
-        std::lock_guard<std::mutex> one_at_a_time(telling);
+        std::lock_guard<std::mutex> one_at_a_time(reporting);
         if (!done && search.found(search.user, a, b)) throw all_found();
     }
 
     void search_slab(size_t n)
     {
-        const double             begin = space.bounds[n];
-        const double             end   = n + 1 < space.bounds.size() ? space.bounds[n + 1] : HUGE_VAL;
-        std::vector<const box *> here;
-        for (const box &b : boxes)
+        const double                      begin = space.bounds[n];
+        const double                      end   = n + 1 < space.bounds.size() ? space.bounds[n + 1] : HUGE_VAL;
+        std::vector<const numbered_box *> here;
+        for (const numbered_box &b : boxes)
             if (b.min_coord(space.axis) < end && b.max_coord(space.axis) >= begin) here.push_back(&b);
-        for_each_overlap(here, [&](const box *a, const box *b) {
-            if (std::max(a->min_coord(space.axis), b->min_coord(space.axis)) >= begin) look_at(a->info(), b->info());
+        for_each_overlap(here, [&](const numbered_box *a, const numbered_box *b) {
+            if (std::max(a->min_coord(space.axis), b->min_coord(space.axis)) >= begin) examine(a->info(), b->info());
         });
     }
 
@@ -173,14 +174,14 @@ struct slab_search {
 
 vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search)
 {
-    search->looks = search->tests = 0;
-    search->gave_up               = 0;
+    search->overlaps = search->tests = 0;
+    search->gave_up                  = 0;
     try {
         slab_search all(*s, *search);
         parallel_for(search->threads, all.space.bounds.size(), 1, slab_search::search_slabs, &all);
-        search->looks   = all.looks;
-        search->tests   = all.tests;
-        search->gave_up = all.gave_up;
+        search->overlaps = all.overlaps;
+        search->tests    = all.tests;
+        search->gave_up  = all.gave_up;
         return all.no_memory ? VXS_E_MEMORY : VXS_OK;
     } catch (const std::bad_alloc &) {
         return VXS_E_MEMORY;
@@ -190,18 +191,18 @@ vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search)
     return VXS_OK;
 }
 
-vxs_result mesh_find_overlaps(const double *boxes, size_t count, int (*found)(void *user, uint32_t a, uint32_t b), void *user)
+vxs_result mesh_find_overlaps(const box *boxes, size_t count, int (*found)(void *user, uint32_t a, uint32_t b), void *user)
 {
     try {
-        std::vector<box> all;
+        std::vector<numbered_box> all;
         all.reserve(count);
         for (uint32_t i = 0; i < count; i++) {
-            const double *b = &boxes[6 * size_t(i)];
-            all.emplace_back(CGAL::Bbox_3(b[0], b[1], b[2], b[3], b[4], b[5]), i);
+            const double *low = boxes[i].min, *high = boxes[i].max;
+            all.emplace_back(CGAL::Bbox_3(low[0], low[1], low[2], high[0], high[1], high[2]), i);
         }
-        std::vector<const box *> order;
-        for (const box &b : all) order.push_back(&b);
-        for_each_overlap(order, [&](const box *a, const box *b) {
+        std::vector<const numbered_box *> order;
+        for (const numbered_box &b : all) order.push_back(&b);
+        for_each_overlap(order, [&](const numbered_box *a, const numbered_box *b) {
             if (found(user, a->info(), b->info())) throw all_found();
         });
     } catch (const all_found &) {

@@ -12,6 +12,8 @@
 extern "C" {
 #endif
 
+struct box; /* baker/base/box.h */
+
 /* Welded triangles: corners at one position have one number. Everything is borrowed. */
 typedef struct mesh_soup {
     const double   *positions_ws; /* [3 * vertices] finite */
@@ -21,13 +23,12 @@ typedef struct mesh_soup {
 
 typedef struct mesh_search {
     int (*wanted)(void *user, uint32_t a, uint32_t b); /* 0: this pair does not matter; by several threads at once */
-    int (*found)(void *user, uint32_t a,
-                 uint32_t b); /* they touch or cross; each pair at most once; 1 ends the search; one at a time */
+    int (*found)(void *user, uint32_t a, uint32_t b);  /* they touch or cross; 1 ends the search; each pair once, one at a time */
     void    *user;
-    uint32_t threads;              /* 0 and 1: the caller alone, and pairs come in the same order each time */
-    uint64_t looks_max, tests_max; /* pairs whose boxes overlap; pairs that are tested exactly */
-    uint64_t looks, tests;         /* [out] how many it took */
-    int      gave_up;              /* [out] 1: a limit was met, pairs are left out */
+    uint32_t threads;                 /* 0 and 1: the caller alone, and pairs come in the same order each time */
+    uint64_t overlaps_max, tests_max; /* pairs whose boxes overlap; pairs that are tested exactly */
+    uint64_t overlaps, tests;         /* [out] how many there were until the search ended */
+    int      gave_up;                 /* [out] 1: a limit was met, pairs are left out */
 } mesh_search;
 
 /* Find pairs of triangles that have a point in common which is not just their common corner or edge. Two with a common edge are a
@@ -38,10 +39,10 @@ typedef struct mesh_search {
 vxs_result mesh_find_intersections(const mesh_soup *s, mesh_search *search);
 
 /* Find pairs of boxes that have a point in common.
- * boxes  [6 * count] min xyz, max xyz
+ * boxes  [count]
  * found  called with each pair once; 1 ends the search
  * Returns VXS_OK or VXS_E_MEMORY; never throws.  Deterministic; threads: none. */
-vxs_result mesh_find_overlaps(const double *boxes, size_t count, int (*found)(void *user, uint32_t a, uint32_t b), void *user);
+vxs_result mesh_find_overlaps(const struct box *boxes, size_t count, int (*found)(void *user, uint32_t a, uint32_t b), void *user);
 
 /* 1 when the corners of a triangle lie on one line, exactly. */
 int mesh_is_flat(const mesh_soup *s, size_t triangle);

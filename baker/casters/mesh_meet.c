@@ -9,20 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/array.h"
+#include "baker/base/box.h"
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
 
 /* A few seconds each. */
-#define LOOKS_MAX 400000000u
-#define TESTS_MAX 20000000u
-#define PAIRS_MAX 4000000u /* of boxes in boxes */
+#define OVERLAPS_MAX 400000000u
+#define TESTS_MAX    20000000u
+#define PAIRS_MAX    4000000u /* of boxes in boxes */
 
 typedef struct meeting {
     const casters *c;
     size_t         solids, open; /* all; those of which nothing is known yet */
     uint8_t       *meets;        /* [solids] */
-    double        *boxes;        /* [6 * solids] */
+    box           *boxes;        /* [solids] */
     uint32_t      *first;        /* [solids + 1] */
     uint32_t      *members;      /* [solid_triangle_count] grouped by solid */
     uint8_t       *near;         /* [solids] another's box touches its own */
@@ -46,7 +48,7 @@ static void meeting_free(meeting *w)
 static void mark(meeting *w, uint32_t solid)
 {
     w->open -= !w->meets[solid];
-    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* may_tell reads it meanwhile: late news cost a test */
+    __atomic_store_n(&w->meets[solid], 1, __ATOMIC_RELAXED); /* is_undecided reads it meanwhile: what it misses costs a test */
 }
 
 static void mark_pair(meeting *w, uint32_t a, uint32_t b)
@@ -66,24 +68,15 @@ static int is_known(const meeting *w, uint32_t a, uint32_t b)
 static void measure_boxes(meeting *w)
 {
     const casters *c = w->c;
-    for (size_t i = 0; i < w->solids; i++) {
-        double *box = &w->boxes[6 * i];
-        for (uint32_t n = w->first[i]; n < w->first[i + 1]; n++)
-            for (size_t k = 0; k < 3; k++) {
-                const double *p = &c->positions_ws[3 * (size_t)c->indices[3 * (size_t)w->members[n] + k]];
-                for (int axis = 0; axis < 3; axis++) {
-                    int start = n == w->first[i] && k == 0;
-                    if (start || p[axis] < box[axis]) box[axis] = p[axis];
-                    if (start || p[axis] > box[3 + axis]) box[3 + axis] = p[axis];
-                }
-            }
-    }
+    for (size_t i = 0; i < w->solids; i++) w->boxes[i] = box_empty();
+    for (size_t i = 0; i < 3 * c->solid_triangle_count; i++)
+        box_add(&w->boxes[c->component_of[i / 3]], &c->positions_ws[3 * (size_t)c->indices[i]]);
 }
 
-static int box_holds(const double *outer, const double *inner)
+static int box_holds(const box *outer, const box *inner)
 {
     for (int axis = 0; axis < 3; axis++)
-        if (inner[axis] < outer[axis] || inner[3 + axis] > outer[3 + axis]) return 0;
+        if (inner->min[axis] < outer->min[axis] || inner->max[axis] > outer->max[axis]) return 0;
     return 1;
 }
 
@@ -96,14 +89,12 @@ static void search_corners(meeting *w)
     uint32_t      *solid_at = w->solid_at;
     for (size_t i = 0; i < 3 * c->solid_triangle_count; i++) {
         uint32_t solid = c->component_of[i / 3], *at = &solid_at[c->indices[i]];
-        if (*at && *at != solid + 1) {
-            mark_pair(w, *at - 1, solid);
-        }
+        if (*at && *at != solid + 1) mark_pair(w, *at - 1, solid);
         *at = solid + 1;
     }
 }
 
-static int may_tell(void *user, uint32_t a, uint32_t b)
+static int is_undecided(void *user, uint32_t a, uint32_t b)
 {
     const meeting  *w  = user;
     const uint32_t *of = w->c->component_of;
@@ -121,10 +112,14 @@ static vxs_result search_surfaces(meeting *w, uint32_t threads)
 {
     const casters *c      = w->c;
     mesh_soup      soup   = {c->positions_ws, c->indices, c->solid_triangle_count};
-    mesh_search    search = {
-           .wanted = may_tell, .found = surfaces_meet, .user = w, .threads = threads, .looks_max = LOOKS_MAX, .tests_max = TESTS_MAX};
-    vxs_result r = mesh_find_intersections(&soup, &search);
-    w->gave_up   = search.gave_up;
+    mesh_search    search = {.wanted       = is_undecided,
+                             .found        = surfaces_meet,
+                             .user         = w,
+                             .threads      = threads,
+                             .overlaps_max = OVERLAPS_MAX,
+                             .tests_max    = TESTS_MAX};
+    vxs_result     r      = mesh_find_intersections(&soup, &search);
+    w->gave_up            = search.gave_up;
     return r;
 }
 
@@ -132,13 +127,7 @@ static vxs_result search_surfaces(meeting *w, uint32_t threads)
 
 static int add_pair(meeting *w, uint32_t outer, uint32_t inner)
 {
-    if (w->pair_count == w->pair_room) {
-        size_t      room  = w->pair_room ? 2 * w->pair_room : 64;
-        shell_pair *grown = w->pair_count < PAIRS_MAX ? realloc(w->pairs, room * sizeof *grown) : NULL;
-        if (!grown) return 0;
-        w->pairs     = grown;
-        w->pair_room = room;
-    }
+    if (w->pair_count >= PAIRS_MAX || !array_reserve(&w->pairs, &w->pair_room, w->pair_count + 1, sizeof *w->pairs)) return 0;
     w->pairs[w->pair_count++] = (shell_pair){.outer = outer, .inner = inner};
     return 1;
 }
@@ -146,12 +135,11 @@ static int add_pair(meeting *w, uint32_t outer, uint32_t inner)
 /* Two solids whose boxes overlap: one may be inside the other. */
 static int boxes_meet(void *user, uint32_t a, uint32_t b)
 {
-    meeting      *w   = user;
-    const double *box = w->boxes;
+    meeting *w = user;
     w->near[a] = w->near[b] = 1;
     if (is_known(w, a, b)) return 0;
-    if (box_holds(&box[6 * (size_t)a], &box[6 * (size_t)b])) w->gave_up |= !add_pair(w, a, b);
-    if (box_holds(&box[6 * (size_t)b], &box[6 * (size_t)a])) w->gave_up |= !add_pair(w, b, a);
+    if (box_holds(&w->boxes[a], &w->boxes[b])) w->gave_up |= !add_pair(w, a, b);
+    if (box_holds(&w->boxes[b], &w->boxes[a])) w->gave_up |= !add_pair(w, b, a);
     return w->gave_up;
 }
 
@@ -175,10 +163,8 @@ static vxs_result search_insides(meeting *w)
     if (r != VXS_OK || w->gave_up || !w->pair_count) return r;
     qsort(w->pairs, w->pair_count, sizeof *w->pairs, by_outer);
     if ((r = shells_find_inside(&shells, w->pairs, w->pair_count)) != VXS_OK) return r;
-    for (size_t i = 0; i < w->pair_count; i++) {
-        if (!w->pairs[i].inside) continue;
-        mark_pair(w, w->pairs[i].outer, w->pairs[i].inner);
-    }
+    for (size_t i = 0; i < w->pair_count; i++)
+        if (w->pairs[i].inside) mark_pair(w, w->pairs[i].outer, w->pairs[i].inner);
     return VXS_OK;
 }
 
@@ -189,7 +175,7 @@ static int make_room(meeting *w)
     const casters *c         = w->c;
     size_t         triangles = c->solid_triangle_count + 1; /* a count of 0 is no failure */
     w->meets                 = calloc(w->solids + 1, sizeof *w->meets);
-    w->boxes                 = malloc((6 * w->solids + 1) * sizeof *w->boxes);
+    w->boxes                 = malloc((w->solids + 1) * sizeof *w->boxes);
     w->first                 = calloc(w->solids + 1, sizeof *w->first);
     w->members               = malloc(triangles * sizeof *w->members);
     w->near                  = calloc(w->solids + 1, sizeof *w->near);
@@ -197,43 +183,40 @@ static int make_room(meeting *w)
     return w->meets && w->boxes && w->first && w->members && w->near && w->solid_at;
 }
 
-static vxs_result out_of_memory(const meeting *w, message *m)
+/* Everything that can be found out about the solids of c. */
+static vxs_result search(meeting *w, uint32_t threads, message *m)
 {
-    return fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);
+    const casters *c = w->c;
+    vxs_result     r = VXS_E_MEMORY;
+    if (make_room(w)) {
+        mesh_group(w->first, w->members, c->component_of, c->solid_triangle_count, w->solids);
+        measure_boxes(w);
+        search_corners(w);
+        r = w->open ? search_surfaces(w, threads) : VXS_OK;
+        if (r == VXS_OK && w->open && !w->gave_up) r = search_insides(w);
+    }
+    return r == VXS_OK ? r : fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);
 }
 
-static void finish(casters *c, const meeting *w, meeting_counts *counts)
+static void finish(casters *c, const meeting *w)
 {
-    counts->solids  = w->solids;
-    counts->assumed = w->gave_up ? w->open : 0;
-    counts->meet    = w->solids - w->open + counts->assumed;
-    for (size_t i = 0; i < w->solids; i++) counts->apart_by_box += !w->gave_up && !w->meets[i] && !w->near[i];
+    meeting_counts counts = {.solids = w->solids, .assumed = w->gave_up ? w->open : 0};
+    counts.meet           = w->solids - w->open + counts.assumed;
+    for (size_t i = 0; i < w->solids; i++) counts.apart_by_box += !w->gave_up && !w->meets[i] && !w->near[i];
     for (size_t t = 0; t < c->solid_triangle_count; t++) c->solid_meets[t] = w->gave_up || w->meets[c->component_of[t]];
-    c->meeting = *counts;
+    c->meeting = counts;
 }
 
 vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m)
 {
-    vxs_result     r      = VXS_E_MEMORY;
-    meeting        w      = {.c = c, .solids = c->component_count[COMPONENT_SOLID], .open = c->component_count[COMPONENT_SOLID]};
-    meeting_counts counts = {0};
+    size_t     solids = c->component_count[COMPONENT_SOLID];
+    meeting    w      = {.c = c, .solids = solids, .open = solids};
+    vxs_result r      = search(&w, threads, m);
 
     free(c->solid_meets);
-    c->solid_meets = calloc(c->solid_triangle_count + 1, sizeof *c->solid_meets);
-    if (c->solid_meets && make_room(&w)) {
-        mesh_group(w.first, w.members, c->component_of, c->solid_triangle_count, w.solids);
-        measure_boxes(&w);
-        search_corners(&w);
-        r = w.open ? search_surfaces(&w, threads) : VXS_OK;
-        if (r == VXS_OK && w.open && !w.gave_up) r = search_insides(&w);
-    }
-    if (r == VXS_OK) {
-        finish(c, &w, &counts);
-    } else {
-        free(c->solid_meets);
-        c->solid_meets = NULL;
-        out_of_memory(&w, m);
-    }
+    c->solid_meets = r == VXS_OK ? calloc(c->solid_triangle_count + 1, sizeof *c->solid_meets) : NULL;
+    if (c->solid_meets) finish(c, &w);
+    if (r == VXS_OK && !c->solid_meets) r = fail(m, VXS_E_MEMORY, "out of memory for %zu solids", solids);
     meeting_free(&w);
     return r;
 }

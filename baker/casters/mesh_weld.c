@@ -28,7 +28,7 @@ static vxs_result welder_init(welder *d, size_t vertex_count)
     return VXS_OK;
 }
 
-/* The welded vertex at a position, a new one when nobody was there before. */
+/* The welded vertex at a position, a new one when there is none yet. */
 static uint32_t weld_position(mesh_weld *w, welder *d, const double *position_ws)
 {
     double p[3];

@@ -102,16 +102,11 @@ static size_t box_count(const glb_scene *s)
     return s->triangle_count / BOX_TRIANGLES;
 }
 
-/* Append a box to the scene's last mesh. Corner c is at high of axis a where bit a of c is set. */
-static void emit(glb_scene *s, const box *b)
+/* Append a box to the scene's last mesh. */
+static void emit(parts *p, const box *b)
 {
-    static const uint8_t faces[BOX_TRIANGLES][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                                                    {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
-    glb_mesh            *mesh                    = &s->meshes[s->mesh_count - 1];
-    float               *position                = s->positions + 3 * s->vertex_count;
-    uint32_t            *index                   = s->indices + 3 * s->triangle_count;
-    const frame         *f                       = &b->at;
-
+    const frame *f    = &b->at;
+    uint32_t     last = 0;
     for (int c = 0; c < BOX_VERTICES; c++) {
         int64_t x = c & 1 ? b->high[0] : b->low[0];
         int64_t y = c & 2 ? b->high[1] : b->low[1];
@@ -120,22 +115,9 @@ static void emit(glb_scene *s, const box *b)
         int64_t turned_x = (int64_t)f->x * f->radius + f->cosine * x + f->sine * z;
         int64_t turned_z = (int64_t)f->z * f->radius + f->cosine * z - f->sine * x;
 
-        *position++ = (float)((double)turned_x / (f->radius * METRE));
-        *position++ = (float)((double)y / METRE);
-        *position++ = (float)((double)turned_z / (f->radius * METRE));
+        last = parts_vertex(p, (double)turned_x / (f->radius * METRE), (double)y / METRE, (double)turned_z / (f->radius * METRE));
     }
-    for (int t = 0; t < BOX_TRIANGLES; t++)
-        for (int corner = 0; corner < 3; corner++) *index++ = (uint32_t)mesh->vertex_count + faces[t][corner];
-
-    s->vertex_count += BOX_VERTICES;
-    s->triangle_count += BOX_TRIANGLES;
-    mesh->vertex_count += BOX_VERTICES;
-    mesh->triangle_count += BOX_TRIANGLES;
-}
-
-static void begin_mesh(glb_scene *s)
-{
-    s->meshes[s->mesh_count++] = (glb_mesh){.vertex_first = s->vertex_count, .triangle_first = s->triangle_count};
+    parts_box_triangles(p, last + 1 - BOX_VERTICES);
 }
 
 /* Whether two boxes are CLEARANCE apart, as seen by the axes of `a`'s frame. */
@@ -332,9 +314,9 @@ typedef struct clutter_walk {
 
     /* when choosing: `wanted` of the `available` boxes go to the scene, every choice as likely (selection sampling,
      * Knuth, "The Art of Computer Programming", volume 2, algorithm S) */
-    glb_scene *scene; /* NULL: only count */
-    uint32_t   wanted, available;
-    rng        choice;
+    parts   *chosen; /* NULL: only count */
+    uint32_t wanted, available;
+    rng      choice;
 } clutter_walk;
 
 static void visit(clutter_walk *w, const lot *l, size_t host, const box *clutter)
@@ -342,11 +324,7 @@ static void visit(clutter_walk *w, const lot *l, size_t host, const box *clutter
     for (size_t i = 0; i < l->box_count; i++)
         if (i != host && !is_clear(clutter, &l->boxes[i])) return;
     w->found++;
-    if (!w->scene) return;
-    if (rng_below(&w->choice, w->available--) < w->wanted) {
-        emit(w->scene, clutter);
-        w->wanted--;
-    }
+    if (w->chosen && rng_below(&w->choice, w->available--) < w->wanted) emit(w->chosen, clutter), w->wanted--;
 }
 
 static void walk_roof(clutter_walk *w, const lot *l, size_t host, uint64_t stream)
@@ -393,16 +371,16 @@ static uint32_t count_clutter(const block *k, bool on_roofs, int32_t cell)
     return w.found;
 }
 
-static void choose_clutter(glb_scene *s, const block *k, bool on_roofs, int32_t cell, uint32_t wanted, uint32_t available)
+static void choose_clutter(parts *p, const block *k, bool on_roofs, int32_t cell, uint32_t wanted, uint32_t available)
 {
-    clutter_walk w = {.k = k, .on_roofs = on_roofs, .cell = cell, .scene = s, .wanted = wanted, .available = available};
+    clutter_walk w = {.k = k, .on_roofs = on_roofs, .cell = cell, .chosen = p, .wanted = wanted, .available = available};
     w.choice       = rng_split(k->seed, on_roofs ? 3 : 4);
     walk_clutter(&w);
 }
 
 /* Half the clutter goes on roofs, as long as a quarter of their cells stays free. The cells shrink until there are enough.
  * Returns false when they would have to be smaller than CELL_MIN. */
-static bool make_clutter(glb_scene *s, const block *k, uint32_t wanted)
+static bool make_clutter(parts *p, const block *k, uint32_t wanted)
 {
     for (int32_t cell = CELL_MAX; wanted && cell >= CELL_MIN; cell = cell * 4 / 5) {
         uint32_t roofs = count_clutter(k, true, cell), walls = count_clutter(k, false, cell);
@@ -410,8 +388,8 @@ static bool make_clutter(glb_scene *s, const block *k, uint32_t wanted)
 
         uint32_t on_roofs = min_i32((int32_t)(wanted / 2), (int32_t)(roofs - roofs / 4));
         if (wanted - on_roofs > walls) on_roofs = wanted - walls;
-        choose_clutter(s, k, true, cell, on_roofs, roofs);
-        choose_clutter(s, k, false, cell, wanted - on_roofs, walls);
+        choose_clutter(p, k, true, cell, on_roofs, roofs);
+        choose_clutter(p, k, false, cell, wanted - on_roofs, walls);
         return true;
     }
     return !wanted;
@@ -446,33 +424,34 @@ static void plan_block(block *k, const city_options *o, uint32_t i, uint32_t j)
 }
 
 /* Kerb, buildings and lamps, most important first, until there are `budget` boxes. Returns how many there are. */
-static uint32_t make_structure(glb_scene *s, const block *k, uint32_t budget)
+static uint32_t make_structure(parts *p, const block *k, uint32_t budget)
 {
     uint32_t made = 0;
     for (size_t rank = 0; rank < LOT_BOXES_MAX; rank++) {
         for (size_t i = 0; i < k->lot_count; i++)
-            if (rank < k->lots[i].box_count && made < budget) emit(s, &k->lots[i].boxes[rank]), made++;
+            if (rank < k->lots[i].box_count && made < budget) emit(p, &k->lots[i].boxes[rank]), made++;
         if (rank == 0 && made < budget) {
             rng r    = rng_split(k->seed, 2);
             box kerb = {
                 {k->x, k->z, 1, 0, 1}, {-BLOCK / 2, -rng_between(&r, 16, 32), -BLOCK / 2}, {BLOCK / 2, KERB_TOP, BLOCK / 2}};
-            emit(s, &kerb), made++;
+            emit(p, &kerb), made++;
         }
     }
     for (uint32_t i = 0; i < LAMPS; i++) {
         box lamp[2];
         make_lamp(k, i, lamp);
-        for (int part = 0; part < 2 && made < budget; part++, made++) emit(s, &lamp[part]);
+        for (int part = 0; part < 2 && made < budget; part++, made++) emit(p, &lamp[part]);
     }
     return made;
 }
 
-static bool make_boxes(glb_scene *s, const block *k, uint32_t i, uint32_t j, uint32_t budget)
+static bool make_boxes(parts *p, const block *k, uint32_t i, uint32_t j, uint32_t budget)
 {
+    char name[32];
     if (!budget) return true;
-    begin_mesh(s);
-    snprintf(s->meshes[s->mesh_count - 1].name, sizeof s->meshes->name, "block %u %u", i, j);
-    return make_clutter(s, k, budget - make_structure(s, k, budget));
+    snprintf(name, sizeof name, "block %u %u", i, j);
+    parts_mesh(p, name, 0);
+    return make_clutter(p, k, budget - make_structure(p, k, budget));
 }
 
 /* Boxes of a block without lamps and clutter: the buildings' and the kerb. */
@@ -516,13 +495,10 @@ static void make_spots(parts *p, const block *k, size_t box_first, uint32_t budg
     add_city_spots(p, &c, rng_split(k->seed, 5), count, made);
 }
 
-static void make_ground(glb_scene *s, const city_options *o)
+static void make_ground(parts *p, const city_options *o)
 {
-    int32_t half   = (int32_t)o->blocks * PITCH / 2 + 20 * METRE;
-    box     ground = {{0, 0, 1, 0, 1}, {-half, -2 * METRE, -half}, {half, 0, half}};
-    begin_mesh(s);
-    snprintf(s->meshes[s->mesh_count - 1].name, sizeof s->meshes->name, "ground");
-    emit(s, &ground);
+    double half = (double)((int32_t)o->blocks * PITCH / 2 + 20 * METRE) / METRE;
+    parts_box_at(p, "ground", -half, half, -2, 0, -half, half);
 }
 
 static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t budget, uint32_t *spots_made)
@@ -534,7 +510,7 @@ static bool make_block(parts *p, const city_options *o, uint64_t index, uint32_t
     block          k;
     if (!budget && !spots) return true;
     plan_block(&k, o, i, j);
-    if (!make_boxes(p->s, &k, i, j, budget)) return false;
+    if (!make_boxes(p, &k, i, j, budget)) return false;
     make_spots(p, &k, box_first, budget, spots, spots_made);
     return true;
 }
@@ -546,16 +522,8 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
     uint32_t       spots_made = 0;
     parts          p          = parts_begin(s, "city");
 
-    s->positions = malloc(boxes * BOX_VERTICES * 3 * sizeof *s->positions);
-    s->indices   = malloc(boxes * BOX_TRIANGLES * 3 * sizeof *s->indices);
-    s->meshes    = malloc((blocks + 1) * sizeof *s->meshes);
-    if (!s->positions || !s->indices || !s->meshes) {
-        glb_scene_free(s);
-        return fail(m, VXS_E_MEMORY, "out of memory for a city of %zu boxes", boxes);
-    }
-
     parts_sun(&p, o->sun);
-    make_ground(s, o);
+    make_ground(&p, o);
     for (uint64_t b = 0; b < blocks; b++) {
         uint32_t budget = (uint32_t)(shared * (b + 1) / blocks - shared * b / blocks);
         if (!make_block(&p, o, b, budget, &spots_made)) {
@@ -564,6 +532,6 @@ vxs_result generate_city(glb_scene *s, const city_options *o, message *m)
                         o->triangles, o->blocks, o->blocks);
         }
     }
-    assert(box_count(s) == boxes);
+    assert(p.out_of_memory || box_count(s) == boxes);
     return parts_end(&p, m);
 }

@@ -13,7 +13,6 @@
 
 #include "baker/base/random.h"
 #include "baker/generate/generate_parts.h"
-#include "baker/generate/generate_terrain.h"
 
 enum {
     GROUND_SHARE     = 5, /* one triangle in so many is the ground's */

@@ -17,12 +17,11 @@
 
 #include "baker/base/random.h"
 #include "baker/generate/generate_parts.h"
-#include "baker/generate/generate_terrain.h"
 
 enum { OCTAVES_MAX = 12 };
 
 typedef struct grid {
-    size_t columns, rows; /* cells along X and Z */
+    uint32_t columns, rows; /* cells along X and Z */
 } grid;
 
 /* The nearly square grid whose triangles, 2 cr + 6 (c + r) = 2 (c + 3)(r + 3) - 18, come nearest to the target. */
@@ -36,7 +35,7 @@ static grid grid_from_triangles(uint32_t triangles)
         int64_t r = (target + c / 2) / c, miss = llabs(target - c * r);
         if (miss >= best) continue;
         best = miss;
-        g    = (grid){(size_t)(c - 3), (size_t)(r - 3)};
+        g    = (grid){(uint32_t)(c - 3), (uint32_t)(r - 3)};
     }
     return g;
 }
@@ -97,57 +96,40 @@ static int octaves_from_grid(grid g, double wavelengths)
     return octaves;
 }
 
-static void put_vertex(glb_scene *s, size_t index, double x, double y, double z)
-{
-    float *p = s->positions + 3 * index;
-    p[0]     = (float)x;
-    p[1]     = (float)y;
-    p[2]     = (float)z;
-}
-
-static void append_triangle(glb_scene *s, size_t a, size_t b, size_t c)
-{
-    uint32_t *t = s->indices + 3 * s->triangle_count++;
-    t[0]        = (uint32_t)a;
-    t[1]        = (uint32_t)b;
-    t[2]        = (uint32_t)c;
-}
-
 /* Fractal heights, stretched to [0, height]. They are kept as floats until then: the rounding is far below a millimetre. */
-static void make_top(glb_scene *s, const landscape_options *o, grid g)
+static void make_top(parts *p, const landscape_options *o, grid g)
 {
     const double wavelengths = 3; /* mountains a side, about */
     int          octaves     = octaves_from_grid(g, wavelengths);
     double       low = INFINITY, high = -INFINITY;
 
-    for (size_t j = 0; j <= g.rows; j++)
-        for (size_t i = 0; i <= g.columns; i++) {
-            double u = (double)i / (double)g.columns, v = (double)j / (double)g.rows;
+    for (uint32_t j = 0; j <= g.rows; j++)
+        for (uint32_t i = 0; i <= g.columns; i++) {
+            double u = (double)i / g.columns, v = (double)j / g.rows;
             float  y = (float)fractal(o->seed, octaves, u * wavelengths, v * wavelengths);
-            put_vertex(s, j * (g.columns + 1) + i, (u - 0.5) * o->size_metres, y, (v - 0.5) * o->size_metres);
+            parts_vertex(p, (u - 0.5) * o->size_metres, y, (v - 0.5) * o->size_metres);
             if (y < low) low = y;
             if (y > high) high = y;
         }
 
-    size_t top_count = (g.columns + 1) * (g.rows + 1);
-    for (size_t i = 0; i < top_count; i++) {
-        float *y = &s->positions[3 * i + 1];
+    for (size_t i = 0; i < p->s->vertex_count; i++) {
+        float *y = &p->s->positions[3 * i + 1];
         *y       = (float)(high > low ? (*y - low) / (high - low) * o->height_metres : 0);
     }
 
-    for (size_t j = 0; j < g.rows; j++)
-        for (size_t i = 0; i < g.columns; i++) {
-            size_t a = j * (g.columns + 1) + i, b = a + g.columns + 1;
-            append_triangle(s, a, b, a + 1);
-            append_triangle(s, a + 1, b, b + 1);
+    for (uint32_t j = 0; j < g.rows; j++)
+        for (uint32_t i = 0; i < g.columns; i++) {
+            uint32_t a = j * (g.columns + 1) + i, b = a + g.columns + 1;
+            parts_triangle(p, a, b, a + 1);
+            parts_triangle(p, a + 1, b, b + 1);
         }
 }
 
 /* The k-th vertex of the top's border, in the order in which the top's triangles pass it: down X = 0, along the last row,
  * up the last column, back along the first row. */
-static size_t border_vertex(grid g, size_t k)
+static uint32_t border_vertex(grid g, uint32_t k)
 {
-    size_t stride = g.columns + 1;
+    uint32_t stride = g.columns + 1;
     if (k < g.rows) return k * stride;
     k -= g.rows;
     if (k < g.columns) return g.rows * stride + k;
@@ -157,23 +139,21 @@ static size_t border_vertex(grid g, size_t k)
     return g.columns - k;
 }
 
-static void make_skirts_and_bottom(glb_scene *s, const landscape_options *o, grid g)
+static void make_skirts_and_bottom(parts *p, const landscape_options *o, grid g)
 {
-    size_t top_count = (g.columns + 1) * (g.rows + 1), ring = 2 * (g.columns + g.rows), middle = top_count + ring;
-    double bottom = -o->size_metres / 32;
-
-    for (size_t k = 0; k < ring; k++) {
-        const float *top = s->positions + 3 * border_vertex(g, k);
-        put_vertex(s, top_count + k, top[0], bottom, top[2]);
+    uint32_t ring = 2 * (g.columns + g.rows), first = (g.columns + 1) * (g.rows + 1), middle = first + ring;
+    double   bottom = -o->size_metres / 32;
+    for (uint32_t k = 0; k < ring && !p->out_of_memory; k++) {
+        const float *top = p->s->positions + 3 * (size_t)border_vertex(g, k);
+        parts_vertex(p, top[0], bottom, top[2]);
     }
-    put_vertex(s, middle, 0, bottom, 0);
+    parts_vertex(p, 0, bottom, 0);
 
-    for (size_t k = 0; k < ring; k++) {
-        size_t next = (k + 1) % ring;
-        size_t top = border_vertex(g, k), top_next = border_vertex(g, next);
-        append_triangle(s, top_next, top, top_count + k);
-        append_triangle(s, top_next, top_count + k, top_count + next);
-        append_triangle(s, top_count + next, top_count + k, middle);
+    for (uint32_t k = 0; k < ring; k++) {
+        uint32_t next = (k + 1) % ring, top = border_vertex(g, k), top_next = border_vertex(g, next);
+        parts_triangle(p, top_next, top, first + k);
+        parts_triangle(p, top_next, first + k, first + next);
+        parts_triangle(p, first + next, first + k, middle);
     }
 }
 
@@ -194,25 +174,11 @@ double terrain_height(const glb_scene *s, const landscape_options *o, double x, 
 
 vxs_result generate_landscape(glb_scene *s, const landscape_options *o, message *m)
 {
-    grid   g         = grid_from_triangles(o->triangles);
-    size_t border    = 2 * (g.columns + g.rows);
-    size_t triangles = 2 * g.columns * g.rows + 3 * border;
-
-    *s              = (glb_scene){.name = "landscape"};
-    s->vertex_count = (g.columns + 1) * (g.rows + 1) + border + 1;
-    s->positions    = malloc(s->vertex_count * 3 * sizeof *s->positions);
-    s->indices      = malloc(triangles * 3 * sizeof *s->indices);
-    s->meshes       = calloc(1, sizeof *s->meshes);
-    if (!s->positions || !s->indices || !s->meshes) {
-        glb_scene_free(s);
-        return fail(m, VXS_E_MEMORY, "out of memory for a landscape of %zu triangles", triangles);
-    }
-
-    make_top(s, o, g);
-    make_skirts_and_bottom(s, o, g);
-    s->mesh_count = 1;
-    s->meshes[0]  = (glb_mesh){"landscape", 0, s->vertex_count, 0, s->triangle_count, 0, {0}};
-    parts p       = parts_continue(s);
+    grid  g = grid_from_triangles(o->triangles);
+    parts p = parts_begin(s, "landscape");
+    parts_mesh(&p, "landscape", 0);
+    make_top(&p, o, g);
+    make_skirts_and_bottom(&p, o, g);
     parts_sun(&p, o->sun);
     return parts_end(&p, m);
 }

@@ -7,32 +7,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/array.h"
+
 /* ---- a scene that grows ---- */
 
-/* Room for one more item in *list, whose capacity it is. 0 when there is no memory. */
+/* Room for one more item in *list. 0 when there is no memory, or was none before. */
 static int reserve(parts *p, void *list, size_t *capacity, size_t count, size_t item_bytes)
 {
-    void *items;
-    if (p->out_of_memory) return 0;
-    if (count < *capacity) return 1;
-    memcpy(&items, list, sizeof items);
-    size_t wanted = *capacity ? 2 * *capacity : 64;
-    items         = realloc(items, wanted * item_bytes);
-    if (!items) return !(p->out_of_memory = 1);
-    memcpy(list, &items, sizeof items);
-    *capacity = wanted;
-    return 1;
+    if (!p->out_of_memory && !array_reserve(list, capacity, count + 1, item_bytes)) p->out_of_memory = 1;
+    return !p->out_of_memory;
 }
 
 /* Texture coordinates for `count` vertices; (0, 0) for those that were given none. */
-static void reserve_texcoords(parts *p, size_t count)
+static int reserve_texcoords(parts *p, size_t count)
 {
     glb_scene *s    = p->s;
     size_t     have = p->texcoords;
-    while (!p->out_of_memory && p->texcoords < count)
-        reserve(p, &s->texcoords, &p->texcoords, p->texcoords, 2 * sizeof *s->texcoords);
-    if (!p->out_of_memory && have < p->texcoords)
-        memset(s->texcoords + 2 * have, 0, 2 * (p->texcoords - have) * sizeof *s->texcoords);
+    if (!count || !reserve(p, &s->texcoords, &p->texcoords, count - 1, 2 * sizeof *s->texcoords)) return 0;
+    memset(s->texcoords + 2 * have, 0, 2 * (p->texcoords - have) * sizeof *s->texcoords);
+    return 1;
 }
 
 parts parts_begin(glb_scene *s, const char *name)
@@ -43,15 +36,20 @@ parts parts_begin(glb_scene *s, const char *name)
 
 parts parts_continue(glb_scene *s)
 {
-    return (parts){s,
-                   s->vertex_count,
-                   s->texcoords ? s->vertex_count : 0,
-                   s->triangle_count,
-                   s->mesh_count,
-                   s->material_count,
-                   s->image_count,
-                   s->light_count,
-                   0};
+    return (parts){.s         = s,
+                   .vertices  = s->vertex_count,
+                   .texcoords = s->texcoords ? s->vertex_count : 0,
+                   .triangles = s->triangle_count,
+                   .meshes    = s->mesh_count,
+                   .materials = s->material_count,
+                   .images    = s->image_count,
+                   .lights    = s->light_count};
+}
+
+/* Take a last mesh away that stayed empty. */
+static void drop_empty_mesh(glb_scene *s)
+{
+    if (s->mesh_count && !s->meshes[s->mesh_count - 1].triangle_count) s->mesh_count--;
 }
 
 vxs_result parts_end(parts *p, message *m)
@@ -62,14 +60,14 @@ vxs_result parts_end(parts *p, message *m)
         glb_scene_free(s);
         return fail(m, VXS_E_MEMORY, "out of memory for a scene of more than %zu triangles", p->triangles);
     }
-    if (s->mesh_count && !s->meshes[s->mesh_count - 1].triangle_count) s->mesh_count--;
+    drop_empty_mesh(s);
     return VXS_OK;
 }
 
 void parts_mesh(parts *p, const char *name, uint32_t material)
 {
     glb_scene *s = p->s;
-    if (s->mesh_count && !s->meshes[s->mesh_count - 1].triangle_count) s->mesh_count--;
+    drop_empty_mesh(s);
     if (!reserve(p, &s->meshes, &p->meshes, s->mesh_count, sizeof *s->meshes)) return;
     glb_mesh *mesh = &s->meshes[s->mesh_count++];
     *mesh          = (glb_mesh){.vertex_first = s->vertex_count, .triangle_first = s->triangle_count, .material = material};
@@ -110,8 +108,7 @@ uint32_t parts_vertex(parts *p, double x, double y, double z)
 uint32_t parts_vertex_uv(parts *p, const double position[3], double u, double v)
 {
     glb_scene *s = p->s;
-    reserve_texcoords(p, s->vertex_count + 1);
-    if (p->out_of_memory) return 0;
+    if (!reserve_texcoords(p, s->vertex_count + 1)) return 0;
     s->texcoords[2 * s->vertex_count]     = (float)u;
     s->texcoords[2 * s->vertex_count + 1] = (float)v;
     return parts_vertex(p, position[0], position[1], position[2]);
@@ -149,22 +146,27 @@ double parts_radians(int32_t degrees)
 
 /* ---- shapes ---- */
 
-static uint32_t vertex_in_frame(parts *p, parts_frame f, double x, double y, double z)
-{
-    return parts_vertex(p, f.at[0] + (f.cosine * x + f.sine * z), f.at[1] + y, f.at[2] + (f.cosine * z - f.sine * x));
-}
-
-/* Corner c is at high of axis a where bit a of c is set. */
-void parts_box(parts *p, parts_frame f, const double low[3], const double high[3])
+void parts_box_triangles(parts *p, uint32_t first)
 {
     static const uint8_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
                                          {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
-    uint32_t             first        = 0;
-    for (uint32_t c = 0; c < 8; c++) {
-        uint32_t v = vertex_in_frame(p, f, c & 1 ? high[0] : low[0], c & 2 ? high[1] : low[1], c & 4 ? high[2] : low[2]);
-        if (!c) first = v;
-    }
     for (int t = 0; t < 12; t++) parts_triangle(p, first + faces[t][0], first + faces[t][1], first + faces[t][2]);
+}
+
+void parts_box(parts *p, parts_frame f, const double low[3], const double high[3])
+{
+    uint32_t last = 0;
+    for (int c = 0; c < 8; c++) {
+        double x = c & 1 ? high[0] : low[0], y = c & 2 ? high[1] : low[1], z = c & 4 ? high[2] : low[2];
+        last = parts_vertex(p, f.at[0] + (f.cosine * x + f.sine * z), f.at[1] + y, f.at[2] + (f.cosine * z - f.sine * x));
+    }
+    parts_box_triangles(p, last - 7);
+}
+
+void parts_box_at(parts *p, const char *mesh, double x0, double x1, double y0, double y1, double z0, double z1)
+{
+    if (mesh) parts_mesh(p, mesh, 0);
+    parts_box(p, parts_upright, (double[3]){x0, y0, z0}, (double[3]){x1, y1, z1});
 }
 
 void parts_quad(parts *p, const double a[3], const double b[3], const double c[3], const double d[3])
@@ -178,14 +180,14 @@ void parts_quad(parts *p, const double a[3], const double b[3], const double c[3
 
 void parts_grid(parts *p, const double corner[3], const double u[3], const double v[3], uint32_t columns, uint32_t rows)
 {
-    uint32_t first = 0;
+    uint32_t last = 0;
     for (uint32_t j = 0; j <= rows; j++)
         for (uint32_t i = 0; i <= columns; i++) {
             double s = (double)i / columns, t = (double)j / rows, at[3];
             for (int k = 0; k < 3; k++) at[k] = corner[k] + (s * u[k] + t * v[k]);
-            uint32_t vertex = parts_vertex(p, at[0], at[1], at[2]);
-            if (!i && !j) first = vertex;
+            last = parts_vertex(p, at[0], at[1], at[2]);
         }
+    uint32_t first = last + 1 - (columns + 1) * (rows + 1);
     for (uint32_t j = 0; j < rows; j++)
         for (uint32_t i = 0; i < columns; i++) {
             uint32_t a = first + j * (columns + 1) + i, b = a + columns + 1;
@@ -197,17 +199,23 @@ void parts_grid(parts *p, const double corner[3], const double u[3], const doubl
 /* A ring of a lathe: one vertex, or `segments` of them. Returns the first. */
 static uint32_t ring(parts *p, const double at[3], const double point[2], uint32_t segments)
 {
-    uint32_t first = 0;
-    for (uint32_t k = 0; k < (point[0] == 0 ? 1 : segments); k++) {
+    uint32_t count = point[0] == 0 ? 1 : segments, last = 0;
+    for (uint32_t k = 0; k < count; k++) {
         double c, s;
         parts_turn(k, segments, &c, &s);
-        uint32_t vertex = parts_vertex(p, at[0] + point[0] * c, at[1] + point[1], at[2] + point[0] * s);
-        if (!k) first = vertex;
+        last = parts_vertex(p, at[0] + point[0] * c, at[1] + point[1], at[2] + point[0] * s);
     }
-    return first;
+    return last + 1 - count;
 }
 
-/* From +X towards +Z is clockwise seen from above: (upper k, upper k + 1, lower k + 1) looks outward. */
+/* The quad of segment k between two rings. From +X towards +Z is clockwise seen from above: it looks outward. */
+static void ring_quad(parts *p, uint32_t upper, uint32_t lower, uint32_t k, uint32_t segments)
+{
+    uint32_t next = (k + 1) % segments;
+    parts_triangle(p, upper + k, upper + next, lower + next);
+    parts_triangle(p, upper + k, lower + next, lower + k);
+}
+
 void parts_lathe(parts *p, const double at[3], const double (*profile)[2], uint32_t count, uint32_t segments)
 {
     uint32_t upper = ring(p, at, profile[0], segments);
@@ -220,10 +228,8 @@ void parts_lathe(parts *p, const double at[3], const double (*profile)[2], uint3
                 parts_triangle(p, upper, lower + next, lower + k);
             else if (is_point)
                 parts_triangle(p, upper + k, upper + next, lower);
-            else {
-                parts_triangle(p, upper + k, upper + next, lower + next);
-                parts_triangle(p, upper + k, lower + next, lower + k);
-            }
+            else
+                ring_quad(p, upper, lower, k, segments);
         }
         upper = lower;
     }
@@ -232,11 +238,7 @@ void parts_lathe(parts *p, const double at[3], const double (*profile)[2], uint3
 void parts_tube(parts *p, const double bottom[3], double bottom_radius, const double top[3], double top_radius, uint32_t sides)
 {
     uint32_t upper = ring(p, top, (double[2]){top_radius, 0}, sides), lower = ring(p, bottom, (double[2]){bottom_radius, 0}, sides);
-    for (uint32_t k = 0; k < sides; k++) {
-        uint32_t next = (k + 1) % sides;
-        parts_triangle(p, upper + k, upper + next, lower + next);
-        parts_triangle(p, upper + k, lower + next, lower + k);
-    }
+    for (uint32_t k = 0; k < sides; k++) ring_quad(p, upper, lower, k, sides);
     for (uint32_t k = 1; k + 1 < sides; k++) {
         parts_triangle(p, upper, upper + k + 1, upper + k);
         parts_triangle(p, lower, lower + k, lower + k + 1);

@@ -18,7 +18,7 @@ extern "C" {
 
 typedef struct parts {
     glb_scene *s;
-    size_t     vertices, texcoords, triangles, meshes, materials, images, lights; /* room for so many */
+    size_t     vertices, texcoords, triangles, meshes, materials, images, lights; /* capacities of the scene's arrays */
     int        out_of_memory;
 } parts;
 
@@ -48,7 +48,7 @@ uint32_t parts_material(parts *p, glb_material material);
 /* 1 + the new image's index. Takes rgba, from malloc; NULL counts as out of memory. */
 uint32_t parts_image(parts *p, uint32_t width_px, uint32_t height_px, uint8_t *rgba);
 
-/* Counted from the mesh's first vertex. Rounded to float here. */
+/* Returns the vertex's number, counted from the mesh's first. Rounded to float here. */
 uint32_t parts_vertex(parts *p, double x, double y, double z);
 /* As parts_vertex, with a texture coordinate. Scenes that use it use it for every vertex of meshes with an image. */
 uint32_t parts_vertex_uv(parts *p, const double position[3], double u, double v);
@@ -56,6 +56,12 @@ void     parts_triangle(parts *p, uint32_t a, uint32_t b, uint32_t c);
 
 /* A closed box, 12 triangles; low and high in the frame. Turned inside out when high < low on one axis or three. */
 void parts_box(parts *p, parts_frame f, const double low[3], const double high[3]);
+
+/* The triangles of a box whose eight vertices begin at `first`: vertex c is at the box's high end of axis a where bit a of c is set. */
+void parts_box_triangles(parts *p, uint32_t first);
+
+/* An upright box.  mesh: the name of a new mesh for it, without a material; NULL: it goes into the last. */
+void parts_box_at(parts *p, const char *mesh, double x0, double x1, double y0, double y1, double z0, double z1);
 
 /* Two triangles a b c, a c d; counter-clockwise seen from the front. */
 void parts_quad(parts *p, const double a[3], const double b[3], const double c[3], const double d[3]);

@@ -25,11 +25,6 @@ enum { SHELF_LEVELS = 6, BOOKS_MAX = 360, ROUND_MAX = 8, ROUND_TRIANGLES = 200, 
 
 static const double lamp_at[3] = {0, 2, 0};
 
-static void box_at(parts *p, double x0, double x1, double y0, double y1, double z0, double z1)
-{
-    parts_box(p, parts_upright, (double[3]){x0, y0, z0}, (double[3]){x1, y1, z1});
-}
-
 /* ---- what does not move ---- */
 
 static void wall(parts *p, double x, double y, double z, const double u[3], const double v[3])
@@ -55,9 +50,8 @@ static void add_shell(parts *p)
 
 static void add_hall(parts *p)
 {
-    parts_mesh(p, "hall", 0);
-    box_at(p, -2, 5, -0.25, 0, front, 6);
-    box_at(p, -2, 5, -0.25, top, 6, 6.25);
+    parts_box_at(p, "hall", -2, 5, -0.25, 0, front, 6);
+    parts_box_at(p, NULL, -2, 5, -0.25, top, 6, 6.25);
     parts_mesh(p, "door", 0);
     parts_frame hinge = {{door_right, 0, front + 0.03}, -0.6, -0.8}; /* it stands open */
     parts_box(p, hinge, (double[3]){0, 0.01, 0}, (double[3]){0.95, door_top - 0.02, 0.04});
@@ -68,19 +62,17 @@ static void add_lamp(parts *p, uint32_t cloth)
     const double shade[2][2] = {{0.12, 0.15}, {0.3, -0.1}};
     parts_mesh(p, "lampshade", cloth);
     parts_lathe(p, lamp_at, shade, 2, SHADE_SEGMENTS);
-    parts_mesh(p, "cord", 0);
-    box_at(p, -0.005, 0.005, lamp_at[1] + 0.06, top + 0.02, -0.005, 0.005);
+    parts_box_at(p, "cord", -0.005, 0.005, lamp_at[1] + 0.06, top + 0.02, -0.005, 0.005);
 }
 
 /* ---- furniture ---- */
 
 static void add_table(parts *p)
 {
-    parts_mesh(p, "table", 0);
-    box_at(p, -0.9, 0.9, 0.71, 0.75, -0.5, 0.5);
+    parts_box_at(p, "table", -0.9, 0.9, 0.71, 0.75, -0.5, 0.5);
     for (int leg = 0; leg < 4; leg++) {
         double x = leg & 1 ? 0.8 : -0.86, z = leg & 2 ? 0.4 : -0.46;
-        box_at(p, x, x + 0.06, 0, 0.71, z, z + 0.06);
+        parts_box_at(p, NULL, x, x + 0.06, 0, 0.71, z, z + 0.06);
     }
 }
 
@@ -108,15 +100,12 @@ static void add_chairs(parts *p, rng r)
 
 static void add_sofa_and_cabinet(parts *p)
 {
-    parts_mesh(p, "sofa", 0);
-    box_at(p, -1.1, 1.1, 0.08, 0.42, -2.9, -2.0);
-    box_at(p, -1.1, 1.1, 0.40, 0.85, -2.95, -2.7);
-    box_at(p, -1.3, -1.08, 0, 0.6, -2.95, -2.0);
-    box_at(p, 1.08, 1.3, 0, 0.6, -2.95, -2.0);
-    parts_mesh(p, "cabinet", 0);
-    box_at(p, 3.4, 3.95, 0, 0.9, -1.5, 1.5);
-    parts_mesh(p, "picture", 0);
-    box_at(p, -1, 1, 1.2, 2.2, -2.99, -2.96);
+    parts_box_at(p, "sofa", -1.1, 1.1, 0.08, 0.42, -2.9, -2.0);
+    parts_box_at(p, NULL, -1.1, 1.1, 0.40, 0.85, -2.95, -2.7);
+    parts_box_at(p, NULL, -1.3, -1.08, 0, 0.6, -2.95, -2.0);
+    parts_box_at(p, NULL, 1.08, 1.3, 0, 0.6, -2.95, -2.0);
+    parts_box_at(p, "cabinet", 3.4, 3.95, 0, 0.9, -1.5, 1.5);
+    parts_box_at(p, "picture", -1, 1, 1.2, 2.2, -2.99, -2.96);
 }
 
 static double shelf_height(int level)
@@ -126,11 +115,10 @@ static double shelf_height(int level)
 
 static void add_shelf(parts *p)
 {
-    parts_mesh(p, "shelf", 0);
-    box_at(p, -3.95, -3.6, 0, 2.1, -2, -1.97);
-    box_at(p, -3.95, -3.6, 0, 2.1, 1.97, 2);
+    parts_box_at(p, "shelf", -3.95, -3.6, 0, 2.1, -2, -1.97);
+    parts_box_at(p, NULL, -3.95, -3.6, 0, 2.1, 1.97, 2);
     for (int level = 0; level < SHELF_LEVELS; level++)
-        box_at(p, -3.95, -3.6, shelf_height(level), shelf_height(level) + 0.03, -1.97, 1.97);
+        parts_box_at(p, NULL, -3.95, -3.6, shelf_height(level), shelf_height(level) + 0.03, -1.97, 1.97);
 }
 
 /* Upright, side by side: a level has room for 60 of 6.5 cm. Some lean out further than others; none touches the next. */
@@ -141,7 +129,7 @@ static void add_books(parts *p, rng r, uint32_t count)
         double z = -1.95 + i / SHELF_LEVELS * 0.065, y = shelf_height((int)(i % SHELF_LEVELS)) + 0.03;
         double thick = rng_between(&r, 20, 60) / 1000.0, tall = rng_between(&r, 18, 32) / 100.0;
         double deep = rng_between(&r, 12, 25) / 100.0;
-        box_at(p, -3.92, -3.92 + deep, y, y + tall, z, z + thick);
+        parts_box_at(p, NULL, -3.92, -3.92 + deep, y, y + tall, z, z + thick);
     }
 }
 

@@ -15,11 +15,6 @@ static const double slanted[3] = {1, -1, 0}, straight_down[3] = {0, -1, 0};
 
 /* ---- parts of these scenes ---- */
 
-static void box_at(parts *p, double x0, double x1, double y0, double y1, double z0, double z1)
-{
-    parts_box(p, parts_upright, (double[3]){x0, y0, z0}, (double[3]){x1, y1, z1});
-}
-
 /* A level sheet that faces up. */
 static void sheet_at(parts *p, double x0, double x1, double y, double z0, double z1)
 {
@@ -34,8 +29,7 @@ static void upright_sheet_at(parts *p, double x0, double x1, double y0, double y
 
 static void ground(parts *p, double half)
 {
-    parts_mesh(p, "ground", 0);
-    box_at(p, -half, half, -1, 0, -half, half);
+    parts_box_at(p, "ground", -half, half, -1, 0, -half, half);
 }
 
 static void spot(parts *p, const char *name, double x, double y, double z, const double direction[3], int degrees, double range)
@@ -55,10 +49,9 @@ static void point(parts *p, const char *name, double x, double y, double z, doub
 static void far_coordinates(parts *p)
 {
     const double at[3] = {1e7, 250000, -1e7};
-    parts_mesh(p, "ground", 0);
-    box_at(p, -2, 2, -0.5, 0, -2, 2);
+    parts_box_at(p, "ground", -2, 2, -0.5, 0, -2, 2);
     parts_mesh(p, "bars", 0);
-    for (int i = 0; i < 20; i++) box_at(p, -1.5 + i * 0.1, -1.49 + i * 0.1, 1, 1.01, -1, 1);
+    for (int i = 0; i < 20; i++) parts_box_at(p, NULL, -1.5 + i * 0.1, -1.49 + i * 0.1, 1, 1.01, -1, 1);
     for (size_t i = 0; !p->out_of_memory && i < p->s->mesh_count; i++) memcpy(p->s->meshes[i].translation, at, sizeof at);
     parts_sun(p, slanted);
     spot(p, "spot", at[0], at[1] + 3, at[2], straight_down, 50, 10);
@@ -68,10 +61,8 @@ static void far_coordinates(parts *p)
 static void tiny_scene(parts *p)
 {
     const double unit = 1e-7;
-    parts_mesh(p, "ground", 0);
-    box_at(p, -5 * unit, 5 * unit, -unit, 0, -5 * unit, 5 * unit);
-    parts_mesh(p, "block", 0);
-    box_at(p, -unit, unit, 2 * unit, 3 * unit, -unit, unit);
+    parts_box_at(p, "ground", -5 * unit, 5 * unit, -unit, 0, -5 * unit, 5 * unit);
+    parts_box_at(p, "block", -unit, unit, 2 * unit, 3 * unit, -unit, unit);
     parts_sun(p, slanted);
     spot(p, "spot", 0, 8 * unit, 0, straight_down, 30, 100 * unit);
 }
@@ -79,10 +70,8 @@ static void tiny_scene(parts *p)
 /* Casters 1 mm, 1 m and 1 km below the lights, which stand at the origin, where floats are finest. */
 static void near_far(parts *p)
 {
-    parts_mesh(p, "ground", 0);
-    box_at(p, -600, 600, -1001, -1000, -600, 600);
-    parts_mesh(p, "house", 0);
-    box_at(p, -220, -180, -1000.5, -980, -20, 20);
+    parts_box_at(p, "ground", -600, 600, -1001, -1000, -600, 600);
+    parts_box_at(p, "house", -220, -180, -1000.5, -980, -20, 20);
     parts_mesh(p, "near sheets", 0);
     sheet_at(p, 0.0002, 0.0004, -0.001, -0.0001, 0.0001);
     sheet_at(p, -0.1, -0.05, -1, 0.3, 0.35);
@@ -109,10 +98,8 @@ static void one_triangle(parts *p)
 static void grazing_wall(parts *p)
 {
     const double direction[3] = {1, -0.01, 0.00017453};
-    parts_mesh(p, "ground", 0);
-    box_at(p, 0, 1000, -1, 0, -5, 5);
-    parts_mesh(p, "wall", 0);
-    box_at(p, 0, 1000, -0.5, 3, -0.3, 0);
+    parts_box_at(p, "ground", 0, 1000, -1, 0, -5, 5);
+    parts_box_at(p, "wall", 0, 1000, -0.5, 3, -0.3, 0);
     parts_sun(p, direction);
 }
 
@@ -120,8 +107,7 @@ static void grazing_wall(parts *p)
 static void wall_along_light(parts *p)
 {
     ground(p, 10);
-    parts_mesh(p, "solid wall", 0);
-    box_at(p, -3, 3, -0.5, 3, -0.1, 0.1);
+    parts_box_at(p, "solid wall", -3, 3, -0.5, 3, -0.1, 0.1);
     parts_mesh(p, "sheet wall", 0);
     upright_sheet_at(p, -3, 3, -0.5, 3, 2);
     parts_mesh(p, "sheet wall of the spot", 0);
@@ -133,15 +119,13 @@ static void wall_along_light(parts *p)
 static void no_light(parts *p)
 {
     ground(p, 5);
-    parts_mesh(p, "block", 0);
-    box_at(p, -1, 1, 2, 3, -1, 1);
+    parts_box_at(p, "block", -1, 1, 2, 3, -1, 1);
 }
 
 static void light_in_wall(parts *p)
 {
     ground(p, 8);
-    parts_mesh(p, "wall", 0);
-    box_at(p, -0.5, 0.5, -0.5, 4, -4, 4);
+    parts_box_at(p, "wall", -0.5, 0.5, -0.5, 4, -4, 4);
     parts_sun(p, slanted);
     point(p, "lamp", 0, 2, 0, 20);
 }
@@ -150,10 +134,9 @@ static void light_in_wall(parts *p)
 static void caster_behind_light(parts *p)
 {
     ground(p, 8);
-    parts_mesh(p, "behind", 0);
-    box_at(p, -1, 1, 5, 6, -1, 1);
-    box_at(p, -8, 8, 7, 8, -8, 8);
-    box_at(p, 1, 2, 3.5, 4.5, -1, 1);
+    parts_box_at(p, "behind", -1, 1, 5, 6, -1, 1);
+    parts_box_at(p, NULL, -8, 8, 7, 8, -8, 8);
+    parts_box_at(p, NULL, 1, 2, 3.5, 4.5, -1, 1);
     spot(p, "spot", 0, 4, 0, straight_down, 45, 20);
 }
 
@@ -180,8 +163,7 @@ static void zero_area_and_needles(parts *p)
         double z = -2 + i * 0.02, width = i < 50 ? 1e-6 : 1e-4;
         triangle(p, (double[3]){-4, 2, z}, (double[3]){2, 2, z + width}, (double[3]){2, 2, z});
     }
-    parts_mesh(p, "block", 0);
-    box_at(p, -1, 1, 1, 2, 2, 4);
+    parts_box_at(p, "block", -1, 1, 1, 2, 2, 4);
     parts_sun(p, slanted);
 }
 
@@ -190,13 +172,11 @@ static void coplanar_duplicates(parts *p)
 {
     for (int again = 0; again < 2; again++) {
         ground(p, 8);
-        parts_mesh(p, "block", 0);
-        box_at(p, -1, 1, 1, 2, -1, 1);
+        parts_box_at(p, "block", -1, 1, 1, 2, -1, 1);
     }
-    parts_mesh(p, "blocks with shared planes", 0);
-    box_at(p, 2, 3, 1, 2, -1, 1);
-    box_at(p, 2.5, 3.5, 1, 2, -1, 1);
-    box_at(p, 2.25, 3.25, 1, 2, -1, 1);
+    parts_box_at(p, "blocks with shared planes", 2, 3, 1, 2, -1, 1);
+    parts_box_at(p, NULL, 2.5, 3.5, 1, 2, -1, 1);
+    parts_box_at(p, NULL, 2.25, 3.25, 1, 2, -1, 1);
     parts_mesh(p, "sheets", 0);
     for (int again = 0; again < 3; again++) sheet_at(p, -4, -3, 1.5, -1, 1);
     sheet_at(p, -4, -3, 3, 2, 3);
@@ -242,7 +222,7 @@ static void nested_100(parts *p)
     parts_mesh(p, "boxes", 0);
     for (int i = 0; i < 100; i++) {
         double half = 5 * (100 - i) / 100.0;
-        box_at(p, -half, half, 6 - half, 6 + half, -half, half);
+        parts_box_at(p, NULL, -half, half, 6 - half, 6 + half, -half, half);
     }
     parts_sun(p, slanted);
 }
@@ -266,9 +246,9 @@ static void layers_1000(parts *p)
     const double nearly_down[3] = {0.01, -1, 0.02};
     ground(p, 12);
     parts_mesh(p, "apart", 0);
-    for (int i = 0; i < 1000; i++) box_at(p, -3, -1, 0.5 + i * 0.1, 0.55 + i * 0.1, -1, 1);
+    for (int i = 0; i < 1000; i++) parts_box_at(p, NULL, -3, -1, 0.5 + i * 0.1, 0.55 + i * 0.1, -1, 1);
     parts_mesh(p, "into each other", 0);
-    for (int i = 0; i < 1000; i++) box_at(p, 1 + i % 7 * 0.01, 3 - i % 5 * 0.01, 0.5 + i * 0.1, 0.65 + i * 0.1, -1, 1);
+    for (int i = 0; i < 1000; i++) parts_box_at(p, NULL, 1 + i % 7 * 0.01, 3 - i % 5 * 0.01, 0.5 + i * 0.1, 0.65 + i * 0.1, -1, 1);
     parts_mesh(p, "sheets", 0);
     for (int i = 0; i < 1000; i++) sheet_at(p, 5, 7, 0.5 + i * 0.1, -1, 1);
     parts_sun(p, nearly_down);
@@ -277,14 +257,10 @@ static void layers_1000(parts *p)
 /* A closed box that faces inward, with things and a light in it. */
 static void inside_out_room(parts *p)
 {
-    parts_mesh(p, "ground", 0);
-    box_at(p, -10, 10, -2, -1, -10, 10);
-    parts_mesh(p, "room", 0);
-    box_at(p, 4, -4, 0, 3, -3, 3);
-    parts_mesh(p, "table", 0);
-    box_at(p, -1, 1, 0.7, 0.8, -0.5, 0.5);
-    parts_mesh(p, "crate", 0);
-    box_at(p, 2, 3, 0, 1, 1, 2);
+    parts_box_at(p, "ground", -10, 10, -2, -1, -10, 10);
+    parts_box_at(p, "room", 4, -4, 0, 3, -3, 3);
+    parts_box_at(p, "table", -1, 1, 0.7, 0.8, -0.5, 0.5);
+    parts_box_at(p, "crate", 2, 3, 0, 1, 1, 2);
     parts_sun(p, slanted);
     point(p, "lamp", 0, 2.5, 0, 30);
 }

@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/gltf_loader.h"
 
-#include <nlohmann/json.hpp>
-
 namespace gltf
 {
 
@@ -23,30 +21,22 @@ static std::string percent_decoded(const std::string &uri)
     return text;
 }
 
-vxs_result read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit, std::vector<unsigned char> &bytes)
+bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit)
 {
     std::string name = percent_decoded(uri), folder = l.path;
-    if (name.find('\0') != std::string::npos)
-        return l.error(VXS_E_SCENE, "%s: uri '%s' holds a zero byte", what.c_str(), uri.c_str());
-    if (!l.files_beside)
-        return l.error(VXS_E_READ, "%s is in another file, '%s', and only this one is read", what.c_str(), name.c_str());
+    if (name.find('\0') != std::string::npos) l.broken(what, "uri '%s' holds a zero byte", uri.c_str());
+    if (!l.files_beside) l.error(VXS_E_READ, "%s is in another file, '%s', and only this one is read", what.c_str(), name.c_str());
     folder.erase(folder.rfind('/') == std::string::npos ? 0 : folder.rfind('/') + 1);
-    int reason = read_bytes((folder + name).c_str(), limit, true, bytes);
-    if (reason) return l.error(VXS_E_READ, "cannot read %s, '%s': %s", what.c_str(), (folder + name).c_str(), strerror(reason));
-    return VXS_OK;
+    int   reason;
+    bytes found = read_bytes((folder + name).c_str(), limit, true, reason);
+    if (reason) l.error(VXS_E_READ, "cannot read %s, '%s': %s", what.c_str(), (folder + name).c_str(), strerror(reason));
+    return found;
 }
 
-bool decode_base64(const std::string &text, std::vector<unsigned char> &bytes)
+bool decode_base64(const std::string &text, bytes &out)
 {
     std::string kind;
-    return tinygltf::DecodeDataURI(&bytes, kind, "data:application/octet-stream;base64," + text, 0, false);
-}
-
-/* Bytes after the promised ones are not read. */
-static vxs_result check_length(loader &l, const std::string &where, const char *what, size_t found, size_t promised)
-{
-    if (found >= promised) return VXS_OK;
-    return l.error(VXS_E_SCENE, "%s: %s ends after %zu bytes, expected %zu", where.c_str(), what, found, promised);
+    return tinygltf::DecodeDataURI(&out, kind, "data:application/octet-stream;base64," + text, 0, false);
 }
 
 static bool is_fallback(const json &object)
@@ -58,96 +48,95 @@ static bool is_fallback(const json &object)
     return false;
 }
 
-static vxs_result read_buffer(loader &l, const std::string &where, const json &object, const container &c, size_t index, buffer &b)
+static void read_buffer(loader &l, const json &object, const container &c, size_t index)
 {
-    std::string uri = object.value("uri", "");
-    vxs_result  r;
-    b.size_bytes = object["byteLength"].get<size_t>();
-    if (!b.size_bytes) return l.error(VXS_E_SCENE, "%s: byteLength is 0", where.c_str());
-    if (is_fallback(object)) return VXS_OK;
+    buffer     &b     = l.buffers[index];
+    std::string where = label("buffer", index), uri = object.value("uri", ""), source = "the GLB chunk";
+    size_t      found = c.bin_size;
+    b.size_bytes      = object["byteLength"].get<size_t>();
+    if (!b.size_bytes) l.broken(where, "byteLength is 0");
+    if (is_fallback(object)) return;
 
     if (uri.empty()) {
         b.missing = !c.bin || index;
-        if (b.missing) return VXS_OK;
+        if (b.missing) return;
         b.data = c.bin;
-        return check_length(l, where, "the GLB chunk", c.bin_size, b.size_bytes);
-    }
-    if (uri.rfind("data:", 0) == 0) {
-        if (!tinygltf::IsDataURI(uri) || uri.rfind("data:image/", 0) == 0)
-            return l.error(VXS_E_SCENE, "%s: '%.40s' is not a base64 data URI of a buffer", where.c_str(), uri.c_str());
-        decode_base64(uri.substr(uri.find(',') + 1), b.owned);
-        r = check_length(l, where, "its data URI", b.owned.size(), b.size_bytes);
     } else {
-        if ((r = read_beside(l, where, uri, b.size_bytes, b.owned)) != VXS_OK) return r;
-        r = check_length(l, where, ("'" + uri + "'").c_str(), b.owned.size(), b.size_bytes);
+        if (uri.rfind("data:", 0) == 0) {
+            if (!tinygltf::IsDataURI(uri) || uri.rfind("data:image/", 0) == 0)
+                l.broken(where, "'%.40s' is not a base64 data URI of a buffer", uri.c_str());
+            decode_base64(uri.substr(uri.find(',') + 1), b.owned);
+            source = "its data URI";
+        } else {
+            b.owned = read_beside(l, where, uri, b.size_bytes);
+            source  = "'" + uri + "'";
+        }
+        b.data = b.owned.data();
+        found  = b.owned.size();
     }
-    b.data = b.owned.data();
-    return r;
+    /* bytes after the promised ones are not read */
+    if (found < b.size_bytes) l.broken(where, "%s ends after %zu bytes, expected %zu", source.c_str(), found, b.size_bytes);
 }
 
-vxs_result read_buffers(loader &l, const json &root, const container &c)
+void read_buffers(loader &l, const json &root, const container &c)
 {
     l.buffers.resize(items(root, "buffers").size());
-    for (size_t i = 0; i < l.buffers.size(); i++) {
-        vxs_result r = read_buffer(l, label("buffer", i, ""), root["buffers"][i], c, i, l.buffers[i]);
-        if (r != VXS_OK) return r;
-    }
-    return VXS_OK;
+    for (size_t i = 0; i < l.buffers.size(); i++) read_buffer(l, root["buffers"][i], c, i);
 }
 
-vxs_result check_buffers(loader &l)
+void check_buffers(loader &l)
 {
     for (size_t i = 0; i < l.buffers.size(); i++)
-        if (l.buffers[i].missing) return l.error(VXS_E_SCENE, "buffer %zu has neither a uri nor a GLB chunk", i);
-    return VXS_OK;
+        if (l.buffers[i].missing) l.broken("", "buffer %zu has neither a uri nor a GLB chunk", i);
 }
 
-static vxs_result read_buffer_view(loader &l, size_t index, const json &object, buffer_view &v)
+void check_in_buffer(loader &l, const std::string &where, size_t length, size_t offset, size_t index)
 {
-    std::string where = label("bufferView", index, "");
-    v.buffer          = object["buffer"].get<size_t>();
-    v.offset          = object.value("byteOffset", (size_t)0);
-    v.length          = object["byteLength"].get<size_t>();
-    v.stride          = object.value("byteStride", (size_t)0);
-    if (v.buffer >= l.buffers.size()) return l.error(VXS_E_SCENE, "%s: buffer %zu does not exist", where.c_str(), v.buffer);
-    size_t bytes = l.buffers[v.buffer].size_bytes;
-    if (!v.length) return l.error(VXS_E_SCENE, "%s: byteLength is 0", where.c_str());
-    if (v.offset > bytes || v.length > bytes - v.offset)
-        return l.error(VXS_E_SCENE, "%s: %zu bytes at byte %zu do not fit in buffer %zu of %zu bytes", where.c_str(), v.length,
-                       v.offset, v.buffer, bytes);
-    vxs_result r = read_compressed_view(l, where, object, v.compressed);
-    if (r != VXS_OK || v.compressed.extension) return r;
-    if (v.stride && (v.stride < 4 || v.stride > 252 || v.stride % 4))
-        return l.error(VXS_E_SCENE, "%s: byteStride is %zu, expected a multiple of 4 from 4 to 252", where.c_str(), v.stride);
-    if (v.stride && object.value("target", json()) == TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER)
-        return l.error(VXS_E_SCENE, "%s: a byteStride, but its target is indices", where.c_str());
-    return VXS_OK;
+    size_t size = l.buffers[index].size_bytes;
+    if (!length || offset > size || length > size - offset)
+        l.broken(where, "%zu bytes at byte %zu do not fit in buffer %zu of %zu bytes", length, offset, index, size);
 }
 
-vxs_result read_buffer_views(loader &l, const json &root)
+static void read_buffer_view(loader &l, size_t index, const json &object)
+{
+    buffer_view &v     = l.views[index];
+    std::string  where = label("bufferView", index);
+    v.buffer           = object["buffer"].get<size_t>();
+    v.offset           = object.value("byteOffset", (size_t)0);
+    v.length           = object["byteLength"].get<size_t>();
+    v.stride           = object.value("byteStride", (size_t)0);
+    if (v.buffer >= l.buffers.size()) l.broken(where, "buffer %zu does not exist", v.buffer);
+    if (!v.length) l.broken(where, "byteLength is 0");
+    check_in_buffer(l, where, v.length, v.offset, v.buffer);
+    read_compressed_view(l, where, object, v.compressed);
+    if (v.compressed.extension) return;
+    if (v.stride && (v.stride < 4 || v.stride > 252 || v.stride % 4))
+        l.broken(where, "byteStride is %zu, expected a multiple of 4 from 4 to 252", v.stride);
+    if (v.stride && object.value("target", json()) == TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER)
+        l.broken(where, "a byteStride, but its target is indices");
+}
+
+void read_buffer_views(loader &l, const json &root)
 {
     l.views.resize(items(root, "bufferViews").size());
-    for (size_t i = 0; i < l.views.size(); i++) {
-        vxs_result r = read_buffer_view(l, i, root["bufferViews"][i], l.views[i]);
-        if (r != VXS_OK) return r;
-    }
-    return VXS_OK;
+    for (size_t i = 0; i < l.views.size(); i++) read_buffer_view(l, i, root["bufferViews"][i]);
 }
 
-vxs_result view_bytes(loader &l, size_t index, const unsigned char *&data)
+void check_view_index(loader &l, const std::string &where, size_t view)
+{
+    if (view >= l.views.size()) l.broken(where, "bufferView %zu does not exist", view);
+}
+
+const unsigned char *view_bytes(loader &l, size_t index)
 {
     buffer_view &v = l.views[index];
-    vxs_result   r;
     if (v.compressed.extension) {
-        if (v.decoded.empty() && (r = decode_view(l, index)) != VXS_OK) return r;
-        data = v.decoded.data();
-        return VXS_OK;
+        if (v.decoded.empty()) decode_view(l, index);
+        return v.decoded.data();
     }
     if (!l.buffers[v.buffer].data)
-        return l.error(VXS_E_SCENE, "bufferView %zu is not compressed, and its buffer %zu holds nothing but a fallback", index,
-                       v.buffer);
-    data = l.buffers[v.buffer].data + v.offset;
-    return VXS_OK;
+        l.broken("", "bufferView %zu is not compressed, and its buffer %zu holds nothing but a fallback", index, v.buffer);
+    return l.buffers[v.buffer].data + v.offset;
 }
 
 } // namespace gltf

@@ -25,17 +25,16 @@ bool needs_draco(const loader &l, const tinygltf::Primitive &p)
 {
     if (!p.extensions.count(NAME)) return false;
     for (int accessor : {attribute(p.attributes, "POSITION"), p.indices})
-        if (accessor >= 0 && (size_t)accessor < l.accessors.size() && l.model.accessors[(size_t)accessor].bufferView < 0)
-            return true;
+        if (accessor >= 0 && l.model.accessors[accessor].bufferView < 0) return true;
     return false;
 }
 
 /* How many triangles a stream says it has, before anything is allocated for them. */
-static bool triangles_in_header(const char *bytes, size_t size, uint32_t &triangles)
+static bool triangles_in_header(const char *from, size_t size, uint32_t &triangles)
 {
     draco::DecoderBuffer buffer;
     draco::DracoHeader   header;
-    buffer.Init(bytes, size);
+    buffer.Init(from, size);
     if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok() || header.encoder_type != draco::TRIANGULAR_MESH)
         return false;
     uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
@@ -51,108 +50,100 @@ static bool triangles_in_header(const char *bytes, size_t size, uint32_t &triang
     return buffer.Decode(&kind) && draco::DecodeVarint(&vertices, &buffer) && draco::DecodeVarint(&triangles, &buffer);
 }
 
+/* Room for elements that follow each other. */
+static elements dense_elements(const elements &like, int component, size_t components, size_t count)
+{
+    elements e       = {};
+    e.label          = like.label;
+    e.type           = like.type;
+    e.component      = component;
+    e.component_size = component_bytes(component);
+    e.normalized     = like.normalized;
+    e.size = e.stride = components * e.component_size;
+    e.count           = count;
+    e.dense.resize(count * e.size);
+    e.data  = e.dense.data();
+    e.ready = true;
+    return e;
+}
+
 /* An attribute's values for every point, in the type of the accessor that they stand for. */
-static vxs_result copy_attribute(loader &l, const std::string &where, const draco::Mesh &mesh, const tinygltf::Value &ids,
-                                 const std::string &name, const tinygltf::Accessor &a, elements &e)
+static elements copy_attribute(loader &l, const std::string &where, const draco::Mesh &mesh, const tinygltf::Value &ids,
+                               const std::string &name, const elements &accessor)
 {
     const draco::PointAttribute *from =
         ids.Has(name) && ids.Get(name).IsInt() ? mesh.GetAttributeByUniqueId((uint32_t)ids.Get(name).GetNumberAsInt()) : nullptr;
-    if (!from) return l.error(VXS_E_SCENE, "%s: %s is not in its %s data", where.c_str(), name.c_str(), NAME);
+    if (!from) l.broken(where, "%s is not in its %s data", name.c_str(), NAME);
 
     static const std::map<int, draco::DataType> types      = {{TINYGLTF_COMPONENT_TYPE_BYTE, draco::DT_INT8},
                                                               {TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, draco::DT_UINT8},
                                                               {TINYGLTF_COMPONENT_TYPE_SHORT, draco::DT_INT16},
                                                               {TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, draco::DT_UINT16},
                                                               {TINYGLTF_COMPONENT_TYPE_FLOAT, draco::DT_FLOAT32}};
-    auto                                        type       = types.find(a.componentType);
-    int                                         components = tinygltf::GetNumComponentsInType((uint32_t)a.type);
+    auto                                        type       = types.find(accessor.component);
+    int                                         components = tinygltf::GetNumComponentsInType((uint32_t)accessor.type);
     if (type == types.end() || from->data_type() != type->second || from->num_components() != components)
-        return l.error(VXS_E_SCENE, "%s: %s in its %s data is not of its accessor's type", where.c_str(), name.c_str(), NAME);
+        l.broken(where, "%s in its %s data is not of its accessor's type", name.c_str(), NAME);
 
-    e.component  = a.componentType;
-    e.normalized = a.normalized;
-    e.size = e.stride = (size_t)components * component_bytes(a.componentType);
-    e.count           = mesh.num_points();
-    e.dense.resize(e.count * e.size);
+    elements e = dense_elements(accessor, accessor.component, (size_t)components, mesh.num_points());
     for (uint32_t i = 0; i < mesh.num_points(); i++) {
         draco::AttributeValueIndex value = from->mapped_index(draco::PointIndex(i));
         if (value.value() >= from->size() || !from->IsAddressValid(from->GetAddress(value) + e.size - 1))
-            return l.error(VXS_E_SCENE, "%s: %s in its %s data is incomplete", where.c_str(), name.c_str(), NAME);
+            l.broken(where, "%s in its %s data is incomplete", name.c_str(), NAME);
         memcpy(e.dense.data() + i * e.size, from->GetAddress(value), e.size);
     }
-    e.data  = e.dense.data();
-    e.ready = true;
-    return VXS_OK;
+    return e;
 }
 
-static void copy_indices(const draco::Mesh &mesh, elements &e)
+static elements copy_indices(const draco::Mesh &mesh, const elements &accessor)
 {
-    e.component = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-    e.size = e.stride = sizeof(uint32_t);
-    e.count           = 3 * (size_t)mesh.num_faces();
-    e.dense.resize(e.count * e.size);
-    for (uint32_t i = 0; i < mesh.num_faces(); i++)
-        for (size_t k = 0; k < 3; k++) {
-            uint32_t index = mesh.face(draco::FaceIndex(i))[k].value();
-            memcpy(e.dense.data() + (3 * (size_t)i + k) * sizeof index, &index, sizeof index);
-        }
-    e.data  = e.dense.data();
-    e.ready = true;
+    elements e = dense_elements(accessor, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1, 3 * (size_t)mesh.num_faces());
+    for (size_t i = 0; i < e.count; i++) {
+        uint32_t index = mesh.face(draco::FaceIndex((uint32_t)(i / 3)))[i % 3].value();
+        memcpy(e.dense.data() + i * sizeof index, &index, sizeof index);
+    }
+    return e;
 }
 
-static vxs_result decode(loader &l, const std::string &where, const tinygltf::Primitive &p, draco_primitive &out)
+static draco_primitive decode(loader &l, const std::string &where, const tinygltf::Primitive &p)
 {
     const tinygltf::Value &e    = p.extensions.at(NAME);
     size_t                 view = (size_t)e.Get("bufferView").GetNumberAsInt();
-    const unsigned char   *bytes;
-    vxs_result             r;
-    if (view >= l.views.size()) return l.error(VXS_E_SCENE, "%s %s: bufferView %zu does not exist", where.c_str(), NAME, view);
+    check_view_index(l, where + " " + NAME, view);
     if (p.mode != TINYGLTF_MODE_TRIANGLES || p.indices < 0)
-        return l.error(VXS_E_UNSUPPORTED, "%s: %s data is read for indexed triangles only", where.c_str(), NAME);
-    if ((r = view_bytes(l, view, bytes)) != VXS_OK) return r;
+        l.unsupported(where, "%s data is read for indexed triangles only", NAME);
 
-    size_t   size = l.views[view].length, expected = l.accessors[(size_t)p.indices].count;
-    uint32_t triangles;
-    if (!triangles_in_header((const char *)bytes, size, triangles))
-        return l.error(VXS_E_SCENE, "%s: its %s data is not a mesh", where.c_str(), NAME);
-    if (3 * (size_t)triangles != expected)
-        return l.error(VXS_E_SCENE, "%s: its %s data holds %u triangles, accessor %d says %zu indices", where.c_str(), NAME,
-                       triangles, p.indices, expected);
-    if (triangles > plausible_triangles(size))
-        return l.error(VXS_E_UNSUPPORTED, "%s: %u triangles in %zu bytes of %s data", where.c_str(), triangles, size, NAME);
+    const char     *from    = (const char *)view_bytes(l, view);
+    const elements &indices = l.accessors[p.indices];
+    size_t          size    = l.views[view].length;
+    uint32_t        triangles;
+    if (!triangles_in_header(from, size, triangles)) l.broken(where, "its %s data is not a mesh", NAME);
+    if (3 * (size_t)triangles != indices.count)
+        l.broken(where, "its %s data holds %u triangles, accessor %d says %zu indices", NAME, triangles, p.indices, indices.count);
+    if (triangles > plausible_triangles(size)) l.unsupported(where, "%u triangles in %zu bytes of %s data", triangles, size, NAME);
 
     draco::DecoderBuffer buffer;
-    buffer.Init((const char *)bytes, size);
+    buffer.Init(from, size);
     draco::Decoder decoder;
     auto           mesh = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!mesh.ok())
-        return l.error(VXS_E_SCENE, "%s: its %s data: %s", where.c_str(), NAME, one_line(mesh.status().error_msg_string()).c_str());
-    if (mesh.value()->num_faces() != triangles) return l.error(VXS_E_SCENE, "%s: its %s data is incomplete", where.c_str(), NAME);
-    copy_indices(*mesh.value(), out.indices);
-    bool masked = p.material >= 0 && l.materials[(size_t)p.material].mask;
+    if (!mesh.ok()) l.broken(where, "its %s data: %s", NAME, one_line(mesh.status().error_msg_string()).c_str());
+    if (mesh.value()->num_faces() != triangles) l.broken(where, "its %s data is incomplete", NAME);
+
+    draco_primitive out    = {{}, copy_indices(*mesh.value(), indices)};
+    bool            masked = p.material >= 0 && l.materials[p.material].masked;
     for (const auto &[name, accessor] : p.attributes) {
         bool is_alpha = name.rfind("TEXCOORD_", 0) == 0 || name == "COLOR_0";
-        if (name != "POSITION" && !(masked && is_alpha && e.Get("attributes").Has(name))) continue;
-        if ((size_t)accessor >= l.accessors.size())
-            return l.error(VXS_E_SCENE, "%s: %s accessor %d does not exist", where.c_str(), name.c_str(), accessor);
-        r = copy_attribute(l, where, *mesh.value(), e.Get("attributes"), name, l.model.accessors[(size_t)accessor],
-                           out.attributes[name]);
-        if (r != VXS_OK) return r;
+        if (name == "POSITION" || (masked && is_alpha && e.Get("attributes").Has(name)))
+            out.attributes[name] = copy_attribute(l, where, *mesh.value(), e.Get("attributes"), name, l.accessors[accessor]);
     }
-    return VXS_OK;
+    return out;
 }
 
-vxs_result use_draco(loader &l, const std::string &where, const tinygltf::Primitive &p, const draco_primitive *&out)
+const draco_primitive &use_draco(loader &l, const std::string &where, const tinygltf::Primitive &p)
 {
     auto found = l.draco.find(&p);
-    if (found == l.draco.end()) {
-        draco_primitive decoded = {};
-        vxs_result      r       = decode(l, where, p, decoded);
-        if (r != VXS_OK) return r;
-        found = l.draco.emplace(&p, std::move(decoded)).first;
-    }
-    out = &found->second;
-    return VXS_OK;
+    if (found == l.draco.end()) found = l.draco.emplace(&p, decode(l, where, p)).first;
+    return found->second;
 }
 
 } // namespace gltf

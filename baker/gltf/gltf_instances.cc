@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/gltf_loader.h"
 
-#include <cmath>
-
 namespace gltf
 {
 
@@ -17,71 +15,58 @@ static int instance_accessor(const tinygltf::Node &node, const char *name)
 }
 
 /* TRANSLATION and SCALE are floats by the extension, ROTATION floats or normalised integers; all of them are read in any type. */
-static vxs_result check_attribute(loader &l, size_t node, const char *name, int type, size_t &count)
+static void check_attribute(loader &l, size_t node, const char *name, int type, size_t &count)
 {
-    const tinygltf::Node &n     = l.model.nodes[node];
-    int                   index = instance_accessor(n, name);
-    if (index < 0) return VXS_OK;
-    std::string where = label("node", node, n.name) + " " + NAME + " " + name;
-    if ((size_t)index >= l.accessors.size()) return l.error(VXS_E_SCENE, "%s: accessor %d does not exist", where.c_str(), index);
+    int index = instance_accessor(l.model.nodes[node], name);
+    if (index < 0) return;
+    std::string where = label("node", l.model.nodes, node) + " " + NAME + " " + name;
+    if ((size_t)index >= l.accessors.size()) l.broken(where, "accessor %d does not exist", index);
 
-    const tinygltf::Accessor &a = l.model.accessors[(size_t)index];
-    if (a.type != type)
-        return l.error(VXS_E_SCENE, "%s: accessor %d is not a %s", where.c_str(), index,
-                       type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "VEC4");
-    if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-        return l.error(VXS_E_SCENE, "%s: accessor %d is of 32-bit integers", where.c_str(), index);
-    if (count != SIZE_MAX && a.count != count)
-        return l.error(VXS_E_SCENE, "%s: %zu elements, the attribute before has %zu", where.c_str(), a.count, count);
-    count = a.count;
-    const elements *e;
-    return use_accessor(l, index, e);
+    const elements &e = l.accessors[index];
+    if (e.type != type) l.broken(where, "accessor %d is not a %s", index, type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "VEC4");
+    if (e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) l.broken(where, "accessor %d is of 32-bit integers", index);
+    if (count != SIZE_MAX && e.count != count) l.broken(where, "%zu elements, the attribute before has %zu", e.count, count);
+    count = e.count;
+    use_accessor(l, index);
 }
 
-vxs_result count_instances(loader &l, size_t node, size_t &count)
+size_t count_instances(loader &l, size_t node)
 {
     const tinygltf::Node &n = l.model.nodes[node];
-    vxs_result            r;
-    count = 1;
-    if (!n.extensions.count(NAME)) return VXS_OK;
+    if (!n.extensions.count(NAME)) return 1;
 
-    size_t found = SIZE_MAX;
-    if ((r = check_attribute(l, node, "TRANSLATION", TINYGLTF_TYPE_VEC3, found)) != VXS_OK) return r;
-    if ((r = check_attribute(l, node, "ROTATION", TINYGLTF_TYPE_VEC4, found)) != VXS_OK) return r;
-    if ((r = check_attribute(l, node, "SCALE", TINYGLTF_TYPE_VEC3, found)) != VXS_OK) return r;
+    std::string where = label("node", node, n.name) + " " + NAME;
+    size_t      found = SIZE_MAX;
+    check_attribute(l, node, "TRANSLATION", TINYGLTF_TYPE_VEC3, found);
+    check_attribute(l, node, "ROTATION", TINYGLTF_TYPE_VEC4, found);
+    check_attribute(l, node, "SCALE", TINYGLTF_TYPE_VEC3, found);
     for (const auto &other : n.extensions.at(NAME).Get("attributes").Get<tinygltf::Value::Object>()) {
         size_t index = (size_t)other.second.GetNumberAsInt();
-        if (index >= l.accessors.size())
-            return l.error(VXS_E_SCENE, "%s %s: accessor %zu does not exist", label("node", node, n.name).c_str(), NAME, index);
+        if (index >= l.accessors.size()) l.broken(where, "accessor %zu does not exist", index);
         if (found == SIZE_MAX) found = l.accessors[index].count; /* where they are is the node's own place */
     }
-    if (found == SIZE_MAX) return l.error(VXS_E_SCENE, "%s %s has no attributes", label("node", node, n.name).c_str(), NAME);
-    count = found;
-    return VXS_OK;
+    if (found == SIZE_MAX) l.error(VXS_E_SCENE, "%s has no attributes", where.c_str());
+    return found;
 }
 
 static void read_values(const loader &l, int accessor, size_t i, size_t count, double *values)
 {
-    if (accessor < 0) return;
-    const elements &e = l.accessors[(size_t)accessor];
-    for (size_t k = 0; k < count; k++)
-        values[k] = component_at(e.data + i * e.stride + k * component_bytes(e.component), e.component, e.normalized);
+    for (size_t k = 0; accessor >= 0 && k < count; k++) values[k] = l.accessors[accessor].value(i, k);
 }
 
-vxs_result instance_transform(loader &l, size_t node, size_t i, transform &ws_from_instance)
+transform instance_transform(loader &l, size_t node, size_t i)
 {
     const tinygltf::Node &n = l.model.nodes[node];
-    ws_from_instance        = l.ws_from_node[node];
-    if (!n.extensions.count(NAME)) return VXS_OK;
+    if (!n.extensions.count(NAME)) return l.ws_from_node[node];
 
-    double translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    double    translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    transform node_from_instance;
     read_values(l, instance_accessor(n, "TRANSLATION"), i, 3, translation);
     read_values(l, instance_accessor(n, "ROTATION"), i, 4, rotation);
     read_values(l, instance_accessor(n, "SCALE"), i, 3, scale);
-    if (!normalize_rotation(rotation))
-        return l.error(VXS_E_SCENE, "%s %s: ROTATION %zu is not a unit quaternion", label("node", node, n.name).c_str(), NAME, i);
-    ws_from_instance = multiply(ws_from_instance, trs_transform(translation, rotation, scale));
-    return VXS_OK;
+    if (!trs_transform(translation, rotation, scale, node_from_instance))
+        l.broken(label("node", node, n.name) + " " + NAME, "ROTATION %zu is not a unit quaternion", i);
+    return multiply(l.ws_from_node[node], node_from_instance);
 }
 
 } // namespace gltf

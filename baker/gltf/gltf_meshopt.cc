@@ -3,7 +3,7 @@
 #include "baker/gltf/gltf_loader.h"
 
 #include <meshoptimizer.h>
-#include <nlohmann/json.hpp>
+#include <set>
 
 namespace gltf
 {
@@ -22,85 +22,69 @@ static const char *expected_stride(const compressed_view &c)
     return nullptr;
 }
 
-static vxs_result check_compressed_view(loader &l, const std::string &where, size_t length, const compressed_view &c)
+static void check_compressed_view(loader &l, const std::string &where, size_t length, const compressed_view &c)
 {
-    bool mode   = c.mode == "ATTRIBUTES" || c.mode == "TRIANGLES" || c.mode == "INDICES";
-    bool filter = c.filter == "NONE" || c.filter == "OCTAHEDRAL" || c.filter == "QUATERNION" || c.filter == "EXPONENTIAL";
-    bool newer  = c.filter == "COLOR" && !strcmp(c.extension, "KHR_meshopt_compression");
-    if (!mode) return l.error(VXS_E_SCENE, "%s: unknown mode '%s'", where.c_str(), c.mode.c_str());
-    if (!filter && !newer) return l.error(VXS_E_SCENE, "%s: unknown filter '%s'", where.c_str(), c.filter.c_str());
-    if (c.filter != "NONE" && c.mode != "ATTRIBUTES")
-        return l.error(VXS_E_SCENE, "%s: filter %s with mode %s", where.c_str(), c.filter.c_str(), c.mode.c_str());
-    if (const char *expected = expected_stride(c))
-        return l.error(VXS_E_SCENE, "%s: byteStride is %zu, expected %s", where.c_str(), c.stride, expected);
-    if (c.mode == "TRIANGLES" && c.count % 3)
-        return l.error(VXS_E_SCENE, "%s: count is %zu, expected a multiple of 3", where.c_str(), c.count);
+    static const std::set<std::string> modes   = {"ATTRIBUTES", "TRIANGLES", "INDICES"},
+                                       filters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+    bool newer                                 = c.filter == "COLOR" && !strcmp(c.extension, "KHR_meshopt_compression");
+    if (!modes.count(c.mode)) l.broken(where, "unknown mode '%s'", c.mode.c_str());
+    if (!filters.count(c.filter) && !newer) l.broken(where, "unknown filter '%s'", c.filter.c_str());
+    if (c.filter != "NONE" && c.mode != "ATTRIBUTES") l.broken(where, "filter %s with mode %s", c.filter.c_str(), c.mode.c_str());
+    if (const char *expected = expected_stride(c)) l.broken(where, "byteStride is %zu, expected %s", c.stride, expected);
+    if (c.mode == "TRIANGLES" && c.count % 3) l.broken(where, "count is %zu, expected a multiple of 3", c.count);
     if (!c.count || c.count > length / c.stride || c.count * c.stride != length)
-        return l.error(VXS_E_SCENE, "%s: %zu elements of %zu bytes, in a bufferView of %zu bytes", where.c_str(), c.count, c.stride,
-                       length);
+        l.broken(where, "%zu elements of %zu bytes, in a bufferView of %zu bytes", c.count, c.stride, length);
 
-    if (c.buffer >= l.buffers.size()) return l.error(VXS_E_SCENE, "%s: buffer %zu does not exist", where.c_str(), c.buffer);
-    const buffer &b = l.buffers[c.buffer];
-    if (!b.data) return l.error(VXS_E_SCENE, "%s: buffer %zu holds nothing but a fallback", where.c_str(), c.buffer);
-    if (!c.length || c.offset > b.size_bytes || c.length > b.size_bytes - c.offset)
-        return l.error(VXS_E_SCENE, "%s: %zu bytes at byte %zu do not fit in buffer %zu of %zu bytes", where.c_str(), c.length,
-                       c.offset, c.buffer, b.size_bytes);
-    if (length / RATIO_MAX > c.length)
-        return l.error(VXS_E_SCENE, "%s: %zu bytes cannot hold %zu", where.c_str(), c.length, length);
-    return VXS_OK;
+    if (c.buffer >= l.buffers.size()) l.broken(where, "buffer %zu does not exist", c.buffer);
+    if (!l.buffers[c.buffer].data) l.broken(where, "buffer %zu holds nothing but a fallback", c.buffer);
+    check_in_buffer(l, where, c.length, c.offset, c.buffer);
+    if (length / RATIO_MAX > c.length) l.broken(where, "%zu bytes cannot hold %zu", c.length, length);
 }
 
-vxs_result read_compressed_view(loader &l, const std::string &where, const json &view, compressed_view &c)
+void read_compressed_view(loader &l, const std::string &where, const json &view, compressed_view &c)
 {
+    static const shape members = {{"buffer", is::index, true},
+                                  {"byteOffset", is::size},
+                                  {"byteLength", is::size, true},
+                                  {"byteStride", is::size, true},
+                                  {"count", is::size, true},
+                                  {"mode", is::text, true},
+                                  {"filter", is::text}};
     for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-        const json *e = extension(view, name);
+        const json *e = check_extension(l, where, view, name, members);
         if (!e) continue;
-        static const std::vector<property> shape = {{"buffer", is::index, true},
-                                                    {"byteOffset", is::size},
-                                                    {"byteLength", is::size, true},
-                                                    {"byteStride", is::size, true},
-                                                    {"count", is::size, true},
-                                                    {"mode", is::text, true},
-                                                    {"filter", is::text}};
-        std::string                        place = where + " " + name;
-        vxs_result                         r     = check_shape(l, place, *e, shape);
-        if (r != VXS_OK) return r;
         c.extension = name;
-        c.buffer    = (*e)["buffer"].get<size_t>();
+        c.buffer    = (*e)["buffer"];
         c.offset    = e->value("byteOffset", (size_t)0);
-        c.length    = (*e)["byteLength"].get<size_t>();
-        c.stride    = (*e)["byteStride"].get<size_t>();
-        c.count     = (*e)["count"].get<size_t>();
-        c.mode      = (*e)["mode"].get<std::string>();
+        c.length    = (*e)["byteLength"];
+        c.stride    = (*e)["byteStride"];
+        c.count     = (*e)["count"];
+        c.mode      = (*e)["mode"];
         c.filter    = e->value("filter", "NONE");
-        return check_compressed_view(l, place, view["byteLength"].get<size_t>(), c);
+        return check_compressed_view(l, where + " " + name, view["byteLength"].get<size_t>(), c);
     }
-    return VXS_OK;
 }
 
-vxs_result decode_view(loader &l, size_t index)
+void decode_view(loader &l, size_t index)
 {
     buffer_view           &v     = l.views[index];
     const compressed_view &c     = v.compressed;
-    std::string            where = label("bufferView", index, "") + " " + c.extension;
-    const unsigned char   *bytes = l.buffers[c.buffer].data + c.offset;
-    if (v.length > l.decoded_left)
-        return l.error(VXS_E_UNSUPPORTED, "%s: compressed bufferViews would hold more than %zu bytes", where.c_str(), DECODED_MAX);
-    if (c.filter == "COLOR") return l.error(VXS_E_UNSUPPORTED, "%s: filter COLOR is not read", where.c_str());
-    if (c.mode == "ATTRIBUTES" && bytes[0] == 0xa1)
-        return l.error(VXS_E_UNSUPPORTED, "%s: version 1 of the vertex codec is not read", where.c_str());
+    std::string            where = label("bufferView", index) + " " + c.extension;
+    const unsigned char   *from  = l.buffers[c.buffer].data + c.offset;
+    if (v.length > l.decoded_left) l.unsupported(where, "compressed bufferViews would hold more than %zu bytes", DECODED_MAX);
+    if (c.filter == "COLOR") l.unsupported(where, "filter COLOR is not read");
+    if (c.mode == "ATTRIBUTES" && from[0] == 0xa1) l.unsupported(where, "version 1 of the vertex codec is not read");
 
     l.decoded_left -= v.length;
-    std::vector<unsigned char> out(v.length);
-    int failed = c.mode == "ATTRIBUTES"  ? meshopt_decodeVertexBuffer(out.data(), c.count, c.stride, bytes, c.length)
-                 : c.mode == "TRIANGLES" ? meshopt_decodeIndexBuffer(out.data(), c.count, c.stride, bytes, c.length)
-                                         : meshopt_decodeIndexSequence(out.data(), c.count, c.stride, bytes, c.length);
-    if (failed) return l.error(VXS_E_SCENE, "%s: its %s cannot be decompressed", where.c_str(), c.mode.c_str());
+    bytes out(v.length);
+    int   failed = c.mode == "ATTRIBUTES"  ? meshopt_decodeVertexBuffer(out.data(), c.count, c.stride, from, c.length)
+                   : c.mode == "TRIANGLES" ? meshopt_decodeIndexBuffer(out.data(), c.count, c.stride, from, c.length)
+                                           : meshopt_decodeIndexSequence(out.data(), c.count, c.stride, from, c.length);
+    if (failed) l.broken(where, "its %s cannot be decompressed", c.mode.c_str());
     if (c.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(out.data(), c.count, c.stride);
     if (c.filter == "QUATERNION") meshopt_decodeFilterQuat(out.data(), c.count, c.stride);
     if (c.filter == "EXPONENTIAL") meshopt_decodeFilterExp(out.data(), c.count, c.stride);
     v.decoded.swap(out);
-    return VXS_OK;
 }
 
 } // namespace gltf

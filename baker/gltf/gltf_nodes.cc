@@ -8,7 +8,7 @@
 namespace gltf
 {
 
-vec3 rotate_scale(const transform &t, vec3 v)
+static vec3 rotate_scale(const transform &t, vec3 v)
 {
     return {t.axis[0].x * v.x + t.axis[1].x * v.y + t.axis[2].x * v.z, t.axis[0].y * v.x + t.axis[1].y * v.y + t.axis[2].y * v.z,
             t.axis[0].z * v.x + t.axis[1].z * v.y + t.axis[2].z * v.z};
@@ -25,22 +25,17 @@ transform multiply(const transform &a, const transform &b)
     return {{rotate_scale(a, b.axis[0]), rotate_scale(a, b.axis[1]), rotate_scale(a, b.axis[2])}, apply(a, b.origin)};
 }
 
-transform trs_transform(const double translation[3], const double rotation[4], const double scale[3])
+bool trs_transform(const double translation[3], const double rotation[4], const double scale[3], transform &t)
 {
     double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
+    double length = std::sqrt(x * x + y * y + z * z + w * w);
     double sx = scale[0], sy = scale[1], sz = scale[2];
-    return {{{sx * (1 - 2 * (y * y + z * z)), sx * 2 * (x * y + z * w), sx * 2 * (x * z - y * w)},
-             {sy * 2 * (x * y - z * w), sy * (1 - 2 * (x * x + z * z)), sy * 2 * (y * z + x * w)},
-             {sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y))}},
-            {translation[0], translation[1], translation[2]}};
-}
-
-bool normalize_rotation(double rotation[4])
-{
-    double length =
-        std::sqrt(rotation[0] * rotation[0] + rotation[1] * rotation[1] + rotation[2] * rotation[2] + rotation[3] * rotation[3]);
     if (!(length > 0) || !std::isfinite(length)) return false;
-    for (int i = 0; i < 4; i++) rotation[i] /= length;
+    x /= length, y /= length, z /= length, w /= length;
+    t = {{{sx * (1 - 2 * (y * y + z * z)), sx * 2 * (x * y + z * w), sx * 2 * (x * z - y * w)},
+          {sy * 2 * (x * y - z * w), sy * (1 - 2 * (x * x + z * z)), sy * 2 * (y * z + x * w)},
+          {sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y))}},
+         {translation[0], translation[1], translation[2]}};
     return true;
 }
 
@@ -49,7 +44,6 @@ bool finite(vec3 v)
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/* The triangles of a mirrored node turn their backs, unless two corners are swapped (3.7.4). */
 bool is_mirrored(const transform &t)
 {
     const vec3 *a = t.axis;
@@ -58,58 +52,53 @@ bool is_mirrored(const transform &t)
            0;
 }
 
-static vxs_result matrix_transform(loader &l, const std::string &where, const std::vector<double> &m, transform &t)
+static transform node_transform(loader &l, size_t index)
 {
-    if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-6)
-        return l.error(VXS_E_SCENE, "%s: the last row of its matrix is not 0, 0, 0, 1", where.c_str());
-    t = {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
-    return VXS_OK;
-}
+    const tinygltf::Node      &node  = l.model.nodes[index];
+    const std::vector<double> &m     = node.matrix;
+    std::string                where = label("node", index, node.name);
+    if (!m.empty()) {
+        if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-6)
+            l.broken(where, "the last row of its matrix is not 0, 0, 0, 1");
+        return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
+    }
 
-static vxs_result node_transform(loader &l, size_t index, transform &t)
-{
-    const tinygltf::Node &node  = l.model.nodes[index];
-    std::string           where = label("node", index, node.name);
-    if (!node.matrix.empty()) return matrix_transform(l, where, node.matrix, t);
-
-    double translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    double    translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
+    transform t;
     std::copy(node.translation.begin(), node.translation.end(), translation);
     std::copy(node.rotation.begin(), node.rotation.end(), rotation);
     std::copy(node.scale.begin(), node.scale.end(), scale);
-    if (!normalize_rotation(rotation)) return l.error(VXS_E_SCENE, "%s: its rotation is not a unit quaternion", where.c_str());
-    t = trs_transform(translation, rotation, scale);
-    return VXS_OK;
+    if (!trs_transform(translation, rotation, scale, t)) l.broken(where, "its rotation is not a unit quaternion");
+    return t;
 }
 
 /* Nodes form a forest: every child exists and has one parent, and every node hangs from a root. */
-vxs_result check_tree(loader &l, std::vector<int> &parent)
+std::vector<int> check_tree(loader &l)
 {
-    const auto &nodes = l.model.nodes;
-    parent.assign(nodes.size(), -1);
+    const auto      &nodes = l.model.nodes;
+    std::vector<int> parent(nodes.size(), -1), open;
     for (size_t i = 0; i < nodes.size(); i++)
         for (int child : nodes[i].children) {
-            if ((size_t)child >= nodes.size()) return l.error(VXS_E_SCENE, "node %zu: child %d does not exist", i, child);
-            if (parent[(size_t)child] >= 0)
-                return l.error(VXS_E_SCENE, "node %d has two parents, node %d and node %zu", child, parent[(size_t)child], i);
-            parent[(size_t)child] = (int)i;
+            if ((size_t)child >= nodes.size()) l.broken("", "node %zu: child %d does not exist", i, child);
+            if (parent[child] >= 0) l.broken("", "node %d has two parents, node %d and node %zu", child, parent[child], i);
+            parent[child] = (int)i;
         }
 
     std::vector<char> reached(nodes.size(), 0);
-    std::vector<int>  open;
     for (size_t i = 0; i < nodes.size(); i++)
         if (parent[i] < 0) open.push_back((int)i);
     while (!open.empty()) {
-        size_t at = (size_t)open.back();
+        int at = open.back();
         open.pop_back();
         reached[at] = 1;
         open.insert(open.end(), nodes[at].children.begin(), nodes[at].children.end());
     }
     for (size_t i = 0; i < nodes.size(); i++)
-        if (!reached[i]) return l.error(VXS_E_SCENE, "node %zu is in a loop of nodes", i);
-    return VXS_OK;
+        if (!reached[i]) l.broken("", "node %zu is in a loop of nodes", i);
+    return parent;
 }
 
-vxs_result check_references(loader &l)
+void check_references(loader &l)
 {
     const tinygltf::Model &model = l.model;
     for (size_t i = 0; i < model.nodes.size(); i++) {
@@ -126,70 +115,63 @@ vxs_result check_references(loader &l)
                           {"light", light, l.lights.size()}};
         for (const auto &reference : references)
             if (reference.index >= 0 && (size_t)reference.index >= reference.count)
-                return l.error(VXS_E_SCENE, "%s: %s %d does not exist, the file has %zu", label("node", i, node.name).c_str(),
-                               reference.kind, reference.index, reference.count);
+                l.broken(label("node", model.nodes, i), "%s %d does not exist, the file has %zu", reference.kind, reference.index,
+                         reference.count);
     }
-    return VXS_OK;
 }
 
-/* The scene that is asked for: -1 when the file has none and all root nodes are meant. */
-vxs_result choose_scene(loader &l, const char *which, int &chosen)
+int choose_scene(loader &l, const char *which)
 {
     const auto &scenes = l.model.scenes;
-    chosen             = l.model.defaultScene >= 0 ? l.model.defaultScene : scenes.empty() ? -1 : 0;
     if (!which) {
+        int chosen = l.model.defaultScene >= 0 ? l.model.defaultScene : scenes.empty() ? -1 : 0;
         if (chosen >= 0 && (size_t)chosen >= scenes.size())
-            return l.error(VXS_E_SCENE, "its default scene %d does not exist, the file has %zu", chosen, scenes.size());
-        return VXS_OK;
+            l.broken("", "its default scene %d does not exist, the file has %zu", chosen, scenes.size());
+        return chosen;
     }
     for (size_t i = 0; i < scenes.size(); i++)
-        if (*which && scenes[i].name == which) return chosen = (int)i, VXS_OK;
+        if (*which && scenes[i].name == which) return (int)i;
 
     size_t digits = strspn(which, "0123456789");
     if (digits && !which[digits] && digits < 10 && strtoul(which, nullptr, 10) < scenes.size())
-        return chosen = (int)strtoul(which, nullptr, 10), VXS_OK;
+        return (int)strtoul(which, nullptr, 10);
 
     std::string known;
-    for (size_t i = 0; i < scenes.size() && known.size() < 200; i++) known += (i ? ", " : ": ") + label("scene", i, scenes[i].name);
-    return l.error(VXS_E_ARGUMENT, "no scene '%s'; the file has %zu%s", which, scenes.size(), known.c_str());
+    for (size_t i = 0; i < scenes.size() && known.size() < 200; i++) known += (i ? ", " : ": ") + label("scene", scenes, i);
+    l.error(VXS_E_ARGUMENT, "no scene '%s'; the file has %zu%s", which, scenes.size(), known.c_str());
 }
 
-vxs_result choose_roots(loader &l, int chosen, const std::vector<int> &parent)
+void choose_roots(loader &l, int chosen, const std::vector<int> &parent)
 {
-    if (chosen < 0) {
-        for (size_t i = 0; i < parent.size(); i++)
-            if (parent[i] < 0) l.roots.push_back((int)i);
-        return VXS_OK;
-    }
+    for (size_t i = 0; chosen < 0 && i < parent.size(); i++)
+        if (parent[i] < 0) l.roots.push_back(i);
+    if (chosen < 0) return;
+
+    std::string   where = label("scene", (size_t)chosen);
     std::set<int> seen;
-    for (int node : l.model.scenes[(size_t)chosen].nodes) {
-        if ((size_t)node >= parent.size()) return l.error(VXS_E_SCENE, "scene %d: node %d does not exist", chosen, node);
-        if (parent[(size_t)node] >= 0)
-            return l.error(VXS_E_SCENE, "scene %d: node %d is not a root, its parent is node %d", chosen, node,
-                           parent[(size_t)node]);
-        if (!seen.insert(node).second) return l.error(VXS_E_SCENE, "scene %d lists node %d twice", chosen, node);
-        l.roots.push_back(node);
+    for (int node : l.model.scenes[chosen].nodes) {
+        if ((size_t)node >= parent.size()) l.broken(where, "node %d does not exist", node);
+        if (parent[node] >= 0) l.broken(where, "node %d is not a root, its parent is node %d", node, parent[node]);
+        if (!seen.insert(node).second) l.broken("", "%s lists node %d twice", where.c_str(), node);
+        l.roots.push_back((size_t)node);
     }
-    return VXS_OK;
 }
 
 /* Parents come before children, children in the file's order; no recursion, for trees may be deep. */
-vxs_result place_nodes(loader &l, const std::vector<int> &parent)
+void place_nodes(loader &l, const std::vector<int> &parent)
 {
-    std::vector<int> open(l.roots.rbegin(), l.roots.rend());
+    std::vector<size_t> open(l.roots.rbegin(), l.roots.rend());
     l.ws_from_node.resize(l.model.nodes.size());
     while (!open.empty()) {
-        size_t at = (size_t)open.back();
+        size_t at = open.back();
         open.pop_back();
         transform &t = l.ws_from_node[at];
-        vxs_result r = node_transform(l, at, t);
-        if (r != VXS_OK) return r;
-        if (parent[at] >= 0) t = multiply(l.ws_from_node[(size_t)parent[at]], t);
-        l.order.push_back((int)at);
+        t            = node_transform(l, at);
+        if (parent[at] >= 0) t = multiply(l.ws_from_node[parent[at]], t);
+        l.order.push_back(at);
         const auto &children = l.model.nodes[at].children;
         open.insert(open.end(), children.rbegin(), children.rend());
     }
-    return VXS_OK;
 }
 
 } // namespace gltf

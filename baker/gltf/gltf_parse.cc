@@ -8,8 +8,6 @@
 #define TINYGLTF_IMPLEMENTATION
 #include "baker/gltf/gltf_loader.h"
 
-#include <nlohmann/json.hpp>
-
 namespace gltf
 {
 
@@ -25,7 +23,7 @@ static std::vector<int> take_indices(json &root)
     return indices;
 }
 
-static vxs_result load_model(loader &l, json &root)
+static void load_model(loader &l, json &root)
 {
     std::vector<int> indices = take_indices(root);
     json             part    = json::object();
@@ -41,30 +39,25 @@ static vxs_result load_model(loader &l, json &root)
         for (tinygltf::Primitive &p : mesh.primitives)
             if (next < indices.size()) p.indices = indices[next++];
     if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc(); /* tinygltf makes a text of every exception */
-    if (!ok || next != indices.size()) return l.error(VXS_E_SCENE, "%s", one_line(error).c_str());
-    return VXS_OK;
+    if (!ok || next != indices.size()) l.broken("", "%s", one_line(error).c_str());
 }
 
-vxs_result parse(loader &l)
+void parse(loader &l)
 {
-    container  c;
-    json       root;
-    vxs_result r;
-    if ((r = open_container(l, l.bytes, c)) != VXS_OK) return r;
-    if ((r = parse_json(l, c, root)) != VXS_OK) return r;
-    if ((r = check_json(l, root)) != VXS_OK) return r;
-    if ((r = read_buffers(l, root, c)) != VXS_OK) return r;
-    if ((r = read_buffer_views(l, root)) != VXS_OK) return r;
-    if ((r = read_lights(l, root)) != VXS_OK) return r;
-    if ((r = read_materials(l, root)) != VXS_OK) return r;
+    container c    = open_container(l);
+    json      root = parse_json(l, c);
+    check_json(l, root);
+    read_buffers(l, root, c);
+    read_buffer_views(l, root);
+    read_lights(l, root);
+    read_materials(l, root);
     l.camera_count = items(root, "cameras").size();
     for (const char *list : {"extensionsUsed", "extensionsRequired"})
         for (const json &name : items(root, list)) l.quantization |= name == "KHR_mesh_quantization";
     root.erase("buffers"); /* and the data URIs in them */
 
-    if ((r = load_model(l, root)) != VXS_OK) return r;
-    l.rest = std::make_shared<json>(std::move(root));
-    return VXS_OK;
+    load_model(l, root);
+    l.rest = std::move(root);
 }
 
 } // namespace gltf

@@ -8,14 +8,38 @@
 namespace gltf
 {
 
-vxs_result loader::error(vxs_result code, const char *format, ...)
+static std::string formatted(const char *format, va_list args)
 {
-    char    text[900];
-    va_list args;
-    va_start(args, format);
+    char text[900];
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return fail(m, code, "'%s': %s", path, text);
+    return text;
+}
+
+[[noreturn]] static void give_up(const loader &l, vxs_result code, const std::string &where, const std::string &text)
+{
+    throw failure{fail(l.m, code, "'%s': %s%s%s", l.path, where.c_str(), where.empty() ? "" : ": ", text.c_str())};
+}
+
+void loader::error(vxs_result code, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    give_up(*this, code, "", formatted(format, args));
+}
+
+void loader::broken(const std::string &where, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    give_up(*this, VXS_E_SCENE, where, formatted(format, args));
+}
+
+void loader::unsupported(const std::string &where, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    give_up(*this, VXS_E_UNSUPPORTED, where, formatted(format, args));
 }
 
 std::string label(const char *kind, size_t index, const std::string &name)
@@ -34,26 +58,23 @@ std::string one_line(std::string text)
     return text.empty() ? "cannot be parsed" : text;
 }
 
-static vxs_result load(loader &l, const char *which)
+static void load(loader &l, const char *which)
 {
-    std::vector<int> parent;
-    int              chosen;
-    vxs_result       r;
-    if ((r = parse(l)) != VXS_OK) return r;
-    if ((r = check_accessors(l)) != VXS_OK) return r;
-    if ((r = check_model_meshes(l)) != VXS_OK) return r;
-    if ((r = check_references(l)) != VXS_OK) return r;
-    if ((r = check_tree(l, parent)) != VXS_OK) return r;
-    if ((r = check_buffers(l)) != VXS_OK) return r;
-    if ((r = check_all_indices(l)) != VXS_OK) return r;
-    if ((r = choose_scene(l, which, chosen)) != VXS_OK) return r;
-    if ((r = choose_roots(l, chosen, parent)) != VXS_OK) return r;
-    if ((r = place_nodes(l, parent)) != VXS_OK) return r;
-    if ((r = place_meshes(l)) != VXS_OK) return r;
-    if ((r = place_lights(l)) != VXS_OK) return r;
-    if ((r = place_cameras(l)) != VXS_OK) return r;
-    l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[(size_t)chosen].name.c_str());
-    return l.s->name ? VXS_OK : l.error(VXS_E_MEMORY, "out of memory");
+    parse(l);
+    check_accessors(l);
+    check_model_meshes(l);
+    check_references(l);
+    std::vector<int> parent = check_tree(l);
+    check_buffers(l);
+    check_all_indices(l);
+    int chosen = choose_scene(l, which);
+    choose_roots(l, chosen, parent);
+    place_nodes(l, parent);
+    place_meshes(l);
+    place_lights(l);
+    place_cameras(l);
+    l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[chosen].name.c_str());
+    if (!l.s->name) throw std::bad_alloc();
 }
 
 } // namespace gltf
@@ -61,14 +82,16 @@ static vxs_result load(loader &l, const char *which)
 /* No exception leaves the loader. */
 template <typename function> static vxs_result guarded(scene *s, const char *path, message *m, function &&work)
 {
-    vxs_result r;
+    vxs_result r = VXS_OK;
     memset(s, 0, sizeof *s);
     try {
         gltf::loader l = {};
         l.m            = m;
         l.path         = path;
         l.s            = s;
-        r              = work(l);
+        work(l);
+    } catch (const gltf::failure &f) {
+        r = f.code;
     } catch (const std::bad_alloc &) {
         r = fail(m, VXS_E_MEMORY, "'%s': out of memory", path);
     } catch (const std::length_error &) {
@@ -86,16 +109,16 @@ extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const char *wh
 {
     return guarded(s, path, m, [which](gltf::loader &l) {
         l.files_beside = true;
-        vxs_result r   = gltf::read_scene_file(l, l.bytes);
-        return r == VXS_OK ? gltf::load(l, which) : r;
+        gltf::read_scene_file(l);
+        gltf::load(l, which);
     });
 }
 
 extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m)
 {
     return guarded(s, name, m, [bytes, size_bytes](gltf::loader &l) {
-        if (size_bytes >= gltf::FILE_BYTES_MAX) return l.error(VXS_E_UNSUPPORTED, "is 4 GiB or larger");
-        l.bytes.assign((const unsigned char *)bytes, (const unsigned char *)bytes + size_bytes);
-        return gltf::load(l, nullptr);
+        if (size_bytes >= gltf::FILE_BYTES_MAX) l.unsupported("", "is 4 GiB or larger");
+        l.file.assign((const unsigned char *)bytes, (const unsigned char *)bytes + size_bytes);
+        gltf::load(l, nullptr);
     });
 }

@@ -300,7 +300,7 @@ static int list_met(examination *x)
 static int examine_intersections(examination *x)
 {
     mesh_soup   soup   = {x->c->positions_ws, x->c->indices, x->c->triangle_count};
-    mesh_search search = {.wanted = matters, .found = keep_intersection, .user = x, .looks_max = LOOKS_MAX, .tests_max = TESTS_MAX};
+    mesh_search search = {.wanted = matters, .found = keep_intersection, .user = x, .overlaps_max = LOOKS_MAX, .tests_max = TESTS_MAX};
     if (mesh_find_intersections(&soup, &search) != VXS_OK || x->no_memory) return 0;
     x->h->gave_up = search.gave_up;
     return list_met(x);

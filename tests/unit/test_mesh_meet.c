@@ -250,7 +250,7 @@ static size_t count_pairs(const double *positions, const uint32_t *indices, size
         for (int i = 0; i < 39; i++) p[i] = mirrored ? -positions[i] : positions[i];
         pairs       found  = {.most = 0};
         mesh_soup   soup   = {p, indices, triangles};
-        mesh_search search = {.wanted = all, .found = keep, .user = &found, .looks_max = 1000, .tests_max = 1000};
+        mesh_search search = {.wanted = all, .found = keep, .user = &found, .overlaps_max = 1000, .tests_max = 1000};
         assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
         assert_int_equal(search.gave_up, 0);
         counts[mirrored] = found.count;
@@ -306,7 +306,7 @@ static void test_each_pair_once(void **state)
     for (uint32_t threads = 1; threads <= 8; threads += 7) {
         size_t      found  = 0;
         mesh_search search = {
-            .wanted = all, .found = count, .user = &found, .threads = threads, .looks_max = PAIRS, .tests_max = PAIRS};
+            .wanted = all, .found = count, .user = &found, .threads = threads, .overlaps_max = PAIRS, .tests_max = PAIRS};
         assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
         assert_int_equal(search.gave_up, 0);
         assert_int_equal(found, PAIRS);
@@ -323,7 +323,7 @@ static void test_limits(void **state)
     sample_sort(&b, CLOSED_OFF);
     mesh_soup   soup   = {b.c.positions_ws, b.c.indices, b.c.triangle_count};
     pairs       found  = {.most = 5};
-    mesh_search search = {.wanted = all, .found = keep, .user = &found, .looks_max = 10000, .tests_max = 10000};
+    mesh_search search = {.wanted = all, .found = keep, .user = &found, .overlaps_max = 10000, .tests_max = 10000};
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
     assert_int_equal(found.count, 5); /* asked to end there */
     assert_int_equal(search.gave_up, 0);
@@ -333,7 +333,7 @@ static void test_limits(void **state)
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
     assert_int_equal(search.gave_up, 1);
     search.tests_max = 10000;
-    search.looks_max = 10;
+    search.overlaps_max = 10;
     found            = (pairs){.most = 0};
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
     assert_int_equal(search.gave_up, 1);
