@@ -268,6 +268,13 @@ static int read_lookup(reader *r, bench_lookup *l, const json_t *lookup)
            (l->filter_px > 1 || read_spread(r, lookup, "ray_nanoseconds", &l->ray_nanoseconds));
 }
 
+static int require_resolution(reader *r, const json_t *options)
+{
+    const json_t *side = json_object_get(options, "resolution_px");
+    if (json_is_integer(side) && json_integer_value(side) >= 8 && json_integer_value(side) <= 1 << 24) return 1;
+    return fault(r, "\"resolution_px\" is no whole number from 8 to 2^24");
+}
+
 static int read_cell(reader *r, bench_cell *c, const json_t *cell)
 {
     const json_t *errors  = read_objects(r, cell, "errors", sizeof c->errors / sizeof *c->errors);
@@ -277,7 +284,7 @@ static int read_cell(reader *r, bench_cell *c, const json_t *cell)
     if (!errors || !lookups || !options || !read_text(r, cell, "scene", &c->scene) || !read_text(r, cell, "light", &c->light) ||
         !read_count(r, cell, "triangles", &c->triangles) || !read_count(r, cell, "solid_triangles", &c->solid_triangles) ||
         !read_count(r, cell, "lights", &c->lights) || !read_count(r, cell, "maps", &c->maps) ||
-        !read_bake(r, c, read_object(r, cell, "bake")) || !read_size(r, c, read_object(r, cell, "size")))
+        !require_resolution(r, options) || !read_bake(r, c, read_object(r, cell, "bake")) || !read_size(r, c, read_object(r, cell, "size")))
         return 0;
     json_array_foreach(errors, n, item) if (!read_error(r, &c->errors[n], item)) return 0;
     c->error_count = (uint32_t)json_array_size(errors);

@@ -5,9 +5,9 @@
 #include <stdarg.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/files/json_file.h"
 #include "baker/report/report.h"
 
 /* decisions ------------------------------------------------------------------------------------------------------------------- */

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
+#include "baker/files/json_file.h"
 #include "baker/report/plan_text.h"
 
 /* Of all maps. */
@@ -129,19 +129,25 @@ static json_t *levels_json(const light_report *l)
     return levels;
 }
 
+static const char *kind_text(const vxs_light *l)
+{
+    return l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional" : l->kind == VXS_LIGHT_KIND_SPOT ? "spot" : "point";
+}
+
 static json_t *light_json(const light_report *l)
 {
     double  texels = texels_of(l);
     json_t *o      = json_pack(
-             "{s:o, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
-             json_text(l->light.name), "resolution_px", (json_int_t)1 << l->light.levels, "texel_m", l->light.texel_metres, "voxel_m",
-             l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
-             (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
-             (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
-             (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
-             (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
-             (json_int_t)l->depth.peel_passes_max, "mask_tiles", (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs,
-             "inserted_nodes", (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
+             "{s:o, s:s, s:I, s:i, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
+             json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
+             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "voxel_m", l->light.voxel_metres, "direction",
+             l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles", (json_int_t)l->tiles,
+             "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered", (json_int_t)l->depth.blocks_rendered,
+             "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn", (json_int_t)l->depth.triangles_drawn,
+             "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
+             "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max, "mask_tiles",
+             (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
+             "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
     json_t *size =
         json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
                   (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
@@ -189,16 +195,19 @@ static json_t *plan_json(const bake_options *o, const bake_report *r)
                      "memory_bytes", (json_int_t)memory_bytes);
 }
 
-vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+json_t *report_json(const bake_options *o, const bake_report *r, const message *m)
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root =
-        json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
-                  json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
-                  r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", report_casters_json(r), "meshes",
-                  plan_meshes_json(o, r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
-                  report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
-                  "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
-    return json_write(path, root, m);
+    return json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
+                     "scene", json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o),
+                     "renderer", r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", report_casters_json(r), "meshes",
+                     plan_meshes_json(o, r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
+                     report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
+                     "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
+}
+
+vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+{
+    return json_write(path, report_json(o, r, m), m);
 }
