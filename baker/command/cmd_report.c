@@ -10,12 +10,11 @@
 
 static vxs_result add_file(json_t *files, const char *path, message *m)
 {
-    json_t      *bench;
-    bench_result check = {0};
-    vxs_result   r     = bench_json_read(&check, path, m);
-    if (r == VXS_OK && !check.cell_count) r = fail(m, VXS_E_READ, "%s: no cells: expected one at least", path);
-    bench_result_free(&check);
-    if (r == VXS_OK) r = json_read(&bench, path, m);
+    json_t    *bench;
+    vxs_result r = bench_json_read(&bench, path, m);
+    if (r == VXS_OK && !json_array_size(json_at(bench, "cells")))
+        r = fail(m, VXS_E_READ, "%s: no cells: expected one at least", path);
+    if (r != VXS_OK) json_decref(bench);
     if (r == VXS_OK) json_array_append_new(files, json_pack("{s:o, s:o}", "path", json_text(path), "bench", bench));
     return r;
 }
