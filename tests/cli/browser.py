@@ -4,6 +4,7 @@
 import base64
 import json
 import os
+import select
 import shutil
 import subprocess
 import tempfile
@@ -33,9 +34,11 @@ class Browser:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.call(f"{domain}.enable")
+        self.call("Page.setLifecycleEventsEnabled", enabled=True)
 
     def receive(self):
         while b"\0" not in self.pending:
+            assert select.select([self.back], [], [], 60)[0], "the browser says nothing for a minute"
             piece = os.read(self.back, 1 << 20)
             assert piece, "the browser is gone"
             self.pending += piece
@@ -53,18 +56,16 @@ class Browser:
         assert "error" not in answer, answer
         return answer["result"]
 
-    def wait_for(self, event):
-        while not any(e.get("method") == event for e in self.events):
-            self.events.append(self.receive())
-
     def show(self, path, width=1200, dark=False, media=""):
         """Load a file and run its scripts."""
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
         self.call("Emulation.setEmulatedMedia", media=media,
                   features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
         self.events = []
-        self.call("Page.navigate", url=f"file://{path}")
-        self.wait_for("Page.loadEventFired")
+        loader = self.call("Page.navigate", url=path.as_uri())["loaderId"]
+        loaded = lambda e: e.get("method") == "Page.lifecycleEvent" and (e["params"]["loaderId"], e["params"]["name"]) == (loader, "load")
+        while not any(map(loaded, self.events)):
+            self.events.append(self.receive())
 
     @property
     def requests(self):
