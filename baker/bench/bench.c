@@ -14,7 +14,6 @@
 #include "baker/bench/bench_jobs.h"
 #include "baker/bench/bench_text.h"
 #include "baker/bench/child.h"
-#include "baker/bench/work_folder.h"
 #include "baker/files/json_file.h"
 #include "baker/measure/clock.h"
 #include "baker/measure/machine.h"
@@ -25,8 +24,8 @@ typedef struct bench_work {
     bench_job           *jobs; /* [job_count] */
     size_t               job_count;
     interrupts           signals;
-    char                *folder, *asset, *report, *errors; /* files in it: what a child writes, and its standard error */
-    double               since;                            /* when the first run began */
+    work_folder          files;
+    double               since; /* when the first run began */
     int                  outputs_differ;
 } bench_work;
 
@@ -59,12 +58,12 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
 {
     child_end  end;
     char       name[256], text[512];
-    vxs_result r = child_run(&w->signals, arguments, w->errors, &end, m);
+    vxs_result r = child_run(&w->signals, arguments, w->files.errors, &end, m);
     if (r != VXS_OK) return r;
     *seconds = end.seconds;
     if (!end.exit_status || end.exit_status == accepted) return VXS_OK;
 
-    read_error(w->errors, text);
+    read_error(w->files.errors, text);
     if (!text[0] && end.exit_status < 0)
         snprintf(text, sizeof text, "ended by signal %d, %s", -end.exit_status, strsignal(-end.exit_status));
     if (!text[0]) snprintf(text, sizeof text, "exit status %d", end.exit_status);
@@ -76,21 +75,9 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
 
 static vxs_result bake_once(bench_work *w, bench_job *job, message *m)
 {
-    static const char *const begin[] = {"vxs", "bake", "--baseline", "off", "--json", NULL, "-o", NULL};
-    enum { BEGIN = sizeof begin / sizeof *begin, JSON = 5, OUTPUT = 7 };
-    size_t count = 0;
-    while (job->arguments[count]) count++;
-    const char **arguments = malloc((BEGIN + count + 1) * sizeof *arguments);
-    if (!arguments) return fail(m, VXS_E_MEMORY, "out of memory for arguments");
-    memcpy(arguments, begin, sizeof begin);
-    memcpy(arguments + BEGIN, job->arguments, (count + 1) * sizeof *arguments);
-    arguments[JSON]   = w->report;
-    arguments[OUTPUT] = w->asset;
-
-    vxs_result r = run_child(w, job, arguments, 0, &job->seconds, m);
-    free(arguments);
+    vxs_result r = run_child(w, job, job->arguments, 0, &job->seconds, m);
     if (r != VXS_OK) return r;
-    return bench_cell_add_bake(job->cell, json_object_get(w->result, "machine"), w->report, job->seconds, m);
+    return bench_cell_add_bake(job->cell, json_object_get(w->result, "machine"), w->files.report, job->seconds, m);
 }
 
 static vxs_result hash_file(const char *path, XXH128_hash_t *hash, message *m)
@@ -119,7 +106,7 @@ static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run
 {
     XXH128_hash_t hash;
     char          name[256];
-    vxs_result    r = hash_file(w->asset, &hash, m);
+    vxs_result    r = hash_file(w->files.asset, &hash, m);
     if (r != VXS_OK) return r;
     if (!run) job->asset_hash = hash;
     if (XXH128_isEqual(hash, job->asset_hash)) return VXS_OK;
@@ -132,7 +119,7 @@ static vxs_result compare_once(bench_work *w, bench_job *job, message *m)
 {
     const bench_options *o = w->o;
     char                 points[16], filters[BENCH_FILTERS_MAX][16];
-    const char          *arguments[2 * BENCH_FILTERS_MAX + 16] = {"vxs", "compare", "--json", w->report, "--points", points};
+    const char          *arguments[2 * BENCH_FILTERS_MAX + 16] = {"vxs", "compare", "--json", w->files.report, "--points", points};
     size_t               count                                 = 6;
     enum { FOUND_UNEXPLAINED = 1 };
     snprintf(points, sizeof points, "%u", o->points);
@@ -145,12 +132,12 @@ static vxs_result compare_once(bench_work *w, bench_job *job, message *m)
     if (o->scene_name) arguments[count++] = o->scene_name;
     arguments[count++] = "--";
     arguments[count++] = job->scene_path;
-    arguments[count++] = w->asset;
+    arguments[count++] = w->files.asset;
 
     double     seconds = 0;
     vxs_result r       = run_child(w, job, arguments, FOUND_UNEXPLAINED, &seconds, m);
     job->seconds += seconds;
-    return r == VXS_OK ? bench_cell_add_compare(job->cell, w->report, m) : r;
+    return r == VXS_OK ? bench_cell_add_compare(job->cell, w->files.report, m) : r;
 }
 
 static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message *m)
@@ -224,32 +211,17 @@ static json_t *describe(const bench_options *o)
     return result;
 }
 
-static vxs_result run_in_folder(bench_work *w, message *m)
-{
-    vxs_result r = work_folder_make(&w->folder, m);
-    if (r == VXS_OK) {
-        w->asset  = work_folder_file(w->folder, "asset.vxs");
-        w->report = work_folder_file(w->folder, "report.json");
-        w->errors = work_folder_file(w->folder, "errors.txt");
-        r         = w->asset && w->report && w->errors ? run_rounds(w, m) : fail(m, VXS_E_MEMORY, "out of memory");
-    }
-    work_folder_remove(w->folder);
-    free(w->asset);
-    free(w->report);
-    free(w->errors);
-    return r;
-}
-
 vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, message *m)
 {
     bench_work w = {.o = o, .result = describe(o)};
     vxs_result r = w.result ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
-    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, m);
-    if (r == VXS_OK) {
-        interrupts_hold(&w.signals);
-        r = run_in_folder(&w, m);
-        interrupts_release(&w.signals);
-    }
+    interrupts_hold(&w.signals);
+    if (r == VXS_OK) r = work_folder_make(&w.files, m);
+    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, &w.files, m);
+    if (r == VXS_OK) r = run_rounds(&w, m);
+    work_folder_remove(&w.files);
+    interrupts_release(&w.signals);
+
     for (size_t n = 0; n < w.job_count && r == VXS_OK; n++) bench_cell_finish(w.jobs[n].cell);
     bench_jobs_free(w.jobs, w.job_count);
     *outputs_differ = w.outputs_differ;

@@ -3,7 +3,6 @@
 #include "baker/bench/bench_jobs.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "baker/bench/bench_cell.h"
 #include "baker/files/json_file.h"
@@ -23,39 +22,37 @@ static size_t count_cells(const bench_options *o)
     return count <= BENCH_CELLS_MAX ? count : BENCH_CELLS_MAX + 1;
 }
 
-/* The arguments of cell `index`: what all have, its values, its scene. NULL without memory. */
-static const char **arguments_of(const bench_options *o, size_t index)
+static size_t append_pair(const char **arguments, size_t count, const char *name, const char *value)
 {
-    const char **arguments = malloc((2 * (o->light_names.count + 3 + BENCH_SWEEPS) + 3) * sizeof *arguments);
-    if (!arguments) return NULL;
-    const char *value[BENCH_SWEEPS] = {0};
+    if (!value) return count;
+    arguments[count]     = name;
+    arguments[count + 1] = value;
+    return count + 2;
+}
+
+/* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
+static const char **arguments_of(const bench_options *o, const work_folder *f, size_t index)
+{
+    const char **all = calloc(2 * (o->light_names.count + BENCH_SWEEPS + 6) + 4, sizeof *all), *value[BENCH_SWEEPS] = {0};
+    size_t       count = 0;
+    if (!all) return NULL;
     for (int n = BENCH_SWEEPS; n-- > 0;) { /* the last varies fastest */
         const text_list *values = &o->sweep_value[n];
         if (!values->count) continue;
         value[n] = values->items[index % values->count];
         index /= values->count;
     }
-
-    size_t count = 0;
-    for (size_t n = 0; n < o->light_names.count; n++) {
-        arguments[count++] = "--light";
-        arguments[count++] = o->light_names.items[n];
-    }
-    const char *const passed[] = {"--sun", o->sun, "--region", o->region, "--scene", o->scene_name};
-    for (size_t n = 0; n < sizeof passed / sizeof *passed; n += 2) {
-        if (!passed[n + 1]) continue;
-        arguments[count++] = passed[n];
-        arguments[count++] = passed[n + 1];
-    }
-    for (int n = 0; n < BENCH_SWEEPS; n++) {
-        if (!value[n]) continue;
-        arguments[count++] = o->sweep_name[n];
-        arguments[count++] = value[n];
-    }
-    arguments[count++] = "--";
-    arguments[count++] = o->scenes[index];
-    arguments[count]   = NULL;
-    return arguments;
+    count = append_pair(all, count, "vxs", "bake");
+    count = append_pair(all, count, "--baseline", "off");
+    count = append_pair(all, count, "--json", f->report);
+    count = append_pair(all, count, "-o", f->asset);
+    for (size_t n = 0; n < o->light_names.count; n++) count = append_pair(all, count, "--light", o->light_names.items[n]);
+    count = append_pair(all, count, "--sun", o->sun);
+    count = append_pair(all, count, "--region", o->region);
+    count = append_pair(all, count, "--scene", o->scene_name);
+    for (int n = 0; n < BENCH_SWEEPS; n++) count = append_pair(all, count, o->sweep_name[n], value[n]);
+    append_pair(all, count, "--", o->scenes[index]);
+    return all;
 }
 
 /* As a file will have it: numbers in nine digits, so that what is measured equals what was. NULL without memory. */
@@ -85,16 +82,13 @@ static json_t *options_json(const bake_options *o)
     return as_written(object);
 }
 
-/* Read the arguments as bake would: its checks, its defaults. */
+/* Read the arguments as the bake will: its checks, its defaults. */
 static vxs_result read_arguments(bench_job *job, json_t *cells, message *m)
 {
-    char          *argv[2 * (VXS_LIGHTS_MAX + BENCH_SWEEPS) + 16] = {"bake", "-o", "asset"};
-    int            argc                                           = 3;
     bake_arguments a;
-    for (size_t n = 0; job->arguments[n]; n++) {
-        if (argc == sizeof argv / sizeof *argv) return fail(m, VXS_E_ARGUMENT, "--light: expected at most %u", VXS_LIGHTS_MAX);
-        argv[argc++] = (char *)job->arguments[n];
-    }
+    char         **argv = (char **)(size_t)(job->arguments + 1); /* that of a command begins with its own name */
+    int            argc = 0;
+    while (argv[argc]) argc++;
     vxs_result r = bake_arguments_parse(&a, "bake", "SCENE -o OUT.vxs [options]", "", 1, argc, argv, m);
     if (r == VXS_OK) {
         job->cell   = bench_cell_new(job->scene_path, options_json(&a.o));
@@ -124,7 +118,7 @@ static vxs_result require_different(const json_t *cells, message *m)
     return VXS_OK;
 }
 
-vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, message *m)
+vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const work_folder *f, message *m)
 {
     size_t     all = count_cells(o);
     vxs_result r   = VXS_OK;
@@ -132,12 +126,13 @@ vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const
     *jobs          = NULL;
     if (all > BENCH_CELLS_MAX)
         return fail(m, VXS_E_ARGUMENT, "too many combinations of scenes and options: expected at most %d", BENCH_CELLS_MAX);
+    if (o->light_names.count > VXS_LIGHTS_MAX) return fail(m, VXS_E_ARGUMENT, "--light: expected at most %u", VXS_LIGHTS_MAX);
     *jobs = calloc(all, sizeof **jobs);
     if (!*jobs) return no_memory(m);
     for (; *count < all && r == VXS_OK; ++*count) {
         bench_job *job  = &(*jobs)[*count];
         job->scene_path = o->scenes[*count / (all / o->scene_count)];
-        job->arguments  = arguments_of(o, *count);
+        job->arguments  = arguments_of(o, f, *count);
         r               = job->arguments ? read_arguments(job, cells, m) : no_memory(m);
     }
     return r == VXS_OK ? require_different(cells, m) : r;
