@@ -20,6 +20,7 @@
 config     ?= release
 prefix     ?= /usr/local
 BENCH_JSON ?= build/bench.json
+CHART_JS   ?= /usr/share/javascript/chart.js/chart.min.js
 PKG_CONFIG ?= pkg-config
 B          := build/$(config)
 Q          := $(if $(V),,@)
@@ -28,8 +29,8 @@ Q          := $(if $(V),,@)
 
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
-                  libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev
-packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox
+                  libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libjs-chart.js
+packages.test  := python3 python3-pytest python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox chromium
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
 
@@ -60,6 +61,9 @@ format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)
 baker.o   := $(baker.c:%=$B/%.o) $(patsubst %,$B/%.o,$(wildcard baker/*/*.cc)) $(format.c:%=$B/%.o)
+# files that go into the command as they are: page.c names their bytes by their own names
+embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js)) $B/baker/report/chart.min.js.o
+baker.o   += $(embedded)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
@@ -110,6 +114,13 @@ $B/%.c.o: %.c
 $B/%.cc.o: %.cc
 	@echo "  c++  $<"
 	$Q mkdir -p $(@D) && $(CXX) $(cxxflags) $(CPPFLAGS) $(CXXFLAGS) -c $< -o $@
+
+$(filter-out %/chart.min.js.o,$(embedded)): $B/%.o: %
+$B/baker/report/chart.min.js.o: $(CHART_JS)
+$(embedded):
+	@echo "  data $<"
+	$Q mkdir -p $(@D) && cd $(<D) && $(LD) -r -b binary -z noexecstack -o $(abspath $@) $(<F)
+$(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 

@@ -3,9 +3,10 @@
 #ifndef BENCH_AGAINST_H
 #define BENCH_AGAINST_H
 
+#include <jansson.h>
 #include <stdio.h>
 
-#include "baker/bench/bench.h"
+#include "baker/base/message.h"
 
 /* Print what differs: first of versions and machines, then of the cells that both have. A time moved when each median lies outside
  * of the other's spread; by chance alone that is so of one in twenty, with five runs each. Sizes and errors moved when they differ
@@ -14,7 +15,7 @@
  * max_slower   ratio of times
  * too_slow     [out] how many baking or lookup times moved to more than max_slower times what they were
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result bench_against(FILE *to, const bench_result *now, const bench_result *before, const char *before_path, double max_slower,
+vxs_result bench_against(FILE *to, const json_t *now, const json_t *before, const char *before_path, double max_slower,
                          size_t *too_slow, message *m);
 
 #endif

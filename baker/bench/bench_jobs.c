@@ -3,8 +3,8 @@
 #include "baker/bench/bench_jobs.h"
 
 #include <stdlib.h>
-#include <string.h>
 
+#include "baker/bench/bench_cell.h"
 #include "baker/files/json_file.h"
 #include "baker/options/bake_arguments.h"
 
@@ -22,39 +22,47 @@ static size_t count_cells(const bench_options *o)
     return count <= BENCH_CELLS_MAX ? count : BENCH_CELLS_MAX + 1;
 }
 
-/* The arguments of cell `index`: what all have, its values, its scene. NULL without memory. */
-static const char **arguments_of(const bench_options *o, size_t index)
+static size_t append_pair(const char **arguments, size_t count, const char *name, const char *value)
 {
-    const char **arguments = malloc((2 * (o->light_names.count + 3 + BENCH_SWEEPS) + 3) * sizeof *arguments);
-    if (!arguments) return NULL;
-    const char *value[BENCH_SWEEPS] = {0};
+    if (!value) return count;
+    arguments[count]     = name;
+    arguments[count + 1] = value;
+    return count + 2;
+}
+
+/* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
+static const char **arguments_of(const bench_options *o, const work_folder *f, size_t index)
+{
+    const char **all = calloc(2 * (o->light_names.count + BENCH_SWEEPS + 6) + 4, sizeof *all), *value[BENCH_SWEEPS] = {0};
+    size_t       count = 0;
+    if (!all) return NULL;
     for (int n = BENCH_SWEEPS; n-- > 0;) { /* the last varies fastest */
         const text_list *values = &o->sweep_value[n];
         if (!values->count) continue;
         value[n] = values->items[index % values->count];
         index /= values->count;
     }
+    count = append_pair(all, count, "vxs", "bake");
+    count = append_pair(all, count, "--baseline", "off");
+    count = append_pair(all, count, "--json", f->report);
+    count = append_pair(all, count, "-o", f->asset);
+    for (size_t n = 0; n < o->light_names.count; n++) count = append_pair(all, count, "--light", o->light_names.items[n]);
+    count = append_pair(all, count, "--sun", o->sun);
+    count = append_pair(all, count, "--region", o->region);
+    count = append_pair(all, count, "--scene", o->scene_name);
+    for (int n = 0; n < BENCH_SWEEPS; n++) count = append_pair(all, count, o->sweep_name[n], value[n]);
+    append_pair(all, count, "--", o->scenes[index]);
+    return all;
+}
 
-    size_t count = 0;
-    for (size_t n = 0; n < o->light_names.count; n++) {
-        arguments[count++] = "--light";
-        arguments[count++] = o->light_names.items[n];
-    }
-    const char *const passed[] = {"--sun", o->sun, "--region", o->region, "--scene", o->scene_name};
-    for (size_t n = 0; n < sizeof passed / sizeof *passed; n += 2) {
-        if (!passed[n + 1]) continue;
-        arguments[count++] = passed[n];
-        arguments[count++] = passed[n + 1];
-    }
-    for (int n = 0; n < BENCH_SWEEPS; n++) {
-        if (!value[n]) continue;
-        arguments[count++] = o->sweep_name[n];
-        arguments[count++] = value[n];
-    }
-    arguments[count++] = "--";
-    arguments[count++] = o->scenes[index];
-    arguments[count]   = NULL;
-    return arguments;
+/* As a file will have it: numbers in nine digits, so that what is measured equals what was. NULL without memory. */
+static json_t *as_written(json_t *value)
+{
+    char   *text    = json_print(value, JSON_REAL_PRECISION(9));
+    json_t *written = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+    json_decref(value);
+    return written;
 }
 
 /* What makes a difference: bake's own words, and what the measurement was told to bake. Without what is the same in every bench. */
@@ -71,96 +79,67 @@ static json_t *options_json(const bake_options *o)
         for (size_t n = 0; n < o->light_names.count; n++) json_array_append_new(names, json_text(o->light_names.items[n]));
         json_object_set_new(object, "light", names);
     }
-    return object;
+    return as_written(object);
 }
 
-static char *base_name(const char *path)
+/* Read the arguments as the bake will: its checks, its defaults. */
+static vxs_result read_arguments(bench_job *job, json_t *cells, message *m)
 {
-    const char *slash = strrchr(path, '/');
-    json_t     *text  = json_text(slash ? slash + 1 : path);
-    char       *name  = text ? strdup(json_string_value(text)) : NULL;
-    json_decref(text);
-    return name;
-}
-
-char *bench_key(const char *scene_name, const json_t *options)
-{
-    json_t *key  = json_pack("[s,O]", scene_name, options);
-    char   *text = key ? json_print(key, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(key);
-    return text;
-}
-
-/* Read the arguments as bake would: its checks, its defaults. */
-static vxs_result read_arguments(bench_job *job, message *m)
-{
-    char          *argv[2 * (VXS_LIGHTS_MAX + BENCH_SWEEPS) + 16] = {"bake", "-o", "asset"};
-    int            argc                                           = 3;
     bake_arguments a;
-    for (size_t n = 0; job->arguments[n]; n++) {
-        if (argc == sizeof argv / sizeof *argv) return fail(m, VXS_E_ARGUMENT, "--light: expected at most %u", VXS_LIGHTS_MAX);
-        argv[argc++] = (char *)job->arguments[n];
-    }
+    char         **argv = (char **)(size_t)(job->arguments + 1); /* that of a command begins with its own name */
+    int            argc = 0;
+    while (argv[argc]) argc++;
     vxs_result r = bake_arguments_parse(&a, "bake", "SCENE -o OUT.vxs [options]", "", 1, argc, argv, m);
     if (r == VXS_OK) {
-        bench_cell *cell = job->cell;
-        cell->scene      = base_name(job->scene_path);
-        cell->options    = options_json(&a.o);
-        cell->key        = cell->scene ? bench_key(cell->scene, cell->options) : NULL;
+        job->cell   = bench_cell_new(job->scene_path, options_json(&a.o));
         job->weight = 1e6 + (double)a.o.resolution * a.o.resolution; /* a bake takes as long as a million texels before it begins */
-        if (!cell->key) r = no_memory(m);
+        if (json_array_append_new(cells, job->cell)) r = no_memory(m);
     }
     bake_arguments_free(&a);
     return r;
 }
 
-static int compare_keys(const void *a, const void *b)
+static vxs_result require_different(const json_t *cells, message *m)
 {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static vxs_result require_different(const bench_result *result, message *m)
-{
-    const char **keys = malloc(result->cell_count * sizeof *keys);
-    vxs_result   r    = keys ? VXS_OK : no_memory(m);
-    for (size_t n = 0; keys && n < result->cell_count; n++) keys[n] = result->cells[n].key;
-    if (keys) qsort(keys, result->cell_count, sizeof *keys, compare_keys);
-    for (size_t n = 1; keys && n < result->cell_count && r == VXS_OK; n++)
-        if (!strcmp(keys[n - 1], keys[n]))
-            r = fail(m, VXS_E_ARGUMENT, "asked for twice: %s: expected scenes of different names and different values of options",
-                     keys[n]);
-    free(keys);
-    return r;
-}
-
-vxs_result bench_jobs_make(bench_job **jobs, bench_result *result, const bench_options *o, message *m)
-{
-    size_t     count = count_cells(o);
-    vxs_result r     = VXS_OK;
-    *jobs            = NULL;
-    if (count > BENCH_CELLS_MAX)
-        return fail(m, VXS_E_ARGUMENT, "too many combinations of scenes and options: expected at most %d", BENCH_CELLS_MAX);
-    result->cells = calloc(count, sizeof *result->cells);
-    *jobs         = calloc(count, sizeof **jobs);
-    if (!result->cells || !*jobs) return no_memory(m);
-
-    result->cell_count = count;
-    for (size_t n = 0; n < count && r == VXS_OK; n++) {
-        bench_job *job  = &(*jobs)[n];
-        job->scene_path = o->scenes[n / (count / o->scene_count)];
-        job->cell       = &result->cells[n];
-        job->arguments  = arguments_of(o, n);
-        job->samples    = calloc((size_t)ROW_COUNT * o->runs, sizeof *job->samples);
-        r               = job->arguments && job->samples ? read_arguments(job, m) : no_memory(m);
+    json_t *cell;
+    size_t  n;
+    json_array_foreach(cells, n, cell) for (size_t i = 0; i < n; i++)
+    {
+        if (!bench_cells_equal(json_array_get(cells, i), cell)) continue;
+        json_t    *key  = json_pack("[O, O]", json_object_get(cell, "scene"), json_object_get(cell, "options"));
+        char      *text = json_print(key, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9));
+        vxs_result r    = text ? fail(m, VXS_E_ARGUMENT,
+                                      "asked for twice: %s: expected scenes of different names and different values of options", text)
+                               : no_memory(m);
+        free(text);
+        json_decref(key);
+        return r;
     }
-    return r == VXS_OK ? require_different(result, m) : r;
+    return VXS_OK;
+}
+
+vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const work_folder *f, message *m)
+{
+    size_t     all = count_cells(o);
+    vxs_result r   = VXS_OK;
+    *count         = 0;
+    *jobs          = NULL;
+    if (all > BENCH_CELLS_MAX)
+        return fail(m, VXS_E_ARGUMENT, "too many combinations of scenes and options: expected at most %d", BENCH_CELLS_MAX);
+    if (o->light_names.count > VXS_LIGHTS_MAX) return fail(m, VXS_E_ARGUMENT, "--light: expected at most %u", VXS_LIGHTS_MAX);
+    *jobs = calloc(all, sizeof **jobs);
+    if (!*jobs) return no_memory(m);
+    for (; *count < all && r == VXS_OK; ++*count) {
+        bench_job *job  = &(*jobs)[*count];
+        job->scene_path = o->scenes[*count / (all / o->scene_count)];
+        job->arguments  = arguments_of(o, f, *count);
+        r               = job->arguments ? read_arguments(job, cells, m) : no_memory(m);
+    }
+    return r == VXS_OK ? require_different(cells, m) : r;
 }
 
 void bench_jobs_free(bench_job *jobs, size_t count)
 {
-    for (size_t n = 0; jobs && n < count; n++) {
-        free(jobs[n].arguments);
-        free(jobs[n].samples);
-    }
+    for (size_t n = 0; n < count; n++) free(jobs[n].arguments);
     free(jobs);
 }

@@ -10,31 +10,42 @@
 #include <string.h>
 #include <unistd.h>
 
-vxs_result work_folder_make(char **path, message *m)
+static char *path_in(const char *folder, const char *name)
+{
+    char *path;
+    return asprintf(&path, "%s/%s", folder, name) < 0 ? NULL : path;
+}
+
+vxs_result work_folder_make(work_folder *f, message *m)
 {
     const char *parent = getenv("TMPDIR");
     if (!parent || !parent[0]) parent = "/tmp";
-    *path = work_folder_file(parent, "vxs-bench-XXXXXX");
-    if (!*path) return fail(m, VXS_E_MEMORY, "out of memory");
-    if (mkdtemp(*path)) return VXS_OK;
-    free(*path);
-    *path = NULL;
-    return fail(m, VXS_E_WRITE, "cannot make a folder for temporary files in %s: %s", parent, strerror(errno));
+    *f         = (work_folder){.folder = path_in(parent, "vxs-bench-XXXXXX")};
+    int failed = f->folder && !mkdtemp(f->folder) ? errno : 0;
+    if (failed) {
+        free(f->folder);
+        f->folder = NULL;
+        return fail(m, VXS_E_WRITE, "cannot make a folder for temporary files in %s: %s", parent, strerror(failed));
+    }
+    if (f->folder) {
+        f->asset  = path_in(f->folder, "asset.vxs");
+        f->report = path_in(f->folder, "report.json");
+        f->errors = path_in(f->folder, "errors.txt");
+    }
+    return f->asset && f->report && f->errors ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
 }
 
-char *work_folder_file(const char *path, const char *name)
+void work_folder_remove(work_folder *f)
 {
-    char *file;
-    return asprintf(&file, "%s/%s", path, name) < 0 ? NULL : file;
-}
-
-void work_folder_remove(char *path)
-{
-    DIR *folder = path ? opendir(path) : NULL;
+    DIR *folder = f->folder ? opendir(f->folder) : NULL;
     if (folder) {
         for (struct dirent *entry; (entry = readdir(folder));) unlinkat(dirfd(folder), entry->d_name, 0);
         closedir(folder);
-        rmdir(path);
+        rmdir(f->folder);
     }
-    free(path);
+    free(f->folder);
+    free(f->asset);
+    free(f->report);
+    free(f->errors);
+    *f = (work_folder){0};
 }

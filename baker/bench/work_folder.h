@@ -5,15 +5,18 @@
 
 #include "baker/base/message.h"
 
+/* Paths; owned. */
+typedef struct work_folder {
+    char *folder;
+    char *asset, *report, *errors; /* what a child writes, and its standard error */
+} work_folder;
+
 /* A new folder in $TMPDIR, or /tmp where that is not set.
- * path  [out] NULL on failure; ends with work_folder_remove
+ * f  [out] ends with work_folder_remove, whatever is returned
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
-vxs_result work_folder_make(char **path, message *m);
+vxs_result work_folder_make(work_folder *f, message *m);
 
-/* "FOLDER/NAME", or NULL without memory; released with free(). */
-char *work_folder_file(const char *path, const char *name);
-
-/* Take the folder away with all files in it (there are no folders in it), and release the path. NULL: nothing. */
-void work_folder_remove(char *path);
+/* Take the folder away with all files in it (there are no folders in it). Accepts a zeroed object. */
+void work_folder_remove(work_folder *f);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "baker/files/output_file.h"
 #include "baker/options/bake_arguments.h"
-#include "baker/page/bake_page.h"
+#include "baker/report/bake_page.h"
 #include "baker/report/report.h"
 
 static vxs_result run(bake_arguments *a, bake_report *report, message *m)

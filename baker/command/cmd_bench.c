@@ -6,10 +6,11 @@
 #include <unistd.h>
 
 #include "baker/bake/bake.h"
-#include "baker/files/output_file.h"
+#include "baker/bench/bench.h"
 #include "baker/bench/bench_against.h"
-#include "baker/bench/bench_json.h"
 #include "baker/bench/bench_text.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
 #include "baker/options/filter_choice.h"
 #include "formats/vxs_format.h"
 
@@ -23,9 +24,9 @@ typedef struct bench_command {
     double        max_slower;
     int           max_slower_given;
 
-    bench_result now, before;
-    int          outputs_differ;
-    size_t       too_slow;
+    json_t *now, *before;
+    int     outputs_differ;
+    size_t  too_slow;
 } bench_command;
 
 /* What can be found wrong before the work. */
@@ -45,12 +46,12 @@ static vxs_result run(bench_command *c, message *m)
     vxs_result r  = check(c, m);
     c->o.progress = isatty(STDERR_FILENO);
     if (r == VXS_OK) r = bench_run(&c->o, &c->now, &c->outputs_differ, m);
-    if (r == VXS_OK) r = bench_json_write(c->output_path, &c->now, m);
+    if (r == VXS_OK) r = json_write(c->output_path, json_incref(c->now), m);
     if (r != VXS_OK) return r;
 
     if (!strcmp(c->output_path, "-")) to = stderr; /* JSON stays alone there */
-    r = bench_print(to, &c->now, m);
-    if (r == VXS_OK && c->against_path) r = bench_against(to, &c->now, &c->before, c->against_path, c->max_slower, &c->too_slow, m);
+    r = bench_print(to, c->now, m);
+    if (r == VXS_OK && c->against_path) r = bench_against(to, c->now, c->before, c->against_path, c->max_slower, &c->too_slow, m);
     if (r == VXS_OK && c->too_slow)
         fprintf(to, "%zu of these times are more than %g times what they were; FAILED\n", c->too_slow, c->max_slower);
     return r;
@@ -85,7 +86,7 @@ int cmd_bench(int argc, char **argv)
           NULL},
          {"--scene", OPTION_TEXT, &c.o.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)",
           NULL},
-         {"--runs", OPTION_U32, &c.o.runs, 1, 1000, NULL, "N", "how often everything is measured (default 5)", NULL},
+         {"--runs", OPTION_U32, &c.o.runs, 1, BENCH_RUNS_MAX, NULL, "N", "how often everything is measured (default 5)", NULL},
          {"--points", OPTION_U32, &c.o.points, 0, 1e9, NULL, "N",
           "points of each kind that errors are measured at (default 100000); 0: neither errors nor lookups", NULL},
          {"--against", OPTION_TEXT, &c.against_path, 0, 0, NULL, "OLD.json", "say what moved since these measurements", NULL},
@@ -108,8 +109,8 @@ int cmd_bench(int argc, char **argv)
     for (c.o.scenes = scenes; scenes && scenes[c.o.scene_count];) c.o.scene_count++;
     if (r == VXS_OK && !help_shown) r = run(&c, &m);
 
-    bench_result_free(&c.now);
-    bench_result_free(&c.before);
+    json_decref(c.now);
+    json_decref(c.before);
     for (int n = 0; n < BENCH_SWEEPS; n++) free(c.o.sweep_value[n].items);
     free(c.o.light_names.items);
     free(scenes);

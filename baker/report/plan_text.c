@@ -8,7 +8,7 @@
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
-#include "baker/report/report.h"
+#include "baker/report/report_parts.h"
 
 /* decisions ------------------------------------------------------------------------------------------------------------------- */
 

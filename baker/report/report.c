@@ -9,6 +9,7 @@
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
 #include "baker/report/plan_text.h"
+#include "baker/report/report_parts.h"
 
 /* Of all maps. */
 static double texels_of(const light_report *l)
@@ -22,20 +23,6 @@ static double depth16_bytes(const light_report *l)
 }
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
-
-void report_print_casters(FILE *to, const bake_report *r)
-{
-    const casters *c = &r->casters;
-    fprintf(to, "casters      %zu triangles, %zu solids with %zu triangles\n", c->triangle_count,
-            c->component_count[COMPONENT_SOLID], c->solid_triangle_count);
-    for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
-        if (c->component_count[kind])
-            fprintf(to, "             %zu sheets with %zu triangles: %s\n", c->component_count[kind], c->triangles_of_kind[kind],
-                    component_kind_name((component_kind)kind));
-    if (c->collapsed_count) fprintf(to, "             %zu triangles left out: two corners in one place\n", c->collapsed_count);
-    fprintf(to, "             %.6g x %.6g x %.6g m\n", r->casters_max_ws[0] - r->casters_min_ws[0],
-            r->casters_max_ws[1] - r->casters_min_ws[1], r->casters_max_ws[2] - r->casters_min_ws[2]);
-}
 
 static void print_light(FILE *to, const light_report *l)
 {
@@ -101,21 +88,6 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
-json_t *report_casters_json(const bake_report *r)
-{
-    const casters *c      = &r->casters;
-    json_t        *sheets = json_object();
-    for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
-        json_object_set_new(sheets, component_kind_name((component_kind)kind),
-                            json_pack("{s:I, s:I}", "components", (json_int_t)c->component_count[kind], "triangles",
-                                      (json_int_t)c->triangles_of_kind[kind]));
-    return json_pack("{s:I, s:I, s:{s:I, s:I}, s:o, s:[f,f,f], s:[f,f,f]}", "triangles", (json_int_t)c->triangle_count,
-                     "collapsed_triangles", (json_int_t)c->collapsed_count, "solids", "components",
-                     (json_int_t)c->component_count[COMPONENT_SOLID], "triangles", (json_int_t)c->solid_triangle_count, "sheets",
-                     sheets, "min_m", r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m",
-                     r->casters_max_ws[0], r->casters_max_ws[1], r->casters_max_ws[2]);
-}
-
 static json_t *levels_json(const light_report *l)
 {
     json_t *levels = json_array();
@@ -129,19 +101,25 @@ static json_t *levels_json(const light_report *l)
     return levels;
 }
 
+static const char *kind_text(const vxs_light *l)
+{
+    return l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional" : l->kind == VXS_LIGHT_KIND_SPOT ? "spot" : "point";
+}
+
 static json_t *light_json(const light_report *l)
 {
     double  texels = texels_of(l);
     json_t *o      = json_pack(
-             "{s:o, s:I, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
-             json_text(l->light.name), "resolution_px", (json_int_t)1 << l->light.levels, "texel_m", l->light.texel_metres, "voxel_m",
-             l->light.voxel_metres, "direction", l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles",
-             (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered",
-             (json_int_t)l->depth.blocks_rendered, "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn",
-             (json_int_t)l->depth.triangles_drawn, "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled",
-             (json_int_t)l->depth.blocks_not_peeled, "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max",
-             (json_int_t)l->depth.peel_passes_max, "mask_tiles", (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs,
-             "inserted_nodes", (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
+             "{s:o, s:s, s:I, s:i, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
+             json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
+             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "voxel_m", l->light.voxel_metres, "direction",
+             l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles", (json_int_t)l->tiles,
+             "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered", (json_int_t)l->depth.blocks_rendered,
+             "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn", (json_int_t)l->depth.triangles_drawn,
+             "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
+             "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max, "mask_tiles",
+             (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
+             "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
     json_t *size =
         json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
                   (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
@@ -163,21 +141,6 @@ static json_t *stages_json(const bake_report *r)
     return stages;
 }
 
-json_t *report_left_out_json(const bake_report *r)
-{
-    json_t *lights = json_array();
-    for (size_t n = 0; n < r->left_out_count; n++)
-        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
-    return lights;
-}
-
-json_t *report_warnings_json(const message *m)
-{
-    json_t *warnings = json_array();
-    for (size_t n = 0; n < m->warning_count; n++) json_array_append_new(warnings, json_text(m->warnings[n]));
-    return warnings;
-}
-
 /* What was planned, and what came of it. */
 static json_t *plan_json(const bake_options *o, const bake_report *r)
 {
@@ -189,15 +152,19 @@ static json_t *plan_json(const bake_options *o, const bake_report *r)
                      "memory_bytes", (json_int_t)memory_bytes);
 }
 
-vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+json_t *report_json(const bake_options *o, const bake_report *r, const message *m)
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    json_t *root = json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
-                             "scene", json_text(o->scene_path), "output", json_text(o->output_path), "options",
-                             bake_options_json(o), "renderer", r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters",
-                             report_casters_json(r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
-                             report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds",
-                             r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
-    return json_write(path, root, m);
+    return json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
+                     json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
+                     r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights,
+                     "lights_left_out", report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json(r),
+                     "plan", plan_json(o, r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes,
+                     "baseline_seconds", r->baseline_seconds);
+}
+
+vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)
+{
+    return json_write(path, report_json(o, r, m), m);
 }

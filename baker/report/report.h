@@ -9,13 +9,10 @@
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r);
 
+/* The same as JSON; m holds the warnings. Incomplete or NULL without memory: json_print and json_write see it. */
+json_t *report_json(const bake_options *o, const bake_report *r, const message *m);
+
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
-
-/* Parts that a plan shows, too. */
-void    report_print_casters(FILE *to, const bake_report *r);
-json_t *report_casters_json(const bake_report *r);
-json_t *report_left_out_json(const bake_report *r);
-json_t *report_warnings_json(const message *m);
 
 #endif

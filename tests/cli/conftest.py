@@ -4,10 +4,13 @@
 import os
 import pathlib
 import pty
+import shutil
 import signal
 import subprocess
 
 import pytest
+
+from browser import Browser
 
 # a shell starts what runs in the background with SIGINT ignored, nohup SIGHUP; what we start would ignore them, too
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -35,6 +38,16 @@ def vxs(vxs_path):
         return done
 
     return run
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """One for all pages."""
+    if not shutil.which("chromium"):
+        pytest.skip("no browser: package chromium")
+    started = Browser()
+    yield started
+    started.close()
 
 
 @pytest.fixture(scope="session")

@@ -1,56 +1,67 @@
-# Reading pages, drawings and pictures that vxs writes, strictly.
+# Pages that vxs writes, as a browser shows them, and pictures in them, read strictly.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
 import html.parser
+import json
 import re
 import struct
-import xml.etree.ElementTree
 import zlib
 
-EMPTY = {"meta", "img", "br", "link", "hr"}
-SVG = "{http://www.w3.org/2000/svg}"
+TAGS = {"html", "head", "meta", "title", "style", "body", "noscript", "script", "h1", "h2", "h3", "p", "ul", "li", "div", "small", "b", "i",
+        "u", "code", "figure", "figcaption", "canvas", "img", "table", "thead", "tbody", "tfoot", "tr", "th", "td", "br"}
+LOOK = """(() => {
+    const parts = [document.title], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode())
+        if (!walker.currentNode.parentElement.closest("script, noscript")) parts.push(walker.currentNode.data);
+    const elements = [...document.getElementsByTagName("*")];
+    const colours = (canvas) => new Set(new Uint32Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
+    const charts = [...document.querySelectorAll("figure[id]")].map((figure) => {
+        const canvas = figure.querySelector("canvas"), scales = Object.values(Chart.getChart(canvas).scales);
+        return [figure.id, {title: figure.querySelector("h3").textContent, colours: colours(canvas),
+            words: scales.flatMap((s) => [s.options.title.text ?? "", ...s.ticks.map((t) => [t.label].flat().join(" "))]),
+            key: [...figure.querySelectorAll("li")].map((item) => item.textContent)}];
+    });
+    return {text: parts.join(" "), tags: elements.map((e) => e.localName), charts: Object.fromEntries(charts),
+        attributes: elements.flatMap((e) => [...e.attributes].map((a) => [e.localName, a.name, a.value])),
+        sources: [...document.images].map((i) => i.src), ids: elements.map((e) => e.id).filter(Boolean), data: JSON.stringify(data)};
+})()"""
 
 
-class Page(html.parser.HTMLParser):
-    """A page that is balanced, stands alone and runs nothing. text: all of it, blanks made one; pictures: as PNG."""
+class Source(html.parser.HTMLParser):
+    """What a page's markup is before a script has run."""
 
     def __init__(self, source):
         super().__init__(convert_charrefs=True)
-        self.source, self.open, self.parts, self.ids, self.tags, self.sources = source, [], [], [], [], []
+        self.tags = []
         self.feed(source)
         self.close()
-        assert self.open == [], f"not closed: {self.open}"
-        assert source.startswith("<!DOCTYPE html>\n") and source.endswith("</html>\n")
-        assert len(self.ids) == len(set(self.ids)), "an id twice"
-        assert not {"script", "iframe", "object", "embed", "link", "form", "base"} & set(self.tags)
-        self.text = re.sub(r"\s+", " ", "".join(self.parts)).replace("\u202f", " ")
-        self.drawings = [xml.etree.ElementTree.fromstring(s) for s in re.findall(r"<svg.*?</svg>", source, re.DOTALL)]
-        self.pictures = [base64.b64decode(s.removeprefix("data:image/png;base64,"), validate=True) for s in self.sources]
-        self.sizes = [inflate_png(p)[:2] for p in self.pictures]
 
     def handle_starttag(self, tag, attributes):
         self.tags.append(tag)
-        for name, value in attributes:
+        assert not any(name.startswith("on") for name, _ in attributes)
+
+
+class Page:
+    """A page that stands alone and runs nothing but its own scripts.
+    text: all of it, blanks made one; charts: by name; data: what its scripts were given; pictures: as PNG."""
+
+    def __init__(self, browser, path):
+        self.source = path.read_text()
+        assert self.source.startswith("<!DOCTYPE html>\n") and self.source.endswith("</html>\n")
+        assert Source(self.source).tags == ["html", "head", *["meta"] * 3, "title", "style", "body", "noscript", *["script"] * 3]
+        browser.show(path)
+        assert browser.complaints == [] and [r for r in browser.requests if not r.startswith("data:")] == [path.as_uri()]
+        found = browser.ask(LOOK)
+        assert set(found["tags"]) <= TAGS and found["tags"].count("script") == 3, "no name became markup"
+        assert len(found["ids"]) == len(set(found["ids"])), "an id twice"
+        for tag, name, value in found["attributes"]:
             assert not name.startswith("on"), f"{tag} {name}"
-            assert not re.match(r"(?i)javascript:|https?:|//", value or "") or name.startswith("xmlns"), f"{tag} {name}={value}"
-            if name == "id":
-                self.ids.append(value)
-            if (tag, name) == ("img", "src"):
-                self.sources.append(value)
-        if tag not in EMPTY:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attributes):
-        self.handle_starttag(tag, attributes)
-        if tag not in EMPTY:
-            self.open.pop()
-
-    def handle_endtag(self, tag):
-        assert self.open and self.open[-1] == tag, f"</{tag}> in {self.open[-3:]}"
-        self.open.pop()
-
-    def handle_data(self, data):
-        self.parts.append(" " + data if self.open and self.open[-1] != "style" else "")
+            assert not re.match(r"(?i)\s*(javascript:|https?:|//)", value), f"{tag} {name}={value}"
+        self.text, self.charts, self.sources = re.sub(r"\s+", " ", found["text"]), found["charts"], found["sources"]
+        self.data = json.loads(found["data"])
+        assert self.data == json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', self.source, re.DOTALL)[1])
+        self.pictures = [base64.b64decode(s.removeprefix("data:image/png;base64,"), validate=True) for s in self.sources]
+        self.sizes = [inflate_png(p)[:2] for p in self.pictures]
 
 
 def inflate_png(data):

@@ -3,7 +3,9 @@
 import json
 import os
 import re
+import shutil
 import subprocess
+import xml.etree.ElementTree
 
 import jsonschema
 import pytest
@@ -60,3 +62,21 @@ def test_estimates(measure, tmp_path):
     ratios = [b["file_bytes"] for b in result["bakes"]]
     (row,) = rows(printed, "bytes of the file")
     assert row[1] == f"{min(ratios):.2f}" and row[3] == f"{max(ratios):.2f}"
+
+
+def test_plots(vxs, tmp_path):
+    """Drawings of what was measured: each scene and each part that a bar is stacked of has its name in a key."""
+    if not shutil.which("gnuplot"):
+        pytest.skip("no gnuplot: package gnuplot-nox")
+    vxs("scene", "city", "-o", tmp_path / "city.glb")
+    vxs("scene", "forest", "-o", tmp_path / "it's \\ forest.glb")
+    vxs("bench", tmp_path / "city.glb", tmp_path / "it's \\ forest.glb", "-o", tmp_path / "b.json", "--resolution", 64, "--resolution", 128,
+        "--runs", 1, "--points", 1000)
+    subprocess.run(["/usr/bin/python3", ROOT / "tests" / "bench" / "plots.py", tmp_path / "b.json", tmp_path / "plots"], check=True)
+    words = {p.stem: " ".join("".join(e.itertext()) for e in xml.etree.ElementTree.parse(p).iter("{http://www.w3.org/2000/svg}text"))
+             for p in (tmp_path / "plots").iterdir()}
+    assert set(words) == {p.stem for p in (ROOT / "docs" / "plots").iterdir()}
+    for name in ("error-bake-surface", "error-bytes-surface"):
+        assert {"city.glb", "it's", "forest.glb", "64", "128", "%"} <= set(words[name].split()), words[name]
+    assert {"maps", "64", "128", "s"} <= set(words["stages-city"].split())
+    assert {"masks", "8³", "KiB"} <= set(words["bytes-city"].split())

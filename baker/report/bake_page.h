@@ -5,8 +5,7 @@
 
 #include "baker/bake/bake.h"
 
-/* Write the page: how big, how long, where the bytes go, what would make it smaller; pictures of the largest lights; the plan and
- * what came of it. path "-" is standard output.
+/* Write the page: the report as JSON, and pictures of the largest lights. path "-" is standard output.
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY; the file is complete under its name, or untouched. */
 vxs_result bake_page_write(const char *path, const bake_options *o, const bake_report *r, message *m);
 

@@ -1,0 +1,158 @@
+/* The page of one bake. data: {report: docs/bake-report.schema.json, pictures: bake_page.c}
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+const report = data.report, options = report.options, estimate = report.plan.estimate, actual = report.plan.actual;
+const LIGHTS_SHOWN = 30, HEAD_COLOUR = "#8d8a80";
+const texels_of = (light) => light.maps * light.resolution_px ** 2;
+const texels = sum(report.lights, texels_of), file = report.file_bytes;
+const lights = report.lights.map((light, index) => ({ ...light, index })).sort((a, b) => b.size.stored_bytes - a.size.stored_bytes);
+
+function show_facts() {
+    document.title = `${base_name(report.scene)}: its bake`;
+    const output = report.output === "-" ? "standard output" : base_name(report.output);
+    show(el("h1", {}, `The shadows of ${base_name(report.scene)}`),
+        soft(`${count(report.casters.triangles)} triangles and ${plural(lights.length, "light")}, baked to ${output} by vxs ${report.vxs} on `
+            + `${plural(options.threads, "thread")}.`),
+        el("div", { class: "facts" },
+            fact("How big?", bytes(file), `on disk; planned ${bytes(estimate.file_bytes)}`),
+            fact("For a texel?", `${Number((8 * file / texels).toPrecision(3))} bit`, `a 16-bit depth map takes ${count(2 * texels / file)} times as much`),
+            fact("When loaded?", bytes(actual.memory_bytes), `in memory; planned ${bytes(estimate.memory_bytes)}`),
+            fact("How long?", seconds(report.total_seconds), `to bake; planned ${seconds(estimate.total_seconds)}`),
+            fact("How much memory?", bytes(report.peak_bytes), `at the peak; planned ${bytes(estimate.peak_bytes)}`)));
+}
+
+/* Sums over all lights, the finest level first. */
+function sum_levels() {
+    const levels = [];
+    for (const level of report.lights.flatMap((light) => light.levels)) {
+        const n = level.kind === "masks" ? 0 : Math.log2(level.side_voxels);
+        levels[n] ??= { n, kind: level.kind, count: 0, stored_bytes: 0, memory_bytes: 0 };
+        for (const figure of ["count", "stored_bytes", "memory_bytes"]) levels[n][figure] += level[figure];
+    }
+    return levels.filter((level) => level.count);
+}
+
+function show_levels() {
+    const levels = sum_levels(), head = file - sum(levels, (l) => l.stored_bytes);
+    const parts = [...levels.map((l) => [level_name(l.n), l.stored_bytes, level_colour(l.n)]), ["head", head, HEAD_COLOUR]];
+    const of_kind = (kind) => sum(levels, (l) => l.kind === kind ? l.count : 0);
+    show(el("h2", {}, "Where the bytes go"),
+        el("div", { class: "stack" }, ...parts.map(([name, size, colour]) =>
+            el("i", { style: `width: ${100 * size / file}%; background: ${colour}`, title: `${name}: ${bytes(size)}, ${percent(size / file)}` }))),
+        soft("The file from its finest level to its coarsest. Masks say of 8 x 8 texels at one depth which are dark; nodes of n³ voxels say "
+            + "where which masks and smaller nodes lie. Equal ones are stored once."),
+        table(["level", "count", "on disk", "share of the file", "", "in memory"], parts.map(([name, size, colour], n) =>
+            [text(name), levels[n] ? count(levels[n].count) : "", bytes(size), bar(size / file, `background: ${colour}`), percent(size / file),
+                levels[n] ? bytes(levels[n].memory_bytes) : ""])),
+        el("p", {}, `${count(sum(lights, (l) => l.mask_tiles))} of ${count(texels / 64)} tiles of 8 x 8 texels need masks, because no single depth `
+            + `parts them into light and shadow; they need ${count(sum(lights, (l) => l.mask_runs))}, of which ${count(of_kind("masks"))} differ `
+            + `and are stored. Of ${count(sum(lights, (l) => l.inserted_nodes))} nodes ${count(of_kind("nodes"))} are left.`));
+}
+
+function show_lights() {
+    const rest = lights.slice(LIGHTS_SHOWN);
+    show(el("h3", {}, "By light"), table(
+        ["light", "kind", "maps", "texels a side", "of a texel", "on disk", "share of the file", "in memory", "bit/texel", "tiles with masks",
+            "masks needed"],
+        lights.slice(0, LIGHTS_SHOWN).map((l) => [text(clean(l.name)), text(l.kind), count(l.maps), String(l.resolution_px),
+            `${Number(l.texel_m.toPrecision(3))} m`, bytes(l.size.stored_bytes), bar(l.size.stored_bytes / file), bytes(l.size.memory_bytes),
+            l.size.stored_bit_per_texel.toFixed(3), count(l.mask_tiles), count(l.mask_runs)])));
+    if (rest.length) show(soft(`${rest.length} smaller lights take ${bytes(sum(rest, (l) => l.size.stored_bytes))} together.`));
+}
+
+function figures(picture) {
+    const ways = ["along x", "against x", "along y", "against y", "along z", "against z"], six = picture.depths.length > 1;
+    const figure = (what, alt, n) => el("figure", {}, el("h3", {}, six ? `${what}, map ${n + 1} of 6, ${ways[n]}` : what),
+        el("img", { alt, src: (what === "Depths" ? picture.depths : picture.masks)[n], width: picture.side_px, height: picture.side_px,
+            class: picture.side_px < 512 ? "few" : "" }));
+    return picture.depths.flatMap((_, n) => [figure("Depths", "depth map, near surfaces light", n),
+        figure("Masks", "the same place: how many masks its tiles need", n)]);
+}
+
+function show_pictures() {
+    show(el("h2", {}, "What the light sees, and where it takes masks"),
+        el("p", {}, "On the left the map's depths, as the light sees them: near is light, no caster is blank. On the right the same place, "
+            + "coloured where shadows take masks: there, and in the nodes above them, the bytes go. Edges of shadows, leaves, grass and wires "
+            + "show; so do sheets, whose every slope is an edge."),
+        key(["masks that an 8 x 8 tile needs:"], ...data.mask_colours.map(([name, colour]) => [swatch(colour), name])));
+    for (const light of lights) {
+        const picture = data.pictures.find((p) => p.light === light.index), side = light.resolution_px;
+        if (!picture) continue;
+        show(el("h3", {}, `${clean(light.name)}: ${plural(light.maps, "map")} of ${side} x ${side} texels, ${bytes(light.size.stored_bytes)}`),
+            el("div", { class: "pairs" }, ...figures(picture)));
+        if (picture.mask_tiles > 1) show(soft(`A pixel stands for ${picture.mask_tiles} tiles: the one that needs most of them counts.`));
+    }
+    if (data.pictures.length < lights.length) show(soft(`${lights.length - data.pictures.length} more lights are not pictured.`));
+}
+
+function sheet_hint() {
+    const casters = report.casters, sheets = casters.triangles - casters.solids.triangles;
+    const [kind, most] = Object.entries(casters.sheets).reduce((a, b) => b[1].triangles > a[1].triangles ? b : a);
+    return sheets >= casters.triangles / 20 && [`${percent(sheets / casters.triangles)} of the triangles are sheets. Only solids have an inside that `
+        + "nobody asks about, where the builder is free to choose what repeats. Most of these, "
+        + `${count(most.triangles)}, are ${kind}: `, code("vxs health"), " names them, and ", code("--repair"), " closes what can be closed."];
+}
+
+const code = (words) => el("code", {}, words);
+
+function show_hints() {
+    const half = Math.max(...lights.map((l) => l.resolution_px)) / 2, largest = lights[0];
+    show(el("h2", {}, "What would make it smaller"), list([
+        options.closed === "off" ? [code("--closed off"), " makes a sheet of every solid; without it they are told apart."] : sheet_hint(),
+        options.rule === "shadow" && [code("--rule greedy"), " takes the fewest masks."],
+        options.reuse === "off" && [code("--reuse on"), " does not make again what equals its neighbour."],
+        options.stop !== "final" && [code("--stop final"), " merges what is equal."],
+        options.exit === "back" && [code("--exit auto"), " looks for the exit of the union where solids meet."],
+        lights.length > 1 && [`The largest light, ${clean(largest.name)}, takes ${percent(largest.size.stored_bytes / file)} of the file. A narrower `
+            + "cone or a shorter range reaches fewer casters."],
+        !options.region_m && [code("--region"), " bakes only the box that will be looked up; all of the scene still casts into it."],
+        half >= 8 && ["Half the resolution, ", code(`--resolution ${half}`), ": shadows end in lines and surfaces, so a file is often about half as "
+            + "large then. ", code("vxs plan"), " estimates it."],
+        options.zstd_level < 19 && [code("--level 19"), " compresses harder, and takes longer to write."],
+    ].filter(Boolean)));
+}
+
+function show_stages() {
+    const planned = Object.fromEntries(estimate.stages.map((s) => [s.name, s.seconds]));
+    const most = Math.max(...report.stages.map((s) => Math.max(s.seconds, planned[s.name])));
+    const both = (took, plan) => {
+        const cell = bar(took / most);
+        cell.append(el("u", { style: `width: ${100 * plan / most || 0}%` }));
+        return cell;
+    };
+    show(el("h2", {}, "Where the time goes"), soft("Broad bars are what it took, narrow ones what was planned."),
+        table(["stage", "took", "planned", "", "peak memory"], report.stages.map((s) =>
+            [text(s.name), seconds(s.seconds), seconds(planned[s.name]), both(s.seconds, planned[s.name]), bytes(s.peak_bytes)]),
+        [text("total"), seconds(report.total_seconds), seconds(estimate.total_seconds), "", bytes(report.peak_bytes)]),
+        soft(`OpenGL by ${clean(report.renderer)}.`));
+}
+
+function show_decisions() {
+    show(el("h2", {}, "What was decided, and why"),
+        table(null, report.plan.decisions.map((d) => [text(d.name), text(clean(d.choice)), long(clean(d.reason))])));
+}
+
+function show_casters() {
+    const casters = report.casters, size = casters.max_m.map((max, n) => Number((max - casters.min_m[n]).toPrecision(4)));
+    const kinds = [["solids", casters.solids], ...Object.entries(casters.sheets).map(([kind, k]) => [`sheets: ${kind}`, k])];
+    show(el("h2", {}, "What casts shadows"),
+        table(["components", "how many", "triangles", ""], kinds.filter(([, k]) => k.components).map(([name, k]) =>
+            [text(name), count(k.components), count(k.triangles), bar(k.triangles / casters.triangles)])),
+        soft(`They fill ${size.join(" x ")} m.`));
+}
+
+function show_left_out() {
+    const left_out = report.lights_left_out, shown = left_out.slice(0, LIGHTS_SHOWN).map((l) => clean(`${l.name}: ${l.why}`));
+    if (left_out.length > LIGHTS_SHOWN) shown.push(`and ${left_out.length - LIGHTS_SHOWN} more`);
+    if (left_out.length) show(el("h2", {}, "Lights left out"), list(shown));
+    if (report.warnings.length) show(el("h2", {}, "Warnings"), list(report.warnings.map(clean)));
+}
+
+show_facts();
+show_levels();
+show_lights();
+show_pictures();
+show_hints();
+show_stages();
+show_decisions();
+show_casters();
+show_left_out();

@@ -1,0 +1,74 @@
+/* A page that stands alone; see page.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/report/page.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+
+/* A file that the Makefile put into the program: bytes from `begin` to `end`. */
+typedef struct embedded {
+    const char *begin, *end;
+} embedded;
+
+#define EMBEDDED(name)                                                                                                             \
+    extern const char     name##_begin[] __asm__("_binary_" #name "_start"), name##_end[] __asm__("_binary_" #name "_end");        \
+    static const embedded name = {name##_begin, name##_end};
+
+EMBEDDED(page_html)
+EMBEDDED(page_js)
+EMBEDDED(bake_page_js)
+EMBEDDED(bench_page_js)
+EMBEDDED(chart_min_js)
+
+static void print(FILE *to, embedded text)
+{
+    fwrite(text.begin, 1, (size_t)(text.end - text.begin), to);
+}
+
+/* Print the frame up to a mark that is in it. Returns what is behind the mark. */
+static embedded print_until(FILE *to, embedded frame, const char *mark)
+{
+    const char *at = memmem(frame.begin, (size_t)(frame.end - frame.begin), mark, strlen(mark));
+    print(to, (embedded){frame.begin, at});
+    return (embedded){at + strlen(mark), frame.end};
+}
+
+/* JSON that no markup can end: '<' is in texts alone, where it has another spelling. */
+static void print_json(FILE *to, const char *json)
+{
+    for (size_t n; n = strcspn(json, "<"), fwrite(json, 1, n, to), json[n]; json += n + 1) fputs("\\u003c", to);
+}
+
+static void print_page(FILE *to, page_kind kind, const char *json)
+{
+    embedded rest = print_until(to, page_html, "@data@");
+    print_json(to, json);
+    rest = print_until(to, rest, "@library@");
+    if (kind == PAGE_BENCH) print(to, chart_min_js);
+    rest = print_until(to, rest, "@script@");
+    print(to, page_js);
+    print(to, kind == PAGE_BENCH ? bench_page_js : bake_page_js);
+    print(to, rest);
+}
+
+vxs_result page_write(const char *path, page_kind kind, json_t *data, message *m)
+{
+    char       *json = data ? json_print(data, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
+    output_file out  = {0};
+    vxs_result  r    = VXS_OK;
+    if (!json) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for the page %s", path);
+        goto done;
+    }
+    if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
+    print_page(out.stream, kind, json);
+    r = output_file_commit(&out, m);
+done:
+    output_file_abort(&out);
+    free(json);
+    json_decref(data);
+    return r;
+}

@@ -1,0 +1,22 @@
+/* A page that stands alone: the frame page.html with data, a script that shows them, and page.js, which all scripts use. Pages need no
+ * network and no other file.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PAGE_H
+#define PAGE_H
+
+#include <jansson.h>
+
+#include "baker/base/message.h"
+
+/* What a page is about, and so which script it gets. */
+typedef enum page_kind {
+    PAGE_BAKE, /* bake_page.js */
+    PAGE_BENCH /* bench_page.js, with the library for charts */
+} page_kind;
+
+/* Write a page; path "-" is standard output.
+ * data  what the head of the script describes; released. NULL: without memory
+ * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY; the file is complete under its name, or untouched. */
+vxs_result page_write(const char *path, page_kind kind, json_t *data, message *m);
+
+#endif
