@@ -242,9 +242,8 @@ static void ask_tile(const check *c, tally *t, uint32_t x, uint32_t y, uint8_t *
                 dark |= (uint64_t)must_be_dark(c, exit[at], k) << n;
             }
         }
-        uint32_t low, high;
-        vxs_slice(c->words, c->root, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k, &low, &high);
-        uint64_t found = low | (uint64_t)high << 32;
+        vxs_mask mask  = vxs_slice(c->words, c->root, c->levels, c->i0 / 8 + x, c->j0 / 8 + y, k);
+        uint64_t found = mask.low | (uint64_t)mask.high << 32;
         t->wrong_shadow += (uint64_t)__builtin_popcountll(found & lit);
         t->wrong_lit += (uint64_t)__builtin_popcountll(~found & dark);
     }
