@@ -172,7 +172,7 @@ bench: all $(helper)
 # --- install --------------------------------------------------------------------------------------------------------------
 
 version  = $(shell sed -n 's/^\#define VXS_VERSION_[MP][A-Z]* *//p' runtime/vxs.h | paste -sd.)
-headers := runtime/vxs.h $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h)
+headers := runtime/vxs.h $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_space.h)
 to       = $(DESTDIR)$(prefix)
 
 install: all

@@ -1,4 +1,4 @@
-/* How a node is laid out, and how a lookup walks: one text for C99, C++ and GLSL 4.3.
+/* How a node is laid out, and how a lookup walks: one text for C99, C++, GLSL and HLSL.
  *
  * A light's DAG is an array of 32-bit words (formats/vxs.md section 6). The root is at word 0; a light with six maps has six
  * roots, and words 0 to 5 say where they start. A node is
@@ -14,49 +14,85 @@
  *     slice node       [states][mask a][mask b]                     slices  ..aaab#  .. lit, # shadow, aa the same mask
  *     mask             [rows 0 to 3][rows 4 to 7]
  *
- * GLSL: declare `uint vxs_words[]` (a buffer of all lights' words) before including this text; `dag` is then the word where the
- * light's DAG starts, and offsets count from there. C: `dag` is the address of the light's words.
+ * Shading languages have no pointers and no common way to a buffer: how a word is fetched is a macro of the includer.
+ *
+ *     vxs_word(dag, i)   word i of a light's DAG. C and C++: dag[i]. A shader defines it before this text; there dag is the word
+ *                        where the light's DAG starts in a buffer or a texture of all lights' words:
+ *                            #define vxs_word(dag, i) shadow_words[(dag) + (i)]
+ *     vxs_popcount(x)    how many bits of x are set; the default is the language's own, or arithmetic where it has none
+ *     VXS_DAG            type of dag: const uint32_t * in C and C++, uint in a shader
+ *     VXS_HLSL           defined by the includer for compilers of HLSL that do not define __HLSL_VERSION
+ *
+ * GLSL 3.30 and later, ES 3.00 and later, and GLSL for Vulkan are told apart by what they predefine. The text declares structs and
+ * functions only, and has no continued lines, which GLSL 3.30 lacks. In ES it sets highp for int and float from here on, because mediump
+ * may be 16 bits.
  * Nothing here checks an offset: vxs_read.c does once, before a lookup may trust it.
  * Source: [CPVS16] 3 and 5; [Sintorn 2014] for PCF by popcount.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LOOKUP_H
 #define VXS_LOOKUP_H
 
-#ifdef GL_core_profile
-#define VXS_FN
-#define VXS_DAG          uint
-#define vxs_u32          uint
-#define vxs_i32          int
-#define VXS_OUT(type)    out type
-#define VXS_ADDRESS(x)   x
-#define VXS_DEREF(x)     x
-#define vxs_word(dag, i) vxs_words[(dag) + (i)]
-#define vxs_popcount(x)  uint(bitCount(x))
-#define VXS_U(x)         uint(x)
-#define VXS_I(x)         int(x)
-#else
+#if defined(__HLSL_VERSION) && !defined(VXS_HLSL)
+#define VXS_HLSL
+#endif
+#if !defined(VXS_HLSL) && (defined(__STDC__) || defined(__cplusplus) || defined(_MSC_VER))
+#define VXS_C
+#endif
+
+#ifdef VXS_C
 #include <stdint.h>
-typedef uint32_t vxs_u32;
-typedef int32_t  vxs_i32;
-#define VXS_FN           static inline
-#define VXS_DAG          const uint32_t *
-#define VXS_OUT(type)    type *
-#define VXS_ADDRESS(x)   &x
-#define VXS_DEREF(x)     (*(x))
+typedef uint32_t        vxs_u32;
+typedef int32_t         vxs_i32;
+typedef struct vxs_mask vxs_mask;
+#define VXS_FN   static inline
+#define VXS_U(x) ((vxs_u32)(x))
+#define VXS_I(x) ((vxs_i32)(x))
+#ifndef VXS_DAG
+#define VXS_DAG const uint32_t *
+#endif
+#ifndef vxs_word
 #define vxs_word(dag, i) (dag)[i]
-#define VXS_U(x)         ((vxs_u32)(x))
-#define VXS_I(x)         ((vxs_i32)(x))
-#if defined(__GNUC__) && defined(__POPCNT__)
+#endif
+#if !defined(vxs_popcount) && defined(__GNUC__) && defined(__POPCNT__)
 #define vxs_popcount(x) ((vxs_u32)__builtin_popcount(x))
+#endif
 #else
-static inline vxs_u32 vxs_popcount(vxs_u32 x)
+#ifdef GL_ES
+precision highp float;
+precision highp int;
+#endif
+#define vxs_u32 uint
+#define vxs_i32 int
+#define VXS_FN
+#define VXS_U(x) uint(x)
+#define VXS_I(x) int(x)
+#ifndef VXS_DAG
+#define VXS_DAG uint
+#endif
+#ifndef vxs_word
+#error vxs_word is not defined: see the head of vxs_lookup.h
+#endif
+#if !defined(vxs_popcount) && defined(VXS_HLSL)
+#define vxs_popcount(x) countbits(x)
+#elif !defined(vxs_popcount) && (__VERSION__ >= 400 || (defined(GL_ES) && __VERSION__ >= 310))
+#define vxs_popcount(x) uint(bitCount(x))
+#endif
+#endif
+
+#ifndef vxs_popcount
+VXS_FN vxs_u32 vxs_popcount(vxs_u32 x)
 {
     x = x - ((x >> 1) & 0x55555555u);
     x = (x & 0x33333333u) + ((x >> 2) & 0x33333333u);
     return (((x + (x >> 4)) & 0x0f0f0f0fu) * 0x01010101u) >> 24;
 }
 #endif
-#endif
+
+/* A slice's mask of 8 x 8 texels: texel (x, y) is bit x + 8y of two words, 1 for shadow. */
+struct vxs_mask {
+    vxs_u32 low;  /* rows 0 to 3 */
+    vxs_u32 high; /* rows 4 to 7 */
+};
 
 /* The states (low bit of each pair) of the children that have an offset of their own: binary 10. */
 VXS_FN vxs_u32 vxs_own(vxs_u32 states)
@@ -70,13 +106,20 @@ VXS_FN vxs_u32 vxs_face_root(VXS_DAG dag, vxs_u32 face)
     return vxs_word(dag, face);
 }
 
-/* The words of an 8 x 8 x 1 slice: the tile of 8 x 8 texels at (tile_x, tile_y), depth k voxels. One bit a texel, 1 for shadow.
+/* A slice of 8 x 8 x 1 voxels that is all lit (state 0) or all shadow (1). */
+VXS_FN vxs_mask vxs_uniform_mask(vxs_u32 state)
+{
+    vxs_mask mask;
+    mask.low  = 0u - state;
+    mask.high = 0u - state;
+    return mask;
+}
+
+/* The mask of a slice of 8 x 8 x 1 voxels: the tile of 8 x 8 texels at (tile_x, tile_y), depth k voxels.
  * dag     the light's words;   root  0, or vxs_face_root of the map
  * levels  the map has 2^levels texels a side, and as many voxels in depth
- * tile_x, tile_y  [0, 2^(levels-3));   k  [0, 2^levels)
- * low, high  [out] rows 0 to 3 and rows 4 to 7. */
-VXS_FN void vxs_slice(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k, VXS_OUT(vxs_u32) low,
-                      VXS_OUT(vxs_u32) high)
+ * tile_x, tile_y  [0, 2^(levels-3));   k  [0, 2^levels) */
+VXS_FN vxs_mask vxs_slice(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k)
 {
     vxs_u32 node = root;
     vxs_u32 states, state;
@@ -90,34 +133,27 @@ VXS_FN void vxs_slice(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x,
             c     = xy;
             state = 2u;
         }
-        if (state != 2u) {
-            VXS_DEREF(low)  = 0u - state;
-            VXS_DEREF(high) = 0u - state;
-            return;
-        }
+        if (state != 2u) return vxs_uniform_mask(state);
         node = vxs_word(dag, node + 1u + vxs_popcount(vxs_own(states) & ((1u << (2u * c)) - 1u)));
     }
 
     vxs_u32 slice = k & 7u;
     states        = vxs_word(dag, node);
     state         = (states >> (2u * slice)) & 3u;
-    if (state < 2u) {
-        VXS_DEREF(low)  = 0u - state;
-        VXS_DEREF(high) = 0u - state;
-        return;
-    }
+    if (state < 2u) return vxs_uniform_mask(state);
     /* the last slice at or before this one that owns a mask: VXS_CHILD_SAME needs no case of its own */
-    vxs_u32 mask    = vxs_word(dag, node + vxs_popcount(vxs_own(states) & ((2u << (2u * slice)) - 1u)));
-    VXS_DEREF(low)  = vxs_word(dag, mask);
-    VXS_DEREF(high) = vxs_word(dag, mask + 1u);
+    vxs_u32  at = vxs_word(dag, node + vxs_popcount(vxs_own(states) & ((2u << (2u * slice)) - 1u)));
+    vxs_mask mask;
+    mask.low  = vxs_word(dag, at);
+    mask.high = vxs_word(dag, at + 1u);
+    return mask;
 }
 
 /* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
 VXS_FN vxs_u32 vxs_shadow(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
-    vxs_u32 low, high;
-    vxs_slice(dag, root, levels, i >> 3, j >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
-    return (((j & 4u) != 0u ? high : low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
+    vxs_mask mask = vxs_slice(dag, root, levels, i >> 3, j >> 3, k);
+    return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
 }
 
 /* Bits of one word of a mask that texel columns [x0, x1) and rows [y0, y1) cover; the word holds rows 0 to 3. Ranges are
@@ -149,10 +185,9 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_i
     vxs_u32 count   = 0u;
     for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
         for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
-            vxs_u32 low, high;
-            vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k, VXS_ADDRESS(low), VXS_ADDRESS(high));
-            count += vxs_popcount(low & vxs_cover(x0 - x, x1 - x, y0 - y, y1 - y));
-            count += vxs_popcount(high & vxs_cover(x0 - x, x1 - x, y0 - y - 4, y1 - y - 4));
+            vxs_mask mask = vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
+            count += vxs_popcount(mask.low & vxs_cover(x0 - x, x1 - x, y0 - y, y1 - y));
+            count += vxs_popcount(mask.high & vxs_cover(x0 - x, x1 - x, y0 - y - 4, y1 - y - 4));
         }
     return count;
 }

@@ -7,7 +7,8 @@
  *     vxs_asset_close(asset);
  *
  * The library allocates in open only, never prints, never exits, and keeps no global state. An open asset is read-only: any
- * number of threads may look it up at once. For lookups on a GPU upload a light's words and include vxs_lookup.h in the shader.
+ * number of threads may look it up at once. For lookups on a GPU upload a light's words and vxs_light_constants_of, and hand the shader
+ * the texts of vxs_lookup.h and vxs_space.h (docs/runtime.md).
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_H
 #define VXS_H
@@ -80,6 +81,27 @@ float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const d
  * points_ws  [3 * count];   normals_ws  [3 * count] or NULL;   lit  [out] [count] */
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit);
+
+/* What a shader has to know of a light, as the struct of this name in vxs_space.h: rows of 16 bytes in a std140 uniform block, a
+ * std430 buffer, a cbuffer or a StructuredBuffer, and arrays of it. */
+typedef struct vxs_light_constants {
+    float    ls_from_ws[12]; /* byte  0: three rows of a matrix from metres about an origin; else as in vxs_light */
+    float    texel_metres;   /* byte 48 */
+    float    voxel_metres;   /* byte 52 */
+    float    near_metres;    /* byte 56 */
+    float    range_metres;   /* byte 60 */
+    float    cos_outer;      /* byte 64 */
+    uint32_t kind;           /* byte 68: VXS_LIGHT_KIND_* */
+    uint32_t flags;          /* byte 72: VXS_LIGHT_BOUNDED, VXS_LIGHT_CUBE */
+    uint32_t levels;         /* byte 76 */
+    uint32_t dag;            /* byte 80: the word where the light's DAG starts among the words of all lights */
+    uint32_t reserved[3];    /* byte 84: zero */
+} vxs_light_constants;       /* 96 bytes */
+
+/* origin_ws  where positions in the shader count from, metres; NULL: (0, 0, 0). A float has 24 bits: far from the world's origin only
+ *            positions relative to the camera, say, are as fine as texels, and so is then the matrix, which is moved in double
+ * dag        word where the light's DAG was put */
+vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t dag);
 
 /* "out of memory" and the like; never NULL. */
 const char *vxs_result_text(vxs_result result);

@@ -4,37 +4,37 @@
 
 #include <math.h>
 
-#include "formats/vxs_cube.h"
+#include "formats/vxs_space.h"
 
 /* A caster may come nearer than the near plane of a light that hangs in it; what is nearer than this share of it is cut off. */
 #define NEAREST_SHARE (1.0 / 1024)
 
 void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
 {
-    const vxs_map_axes axes    = vxs_axes_of_map(light, map);
-    const int          rows[3] = {axes.u, axes.v, axes.along};
+    const int face = vxs_face(light, map);
     for (int n = 0; n < 3; n++) {
-        const double *m = light->ls_from_ws + 4 * rows[n];
+        const double *m = light->ls_from_ws + 4 * vxs_axis(face, n);
         out[n]          = m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3];
     }
     if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
         out[2] = ldexp(out[2], -(int)light->levels);
     else
-        out[2] *= axes.sign;
+        out[2] *= vxs_axis_sign(face);
 }
 
 /* Metres along a spot's direction. */
-static double along_spot(const vxs_map_axes *axes, const double at[3])
+static double along_spot(int face, const double at[3])
 {
-    return axes->along == 2 ? at[2] * axes->sign : at[axes->u == 2 ? 0 : 1];
+    int n = vxs_of_axis(face, 2);
+    return n == 2 ? at[2] * vxs_axis_sign(face) : at[n];
 }
 
 int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle)
 {
     if (light->kind != VXS_LIGHT_KIND_SPOT) return 0;
-    const vxs_map_axes axes = vxs_axes_of_map(light, map);
+    const int face = vxs_face(light, map);
     for (int n = 0; n < triangle->count; n++)
-        if (along_spot(&axes, triangle->corners[n].at) >= 0) return 0;
+        if (along_spot(face, triangle->corners[n].at) >= 0) return 0;
     return 1;
 }
 

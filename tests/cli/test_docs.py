@@ -4,7 +4,6 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 
 import jsonschema
@@ -185,14 +184,13 @@ def test_listing_in_c(vxs, vxs_path, asset, tmp_path):
     assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
 
 
-def test_listing_in_glsl(tmp_path):
-    if not shutil.which("glslangValidator"):
-        pytest.skip("no glslangValidator: package glslang-tools")
-    header = (ROOT / "formats" / "vxs_lookup.h").read_text()
-    shader = tmp_path / "lit.frag"
-    assert len(listings("glsl")) == 2, "the sun's, and that of spot and point lights"
-    for text in listings("glsl"):
-        assert '#include "vxs_lookup.h"\n' in text
-        shader.write_text(text.replace('#include "vxs_lookup.h"\n', header))
-        done = subprocess.run(["glslangValidator", shader], capture_output=True, text=True)
-        assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout
+def test_listings_of_shaders():
+    """They are shaders of tests/shaders, which test_shaders.py compiles and tests/unit/test_shaders.c runs."""
+    shaders = ROOT / "tests" / "shaders"
+    assert listings("glsl") == [(shaders / name).read_text() for name in ("lit_430.frag", "lit_300es.frag")]
+    assert listings("hlsl") == [(shaders / "lit.hlsl").read_text()]
+
+
+def test_table_of_shaders():
+    text = (DOCS / "runtime.md").read_text()
+    assert set(re.findall(r"^\| `(lit\S*)` \|", text, re.MULTILINE)) == {path.name for path in (ROOT / "tests" / "shaders").iterdir()}

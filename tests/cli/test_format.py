@@ -363,19 +363,3 @@ def test_headers_stand_alone(language, standard, tmp_path):
         done = subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", *WARNINGS, "-I.", "-Iformats", str(source)],
                               cwd=ROOT, capture_output=True, text=True)
         assert done.returncode == 0, f"{header} as {standard}: {done.stderr}"
-
-
-def test_lookup_header_is_glsl(tmp_path):
-    """The same text as a compute shader; tests/unit/test_lookup.c runs it."""
-    compiler = shutil.which("glslangValidator")
-    if not compiler:
-        pytest.skip("no glslangValidator")
-    shader = tmp_path / "lookup.comp"
-    shader.write_text("#version 430 core\n"
-                      "layout(local_size_x = 1) in;\n"
-                      "layout(std430, binding = 0) buffer words { uint vxs_words[]; };\n"
-                      + (ROOT / "formats" / "vxs_lookup.h").read_text() +
-                      "void main() { vxs_words[0] = vxs_shadow_count(1u, vxs_face_root(1u, 3u), 8u, 5, 6, 7u, 9)\n"
-                      "    + vxs_shadow(1u, 0u, 8u, 5u, 6u, 7u); }\n")
-    done = subprocess.run([compiler, str(shader)], capture_output=True, text=True)
-    assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout

@@ -13,7 +13,8 @@ from conftest import ROOT
 GOLDEN = ROOT / "tests" / "golden" / "smallest.vxs"
 SANITIZERS = {"asan": ["-fsanitize=address,undefined"], "tsan": ["-fsanitize=thread"]}
 INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/pkgconfig/vxs.pc",
-             *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup"))}
+             *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
+                                             "vxs_space"))}
 
 # The points of the file of vxs.md section 10: under its mask, beside it, behind it, outside.
 C_USER = """
@@ -35,6 +36,7 @@ CXX_USER = """
 #include <cstdio>
 #include <vxs.h>
 #include <vxs_lookup.h>
+#include <vxs_space.h>
 
 int main(int argc, char **argv)
 {
@@ -44,6 +46,8 @@ int main(int argc, char **argv)
     const vxs_contents *contents = vxs_asset_contents(asset);
     std::printf("%u %u %u ", contents->version, vxs_shadow(sun->dag.words, 0, sun->light.levels, 2, 2, 3),
                 vxs_shadow(sun->dag.words, 0, sun->light.levels, 2, 2, 2));
+    const double point[3] = {2.5, 4.5, 2.5}, normal[3] = {0, 0, 0};
+    if (vxs_lit(sun->dag.words, &sun->light, point, normal, 1) != vxs_lookup(sun, point, nullptr, 1)) return 2;
     vxs_asset_close(asset);
     /* the layer below, by its own header */
     vxs_contents none = {};

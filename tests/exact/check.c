@@ -102,9 +102,8 @@ static void ask_run(tile_walk *w, uint32_t begin, uint32_t end, uint64_t dark)
 {
     int missed = begin != w->at_vx;
     for (int last = 0; last < 2; last++) {
-        uint32_t low, high;
-        vxs_slice(w->words, w->root, w->c->levels, w->x, w->y, last ? end - 1 : begin, &low, &high);
-        missed |= (low | (uint64_t)high << 32) != dark;
+        vxs_mask mask = vxs_slice(w->words, w->root, w->c->levels, w->x, w->y, last ? end - 1 : begin);
+        missed |= (mask.low | (uint64_t)mask.high << 32) != dark;
     }
     /* most runs are all lit before every surface, or all dark behind: nothing can be wrong in them */
     int may_be_wrong = (dark && begin < w->columns->lit_end_max) || (~dark && end > w->columns->dark_begin_min);

@@ -1,5 +1,5 @@
 /* Random spot and point lights, and their light space as formats/vxs.md section 2 has it, by names of axes: what tests hold against the
- * tables and formulas of lookup.c and map_space.c.
+ * formulas of vxs_space.h and map_space.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RANDOM_LAMP_H
 #define RANDOM_LAMP_H

@@ -341,9 +341,8 @@ static void check_map(const vxs_baked_light *baked, uint32_t root, const dag_sam
     for (uint32_t k = 0; k < side; k++)
         for (uint32_t y = 0; y < tiles; y++)
             for (uint32_t x = 0; x < tiles; x++) {
-                uint32_t low, high;
-                vxs_slice(baked->dag.words, root, baked->light.levels, x, y, k, &low, &high);
-                if ((low | (uint64_t)high << 32) != s->dense[x + tiles * (y + (size_t)tiles * k)])
+                vxs_mask mask = vxs_slice(baked->dag.words, root, baked->light.levels, x, y, k);
+                if ((mask.low | (uint64_t)mask.high << 32) != s->dense[x + tiles * (y + (size_t)tiles * k)])
                     fail_msg("tile %u %u, slice %u", x, y, k);
             }
     if (side > 64) return;

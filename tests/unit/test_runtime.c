@@ -220,6 +220,12 @@ static void test_voxel_bias(void **state)
     check_voxel(light, p, (double[3]){1 / 1.5, 0.0, 1e-9}, 9, 33, 30, 30); /* 3 and a rounding error is 3, an error alone is 0 */
     check_voxel(light, p, (double[3]){0, 0, 0}, 9, 30, 30, 30);
 
+    /* noise ends at 1e-5 of a voxel: half of these, with a filter of one texel */
+    check_voxel(light, p, (double[3]){1.9e-5, 0, 4 + 1.9e-5}, 1, 30, 32, 30);
+    check_voxel(light, p, (double[3]){-1.9e-5, 0, -4 - 1.9e-5}, 1, 30, 28, 30);
+    check_voxel(light, p, (double[3]){2.1e-5, 0, 4 + 2.1e-5}, 1, 31, 33, 30);
+    check_voxel(light, p, (double[3]){-2.1e-5, 0, -4 - 2.1e-5}, 1, 29, 27, 30);
+
     /* sizes of a hostile file, and normals that are none */
     vxs_light huge    = *light;
     huge.texel_metres = 1e300;

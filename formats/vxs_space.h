@@ -1,0 +1,324 @@
+/* From world space to a voxel, back, and the whole lookup: one text for C99, C++, GLSL and HLSL, that stands on vxs_lookup.h.
+ *
+ *     world space --- ls_from_ws ---> light space --- one of its maps ---> texels u, v, and depth in voxels ---> a voxel
+ *       metres        3 x 4 matrix      directional: as it is
+ *                                       spot, point: metres about the light; u, v = 2^levels / 2 + (x, y) / z / texel_metres,
+ *                                                    depth = log(z / near_metres) / voxel_metres, z away from the light
+ *
+ *     vxs_voxel_from_ws    the voxel of a point, moved off a surface along its normal, and whether the light reaches there
+ *     vxs_lit_at_voxel     the lit fraction around a voxel
+ *     vxs_lit              both: the lit fraction around a point
+ *     vxs_ws_from_voxel    the point of map coordinates
+ *
+ * A shader hands its compiler its own head (#version, the words, vxs_word), the text of vxs_lookup.h, this text, and its body. Its
+ * lights are vxs_light_constants, which vxs_light_constants_of (runtime/vxs.h) fills. Macros of the includer, beside those of
+ * vxs_lookup.h:
+ *
+ *     vxs_real             the scalar; C and C++: double. Shaders: float
+ *     VXS_REAL_MIN         a point nearer to the light than this counts as so near; C and C++: DBL_MIN. Shaders: 1e-30
+ *     VXS_LIGHT            type of a light in C and C++: const vxs_light *
+ *
+ * In C every number is allowed: what is NaN or beyond +-2^30 voxels is clamped, lies outside any map, and no conversion overflows.
+ * Shading languages let a compiler assume that there is no NaN and no infinity, and flush what is tiny: there, positions and normals
+ * have to be finite numbers. Elsewhere both agree but for float rounding: see docs/runtime.md.
+ * Source: [CPVS16] 5.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_SPACE_H
+#define VXS_SPACE_H
+
+#ifndef VXS_LOOKUP_H /* a shader that cannot include has it already */
+#include "vxs_lookup.h"
+#endif
+
+#ifdef VXS_C
+#include <float.h>
+#include <math.h>
+
+#include "vxs_file.h"
+#ifndef vxs_real
+#define vxs_real     double
+#define VXS_REAL_MIN DBL_MIN
+#endif
+#ifndef VXS_LIGHT
+#define VXS_LIGHT const vxs_light *
+#endif
+typedef vxs_real vxs_real3[3];
+typedef vxs_i32  vxs_int3[3];
+#define VXS_OUT
+#define VXS_REAL(x)                        ((vxs_real)(x))
+#define VXS_FIELD(light, field)            ((light)->field)
+#define VXS_LS_FROM_WS(light, row, column) ((light)->ls_from_ws[4 * (row) + (column)])
+#define vxs_abs(x)                         fabs(x)
+#else
+#define vxs_real     float
+#define VXS_REAL_MIN 1e-30
+#define VXS_LIGHT    vxs_light_constants
+#ifdef VXS_HLSL
+#define vxs_real3 float3
+#define vxs_int3  int3
+#define vxs_real4 float4
+#else
+#define vxs_real3 vec3
+#define vxs_int3  ivec3
+#define vxs_real4 vec4
+#endif
+#define VXS_OUT                            out
+#define VXS_REAL(x)                        float(x)
+#define VXS_FIELD(light, field)            ((light).field)
+#define VXS_LS_FROM_WS(light, row, column) ((light).ls_from_ws[row][column])
+#define vxs_abs(x)                         abs(x)
+
+/* As in runtime/vxs.h, where the fields are described: 96 bytes in std140, std430, a cbuffer and a StructuredBuffer. */
+struct vxs_light_constants {
+    vxs_real4 ls_from_ws[3];
+    float     texel_metres, voxel_metres, near_metres, range_metres;
+    float     cos_outer;
+    uint      kind, flags, levels;
+    uint      dag, reserved_0, reserved_1, reserved_2;
+};
+#endif
+
+/* Numbers of vxs_format.h and vxs.h that shaders need, too; a C compiler sees both, and refuses two that differ. */
+#define VXS_LIGHT_KIND_DIRECTIONAL 1u
+#define VXS_LIGHT_KIND_POINT       3u
+#define VXS_LIGHT_BOUNDED          1u
+#define VXS_LIGHT_CUBE             2u
+#define VXS_OUTSIDE                (-1.0f)
+
+/* A step along a normal that is shorter than this, in voxels, is rounding noise. Floats need as much. */
+#define VXS_STEP_NOISE 1e-5
+
+/* maps ------------------------------------------------------------------------------------------------------------------------ */
+
+/* Axis n (0 across, 1 down, 2 away from the light) of face `face` of a cube, as an axis of light space. Face 2a looks along axis a, and
+ * the next two in turn are across and down. Face 2a + 1 looks against axis a; there they change places, which keeps it right-handed. */
+VXS_FN vxs_i32 vxs_axis(vxs_i32 face, vxs_i32 n)
+{
+    vxs_i32 after = n < 2 ? 1 + (n ^ (face & 1)) : 0;
+    return (face / 2 + after) % 3;
+}
+
+/* The other way: which of a face's axes is axis `axis` of light space. */
+VXS_FN vxs_i32 vxs_of_axis(vxs_i32 face, vxs_i32 axis)
+{
+    vxs_i32 after = (axis + 3 - face / 2) % 3;
+    return after == 0 ? 2 : (after - 1) ^ (face & 1);
+}
+
+/* -1 where the face looks against its axis. */
+VXS_FN vxs_real vxs_axis_sign(vxs_i32 face)
+{
+    return (face & 1) != 0 ? VXS_REAL(-1.0) : VXS_REAL(1.0);
+}
+
+/* The face of the cube that a map is. The one map of a light without six has the axes of light space, as face 4 has. */
+VXS_FN vxs_i32 vxs_face(VXS_LIGHT light, vxs_i32 map)
+{
+    return (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u ? map : 4;
+}
+
+/* The map that a point of light space is in front of; where two axes are as long, the first. */
+VXS_FN vxs_i32 vxs_map_of(VXS_LIGHT light, const vxs_real3 ls)
+{
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) == 0u) return 0;
+    vxs_i32 along = vxs_abs(ls[1]) > vxs_abs(ls[0]) ? 1 : 0;
+    if (vxs_abs(ls[2]) > vxs_abs(ls[along])) along = 2;
+    return 2 * along + (ls[along] < 0.0 ? 1 : 0);
+}
+
+/* Light space as a face sees it: across, down, and away from the light. */
+VXS_FN void vxs_turn_to_face(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3 turned)
+{
+    turned[0] = ls[vxs_axis(face, 0)];
+    turned[1] = ls[vxs_axis(face, 1)];
+    turned[2] = ls[vxs_axis(face, 2)] * vxs_axis_sign(face);
+}
+
+VXS_FN void vxs_turn_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_real3 ls)
+{
+    vxs_real3 p;
+    p[0]  = turned[0];
+    p[1]  = turned[1];
+    p[2]  = turned[2] * vxs_axis_sign(face);
+    ls[0] = p[vxs_of_axis(face, 0)];
+    ls[1] = p[vxs_of_axis(face, 1)];
+    ls[2] = p[vxs_of_axis(face, 2)];
+}
+
+/* world to voxel -------------------------------------------------------------------------------------------------------------- */
+
+/* A coordinate of light space; `one` is 1 for a point, 0 for a direction. */
+VXS_FN vxs_real vxs_ls_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 ws, vxs_real one)
+{
+    return VXS_LS_FROM_WS(light, row, 0) * ws[0] + VXS_LS_FROM_WS(light, row, 1) * ws[1] + VXS_LS_FROM_WS(light, row, 2) * ws[2] +
+           VXS_LS_FROM_WS(light, row, 3) * one;
+}
+
+VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VXS_OUT vxs_real3 ls)
+{
+    ls[0] = vxs_ls_coordinate(light, 0, ws, one);
+    ls[1] = vxs_ls_coordinate(light, 1, ws, one);
+    ls[2] = vxs_ls_coordinate(light, 2, ws, one);
+}
+
+/* As an integer; what is clamped lies far outside any map, and stays there. */
+VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
+{
+    vxs_real limit = VXS_REAL(1 << 30);
+    if (!(coordinate > -limit)) return -(1 << 30);
+    return coordinate < limit ? VXS_I(coordinate) : 1 << 30;
+}
+
+/* Whole voxels, away from zero, so that a step too short to leave the voxel of the surface still leaves it. */
+VXS_FN vxs_real vxs_whole_step(vxs_real voxels)
+{
+    if (vxs_abs(voxels) < VXS_STEP_NOISE) return VXS_REAL(0.0);
+    return voxels > 0.0 ? ceil(voxels - VXS_STEP_NOISE) : floor(voxels + VXS_STEP_NOISE);
+}
+
+VXS_FN vxs_i32 vxs_sun_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 point_ws, const vxs_real3 normal_ws,
+                                  vxs_i32 filter_px)
+{
+    vxs_real at   = vxs_ls_coordinate(light, row, point_ws, VXS_REAL(1.0));
+    vxs_real bias = vxs_ls_coordinate(light, row, normal_ws, VXS_REAL(0.0));
+    return vxs_clamped(floor(at) + vxs_whole_step(bias * VXS_FIELD(light, texel_metres) * 0.5 * VXS_REAL(filter_px)));
+}
+
+VXS_FN vxs_i32 vxs_sun_voxel(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
+                             VXS_OUT vxs_int3 voxel)
+{
+    vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels);
+    voxel[0]     = vxs_sun_coordinate(light, 0, point_ws, normal_ws, filter_px);
+    voxel[1]     = vxs_sun_coordinate(light, 1, point_ws, normal_ws, filter_px);
+    voxel[2]     = vxs_sun_coordinate(light, 2, point_ws, normal_ws, filter_px);
+    if (voxel[0] < 0 || voxel[1] < 0 || voxel[0] >= side || voxel[1] >= side) return -1;
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) == 0u) return 0;
+    return voxel[2] < 0 || voxel[2] >= side ? -1 : 0;
+}
+
+/* 1 in the cone and range of a spot or point light; what is not a number is nowhere. */
+VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
+{
+    vxs_real distance2 = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
+    vxs_real range     = VXS_FIELD(light, range_metres);
+    if (!(distance2 >= 0.0)) return 0;
+    if (range > 0.0 && distance2 > range * range) return 0;
+    return VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT || ls[2] >= VXS_FIELD(light, cos_outer) * sqrt(distance2) ? 1 : 0;
+}
+
+/* A texel of a spot or point light, where the point lies at `across` metres along u or v and z away from the light, and the normal
+ * at n and n_along. There texels are z * texel_metres wide: the paper's half filter along the normal is a step of
+ * filter / 2 * (n - n_along * across / z) texels. A step leaves a map of fewer than 256 texels, whose border is too narrow for it, and is
+ * held in the map. */
+VXS_FN vxs_i32 vxs_lamp_texel(VXS_LIGHT light, vxs_real across, vxs_real z, vxs_real n, vxs_real n_along, vxs_i32 filter_px)
+{
+    vxs_i32  side  = VXS_I(1) << VXS_FIELD(light, levels);
+    vxs_real at    = floor(0.5 * VXS_REAL(side) + across / z / VXS_FIELD(light, texel_metres));
+    vxs_i32  texel = vxs_clamped(at + vxs_whole_step(0.5 * VXS_REAL(filter_px) * (n - n_along * across / z)));
+    return texel < 0 ? 0 : texel < side ? texel : side - 1;
+}
+
+VXS_FN vxs_i32 vxs_lamp_voxel(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
+                              VXS_OUT vxs_int3 voxel)
+{
+    vxs_real3 ls, normal_ls, p, n;
+    vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
+    vxs_ls_from_ws(light, normal_ws, VXS_REAL(0.0), normal_ls);
+    vxs_i32 map = vxs_map_of(light, ls);
+    vxs_turn_to_face(vxs_face(light, map), ls, p);
+    vxs_turn_to_face(vxs_face(light, map), normal_ls, n);
+
+    vxs_real z    = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the light's own place is lit */
+    voxel[0]      = vxs_lamp_texel(light, p[0], z, n[0], n[2], filter_px);
+    voxel[1]      = vxs_lamp_texel(light, p[1], z, n[1], n[2], filter_px);
+    /* voxels are as deep as texels are wide: of a step along the axis, as many as it is metres at one metre from the light */
+    vxs_real bias = 0.5 * VXS_REAL(filter_px) * n[2] * VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres);
+    voxel[2] = vxs_clamped(floor(log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres)) + vxs_whole_step(bias));
+    return vxs_in_reach(light, ls) != 0 ? map : -1;
+}
+
+/* The voxel of a point, [0] and [1] texels, [2] depth; may lie outside the map.
+ * point_ws   metres; in a shader, relative to the origin that vxs_light_constants_of was given
+ * normal_ws  a unit normal: the voxel is moved by half the filter's width along it, in whole voxels away from the surface, so that a
+ *            surface does not shadow itself ([CPVS16] 5); (0, 0, 0) in the air
+ * filter_px  width of the filter that the voxel is for
+ * Returns the map that the voxel is in: 0, or 0 to 5 of a light with six; -1 when the point is outside the light's volume. */
+VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
+                                 VXS_OUT vxs_int3 voxel)
+{
+    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) return vxs_sun_voxel(light, point_ws, normal_ws, filter_px, voxel);
+    return vxs_lamp_voxel(light, point_ws, normal_ws, filter_px, voxel);
+}
+
+/* lookup ---------------------------------------------------------------------------------------------------------------------- */
+
+/* The lit fraction, 0 to 1, of filter_px x filter_px taps around a voxel of a map: a box PCF. In front of the map all is lit; what is
+ * behind it is in the shadow of its last voxels. */
+VXS_FN vxs_real vxs_lit_at_voxel(VXS_DAG dag, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_i32 filter_px)
+{
+    vxs_u32 levels = VXS_FIELD(light, levels), root = 0u, dark;
+    vxs_i32 last = (VXS_I(1) << levels) - 1;
+    if (voxel[2] < 0) return VXS_REAL(1.0);
+    vxs_u32 k = VXS_U(voxel[2] < last ? voxel[2] : last);
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(dag, VXS_U(map));
+    if (filter_px == 1)
+        dark = vxs_shadow(dag, root, levels, VXS_U(voxel[0]), VXS_U(voxel[1]), k);
+    else
+        dark = vxs_shadow_count(dag, root, levels, voxel[0], voxel[1], k, filter_px);
+    vxs_u32 taps = VXS_U(filter_px * filter_px);
+    return VXS_REAL(taps - dark) / VXS_REAL(taps);
+}
+
+/* The same around a point; VXS_OUTSIDE when it is outside the light's volume. Arguments as for vxs_voxel_from_ws. */
+VXS_FN vxs_real vxs_lit(VXS_DAG dag, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+{
+    vxs_int3 voxel;
+    vxs_i32  map = vxs_voxel_from_ws(light, point_ws, normal_ws, filter_px, voxel);
+    if (map < 0) return VXS_OUTSIDE;
+    return vxs_lit_at_voxel(dag, light, map, voxel, filter_px);
+}
+
+/* voxel to world -------------------------------------------------------------------------------------------------------------- */
+
+/* Of the matrix without its last column. */
+VXS_FN vxs_real vxs_cofactor(VXS_LIGHT light, vxs_i32 row, vxs_i32 column)
+{
+    vxs_i32 a = (row + 1) % 3, b = (row + 2) % 3, c = (column + 1) % 3, d = (column + 2) % 3;
+    return VXS_LS_FROM_WS(light, a, c) * VXS_LS_FROM_WS(light, b, d) - VXS_LS_FROM_WS(light, a, d) * VXS_LS_FROM_WS(light, b, c);
+}
+
+/* A coordinate of world space; `from` is a point of light space less that of the world's origin. */
+VXS_FN vxs_real vxs_ws_coordinate(VXS_LIGHT light, const vxs_real3 from, vxs_i32 column)
+{
+    vxs_real determinant = VXS_LS_FROM_WS(light, 0, 0) * vxs_cofactor(light, 0, 0) +
+                           VXS_LS_FROM_WS(light, 0, 1) * vxs_cofactor(light, 0, 1) +
+                           VXS_LS_FROM_WS(light, 0, 2) * vxs_cofactor(light, 0, 2);
+    return (from[0] * vxs_cofactor(light, 0, column) + from[1] * vxs_cofactor(light, 1, column) +
+            from[2] * vxs_cofactor(light, 2, column)) /
+           determinant;
+}
+
+/* The point in world space of coordinates of a map: texels u, v and depth in voxels, none of them whole. */
+VXS_FN void vxs_ws_from_voxel(VXS_LIGHT light, vxs_i32 map, const vxs_real3 at, VXS_OUT vxs_real3 point_ws)
+{
+    vxs_real3 ls, from;
+    ls[0] = at[0];
+    ls[1] = at[1];
+    ls[2] = at[2];
+    if (VXS_FIELD(light, kind) != VXS_LIGHT_KIND_DIRECTIONAL) {
+        vxs_real3 p;
+        vxs_real  middle = 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels));
+        p[2]             = VXS_FIELD(light, near_metres) * exp(at[2] * VXS_FIELD(light, voxel_metres));
+        p[0]             = (at[0] - middle) * VXS_FIELD(light, texel_metres) * p[2];
+        p[1]             = (at[1] - middle) * VXS_FIELD(light, texel_metres) * p[2];
+        vxs_turn_from_face(vxs_face(light, map), p, ls);
+    }
+    from[0]     = ls[0] - VXS_LS_FROM_WS(light, 0, 3);
+    from[1]     = ls[1] - VXS_LS_FROM_WS(light, 1, 3);
+    from[2]     = ls[2] - VXS_LS_FROM_WS(light, 2, 3);
+    point_ws[0] = vxs_ws_coordinate(light, from, 0);
+    point_ws[1] = vxs_ws_coordinate(light, from, 1);
+    point_ws[2] = vxs_ws_coordinate(light, from, 2);
+}
+
+#endif

@@ -1,0 +1,165 @@
+# The headers of a lookup in every dialect that docs/runtime.md names: each shader of tests/shaders compiles without a warning, the
+# constants of a light lie where runtime/vxs.h says, and what the includer has to bring is asked for.
+# tests/unit/test_shaders.c runs the shaders.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import os
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from conftest import ROOT
+
+HEADERS = ("vxs_lookup.h", "vxs_space.h")
+SHADERS = sorted((ROOT / "tests" / "shaders").iterdir())
+WORDS = "#version 430 core\nlayout(std430, binding = 0) buffer shadow_words { uint words[]; };\n"
+WORD = "#define vxs_word(dag, i) words[(dag) + (i)]\n"
+COMPUTE = "layout(local_size_x = 1) in;\n"
+
+
+def header(name):
+    return (ROOT / "formats" / name).read_text()
+
+
+@pytest.fixture
+def glslang(tmp_path):
+    """glslang(text, name, *options): what the compiler says of a text, all of which is one string as a shader's is."""
+    if not shutil.which("glslangValidator"):
+        pytest.skip("no glslangValidator: package glslang-tools")
+
+    def run(text, name, *options, good=True):
+        (tmp_path / name).write_text(text)
+        done = subprocess.run(["glslangValidator", *options, name], cwd=tmp_path, capture_output=True, text=True)
+        assert (done.returncode == 0) == good, done.stdout
+        assert not good or "WARNING" not in done.stdout, done.stdout
+        return done.stdout
+
+    return run
+
+
+def with_headers(text):
+    for name in HEADERS:
+        assert text.count(f'#include "{name}"\n') == 1
+        text = text.replace(f'#include "{name}"\n', header(name))
+    return text
+
+
+def options_of(name):
+    if name.endswith(".hlsl"):  # whose includes work
+        return ["-D", "-V", "-S", "frag", "-e", "main", f"-I{ROOT / 'formats'}", "-o", "shader.spv"]
+    return ["-V", "-o", "shader.spv"] if "vulkan" in name else []
+
+
+def test_dialects():
+    versions = {path.name: path.read_text().partition("\n")[0] for path in SHADERS}
+    assert versions == {"lit.hlsl": "#define VXS_HLSL", "lit_300es.frag": "#version 300 es", "lit_310es.frag": "#version 310 es",
+                        "lit_330.frag": "#version 330 core", "lit_430.frag": "#version 430 core", "lit_vulkan.frag": "#version 450"}
+
+
+@pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
+def test_shader_compiles(glslang, shader):
+    text = shader.read_text()
+    glslang(text if shader.suffix == ".hlsl" else with_headers(text), shader.name, *options_of(shader.name))
+
+
+@pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
+def test_shader_calls_every_function(glslang, shader):
+    """What a shader does not call is compiled, too, but not what a call of it needs."""
+    text = shader.read_text()
+    vec = ("int3", "float3") if shader.suffix == ".hlsl" else ("ivec3", "vec3")
+    body = ("{%s voxel; %s p; vxs_ws_from_voxel(light, 5, position_ws, p);"
+            " int map = vxs_voxel_from_ws(light, p, normal_ws, 17, voxel);"
+            " float a = vxs_lit_at_voxel(light.dag, light, map, voxel, 1); " % vec)
+    call = re.search(r"(return|lit =) vxs_lit\(.*\);", text)
+    text = text.replace(call[0], f"{body} {call[0].rstrip(';')} + a; }}")
+    glslang(text if shader.suffix == ".hlsl" else with_headers(text), shader.name, *options_of(shader.name))
+
+
+def test_lookup_header_alone(glslang):
+    """For a shader that knows its voxels."""
+    glslang(WORDS + COMPUTE + WORD + header("vxs_lookup.h") +
+            "void main() { words[0] = vxs_shadow_count(1u, vxs_face_root(1u, 3u), 8u, 5, 6, 7u, 9)\n"
+            "    + vxs_shadow(1u, 0u, 8u, 5u, 6u, 7u); }\n", "lookup.comp")
+
+
+def test_word_has_to_be_defined(glslang):
+    said = glslang(WORDS + header("vxs_lookup.h") + "void main() {}\n", "none.frag", good=False)
+    assert "vxs_word is not defined" in said
+
+
+def test_popcount_is_the_includers(glslang):
+    said = glslang(WORDS + WORD + "#define vxs_popcount(x) bits_of(x)\n" + header("vxs_lookup.h") + "void main() {}\n", "bits.frag",
+                   good=False)
+    assert "bits_of" in said
+
+
+# --- the constants of a light -----------------------------------------------------------------------------------------------------
+
+
+def offsets_in_c():
+    text = (ROOT / "runtime" / "vxs.h").read_text()
+    struct = re.search(r"typedef struct vxs_light_constants \{(.*?)\} vxs_light_constants; +/\* (\d+) bytes", text, re.DOTALL)
+    rows = re.findall(r"^ +\w+ +(\w+)(?:\[(\d+)\])?; +/\* byte +(\d+)", struct[1], re.MULTILINE)
+    return {name: int(byte) for name, _, byte in rows}, int(struct[2])
+
+
+def reflected(said, prefix):
+    return {name: int(offset) for name, offset in re.findall(rf"^{re.escape(prefix)}(\w+): offset (\d+)", said, re.MULTILINE)}
+
+
+def test_constants_lie_as_in_c(glslang):
+    wanted, size = offsets_in_c()
+    reserved = wanted.pop("reserved")
+    wanted |= {f"reserved_{n}": reserved + 4 * n for n in range(3)}
+    assert len(wanted) == 13 and size == 96
+    fields = " + ".join(f"float(c.{name}{'[0].x' if name == 'ls_from_ws' else ''})" for name in wanted)
+    said = glslang(WORDS + COMPUTE + WORD + header("vxs_lookup.h") + header("vxs_space.h") +
+                   "layout(std140, binding = 0) uniform block { vxs_light_constants one; vxs_light_constants some[3]; };\n"
+                   "layout(std430, binding = 1) buffer lights { vxs_light_constants all[]; };\n"
+                   f"float sum(vxs_light_constants c) {{ return {fields}; }}\n"
+                   "void main() { words[0] = uint(sum(one) + sum(some[1]) + sum(all[1])); }\n", "layout.comp", "-l", "-q")
+    assert reflected(said, "one.") == reflected(said, "all.") == wanted
+    assert reflected(said, "some.") == {name: size + offset for name, offset in wanted.items()}
+    for array in ("some", "all"):
+        assert re.search(rf"^{array}\.dag: .*topLevelArrayStride {size}$", said, re.MULTILINE)
+
+
+# --- the same text in C and C++ with the includer's macros -------------------------------------------------------------------------
+
+FLOATS = """
+#define vxs_real      float
+#define VXS_REAL_MIN  1e-30f
+#define VXS_LIGHT     const vxs_light_constants *
+#define VXS_DAG       uint32_t
+#define vxs_popcount(x) bits_of(x)
+#define vxs_word(dag, i) words[(dag) + (i)]
+#include <stdint.h>
+static const uint32_t words[5] = {0, 0x5ee0, 0, 0, 0};
+static inline uint32_t bits_of(uint32_t x) { uint32_t n = 0; for (; x; x &= x - 1) n++; return n; }
+#include "runtime/vxs.h"
+#include "formats/vxs_space.h"
+int main(void)
+{
+    vxs_light_constants light = {{0}, 1, 1, 0, 0, 0, VXS_LIGHT_KIND_DIRECTIONAL, 0, 3, 1, {0}};
+    const float normal[3] = {0, 0, 0};
+    float point[3] = {2.5f, 4.5f, 7.5f};
+    int n;
+    for (n = 0; n < 3; n++) light.ls_from_ws[5 * n] = 1;
+    if (vxs_lit(light.dag, &light, point, normal, 1) != 0) return 1;
+    point[2] = -1;
+    if (vxs_lit(light.dag, &light, point, normal, 1) != 1) return 2;
+    point[0] = 9;
+    return vxs_lit(light.dag, &light, point, normal, 9) == VXS_OUTSIDE ? 0 : 3;
+}
+"""
+
+
+@pytest.mark.parametrize("language, standard", [("c", "c99"), ("c++", "c++11")])
+def test_macros_of_the_includer(language, standard, tmp_path):
+    """A lookup in float on the constants of a shader, with words and bits of the includer's own."""
+    compiler = os.environ.get("CC", "cc") if language == "c" else os.environ.get("CXX", "c++")
+    (tmp_path / "floats").write_text(FLOATS)
+    subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
+                    f"-I{ROOT / 'formats'}", f"-I{ROOT / 'runtime'}", tmp_path / "floats", "-o", tmp_path / "run", "-lm"], check=True)
+    assert subprocess.run([tmp_path / "run"]).returncode == 0

@@ -1,0 +1,17 @@
+#version 330 core
+uniform usampler2D words; /* R32UI, NEAREST, 2048 texels wide: the DAGs of all lights, one after the other */
+uint shadow_word(uint at) { return texelFetch(words, ivec2(int(at & 2047u), int(at >> 11)), 0).r; }
+#define vxs_word(dag, i) shadow_word((dag) + (i))
+
+#include "vxs_lookup.h"
+#include "vxs_space.h"
+
+layout(std140) uniform shadow_light { vxs_light_constants light; };
+in vec3 position_ws;
+in vec3 normal_ws;
+out float lit;
+
+void main()
+{
+    lit = vxs_lit(light.dag, light, position_ws, normal_ws, 9);
+}

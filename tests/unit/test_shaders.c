@@ -1,0 +1,527 @@
+/* The shaders of tests/shaders/, and others on the same headers, run by OpenGL and held against C: from integer voxels bit for bit, from
+ * positions but for where float rounding decides between two voxels. A query is a point that is drawn into a pixel of its own, so that
+ * versions without compute shaders are asked the same way.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/opengl/gl.h"
+
+#include <GL/osmesa.h>
+#include <stdio.h>
+
+#include "dag_sample.h"
+#include "formats/vxs_lookup.h"
+#include "random_lamp.h"
+#include "runtime/vxs.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#define DRAW_FUNCTIONS(X)                                                                                                          \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                     \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                                           \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                                 \
+    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)
+
+enum { WIDTH_PX = 256, HEIGHT_PX = 64, QUERIES = WIDTH_PX * HEIGHT_PX, WORDS_WIDE = 2048, FIRST_WORD = 5 };
+
+/* What is drawn with. No light starts at word 0. */
+typedef struct drawing {
+    gl_context *gl;
+#define DRAW_POINTER(type, name) type name;
+    DRAW_FUNCTIONS(DRAW_POINTER)
+#undef DRAW_POINTER
+    GLuint program, words_texture;
+} drawing;
+
+/* As the vertex shader reads it. */
+typedef struct query {
+    float position[3], normal[3];
+} query;
+
+static const char *const dialects[] = {"lit_430.frag", "lit_330.frag", "lit_310es.frag", "lit_300es.frag"};
+enum { DIALECTS = sizeof dialects / sizeof *dialects };
+
+/* text ---------------------------------------------------------------------------------------------------------------------------- */
+
+static char *read_text(const char *folder, const char *name)
+{
+    char path[64], *text = dag_sample_alloc(1, 1 << 16);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "r");
+    if (!file) {
+        print_message("%s is not here: start this test in the root of the repository\n", path);
+        skip();
+    }
+    size_t size = fread(text, 1, (1 << 16) - 1, file);
+    assert_true(size > 0 && size < (1 << 16) - 1);
+    fclose(file);
+    return text;
+}
+
+/* Cut a text at a line, which is left out; returns what follows. */
+static char *cut(char *text, const char *line)
+{
+    char *at = strstr(text, line);
+    assert_non_null(at);
+    *at = 0;
+    return at + strlen(line);
+}
+
+/* A shader of tests/shaders with the texts that it includes.
+ * body       NULL, or what takes the place of its own
+ * filter_px  one or two digits, in the place of its 9 */
+static GLuint fragment_shader(const drawing *d, const char *dialect, const char *body, const char *filter_px)
+{
+    char *head = read_text("tests/shaders", dialect), *rest = cut(head, "#include \"vxs_lookup.h\"\n");
+    char *own = cut(rest, "#include \"vxs_space.h\"\n"), *end = cut(own, "normal_ws, 9);");
+    char *lookup = read_text("formats", "vxs_lookup.h"), *space = read_text("formats", "vxs_space.h");
+
+    const char *with_body[4] = {head, lookup, space, body}, *whole[7] = {head, lookup, space, own, "normal_ws, ", filter_px, ");"};
+    GLuint      shader = d->gl->CreateShader(GL_FRAGMENT_SHADER);
+    const char *all[8];
+    memcpy(all, whole, sizeof whole);
+    all[7] = end;
+    d->gl->ShaderSource(shader, body ? 4 : 8, body ? with_body : all, NULL);
+    free(head);
+    free(lookup);
+    free(space);
+    return shader;
+}
+
+/* The first line of a dialect, and the same text for all. */
+static GLuint vertex_shader(const drawing *d, const char *dialect)
+{
+    static const char text[] = "layout(location = 0) in vec3 position;\n"
+                               "layout(location = 1) in vec3 normal;\n"
+                               "out vec3 position_ws;\n"
+                               "out vec3 normal_ws;\n"
+                               "void main() {\n"
+                               "    position_ws = position;\n"
+                               "    normal_ws = normal;\n"
+                               "    vec2 pixel = vec2(gl_VertexID % 256, gl_VertexID / 256) + 0.5;\n"
+                               "    gl_Position = vec4(pixel / vec2(128.0, 32.0) - 1.0, 0.0, 1.0);\n"
+                               "    gl_PointSize = 1.0;\n"
+                               "}\n";
+    char             *head   = read_text("tests/shaders", dialect);
+    GLuint            shader = d->gl->CreateShader(GL_VERTEX_SHADER);
+    *cut(head, "\n")         = 0;
+    d->gl->ShaderSource(shader, 3, (const char *[3]){head, "\n", text}, NULL);
+    free(head);
+    return shader;
+}
+
+static void compile(const drawing *d, const char *dialect, GLuint shader)
+{
+    char  log[4096] = "";
+    GLint good;
+    d->gl->CompileShader(shader);
+    d->GetShaderiv(shader, GL_COMPILE_STATUS, &good);
+    d->GetShaderInfoLog(shader, sizeof log, NULL, log);
+    if (!good || log[0]) fail_msg("%s: %s", dialect, log); /* no warning, either */
+    d->gl->AttachShader(d->program, shader);
+    d->gl->DeleteShader(shader);
+}
+
+static void use_program(drawing *d, const char *dialect, const char *body, const char *filter_px)
+{
+    GLint good;
+    if (d->program) d->gl->DeleteProgram(d->program);
+    d->program = d->gl->CreateProgram();
+    compile(d, dialect, vertex_shader(d, dialect));
+    compile(d, dialect, fragment_shader(d, dialect, body, filter_px));
+    d->gl->LinkProgram(d->program);
+    d->gl->GetProgramiv(d->program, GL_LINK_STATUS, &good);
+    assert_true(good);
+    d->gl->UseProgram(d->program);
+}
+
+/* drawing ------------------------------------------------------------------------------------------------------------------------- */
+
+static drawing drawing_make(void)
+{
+    drawing d = {0};
+    message m = {0};
+    GLuint  pixels, frame, array;
+    if (gl_context_create(&d.gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
+        print_message("no OpenGL 4.5: %s\n", m.error);
+        skip();
+    }
+#define DRAW_LOAD(type, name)                                                                                                      \
+    d.name = (type)OSMesaGetProcAddress("gl" #name);                                                                               \
+    assert_true(d.name != NULL);
+    DRAW_FUNCTIONS(DRAW_LOAD)
+#undef DRAW_LOAD
+    d.gl->CreateTextures(GL_TEXTURE_2D, 1, &pixels);
+    d.gl->TextureStorage2D(pixels, 1, GL_R32F, WIDTH_PX, HEIGHT_PX);
+    d.gl->GenFramebuffers(1, &frame);
+    d.gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+    d.gl->FramebufferTexture(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, pixels, 0);
+    d.gl->Viewport(0, 0, WIDTH_PX, HEIGHT_PX);
+    d.gl->GenVertexArrays(1, &array);
+    d.gl->BindVertexArray(array);
+    return d;
+}
+
+static void bind_buffer(const drawing *d, GLenum target, size_t size, const void *data)
+{
+    GLuint buffer;
+    d->gl->GenBuffers(1, &buffer);
+    d->gl->BindBuffer(target, buffer);
+    d->gl->BufferData(target, (GLsizeiptr)size, data, GL_STATIC_DRAW);
+    if (target != GL_ARRAY_BUFFER) d->BindBufferBase(target, 0, buffer);
+}
+
+/* The words of several lights behind each other, as a storage buffer and as a texture.
+ * first  [out] [count] where each light's begin */
+static void put_words(drawing *d, const vxs_baked_light *const *lights, uint32_t count, uint32_t *first)
+{
+    uint32_t total = FIRST_WORD;
+    for (uint32_t n = 0; n < count; n++) {
+        first[n] = total;
+        total += lights[n]->dag.word_count;
+    }
+    uint32_t  rows  = total / WORDS_WIDE + 1;
+    uint32_t *words = dag_sample_alloc((size_t)rows * WORDS_WIDE, sizeof *words);
+    for (uint32_t n = 0; n < count; n++) memcpy(words + first[n], lights[n]->dag.words, lights[n]->dag.word_count * sizeof *words);
+    bind_buffer(d, GL_SHADER_STORAGE_BUFFER, total * sizeof *words, words);
+    if (d->words_texture) d->gl->DeleteTextures(1, &d->words_texture);
+    d->gl->CreateTextures(GL_TEXTURE_2D, 1, &d->words_texture);
+    d->gl->TextureStorage2D(d->words_texture, 1, GL_R32UI, WORDS_WIDE, (GLsizei)rows);
+    d->gl->TextureSubImage2D(d->words_texture, 0, 0, 0, WORDS_WIDE, (GLsizei)rows, GL_RED_INTEGER, GL_UNSIGNED_INT, words);
+    d->TextureParameteri(d->words_texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    d->TextureParameteri(d->words_texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    d->gl->BindTextureUnit(0, d->words_texture);
+    free(words);
+}
+
+/* answers  [out] [QUERIES] */
+static void draw(const drawing *d, const query *queries, float *answers)
+{
+    bind_buffer(d, GL_ARRAY_BUFFER, QUERIES * sizeof *queries, queries);
+    for (GLuint n = 0; n < 2; n++) {
+        d->gl->VertexAttribPointer(n, 3, GL_FLOAT, GL_FALSE, sizeof *queries, (const void *)(n * sizeof queries->position));
+        d->gl->EnableVertexAttribArray(n);
+    }
+    d->gl->ClearBufferfv(GL_COLOR, 0, (float[4]){-7, 0, 0, 0});
+    d->gl->DrawArrays(GL_POINTS, 0, QUERIES);
+    d->gl->ReadPixels(0, 0, WIDTH_PX, HEIGHT_PX, GL_RED, GL_FLOAT, answers);
+    assert_int_equal(d->gl->GetError(), GL_NO_ERROR);
+}
+
+/* subjects ------------------------------------------------------------------------------------------------------------------------ */
+
+static vxs_asset *open_light(const vxs_write_light *light)
+{
+    vxs_write_desc desc = {.lights = light, .light_count = 1, .zstd_level = 1};
+    vxs_bytes      file = {0};
+    vxs_asset     *asset;
+    assert_int_equal(vxs_write(&file, &desc), VXS_OK);
+    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+    free(file.data);
+    return asset;
+}
+
+typedef enum light_kind { SUN, BOUNDED_SUN, LAMP_FIRST, KINDS = LAMP_FIRST + LAMP_SHAPES } light_kind;
+
+/* A light of a sample, turned at random and about `at`, which is the place of a lamp and the middle of a sun's map. */
+static vxs_write_light turned_light(rng *r, const dag_sample *s, light_kind kind, const double at[3])
+{
+    lamp            of = random_lamp(r, kind < LAMP_FIRST ? POINT : (lamp_shape)(kind - LAMP_FIRST));
+    vxs_write_light light =
+        kind < LAMP_FIRST ? dag_sample_light(s, "sun") : dag_sample_lamp(s, "lamp", of.light.kind, of.light.flags);
+    if (kind == BOUNDED_SUN) light.light.flags = VXS_LIGHT_BOUNDED;
+    for (int row = 0; row < 3; row++) {
+        double *m = light.light.ls_from_ws + 4 * row, scale = kind >= LAMP_FIRST ? 1 : row < 2 ? 1 / light.light.texel_metres : 1;
+        for (int n = 0; n < 3; n++) m[n] = of.axis[row][n] * scale;
+        m[3] = (kind < LAMP_FIRST ? ldexp(0.5, (int)s->levels) : 0) - dot(m, at);
+    }
+    memcpy(light.light.direction_ws, of.axis[2], sizeof of.axis[2]);
+    return light;
+}
+
+/* How far a number is from where rounding to whole ones decides. */
+static double clear_of_whole(double x)
+{
+    return fabs(x - rint(x));
+}
+
+static double clear_of_step(double step)
+{
+    return fabs(step) < 1e-9 ? 1 : clear_of_whole(step);
+}
+
+/* How far a point is from where rounding decides: a voxel's side, an edge of cone, range or cube, a step that is whole. */
+static double clear_by(const vxs_light *l, const double *point, const double *normal, int filter_px)
+{
+    double ls[3], n[3], by = 1, size[3], half = 0.5 * filter_px;
+    for (int row = 0; row < 3; row++) {
+        const double *m = l->ls_from_ws + 4 * row;
+        n[row]          = dot(m, normal);
+        ls[row]         = dot(m, point) + m[3];
+        size[row]       = fabs(ls[row]);
+    }
+    if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        for (int c = 0; c < 3; c++) by = fmin(by, fmin(clear_of_whole(ls[c]), clear_of_step(n[c] * l->texel_metres * half)));
+        return by;
+    }
+    double metres = sqrt(dot(ls, ls)), side = ldexp(1, (int)l->levels);
+    if (l->kind == VXS_LIGHT_KIND_SPOT) by = fmin(by, 100 * fabs(ls[2] / metres - l->cos_outer));
+    if (l->range_metres > 0) by = fmin(by, 100 * fabs(metres / l->range_metres - 1));
+    int along = l->flags & VXS_LIGHT_CUBE ? size[1] > size[0] ? 1 : 0 : 2;
+    if (size[2] > size[along]) along = 2;
+    for (int c = 0; c < 3; c++) {
+        if (c == along) continue;
+        double slope = ls[c] / ls[along], step = half * (n[c] - n[along] * slope);
+        if (l->flags & VXS_LIGHT_CUBE) by = fmin(by, 100 * fabs(size[c] / size[along] - 1));
+        by = fmin(by, fmin(clear_of_whole(side / 2 + slope / l->texel_metres), clear_of_step(step)));
+    }
+    double depth = log(size[along] / l->near_metres) / l->voxel_metres;
+    return fmin(by, fmin(clear_of_whole(depth), clear_of_step(half * n[along] * l->texel_metres / l->voxel_metres)));
+}
+
+/* tests --------------------------------------------------------------------------------------------------------------------------- */
+
+/* A texel near what may go wrong: the corners and sides of the map, just outside and far outside. */
+static float tricky_texel(rng *r, int32_t side)
+{
+    switch (rng_below(r, 8)) {
+    case 0: return (float)rng_between(r, -12, 12);
+    case 1: return (float)(side + rng_between(r, -12, 12));
+    case 2: return (float)(8 * rng_between(r, 0, side / 8) + rng_between(r, -1, 1));
+    case 3: return ldexpf(rng_below(r, 2) ? 1 : -1, rng_between(r, 8, 30));
+    default: return (float)rng_between(r, 0, side - 1);
+    }
+}
+
+/* Position: texels and depth; normal: the word of the light, its levels, the width of the filter. */
+static const char voxel_body[] =
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    uint dag = uint(normal_ws.x), levels = uint(normal_ws.y), last = (1u << levels) - 1u;\n"
+    "    int i = int(position_ws.x), j = int(position_ws.y);\n"
+    "    uint k = uint(position_ws.z), x = min(uint(max(i, 0)), last), y = min(uint(max(j, 0)), last);\n"
+    "    uint dark = vxs_shadow_count(dag, 0u, levels, i, j, k, int(normal_ws.z));\n"
+    "    answer = float(2u * dark + vxs_shadow(dag, 0u, levels, x, y, k));\n"
+    "}\n";
+
+static void test_voxels(void **state)
+{
+    static query           queries[QUERIES];
+    static float           answers[QUERIES];
+    dag_sample             samples[3];
+    vxs_asset             *assets[3];
+    const vxs_baked_light *lights[3];
+    uint32_t               first[3];
+    drawing                d = drawing_make();
+    rng                    r = {9};
+    (void)state;
+    for (uint32_t n = 0; n < 3; n++) {
+        dag_sample_init(&samples[n], &(rng){31 + n}, (uint32_t[]){3, 6, 8}[n], 12 + 150 * n);
+        vxs_write_light light = dag_sample_light(&samples[n], "sun");
+        assets[n]             = open_light(&light);
+        lights[n]             = vxs_asset_light(assets[n], 0);
+    }
+    put_words(&d, lights, 3, first);
+    for (uint32_t n = 0; n < QUERIES; n++) {
+        uint32_t levels = samples[n % 3].levels;
+        int32_t  side   = 1 << levels;
+        queries[n]      = (query){{tricky_texel(&r, side), tricky_texel(&r, side), (float)rng_below(&r, 1u << levels)},
+                                  {(float)first[n % 3], (float)levels, (float)(1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2))}};
+    }
+    for (int dialect = 0; dialect < DIALECTS; dialect++) {
+        use_program(&d, dialects[dialect], voxel_body, NULL);
+        draw(&d, queries, answers);
+        for (uint32_t n = 0; n < QUERIES; n++) {
+            const query    *q     = &queries[n];
+            const uint32_t *words = lights[n % 3]->dag.words, levels = samples[n % 3].levels;
+            int32_t         last = (1 << levels) - 1, i = (int32_t)q->position[0], j = (int32_t)q->position[1];
+            uint32_t        k = (uint32_t)q->position[2],
+                     x        = (uint32_t)(i < 0      ? 0
+                                           : i < last ? i
+                                                      : last),
+                     y        = (uint32_t)(j < 0      ? 0
+                                           : j < last ? j
+                                                      : last);
+            uint32_t dark     = vxs_shadow_count(words, 0, levels, i, j, k, (int32_t)q->normal[2]);
+            if (answers[n] != (float)(2 * dark + vxs_shadow(words, 0, levels, x, y, k)))
+                fail_msg("%s, query %u: %g", dialects[dialect], n, (double)answers[n]);
+        }
+    }
+    gl_context_destroy(d.gl);
+    for (int n = 0; n < 3; n++) {
+        vxs_asset_close(assets[n]);
+        dag_sample_free(&samples[n]);
+    }
+}
+
+/* Positions and normals about a light, most of them in its volume. */
+static void fill_queries(rng *r, const vxs_light *l, const double at[3], const double origin[3], query *queries)
+{
+    int    sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL, one_map = !sun && !(l->flags & VXS_LIGHT_CUBE);
+    double side = ldexp(1, (int)l->levels);
+    for (int n = 0; n < QUERIES; n++) {
+        double way[3], normal[3], metres = sun ? side * uniform(r, 0, 0.6) : 0.4 * pow(25, uniform(r, 0, 1));
+        random_direction(r, way);
+        random_direction(r, normal);
+        for (int k = 0; k < 3; k++) {
+            double towards         = one_map ? 0.7 * metres * l->direction_ws[k] : 0;
+            queries[n].position[k] = (float)(at[k] + metres * way[k] + towards - origin[k]);
+            queries[n].normal[k]   = n % 3 ? (float)normal[k] : 0;
+        }
+    }
+}
+
+typedef struct tally {
+    int asked, outside, partly;
+} tally;
+
+static void check_answers(const vxs_baked_light *baked, const double origin[3], const query *queries, int filter_px,
+                          const float *answers, const char *dialect, tally *sum)
+{
+    for (int n = 0; n < QUERIES; n++) {
+        double point[3], normal[3];
+        for (int k = 0; k < 3; k++) {
+            point[k]  = origin[k] + (double)queries[n].position[k];
+            normal[k] = (double)queries[n].normal[k];
+        }
+        if (clear_by(&baked->light, point, normal, filter_px) < 0.005) continue;
+        float wanted = vxs_lookup(baked, point, normal, filter_px);
+        if (fabsf(answers[n] - wanted) > 1e-6f)
+            fail_msg("%s, %s, filter %d, query %d: %g, expected %g", dialect, baked->light.name, filter_px, n, (double)answers[n],
+                     (double)wanted);
+        sum->asked++;
+        sum->outside += wanted < 0;
+        sum->partly += wanted > 0 && wanted < 1;
+    }
+}
+
+/* The shaders as they stand in tests/shaders, for all kinds of lights, some of them a thousand kilometres from the world's origin. */
+static void test_positions(void **state)
+{
+    static const char *const widths[3] = {"1", "9", "17"};
+    static query             queries[QUERIES];
+    static float             answers[QUERIES];
+    drawing                  d = drawing_make();
+    (void)state;
+    for (int dialect = 0; dialect < DIALECTS; dialect++)
+        for (int width = 0; width < 3; width++) {
+            use_program(&d, dialects[dialect], NULL, widths[width]);
+            for (int kind = 0; kind < KINDS; kind++) {
+                rng        r         = {(uint64_t)(61 + 3 * kind + width)};
+                int        filter_px = atoi(widths[width]);
+                double     far = (kind + width) % 2 ? 1e6 : 0, at[3] = {far + 3, 5 - far, far - 2}, origin[3] = {far, -far, far};
+                dag_sample sample;
+                uint32_t   first;
+                tally      sum = {0};
+                dag_sample_init(&sample, &r, (uint32_t)(4 + 2 * width), 200);
+                vxs_write_light light = turned_light(&r, &sample, (light_kind)kind, at);
+                if (kind >= LAMP_FIRST && (kind + width) % 3) light.light.range_metres = 6;
+                vxs_asset             *asset = open_light(&light);
+                const vxs_baked_light *baked = vxs_asset_light(asset, 0);
+                put_words(&d, &baked, 1, &first);
+                vxs_light_constants c = vxs_light_constants_of(&baked->light, far > 0 ? origin : NULL, first);
+                bind_buffer(&d, GL_UNIFORM_BUFFER, sizeof c, &c);
+                fill_queries(&r, &baked->light, at, origin, queries);
+                draw(&d, queries, answers);
+                check_answers(baked, origin, queries, filter_px, answers, dialects[dialect], &sum);
+                assert_true(sum.asked > QUERIES * 6 / 10);
+                assert_true(sum.outside > QUERIES / 50 || (kind == LAMP_FIRST + POINT && light.light.range_metres == 0));
+                assert_true(sum.partly > (width ? QUERIES / 10 : -1));
+                vxs_asset_close(asset);
+                dag_sample_free(&sample);
+            }
+        }
+    gl_context_destroy(d.gl);
+}
+
+/* Position: coordinates of a map; normal: its number. */
+static const char back_body[] = "layout(std140) uniform shadow_light { vxs_light_constants light; };\n"
+                                "in vec3 position_ws;\n"
+                                "in vec3 normal_ws;\n"
+                                "out float answer;\n"
+                                "void main() {\n"
+                                "    vec3 point_ws;\n"
+                                "    ivec3 voxel;\n"
+                                "    vxs_ws_from_voxel(light, int(normal_ws.x), position_ws, point_ws);\n"
+                                "    int map = vxs_voxel_from_ws(light, point_ws, vec3(0.0), 1, voxel);\n"
+                                "    answer = map == int(normal_ws.x) && voxel == ivec3(floor(position_ws)) ? 1.0 : 0.0;\n"
+                                "}\n";
+
+/* From the middle of each voxel to the world and back. */
+static void test_there_and_back(void **state)
+{
+    static query queries[QUERIES];
+    static float answers[QUERIES];
+    drawing      d = drawing_make();
+    (void)state;
+    for (int dialect = 0; dialect < DIALECTS; dialect++) {
+        use_program(&d, dialects[dialect], back_body, NULL);
+        for (int kind = 0; kind < KINDS; kind++) {
+            if (kind == LAMP_FIRST + WIDE_SPOT) continue; /* maps as a point light's, some of them behind it */
+            rng                 r     = {(uint64_t)(81 + kind)};
+            dag_sample          none  = {.levels = 6};
+            vxs_light           light = turned_light(&r, &none, (light_kind)kind, (double[3]){30, -20, 50}).light;
+            vxs_light_constants c     = vxs_light_constants_of(&light, NULL, 0);
+            double              edge  = kind < LAMP_FIRST ? 0 : 1; /* no texel is on an edge of the cube */
+            c.cos_outer               = 0;
+            bind_buffer(&d, GL_UNIFORM_BUFFER, sizeof c, &c);
+            for (int n = 0; n < QUERIES; n++) {
+                for (int k = 0; k < 3; k++) queries[n].position[k] = (float)(floor(uniform(&r, edge, 64 - edge)) + 0.5);
+                queries[n].normal[0] = kind == LAMP_FIRST + POINT ? (float)rng_below(&r, 6) : 0;
+            }
+            draw(&d, queries, answers);
+            for (int n = 0; n < QUERIES; n++)
+                if (answers[n] != 1) fail_msg("%s, light %d, query %d: %g", dialects[dialect], kind, n, (double)answers[n]);
+        }
+    }
+    gl_context_destroy(d.gl);
+}
+
+/* The offsets that vxs.h and vxs_space.h name. */
+static void test_constants(void **state)
+{
+    const double        origin[3] = {1e6, -2e6, 3e6};
+    dag_sample          none      = {.levels = 6};
+    const vxs_light     l = dag_sample_lamp(&none, "lamp", VXS_LIGHT_KIND_SPOT, 0).light, *light = &l;
+    vxs_light_constants c = vxs_light_constants_of(light, NULL, 77), moved = vxs_light_constants_of(light, origin, 77);
+    (void)state;
+    assert_int_equal(offsetof(vxs_light_constants, ls_from_ws), 0);
+    assert_int_equal(offsetof(vxs_light_constants, texel_metres), 48);
+    assert_int_equal(offsetof(vxs_light_constants, voxel_metres), 52);
+    assert_int_equal(offsetof(vxs_light_constants, near_metres), 56);
+    assert_int_equal(offsetof(vxs_light_constants, range_metres), 60);
+    assert_int_equal(offsetof(vxs_light_constants, cos_outer), 64);
+    assert_int_equal(offsetof(vxs_light_constants, kind), 68);
+    assert_int_equal(offsetof(vxs_light_constants, flags), 72);
+    assert_int_equal(offsetof(vxs_light_constants, levels), 76);
+    assert_int_equal(offsetof(vxs_light_constants, dag), 80);
+    assert_int_equal(offsetof(vxs_light_constants, reserved), 84);
+    assert_int_equal(sizeof(vxs_light_constants), 96);
+    for (int n = 0; n < 12; n++) assert_true(c.ls_from_ws[n] == (float)light->ls_from_ws[n]);
+    assert_true(c.texel_metres == (float)light->texel_metres && c.voxel_metres == (float)light->voxel_metres);
+    assert_true(c.near_metres == (float)light->near_metres && c.range_metres == 0 && c.cos_outer == 0.75f);
+    assert_true(c.kind == VXS_LIGHT_KIND_SPOT && c.flags == 0 && c.levels == 6 && c.dag == 77);
+    assert_true(!c.reserved[0] && !c.reserved[1] && !c.reserved[2]);
+    for (int row = 0; row < 3; row++) {
+        const double *m = light->ls_from_ws + 4 * row;
+        assert_memory_equal(moved.ls_from_ws + 4 * row, c.ls_from_ws + 4 * row, 3 * sizeof(float));
+        assert_true(moved.ls_from_ws[4 * row + 3] == (float)(dot(m, origin) + m[3]));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_voxels),
+        cmocka_unit_test(test_positions),
+        cmocka_unit_test(test_there_and_back),
+        cmocka_unit_test(test_constants),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
