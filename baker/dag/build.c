@@ -77,16 +77,16 @@ typedef struct map_builder {
     uint32_t             batch_count;
 } map_builder;
 
-/* A square is decided when each of its sub-DAGs would be the same slabs of light and shadow. Sub-DAGs take the last boundary of slabs that
- * is lit in all columns, so that boundary must be one and the same whatever their own bounds, between xmin and xmax, are.
- * lit_slabs  [out] slabs of a sub-DAG's side that are lit */
+/* A square is decided when each of its sub-DAGs would be nothing but slabs of light and shadow, the same in all of them. A sub-DAG is lit up
+ * to the last boundary of slabs that its xmin allows, which lies anywhere between the xmin and the xmax of a larger square.
+ * lit_slabs  [out] slabs as deep as a sub-DAG is wide that are lit */
 static int is_decided(const map_builder *b, const column_bounds *bounds, uint32_t level, uint32_t *lit_slabs)
 {
     uint32_t shift = b->sub_level + 3, boundary = bounds->xmin >> shift << shift;
-    *lit_slabs = boundary >> shift;
+    *lit_slabs     = boundary >> shift;
     /* within a slab of the square the boundary takes nodes, of which parts that are not shared want their own */
     if (!b->o->share && boundary & ((8u << level) - 1)) return 0;
-    return bounds->xmax >> shift == *lit_slabs && bounds->emax <= boundary;
+    return bounds->emax <= boundary && (level == b->sub_level || bounds->xmax >> shift == *lit_slabs);
 }
 
 static void build_subs(void *user, size_t begin, size_t end, uint32_t worker)
