@@ -23,10 +23,10 @@ enum { ANALYTIC_PLANES_MAX = 4 };
 
 typedef struct analytic {
     analytic_kind kind;
-    uint32_t      side_px;  /* [8, 2^18] a power of two; also the depth */
-    uint32_t      fetch_px; /* the widest square that is fetched */
-    double        low[3], high[3];       /* box */
-    double        centre[3], radius;     /* sphere */
+    uint32_t      side_px;                       /* [8, 2^18] a power of two; also the depth */
+    uint32_t      fetch_px;                      /* the widest square that is fetched */
+    double        low[3], high[3];               /* box */
+    double        centre[3], radius;             /* sphere */
     double        plane[ANALYTIC_PLANES_MAX][3]; /* a, b, c */
     uint32_t      plane_count;
 
@@ -65,7 +65,7 @@ static inline column_bounds analytic_box_bounds(const analytic *a, const double 
 {
     uint32_t n = a->side_px, e = (uint32_t)floor(a->low[2]), x = (uint32_t)ceil(a->high[2]);
     /* the first and the last texel centre of the square */
-    int any = 1, all = 1;
+    int      any = 1, all = 1;
     for (int axis = 0; axis < 2; axis++) {
         any &= high[axis] >= a->low[axis] && low[axis] < a->high[axis] && ceil(a->low[axis] - 0.5) + 0.5 < a->high[axis];
         all &= low[axis] >= a->low[axis] && high[axis] < a->high[axis];
@@ -93,7 +93,7 @@ static inline column_bounds analytic_plane_bounds(const analytic *a, const doubl
 {
     double nearest = a->side_px, farthest = a->side_px; /* over the square, of the nearest plane */
     for (uint32_t n = 0; n < a->plane_count; n++) {
-        const double *p = a->plane[n];
+        const double *p     = a->plane[n];
         double        least = p[2], most = p[2];
         for (int axis = 0; axis < 2; axis++) {
             least += fmin(p[axis] * low[axis], p[axis] * high[axis]);

@@ -218,7 +218,7 @@ static void add_quarter(dag_merger *g, analytic *a, uint32_t i, uint32_t j)
     message       m     = {.quiet = 1};
     bake_context  ctx   = context_of(&m, 1);
     build_stats   stats = {0};
-    uint32_t      sub   = square_level(sub_dag_side(a->side_px)), half = square_level(a->side_px) - 1, across = 1u << (half - sub);
+    uint32_t      sub = square_level(sub_dag_side(a->side_px)), half = square_level(a->side_px) - 1, across = 1u << (half - sub);
     column_square square;
     assert_int_equal(analytic_fetch(a, half, i, j, &square, &ctx), VXS_OK);
     for (uint32_t n = 0; n < across * across; n++) {
@@ -328,9 +328,9 @@ static void bytes_of_a_merger_that_are_wrong(void **state)
     /* with the checksum made right: many of these are another merger, none is a crash or reads beyond the bytes */
     uint32_t refused = 0;
     for (uint64_t seed = 0; seed < 20000; seed++) {
-        rng      r    = rng_split(seed, 3);
-        size_t   body = bytes.size_bytes - 8, at = rng_below(&r, (uint32_t)body);
-        uint8_t  old  = bytes.data[at];
+        rng     r    = rng_split(seed, 3);
+        size_t  body = bytes.size_bytes - 8, at = rng_below(&r, (uint32_t)body);
+        uint8_t old    = bytes.data[at];
         bytes.data[at] = (uint8_t)rng_u32(&r);
         seal(&bytes);
         vxs_result result = dag_merger_load(&again, bytes.data, bytes.size_bytes);

@@ -16,7 +16,7 @@
 
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/columns/opengl/depth_gl.h" /* before cmocka, whose fail() is a macro */
+#include "baker/columns/opengl/opengl_columns.h" /* before cmocka, whose fail() is a macro */
 #include "baker/light/light_fit.h"
 #include "runtime/vxs.h"
 
@@ -1135,6 +1135,76 @@ static void tiles_of_lamps(void **state)
     casters_free(&k.c);
 }
 
+/* All columns of a fetched square, side_px^2 tiles of (e, x). */
+static column_tile *columns_of(const column_square *square)
+{
+    uint32_t     across = square->side_px / 8;
+    column_tile *tiles  = malloc((size_t)across * across * sizeof *tiles);
+    assert_non_null(tiles);
+    for (uint32_t n = 0; n < across * across; n++)
+        assert_int_equal(square->tile(square->data, n % across, n / across, &tiles[n]), VXS_OK);
+    return tiles;
+}
+
+/* Open a map, fetch all of it, and close it: alone, or with `others` fetched in between. */
+static column_tile *fetch_map(column_source *source, uint32_t map, column_map *others, int other_count, bake_context *ctx)
+{
+    column_map    open;
+    column_square square, other;
+    assert_int_equal(source->open(source->data, map, &open, ctx), VXS_OK);
+    for (int n = 0; n < other_count; n++) {
+        assert_int_equal(others[n].fetch(others[n].data, square_level(others[n].fetch_px), 0, 0, &other, ctx), VXS_OK);
+        others[n].release(others[n].data, &other);
+    }
+    assert_int_equal(open.fetch(open.data, square_level(open.fetch_px), 0, 0, &square, ctx), VXS_OK);
+    column_tile *tiles = columns_of(&square);
+    open.release(open.data, &square);
+    open.close(open.data);
+    return tiles;
+}
+
+/* Maps of a sun and of all faces of a lamp, open at once and fetched in turn, are what each is alone: renderers share a context, but
+ * depths grow in one and shrink in the others. */
+static void several_maps_are_open(void **state)
+{
+    (void)state;
+    enum { SIDE = 512, MAPS = 7 };
+    mesh           k         = city(3, 256);
+    light_shape    shapes[2] = {{.kind = LIGHT_DIRECTIONAL, .direction_ws = {0.3, 0.4, -0.866}, .range_m = INFINITY},
+                                {.kind = LIGHT_POINT, .position_ws = {128, 128, 120}, .range_m = INFINITY}};
+    message        m         = {0};
+    bake_context   ctx       = {.message = &m, .threads = 2};
+    vxs_light      lights[2];
+    opengl_columns rendered[2];
+    column_source  sources[2];
+    for (int n = 0; n < 2; n++) {
+        light_fit_desc fit = {.name = "light", .shape = &shapes[n], .resolution = SIDE};
+        assert_int_equal(light_fit(&lights[n], &k.c, &fit, &m), VXS_OK);
+        rendered[n] =
+            (opengl_columns){.gl = gl, .casters = &k.c, .light = &lights[n], .exit = EXIT_PEEL, .has_exit_map = 1, .tile_px = SIDE};
+        sources[n] = opengl_columns_source(&rendered[n]);
+    }
+    assert_int_equal(sources[0].map_count + sources[1].map_count, MAPS);
+
+    column_map   others[MAPS];
+    column_tile *alone[MAPS];
+    for (int n = 0; n < MAPS; n++) alone[n] = fetch_map(&sources[n > 0], n ? (uint32_t)n - 1 : 0, NULL, 0, &ctx);
+    for (int n = 0; n < MAPS; n++)
+        assert_int_equal(sources[n > 0].open(sources[n > 0].data, n ? (uint32_t)n - 1 : 0, &others[n], &ctx), VXS_OK);
+    size_t seen = 0, bytes = (size_t)(SIDE / 8) * (SIDE / 8) * sizeof(column_tile);
+    for (int n = 0; n < MAPS; n++) {
+        column_tile *among = fetch_map(&sources[n > 0], n ? (uint32_t)n - 1 : 0, others, MAPS, &ctx);
+        assert_memory_equal(among, alone[n], bytes);
+        for (size_t t = 0; t < (size_t)(SIDE / 8) * (SIDE / 8); t++) seen += among[t].e[0] < SIDE;
+        free(among);
+        free(alone[n]);
+    }
+    assert_true(seen > 5000);
+    for (int n = 0; n < MAPS; n++) others[n].close(others[n].data);
+    for (int n = 0; n < 2; n++) opengl_columns_free(&rendered[n]);
+    casters_free(&k.c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1160,6 +1230,7 @@ int main(void)
         cmocka_unit_test(lamps_see_near_and_far),
         cmocka_unit_test(lamps_and_threads),
         cmocka_unit_test(tiles_of_lamps),
+        cmocka_unit_test(several_maps_are_open),
     };
     return cmocka_run_group_tests_name("depth_gl", tests, open_gl, close_gl);
 }
