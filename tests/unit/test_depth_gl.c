@@ -1146,20 +1146,12 @@ static column_tile *columns_of(const column_square *square)
     return tiles;
 }
 
-/* Open a map, fetch all of it, and close it: alone, or with `others` fetched in between. */
-static column_tile *fetch_map(column_source *source, uint32_t map, column_map *others, int other_count, bake_context *ctx)
+static column_tile *fetch_columns(column_map *open, bake_context *ctx)
 {
-    column_map    open;
-    column_square square, other;
-    assert_int_equal(source->open(source->data, map, &open, ctx), VXS_OK);
-    for (int n = 0; n < other_count; n++) {
-        assert_int_equal(others[n].fetch(others[n].data, square_level(others[n].fetch_px), 0, 0, &other, ctx), VXS_OK);
-        others[n].release(others[n].data, &other);
-    }
-    assert_int_equal(open.fetch(open.data, square_level(open.fetch_px), 0, 0, &square, ctx), VXS_OK);
+    column_square square;
+    assert_int_equal(open->fetch(open->data, square_level(open->fetch_px), 0, 0, &square, ctx), VXS_OK);
     column_tile *tiles = columns_of(&square);
-    open.release(open.data, &square);
-    open.close(open.data);
+    open->release(open->data, &square);
     return tiles;
 }
 
@@ -1186,21 +1178,31 @@ static void several_maps_are_open(void **state)
     }
     assert_int_equal(sources[0].map_count + sources[1].map_count, MAPS);
 
-    column_map   others[MAPS];
+    column_map   maps[MAPS];
     column_tile *alone[MAPS];
-    for (int n = 0; n < MAPS; n++) alone[n] = fetch_map(&sources[n > 0], n ? (uint32_t)n - 1 : 0, NULL, 0, &ctx);
-    for (int n = 0; n < MAPS; n++)
-        assert_int_equal(sources[n > 0].open(sources[n > 0].data, n ? (uint32_t)n - 1 : 0, &others[n], &ctx), VXS_OK);
-    size_t seen = 0, bytes = (size_t)(SIDE / 8) * (SIDE / 8) * sizeof(column_tile);
     for (int n = 0; n < MAPS; n++) {
-        column_tile *among = fetch_map(&sources[n > 0], n ? (uint32_t)n - 1 : 0, others, MAPS, &ctx);
-        assert_memory_equal(among, alone[n], bytes);
-        for (size_t t = 0; t < (size_t)(SIDE / 8) * (SIDE / 8); t++) seen += among[t].e[0] < SIDE;
+        column_source *source = &sources[n > 0];
+        assert_int_equal(source->open(source->data, n ? (uint32_t)n - 1 : 0, &maps[n], &ctx), VXS_OK);
+        alone[n] = fetch_columns(&maps[n], &ctx);
+        maps[n].close(maps[n].data);
+    }
+    for (int n = 0; n < MAPS; n++) {
+        column_source *source = &sources[n > 0];
+        assert_int_equal(source->open(source->data, n ? (uint32_t)n - 1 : 0, &maps[n], &ctx), VXS_OK);
+    }
+    size_t seen = 0, tiles = (size_t)(SIDE / 8) * (SIDE / 8);
+    for (int turn = 0; turn < 2 * MAPS; turn++) {
+        int          n     = turn * 3 % MAPS;
+        column_tile *among = fetch_columns(&maps[n], &ctx);
+        assert_memory_equal(among, alone[n], tiles * sizeof *among);
+        for (size_t t = 0; t < tiles; t++) seen += among[t].e[0] < SIDE;
         free(among);
-        free(alone[n]);
     }
     assert_true(seen > 5000);
-    for (int n = 0; n < MAPS; n++) others[n].close(others[n].data);
+    for (int n = 0; n < MAPS; n++) {
+        maps[n].close(maps[n].data);
+        free(alone[n]);
+    }
     for (int n = 0; n < 2; n++) opengl_columns_free(&rendered[n]);
     casters_free(&k.c);
 }
