@@ -206,7 +206,7 @@ static vxs_result run(compare_command *c, message *m)
     if (r != VXS_OK) return r;
 
     /* JSON that goes to standard output stays alone there */
-    compare_print(c->json_path && !strcmp(c->json_path, "-") ? stderr : stdout, &c->report);
+    compare_print(is_standard_output(c->json_path) ? stderr : stdout, &c->report);
     return c->json_path ? json_write(c->json_path, compare_json(&c->report), m) : VXS_OK;
 }
 

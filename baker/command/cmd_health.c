@@ -20,12 +20,6 @@ typedef struct health_command {
 
 /* --- for people ------------------------------------------------------------------------------------------------------- */
 
-/* Standard output, unless JSON goes there. */
-static FILE *people(const health_command *c)
-{
-    return c->json_path && !strcmp(c->json_path, "-") ? stderr : stdout;
-}
-
 static void say_progress(const char *what)
 {
     progress_say(isatty(STDERR_FILENO), "examining %s", what);
@@ -91,9 +85,8 @@ static void print_summary(FILE *to, const casters *c, const mesh_health *h)
                     c->component_count[kind], c->triangles_of_kind[kind]);
 }
 
-static vxs_result print_health(const health_command *c, const casters *casting, const mesh_health *h, message *m)
+static vxs_result print_health(FILE *to, const health_command *c, const casters *casting, const mesh_health *h, message *m)
 {
-    FILE   *to     = people(c);
     ranked *order  = malloc((h->count + 1) * sizeof *order);
     size_t  faulty = 0;
     if (!order) return fail(m, VXS_E_MEMORY, "out of memory for a table of %zu components", h->count);
@@ -179,7 +172,7 @@ static vxs_result run(health_command *c, message *m)
     r = mesh_health_examine(&h, &casting, say_progress, m);
     progress_clear();
     if (r != VXS_OK) goto done;
-    if ((r = print_health(c, &casting, &h, m)) != VXS_OK) goto done;
+    if ((r = print_health(is_standard_output(c->json_path) ? stderr : stdout, c, &casting, &h, m)) != VXS_OK) goto done;
     if (c->json_path)
         r = json_write(
             c->json_path,
