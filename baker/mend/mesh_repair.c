@@ -410,13 +410,6 @@ static void measure_boxes(const snapshot *v, box *boxes)
         box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
-static double diagonal(const box *b)
-{
-    double extent[3];
-    vec3_sub(b->max, b->min, extent);
-    return sqrt(vec3_dot(extent, extent));
-}
-
 /* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or cannot be. */
 static int triangulate(repair *x, const filling *f, const uint32_t *hole, size_t count)
 {
@@ -429,7 +422,7 @@ static int triangulate(repair *x, const filling *f, const uint32_t *hole, size_t
         memcpy(&x->points[3 * i], p, 3 * sizeof *p);
         box_add(&bounds, p);
     }
-    double diameter = diagonal(&bounds), whole = diagonal(&f->boxes[v->component_of[hole[0] / 3]]);
+    double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[hole[0] / 3]]);
     if ((diameter > x->o->hole_diameter_m || diameter > REPAIR_HOLE_SHARE * whole) && !mesh_is_crack(x->points, count)) return 0;
     return mesh_fill_hole(x->points, count, x->filled);
 }
