@@ -25,6 +25,13 @@ static inline void box_add(box *b, const double point[3])
     }
 }
 
+/* The length of its diagonal; of a box that holds no point, INFINITY. */
+static inline double box_diagonal(const box *b)
+{
+    double x = b->max[0] - b->min[0], y = b->max[1] - b->min[1], z = b->max[2] - b->min[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
 /* The box of the corners of triangles.
  * positions  [3 * vertices];   indices  [count] vertices */
 static inline box box_of_corners(const double *positions, const uint32_t *indices, size_t count)

@@ -9,7 +9,7 @@
 /* Values of an option that may be repeated. */
 typedef struct text_list {
     const char **items; /* owned; the strings are argv's */
-    size_t       count;
+    size_t       count, capacity;
 } text_list;
 
 /* "12.3 MiB" into text. Returns text. */

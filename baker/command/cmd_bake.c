@@ -1,7 +1,6 @@
 /* vxs bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "baker/files/output_file.h"
@@ -12,19 +11,19 @@
 static vxs_result run(bake_arguments *a, bake_report *report, message *m)
 {
     bake_options *o = &a->o;
-    vxs_result    r = a->json_path ? output_file_check(a->json_path, o->scene_path, m) : VXS_OK;
-    if (r == VXS_OK && a->page_path) r = output_file_check(a->page_path, o->scene_path, m);
+    int to_stdout   = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(a->page_path);
+    vxs_result r;
+
+    if (a->json_path && (r = output_file_check(a->json_path, o->scene_path, m)) != VXS_OK) return r;
+    if (a->page_path && (r = output_file_check(a->page_path, o->scene_path, m)) != VXS_OK) return r;
     o->progress = isatty(STDERR_FILENO);
-    if (r == VXS_OK) r = bake(o, report, m);
-    /* what goes to standard output stays alone there */
-    int to_stdout = !strcmp(o->output_path, "-") || (a->json_path && !strcmp(a->json_path, "-")) ||
-                    (a->page_path && !strcmp(a->page_path, "-"));
-    if (r == VXS_OK) report_print(to_stdout ? stderr : stdout, o, report);
-    if (r == VXS_OK && a->json_path) r = report_write_json(a->json_path, o, report, m);
+    if ((r = bake(o, report, m)) != VXS_OK) return r;
+    report_print(to_stdout ? stderr : stdout, o, report); /* what goes to standard output stays alone there */
+    if (a->json_path && (r = report_write_json(a->json_path, o, report, m)) != VXS_OK) return r;
+    if (!a->page_path) return VXS_OK;
     /* names that were not there before, and are one file now: through a linked folder */
-    if (r == VXS_OK && a->page_path) r = output_file_check(a->page_path, strcmp(o->output_path, "-") ? o->output_path : NULL, m);
-    if (r == VXS_OK && a->page_path) r = bake_page_write(a->page_path, o, report, m);
-    return r;
+    if ((r = output_file_check(a->page_path, is_standard_output(o->output_path) ? NULL : o->output_path, m)) != VXS_OK) return r;
+    return bake_page_write(a->page_path, o, report, m);
 }
 
 int cmd_bake(int argc, char **argv)

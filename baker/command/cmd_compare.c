@@ -28,12 +28,12 @@ typedef struct compare_command {
     compare_report report;
 } compare_command;
 
-/* The scene as an asset was baked from it, with what rays need. */
-typedef struct ground {
+/* The scene with the solids that an asset was baked with, and what rays need of it. */
+typedef struct traced_scene {
     scene   scene;
     casters casters;
     truth  *truth;
-} ground;
+} traced_scene;
 
 /* the command line ------------------------------------------------------------------------------------ */
 
@@ -137,47 +137,47 @@ static vxs_result require_checked(const compare_command *c, const vxs_light *l, 
                 c->files[0], l->name);
 }
 
-static vxs_result compare_asset(compare_command *c, compared_asset *a, const ground *g, message *m)
+static vxs_result compare_asset(compare_command *c, compared_asset *a, const traced_scene *t, message *m)
 {
     uint32_t   count        = vxs_asset_light_count(a->asset);
     vxs_result r            = VXS_OK;
-    a->triangle_count       = g->casters.triangle_count;
-    a->solid_triangle_count = g->casters.solid_triangle_count;
+    a->triangle_count       = t->casters.triangle_count;
+    a->solid_triangle_count = t->casters.solid_triangle_count;
     a->results              = calloc(count, sizeof *a->results);
     if (!a->results) return fail(m, VXS_E_MEMORY, "out of memory for the results of %u lights", count);
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
         const vxs_baked_light *l = vxs_asset_light(a->asset, n);
-        if ((r = compare_light(&a->results[n], g->truth, &g->casters, l, &c->report.options, m)) == VXS_OK)
+        if ((r = compare_light(&a->results[n], t->truth, &t->casters, l, &c->report.options, m)) == VXS_OK)
             r = require_checked(c, &l->light, &a->results[n], m);
     }
     return r;
 }
 
-static vxs_result ground_make(ground *g, const compare_command *c, closed_mode closed, message *m)
+static vxs_result traced_scene_load(traced_scene *t, const compare_command *c, closed_mode closed, message *m)
 {
-    vxs_result r = scene_load_gltf(&g->scene, c->files[0], c->scene_name, m);
-    if (r == VXS_OK) r = casters_from_scene(&g->casters, &g->scene, closed, m);
-    if (r == VXS_OK) r = truth_create(&g->truth, &g->casters, c->report.options.threads, m);
+    vxs_result r = scene_load_gltf(&t->scene, c->files[0], c->scene_name, m);
+    if (r == VXS_OK) r = casters_from_scene(&t->casters, &t->scene, closed, m);
+    if (r == VXS_OK) r = truth_create(&t->truth, &t->casters, c->report.options.threads, m);
     return r;
 }
 
-static void ground_free(ground *g)
+static void traced_scene_free(traced_scene *t)
 {
-    truth_destroy(g->truth);
-    casters_free(&g->casters);
-    scene_free(&g->scene);
-    *g = (ground){0};
+    truth_destroy(t->truth);
+    casters_free(&t->casters);
+    scene_free(&t->scene);
+    *t = (traced_scene){0};
 }
 
 /* All assets see the same camera. */
-static vxs_result stand_camera(compare_command *c, const ground *g, message *m)
+static vxs_result place_camera(compare_command *c, const traced_scene *t, message *m)
 {
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               count;
     const text_list        all = {0};
     vxs_result             r   = asset_choose_lights(c->report.assets[0].asset, &all, lights, &count, m);
     if (r != VXS_OK) return r;
-    camera_stand(&c->camera, &g->casters, lights, count, COMPARE_CAMERA_ASPECT);
+    camera_place(&c->camera, &t->casters, lights, count, COMPARE_CAMERA_ASPECT);
     c->report.options.camera = &c->camera.camera;
     return VXS_OK;
 }
@@ -186,12 +186,12 @@ static vxs_result stand_camera(compare_command *c, const ground *g, message *m)
 static vxs_result compare_alike(compare_command *c, size_t first, message *m)
 {
     compared_asset *assets = c->report.assets;
-    ground          g      = {0};
-    vxs_result      r      = ground_make(&g, c, assets[first].closed, m);
-    if (r == VXS_OK && first == 0 && c->camera_given) r = stand_camera(c, &g, m);
+    traced_scene    t      = {0};
+    vxs_result      r      = traced_scene_load(&t, c, assets[first].closed, m);
+    if (r == VXS_OK && first == 0 && c->camera_given) r = place_camera(c, &t, m);
     for (size_t n = first; n < c->report.asset_count && r == VXS_OK; n++)
-        if (assets[n].closed == assets[first].closed) r = compare_asset(c, &assets[n], &g, m);
-    ground_free(&g);
+        if (assets[n].closed == assets[first].closed) r = compare_asset(c, &assets[n], &t, m);
+    traced_scene_free(&t);
     return r;
 }
 
@@ -206,7 +206,7 @@ static vxs_result run(compare_command *c, message *m)
     if (r != VXS_OK) return r;
 
     /* JSON that goes to standard output stays alone there */
-    compare_print(c->json_path && !strcmp(c->json_path, "-") ? stderr : stdout, &c->report);
+    compare_print(is_standard_output(c->json_path) ? stderr : stdout, &c->report);
     return c->json_path ? json_write(c->json_path, compare_json(&c->report), m) : VXS_OK;
 }
 
@@ -225,7 +225,7 @@ int cmd_compare(int argc, char **argv)
 {
     compare_command  c      = {.report.options = {.points = 100000, .seed = 1, .threads = parallel_default_threads()}};
     compare_options *o      = &c.report.options;
-    picture_camera  *camera = &c.camera.camera;
+    camera_pose     *camera = &c.camera.camera;
     camera->fov_degrees     = 35;
     const option options[]  = {
          {"--points", OPTION_U32, &o->points, 1, 1e9, NULL, "N", "points of each kind (default 100000)", NULL},

@@ -18,15 +18,9 @@ typedef struct health_command {
     int         closed, all;
 } health_command;
 
-/* --- for people ------------------------------------------------------------------------------------------------------- */
+/* --- as text ---------------------------------------------------------------------------------------------------------- */
 
-/* Standard output, unless JSON goes there. */
-static FILE *people(const health_command *c)
-{
-    return c->json_path && !strcmp(c->json_path, "-") ? stderr : stdout;
-}
-
-static void say_progress(const char *what)
+static void show_progress(const char *what)
 {
     progress_say(isatty(STDERR_FILENO), "examining %s", what);
 }
@@ -60,8 +54,8 @@ static void print_row(FILE *to, const mesh_health *h, size_t number)
     const component_health *k = &h->components[number];
     fprintf(to, "%7zu  %-12s %-19s", number, component_kind_name(k->kind), shape_name(k));
     print_counts(to, k);
-    fprintf(to, "  (%.4g, %.4g, %.4g)", (k->box_ws[0] + k->box_ws[3]) / 2, (k->box_ws[1] + k->box_ws[4]) / 2,
-            (k->box_ws[2] + k->box_ws[5]) / 2);
+    fprintf(to, "  (%.4g, %.4g, %.4g)", (k->box_ws.min[0] + k->box_ws.max[0]) / 2, (k->box_ws.min[1] + k->box_ws.max[1]) / 2,
+            (k->box_ws.min[2] + k->box_ws.max[2]) / 2);
     for (uint64_t i = 0; i < k->meets && i < NAMES; i++) fprintf(to, "%s%u", i ? ", " : "; ", h->met[k->meets_first + i]);
     if (k->meets > NAMES) fprintf(to, " and %llu more", (unsigned long long)(k->meets - NAMES));
     fputs("\n", to);
@@ -91,9 +85,8 @@ static void print_summary(FILE *to, const casters *c, const mesh_health *h)
                     c->component_count[kind], c->triangles_of_kind[kind]);
 }
 
-static vxs_result print_health(const health_command *c, const casters *casting, const mesh_health *h, message *m)
+static vxs_result print_health(FILE *to, const health_command *c, const casters *casting, const mesh_health *h, message *m)
 {
-    FILE   *to     = people(c);
     ranked *order  = malloc((h->count + 1) * sizeof *order);
     size_t  faulty = 0;
     if (!order) return fail(m, VXS_E_MEMORY, "out of memory for a table of %zu components", h->count);
@@ -117,7 +110,7 @@ static vxs_result print_health(const health_command *c, const casters *casting, 
     return VXS_OK;
 }
 
-/* --- for machines ----------------------------------------------------------------------------------------------------- */
+/* --- as JSON ---------------------------------------------------------------------------------------------------------- */
 
 static json_t *counts_json(const component_health *k)
 {
@@ -137,10 +130,10 @@ static json_t *counts_json(const component_health *k)
         {"repeated_triangles", k->repeated_triangles},
         {"self_intersections", k->self_intersections},
     };
-    const double *box  = k->box_ws;
+    const double *low = k->box_ws.min, *high = k->box_ws.max;
     json_t       *json = json_pack("{s:b, s:b, s:b, s:f, s:[f,f,f], s:[f,f,f]}", "closed", (int)k->closed, "orientable",
-                                   (int)k->orientable, "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", box[0], box[1],
-                                   box[2], "max_m", box[3], box[4], box[5]);
+                                   (int)k->orientable, "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", low[0], low[1],
+                                   low[2], "max_m", high[0], high[1], high[2]);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         json_object_set_new(json, counts[i].name, json_integer((json_int_t)counts[i].count));
     return json;
@@ -176,10 +169,10 @@ static vxs_result run(health_command *c, message *m)
     if (c->json_path && (r = output_file_check(c->json_path, c->path, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
     if ((r = casters_from_scene(&casting, &s, (closed_mode)c->closed, m)) != VXS_OK) goto done;
-    r = mesh_health_examine(&h, &casting, say_progress, m);
+    r = mesh_health_examine(&h, &casting, show_progress, m);
     progress_clear();
     if (r != VXS_OK) goto done;
-    if ((r = print_health(c, &casting, &h, m)) != VXS_OK) goto done;
+    if ((r = print_health(is_standard_output(c->json_path) ? stderr : stdout, c, &casting, &h, m)) != VXS_OK) goto done;
     if (c->json_path)
         r = json_write(
             c->json_path,

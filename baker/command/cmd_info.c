@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/light_text.h"
+#include "baker/files/json_file.h"
 #include "baker/options/options.h"
 
 static const char *section_name(uint32_t kind)
@@ -112,7 +112,7 @@ int cmd_info(int argc, char **argv)
         const vxs_contents *c          = vxs_asset_contents(asset);
         const vxs_section  *last       = &c->sections[c->section_count - 1];
         uint64_t            file_bytes = last->offset_bytes + last->stored_bytes;
-        if (!json_path || (json_path[0] != '-' || json_path[1])) r = print_info(path, c, file_bytes, &m);
+        if (!is_standard_output(json_path)) r = print_info(path, c, file_bytes, &m);
         if (json_path && r == VXS_OK) r = json_write(json_path, info_json(path, c, file_bytes), &m);
     }
     vxs_asset_close(asset);

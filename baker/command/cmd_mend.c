@@ -160,7 +160,7 @@ static vxs_result run(mend_command *c, message *m)
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
     if ((r = write_scene(c->output_path, &s, m)) != VXS_OK) goto done;
     /* what goes to standard output stays alone there */
-    print_report(!strcmp(c->output_path, "-") || (c->json_path && !strcmp(c->json_path, "-")) ? stderr : stdout, c);
+    print_report(is_standard_output(c->output_path) || is_standard_output(c->json_path) ? stderr : stdout, c);
     if (c->json_path) r = json_write(c->json_path, report_json(c), m);
 done:
     repair_report_free(&c->report);

@@ -7,6 +7,7 @@
 #include "baker/options/camera_choice.h"
 #include "baker/options/filter_choice.h"
 #include "baker/options/options.h"
+#include "baker/picture/picture.h"
 
 enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
 
@@ -29,7 +30,7 @@ static vxs_result draw(picture_command *c, const truth *t, const casters *castin
                        uint32_t count, output_file *out, message *m)
 {
     picture_options *o = &c->options;
-    camera_stand(&c->camera, casting, lights, count, (double)o->width_px / o->height_px);
+    camera_place(&c->camera, casting, lights, count, (double)o->width_px / o->height_px);
     o->camera    = c->camera.camera;
     uint8_t *rgb = malloc((size_t)3 * o->width_px * o->height_px);
     if (!rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px);
@@ -73,7 +74,7 @@ int cmd_picture(int argc, char **argv)
 {
     picture_command  c = {.options = {.width_px = 1280, .height_px = 720, .filter_px = 5, .threads = parallel_default_threads()}};
     picture_options *o = &c.options;
-    picture_camera  *camera = &c.camera.camera;
+    camera_pose     *camera = &c.camera.camera;
     camera->fov_degrees     = 35;
     const option options[]  = {
          {"-o", OPTION_TEXT, &c.out, 0, 0, NULL, "OUT.png", "where the picture goes; - is standard output", NULL},

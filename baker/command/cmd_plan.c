@@ -1,7 +1,6 @@
 /* vxs plan.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
-#include <string.h>
 
 #include "baker/files/output_file.h"
 #include "baker/options/bake_arguments.h"
@@ -9,15 +8,14 @@
 
 static vxs_result run(bake_arguments *a, bake_report *report, message *m)
 {
-    bake_options *o = &a->o;
-    vxs_result    r = VXS_OK;
-    if (o->output_path) r = output_file_check(o->output_path, o->scene_path, m);
-    if (r == VXS_OK && a->json_path) r = output_file_check(a->json_path, o->scene_path, m);
-    if (r == VXS_OK && a->page_path) r = output_file_check(a->page_path, o->scene_path, m);
-    if (r == VXS_OK) r = bake_plan_only(o, report, m);
-    if (r == VXS_OK) plan_print(a->json_path && !strcmp(a->json_path, "-") ? stderr : stdout, o, report);
-    if (r == VXS_OK && a->json_path) r = plan_write_json(a->json_path, o, report, m);
-    return r;
+    const char *const outputs[] = {a->o.output_path, a->json_path, a->page_path};
+    vxs_result        r;
+
+    for (int n = 0; n < 3; n++)
+        if (outputs[n] && (r = output_file_check(outputs[n], a->o.scene_path, m)) != VXS_OK) return r;
+    if ((r = bake_plan_only(&a->o, report, m)) != VXS_OK) return r;
+    plan_print(is_standard_output(a->json_path) ? stderr : stdout, &a->o, report);
+    return a->json_path ? plan_write_json(a->json_path, &a->o, report, m) : VXS_OK;
 }
 
 int cmd_plan(int argc, char **argv)

@@ -57,7 +57,7 @@ int cmd_validate(int argc, char **argv)
     } else if (r != VXS_OK && !found) {
         fail(&m, r, "cannot check '%s': %s", path, vxs_result_text(r));
     } else {
-        if (!json_path || (json_path[0] != '-' || json_path[1])) print_findings(path, findings);
+        if (!is_standard_output(json_path)) print_findings(path, findings);
         r = json_path ? json_write(json_path,
                                    json_pack("{s:o, s:b, s:O}", "file", json_text(path), "valid", !found, "findings", findings), &m)
                       : VXS_OK;

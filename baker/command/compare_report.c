@@ -229,8 +229,8 @@ void compare_print(FILE *to, const compare_report *r)
 {
     fprintf(to, "scene        %s\n", r->scene_path);
     if (r->options.camera) {
-        const picture_camera *c = r->options.camera;
-        uint32_t              width_px, height_px;
+        const camera_pose *c = r->options.camera;
+        uint32_t           width_px, height_px;
         compare_picture_size(r->options.points, &width_px, &height_px);
         fprintf(to, "camera       at (%.6g, %.6g, %.6g) towards (%.6g, %.6g, %.6g), %.4g degrees, %u x %u pixels\n", c->eye_ws[0],
                 c->eye_ws[1], c->eye_ws[2], c->target_ws[0], c->target_ws[1], c->target_ws[2], c->fov_degrees, width_px, height_px);
@@ -346,8 +346,8 @@ static json_t *asset_json(const compare_report *r, const compared_asset *a)
 
 static json_t *camera_json(const compare_report *r)
 {
-    const picture_camera *c = r->options.camera;
-    uint32_t              width_px, height_px;
+    const camera_pose *c = r->options.camera;
+    uint32_t           width_px, height_px;
     compare_picture_size(r->options.points, &width_px, &height_px);
     return json_pack("{s:o, s:o, s:f, s:I, s:I}", "eye_m", vector_json(c->eye_ws), "target_m", vector_json(c->target_ws),
                      "fov_degrees", c->fov_degrees, "width_px", (json_int_t)width_px, "height_px", (json_int_t)height_px);

@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "baker/casters/casters.h"
-#include "baker/truth/compare.h"
+#include "baker/compare/compare.h"
 #include "runtime/vxs.h"
 
 typedef struct compared_asset {

@@ -1,4 +1,4 @@
-/* Points to ask about, read as lines of text; see points.h.
+/* Points, read as lines of text, and answers to them; see points.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/points.h"
 
@@ -7,67 +7,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
 
-#define BUFFER_SIZE ((size_t)1 << 16)
+/* Points of a block. With many lights it has fewer, so that answers take 16 MiB at most. */
+#define BLOCK_POINTS      ((size_t)1 << 16)
+#define BLOCK_ANSWERS_MAX ((size_t)1 << 22)
+#define POINTS_AT_A_TIME  256
 
-/* a line of the greatest length, its CR and LF, and one character that shows that a line is longer */
-_Static_assert(BUFFER_SIZE > POINT_LINE_MAX + 3, "the buffer holds a line");
-
-vxs_result point_reader_init(point_reader *reader, FILE *file, const char *name, message *m)
+/* The next line, ended by a NUL in place of its LF.
+ * length  [out] without the line's end
+ * at_end  [out] 1: there is no further line */
+static vxs_result next_line(point_reader *reader, size_t *length, int *at_end, message *m)
 {
-    *reader = (point_reader){.file = file, .name = name, .buffer = malloc(BUFFER_SIZE + 1)}; /* 1: the last line gets its end */
-    return reader->buffer ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for reading %s", name);
-}
-
-void point_reader_free(point_reader *reader)
-{
-    free(reader->buffer);
-    *reader = (point_reader){0};
-}
-
-/* Move what is left to the front and read on behind it. */
-static vxs_result refill(point_reader *reader, message *m)
-{
-    size_t left = reader->end - reader->begin;
-    memmove(reader->buffer, reader->buffer + reader->begin, left);
-    errno         = 0;
-    size_t got    = fread(reader->buffer + left, 1, BUFFER_SIZE - left, reader->file);
-    reader->begin = 0;
-    reader->end   = left + got;
-    if (got < BUFFER_SIZE - left) {
-        if (ferror(reader->file))
-            return fail(m, VXS_E_READ, "%s: cannot be read: %s", reader->name, errno ? strerror(errno) : "unknown error");
-        reader->at_end = 1;
-    }
-    return VXS_OK;
-}
-
-/* The next line, ended by a NUL in place of its LF; NULL at the end of the file.
- * length  [out] without the line's end */
-static vxs_result next_line(point_reader *reader, char **line, size_t *length, message *m)
-{
-    *line         = NULL;
-    char *begin   = reader->buffer + reader->begin;
-    char *newline = memchr(begin, '\n', reader->end - reader->begin);
-    if (!newline && !reader->at_end && reader->end - reader->begin <= POINT_LINE_MAX + 1) {
-        vxs_result r = refill(reader, m);
-        if (r != VXS_OK) return r;
-        begin   = reader->buffer;
-        newline = memchr(begin, '\n', reader->end);
-    }
-    if (reader->begin == reader->end) return VXS_OK;
-
-    char *end = newline ? newline : reader->buffer + reader->end;
-    reader->line++;
-    *length = (size_t)(end - begin);
-    if (*length && begin[*length - 1] == '\r') --*length;
-    if (*length > POINT_LINE_MAX)
+    int    c = EOF;
+    size_t n = 0;
+    errno    = 0;
+    while (n < sizeof reader->text - 1 && !feof(reader->file) && (c = getc_unlocked(reader->file)) != EOF && c != '\n')
+        reader->text[n++] = (char)c;
+    if (ferror(reader->file))
+        return fail(m, VXS_E_READ, "%s: cannot be read: %s", reader->name, errno ? strerror(errno) : "unknown error");
+    *at_end = c == EOF && !n;
+    if (!*at_end) reader->line++;
+    if (n && reader->text[n - 1] == '\r') n--;
+    if (n > POINT_LINE_MAX)
         return fail(m, VXS_E_READ, "%s: line %llu: longer than %d characters", reader->name, (unsigned long long)reader->line,
                     POINT_LINE_MAX);
-    begin[*length] = '\0';
-    reader->begin  = (size_t)(end - reader->buffer) + (newline ? 1 : 0);
-    *line          = begin;
+    reader->text[n] = '\0';
+    *length         = n;
     return VXS_OK;
 }
 
@@ -117,16 +84,73 @@ static vxs_result parse_point(const point_reader *reader, const char *line, size
 vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, message *m)
 {
     for (*count = 0; *count < capacity;) {
-        char      *line;
-        size_t     length;
-        vxs_result r = next_line(reader, &line, &length, m);
-        if (r != VXS_OK || !line) return r;
+        size_t     length = 0;
+        int        at_end = 0;
+        vxs_result r      = next_line(reader, &length, &at_end, m);
+        if (r != VXS_OK || at_end) return r;
 
         size_t blanks = 0;
-        while (is_blank(line[blanks])) blanks++;
-        if (blanks == length || line[blanks] == '#') continue;
-        if ((r = parse_point(reader, line, length, &points[*count], m)) != VXS_OK) return r;
+        while (is_blank(reader->text[blanks])) blanks++;
+        if (blanks == length || reader->text[blanks] == '#') continue;
+        if ((r = parse_point(reader, reader->text, length, &points[*count], m)) != VXS_OK) return r;
         ++*count;
     }
     return VXS_OK;
+}
+
+/* answers ---------------------------------------------------------------------------------------------- */
+
+typedef struct block {
+    point_answer answer;
+    const void  *user;
+    size_t       light_count, capacity;
+    query_point *points; /* [capacity] */
+    float       *lit;    /* [capacity * light_count] */
+} block;
+
+static void answer_points(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const block *b = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) b->answer(b->user, &b->points[n], &b->lit[n * b->light_count]);
+}
+
+static void print_answer(float lit, char end)
+{
+    if (lit < 0)
+        printf("out%c", end);
+    else if (lit == 0 || lit == 1)
+        printf("%c%c", lit == 0 ? '0' : '1', end);
+    else
+        printf("%.6g%c", (double)lit, end);
+}
+
+vxs_result points_answer(point_answer answer, const void *user, size_t light_count, uint32_t threads, message *m)
+{
+    point_reader reader = {.file = stdin, .name = "standard input"};
+    block        b      = {.answer = answer, .user = user, .light_count = light_count, .capacity = BLOCK_ANSWERS_MAX / light_count};
+    size_t       count  = 0;
+    vxs_result   r      = VXS_OK;
+
+    if (!b.capacity) b.capacity = 1;
+    if (b.capacity > BLOCK_POINTS) b.capacity = BLOCK_POINTS;
+    b.points = malloc(b.capacity * sizeof *b.points);
+    b.lit    = malloc(b.capacity * light_count * sizeof *b.lit);
+    if (!b.points || !b.lit) {
+        r = fail(m, VXS_E_MEMORY, "out of memory for a block of points");
+        goto done;
+    }
+    do {
+        if ((r = points_read(&reader, b.points, b.capacity, &count, m)) != VXS_OK) goto done;
+        parallel_for(threads, count, POINTS_AT_A_TIME, answer_points, &b);
+        for (size_t n = 0; n < count * light_count; n++) print_answer(b.lit[n], (n + 1) % light_count ? ' ' : '\n');
+        if (fflush(stdout) || ferror(stdout)) {
+            r = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
+            goto done;
+        }
+    } while (count);
+done:
+    free(b.points);
+    free(b.lit);
+    return r;
 }

@@ -1,4 +1,4 @@
-/* Points to ask about, read as lines of text.
+/* Points, read as lines of text, and answers to them.
  *
  *     x y z                 a point
  *     x y z nx ny nz        a point of a surface, and the surface's normal there
@@ -23,28 +23,30 @@ typedef struct query_point {
     int    has_normal;
 } query_point;
 
-/* Reads ahead of the points that it has given out. */
 typedef struct point_reader {
-    FILE       *file;   /* borrowed */
-    const char *name;   /* for messages: "standard input"; borrowed */
-    char       *buffer; /* owned */
-    size_t      begin;  /* buffer[begin, end) is read and not yet parsed */
-    size_t      end;
-    int         at_end; /* the file has no more */
-    uint64_t    line;   /* number of the line parsed last, from 1 */
+    FILE       *file;              /* borrowed */
+    const char *name;              /* for messages: "standard input"; borrowed */
+    uint64_t    line;              /* number of the line read last, from 1 */
+    char text[POINT_LINE_MAX + 3]; /* that line; room for a CR, for one character that shows that it is longer, and for a NUL */
 } point_reader;
 
-/* Returns VXS_OK or VXS_E_MEMORY; released with point_reader_free either way. */
-vxs_result point_reader_init(point_reader *reader, FILE *file, const char *name, message *m);
-
-/* Accepts a zeroed object. Leaves the file open. */
-void point_reader_free(point_reader *reader);
-
 /* Read up to `capacity` points: fewer only at the end of the file, so that 0 means that there are no more.
+ * reader  its file and name are set, the rest is zero
  * points  [capacity] the first *count are written
  * count   [out] on failure, the points before the bad line
  * Returns VXS_OK, or VXS_E_READ: the file cannot be read, or a line is no point; m says which and why.
  * Threads: none shared.   Cost: some 0.3 us a point. */
 vxs_result points_read(point_reader *reader, query_point *points, size_t capacity, size_t *count, message *m);
+
+/* How lit a point is by each light.
+ * lit  [out] [light_count] a share, [0, 1]; negative where the point is outside the light's reach
+ * Threads: several at once. */
+typedef void (*point_answer)(const void *user, const query_point *point, float *lit);
+
+/* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0", "1", a number
+ * between, or "out". Points are answered in blocks; the block that a bad line is in is not.
+ * light_count  1 or more
+ * Returns VXS_OK, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY. */
+vxs_result points_answer(point_answer answer, const void *user, size_t light_count, uint32_t threads, message *m);
 
 #endif

@@ -5,11 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/array.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
 
-/* Some ten seconds together. */
+/* Limits of the search for intersections: some ten seconds together. */
 #define LOOKS_MAX 1000000000u
 #define TESTS_MAX 40000000u
 
@@ -23,7 +24,7 @@ typedef struct examination {
     uint8_t       *turned; /* [triangle_count] against its parent in the forest */
     uint64_t      *keys;   /* scratch: [3 * triangle_count] */
     uint64_t      *pairs;  /* [pair_count] solids that meet: lower, higher */
-    size_t         pair_count, pair_room;
+    size_t         pair_count, pair_capacity;
     uint64_t      *recent; /* [RECENT] */
     int            no_memory;
 } examination;
@@ -51,7 +52,7 @@ static void examine_edge(examination *x, uint32_t begin, uint32_t end)
     if (balance > (int64_t)(count % 2) || -balance > (int64_t)(count % 2)) k->oriented = 0;
 }
 
-/* Whether two sides exist: triangles are joined across edges of two, each knowing whether it is turned against its root. */
+/* Whether two sides exist: triangles are joined across edges of two, each with whether it is turned against its root. */
 static void examine_sides(examination *x, uint32_t begin, uint32_t end)
 {
     if (end - begin != 2) return;
@@ -182,13 +183,8 @@ static void measure(examination *x)
         component_health *k = component_at(x, t);
         const double     *p[3];
         for (size_t i = 0; i < 3; i++) p[i] = &c->positions_ws[3 * (size_t)c->indices[3 * t + i]];
-        if (!k->triangles++)
-            for (int i = 0; i < 6; i++) k->box_ws[i] = p[0][i % 3];
-        for (int i = 0; i < 9; i++) {
-            double at = p[i / 3][i % 3];
-            if (at < k->box_ws[i % 3]) k->box_ws[i % 3] = at;
-            if (at > k->box_ws[3 + i % 3]) k->box_ws[3 + i % 3] = at;
-        }
+        k->triangles++;
+        for (size_t i = 0; i < 3; i++) box_add(&k->box_ws, p[i]);
         k->zero_area_triangles += (uint32_t)mesh_is_flat(&soup, t);
     }
 }
@@ -202,7 +198,7 @@ static void sum_volumes(examination *x)
         double            e[3][3];
         if (!k->closed || !k->oriented) continue;
         for (size_t i = 0; i < 9; i++)
-            e[i / 3][i % 3] = c->positions_ws[3 * (size_t)c->indices[3 * t + i / 3] + i % 3] - k->box_ws[i % 3];
+            e[i / 3][i % 3] = c->positions_ws[3 * (size_t)c->indices[3 * t + i / 3] + i % 3] - k->box_ws.min[i % 3];
         k->volume_m3 += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
                          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
                         6;
@@ -231,16 +227,13 @@ static uint64_t *recent_at(const examination *x, uint64_t key)
     return &x->recent[(key * 0x9e3779b97f4a7c15u) >> 48];
 }
 
+/* Repeated pairs are dropped when the array is full, before it grows. */
 static int add_pair(examination *x, uint64_t key)
 {
-    if (x->pair_count == x->pair_room) x->pair_count = drop_repeated(x->pairs, x->pair_count);
-    if (2 * x->pair_count >= x->pair_room) {
-        size_t    room  = x->pair_room ? 2 * x->pair_room : 1024;
-        uint64_t *grown = realloc(x->pairs, room * sizeof *grown);
-        if (!grown) return 0;
-        x->pairs     = grown;
-        x->pair_room = room;
-    }
+    if (x->pair_count == x->pair_capacity) x->pair_count = drop_repeated(x->pairs, x->pair_count);
+    if (2 * x->pair_count >= x->pair_capacity &&
+        !array_reserve(&x->pairs, &x->pair_capacity, 2 * x->pair_count + 1, sizeof *x->pairs))
+        return 0;
     x->pairs[x->pair_count++] = key;
     return 1;
 }
@@ -270,7 +263,7 @@ static int keep_intersection(void *user, uint32_t a, uint32_t b)
     return x->no_memory;
 }
 
-/* Lay out who meets whom: every pair twice, once from each side. */
+/* Lay out which solids meet: every pair twice, once from each side. */
 static int list_met(examination *x)
 {
     mesh_health *h = x->h;
@@ -311,14 +304,12 @@ static int examine_intersections(examination *x)
 static void sum_up(mesh_health *h)
 {
     component_health *sum = &h->total;
+    sum->box_ws           = box_empty();
     sum->closed = sum->orientable = sum->oriented = 1;
     for (size_t i = 0; i < h->count; i++) {
         const component_health *k = &h->components[i];
-        if (!i) memcpy(sum->box_ws, k->box_ws, sizeof sum->box_ws);
-        for (int axis = 0; axis < 3; axis++) {
-            if (k->box_ws[axis] < sum->box_ws[axis]) sum->box_ws[axis] = k->box_ws[axis];
-            if (k->box_ws[3 + axis] > sum->box_ws[3 + axis]) sum->box_ws[3 + axis] = k->box_ws[3 + axis];
-        }
+        box_add(&sum->box_ws, k->box_ws.min);
+        box_add(&sum->box_ws, k->box_ws.max);
         sum->triangles += k->triangles;
         sum->vertices += k->vertices;
         sum->edges += k->edges;
@@ -357,7 +348,8 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
     if (progress) progress("edges");
     if (!make_room(x, h, c)) return 0;
     for (size_t i = 0; i < h->count; i++)
-        h->components[i] = (component_health){.kind = (component_kind)c->kind_of[i], .closed = 1, .orientable = 1, .oriented = 1};
+        h->components[i] = (component_health){
+            .kind = (component_kind)c->kind_of[i], .closed = 1, .orientable = 1, .oriented = 1, .box_ws = box_empty()};
     if (mesh_sort_edges(x->sorted, c->indices, c->triangle_count, c->vertex_count) != VXS_OK) return 0;
     for_each_edge(x, examine_edge);
     for_each_edge(x, find_repeated);

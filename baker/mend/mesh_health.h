@@ -1,8 +1,9 @@
-/* What is wrong with each component of the casters, for people who want to make solids of them.
+/* What keeps each component of the casters from being a solid, and what else is wrong with it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_HEALTH_H
 #define MESH_HEALTH_H
 
+#include "baker/base/box.h"
 #include "baker/casters/casters.h"
 
 #ifdef __cplusplus
@@ -18,34 +19,32 @@ typedef struct component_health {
     uint32_t boundary_edges;       /* of one triangle */
     uint32_t holes;                /* connected groups of boundary edges */
     uint32_t nonmanifold_edges;    /* of more than two triangles */
-    uint32_t misoriented_edges;    /* of two triangles that look to different sides */
+    uint32_t misoriented_edges;    /* of two triangles whose windings differ */
     uint32_t nonmanifold_vertices; /* whose triangles fall into groups that no edge connects */
     uint32_t zero_area_triangles;  /* without area: three corners on one line */
     uint32_t repeated_triangles;   /* whose three corners occurred before, in any order */
-    uint64_t
-        self_intersections; /* pairs of its triangles that have more in common than an edge or a corner; repeated ones do not count */
+    /* pairs of its triangles that have more in common than an edge or a corner; repeated ones do not count */
+    uint64_t self_intersections;
     uint64_t meets_first, meets; /* [meets_first, meets_first + meets) of mesh_health.met */
 
     uint8_t closed;     /* each edge has an even number of triangles */
     uint8_t orientable; /* it has two sides: not so Moebius bands and Klein bottles; edges of two triangles decide */
-    uint8_t
-        oriented; /* and its triangles agree which: no edge is run more often one way than the other, but once where it is open */
+    uint8_t oriented;   /* no edge is run more often one way than the other, but once where it is open */
 
     double volume_m3; /* enclosed, where it is closed and oriented: negative when turned inside out */
-    double box_ws[6]; /* min xyz, max xyz */
+    box    box_ws;
 } component_health;
 
 typedef struct mesh_health {
     size_t            count;
     component_health *components; /* [count] by the casters' numbers: solids first */
     component_health  total;      /* its flags: of all components; its volume: of solids */
-    uint32_t *
-        met; /* [total.meets] solids that a solid touches or crosses, in more than a common corner, ascending; both sides have it */
-    size_t collapsed_triangles; /* in no component */
-    int    gave_up;             /* 1: there are more intersections than are listed */
+    uint32_t *met; /* [total.meets] solids that a solid touches or crosses in more than a common corner, ascending; both have it */
+    size_t    collapsed_triangles; /* in no component */
+    int       gave_up;             /* 1: there are more intersections than are listed */
 } mesh_health;
 
-/* Examine all components. Intersections are exact (CGAL); of two solids one of which is wholly inside the other nothing is said here.
+/* Examine all components. Intersections are exact (CGAL); solids one of which is wholly inside the other are not counted.
  * h         [out] zeroed on failure; released with mesh_health_free
  * progress  NULL, or called with what is done next
  * A few seconds at most for intersections, linear time for the rest.
@@ -54,7 +53,7 @@ vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress
 
 void mesh_health_free(mesh_health *h);
 
-/* 1 when there is something to say about a component beyond its size. */
+/* 1 when any count of faults is not 0, or the component meets another, or is not a closed surface with two sides that looks outward. */
 int component_has_faults(const component_health *c);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Mending components; see mesh_repair.h. Each step looks at the scene anew, so that it sees what the last one has made of it.
+/* Mending components; see mesh_repair.h. After each step that changed the scene a snapshot of it is taken for the next one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/mend/mesh_repair.h"
 
@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/array.h"
+#include "baker/base/box.h"
+#include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
@@ -19,15 +22,15 @@ enum {
     BORDERS_MAX = 256 /* around one vertex; beyond, holes cannot be told apart in good time */
 };
 
-/* The scene as it is now. */
-typedef struct view {
+/* The scene between two steps, welded. */
+typedef struct snapshot {
     mesh_weld mesh;
     uint32_t *sorted;       /* [3 * triangles] half-edges */
     uint32_t *component_of; /* [triangles] */
     size_t    component_count;
     uint8_t  *broken; /* [component_count] 1: some edge does not balance, and no triangle is alpha-tested */
     uint8_t  *masked; /* [component_count] 1: some triangle is */
-} view;
+} snapshot;
 
 typedef struct repair {
     scene                *s;
@@ -36,39 +39,39 @@ typedef struct repair {
     uint32_t             *origin_of; /* [scene triangles] its component in the scene as it was; NONE: it was collapsed */
     repaired_component   *origins;   /* [origin_count] */
     size_t                origin_count;
-    view                  v;
+    snapshot              v;
     uint32_t             *line;   /* [REPAIR_HOLE_EDGES_MAX] vertices along a hole */
     double               *points; /* [3 * REPAIR_HOLE_EDGES_MAX] */
     uint32_t             *filled; /* [3 * REPAIR_HOLE_EDGES_MAX] */
 } repair;
 
-/* --- looking ---------------------------------------------------------------------------------------------------------- */
+/* --- snapshot --------------------------------------------------------------------------------------------------------- */
 
-static void view_free(view *v)
+static void snapshot_free(snapshot *v)
 {
     mesh_weld_free(&v->mesh);
     free(v->sorted);
     free(v->component_of);
     free(v->broken);
     free(v->masked);
-    *v = (view){0};
+    *v = (snapshot){0};
 }
 
-static uint32_t edge_run(const view *v, uint32_t begin)
+static uint32_t edge_run(const snapshot *v, uint32_t begin)
 {
     uint32_t end = begin + 1, edge_count = (uint32_t)(3 * v->mesh.triangle_count);
     while (end < edge_count && mesh_same_edge(v->mesh.indices, v->sorted[begin], v->sorted[end])) end++;
     return end;
 }
 
-static int64_t edge_balance(const view *v, uint32_t begin, uint32_t end)
+static int64_t edge_balance(const snapshot *v, uint32_t begin, uint32_t end)
 {
     int64_t balance = 0;
     for (uint32_t i = begin; i < end; i++) balance += v->mesh.indices[v->sorted[i]] == v->mesh.indices[v->sorted[begin]] ? 1 : -1;
     return balance;
 }
 
-static void judge_components(const repair *x, view *v)
+static void judge_components(const repair *x, snapshot *v)
 {
     uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->masked[v->mesh.from[t]];
@@ -79,11 +82,16 @@ static void judge_components(const repair *x, view *v)
     }
 }
 
-static vxs_result look(repair *x, message *m)
+static vxs_result out_of_memory(const repair *x, message *m)
 {
-    view      *v = &x->v;
+    return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
+}
+
+static vxs_result take_snapshot(repair *x, message *m)
+{
+    snapshot  *v = &x->v;
     vxs_result r;
-    view_free(v);
+    snapshot_free(v);
     if ((r = mesh_weld_scene(&v->mesh, x->s, m)) != VXS_OK) return r;
     size_t count    = v->mesh.triangle_count;
     v->sorted       = malloc((3 * count + 1) * sizeof *v->sorted);
@@ -92,24 +100,24 @@ static vxs_result look(repair *x, message *m)
     v->masked       = calloc(count + 1, sizeof *v->masked);
     if (!v->sorted || !v->component_of || !v->broken || !v->masked ||
         mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count) != VXS_OK)
-        return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
+        return out_of_memory(x, m);
     v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count);
     judge_components(x, v);
     return VXS_OK;
 }
 
-static int is_broken(const view *v, uint32_t triangle)
+static int is_broken(const snapshot *v, uint32_t triangle)
 {
     return v->broken[v->component_of[triangle]];
 }
 
-/* What was done is noted where the triangle came from. */
-static repaired_component *note(const repair *x, uint32_t triangle)
+/* What is done to a triangle is counted for the component that it was part of in the beginning. */
+static repaired_component *origin_at(const repair *x, uint32_t triangle)
 {
     return &x->origins[x->origin_of[x->v.mesh.from[triangle]]];
 }
 
-static const double *position(const view *v, uint32_t vertex)
+static const double *position(const snapshot *v, uint32_t vertex)
 {
     return &v->mesh.positions_ws[3 * (size_t)vertex];
 }
@@ -117,13 +125,13 @@ static const double *position(const view *v, uint32_t vertex)
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
 
 /* The third corner of a triangle. */
-static uint32_t opposite(const view *v, uint32_t h)
+static uint32_t opposite(const snapshot *v, uint32_t h)
 {
     return v->mesh.indices[h % 3 == 0 ? h + 2 : h - 1];
 }
 
-/* Of triangles with the same corners, with the half-edge h of both lowest ones: which way round do most look, and by how many? */
-static int64_t count_copies(const view *v, uint32_t begin, uint32_t end, uint32_t h)
+/* Of triangles with the same corners, with the half-edge h between both lowest ones: how many more have the winding of h's than the other one. */
+static int64_t count_copies(const snapshot *v, uint32_t begin, uint32_t end, uint32_t h)
 {
     int64_t more = 0;
     for (uint32_t i = begin; i < end; i++)
@@ -131,7 +139,7 @@ static int64_t count_copies(const view *v, uint32_t begin, uint32_t end, uint32_
     return more;
 }
 
-/* Does the surface go on from a triangle that has `copies` in all? Then each of its edges has an odd number of other triangles.
+/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles.
  * faces  [half-edges] how many triangles their edges have */
 static int goes_on(const uint32_t *faces, uint32_t t, uint32_t copies)
 {
@@ -140,18 +148,19 @@ static int goes_on(const uint32_t *faces, uint32_t t, uint32_t copies)
     return 1;
 }
 
-static uint32_t count_same(const view *v, uint32_t begin, uint32_t end, uint32_t h)
+static uint32_t count_same(const snapshot *v, uint32_t begin, uint32_t end, uint32_t h)
 {
     uint32_t count = 0;
     for (uint32_t i = begin; i < end; i++) count += opposite(v, v->sorted[i]) == opposite(v, h);
     return count;
 }
 
-/* At the edge of its two lowest corners each triangle is met once. Of its copies the first one stays that looks the way most do. When as
- * many look one way as the other and the surface does not go on, they are walls of closed surfaces that touch: all stay. */
+/* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the first one with
+ * the winding of most stays. When both windings are as many and the surface does not go on, they are walls of closed surfaces that touch:
+ * all stay. */
 static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const uint32_t *faces, uint8_t *removed)
 {
-    const view *v = &x->v;
+    const snapshot *v = &x->v;
     for (uint32_t i = begin; i < end && end - begin <= COPIES_MAX; i++) {
         uint32_t h = v->sorted[i];
         if (removed[h / 3] || opposite(v, h) < mesh_edge_high(v->mesh.indices, h)) continue;
@@ -172,9 +181,9 @@ static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const u
 
 static void find_removed(repair *x, uint32_t *faces, uint8_t *removed)
 {
-    const view *v          = &x->v;
-    mesh_soup   soup       = {v->mesh.positions_ws, v->mesh.indices, v->mesh.triangle_count};
-    uint32_t    edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    const snapshot *v          = &x->v;
+    mesh_soup       soup       = {v->mesh.positions_ws, v->mesh.indices, v->mesh.triangle_count};
+    uint32_t        edge_count = (uint32_t)(3 * v->mesh.triangle_count);
     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
         end = edge_run(v, begin);
         for (uint32_t i = begin; i < end; i++) faces[v->sorted[i]] = end - begin;
@@ -184,15 +193,16 @@ static void find_removed(repair *x, uint32_t *faces, uint8_t *removed)
         if (end - begin > 1 && is_broken(v, v->sorted[begin] / 3)) find_repeated(x, begin, end, faces, removed);
     }
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
-        if (removed[t]) note(x, t)->removed_repeated++;
+        if (removed[t]) origin_at(x, t)->removed_repeated++;
         if (removed[t] || !is_broken(v, t) || !mesh_is_flat(&soup, t)) continue;
         removed[t] = 1;
-        note(x, t)->removed_zero_area++;
+        origin_at(x, t)->removed_zero_area++;
     }
 }
 
-/* Take triangles out of the scene.  gone  [scene triangles] */
-static void close_ranks(repair *x, const uint8_t *gone)
+/* Take triangles out of the scene.
+ * gone  [scene triangles] 1: this one */
+static void take_out(repair *x, const uint8_t *gone)
 {
     scene *s    = x->s;
     size_t kept = 0, masks = 0;
@@ -211,69 +221,57 @@ static void close_ranks(repair *x, const uint8_t *gone)
 
 static vxs_result remove_triangles(repair *x, message *m)
 {
-    const view *v       = &x->v;
-    uint8_t    *removed = calloc(v->mesh.triangle_count + 1, sizeof *removed);
-    uint8_t    *gone    = calloc(x->s->triangle_count + 1, sizeof *gone);
-    uint32_t   *faces   = malloc((3 * v->mesh.triangle_count + 1) * sizeof *faces);
-    size_t      count   = 0;
-    int         ok      = removed && gone && faces;
-    if (ok) {
-        find_removed(x, faces, removed);
-        for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
-            gone[v->mesh.from[t]] = removed[t];
-            count += removed[t];
-        }
-        if (count) close_ranks(x, gone);
+    const snapshot *v       = &x->v;
+    uint8_t        *removed = calloc(v->mesh.triangle_count + 1, sizeof *removed);
+    uint8_t        *gone    = calloc(x->s->triangle_count + 1, sizeof *gone);
+    uint32_t       *faces   = malloc((3 * v->mesh.triangle_count + 1) * sizeof *faces);
+    size_t          count   = 0;
+    vxs_result      r       = VXS_OK;
+    if (!removed || !gone || !faces) {
+        r = out_of_memory(x, m);
+        goto done;
     }
+    find_removed(x, faces, removed);
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
+        gone[v->mesh.from[t]] = removed[t];
+        count += removed[t];
+    }
+    if (!count) goto done;
+    take_out(x, gone);
+    r = take_snapshot(x, m);
+done:
     free(removed);
     free(gone);
     free(faces);
-    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", x->s->triangle_count);
-    return count ? look(x, m) : VXS_OK;
+    return r;
 }
 
 /* --- orient ----------------------------------------------------------------------------------------------------------- */
 
 /* Triangles that are connected by edges of two. */
 typedef struct patch {
-    double area[2]; /* of those that look as its first one does, and of the others */
-    double volume;  /* as the first one looks, around its first corner */
-    double origin[3];
+    double area[2];   /* doubled: of those with the winding of its first one, and of those turned against it */
+    double volume;    /* six times, by the winding of the first one, from its first corner */
+    double origin[3]; /* that corner */
     int    started, one_sided;
 } patch;
 
-static void triangle_edges(const view *v, uint32_t t, const double *o, double e[3][3])
+static void measure_patch(const snapshot *v, patch *p, uint32_t t, int turned)
 {
-    for (int i = 0; i < 3; i++)
-        for (int axis = 0; axis < 3; axis++) e[i][axis] = position(v, v->mesh.indices[3 * (size_t)t + (size_t)i])[axis] - o[axis];
-}
-
-static double determinant(double e[3][3])
-{
-    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
-}
-
-static double area_of(const view *v, uint32_t t)
-{
-    double e[3][3];
-    triangle_edges(v, t, position(v, v->mesh.indices[3 * (size_t)t]), e);
-    double x = e[1][1] * e[2][2] - e[1][2] * e[2][1], y = e[1][2] * e[2][0] - e[1][0] * e[2][2],
-           z = e[1][0] * e[2][1] - e[1][1] * e[2][0];
-    return sqrt(x * x + y * y + z * z) / 2;
-}
-
-static void measure_patch(const view *v, patch *p, uint32_t t, int turned)
-{
-    double e[3][3];
-    if (!p->started) memcpy(p->origin, position(v, v->mesh.indices[3 * (size_t)t]), sizeof p->origin);
+    const uint32_t *corners = &v->mesh.indices[3 * (size_t)t];
+    const double   *a = position(v, corners[0]), *b = position(v, corners[1]), *c = position(v, corners[2]);
+    double          ab[3], ac[3], normal[3], from_origin[3];
+    if (!p->started) memcpy(p->origin, a, sizeof p->origin);
     p->started = 1;
-    p->area[turned] += area_of(v, t);
-    triangle_edges(v, t, p->origin, e);
-    p->volume += turned ? -determinant(e) : determinant(e);
+    vec3_sub(b, a, ab);
+    vec3_sub(c, a, ac);
+    vec3_cross(ab, ac, normal);
+    vec3_sub(a, p->origin, from_origin);
+    p->area[turned] += sqrt(vec3_dot(normal, normal));
+    p->volume += (turned ? -1 : 1) * vec3_dot(from_origin, normal);
 }
 
-/* Should triangles that look as the first one does be turned? */
+/* 1 when triangles with the winding of the first one are to be turned, 0 when the others are. */
 static int first_is_wrong(const patch *p)
 {
     double all = p->area[0] + p->area[1];
@@ -290,13 +288,14 @@ static void turn_triangle(scene *s, uint32_t t)
     v[2]              = swapped;
 }
 
-/* parents, turned  [triangles];  patches  [triangles], used at roots */
+/* parents, turned  [triangles];  patches  [triangles], used at roots
+ * Returns how many triangles it turned. */
 static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch *patches)
 {
-    const view *v          = &x->v;
-    uint32_t    edge_count = (uint32_t)(3 * v->mesh.triangle_count);
-    size_t      count      = 0;
-    int         is_turned;
+    const snapshot *v          = &x->v;
+    uint32_t        edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    size_t          count      = 0;
+    int             is_turned;
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) parents[t] = t;
     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
         end = edge_run(v, begin);
@@ -314,7 +313,7 @@ static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch 
         int          mixed = p->area[0] > 0 && p->area[1] > 0 && !p->one_sided;
         if (!mixed || is_turned != !first_is_wrong(p)) continue;
         turn_triangle(x->s, v->mesh.from[t]);
-        note(x, t)->turned_triangles++;
+        origin_at(x, t)->turned_triangles++;
         count++;
     }
     return count;
@@ -322,33 +321,35 @@ static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch 
 
 static vxs_result orient(repair *x, message *m)
 {
-    size_t    triangle_count = x->v.mesh.triangle_count, count = 0;
-    uint32_t *parents = malloc((triangle_count + 1) * sizeof *parents);
-    uint8_t  *turned  = calloc(triangle_count + 1, sizeof *turned);
-    patch    *patches = calloc(triangle_count + 1, sizeof *patches);
-    int       ok      = parents && turned && patches;
-    if (ok) count = turn_patches(x, parents, turned, patches);
+    size_t     triangle_count = x->v.mesh.triangle_count;
+    uint32_t  *parents        = malloc((triangle_count + 1) * sizeof *parents);
+    uint8_t   *turned         = calloc(triangle_count + 1, sizeof *turned);
+    patch     *patches        = calloc(triangle_count + 1, sizeof *patches);
+    vxs_result r              = VXS_OK;
+    if (!parents || !turned || !patches)
+        r = out_of_memory(x, m);
+    else if (turn_patches(x, parents, turned, patches))
+        r = take_snapshot(x, m);
     free(parents);
     free(turned);
     free(patches);
-    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", triangle_count);
-    return count ? look(x, m) : VXS_OK;
+    return r;
 }
 
 /* --- fill ------------------------------------------------------------------------------------------------------------- */
 
 typedef struct filling {
-    uint32_t *ends_at;   /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
-    uint32_t *at;        /* [half-edges] */
-    uint8_t  *used;      /* [half-edges] */
-    uint32_t *on_path;   /* [vertices] place on the path plus 1, or 0 */
-    uint32_t *path;      /* [half-edges] half-edges, against the way they run */
-    uint32_t *vertex_of; /* [vertices] one of the scene's */
-    uint8_t  *hopeless;  /* [component_count] 1: holes are not all that is wrong, or some are too large */
-    double   *boxes;     /* [6 * component_count] */
-    uint32_t *added;     /* [3 * added_count] scene vertices */
-    uint32_t *beside;    /* [added_count] the triangle at the hole */
-    size_t    added_count, added_room;
+    uint32_t *ends_at;    /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
+    uint32_t *at;         /* [half-edges] */
+    uint8_t  *used;       /* [half-edges] */
+    uint32_t *on_path;    /* [vertices] place on the path plus 1, or 0 */
+    uint32_t *path;       /* [half-edges] half-edges, against the way they run */
+    uint32_t *vertex_of;  /* [vertices] one of the scene's */
+    uint8_t  *stays_open; /* [component_count] 1: holes are not all that is wrong, or some are too large */
+    box      *boxes;      /* [component_count] */
+    uint32_t *added;      /* [3 * added_count] scene vertices */
+    uint32_t *beside;     /* [added_count] the triangle at the hole */
+    size_t    added_count, added_capacity, beside_capacity;
     int       no_memory;
 } filling;
 
@@ -360,37 +361,37 @@ static void filling_free(filling *f)
     free(f->on_path);
     free(f->path);
     free(f->vertex_of);
-    free(f->hopeless);
+    free(f->stays_open);
     free(f->boxes);
     free(f->added);
     free(f->beside);
 }
 
-static int filling_init(filling *f, const view *v)
+static int filling_init(filling *f, const snapshot *v)
 {
     size_t edges = 3 * v->mesh.triangle_count + 1, vertices = v->mesh.vertex_count + 2;
-    f->ends_at   = calloc(vertices, sizeof *f->ends_at);
-    f->at        = malloc(edges * sizeof *f->at);
-    f->used      = calloc(edges, sizeof *f->used);
-    f->on_path   = calloc(vertices, sizeof *f->on_path);
-    f->path      = malloc(edges * sizeof *f->path);
-    f->vertex_of = malloc(vertices * sizeof *f->vertex_of);
-    f->hopeless  = calloc(v->component_count + 1, sizeof *f->hopeless);
-    f->boxes     = malloc((6 * v->component_count + 1) * sizeof *f->boxes);
-    return f->ends_at && f->at && f->used && f->on_path && f->path && f->vertex_of && f->hopeless && f->boxes;
+    f->ends_at    = calloc(vertices, sizeof *f->ends_at);
+    f->at         = malloc(edges * sizeof *f->at);
+    f->used       = calloc(edges, sizeof *f->used);
+    f->on_path    = calloc(vertices, sizeof *f->on_path);
+    f->path       = malloc(edges * sizeof *f->path);
+    f->vertex_of  = malloc(vertices * sizeof *f->vertex_of);
+    f->stays_open = calloc(v->component_count + 1, sizeof *f->stays_open);
+    f->boxes      = malloc((v->component_count + 1) * sizeof *f->boxes);
+    return f->ends_at && f->at && f->used && f->on_path && f->path && f->vertex_of && f->stays_open && f->boxes;
 }
 
-/* Gather border half-edges by the vertex where they end. Components with other edges that do not balance are hopeless. */
-static void gather_borders(const view *v, filling *f)
+/* Gather border half-edges by the vertex where they end. Components with other edges that do not balance stay open. */
+static void gather_borders(const snapshot *v, filling *f)
 {
     uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++)
-        if (!is_broken(v, t)) f->hopeless[v->component_of[t]] = 1;
+        if (!is_broken(v, t)) f->stays_open[v->component_of[t]] = 1;
     for (int place = 0; place < 2; place++) {
         for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
             end        = edge_run(v, begin);
             uint32_t h = v->sorted[begin], to = mesh_edge_end(v->mesh.indices, h);
-            if (end - begin > 1 && edge_balance(v, begin, end)) f->hopeless[v->component_of[h / 3]] = 1;
+            if (end - begin > 1 && edge_balance(v, begin, end)) f->stays_open[v->component_of[h / 3]] = 1;
             if (end - begin > 1 || !is_broken(v, h / 3)) continue;
             if (place)
                 f->at[f->ends_at[to + 1]++] = h;
@@ -402,87 +403,65 @@ static void gather_borders(const view *v, filling *f)
     }
 }
 
-static void measure_boxes(const view *v, double *boxes)
+static void measure_boxes(const snapshot *v, box *boxes)
 {
-    for (size_t i = 0; i < v->component_count; i++)
-        for (int k = 0; k < 6; k++) boxes[6 * i + (size_t)k] = k < 3 ? INFINITY : -INFINITY;
-    for (size_t i = 0; i < 3 * v->mesh.triangle_count; i++) {
-        const double *p   = position(v, v->mesh.indices[i]);
-        double       *box = &boxes[6 * (size_t)v->component_of[i / 3]];
-        for (int axis = 0; axis < 3; axis++) {
-            box[axis]     = fmin(box[axis], p[axis]);
-            box[3 + axis] = fmax(box[3 + axis], p[axis]);
-        }
-    }
+    for (size_t i = 0; i < v->component_count; i++) boxes[i] = box_empty();
+    for (size_t i = 0; i < 3 * v->mesh.triangle_count; i++)
+        box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
-static double distance(const double *p, const double *q)
+/* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or cannot be. */
+static int triangulate(repair *x, const filling *f, const uint32_t *hole, size_t count)
 {
-    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
-}
-
-/* A hole's half-edges, against the way they run; 0 when it is not to be filled. */
-static int may_fill(repair *x, const filling *f, const uint32_t *hole, size_t count)
-{
-    const view *v      = &x->v;
-    double      box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    const snapshot *v      = &x->v;
+    box             bounds = box_empty();
     if (count > x->o->hole_edges_max || count > REPAIR_HOLE_EDGES_MAX || count < 3) return 0;
     for (size_t i = 0; i < count; i++) {
         x->line[i]      = mesh_edge_end(v->mesh.indices, hole[i]);
         const double *p = position(v, x->line[i]);
         memcpy(&x->points[3 * i], p, 3 * sizeof *p);
-        for (int axis = 0; axis < 3; axis++) {
-            box[axis]     = fmin(box[axis], p[axis]);
-            box[3 + axis] = fmax(box[3 + axis], p[axis]);
-        }
+        box_add(&bounds, p);
     }
-    const double *all      = &f->boxes[6 * (size_t)v->component_of[hole[0] / 3]];
-    double        diameter = distance(box, box + 3);
-    if (diameter <= x->o->hole_diameter_m && diameter <= REPAIR_HOLE_SHARE * distance(all, all + 3)) return 1;
-    return mesh_is_crack(x->points, count);
+    double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[hole[0] / 3]]);
+    if ((diameter > x->o->hole_diameter_m || diameter > REPAIR_HOLE_SHARE * whole) && !mesh_is_crack(x->points, count)) return 0;
+    return mesh_fill_hole(x->points, count, x->filled);
 }
 
-/* Room for more triangles; 0 without memory. */
-static int reserve(filling *f, size_t more)
+static int add_triangles(repair *x, filling *f, uint32_t beside, size_t count)
 {
-    if (f->added_count + more <= f->added_room) return 1;
-    size_t    room  = 2 * (f->added_count + more);
-    uint32_t *added = realloc(f->added, 3 * room * sizeof *added);
-    if (added) f->added = added;
-    uint32_t *beside = realloc(f->beside, room * sizeof *beside);
-    if (beside) f->beside = beside;
-    if (added && beside) f->added_room = room;
-    return added && beside;
-}
-
-/* One hole, in the first round to see whether it can be filled, in the second to do so. */
-static void meet_hole(repair *x, filling *f, const uint32_t *hole, size_t count, int fill)
-{
-    uint32_t beside = hole[0] / 3, component = x->v.component_of[beside];
-    if (!fill) {
-        if (!f->hopeless[component] && (!may_fill(x, f, hole, count) || !mesh_fill_hole(x->points, count, x->filled)))
-            f->hopeless[component] = 1;
-        return;
-    }
-    if (f->hopeless[component]) {
-        note(x, beside)->left_holes++;
-        return;
-    }
-    if (!may_fill(x, f, hole, count) || !mesh_fill_hole(x->points, count, x->filled)) return; /* it went well a moment ago */
-    if (!reserve(f, count - 2)) {
-        f->no_memory = 1;
-        return;
-    }
-    for (size_t i = 0; i < count - 2; i++) {
+    if (!array_reserve(&f->added, &f->added_capacity, f->added_count + count, 3 * sizeof *f->added)) return 0;
+    if (!array_reserve(&f->beside, &f->beside_capacity, f->added_count + count, sizeof *f->beside)) return 0;
+    for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < 3; k++) f->added[3 * f->added_count + k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
         f->beside[f->added_count++] = beside;
     }
-    note(x, beside)->filled_holes++;
-    note(x, beside)->added_triangles += (uint32_t)(count - 2);
+    return 1;
 }
 
-/* Walk along borders. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets itself. */
-static void walk(repair *x, filling *f, uint32_t first, int fill)
+/* A hole is visited twice: in the first round it is found out whether it can be filled; in the second it is, when all holes of its component
+ * can be. */
+static void visit_hole(repair *x, filling *f, const uint32_t *hole, size_t count, int fill)
+{
+    uint32_t            beside     = hole[0] / 3;
+    uint8_t            *stays_open = &f->stays_open[x->v.component_of[beside]];
+    repaired_component *origin     = origin_at(x, beside);
+    if (!fill) {
+        if (!*stays_open) *stays_open = !triangulate(x, f, hole, count);
+        return;
+    }
+    if (*stays_open) {
+        origin->left_holes++;
+        return;
+    }
+    if (!triangulate(x, f, hole, count)) return; /* never: it went well in the first round */
+    f->no_memory |= !add_triangles(x, f, beside, count - 2);
+    origin->filled_holes++;
+    origin->added_triangles += (uint32_t)(count - 2);
+}
+
+/* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets
+ * itself. */
+static void follow_border(repair *x, filling *f, uint32_t first, int fill)
 {
     const uint32_t *indices = x->v.mesh.indices;
     size_t          length  = 0;
@@ -493,7 +472,7 @@ static void walk(repair *x, filling *f, uint32_t first, int fill)
         f->on_path[from]  = (uint32_t)length; /* its place, plus 1 */
         if (f->on_path[to]) {
             size_t begin = f->on_path[to] - 1;
-            meet_hole(x, f, &f->path[begin], length - begin, fill);
+            visit_hole(x, f, &f->path[begin], length - begin, fill);
             for (size_t i = begin; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
             length = begin;
         }
@@ -503,18 +482,18 @@ static void walk(repair *x, filling *f, uint32_t first, int fill)
         if (next == NONE) break;
         h = next;
     }
-    /* a path that leads nowhere: triangles there do not agree which way is out */
-    if (length) f->hopeless[x->v.component_of[first / 3]] = 1;
-    if (length && fill) note(x, first / 3)->left_holes++;
+    /* a path that does not close: windings differ there */
+    if (length) f->stays_open[x->v.component_of[first / 3]] = 1;
+    if (length && fill) origin_at(x, first / 3)->left_holes++;
     for (size_t i = 0; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
 }
 
-static void walk_all(repair *x, filling *f, int fill)
+static void follow_borders(repair *x, filling *f, int fill)
 {
     size_t count = f->ends_at[x->v.mesh.vertex_count];
     memset(f->used, 0, 3 * x->v.mesh.triangle_count);
     for (size_t i = 0; i < count; i++)
-        if (!f->used[f->at[i]]) walk(x, f, f->at[i], fill);
+        if (!f->used[f->at[i]]) follow_border(x, f, f->at[i], fill);
 }
 
 /* New triangles at the scene's end. */
@@ -545,22 +524,21 @@ static int append(repair *x, const filling *f)
 
 static vxs_result fill(repair *x, message *m)
 {
-    const view *v  = &x->v;
-    filling     f  = {0};
-    int         ok = filling_init(&f, v);
-    if (ok) {
-        for (size_t i = 0; i < x->s->vertex_count; i++)
-            if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
-        gather_borders(v, &f);
-        measure_boxes(v, f.boxes);
-        walk_all(x, &f, 0);
-        walk_all(x, &f, 1);
-        ok = !f.no_memory && (!f.added_count || append(x, &f));
-    }
-    size_t added = f.added_count;
+    const snapshot *v = &x->v;
+    filling         f = {0};
+    vxs_result      r = VXS_E_MEMORY;
+    if (!filling_init(&f, v)) goto done;
+    for (size_t i = 0; i < x->s->vertex_count; i++)
+        if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
+    gather_borders(v, &f);
+    measure_boxes(v, f.boxes);
+    follow_borders(x, &f, 0);
+    follow_borders(x, &f, 1);
+    if (f.no_memory || (f.added_count && !append(x, &f))) goto done;
+    r = f.added_count ? take_snapshot(x, m) : VXS_OK;
+done:
     filling_free(&f);
-    if (!ok) return fail(m, VXS_E_MEMORY, "out of memory while filling holes of %zu triangles", x->s->triangle_count);
-    return added ? look(x, m) : VXS_OK;
+    return r == VXS_E_MEMORY ? out_of_memory(x, m) : r; /* the first message stays */
 }
 
 /* --- report ----------------------------------------------------------------------------------------------------------- */
@@ -574,20 +552,19 @@ static vxs_result start(repair *x, message *m)
     x->line      = malloc(REPAIR_HOLE_EDGES_MAX * sizeof *x->line);
     x->points    = malloc(3 * REPAIR_HOLE_EDGES_MAX * sizeof *x->points);
     x->filled    = malloc(3 * REPAIR_HOLE_EDGES_MAX * sizeof *x->filled);
-    if (!x->masked || !x->origin_of || !x->line || !x->points || !x->filled)
-        return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", s->triangle_count);
+    if (!x->masked || !x->origin_of || !x->line || !x->points || !x->filled) return out_of_memory(x, m);
     for (size_t t = 0; t < s->triangle_count; t++) {
         x->masked[t]    = (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0;
         x->origin_of[t] = NONE;
     }
     for (size_t i = 0; i < s->mask_triangle_count; i++) x->masked[s->mask_triangles[i].triangle] = 1;
 
-    vxs_result r = look(x, m);
+    vxs_result r = take_snapshot(x, m);
     if (r != VXS_OK) return r;
-    const view *v   = &x->v;
-    x->origin_count = v->component_count;
-    x->origins      = calloc(x->origin_count + 1, sizeof *x->origins);
-    if (!x->origins) return fail(m, VXS_E_MEMORY, "out of memory while repairing %zu triangles", s->triangle_count);
+    const snapshot *v = &x->v;
+    x->origin_count   = v->component_count;
+    x->origins        = calloc(x->origin_count + 1, sizeof *x->origins);
+    if (!x->origins) return out_of_memory(x, m);
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
         uint32_t            component = v->component_of[t];
         repaired_component *c         = &x->origins[component];
@@ -600,16 +577,16 @@ static vxs_result start(repair *x, message *m)
 
 static void note_closed(repair *x)
 {
-    const view *v = &x->v;
+    const snapshot *v = &x->v;
     for (size_t i = 0; i < x->origin_count; i++)
         x->origins[i].closed_after = x->origins[i].triangles > x->origins[i].removed_repeated + x->origins[i].removed_zero_area;
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
         uint32_t component = v->component_of[t];
-        if (v->broken[component] || v->masked[component]) note(x, t)->closed_after = 0;
+        if (v->broken[component] || v->masked[component]) origin_at(x, t)->closed_after = 0;
     }
 }
 
-static int is_worth_telling(const repaired_component *c)
+static int has_findings(const repaired_component *c)
 {
     return c->removed_repeated || c->removed_zero_area || c->turned_triangles || c->filled_holes || c->left_holes;
 }
@@ -631,7 +608,7 @@ static vxs_result sum_up(const repair *x, repair_report *out, message *m)
         t->filled_holes += c->filled_holes;
         t->added_triangles += c->added_triangles;
         t->left_holes += c->left_holes;
-        if (is_worth_telling(c)) out->components[out->count++] = *c;
+        if (has_findings(c)) out->components[out->count++] = *c;
     }
     return VXS_OK;
 }
@@ -650,7 +627,7 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
     r = sum_up(&x, out, m);
 done:
     if (r != VXS_OK) repair_report_free(out);
-    view_free(&x.v);
+    snapshot_free(&x.v);
     free(x.masked);
     free(x.origin_of);
     free(x.origins);

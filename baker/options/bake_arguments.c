@@ -27,23 +27,12 @@ static vxs_result check(bake_arguments *a, int output_needed, message *m)
     return VXS_OK;
 }
 
-static void take_choices(bake_arguments *a)
-{
-    a->o.closed   = (closed_mode)a->closed;
-    a->o.exit     = (exit_mode)a->exit;
-    a->o.rule     = (mask_rule)a->rule;
-    a->o.compress = (compress_choice)a->compress;
-    a->o.stop     = (stop_stage)a->stop;
-    a->o.gl       = (gl_backend)a->gl;
-    a->o.baseline = (baseline_mode)a->baseline;
-}
-
 vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed,
                                 int argc, char **argv, message *m)
 {
     memset(a, 0, sizeof *a);
-    a->o    = (bake_options){.resolution = 4096, .reuse = 1, .zstd_level = 12, .threads = parallel_default_threads()};
-    a->stop = STOP_FINAL;
+    a->o =
+        (bake_options){.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .zstd_level = 12, .threads = parallel_default_threads()};
     const option options[] = {
         {"-o", OPTION_TEXT, &a->o.output_path, 0, 0, NULL, "OUT.vxs", "where the asset goes; - is standard output", NULL},
         {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default: all)", NULL},
@@ -57,10 +46,10 @@ vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char 
         {"--scene", OPTION_TEXT, &a->o.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)",
          NULL},
         {"--maps", OPTION_CHOICE, &a->maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto, which is gl)", NULL},
-        {"--gl", OPTION_CHOICE, &a->gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
-        {"--exit", OPTION_CHOICE, &a->exit, 0, 0, EXIT_CHOICES, NULL,
+        {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
+        {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
          "exit depth of solids: peeled, or the nearest back face (default auto: peeled where solids meet)", NULL},
-        {"--closed", OPTION_CHOICE, &a->closed, 0, 0, CLOSED_CHOICES, NULL,
+        {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
@@ -71,21 +60,20 @@ vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char 
          "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
         {"--json", OPTION_TEXT, &a->json_path, 0, 0, NULL, "FILE", "the report as JSON; - is standard output", NULL},
         {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "for comparison with older work", NULL},
-        {"--rule", OPTION_CHOICE, &a->rule, 0, 0, RULE_CHOICES, NULL,
+        {"--rule", OPTION_CHOICE, &a->o.rule, 0, 0, RULE_CHOICES, NULL,
          "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
         {"--reuse", OPTION_CHOICE, &a->o.reuse, 0, 0, REUSE_CHOICES, NULL,
          "insertion refers to an equal neighbour nearer the light (default on)", NULL},
-        {"--compress", OPTION_CHOICE, &a->compress, 0, 0, COMPRESS_CHOICES, NULL,
+        {"--compress", OPTION_CHOICE, &a->o.compress, 0, 0, COMPRESS_CHOICES, NULL,
          "order of sub-DAG compression (default auto: top-down where it pays)", NULL},
-        {"--stop", OPTION_CHOICE, &a->stop, 0, 0, STOP_CHOICES, NULL,
+        {"--stop", OPTION_CHOICE, &a->o.stop, 0, 0, STOP_CHOICES, NULL,
          "after insertion, sub-DAG compression, or the merge (default final)", NULL},
-        {"--baseline", OPTION_CHOICE, &a->baseline, 0, 0, BASELINE_CHOICES, NULL,
+        {"--baseline", OPTION_CHOICE, &a->o.baseline, 0, 0, BASELINE_CHOICES, NULL,
          "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
     };
     const command_line line = {name, synopsis, summary, options, sizeof options / sizeof *options, 1};
     vxs_result         r    = options_parse(&line, argc, argv, &a->o.scene_path, &a->help_shown, m);
     if (r != VXS_OK || a->help_shown) return r;
-    take_choices(a);
     a->o.pictures = a->page_path != NULL;
     return check(a, output_needed, m);
 }

@@ -12,9 +12,8 @@ typedef struct bake_arguments {
     const char  *page_path; /* --report; NULL: none */
     int          help_shown;
 
-    /* where options lie until they are checked */
     int resolution_given, texel_given;
-    int closed, exit, rule, compress, stop, gl, baseline, maps;
+    int maps; /* the choice of --maps, both of which are gl so far */
 } bake_arguments;
 
 /* Parse and check. name: "bake" or "plan"; output_needed: -o must be given.

@@ -13,8 +13,8 @@ vxs_result camera_check(const camera_choice *c, message *m)
     return VXS_OK;
 }
 
-/* The way light travels that the camera stands beside: a sun's, or one as suns often have it. */
-static const double *light_way(const vxs_baked_light *const *lights, uint32_t count)
+/* The direction of light that the camera is placed beside: that of the first sun, or a usual one. */
+static const double *light_direction(const vxs_baked_light *const *lights, uint32_t count)
 {
     static const double usual[3] = {-0.43, -0.86, -0.26};
     for (uint32_t n = 0; n < count; n++)
@@ -22,8 +22,8 @@ static const double *light_way(const vxs_baked_light *const *lights, uint32_t co
     return usual;
 }
 
-void camera_stand(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
+void camera_place(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
                   double aspect)
 {
-    if (!c->eye_given) picture_frame(&c->camera, casting, light_way(lights, light_count), aspect);
+    if (!c->eye_given) camera_frame(&c->camera, casting, light_direction(lights, light_count), aspect);
 }

@@ -3,19 +3,20 @@
 #ifndef CAMERA_CHOICE_H
 #define CAMERA_CHOICE_H
 
-#include "baker/truth/picture.h"
+#include "baker/truth/camera.h"
+#include "formats/vxs_file.h"
 
 typedef struct camera_choice {
-    picture_camera camera; /* fov_degrees holds its default; eye and target are written by camera_stand when they are not given */
-    int            eye_given, target_given;
+    camera_pose camera; /* fov_degrees holds its default; eye and target are written by camera_place when they are not given */
+    int         eye_given, target_given;
 } camera_choice;
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT when eye or target is missing or both are one point. */
 vxs_result camera_check(const camera_choice *c, message *m);
 
-/* Where no eye is given: stand where all of the casters are in view, beside the first sun of the lights (picture_frame).
+/* Where no eye is given: place the camera so that all casters are in view, beside the first sun of the lights (camera_frame).
  * lights  [light_count];   aspect  width / height */
-void camera_stand(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
+void camera_place(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
                   double aspect);
 
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "baker/base/array.h"
 #include "baker/measure/progress.h"
 
 static void print_help(const command_line *c)
@@ -103,58 +104,50 @@ static vxs_result add_number(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
+static vxs_result add_text(const option *o, const char *value, message *m)
+{
+    text_list *list = o->target;
+    if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items))
+        return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
+    list->items[list->count++] = value;
+    return VXS_OK;
+}
+
+static vxs_result set_choice(const option *o, const char *value, message *m)
+{
+    int index = choice_index(o->choices, value);
+    if (index < 0) return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s", o->name, value, o->choices);
+    *(int *)o->target = index;
+    return VXS_OK;
+}
+
+static vxs_result set_f64(const option *o, const char *value, message *m)
+{
+    double      number;
+    const char *end = parse_number(value, &number);
+    if (!end || *end || number < o->min || number > o->max)
+        return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number from %g to %g", o->name, value, o->min, o->max);
+    *(double *)o->target = number;
+    return VXS_OK;
+}
+
 static vxs_result set_option(const option *o, const char *value, message *m)
 {
-    double number;
     switch (o->kind) {
-    case OPTION_GROUP: break; /* has no name to be found by */
     case OPTION_SWITCH: *(int *)o->target = 1; break;
     case OPTION_TEXT: *(const char **)o->target = value; break;
-    case OPTION_VECTOR: {
-        vxs_result r = set_vector(o, value, m);
-        if (r != VXS_OK) return r;
-        break;
-    }
-    case OPTION_TEXTS: {
-        text_list   *list  = o->target;
-        const char **grown = realloc(list->items, (list->count + 1) * sizeof *grown);
-        if (!grown) return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
-        list->items                = grown;
-        list->items[list->count++] = value;
-        break;
-    }
-    case OPTION_CHOICE: {
-        int index = choice_index(o->choices, value);
-        if (index < 0) return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s", o->name, value, o->choices);
-        *(int *)o->target = index;
-        break;
-    }
-    case OPTION_U32: {
-        vxs_result r = parse_u32(o, value, o->target, m);
-        if (r != VXS_OK) return r;
-        break;
-    }
-    case OPTION_U32S: {
-        vxs_result r = add_number(o, value, m);
-        if (r != VXS_OK) return r;
-        break;
-    }
-    case OPTION_BYTES: {
-        uint64_t bytes;
-        if (!parse_bytes(value, &bytes))
+    case OPTION_VECTOR: return set_vector(o, value, m);
+    case OPTION_TEXTS: return add_text(o, value, m);
+    case OPTION_CHOICE: return set_choice(o, value, m);
+    case OPTION_U32: return parse_u32(o, value, o->target, m);
+    case OPTION_U32S: return add_number(o, value, m);
+    case OPTION_F64: return set_f64(o, value, m);
+    case OPTION_BYTES:
+        if (!parse_bytes(value, o->target))
             return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number of bytes, such as 800M or 2G", o->name, value);
-        *(uint64_t *)o->target = bytes;
         break;
+    case OPTION_GROUP: break; /* has no name to be found by */
     }
-    case OPTION_F64: {
-        const char *end = parse_number(value, &number);
-        if (!end || *end || number < o->min || number > o->max)
-            return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number from %g to %g", o->name, value, o->min, o->max);
-        *(double *)o->target = number;
-        break;
-    }
-    }
-    if (o->given) *o->given = 1;
     return VXS_OK;
 }
 
@@ -195,6 +188,7 @@ static vxs_result parse(const command_line *c, int argc, char **argv, size_t ope
         }
         vxs_result r = set_option(o, value, m);
         if (r != VXS_OK) return r;
+        if (o->given) *o->given = 1;
     }
     if (found < c->operand_count) return fail(m, VXS_E_ARGUMENT, "too few arguments: usage is vxs %s %s", c->name, c->synopsis);
     return VXS_OK;
@@ -215,9 +209,10 @@ vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b,
     struct stat a_status, b_status;
     if (!a_path || !b_path) return VXS_OK;
     int is_same = !strcmp(a_path, b_path);
-    if (is_same && !strcmp(a_path, "-"))
+    if (is_same && is_standard_output(a_path))
         return fail(m, VXS_E_ARGUMENT, "%s - and %s - exclude each other: both would go to standard output", a, b);
-    if (!is_same && strcmp(a_path, "-") && strcmp(b_path, "-") && !stat(a_path, &a_status) && !stat(b_path, &b_status))
+    if (!is_same && !is_standard_output(a_path) && !is_standard_output(b_path) && !stat(a_path, &a_status) &&
+        !stat(b_path, &b_status))
         is_same = S_ISREG(a_status.st_mode) && a_status.st_dev == b_status.st_dev && a_status.st_ino == b_status.st_ino;
     return is_same ? fail(m, VXS_E_ARGUMENT, "%s and %s are both %s: expected two names", a, b, b_path) : VXS_OK;
 }

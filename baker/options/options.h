@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "baker/base/message.h"
 #include "baker/base/text.h"
@@ -18,7 +19,7 @@ typedef enum option_kind {
     OPTION_VECTOR, /* double[(size_t)max]: that many comma-separated finite numbers; see min */
     OPTION_TEXT,   /* const char *, borrowed from argv */
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
-    OPTION_CHOICE, /* int: index of the value in `choices` */
+    OPTION_CHOICE, /* int, or an enum of its size: index of the value in `choices` */
     OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
 } option_kind;
 
@@ -60,6 +61,12 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, const cha
 /* The same, and the last operand may be given more than once.
  * operands  [argc] those that are not given are left alone */
 vxs_result options_parse_repeated(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m);
+
+/* 1 when an output was asked for, and goes to standard output. path  NULL: not asked for */
+static inline int is_standard_output(const char *path)
+{
+    return path && !strcmp(path, "-");
+}
 
 /* Two outputs that must not be one file, nor both standard output. Names that differ may still be links to one file.
  * a, b            the options that name them, for the message

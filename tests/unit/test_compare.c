@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "baker/base/vec3.h"
+#include "baker/compare/compare.h"
+#include "baker/compare/light_volume.h"
 #include "baker/truth/baked_light.h"
-#include "baker/truth/compare.h"
-#include "baker/truth/light_volume.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
@@ -210,9 +210,9 @@ static void distances_have_an_end(void **state)
 static void what_a_camera_sees_is_compared(void **state)
 {
     (void)state;
-    const picture_camera above = {.eye_ws = {4, 20, 4}, .target_ws = {4, 4, 4}, .fov_degrees = 60};
-    const picture_camera below = {.eye_ws = {4, -20, 4}, .target_ws = {4, 4, 4}, .fov_degrees = 60};
-    compare_options      o     = options;
+    const camera_pose above = {.eye_ws = {4, 20, 4}, .target_ws = {4, 4, 4}, .fov_degrees = 60};
+    const camera_pose below = {.eye_ws = {4, -20, 4}, .target_ws = {4, 4, 4}, .fov_degrees = 60};
+    compare_options   o     = options;
     for (int n = 0; n < 2; n++) {
         o.camera             = n ? &below : &above;
         compare_counts right = compared(&words_exact, o).counts[COMPARE_CAMERA];

@@ -47,7 +47,7 @@ static void test_sound_solids(void **state)
     assert_float_equal(h.components[1].volume_m3, 4.0 / 3 * acos(-1) * 8, 0.3);
     assert_float_equal(h.total.volume_m3, h.components[0].volume_m3 + h.components[1].volume_m3, 1e-9);
     assert_int_equal((int)h.components[1].vertices - (int)h.components[1].edges + (int)h.components[1].triangles, 2); /* Euler */
-    assert_float_equal(h.total.box_ws[3], 11, 1e-9);
+    assert_float_equal(h.total.box_ws.max[0], 11, 1e-9);
     done(&b, &h);
 }
 

@@ -22,18 +22,16 @@ static vxs_result read_bytes(const char *bytes, size_t size, size_t block, query
     assert_int_equal(fwrite(bytes, 1, size, file), size);
     rewind(file);
 
-    point_reader reader;
+    point_reader reader = {.file = file, .name = "standard input"};
     query_point  some[CAPACITY];
     size_t       count = 0;
-    vxs_result   r     = point_reader_init(&reader, file, "standard input", m);
-    assert_int_equal(r, VXS_OK);
+    vxs_result   r;
     *total = 0;
     do {
         r = points_read(&reader, some, block, &count, m);
         for (size_t i = 0; i < count; i++, ++*total)
             if (*total < CAPACITY) points[*total] = some[i];
     } while (r == VXS_OK && count);
-    point_reader_free(&reader);
     fclose(file);
     return r;
 }
@@ -147,18 +145,16 @@ static void long_input_is_read_in_pieces(void **state)
 
     FILE *file = fmemopen(text, size, "r");
     assert_non_null(file);
-    message      m = {0};
-    point_reader reader;
+    message      m      = {0};
+    point_reader reader = {.file = file, .name = "text"};
     query_point  some[CAPACITY];
     size_t       count, next = 0;
-    assert_int_equal(point_reader_init(&reader, file, "text", &m), VXS_OK);
     do {
         assert_int_equal(points_read(&reader, some, 7, &count, &m), VXS_OK);
         for (size_t i = 0; i < count; i++, next++)
             assert_true(some[i].position_ws[0] == (double)next && some[i].position_ws[1] == (double)next);
     } while (count);
     assert_int_equal(next, LINES);
-    point_reader_free(&reader);
     fclose(file);
     free(text);
 }
@@ -168,14 +164,12 @@ static void unreadable_files_are_errors(void **state)
     (void)state;
     FILE *file = fopen(".", "r"); /* opens, but cannot be read */
     assert_non_null(file);
-    message      m = {0};
-    point_reader reader;
+    message      m      = {0};
+    point_reader reader = {.file = file, .name = "folder"};
     query_point  p[CAPACITY];
     size_t       count;
-    assert_int_equal(point_reader_init(&reader, file, "folder", &m), VXS_OK);
     assert_int_equal(points_read(&reader, p, CAPACITY, &count, &m), VXS_E_READ);
     assert_string_equal(m.error, "folder: cannot be read: Is a directory");
-    point_reader_free(&reader);
     fclose(file);
 }
 

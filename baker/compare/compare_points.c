@@ -1,6 +1,6 @@
 /* Points that are drawn, and points that are seen; see compare_points.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/compare_points.h"
+#include "baker/compare/compare_points.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,7 +18,7 @@ static box measure_box(const casters *c)
     box    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double extent[3];
     vec3_sub(b.max, b.min, extent);
-    double diagonal = sqrt(vec3_dot(extent, extent));
+    double diagonal = box_diagonal(&b);
     for (int i = 0; i < 3; i++) {
         double margin = fmax(0.025 * extent[i], 0.01 * diagonal);
         b.min[i] -= margin;
@@ -41,7 +41,7 @@ void comparison_init(comparison *out, const truth *t, const casters *c, const vx
     light_volume_init(&out->volume, light, &box_ws);
     if (!o->camera) return;
     compare_picture_size(o->points, &out->width_px, &out->height_px);
-    out->view = picture_view_of(o->camera, COMPARE_CAMERA_ASPECT);
+    out->view = camera_view_of(o->camera, COMPARE_CAMERA_ASPECT);
 }
 
 size_t compare_point_count(const comparison *c, compare_kind kind)
@@ -133,7 +133,7 @@ static int camera_sample(const comparison *c, size_t pixel, uint32_t filter_px, 
     double        x      = ((double)(pixel % c->width_px) + 0.5) / c->width_px;
     double        y      = ((double)(pixel / c->width_px) + 0.5) / c->height_px;
     double        way_ws[3], distance;
-    picture_direction(&c->view, x, y, way_ws);
+    camera_direction(&c->view, x, y, way_ws);
     if (!truth_first_hit(c->truth, eye_ws, way_ws, &distance, s->normal_ws, NULL)) return 0;
     vec3_mad(eye_ws, distance, way_ws, s->point_ws);
     if (vec3_dot(s->normal_ws, way_ws) > 0) turn_normal(s);

@@ -8,7 +8,7 @@
  *        / | \        that is at most 13 % too far; what is thinner than a step may be missed. Inside of solids it is dark.
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/compare_points.h"
+#include "baker/compare/compare_points.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 #ifndef COMPARE_POINTS_H
 #define COMPARE_POINTS_H
 
-#include "baker/truth/compare.h"
-#include "baker/truth/light_volume.h"
+#include "baker/compare/compare.h"
+#include "baker/compare/light_volume.h"
 
 /* What is compared with what. */
 typedef struct comparison {
@@ -17,7 +17,7 @@ typedef struct comparison {
     light_shape            shape; /* of the light, for the truth */
     const compare_options *options;
     light_volume           volume; /* that random points are drawn from */
-    picture_view           view;   /* of options->camera, where there is one */
+    camera_view            view;   /* of options->camera, where there is one */
     uint32_t               width_px, height_px;
 } comparison;
 

@@ -10,7 +10,7 @@
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/picture.h"
+#include "baker/picture/picture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,120 +46,20 @@ typedef struct lamp {
 } lamp;
 
 typedef struct view {
-    const picture_options  *options;
-    const truth            *truth;
+    const picture_options *options;
+    const truth           *truth;
     const vxs_baked_light **suns;  /* [sun_count] */
-    lamp                   *lamps; /* [lamp_count] */
-    uint32_t                sun_count, lamp_count;
-    double                  day; /* of the sky's light: 1, or night */
-    uint8_t                *rgb;
-    picture_view            seen;
-    double                  near_metres; /* haze begins */
-    double                  haze_metres; /* it takes 1 - 1/e in so much */
-    double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
+    lamp                  *lamps; /* [lamp_count] */
+    uint32_t               sun_count, lamp_count;
+    double                 day; /* of the sky's light: 1, or night */
+    uint8_t               *rgb;
+    camera_view            seen;
+    double                 near_metres; /* haze begins */
+    double                 haze_metres; /* it takes 1 - 1/e in so much */
+    double                 sky_metres;  /* what is this far away shuts out half of the sky behind it */
 } view;
 
-/* the camera ------------------------------------------------------------------------------------------ */
-
-static double diagonal_of(const box *b)
-{
-    double extent[3];
-    vec3_sub(b->max, b->min, extent);
-    return sqrt(vec3_dot(extent, extent));
-}
-
-static void corner_of(const box *b, int n, double corner[3])
-{
-    for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
-}
-
-/* Unit axes of a camera that looks along forward, level with the horizon unless it looks straight up or down. */
-static void camera_axes(const double forward[3], double right[3], double up[3])
-{
-    double across[3];
-    vec3_cross(forward, (double[3]){0, 1, 0}, across);
-    if (!vec3_unit(across, right)) memcpy(right, (double[3]){1, 0, 0}, 3 * sizeof *right);
-    vec3_cross(right, forward, up);
-}
-
-/* How far the box reaches to both sides of the target along an axis, seen from `distance`, as slopes. */
-static void slopes_of(const box *b, const double target[3], double distance, const double forward[3], const double axis[3],
-                      double *low, double *high)
-{
-    *low  = INFINITY;
-    *high = -INFINITY;
-    for (int n = 0; n < 8; n++) {
-        double corner[3], from[3];
-        corner_of(b, n, corner);
-        vec3_sub(corner, target, from);
-        double slope = vec3_dot(from, axis) / (distance + vec3_dot(from, forward));
-        *low         = fmin(*low, slope);
-        *high        = fmax(*high, slope);
-    }
-}
-
-/* Wide and flat scenes are mostly ground: they may lose corners of it, for a better view of what stands there. */
-static double closer(const box *b)
-{
-    double flatness = (b->max[1] - b->min[1]) / fmax(fmax(b->max[0] - b->min[0], b->max[2] - b->min[2]), 1e-9);
-    return fmin(fmax(0.57 + 0.72 * flatness, 0.75), 1);
-}
-
-void picture_frame(picture_camera *camera, const casters *c, const double sun_ws[3], double aspect)
-{
-    const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
-    box          b     = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double       size  = fmax(diagonal_of(&b), 1e-9);
-    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
-    double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
-    double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
-    double       right[3], up[3], target[3], distance = 0;
-    camera_axes(forward, right, up);
-    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b.min[i] + b.max[i]);
-
-    /* centre what is seen, step back until it fits, and again, since perspective moves the centre */
-    for (int round = 0; round < 8; round++) {
-        double low, high;
-        distance = 0;
-        for (int n = 0; n < 8; n++) {
-            double corner[3], from[3];
-            corner_of(&b, n, corner);
-            vec3_sub(corner, target, from);
-            double behind = vec3_dot(from, forward);
-            distance      = fmax(distance, fabs(vec3_dot(from, right)) / tan_x - behind);
-            distance      = fmax(distance, fabs(vec3_dot(from, up)) / tan_y - behind);
-        }
-        distance = fmax(distance, size * 1e-3);
-        slopes_of(&b, target, distance, forward, right, &low, &high);
-        vec3_mad(target, 0.5 * (low + high) * distance, right, target);
-        slopes_of(&b, target, distance, forward, up, &low, &high);
-        vec3_mad(target, 0.5 * (low + high) * distance, up, target);
-    }
-    memcpy(camera->target_ws, target, sizeof target);
-    vec3_mad(target, -distance * closer(&b), forward, camera->eye_ws);
-}
-
-picture_view picture_view_of(const picture_camera *camera, double aspect)
-{
-    picture_view v;
-    double       tan_y = tan(camera->fov_degrees * pi / 360), along[3];
-    vec3_sub(camera->target_ws, camera->eye_ws, along);
-    vec3_unit(along, v.forward);
-    camera_axes(v.forward, v.right, v.up);
-    for (int i = 0; i < 3; i++) {
-        v.right[i] *= tan_y * aspect;
-        v.up[i] *= tan_y;
-    }
-    return v;
-}
-
-void picture_direction(const picture_view *v, double x, double y, double direction[3])
-{
-    double along[3];
-    vec3_mad(v->forward, 2 * x - 1, v->right, along);
-    vec3_mad(along, 1 - 2 * y, v->up, along);
-    vec3_unit(along, direction);
-}
+/* the scene ------------------------------------------------------------------------------------------- */
 
 /* How far the eye is from the box; 0 inside. */
 static double distance_to_box(const box *b, const double eye[3])
@@ -175,9 +75,9 @@ static double distance_to_box(const box *b, const double eye[3])
 static view make_view(const picture_options *o, const truth *t, const casters *c, uint8_t *rgb)
 {
     box    b      = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double size   = fmax(diagonal_of(&b), 1e-9);
+    double size   = fmax(box_diagonal(&b), 1e-9);
     view   v      = {.options = o, .truth = t, .rgb = rgb};
-    v.seen        = picture_view_of(&o->camera, (double)o->width_px / o->height_px);
+    v.seen        = camera_view_of(&o->camera, (double)o->width_px / o->height_px);
     v.near_metres = distance_to_box(&b, o->camera.eye_ws);
     v.haze_metres = 4 * size;
     v.sky_metres  = 0.03 * size;
@@ -390,7 +290,7 @@ static void render_pixel(const view *v, size_t index, uint8_t rgb[3])
         double x = (double)(index % o->width_px) + (n % SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
         double y = (double)(index / o->width_px) + (n / SIDE_SAMPLES + 0.5) / SIDE_SAMPLES;
         double direction[3], colour[3];
-        picture_direction(&v->seen, x / o->width_px, y / o->height_px, direction);
+        camera_direction(&v->seen, x / o->width_px, y / o->height_px, direction);
         trace(v, direction, n, &r, colour);
         for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
     }
@@ -410,7 +310,7 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
     view       v    = make_view(o, t, c, rgb);
     box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     vxs_result r    = VXS_OK;
-    double     size = fmax(diagonal_of(&b), 1e-9);
+    double     size = fmax(box_diagonal(&b), 1e-9);
     v.suns          = malloc(light_count * sizeof *v.suns);
     v.lamps         = malloc(light_count * sizeof *v.lamps);
     if (!v.suns || !v.lamps) {

@@ -9,7 +9,7 @@
  *                     \      |` .      |        cell, and a distance from t0 to t1
  *                       ` ...|.....` . |
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/light_volume.h"
+#include "baker/compare/light_volume.h"
 
 #include <math.h>
 #include <string.h>

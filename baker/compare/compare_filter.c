@@ -1,7 +1,7 @@
 /* Filtered lookups against filtered rays; see compare_points.h.
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/compare_points.h"
+#include "baker/compare/compare_points.h"
 
 #include <math.h>
 #include <stdlib.h>

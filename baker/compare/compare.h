@@ -3,7 +3,7 @@
 #ifndef COMPARE_H
 #define COMPARE_H
 
-#include "baker/truth/picture.h"
+#include "baker/truth/camera.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
 
@@ -30,12 +30,12 @@ typedef enum compare_kind {
 } compare_kind;
 
 typedef struct compare_options {
-    uint32_t              points; /* of each kind; a camera's are as many as make a picture */
-    uint32_t              seed;
-    uint32_t              filters_px[COMPARE_FILTERS_MAX]; /* odd, 3 to VXS_FILTER_MAX: compared besides single taps */
-    uint32_t              filter_count;
-    const picture_camera *camera; /* NULL: no points of a camera */
-    uint32_t              threads;
+    uint32_t           points; /* of each kind; a camera's are as many as make a picture */
+    uint32_t           seed;
+    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* odd, 3 to VXS_FILTER_MAX: compared besides single taps */
+    uint32_t           filter_count;
+    const camera_pose *camera; /* NULL: no points of a camera */
+    uint32_t           threads;
 } compare_options;
 
 /* How far wrong answers are from the nearest boundary, in texels: where the truth is what the asset says. */

@@ -1,6 +1,6 @@
 /* The time of lookups and rays, on one thread; see compare_points.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/compare_points.h"
+#include "baker/compare/compare_points.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -20,7 +20,7 @@
  *
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/truth/compare.h"
+#include "baker/compare/compare.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,8 +28,8 @@
 
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
+#include "baker/compare/compare_points.h"
 #include "baker/truth/baked_light.h"
-#include "baker/truth/compare_points.h"
 #include "runtime/vxs.h"
 
 enum { POINTS_AT_A_TIME = 256, STEPS = 2 };

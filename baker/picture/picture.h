@@ -1,0 +1,31 @@
+/* A picture of a scene in the shadows of baked lights: to look at what was baked.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PICTURE_H
+#define PICTURE_H
+
+#include <stdint.h>
+
+#include "baker/files/output_file.h"
+#include "baker/truth/camera.h"
+#include "baker/truth/truth.h"
+#include "formats/vxs_file.h"
+
+typedef struct picture_options {
+    uint32_t    width_px, height_px;
+    uint32_t    filter_px; /* of lookups: odd, 1 to VXS_FILTER_MAX */
+    uint32_t    threads;
+    camera_pose camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
+} picture_options;
+
+/* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is
+ * night, and the light of spot and point lights is seen in the air too.
+ * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
+ * lights  [light_count]
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
+                          const vxs_baked_light *const *lights, uint32_t light_count, message *m);
+
+/* Encode as PNG. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
+vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m);
+
+#endif

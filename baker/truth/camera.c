@@ -1,0 +1,104 @@
+/* The camera of a picture; see camera.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/truth/camera.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "baker/base/box.h"
+#include "baker/base/vec3.h"
+
+static const double pi = 3.14159265358979323846;
+
+static void corner_of(const box *b, int n, double corner[3])
+{
+    for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
+}
+
+/* Unit axes of a camera that looks along forward, level with the horizon unless it looks straight up or down. */
+static void camera_axes(const double forward[3], double right[3], double up[3])
+{
+    double across[3];
+    vec3_cross(forward, (double[3]){0, 1, 0}, across);
+    if (!vec3_unit(across, right)) memcpy(right, (double[3]){1, 0, 0}, 3 * sizeof *right);
+    vec3_cross(right, forward, up);
+}
+
+/* How far the box reaches to both sides of the target along an axis, seen from `distance`, as slopes. */
+static void slopes_of(const box *b, const double target[3], double distance, const double forward[3], const double axis[3],
+                      double *low, double *high)
+{
+    *low  = INFINITY;
+    *high = -INFINITY;
+    for (int n = 0; n < 8; n++) {
+        double corner[3], from[3];
+        corner_of(b, n, corner);
+        vec3_sub(corner, target, from);
+        double slope = vec3_dot(from, axis) / (distance + vec3_dot(from, forward));
+        *low         = fmin(*low, slope);
+        *high        = fmax(*high, slope);
+    }
+}
+
+/* Wide and flat scenes are mostly ground: they may lose corners of it, for a better view of what stands there. */
+static double closer(const box *b)
+{
+    double flatness = (b->max[1] - b->min[1]) / fmax(fmax(b->max[0] - b->min[0], b->max[2] - b->min[2]), 1e-9);
+    return fmin(fmax(0.57 + 0.72 * flatness, 0.75), 1);
+}
+
+void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3], double aspect)
+{
+    const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
+    box          b     = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    double       size  = fmax(box_diagonal(&b), 1e-9);
+    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
+    double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
+    double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
+    double       right[3], up[3], target[3], distance = 0;
+    camera_axes(forward, right, up);
+    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b.min[i] + b.max[i]);
+
+    /* centre what is seen, step back until it fits, and again, since perspective moves the centre */
+    for (int round = 0; round < 8; round++) {
+        double low, high;
+        distance = 0;
+        for (int n = 0; n < 8; n++) {
+            double corner[3], from[3];
+            corner_of(&b, n, corner);
+            vec3_sub(corner, target, from);
+            double behind = vec3_dot(from, forward);
+            distance      = fmax(distance, fabs(vec3_dot(from, right)) / tan_x - behind);
+            distance      = fmax(distance, fabs(vec3_dot(from, up)) / tan_y - behind);
+        }
+        distance = fmax(distance, size * 1e-3);
+        slopes_of(&b, target, distance, forward, right, &low, &high);
+        vec3_mad(target, 0.5 * (low + high) * distance, right, target);
+        slopes_of(&b, target, distance, forward, up, &low, &high);
+        vec3_mad(target, 0.5 * (low + high) * distance, up, target);
+    }
+    memcpy(camera->target_ws, target, sizeof target);
+    vec3_mad(target, -distance * closer(&b), forward, camera->eye_ws);
+}
+
+camera_view camera_view_of(const camera_pose *camera, double aspect)
+{
+    camera_view v;
+    double      tan_y = tan(camera->fov_degrees * pi / 360), along[3];
+    vec3_sub(camera->target_ws, camera->eye_ws, along);
+    vec3_unit(along, v.forward);
+    camera_axes(v.forward, v.right, v.up);
+    for (int i = 0; i < 3; i++) {
+        v.right[i] *= tan_y * aspect;
+        v.up[i] *= tan_y;
+    }
+    return v;
+}
+
+void camera_direction(const camera_view *v, double x, double y, double direction[3])
+{
+    double along[3];
+    vec3_mad(v->forward, 2 * x - 1, v->right, along);
+    vec3_mad(along, 1 - 2 * y, v->up, along);
+    vec3_unit(along, direction);
+}

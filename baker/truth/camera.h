@@ -1,0 +1,30 @@
+/* Where a scene is seen from, and which way each place of a picture lies.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CAMERA_H
+#define CAMERA_H
+
+#include "baker/casters/casters.h"
+
+typedef struct camera_pose {
+    double eye_ws[3], target_ws[3];
+    double fov_degrees; /* from top to bottom, above 0, below 180 */
+} camera_pose;
+
+/* Place a camera so that the casters fill its view, from above, with the sun to the side.
+ * camera     fov_degrees is read; eye and target are written
+ * sun_ws     unit, the way the light travels
+ * aspect     width / height */
+void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3], double aspect);
+
+/* What a camera sees: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
+typedef struct camera_view {
+    double forward[3], right[3], up[3];
+} camera_view;
+
+/* aspect  width / height;   the camera's eye and target are apart */
+camera_view camera_view_of(const camera_pose *camera, double aspect);
+
+/* The unit direction that is seen at a place of the picture: x from its left edge, 0, to its right one, 1; y from the top down. */
+void camera_direction(const camera_view *v, double x, double y, double direction[3]);
+
+#endif
