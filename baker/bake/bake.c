@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "baker/bake/bake_light.h"
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/base/pages.h"

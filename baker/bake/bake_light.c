@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 #include "baker/base/progress.h"

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "baker/measure/clock.h"
-#include "baker/base/message.h"
+#include "baker/base/clock.h"
+#include "baker/base/text.h"
 
 /* A longer line would wrap on the narrowest of terminals, and could not be taken back. */
 enum { LINE_MAX_BYTES = 79 };

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "baker/measure/clock.h"
+#include "baker/base/clock.h"
 #include "baker/base/progress.h"
 #include "baker/base/version.h"
 #include "baker/bench/bench_jobs.h"

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <string.h>
 
+#include "baker/base/text.h"
 #include "baker/bench/bench_text.h"
 #include "baker/bench/text_table.h"
 

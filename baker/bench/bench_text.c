@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/text.h"
 #include "baker/files/json_file.h"
 #include "baker/bench/text_table.h"
 

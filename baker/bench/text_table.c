@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/message.h"
+#include "baker/base/text.h"
 
 void text_table_add(text_table *t, const char *format, ...)
 {

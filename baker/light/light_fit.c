@@ -7,7 +7,6 @@
 
 #include "baker/base/integer.h"
 #include "baker/base/vec3.h"
-#include "baker/light/lamp_fit.h"
 
 typedef struct range {
     double min, max;
