@@ -38,7 +38,7 @@ void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
 /* Release the warnings. Accepts a zeroed object. */
 void message_free(message *m);
 
-/* The exit status of a command that ended with `code`: the one place that maps results to statuses (docs/manual.md). */
+/* The exit status of a command that ended with `code`; results are mapped to statuses here alone (docs/manual.md). */
 int exit_status(vxs_result code);
 
 #ifdef __cplusplus

@@ -310,7 +310,7 @@ typedef struct clutter_walk {
     const block *k;
     bool         on_roofs; /* else on walls */
     int32_t      cell;     /* side */
-    uint32_t     found;    /* [out] boxes in nobody's way */
+    uint32_t     found;    /* [out] boxes that stay clear of all others */
 
     /* when choosing: `wanted` of the `available` boxes go to the scene, every choice as likely (selection sampling,
      * Knuth, "The Art of Computer Programming", volume 2, algorithm S) */

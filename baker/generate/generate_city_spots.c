@@ -52,7 +52,7 @@ static void add_over_street(parts *p, rng *r, const city_block *k, uint32_t side
     add_spot(p, r, at, direction, made);
 }
 
-/* Whether a point is in a box, or so close to one that it would be hard to tell. */
+/* Whether a point is in a box, or within distance_to_boxes of it. */
 static int is_in_box(const float *corners, const double at[3])
 {
     for (int axis = 0; axis < 3; axis++) {

@@ -1,4 +1,4 @@
-/* Scenes at the edges of what a baker can be given; tests/cli/test_stress.py says what has to come of each.
+/* Scenes at the edges of what a baker can be given; tests/cli/test_stress.py holds what has to come of each.
  *
  * Most have a ground whose top is y = 0 and a sun that falls at 45 degrees towards +X, so that a shadow lies beside what casts it
  * by as much as that is high.
