@@ -10,11 +10,11 @@
 #include <sys/stat.h>
 
 #include "baker/bake/bake_light.h"
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/base/pages.h"
-#include "baker/base/progress.h"
+#include "baker/measure/progress.h"
 #include "baker/base/version.h"
 #include "baker/bake/plan.h"
 #include "baker/scene/light_choice.h"

@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
-#include "baker/base/progress.h"
+#include "baker/measure/progress.h"
 
 /* A light while it is baked. */
 typedef struct light_job {

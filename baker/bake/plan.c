@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/text.h"
 #include "baker/light/light_fit.h"

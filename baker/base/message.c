@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "baker/base/array.h"
-#include "baker/base/progress.h"
+#include "baker/base/progress_line.h"
 #include "baker/base/text.h"
 
 vxs_result fail(message *m, vxs_result code, const char *format, ...)

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "baker/base/clock.h"
-#include "baker/base/progress.h"
+#include "baker/measure/clock.h"
+#include "baker/measure/progress.h"
 #include "baker/base/version.h"
 #include "baker/bench/bench_jobs.h"
 #include "baker/bench/bench_reports.h"

@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 
 enum { CANNOT_START = 127 }; /* exit status of a child that is not yet the command; the command has none so large but 130 */
 

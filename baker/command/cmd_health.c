@@ -8,7 +8,7 @@
 
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
-#include "baker/base/progress.h"
+#include "baker/measure/progress.h"
 #include "baker/options/options.h"
 #include "baker/mend/mesh_health.h"
 #include "baker/mend/mesh_repair.h"

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "baker/base/progress.h"
+#include "baker/base/progress_line.h"
 
 /* enough for the files of earlier runs that were killed and had the same process number */
 enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/progress.h"
+#include "baker/measure/progress.h"
 
 static void print_help(const command_line *c)
 {

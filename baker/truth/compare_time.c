@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 #include "baker/measure/spread.h"
 #include "runtime/vxs.h"
 

@@ -84,4 +84,4 @@ def test_no_two_modules_include_each_other():
     """A module is a header and the source of its name."""
     pairs = {(str(Path(file).with_suffix("")), str(Path(used).with_suffix(""))) for file, includes in product_files().items()
              for used in includes}
-    assert {(a, b) for a, b in pairs if a < b and (b, a) in pairs} == KNOWN
+    assert {(a, b) for a, b in pairs if a < b and (b, a) in pairs} - KNOWN == set()

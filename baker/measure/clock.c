@@ -1,6 +1,6 @@
 /* Wall time and peak memory; see clock.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/base/clock.h"
+#include "baker/measure/clock.h"
 
 #include <stdio.h>
 #include <time.h>

@@ -10,6 +10,8 @@
 #ifndef PROGRESS_H
 #define PROGRESS_H
 
+#include "baker/base/progress_line.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -26,9 +28,6 @@ void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
 /* The same, and how long the rest may take: "vxs: TEXT, about 12 s left". At most ten times a second.
  * share  of the work that is done, 0 to 1;   since  clock_seconds() when it was begun */
 void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
-
-/* Take the line away; call it before anything else is printed and in the end. Does nothing when there is none. Safe in a signal handler. */
-void progress_clear(void);
 
 #ifdef __cplusplus
 }
