@@ -7,17 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/measure/progress.h"
-
-char *one_line(char *text)
-{
-    for (unsigned char *c = (unsigned char *)text; *c; c++) {
-        int control_8_bit = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0; /* U+0080 to U+009F in UTF-8 */
-        if (control_8_bit) *c++ = '?';
-        if (control_8_bit || *c < 0x20 || *c == 0x7f) *c = '?';
-    }
-    return text;
-}
+#include "baker/base/array.h"
+#include "baker/base/progress_line.h"
+#include "baker/base/text.h"
 
 vxs_result fail(message *m, vxs_result code, const char *format, ...)
 {
@@ -46,12 +38,11 @@ void warn(message *m, const char *format, ...)
     if (!m->quiet) fprintf(stderr, "vxs: warning: %s\n", text);
 
     /* out of memory while warning: the line was printed, the report goes without it */
-    char **grown = realloc(m->warnings, (m->warning_count + 1) * sizeof *grown);
-    if (!grown) return;
-    m->warnings = grown;
-    char *copy  = malloc(strlen(text) + 1);
-    if (!copy) return;
-    m->warnings[m->warning_count++] = strcpy(copy, text);
+    char *copy = strdup(text);
+    if (copy && array_reserve(&m->warnings, &m->warning_capacity, m->warning_count + 1, sizeof *m->warnings))
+        m->warnings[m->warning_count++] = copy;
+    else
+        free(copy);
 }
 
 void message_free(message *m)
@@ -59,7 +50,7 @@ void message_free(message *m)
     for (size_t i = 0; i < m->warning_count; i++) free(m->warnings[i]);
     free(m->warnings);
     m->warnings      = NULL;
-    m->warning_count = 0;
+    m->warning_count = m->warning_capacity = 0;
 }
 
 int exit_status(vxs_result code)

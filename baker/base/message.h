@@ -1,6 +1,6 @@
-/* What a run has to tell its user: one error at most, any number of warnings.
+/* Messages of a run to its user: one error at most, any number of warnings.
  *
- * A function that fails says why once, where it knows most, and returns the code; its callers only pass the code on.
+ * A function that fails writes the reason, once, where it knows most, and returns the code; its callers only pass the code on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESSAGE_H
 #define MESSAGE_H
@@ -16,7 +16,7 @@ extern "C" {
 typedef struct message {
     char   error[1024]; /* one line without a newline; "" when nothing failed */
     char **warnings;    /* [warning_count] one line each, owned */
-    size_t warning_count;
+    size_t warning_count, warning_capacity;
     int    quiet; /* nonzero: warnings are kept, not printed */
 } message;
 
@@ -29,20 +29,16 @@ typedef struct message {
 #endif
 
 /* Record why something failed (the first reason wins) and return `code`, so that `return fail(m, CODE, ...)` reads well.
- * The text is one line: what (file, element), where, what was found, what was expected. */
+ * The text is one line (control characters become '?'): what (file, element), where, what was found, what was expected. */
 vxs_result fail(message *m, vxs_result code, const char *format, ...) MESSAGE_PRINTF;
 
 /* Keep a warning for the report and print "vxs: warning: ..." to standard error. Equal warnings are kept once. */
 void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
 
-/* Make text that comes from a file fit to print, in place: control characters, which would break the line or speak to the terminal,
- * become '?'. fail and warn do so themselves. Returns text. */
-char *one_line(char *text);
-
 /* Release the warnings. Accepts a zeroed object. */
 void message_free(message *m);
 
-/* The exit status of a command that ended with `code`: the one place that maps results to statuses (docs/manual.md). */
+/* The exit status of a command that ended with `code`; results are mapped to statuses here alone (docs/manual.md). */
 int exit_status(vxs_result code);
 
 #ifdef __cplusplus

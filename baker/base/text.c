@@ -5,6 +5,16 @@
 #include <stdio.h>
 #include <string.h>
 
+char *one_line(char *text)
+{
+    for (unsigned char *c = (unsigned char *)text; *c; c++) {
+        int control_8_bit = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0; /* U+0080 to U+009F in UTF-8 */
+        if (control_8_bit) *c++ = '?';
+        if (control_8_bit || *c < 0x20 || *c == 0x7f) *c = '?';
+    }
+    return text;
+}
+
 const char *size_text(char text[32], uint64_t bytes)
 {
     if (bytes < 10 * 1024)

@@ -1,4 +1,4 @@
-/* Texts for people and from people.
+/* Texts of the command line and of messages.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEXT_H
 #define TEXT_H
@@ -11,6 +11,10 @@ typedef struct text_list {
     const char **items; /* owned; the strings are argv's */
     size_t       count, capacity;
 } text_list;
+
+/* Make text that comes from a file fit to print, in place: control characters, which would break the line or speak to the terminal,
+ * become '?'. Messages and progress lines do so themselves. Returns text. */
+char *one_line(char *text);
 
 /* "12.3 MiB" into text. Returns text. */
 const char *size_text(char text[32], uint64_t bytes);

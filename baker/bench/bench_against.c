@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <string.h>
 
+#include "baker/base/text.h"
 #include "baker/bench/bench_text.h"
 
 static const double stage_share  = 0.05; /* stages that take less of a bake are left out */

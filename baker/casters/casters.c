@@ -302,100 +302,83 @@ static unsigned least_corner(const work *w, size_t t)
     return least;
 }
 
-/* Write triangle t of the work, from corner `begin` on, as triangle `at` of the result. */
-static void emit_triangle(casters *c, const work *w, uint32_t *emitted_as, size_t t, unsigned begin, size_t at, int turn)
-{
-    const uint32_t *from = &w->mesh.indices[3 * t];
-    uint32_t       *to   = &c->indices[3 * at];
-    for (unsigned n = 0; n < 3; n++) to[n] = emit_vertex(c, w, emitted_as, from[(begin + (turn ? 3 - n : n)) % 3]);
-    c->component_of[at] = w->components[w->component_of[t]].number;
-}
-
 static int has_holes(const work *w, size_t t)
 {
     return w->hole_of && w->hole_of[t] != NONE;
 }
 
-/* The solids, or the sheets without holes. */
-static void emit_whole_triangles(casters *c, const work *w, uint32_t *emitted_as, int solids)
+/* The casters come in groups: solids, sheets, and the triangles with holes of each alpha mask. */
+enum { GROUP_SOLIDS, GROUP_SHEETS, GROUP_MASKS };
+
+static uint32_t group_of(const work *w, const scene *s, size_t t)
 {
-    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
-        const component *of = &w->components[w->component_of[t]];
-        if ((of->kind == COMPONENT_SOLID) != solids || has_holes(w, t)) continue;
-        int turn = solids && of->volume < 0; /* only --closed on lets such a one be a solid */
-        emit_triangle(c, w, emitted_as, t, least_corner(w, t), c->triangle_count++, turn);
-    }
+    if (has_holes(w, t)) return GROUP_MASKS + s->mask_triangles[w->hole_of[t]].mask;
+    return w->components[w->component_of[t]].kind == COMPONENT_SOLID ? GROUP_SOLIDS : GROUP_SHEETS;
 }
 
-/* Where the triangles of each mask go, behind all others: mask_first from counts. */
-static void place_masks(casters *c, const work *w, const scene *s)
+/* Append triangle t of the work to the result. */
+static void emit_triangle(casters *c, const work *w, const scene *s, uint32_t *emitted_as, size_t t)
 {
-    for (size_t t = 0; t < w->mesh.triangle_count; t++)
-        if (has_holes(w, t)) c->mask_first[s->mask_triangles[w->hole_of[t]].mask + 1]++;
-    c->mask_first[0] = c->masked_first;
-    for (size_t i = 0; i < c->mask_count; i++) c->mask_first[i + 1] += c->mask_first[i];
+    const uint32_t  *from  = &w->mesh.indices[3 * t];
+    const component *of    = &w->components[w->component_of[t]];
+    size_t           at    = c->triangle_count++;
+    unsigned         begin = least_corner(w, t);
+    int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid by --closed on alone */
+    for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = emit_vertex(c, w, emitted_as, from[(begin + (turn ? 3 - n : n)) % 3]);
+    c->component_of[at] = of->number;
+    for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
+        memcpy(&c->mask_uvs[6 * (at - c->masked_first) + 2 * n], s->mask_triangles[w->hole_of[t]].uv[(begin + n) % 3],
+               2 * sizeof *c->mask_uvs);
 }
 
-/* next  [mask_count] where the next triangle of each mask goes */
-static void emit_masked_triangles(casters *c, const work *w, const scene *s, uint32_t *emitted_as, size_t *next)
-{
-    memcpy(next, c->mask_first, c->mask_count * sizeof *next);
-    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
-        if (!has_holes(w, t)) continue;
-        const mask_triangle *hole  = &s->mask_triangles[w->hole_of[t]];
-        size_t               at    = next[hole->mask]++;
-        unsigned             begin = least_corner(w, t);
-        emit_triangle(c, w, emitted_as, t, begin, at, 0);
-        for (unsigned n = 0; n < 3; n++)
-            memcpy(&c->mask_uvs[6 * (at - c->masked_first) + 2 * n], hole->uv[(begin + n) % 3], sizeof hole->uv[0]);
-    }
-    c->triangle_count = w->mesh.triangle_count;
-}
-
-static size_t count_holes(const work *w)
-{
-    size_t count = 0;
-    for (size_t t = 0; t < w->mesh.triangle_count; t++) count += (size_t)has_holes(w, t);
-    return count;
-}
-
-/* Room for the result; all of it is casters_free's. */
-static int make_room(casters *c, const work *w, const scene *s)
+/* Room for the result, which casters_free releases.  first  [GROUP_MASKS + mask_count + 1] where each group begins */
+static int make_room(casters *c, const work *w, const scene *s, const uint32_t *first)
 {
     c->positions_ws = malloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
     c->indices      = malloc(3 * w->mesh.triangle_count * sizeof *c->indices);
     c->component_of = malloc(w->mesh.triangle_count * sizeof *c->component_of);
     c->kind_of      = malloc(w->component_count * sizeof *c->kind_of);
-    c->mask_count   = s->mask_count;
     c->masks        = allocate(s->mask_count, sizeof *c->masks);
     c->mask_first   = allocate(s->mask_count + 1, sizeof *c->mask_first);
-    c->mask_uvs     = allocate(count_holes(w), 6 * sizeof *c->mask_uvs);
-    c->images       = s->images;
-    return c->positions_ws && c->indices && c->component_of && c->kind_of && c->masks && c->mask_first && c->mask_uvs;
+    c->mask_uvs     = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->mask_uvs);
+    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->masks || !c->mask_first || !c->mask_uvs) return 0;
+
+    c->solid_triangle_count = first[GROUP_SHEETS];
+    c->masked_first         = first[GROUP_MASKS];
+    c->mask_count           = s->mask_count;
+    c->images               = s->images;
+    if (s->mask_count) memcpy(c->masks, s->masks, s->mask_count * sizeof *c->masks);
+    for (size_t i = 0; i <= s->mask_count; i++) c->mask_first[i] = first[GROUP_MASKS + i];
+    return 1;
 }
 
 static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
     vxs_result r          = VXS_OK;
+    size_t     groups     = GROUP_MASKS + s->mask_count;
     uint32_t  *emitted_as = malloc(w->mesh.vertex_count * sizeof *emitted_as);
-    size_t    *next       = allocate(s->mask_count, sizeof *next);
-    if (!make_room(c, w, s) || !emitted_as || !next) {
+    uint32_t  *group      = malloc(w->mesh.triangle_count * sizeof *group);
+    uint32_t  *order      = malloc(w->mesh.triangle_count * sizeof *order);
+    uint32_t  *first      = malloc((groups + 1) * sizeof *first);
+    if (!emitted_as || !group || !order || !first) {
         r = out_of_memory(m, w->mesh.triangle_count);
         goto done;
     }
-    memset(emitted_as, 0xff, w->mesh.vertex_count * sizeof *emitted_as);
-    if (s->mask_count) memcpy(c->masks, s->masks, s->mask_count * sizeof *c->masks);
+    for (size_t t = 0; t < w->mesh.triangle_count; t++) group[t] = group_of(w, s, t);
+    mesh_group(first, order, group, w->mesh.triangle_count, groups);
+    if (!make_room(c, w, s, first)) {
+        r = out_of_memory(m, w->mesh.triangle_count);
+        goto done;
+    }
     count_kinds(c, w);
     number_by_kind(c, w);
-    emit_whole_triangles(c, w, emitted_as, 1);
-    c->solid_triangle_count = c->triangle_count;
-    emit_whole_triangles(c, w, emitted_as, 0);
-    c->masked_first = c->triangle_count;
-    place_masks(c, w, s);
-    emit_masked_triangles(c, w, s, emitted_as, next);
+    memset(emitted_as, 0xff, w->mesh.vertex_count * sizeof *emitted_as);
+    for (size_t i = 0; i < w->mesh.triangle_count; i++) emit_triangle(c, w, s, emitted_as, order[i]);
 done:
     free(emitted_as);
-    free(next);
+    free(group);
+    free(order);
+    free(first);
     return r;
 }
 

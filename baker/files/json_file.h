@@ -7,8 +7,8 @@
 
 #include "baker/base/message.h"
 
-/* jansson's functions that fill an object say whether there was memory for it, which nobody asks each of them, and those that print one
- * do not always: call this first, and json_print sees whether anything was left out since. */
+/* Call this first: from then on json_memory_missing and json_print notice when any value could not be allocated. jansson reports that
+ * call by call where an object is filled, and not always where one is printed. */
 void json_watch_memory(void);
 
 /* Nonzero when any value of this process was made without enough memory. */

@@ -13,13 +13,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "baker/measure/progress.h"
+#include "baker/base/progress_line.h"
 
 /* enough for the files of earlier runs that were killed and had the same process number */
 enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };
 
 /* The temporary files that there are, for a signal handler: it may not lock or allocate, so names are copied to where they are
- * never freed, and only a state tells which of them count. Files may be opened and closed by several threads. */
+ * never freed, and a state marks those that count. Files may be opened and closed by several threads. */
 enum { SLOT_FREE, SLOT_TAKEN, SLOT_PENDING };
 
 static struct {
@@ -247,16 +247,15 @@ vxs_result output_file_write(output_file *f, const void *bytes, size_t size_byte
 
 vxs_result output_file_commit(output_file *f, message *m)
 {
-    vxs_result r      = VXS_OK;
-    int        failed = ferror(f->stream); /* an earlier write through stdio that nobody checked; its errno is lost */
-    int        error  = EIO, linked;
-    if (fflush(f->stream)) failed = 1, error = errno;
-    if (!failed && f->target && !f->temporary) r = name_temporary(f, fileno(f->stream), &linked, m);
-    if (f->stream != stdout && fclose(f->stream) && !failed) failed = 1, error = errno;
-    if (!failed && f->temporary && rename(f->temporary, f->target)) failed = 1, error = errno;
+    vxs_result r     = VXS_OK;
+    int        error = ferror(f->stream) ? EIO : 0, linked; /* of a write through stdio that was not checked: its errno is lost */
+    if (fflush(f->stream)) error = errno;
+    if (!error && f->target && !f->temporary) r = name_temporary(f, fileno(f->stream), &linked, m);
+    if (f->stream != stdout && fclose(f->stream) && !error) error = errno;
+    if (!error && f->temporary && rename(f->temporary, f->target)) error = errno;
 
-    if (failed && r == VXS_OK) r = cannot_write(f, error, m);
-    if (failed && f->temporary) unlink(f->temporary);
+    if (error && r == VXS_OK) r = cannot_write(f, error, m);
+    if (error && f->temporary) unlink(f->temporary);
     release(f);
     return r;
 }

@@ -310,7 +310,7 @@ typedef struct clutter_walk {
     const block *k;
     bool         on_roofs; /* else on walls */
     int32_t      cell;     /* side */
-    uint32_t     found;    /* [out] boxes in nobody's way */
+    uint32_t     found;    /* [out] boxes that stay clear of all others */
 
     /* when choosing: `wanted` of the `available` boxes go to the scene, every choice as likely (selection sampling,
      * Knuth, "The Art of Computer Programming", volume 2, algorithm S) */
@@ -327,27 +327,21 @@ static void visit(clutter_walk *w, const lot *l, size_t host, const box *clutter
     if (w->chosen && rng_below(&w->choice, w->available--) < w->wanted) emit(w->chosen, clutter), w->wanted--;
 }
 
-static void walk_roof(clutter_walk *w, const lot *l, size_t host, uint64_t stream)
+/* Of the lot's box `host`: its roof (axis 1), or the wall that looks along X (0) or Z (2), down or up that axis. */
+static void walk_surface(clutter_walk *w, const lot *l, size_t host, int axis, bool is_high, uint64_t *stream)
 {
-    const box *h = &l->boxes[host];
-    for (int32_t z = h->low[2]; z + w->cell <= h->high[2]; z += w->cell)
-        for (int32_t x = h->low[0]; x + w->cell <= h->high[0]; x += w->cell) {
+    const box *h      = &l->boxes[host];
+    uint64_t   cells  = rng_split(w->k->seed, (*stream)++).state;
+    int        across = axis == 1 ? 0 : 2 - axis, along = axis == 1 ? 2 : 1;
+    int32_t    first = axis == 1 ? h->low[along] : max_i32(h->low[along], WALL_START);
+    for (int32_t v = first; v + w->cell <= h->high[along]; v += w->cell)
+        for (int32_t u = h->low[across]; u + w->cell <= h->high[across]; u += w->cell) {
             box clutter;
-            rng r = rng_split(stream++, 0);
-            place_on_roof(&clutter, h, x, z, w->cell, &r);
-            visit(w, l, host, &clutter);
-        }
-}
-
-static void walk_wall(clutter_walk *w, const lot *l, size_t host, int side, uint64_t stream)
-{
-    const box *h    = &l->boxes[host];
-    int        axis = side & 1 ? 2 : 0, along = 2 - axis;
-    for (int32_t y = max_i32(h->low[1], WALL_START); y + w->cell <= h->high[1]; y += w->cell)
-        for (int32_t u = h->low[along]; u + w->cell <= h->high[along]; u += w->cell) {
-            box clutter;
-            rng r = rng_split(stream++, 0);
-            place_on_wall(&clutter, h, axis, side & 2, u, y, w->cell, &r);
+            rng r = rng_split(cells++, 0);
+            if (axis == 1)
+                place_on_roof(&clutter, h, u, v, w->cell, &r);
+            else
+                place_on_wall(&clutter, h, axis, is_high, u, v, w->cell, &r);
             visit(w, l, host, &clutter);
         }
 }
@@ -359,8 +353,8 @@ static void walk_clutter(clutter_walk *w)
     for (size_t i = 0; i < w->k->lot_count; i++)
         for (size_t host = 0; host < w->k->lots[i].box_count; host++) {
             for (int side = 0; side < 4 && !w->on_roofs; side++)
-                walk_wall(w, &w->k->lots[i], host, side, rng_split(w->k->seed, stream++).state);
-            if (w->on_roofs) walk_roof(w, &w->k->lots[i], host, rng_split(w->k->seed, stream++).state);
+                walk_surface(w, &w->k->lots[i], host, side & 1 ? 2 : 0, side & 2, &stream);
+            if (w->on_roofs) walk_surface(w, &w->k->lots[i], host, 1, true, &stream);
         }
 }
 

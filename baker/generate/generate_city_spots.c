@@ -15,14 +15,10 @@ static double between(rng *r, double low, double high)
 
 static void add_spot(parts *p, rng *r, const double at[3], const double direction[3], uint32_t *made)
 {
-    char        name[32];
-    light_shape shape = {LIGHT_SPOT,
-                         {at[0], at[1], at[2]},
-                         {direction[0], direction[1], direction[2]},
-                         parts_radians(rng_between(r, 20, 60)),
-                         rng_between(r, 15, 40)};
+    char name[32];
     snprintf(name, sizeof name, "spot%04u", ++*made);
-    parts_light(p, name, shape);
+    int degrees = rng_between(r, 20, 60);
+    parts_spot(p, name, at, direction, degrees, rng_between(r, 15, 40));
 }
 
 /* Down, leaning along one axis either way, and along the other. */
@@ -52,7 +48,7 @@ static void add_over_street(parts *p, rng *r, const city_block *k, uint32_t side
     add_spot(p, r, at, direction, made);
 }
 
-/* Whether a point is in a box, or so close to one that it would be hard to tell. */
+/* Whether a point is in a box, or within distance_to_boxes of it. */
 static int is_in_box(const float *corners, const double at[3])
 {
     for (int axis = 0; axis < 3; axis++) {

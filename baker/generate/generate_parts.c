@@ -139,11 +139,6 @@ void parts_turn(uint32_t k, uint32_t n, double *cosine, double *sine)
     }
 }
 
-double parts_radians(int32_t degrees)
-{
-    return degrees * (3.14159265358979323846 / 180);
-}
-
 /* ---- shapes ---- */
 
 void parts_box_triangles(parts *p, uint32_t first)
@@ -256,6 +251,21 @@ void parts_light(parts *p, const char *name, light_shape shape)
         s->lights[s->light_count++] = (scene_light){copy, shape};
     else
         p->out_of_memory = 1;
+}
+
+void parts_spot(parts *p, const char *name, const double at[3], const double direction[3], int degrees, double range_m)
+{
+    parts_light(p, name,
+                (light_shape){LIGHT_SPOT,
+                              {at[0], at[1], at[2]},
+                              {direction[0], direction[1], direction[2]},
+                              degrees * (3.14159265358979323846 / 180),
+                              range_m});
+}
+
+void parts_point(parts *p, const char *name, const double at[3], double range_m)
+{
+    parts_light(p, name, (light_shape){.kind = LIGHT_POINT, .position_ws = {at[0], at[1], at[2]}, .range_m = range_m});
 }
 
 void parts_sun(parts *p, const double direction[3])

@@ -79,15 +79,15 @@ void parts_lathe(parts *p, const double at[3], const double (*profile)[2], uint3
 void parts_tube(parts *p, const double bottom[3], double bottom_radius, const double top[3], double top_radius, uint32_t sides);
 
 void parts_light(parts *p, const char *name, light_shape shape);
+void parts_point(parts *p, const char *name, const double at[3], double range_m);
+/* degrees: from the axis to the edge of the cone */
+void parts_spot(parts *p, const char *name, const double at[3], const double direction[3], int degrees, double range_m);
 /* A directional light "sun". */
 void parts_sun(parts *p, const double direction[3]);
 
 /* Cosine and sine of k / n turns, for k in [0, n), n a multiple of 4: exact at quarters, else a point of the unit circle by
  * the rational parametrisation of each quarter, (1 - t^2, 2 t) / (1 + t^2): in order, though not quite evenly spaced. */
 void parts_turn(uint32_t k, uint32_t n, double *cosine, double *sine);
-
-/* A whole number of degrees in radians. */
-double parts_radians(int32_t degrees);
 
 #ifdef __cplusplus
 }

@@ -182,12 +182,8 @@ static void add_round_things(parts *p, rng r, uint32_t triangles)
 
 static void add_lights(parts *p)
 {
-    const double from[3] = {-3.7, 2.7, -2.7}, to[3] = {1.5, 0.2, 1};
-    light_shape  lamp   = {.kind = LIGHT_POINT, .position_ws = {lamp_at[0], lamp_at[1], lamp_at[2]}, .range_m = 12};
-    light_shape  corner = {
-         LIGHT_SPOT, {from[0], from[1], from[2]}, {to[0] - from[0], to[1] - from[1], to[2] - from[2]}, parts_radians(35), 12};
-    parts_light(p, "lamp", lamp);
-    parts_light(p, "corner", corner);
+    parts_point(p, "lamp", lamp_at, 12);
+    parts_spot(p, "corner", (double[3]){-3.7, 2.7, -2.7}, (double[3]){1.5 - -3.7, 0.2 - 2.7, 1 - -2.7}, 35, 12);
 }
 
 vxs_result generate_room(glb_scene *s, const room_options *o, message *m)

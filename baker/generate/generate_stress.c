@@ -1,4 +1,4 @@
-/* Scenes at the edges of what a baker can be given; tests/cli/test_stress.py says what has to come of each.
+/* Scenes at the edges of what a baker can be given; tests/cli/test_stress.py holds what has to come of each.
  *
  * Most have a ground whose top is y = 0 and a sun that falls at 45 degrees towards +X, so that a shadow lies beside what casts it
  * by as much as that is high.
@@ -32,17 +32,6 @@ static void ground(parts *p, double half)
     parts_box_at(p, "ground", -half, half, -1, 0, -half, half);
 }
 
-static void spot(parts *p, const char *name, double x, double y, double z, const double direction[3], int degrees, double range)
-{
-    parts_light(p, name,
-                (light_shape){LIGHT_SPOT, {x, y, z}, {direction[0], direction[1], direction[2]}, parts_radians(degrees), range});
-}
-
-static void point(parts *p, const char *name, double x, double y, double z, double range)
-{
-    parts_light(p, name, (light_shape){.kind = LIGHT_POINT, .position_ws = {x, y, z}, .range_m = range});
-}
-
 /* ---- places and sizes ---- */
 
 /* Bars 1 cm thick and 10 cm apart, a metre above the ground. Positions are near the mesh's origin; its node is far away. */
@@ -54,7 +43,7 @@ static void far_coordinates(parts *p)
     for (int i = 0; i < 20; i++) parts_box_at(p, NULL, -1.5 + i * 0.1, -1.49 + i * 0.1, 1, 1.01, -1, 1);
     for (size_t i = 0; !p->out_of_memory && i < p->s->mesh_count; i++) memcpy(p->s->meshes[i].translation, at, sizeof at);
     parts_sun(p, slanted);
-    spot(p, "spot", at[0], at[1] + 3, at[2], straight_down, 50, 10);
+    parts_spot(p, "spot", (double[3]){at[0], at[1] + 3, at[2]}, straight_down, 50, 10);
 }
 
 /* In units of a tenth of a micrometre. */
@@ -64,7 +53,7 @@ static void tiny_scene(parts *p)
     parts_box_at(p, "ground", -5 * unit, 5 * unit, -unit, 0, -5 * unit, 5 * unit);
     parts_box_at(p, "block", -unit, unit, 2 * unit, 3 * unit, -unit, unit);
     parts_sun(p, slanted);
-    spot(p, "spot", 0, 8 * unit, 0, straight_down, 30, 100 * unit);
+    parts_spot(p, "spot", (double[3]){0, 8 * unit, 0}, straight_down, 30, 100 * unit);
 }
 
 /* Casters 1 mm, 1 m and 1 km below the lights, which stand at the origin, where floats are finest. */
@@ -75,8 +64,8 @@ static void near_far(parts *p)
     parts_mesh(p, "near sheets", 0);
     sheet_at(p, 0.0002, 0.0004, -0.001, -0.0001, 0.0001);
     sheet_at(p, -0.1, -0.05, -1, 0.3, 0.35);
-    spot(p, "spot", 0, 0, 0, straight_down, 30, 2000);
-    point(p, "point", 0, 0, 0, 2000);
+    parts_spot(p, "spot", (double[3]){0, 0, 0}, straight_down, 30, 2000);
+    parts_point(p, "point", (double[3]){0, 0, 0}, 2000);
 }
 
 static void empty_scene(parts *p)
@@ -113,7 +102,7 @@ static void wall_along_light(parts *p)
     parts_mesh(p, "sheet wall of the spot", 0);
     upright_sheet_at(p, -3, 3, -0.5, 3, -2);
     parts_sun(p, slanted);
-    spot(p, "spot", -5, 5, -2, slanted, 40, 30);
+    parts_spot(p, "spot", (double[3]){-5, 5, -2}, slanted, 40, 30);
 }
 
 static void no_light(parts *p)
@@ -127,7 +116,7 @@ static void light_in_wall(parts *p)
     ground(p, 8);
     parts_box_at(p, "wall", -0.5, 0.5, -0.5, 4, -4, 4);
     parts_sun(p, slanted);
-    point(p, "lamp", 0, 2, 0, 20);
+    parts_point(p, "lamp", (double[3]){0, 2, 0}, 20);
 }
 
 /* One above the light, one that covers all of the sky, and one beside it that reaches from behind the light to before it. */
@@ -137,7 +126,7 @@ static void caster_behind_light(parts *p)
     parts_box_at(p, "behind", -1, 1, 5, 6, -1, 1);
     parts_box_at(p, NULL, -8, 8, 7, 8, -8, 8);
     parts_box_at(p, NULL, 1, 2, 3.5, 4.5, -1, 1);
-    spot(p, "spot", 0, 4, 0, straight_down, 45, 20);
+    parts_spot(p, "spot", (double[3]){0, 4, 0}, straight_down, 45, 20);
 }
 
 /* ---- triangles ---- */
@@ -262,7 +251,7 @@ static void inside_out_room(parts *p)
     parts_box_at(p, "table", -1, 1, 0.7, 0.8, -0.5, 0.5);
     parts_box_at(p, "crate", 2, 3, 0, 1, 1, 2);
     parts_sun(p, slanted);
-    point(p, "lamp", 0, 2.5, 0, 30);
+    parts_point(p, "lamp", (double[3]){0, 2.5, 0}, 30);
 }
 
 /* ---- surfaces with one side ---- */

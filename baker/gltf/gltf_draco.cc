@@ -29,7 +29,7 @@ bool needs_draco(const loader &l, const tinygltf::Primitive &p)
     return false;
 }
 
-/* How many triangles a stream says it has, before anything is allocated for them. */
+/* The number of triangles in a stream's header, before anything is allocated for them. */
 static bool triangles_in_header(const char *from, size_t size, uint32_t &triangles)
 {
     draco::DecoderBuffer buffer;

@@ -1,7 +1,7 @@
 /* Shape of the JSON: all that is read here has the type that the specification gives it.
  *
  * tinygltf reads leniently: a property of the wrong type counts as absent, and a primitive that it cannot parse is dropped. A baker
- * must not bake something else than what the file says, so the tables below list all that is read, and it is checked first.
+ * must not bake something else than the file holds, so the tables below list all that is read, and it is checked first.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/gltf_loader.h"
 
@@ -222,7 +222,7 @@ static void check_primitives(loader &l, const json &root)
     }
 }
 
-/* How deep brackets nest, at most. nlohmann could tell while it parses, but in quadratic time. */
+/* How deep brackets nest, at most. nlohmann could count while it parses, but in quadratic time. */
 static long nesting(const container &c)
 {
     long depth = 0, deepest = 0;

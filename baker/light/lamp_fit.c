@@ -1,6 +1,6 @@
 /* Fitting the maps of a spot or point light; see light_fit.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/light/lamp_fit.h"
+#include "baker/light/light_fit.h"
 
 #include <float.h>
 #include <math.h>

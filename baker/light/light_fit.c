@@ -5,20 +5,16 @@
 #include <math.h>
 #include <string.h>
 
+#include "baker/base/box.h"
 #include "baker/base/integer.h"
 #include "baker/base/vec3.h"
-#include "baker/light/lamp_fit.h"
-
-typedef struct range {
-    double min, max;
-} range;
 
 static void axes_from_direction(double axes[3][3], const double *direction)
 {
     static const double up[3] = {0, 1, 0}, east[3] = {1, 0, 0};
     double              v[3];
     vec3_cross(up, direction, axes[0]);
-    /* light from straight above has no horizontal axis across it: take the one that keeps world x along u */
+    /* no horizontal axis lies across light from straight above: u is then along world x */
     if (vec3_dot(axes[0], axes[0]) < 1e-6) {
         vec3_cross(direction, east, v);
         vec3_cross(v, direction, axes[0]);
@@ -29,20 +25,10 @@ static void axes_from_direction(double axes[3][3], const double *direction)
     memcpy(axes[2], direction, sizeof axes[2]);
 }
 
-static void extend(range *r, double value)
+/* extent: along the axes, metres */
+static void extend_along(box *extent, double axes[3][3], const double *point)
 {
-    if (value < r->min) r->min = value;
-    if (value > r->max) r->max = value;
-}
-
-static void extend_along(range extent[3], double axes[3][3], const double *point)
-{
-    for (int n = 0; n < 3; n++) extend(&extent[n], vec3_dot(axes[n], point));
-}
-
-static double length_of(range r)
-{
-    return r.max - r.min;
+    box_add(extent, (double[3]){vec3_dot(axes[0], point), vec3_dot(axes[1], point), vec3_dot(axes[2], point)});
 }
 
 /* The format has room for 63 bytes: longer names are cut at a whole UTF-8 character. */
@@ -59,17 +45,18 @@ static void set_name(vxs_light *light, const char *name, message *m)
 
 static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], message *m)
 {
-    range extent[3] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
+    box    extent = box_empty();
+    double length[3];
     if (desc->region_ws)
         for (int corner = 0; corner < 8; corner++) {
             const double *b = desc->region_ws;
-            extend_along(extent, axes, (double[3]){b[corner & 1 ? 3 : 0], b[corner & 2 ? 4 : 1], b[corner & 4 ? 5 : 2]});
+            extend_along(&extent, axes, (double[3]){b[corner & 1 ? 3 : 0], b[corner & 2 ? 4 : 1], b[corner & 4 ? 5 : 2]});
         }
     else
-        for (size_t n = 0; n < c->vertex_count; n++) extend_along(extent, axes, c->positions_ws + 3 * n);
+        for (size_t n = 0; n < c->vertex_count; n++) extend_along(&extent, axes, c->positions_ws + 3 * n);
 
-    double   width = fmax(length_of(extent[0]), length_of(extent[1]));
-    double   depth = length_of(extent[2]);
+    vec3_sub(extent.max, extent.min, length);
+    double   width = fmax(length[0], length[1]), depth = length[2];
     uint32_t side  = desc->resolution;
     double   texel = desc->texel_metres;
     if (side) {
@@ -96,9 +83,9 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
     double determinant = 1;
     for (int row = 0; row < 3; row++) {
         double unit   = row < 2 ? texel : voxel;
-        double before = row < 2 ? (side - length_of(extent[row]) / texel) / 2 : 1;
+        double before = row < 2 ? (side - length[row] / texel) / 2 : 1;
         for (int n = 0; n < 3; n++) light->ls_from_ws[row * 4 + n] = axes[row][n] / unit;
-        light->ls_from_ws[row * 4 + 3] = before - extent[row].min / unit;
+        light->ls_from_ws[row * 4 + 3] = before - extent.min[row] / unit;
         determinant /= unit;
     }
     /* what the format asks of a transform */

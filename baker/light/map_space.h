@@ -30,7 +30,7 @@ typedef struct map_sides {
 /* A point in the space of map `map` of a light (runtime/vxs.h numbers them). */
 void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3]);
 
-/* 1 when a triangle lies behind a spot light, where no cone looks but some of a cube's maps do. */
+/* 1 when a triangle lies behind a spot light, which no cone covers, but some of a cube's maps do. */
 int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle);
 
 /* The sides of a light's maps, moved outward by so many texels. */

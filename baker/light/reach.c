@@ -6,21 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/box.h"
 #include "baker/base/vec3.h"
 #include "baker/light/light_fit.h"
 
 static reach_run run_of(const casters *c, size_t first, size_t end)
 {
-    double    low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, size[3];
+    box       around = box_empty();
+    double    size[3];
     reach_run run;
-    for (size_t n = 3 * first; n < 3 * end; n++)
-        for (int axis = 0; axis < 3; axis++) {
-            double at  = c->positions_ws[3 * (size_t)c->indices[n] + (size_t)axis];
-            low[axis]  = fmin(low[axis], at);
-            high[axis] = fmax(high[axis], at);
-        }
-    vec3_sub(high, low, size);
-    vec3_mad(low, 0.5, size, run.center_ws);
+    for (size_t n = 3 * first; n < 3 * end; n++) box_add(&around, c->positions_ws + 3 * (size_t)c->indices[n]);
+    vec3_sub(around.max, around.min, size);
+    vec3_mad(around.min, 0.5, size, run.center_ws);
     run.radius_m = 0.5 * sqrt(vec3_dot(size, size)) * (1 + 1e-9) + 1e-12;
     return run;
 }
@@ -129,15 +126,14 @@ vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, c
     uint8_t *kept  = malloc(x->run_count + 1);
     size_t   count = 0;
     double   slope = slope_around(light);
+    keeper   k     = {.out = out, .c = c};
+    int      ok    = kept != NULL;
     for (size_t n = 0; n < x->run_count && kept; n++) count += kept[n] = (uint8_t)touches_cone(&x->runs[n], light, slope);
-    if (count == x->run_count && kept) {
-        free(kept);
-        return VXS_OK;
-    }
+    if (kept && count == x->run_count) goto done;
+
     memset(out, 0, sizeof *out);
-    keeper k  = {.out = out, .c = c};
-    int    ok = kept && allocate(&k, count * REACH_RUN);
-    if (ok) keep_runs(&k, kept, x->run_count);
+    if ((ok = kept && allocate(&k, count * REACH_RUN))) keep_runs(&k, kept, x->run_count);
+done:
     free(k.slot);
     free(kept);
     if (ok) return VXS_OK;

@@ -5,10 +5,12 @@
  *     for (...) progress_share(shown, (double)done / count, since, "light %s: tile %u of %u", ...);
  *     progress_clear();
  *
- * shown  0: nobody looks (standard error is no terminal); nothing is printed.   Threads: one at a time.
+ * shown  0: standard error is no terminal, and nothing is printed.   Threads: one at a time.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PROGRESS_H
 #define PROGRESS_H
+
+#include "baker/base/progress_line.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -20,15 +22,12 @@ extern "C" {
 #define PROGRESS_PRINTF(text, values)
 #endif
 
-/* "vxs: TEXT", before work whose length nobody knows. Text from files may be in it (one_line). */
+/* "vxs: TEXT", before work of unknown length. Text from files may be in it (one_line). */
 void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
 
 /* The same, and how long the rest may take: "vxs: TEXT, about 12 s left". At most ten times a second.
  * share  of the work that is done, 0 to 1;   since  clock_seconds() when it was begun */
 void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
-
-/* Take the line away, before anything else is printed and in the end. Does nothing when there is none. Safe in a signal handler. */
-void progress_clear(void);
 
 #ifdef __cplusplus
 }

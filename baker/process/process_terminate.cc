@@ -10,6 +10,7 @@
 #include "baker/files/output_file.h"
 #include "baker/measure/progress.h"
 #include "baker/process/process.h"
+#include "baker/base/progress_line.h"
 
 /* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
  * missing memory is thrown there. */

@@ -538,7 +538,7 @@ static void test_lights_are_read_as_they_were_meant(void **state)
     (void)state;
     const light_shape shapes[] = {{LIGHT_DIRECTIONAL, {0}, {1, -2, 3}, 0, INFINITY},
                                   {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5},
-                                  {LIGHT_SPOT, {0, 0, 0}, {-1, -1e-9, 0}, parts_radians(90), INFINITY},
+                                  {LIGHT_SPOT, {0, 0, 0}, {-1, -1e-9, 0}, 90 * (3.14159265358979323846 / 180), INFINITY},
                                   {LIGHT_POINT, {1e-7, 2, 3}, {0}, 0, 0.1},
                                   {LIGHT_POINT, {4, 5, 6}, {0}, 0, INFINITY}};
     enum { SHAPES = sizeof shapes / sizeof *shapes };

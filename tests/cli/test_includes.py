@@ -1,0 +1,87 @@
+# Who may include what: the tables of docs/overview.md, "Folders", are the rule, and every #include of the product follows it.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+# Modules that still include each other; the list may only get shorter.
+KNOWN = {
+    ("baker/bake/bake", "baker/bake/bake_light"),
+    ("baker/bake/bake", "baker/bake/plan"),
+    ("baker/bench/bench", "baker/bench/bench_jobs"),
+    ("baker/bench/bench", "baker/bench/bench_text"),
+    ("baker/columns/opengl/depth_block", "baker/columns/opengl/depth_gl"),
+    ("baker/page/bench_parts", "baker/page/bench_plots"),
+    ("baker/report/plan_text", "baker/report/report"),
+    ("baker/truth/compare", "baker/truth/compare_points"),
+}
+
+
+def rules():
+    """Folder: the folders that it may include."""
+    section = (ROOT / "docs/overview.md").read_text().split("\n## Folders\n")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| `([\w/.]+)` \|.*\|(.*)\|$", section, re.M)
+    return {folder: set(re.findall(r"`([\w/.]+)`", may)) | {folder} for folder, may in rows}
+
+
+def product_files():
+    """File: the product's files that it includes, all by their paths."""
+    files = [p for folder in ("baker", "formats", "runtime") for p in (ROOT / folder).rglob("*") if p.suffix in (".c", ".cc", ".h")]
+    quoted = re.compile(r'^ *# *include "([^"]+)"', re.M)
+
+    def path_of(used, beside):
+        return next(str(p.relative_to(ROOT)) for p in (ROOT / used, beside.parent / used, ROOT / "formats" / used) if p.exists())
+
+    return {str(p.relative_to(ROOT)): [path_of(used, p) for used in quoted.findall(p.read_text())] for p in files}
+
+
+def folder_of(file):
+    """baker/main.c stands above all rooms, and has a row of its own."""
+    return file if file == "baker/main.c" else str(Path(file).parent) + "/"
+
+
+def circle(edges):
+    """Nodes that reach each other, each by the next; [] when there are none."""
+    done, path = set(), []
+
+    def walk(node):
+        if node in path:
+            return path[path.index(node):] + [node]
+        if node in done:
+            return []
+        path.append(node)
+        found = next(filter(None, map(walk, sorted(edges.get(node, ())))), [])
+        path.pop()
+        done.add(node)
+        return found
+
+    return next(filter(None, map(walk, sorted(edges))), [])
+
+
+def test_every_folder_has_a_rule():
+    assert {folder_of(file) for file in product_files()} == set(rules())
+
+
+def test_includes_follow_the_rules():
+    may = rules()
+    assert not [f"{file}: {used}" for file, includes in product_files().items() for used in includes
+                if folder_of(used) not in may.get(folder_of(file), ())]
+
+
+@pytest.mark.parametrize("name", [folder_of, lambda file: file], ids=["folders", "headers"])
+def test_there_are_no_circles(name):
+    edges = {}
+    for file, includes in product_files().items():
+        edges.setdefault(name(file), set()).update(name(used) for used in includes if name(used) != name(file))
+    assert circle(edges) == []
+    assert circle({folder: may - {folder} for folder, may in rules().items()}) == []
+
+
+def test_no_two_modules_include_each_other():
+    """A module is a header and the source of its name."""
+    pairs = {(str(Path(file).with_suffix("")), str(Path(used).with_suffix(""))) for file, includes in product_files().items()
+             for used in includes}
+    assert {(a, b) for a, b in pairs if a < b and (b, a) in pairs} - KNOWN == set()
