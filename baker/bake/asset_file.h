@@ -3,7 +3,7 @@
 #ifndef ASSET_FILE_H
 #define ASSET_FILE_H
 
-#include "baker/bake/bake.h"
+#include "baker/bake/bake_report.h"
 
 /* Encode the lights of a report, in its order.
  * dags  [report->light_count]

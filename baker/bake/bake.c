@@ -17,56 +17,6 @@
 #include "baker/measure/progress.h"
 #include "baker/scene/light_choice.h"
 
-/* what is known before the work ------------------------------------------------------------------------------------------------------------------ */
-
-static void report_casters(bake_report *report, const casters *c)
-{
-    report->casters      = *c;
-    casters *counts      = &report->casters; /* no arrays: they are the casters' */
-    counts->positions_ws = NULL;
-    counts->indices = counts->component_of = NULL;
-    counts->kind_of = counts->solid_meets = NULL;
-    counts->masks                         = NULL;
-    counts->mask_first                    = NULL;
-    counts->mask_uvs                      = NULL;
-    counts->images                        = NULL;
-    for (int axis = 0; axis < 3; axis++) {
-        report->casters_min_ws[axis] = INFINITY;
-        report->casters_max_ws[axis] = -INFINITY;
-        for (size_t n = 0; n < c->vertex_count; n++) {
-            report->casters_min_ws[axis] = fmin(report->casters_min_ws[axis], c->positions_ws[3 * n + axis]);
-            report->casters_max_ws[axis] = fmax(report->casters_max_ws[axis], c->positions_ws[3 * n + axis]);
-        }
-    }
-}
-
-static void leave_out(bake_report *report, const char *name, const char *why)
-{
-    light_left_out *l = &report->left_out[report->left_out_count++];
-    snprintf(l->name, sizeof l->name, "%s", name);
-    l->why = why;
-}
-
-/* What nobody asked for, and what reaches nothing. */
-static vxs_result report_left_out(bake_report *report, const scene *s, const bake_plan *plan, message *m)
-{
-    report->left_out = calloc(s->light_count + plan->light_count + 1, sizeof *report->left_out);
-    if (!report->left_out) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", s->light_count);
-    for (size_t n = 0; n < s->light_count; n++) {
-        int is_chosen = 0;
-        for (size_t k = 0; k < plan->light_count; k++)
-            is_chosen |= !strncmp(s->lights[n].name, plan->lights[k].name, VXS_LIGHT_NAME_BYTES - 1);
-        if (!is_chosen) leave_out(report, s->lights[n].name, "not asked for");
-    }
-    for (size_t n = 0; n < plan->light_count; n++) {
-        const plan_light *l = &plan->lights[n];
-        if (!l->left_out) continue;
-        leave_out(report, l->name, l->left_out);
-        warn(m, "light '%s' %s: it is left out", l->name, l->left_out);
-    }
-    return VXS_OK;
-}
-
 /* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
 static uint64_t file_bytes(const char *path)
 {
@@ -248,8 +198,7 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
         goto done;
     }
     if ((r = plan_make(report->plan, o, c, &chosen, bytes, m)) != VXS_OK) goto done;
-    report_casters(report, c);
-    if ((r = report_left_out(report, s, report->plan, m)) != VXS_OK) goto done;
+    if ((r = bake_report_begin(report, s, c, m)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_within_memory(ctx);
 done:
@@ -312,14 +261,4 @@ vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m
     casters_free(&c);
     scene_free(&s);
     return r;
-}
-
-void bake_report_free(bake_report *r)
-{
-    free(r->lights);
-    free(r->left_out);
-    if (r->plan) plan_free(r->plan);
-    free(r->plan);
-    for (uint32_t n = 0; n < r->picture_count; n++) light_picture_free(&r->pictures[n]);
-    memset(r, 0, sizeof *r);
 }

@@ -7,7 +7,8 @@
 
 #include "baker/base/text.h"
 #include "baker/casters/casters.h"
-#include "baker/columns/opengl/depth_gl.h"
+#include "baker/columns/opengl/exit_depth.h"
+#include "baker/columns/opengl/gl.h"
 #include "baker/dag/masks.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384 };

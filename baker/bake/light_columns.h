@@ -9,12 +9,12 @@
 #include "baker/bake/plan.h"
 
 typedef struct light_columns {
-    opengl_columns  rendered;
-    casters         near; /* that the light may reach */
-    const casters  *all;
-    baseline        depths; /* sampled, unless the plan leaves it out */
-    int             wants_depths;
-    light_picture  *picture; /* NULL: nobody wants one; borrowed */
+    opengl_columns rendered;
+    casters        near; /* that the light may reach */
+    const casters *all;
+    baseline       depths; /* sampled, unless the plan leaves it out */
+    int            wants_depths;
+    light_picture *picture; /* NULL: nobody wants one; borrowed */
 } light_columns;
 
 /* gl, plan, planned, all  borrowed until light_columns_free

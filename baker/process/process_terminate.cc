@@ -8,7 +8,6 @@
 #include <new>
 
 #include "baker/files/output_file.h"
-#include "baker/measure/progress.h"
 #include "baker/process/process.h"
 #include "baker/base/progress_line.h"
 

@@ -6,7 +6,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
-#include "baker/bake/bake.h"
+#include "baker/bake/bake_report.h"
 
 enum { PLAN_DECISIONS_MAX = 16 };
 

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#include "baker/bake/bake.h"
+#include "baker/bake/bake_report.h"
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r);
 

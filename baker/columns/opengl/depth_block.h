@@ -7,7 +7,8 @@
 #ifndef DEPTH_BLOCK_H
 #define DEPTH_BLOCK_H
 
-#include "baker/columns/opengl/depth_gl.h"
+#include "baker/columns/opengl/exit_depth.h"
+#include "baker/columns/opengl/gl.h"
 #include "baker/columns/opengl/mask_pass.h"
 #include "baker/light/projection.h"
 

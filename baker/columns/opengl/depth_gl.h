@@ -5,24 +5,10 @@
 #define DEPTH_GL_H
 
 #include "baker/casters/casters.h"
+#include "baker/columns/opengl/exit_depth.h"
 #include "baker/columns/opengl/gl.h"
 #include "baker/columns/stored/depth_maps.h"
 #include "formats/vxs_file.h"
-
-typedef enum exit_mode {
-    EXIT_AUTO, /* peel where solids meet, as casters_find_meeting knows them: the same depths as EXIT_PEEL */
-    EXIT_PEEL, /* exit depth of the union of solids, by depth peeling */
-    EXIT_BACK  /* the nearest back face: never behind the true exit, often before it */
-} exit_mode;
-
-typedef struct depth_stats {
-    uint64_t blocks_rendered, blocks_empty; /* blocks are the squares that are rendered at once */
-    uint64_t blocks_peeled;                 /* of those rendered */
-    uint64_t blocks_not_peeled;             /* of those rendered: they have solids, and none that needs it */
-    uint64_t triangles_drawn;               /* over all passes */
-    uint64_t peel_passes;                   /* over all blocks */
-    uint32_t peel_passes_max;               /* of the block that took most */
-} depth_stats;
 
 typedef struct depth_renderer depth_renderer;
 

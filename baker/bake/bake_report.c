@@ -1,0 +1,70 @@
+/* The report of a bake; see bake_report.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/bake_report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/box.h"
+
+static void report_casters(bake_report *report, const casters *c)
+{
+    report->casters      = *c;
+    casters *counts      = &report->casters; /* no arrays: they are the casters' */
+    counts->positions_ws = NULL;
+    counts->indices = counts->component_of = NULL;
+    counts->kind_of = counts->solid_meets = NULL;
+    counts->masks                         = NULL;
+    counts->mask_first                    = NULL;
+    counts->mask_uvs                      = NULL;
+    counts->images                        = NULL;
+    box all                               = box_empty();
+    for (size_t n = 0; n < c->vertex_count; n++) box_add(&all, c->positions_ws + 3 * n);
+    memcpy(report->casters_min_ws, all.min, sizeof all.min);
+    memcpy(report->casters_max_ws, all.max, sizeof all.max);
+}
+
+static void leave_out(bake_report *report, const char *name, const char *why)
+{
+    light_left_out *l = &report->left_out[report->left_out_count++];
+    snprintf(l->name, sizeof l->name, "%s", name);
+    l->why = why;
+}
+
+/* What nobody asked for, and what reaches nothing. */
+static vxs_result report_left_out(bake_report *report, const scene *s, message *m)
+{
+    const bake_plan *plan = report->plan;
+    report->left_out      = calloc(s->light_count + plan->light_count + 1, sizeof *report->left_out);
+    if (!report->left_out) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", s->light_count);
+    for (size_t n = 0; n < s->light_count; n++) {
+        int is_chosen = 0;
+        for (size_t k = 0; k < plan->light_count; k++)
+            is_chosen |= !strncmp(s->lights[n].name, plan->lights[k].name, VXS_LIGHT_NAME_BYTES - 1);
+        if (!is_chosen) leave_out(report, s->lights[n].name, "not asked for");
+    }
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l = &plan->lights[n];
+        if (!l->left_out) continue;
+        leave_out(report, l->name, l->left_out);
+        warn(m, "light '%s' %s: it is left out", l->name, l->left_out);
+    }
+    return VXS_OK;
+}
+
+vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m)
+{
+    report_casters(report, c);
+    return report_left_out(report, s, m);
+}
+
+void bake_report_free(bake_report *r)
+{
+    free(r->lights);
+    free(r->left_out);
+    if (r->plan) plan_free(r->plan);
+    free(r->plan);
+    for (uint32_t n = 0; n < r->picture_count; n++) light_picture_free(&r->pictures[n]);
+    memset(r, 0, sizeof *r);
+}
