@@ -7,14 +7,14 @@ const texels = sum(report.lights, texels_of), file = report.file_bytes;
 const lights = report.lights.map((light, index) => ({ ...light, index })).sort((a, b) => b.size.stored_bytes - a.size.stored_bytes);
 
 function show_facts() {
-    document.title = `${base_name(report.scene)}: its bake`;
-    const output = report.output === "-" ? "standard output" : base_name(report.output);
-    show(el("h1", {}, `The shadows of ${base_name(report.scene)}`),
-        soft(`${count(report.casters.triangles)} triangles and ${plural(lights.length, "light")}, baked to ${output} by vxs ${report.vxs} on `
-            + `${plural(options.threads, "thread")}.`),
+    const scene = base_name(report.scene), output = report.output === "-" ? "standard output" : base_name(report.output);
+    document.title = `${scene}: its bake`;
+    show(el("h1", {}, `The shadows of ${scene}`),
+        soft(`${count(report.casters.triangles)} triangles and ${plural(lights.length, "light")}, baked to ${output} by vxs `
+            + `${report.vxs} on ${plural(options.threads, "thread")}.`),
         el("div", { class: "facts" },
             fact("How big?", bytes(file), `on disk; planned ${bytes(estimate.file_bytes)}`),
-            fact("For a texel?", `${Number((8 * file / texels).toPrecision(3))} bit`, `a 16-bit depth map takes ${count(2 * texels / file)} times as much`),
+            fact("For a texel?", `${significant(8 * file / texels)} bit`, `a 16-bit depth map takes ${count(2 * texels / file)} times as much`),
             fact("When loaded?", bytes(actual.memory_bytes), `in memory; planned ${bytes(estimate.memory_bytes)}`),
             fact("How long?", seconds(report.total_seconds), `to bake; planned ${seconds(estimate.total_seconds)}`),
             fact("How much memory?", bytes(report.peak_bytes), `at the peak; planned ${bytes(estimate.peak_bytes)}`)));
@@ -33,82 +33,89 @@ function sum_levels() {
 
 function show_levels() {
     const levels = sum_levels(), head = file - sum(levels, (l) => l.stored_bytes);
-    const parts = [...levels.map((l) => [level_name(l.n), l.stored_bytes, level_colour(l.n)]), ["head", head, HEAD_COLOUR]];
     const of_kind = (kind) => sum(levels, (l) => l.kind === kind ? l.count : 0);
+    const parts = levels.map((l) => ({ name: level_name(l.n), size: l.stored_bytes, colour: level_colour(l.n),
+        count: count(l.count), memory: bytes(l.memory_bytes) }));
+    parts.push({ name: "head", size: head, colour: HEAD_COLOUR, count: "", memory: "" });
+    const piece = ({ name, size, colour }) => el("i", { style: `width: ${100 * size / file}%; background: ${colour}`,
+        title: `${name}: ${bytes(size)}, ${percent(size / file)}` });
+    const row = ({ name, size, colour, count, memory }) =>
+        [text(name), count, bytes(size), bar(size / file, `background: ${colour}`), percent(size / file), memory];
     show(el("h2", {}, "Where the bytes go"),
-        el("div", { class: "stack" }, ...parts.map(([name, size, colour]) =>
-            el("i", { style: `width: ${100 * size / file}%; background: ${colour}`, title: `${name}: ${bytes(size)}, ${percent(size / file)}` }))),
-        soft("The file from its finest level to its coarsest. Masks say of 8 x 8 texels at one depth which are dark; nodes of n³ voxels say "
-            + "where which masks and smaller nodes lie. Equal ones are stored once."),
-        table(["level", "count", "on disk", "share of the file", "", "in memory"], parts.map(([name, size, colour], n) =>
-            [text(name), levels[n] ? count(levels[n].count) : "", bytes(size), bar(size / file, `background: ${colour}`), percent(size / file),
-                levels[n] ? bytes(levels[n].memory_bytes) : ""])),
-        el("p", {}, `${count(sum(lights, (l) => l.mask_tiles))} of ${count(texels / 64)} tiles of 8 x 8 texels need masks, because no single depth `
-            + `parts them into light and shadow; they need ${count(sum(lights, (l) => l.mask_runs))}, of which ${count(of_kind("masks"))} differ `
-            + `and are stored. Of ${count(sum(lights, (l) => l.inserted_nodes))} nodes ${count(of_kind("nodes"))} are left.`));
+        el("div", { class: "stack" }, ...parts.map(piece)),
+        soft("The file from its finest level to its coarsest. Masks say of 8 x 8 texels at one depth which are dark; nodes of n³ voxels "
+            + "say where which masks and smaller nodes lie. Equal ones are stored once."),
+        table(["level", "count", "on disk", "share of the file", "", "in memory"], parts.map(row)),
+        el("p", {}, `${count(sum(lights, (l) => l.mask_tiles))} of ${count(texels / 64)} tiles of 8 x 8 texels need masks, because no `
+            + `single depth parts them into light and shadow; they need ${count(sum(lights, (l) => l.mask_runs))}, of which `
+            + `${count(of_kind("masks"))} differ and are stored. Of ${count(sum(lights, (l) => l.inserted_nodes))} nodes `
+            + `${count(of_kind("nodes"))} are left.`));
 }
 
 function show_lights() {
-    const rest = lights.slice(LIGHTS_SHOWN);
-    show(el("h3", {}, "By light"), table(
-        ["light", "kind", "maps", "texels a side", "of a texel", "on disk", "share of the file", "in memory", "bit/texel", "tiles with masks",
-            "masks needed"],
-        lights.slice(0, LIGHTS_SHOWN).map((l) => [text(clean(l.name)), text(l.kind), count(l.maps), String(l.resolution_px),
-            `${Number(l.texel_m.toPrecision(3))} m`, bytes(l.size.stored_bytes), bar(l.size.stored_bytes / file), bytes(l.size.memory_bytes),
-            l.size.stored_bit_per_texel.toFixed(3), count(l.mask_tiles), count(l.mask_runs)])));
+    const rest = lights.slice(LIGHTS_SHOWN), heads = ["light", "kind", "maps", "texels a side", "of a texel", "on disk",
+        "share of the file", "in memory", "bit/texel", "tiles with masks", "masks needed"];
+    const row = ({ size, ...l }) => [text(clean(l.name)), text(l.kind), count(l.maps), String(l.resolution_px),
+        `${significant(l.texel_m)} m`, bytes(size.stored_bytes), bar(size.stored_bytes / file), bytes(size.memory_bytes),
+        size.stored_bit_per_texel.toFixed(3), count(l.mask_tiles), count(l.mask_runs)];
+    show(el("h3", {}, "By light"), table(heads, lights.slice(0, LIGHTS_SHOWN).map(row)));
     if (rest.length) show(soft(`${rest.length} smaller lights take ${bytes(sum(rest, (l) => l.size.stored_bytes))} together.`));
 }
 
-function figures(picture) {
-    const ways = ["along x", "against x", "along y", "against y", "along z", "against z"], six = picture.depths.length > 1;
-    const figure = (what, alt, n) => el("figure", {}, el("h3", {}, six ? `${what}, map ${n + 1} of 6, ${ways[n]}` : what),
-        el("img", { alt, src: (what === "Depths" ? picture.depths : picture.masks)[n], width: picture.side_px, height: picture.side_px,
-            class: picture.side_px < 512 ? "few" : "" }));
-    return picture.depths.flatMap((_, n) => [figure("Depths", "depth map, near surfaces light", n),
-        figure("Masks", "the same place: how many masks its tiles need", n)]);
+/* Both pictures of each map. */
+function figures({ depths, masks, side_px }) {
+    const ways = ["along x", "against x", "along y", "against y", "along z", "against z"];
+    const figure = (what, src, alt, n) => el("figure", {},
+        el("h3", {}, depths.length > 1 ? `${what}, map ${n + 1} of 6, ${ways[n]}` : what),
+        el("img", { src, alt, width: side_px, height: side_px, class: side_px < 512 ? "few" : "" }));
+    return depths.flatMap((depth, n) => [figure("Depths", depth, "depth map, near surfaces light", n),
+        figure("Masks", masks[n], "the same place: how many masks its tiles need", n)]);
 }
 
 function show_pictures() {
     show(el("h2", {}, "What the light sees, and where it takes masks"),
-        el("p", {}, "On the left the map's depths, as the light sees them: near is light, no caster is blank. On the right the same place, "
-            + "coloured where shadows take masks: there, and in the nodes above them, the bytes go. Edges of shadows, leaves, grass and wires "
-            + "show; so do sheets, whose every slope is an edge."),
+        el("p", {}, "On the left the map's depths, as the light sees them: near is light, no caster is blank. On the right the same "
+            + "place, coloured where shadows take masks: there, and in the nodes above them, the bytes go. Edges of shadows, leaves, "
+            + "grass and wires show; so do sheets, whose every slope is an edge."),
         key(["masks that an 8 x 8 tile needs:"], ...data.mask_colours.map(([name, colour]) => [swatch(colour), name])));
     for (const light of lights) {
         const picture = data.pictures.find((p) => p.light === light.index), side = light.resolution_px;
         if (!picture) continue;
-        show(el("h3", {}, `${clean(light.name)}: ${plural(light.maps, "map")} of ${side} x ${side} texels, ${bytes(light.size.stored_bytes)}`),
-            el("div", { class: "pairs" }, ...figures(picture)));
-        if (picture.mask_tiles > 1) show(soft(`A pixel stands for ${picture.mask_tiles} tiles: the one that needs most of them counts.`));
+        const size = `${plural(light.maps, "map")} of ${side} x ${side} texels, ${bytes(light.size.stored_bytes)}`;
+        show(el("h3", {}, `${clean(light.name)}: ${size}`), el("div", { class: "pairs" }, ...figures(picture)));
+        if (picture.mask_tiles > 1)
+            show(soft(`A pixel stands for ${picture.mask_tiles} tiles: the one that needs most of them counts.`));
     }
     if (data.pictures.length < lights.length) show(soft(`${lights.length - data.pictures.length} more lights are not pictured.`));
 }
 
+const code = (words) => el("code", {}, words);
+
 function sheet_hint() {
     const casters = report.casters, sheets = casters.triangles - casters.solids.triangles;
     const [kind, most] = Object.entries(casters.sheets).reduce((a, b) => b[1].triangles > a[1].triangles ? b : a);
-    return sheets >= casters.triangles / 20 && [`${percent(sheets / casters.triangles)} of the triangles are sheets. Only solids have an inside that `
-        + "nobody asks about, where the builder is free to choose what repeats. Most of these, "
-        + `${count(most.triangles)}, are ${kind}: `, code("vxs health"), " names them, and ", code("--repair"), " closes what can be closed."];
+    return sheets >= casters.triangles / 20 && [
+        `${percent(sheets / casters.triangles)} of the triangles are sheets. Only solids have an inside that nobody asks about, where the `
+        + `builder is free to choose what repeats. Most of these, ${count(most.triangles)}, are ${kind}: `, code("vxs health"),
+        " names them, and ", code("--repair"), " closes what can be closed."];
 }
-
-const code = (words) => el("code", {}, words);
 
 function show_hints() {
     const half = Math.max(...lights.map((l) => l.resolution_px)) / 2, largest = lights[0];
-    show(el("h2", {}, "What would make it smaller"), list([
+    const hints = [
         options.closed === "off" ? [code("--closed off"), " makes a sheet of every solid; without it they are told apart."] : sheet_hint(),
         options.rule === "shadow" && [code("--rule greedy"), " takes the fewest masks."],
         options.reuse === "off" && [code("--reuse on"), " does not make again what equals its neighbour."],
         options.stop !== "final" && [code("--stop final"), " merges what is equal."],
         options.exit === "back" && [code("--exit auto"), " looks for the exit of the union where solids meet."],
-        lights.length > 1 && [`The largest light, ${clean(largest.name)}, takes ${percent(largest.size.stored_bytes / file)} of the file. A narrower `
-            + "cone or a shorter range reaches fewer casters."],
+        lights.length > 1 && [`The largest light, ${clean(largest.name)}, takes ${percent(largest.size.stored_bytes / file)} of the file. `
+            + "A narrower cone or a shorter range reaches fewer casters."],
         !options.region_m && [code("--region"), " bakes only the box that will be looked up; all of the scene still casts into it."],
-        half >= 8 && ["Half the resolution, ", code(`--resolution ${half}`), ": shadows end in lines and surfaces, so a file is often about half as "
-            + "large then. ", code("vxs plan"), " estimates it."],
+        half >= 8 && ["Half the resolution, ", code(`--resolution ${half}`), ": shadows end in lines and surfaces, so a file is often "
+            + "about half as large then. ", code("vxs plan"), " estimates it."],
         options.zstd_level < 19 && [code("--level 19"), " compresses harder, and takes longer to write."],
-    ].filter(Boolean)));
+    ];
+    show(el("h2", {}, "What would make it smaller"), list(hints.filter(Boolean)));
 }
 
 function show_stages() {
@@ -132,7 +139,7 @@ function show_decisions() {
 }
 
 function show_casters() {
-    const casters = report.casters, size = casters.max_m.map((max, n) => Number((max - casters.min_m[n]).toPrecision(4)));
+    const casters = report.casters, size = casters.max_m.map((max, n) => significant(max - casters.min_m[n], 4));
     const kinds = [["solids", casters.solids], ...Object.entries(casters.sheets).map(([kind, k]) => [`sheets: ${kind}`, k])];
     show(el("h2", {}, "What casts shadows"),
         table(["components", "how many", "triangles", ""], kinds.filter(([, k]) => k.components).map(([name, k]) =>

@@ -60,7 +60,8 @@ function digits(value) {
 }
 
 function seconds(value) {
-    const units = [[36000, 3600, "h"], [600, 60, "min"], [0.9995, 1, "s"], [0.9995e-3, 1e-3, "ms"], [0.9995e-6, 1e-6, "µs"], [0, 1e-9, "ns"]];
+    const units = [[36000, 3600, "h"], [600, 60, "min"], [0.9995, 1, "s"], [0.9995e-3, 1e-3, "ms"], [0.9995e-6, 1e-6, "µs"],
+        [0, 1e-9, "ns"]];
     const [, unit, name] = units.find(([from]) => value >= from);
     return value > 0 ? digits(value / unit) + NO_BREAK + name : "0";
 }
@@ -71,7 +72,8 @@ const percent = (share) => digits(100 * share) + NO_BREAK + "%";
 /* As the reports in words have it. */
 function bytes(value) {
     if (value < 10 * 1024) return Math.floor(value) + NO_BREAK + "B";
-    return value < 10 * 1024 ** 2 ? (value / 1024).toFixed(1) + NO_BREAK + "KiB" : (value / 1024 ** 2).toFixed(1) + NO_BREAK + "MiB";
+    if (value < 10 * 1024 ** 2) return (value / 1024).toFixed(1) + NO_BREAK + "KiB";
+    return (value / 1024 ** 2).toFixed(1) + NO_BREAK + "MiB";
 }
 
 function count(value) {
@@ -79,6 +81,7 @@ function count(value) {
     return shown.length > 4 ? shown.replace(/\B(?=(\d{3})+$)/g, THIN) : shown;
 }
 
+const significant = (value, precision = 3) => String(Number(value.toPrecision(precision)));
 const sum = (items, value) => items.reduce((total, item) => total + value(item), 0);
 const plural = (number, word) => `${number} ${word}${number === 1 ? "" : "s"}`;
 const base_name = (path) => clean(path.replace(/.*\/(?=.)/s, ""));

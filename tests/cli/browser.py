@@ -15,7 +15,7 @@ FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage
 
 
 class Browser:
-    """Shows one page at a time. requests: addresses that the page asked for; complaints: what it threw or logged."""
+    """Shows one page at a time. requests: addresses that the page asked for; complaints: what it threw, logged or asked."""
 
     def __init__(self):
         self.folder = tempfile.TemporaryDirectory(prefix="vxs-browser-")
@@ -36,6 +36,13 @@ class Browser:
             self.call(f"{domain}.enable")
         self.call("Page.setLifecycleEventsEnabled", enabled=True)
 
+    def send(self, method, parameters):
+        self.count += 1
+        message = {"id": self.count, "method": method, "params": parameters} | ({"sessionId": self.session} if self.session else {})
+        data = json.dumps(message).encode() + b"\0"
+        while data:
+            data = data[os.write(self.to, data):]
+
     def receive(self):
         while b"\0" not in self.pending:
             assert select.select([self.back], [], [], 60)[0], "the browser says nothing for a minute"
@@ -43,15 +50,15 @@ class Browser:
             assert piece, "the browser is gone"
             self.pending += piece
         text, _, self.pending = self.pending.partition(b"\0")
-        return json.loads(text)
+        message = json.loads(text)
+        if message.get("method") == "Page.javascriptDialogOpening":  # nothing goes on before it is answered
+            self.send("Page.handleJavaScriptDialog", {"accept": False})
+        return message
 
     def call(self, method, **parameters):
-        self.count += 1
-        message = {"id": self.count, "method": method, "params": parameters} | ({"sessionId": self.session} if self.session else {})
-        data = json.dumps(message).encode() + b"\0"
-        while data:
-            data = data[os.write(self.to, data):]
-        while (answer := self.receive()).get("id") != self.count:
+        self.send(method, parameters)
+        number = self.count
+        while (answer := self.receive()).get("id") != number:
             self.events.append(answer)
         assert "error" not in answer, answer
         return answer["result"]
@@ -74,7 +81,8 @@ class Browser:
     @property
     def complaints(self):
         return [e["params"] for e in self.events
-                if e.get("method") in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")]
+                if e.get("method") in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded",
+                                        "Page.javascriptDialogOpening")]
 
     def ask(self, expression):
         """The value of an expression of JavaScript in the page, as JSON has it."""
