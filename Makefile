@@ -37,8 +37,8 @@ python         := /usr/bin/python3
 
 opt.debug   := -Og -g
 opt.release := -O3 -g1
-opt.asan    := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-opt.tsan    := -O1 -g -fsanitize=thread
+opt.asan    := -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+opt.tsan    := -O1 -g1 -fsanitize=thread
 opt.fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 opt         := $(or $(opt.$(config)),$(error unknown config '$(config)': expected debug, release, asan or tsan))
 ifeq ($(config),fuzz)
@@ -51,7 +51,7 @@ flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
-libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs osmesa libzstd libxxhash jansson libpng libwebp) -ldraco -lmeshoptimizer -lembree3 -lgmp -lmpfr -ldl -lm)$(libs)
+libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs libzstd libxxhash jansson libpng libwebp) -ldraco -lmeshoptimizer -lembree3 -lgmp -lmpfr -ldl -lm)$(libs)
 
 # --- what is built --------------------------------------------------------------------------------------------------------
 
@@ -78,7 +78,7 @@ unit: $(unit) $(helper) $(fuzz)
 
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 $(unit) $(helper): $B/%: $B/%.c.o $(baker.o) $B/libvxs.a
-$(unit): test_libs := -lcmocka
+$(unit): test_libs := -lcmocka -lOSMesa
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o)
 $B/tests/bench/rivals: test_libs := -lz
