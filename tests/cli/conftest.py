@@ -16,8 +16,8 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # files all of whose tests are left out by `make check-fast`; in other files, tests are marked one by one
-SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "encodings", "exact", "health", "lamps", "measurements",
-                                       "report", "report_bake", "rivals", "stress", "threads")}
+SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "encodings", "health", "lamps", "measurements", "report",
+                                       "report_bake", "rivals", "stress", "threads")}
 
 
 def pytest_configure(config):
