@@ -98,7 +98,7 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
         (plan->meeting_known ? plan->meeting_seconds : 0) + 2e-7 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
-    plan->seconds[STAGE_GL] += 0.011;
+    plan->seconds[STAGE_GL] += 0.026;
     plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
     plan->seconds[STAGE_COMPRESS] = compress;
     plan->total_seconds           = 0;

@@ -18,6 +18,36 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
+# files all of whose tests are left out by `make check-fast`; in other files, tests are marked one by one
+SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "encodings", "health", "lamps", "measurements", "report",
+                                       "report_bake", "rivals", "stress", "threads")}
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "slow: left out by make check-fast")
+
+
+def pytest_collection_modifyitems(items):
+    """test_exact.py comes last: it is the longest by far, and its tests, which share nothing, fill all processors to the end."""
+    items.sort(key=lambda item: item.path.name == "test_exact.py")
+    for item in items:
+        if item.path.name in SLOW:
+            item.add_marker(pytest.mark.slow)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            """What one worker runs: a file, because its tests share what they make; of test_exact.py, each test for itself."""
+            file = nodeid.split("::")[0]
+            return nodeid if file.endswith("test_exact.py") else file
+
+    return Scheduling(config, log)
+
+
 
 @pytest.fixture(scope="session")
 def vxs_path():

@@ -313,6 +313,7 @@ def contents(vxs, report):
                     if s["kind"] != "metadata")
 
 
+@pytest.mark.slow
 def test_solids_that_meet_nothing_are_not_peeled(vxs, bake, scenes, tmp_path):
     apart = small_scene.write(tmp_path / "apart.gltf", lights=LIGHTS)
     for path, options in ((apart, ()), (scenes / "real" / "room_with_spheres_closed.glb", ("--sun", "-0.4,-1,-0.2"))):

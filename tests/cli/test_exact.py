@@ -36,6 +36,8 @@ EVERY_OPTION = GENERATED + [
     "features/subpass_scene_mirrored.gltf",
 ]
 FINE = GENERATED + [name for name in LOADABLE if "/" not in name]
+SHARED = [pytest.param(name, marks=pytest.mark.slow) for name in LOADABLE]
+SOME_SHARED = [pytest.param(name, marks=pytest.mark.slow) for name in EVERY_OPTION if name not in GENERATED]
 FAULTS = ["depth", "tile", "square", "mask", "until", "inserted", "compressed", "merged", "word"]
 
 
@@ -96,7 +98,7 @@ def assert_complete_lamps(found, resolution):
 
 
 @pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")
-@pytest.mark.parametrize("name", LOADABLE)
+@pytest.mark.parametrize("name", SHARED)
 def test_every_voxel_of_every_scene(exact, scene, name):
     assert_complete(exact(scene(name), sun=SUNS), 512)
 
@@ -106,23 +108,23 @@ def test_refused_scenes_say_so(exact, scene, name):
     assert exact(scene(name), "--sun", SUNS[0], status=REFUSED[name]) == []
 
 
-@pytest.mark.parametrize("name", GENERATED + LOADABLE)
+@pytest.mark.parametrize("name", GENERATED + SHARED)
 def test_every_voxel_after_every_stage_with_each_rule(exact, scene, name):
     assert_complete(exact(scene(name), sun=SUNS if name in EVERY_OPTION else SUNS[:1], stop=STOPS, rule=RULES), 512)
 
 
-@pytest.mark.parametrize("name", EVERY_OPTION)
+@pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_without_reuse_and_compressed_either_way(exact, scene, name):
     assert_complete(exact(scene(name), "--sun", SUNS[0], reuse=["on", "off"], compress=["top-down", "bottom-up"],
                           stop=["partial", "final"]), 512)
 
 
-@pytest.mark.parametrize("name", EVERY_OPTION)
+@pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_whatever_is_solid(exact, scene, name):
     assert_complete(exact(scene(name), "--sun", SUNS[1], closed=["on", "off"], exit=["peel", "back"]), 512)
 
 
-@pytest.mark.parametrize("name", EVERY_OPTION)
+@pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_of_suns_along_an_axis(exact, scene, name):
     assert_complete(exact(scene(name), "--resolution", 256, sun=["0,-1,0", "1,0,0", "0,0.001,-1"]), 256)
 
@@ -133,39 +135,44 @@ def test_every_voxel_at_every_resolution(exact, scene, name):
         assert_complete(exact(scene(name), sun=SUNS, resolution=[resolution]), resolution)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FINE)
 def test_a_million_columns_at_4096(exact, scene, name):
     counts, = exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", 1000000)
     assert counts["columns"] == 1000000 and counts["voxels"] > 20000000
 
 
+@pytest.mark.slow
 def test_several_map_tiles(exact, scene):
     """8192 texels are four tiles that are rendered one by one."""
     counts, = exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000)
     assert counts["columns"] == 1000000
 
 
-@pytest.mark.parametrize("name", GENERATED + LOADABLE)
+@pytest.mark.parametrize("name", GENERATED + SHARED)
 def test_every_voxel_of_lamps_in_every_scene(exact, scene, name):
     assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 128), 128)
 
 
-@pytest.mark.parametrize("name", EVERY_OPTION)
+@pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_of_fine_lamps(exact, scene, name):
     assert_complete_lamps(exact(scene(name), *LAMPS), 512)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GENERATED + EVERY_OPTION[-2:])
 def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, name):
     assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 256, stop=STOPS, rule=RULES), 256)
     assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 256, closed=["on", "off"], exit=["peel", "back"]), 256)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [8, 16, 32, 64, 1024])
 def test_every_voxel_of_lamps_at_every_resolution(exact, scene, resolution):
     assert_complete_lamps(exact(scene("city"), *LAMPS, "--resolution", resolution), resolution)
 
 
+@pytest.mark.slow
 def test_columns_of_fine_lamps(exact, scene):
     """8192 texels are four map tiles."""
     counts, = exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", 400000)
@@ -187,6 +194,7 @@ def test_faults_of_lamps_are_seen(exact, scene, lamp):
     assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", ["stages"] + FAULTS)
 def test_faults_are_seen(exact, scene, fault):
     """Proof that the comparison sees what it is there to see: one fault in one stage, in places that a seed picks."""

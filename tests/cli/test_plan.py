@@ -142,6 +142,7 @@ def test_estimates_of_a_city(bake, folder, resolution):
         assert within(factor, plan["estimate"][figure], plan["actual"][figure]), figure
 
 
+@pytest.mark.slow
 def test_estimates_of_real_scenes(bake, scenes):
     """Most are within a factor of two. Time is left out: how long it takes is up to who else is at work."""
     near = asked = 0
@@ -166,6 +167,7 @@ def test_budgets(plan, folder, value, bytes):
     assert plan(folder / "city.glb", "--memory", value)["options"]["memory_bytes"] == bytes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [2048, 4096, 8192])
 def test_less_memory_makes_the_same_file(vxs, plan, bake, folder, tmp_path, resolution):
     everything = bake(folder / "city.glb", "--resolution", resolution)
@@ -224,6 +226,7 @@ def on_a_terminal(vxs_path, *args):
     return said.decode()
 
 
+@pytest.mark.slow
 def test_progress_is_one_line_that_goes_away(vxs_path, folder, tmp_path):
     start = time.monotonic()
     said = on_a_terminal(vxs_path, "bake", folder / "city.glb", "-o", tmp_path / "a.vxs", "--resolution", 8192, "--memory", "150M")

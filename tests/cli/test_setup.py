@@ -44,7 +44,7 @@ def system(tmp_path):
         (state / "status").write_text(f"{status}\n")
         if lists:
             (state / "lists").touch()
-        environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE") and k != "MFLAGS"}
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE") and k not in ("MFLAGS", "packages")}
         done = subprocess.run([shutil.which("make"), *goals], cwd=ROOT, env=environment | {"PATH": str(programs), "STATE": str(state)},
                               capture_output=True, text=True)
         log = (state / "log").read_text() if (state / "log").exists() else ""

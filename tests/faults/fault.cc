@@ -8,13 +8,15 @@
 //   FAULT_EVERY=1           every call from the N-th on, not that one alone
 //   FAULT_FROM=libzstd      alloc: calls made by the library of this name; without it, by the program itself
 //   FAULT_NO_NAMELESS=1     open knows no O_TMPFILE, as on NFS
-//   FAULT_COUNT=FILE        write the number of calls there when the program ends
+//   FAULT_COUNT=FILE        write the number of calls there when the program ends, and in lines of their own the calls that were the
+//                           first of their place: of the last STACK_DEPTH functions of the program or library that lead to it
 //
 // Calls of other libraries do not count, so that Mesa or a loader may fail or not as it likes, nor do calls before main. Streams that
 // the program opens are backed by read and write here, since libc's own calls cannot be stood before.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <link.h>
 #include <pthread.h>
@@ -26,6 +28,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <mutex>
 #include <new>
 
 namespace
@@ -38,6 +41,17 @@ bool              fault_every = false, main_runs = false;
 const char       *count_path = nullptr, *from = "";
 // where the code lies whose calls count
 uintptr_t         range_begin = 0, range_end = 0;
+
+enum { STACK_DEPTH = 2, PLACES_MAX = 4096 };
+
+// where calls came from, each place once, and the first call from there
+struct place {
+    uintptr_t stack[STACK_DEPTH];
+    long      call;
+};
+place      places[PLACES_MAX];
+int        place_count = 0;
+std::mutex places_lock;
 
 int find_range(dl_phdr_info *info, size_t, void *)
 {
@@ -67,11 +81,35 @@ __attribute__((destructor)) void end()
     int  file = open(count_path, O_WRONLY | O_CREAT | O_TRUNC, 0666);
     char text[32];
     if (write(file, text, (size_t)snprintf(text, sizeof text, "%ld", calls.load())) < 0) abort();
+    for (int n = 0; n < place_count; n++)
+        if (write(file, text, (size_t)snprintf(text, sizeof text, "\n%ld", places[n].call)) < 0) abort();
+}
+
+bool in_range(const void *code)
+{
+    return (uintptr_t)code >= range_begin && (uintptr_t)code < range_end;
 }
 
 bool counts(const void *caller)
 {
-    return main_runs && (uintptr_t)caller >= range_begin && (uintptr_t)caller < range_end;
+    return main_runs && in_range(caller);
+}
+
+void note_place(long call)
+{
+    thread_local bool inside = false; // backtrace() may allocate
+    if (inside) return;
+    inside = true;
+    void *stack[64];
+    place here  = {{}, call};
+    int   depth = backtrace(stack, 64), found = 0;
+    for (int n = 0; n < depth && found < STACK_DEPTH; n++)
+        if (in_range(stack[n])) here.stack[found++] = (uintptr_t)stack[n];
+    std::lock_guard<std::mutex> held(places_lock);
+    int                         n = 0;
+    while (n < place_count && memcmp(places[n].stack, here.stack, sizeof here.stack)) n++;
+    if (n == place_count && n < PLACES_MAX) places[place_count++] = here;
+    inside = false;
 }
 
 // Whether this call is the one; errno is set.
@@ -79,6 +117,7 @@ bool fails(const char *call, const void *caller)
 {
     if (strcmp(call, fault_call) || !counts(caller)) return false;
     long n = ++calls;
+    if (count_path) note_place(n);
     if (!fault_at || n < fault_at || (n > fault_at && !fault_every)) return false;
     if (!strcmp(fault_what, "kill")) kill(getpid(), SIGKILL);
     if (!strcmp(fault_what, "interrupt")) kill(getpid(), SIGINT);

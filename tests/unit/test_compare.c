@@ -199,9 +199,7 @@ static void distances_have_an_end(void **state)
     fine.light.ls_from_ws[3] = fine.light.ls_from_ws[7] = -12; /* x and z from 3 to 5 */
     fine.light.ls_from_ws[11]                           = 32;
     fine.light.texel_metres = fine.light.voxel_metres = 0.25;
-    compare_options many                              = options;
-    many.points                                       = 200000;
-    const compare_counts n                            = compared_scene(&scene_of_sheet, fine, many).counts[COMPARE_RANDOM];
+    const compare_counts n                            = compared_scene(&scene_of_sheet, fine, options).counts[COMPARE_RANDOM];
     assert_true(n.leaks > 500 && fabs((double)n.boundary.beyond / (double)n.leaks - 2.2 / 4.2) < 0.05);
     assert_true(n.boundary.max > 7.9 && n.boundary.max <= 8);
 }
@@ -489,7 +487,7 @@ static void faults_of_lamps_are_found(void **state)
     /* edges of the boxes run along texels, so that a shadow two texels aside is not within two texels of its place */
     const vxs_light spot = lamp_of(zero, level, 50 * degree, 0, 7, 0), lamp = lamp_of(zero, level, 0, 1, 7, 0);
     compare_options more = few;
-    more.points          = 30000;
+    more.points          = 3000;
     const fault faults[] = {{.shift_texels = 2}, {.shift_texels = 5}, {.early_voxels = 8}, {.early_voxels = -8}, {.mirrored = 1}};
     for (int n = 0; n < 5; n++) {
         compare_result of_spot = compared_lamp(spot, faults[n], zero, more), of_lamp = compared_lamp(lamp, faults[n], zero, more);

@@ -54,12 +54,12 @@ static dag insert(const depth_maps *maps, uint32_t side, uint32_t i, uint32_t j,
     return insert_columns(&s, side, i, j, o);
 }
 
-static int voxel(const dag *d, uint32_t i, uint32_t j, uint32_t k)
+/* The slice of 8 x 8 texels that voxel (i, j, k) is in: bit i % 8 + 8 * (j % 8), 1 for shadow. */
+static uint64_t slice(const dag *d, uint32_t i, uint32_t j, uint32_t k)
 {
     uint32_t level = d->level_count - 1;
     uint32_t ref   = d->roots[k >> (level + 3)];
-    for (;; level--) {
-        if (ref < REF_FIRST) return (int)ref;
+    for (; ref >= REF_FIRST; level--) {
         assert_true(ref - REF_FIRST < d->level[level].count);
         const uint32_t *child = d->level[level].nodes[ref - REF_FIRST].child;
         if (!level) {
@@ -68,9 +68,14 @@ static int voxel(const dag *d, uint32_t i, uint32_t j, uint32_t k)
         }
         ref = child[(i >> (level + 2) & 1) + 2 * (j >> (level + 2) & 1) + 4 * (k >> (level + 2) & 1)];
     }
-    if (ref < REF_FIRST) return (int)ref;
+    if (ref < REF_FIRST) return 0 - (uint64_t)(ref == REF_SHADOW);
     assert_true(ref - REF_FIRST < d->mask_count);
-    return (int)(d->masks[ref - REF_FIRST] >> ((i & 7) + 8 * (j & 7)) & 1);
+    return d->masks[ref - REF_FIRST];
+}
+
+static int voxel(const dag *d, uint32_t i, uint32_t j, uint32_t k)
+{
+    return (int)(slice(d, i, j, k) >> ((i & 7) + 8 * (j & 7)) & 1);
 }
 
 /* Every voxel of a DAG whose first texel is (i0, j0) of the maps. */
@@ -79,10 +84,13 @@ static void assert_exact(const dag *d, const depth_maps *maps, uint32_t i0, uint
     uint32_t side  = 4u << d->level_count;
     size_t   wrong = 0;
     for (uint32_t k = 0; k < maps->depth_vx; k++)
-        for (uint32_t j = 0; j < side; j++)
-            for (uint32_t i = 0; i < side; i++) {
-                int want = wanted(maps, i0 + i, j0 + j, k);
-                wrong += want >= 0 && voxel(d, i, j, k) != want;
+        for (uint32_t j = 0; j < side; j += 8)
+            for (uint32_t i = 0; i < side; i += 8) {
+                uint64_t found = slice(d, i, j, k);
+                for (uint32_t n = 0; n < 64; n++) {
+                    int want = wanted(maps, i0 + i + n % 8, j0 + j + n / 8, k);
+                    wrong += want >= 0 && (int)(found >> n & 1) != want;
+                }
             }
     assert_int_equal(wrong, 0);
 }
@@ -90,8 +98,8 @@ static void assert_exact(const dag *d, const depth_maps *maps, uint32_t i0, uint
 static void assert_same_voxels(const dag *a, const dag *b, uint32_t side, uint32_t depth)
 {
     for (uint32_t k = 0; k < depth; k++)
-        for (uint32_t j = 0; j < side; j++)
-            for (uint32_t i = 0; i < side; i++) assert_int_equal(voxel(a, i, j, k), voxel(b, i, j, k));
+        for (uint32_t j = 0; j < side; j += 8)
+            for (uint32_t i = 0; i < side; i += 8) assert_true(slice(a, i, j, k) == slice(b, i, j, k));
 }
 
 /* --- counting by brute force

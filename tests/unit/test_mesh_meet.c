@@ -291,7 +291,7 @@ static int count(void *user, uint32_t a, uint32_t b)
 static void test_each_pair_once(void **state)
 {
     (void)state;
-    enum { PAIRS = 20000 };
+    enum { PAIRS = 12500 };
     double   *p       = malloc(18 * PAIRS * sizeof *p);
     uint32_t *corners = malloc(6 * PAIRS * sizeof *corners), seed = 5;
     for (size_t i = 0; i < PAIRS; i++) {

@@ -25,9 +25,22 @@ static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
     return VXS_OK;
 }
 
-static gl_function osmesa_lookup(const char *name)
+/* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the rest of
+ * the command, and most commands draw nothing; EGL may not be there. */
+typedef struct osmesa {
+    OSMesaContext (*CreateContextAttribs)(const int *attributes, OSMesaContext share);
+    GLboolean (*MakeCurrent)(OSMesaContext context, void *pixels, GLenum type, GLsizei width, GLsizei height);
+    gl_lookup GetProcAddress;
+    void (*DestroyContext)(OSMesaContext context);
+} osmesa;
+
+static int open_osmesa(osmesa *o, void *library)
 {
-    return (gl_function)OSMesaGetProcAddress(name);
+    *(void **)&o->CreateContextAttribs = dlsym(library, "OSMesaCreateContextAttribs");
+    *(void **)&o->MakeCurrent          = dlsym(library, "OSMesaMakeCurrent");
+    *(void **)&o->GetProcAddress       = dlsym(library, "OSMesaGetProcAddress");
+    *(void **)&o->DestroyContext       = dlsym(library, "OSMesaDestroyContext");
+    return o->CreateContextAttribs && o->MakeCurrent && o->GetProcAddress && o->DestroyContext;
 }
 
 static vxs_result create_osmesa(gl_context *gl, message *m)
@@ -43,14 +56,17 @@ static vxs_result create_osmesa(gl_context *gl, message *m)
                                      OSMESA_CONTEXT_MINOR_VERSION,
                                      5,
                                      0};
-    gl->handle                    = OSMesaCreateContextAttribs(attributes, NULL);
+    osmesa           o;
+    gl->library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    if (!gl->library || !open_osmesa(&o, gl->library))
+        return fail(m, VXS_E_GL, "libOSMesa.so.8, which draws without a graphics processor, is not installed");
+    gl->handle = o.CreateContextAttribs(attributes, NULL);
     if (!gl->handle) return fail(m, VXS_E_GL, "OSMesa cannot make an OpenGL 4.5 core context");
-    if (!OSMesaMakeCurrent(gl->handle, gl->pixels, GL_UNSIGNED_BYTE, 16, 16))
+    if (!o.MakeCurrent(gl->handle, gl->pixels, GL_UNSIGNED_BYTE, 16, 16))
         return fail(m, VXS_E_GL, "OSMesa cannot make its context current");
-    return load_functions(gl, osmesa_lookup, m);
+    return load_functions(gl, o.GetProcAddress, m);
 }
 
-/* EGL is opened only when it is asked for, so that a system without it runs vxs all the same. */
 typedef struct egl {
     PFNEGLGETPROCADDRESSPROC     GetProcAddress;
     PFNEGLGETPLATFORMDISPLAYPROC GetPlatformDisplay;
@@ -115,15 +131,27 @@ vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t thre
     return VXS_OK;
 }
 
+static void destroy_osmesa(gl_context *gl)
+{
+    osmesa o;
+    if (gl->handle && open_osmesa(&o, gl->library)) o.DestroyContext(gl->handle);
+}
+
+static void destroy_egl(gl_context *gl)
+{
+    egl e;
+    if (!gl->display || !open_egl(&e, gl->library)) return;
+    e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (gl->handle) e.DestroyContext(gl->display, gl->handle);
+    e.Terminate(gl->display);
+}
+
 void gl_context_destroy(gl_context *gl)
 {
     if (!gl) return;
-    if (gl->backend == GL_BACKEND_OSMESA && gl->handle) OSMesaDestroyContext(gl->handle);
-    egl e;
-    if (gl->library && open_egl(&e, gl->library) && gl->display) {
-        e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        if (gl->handle) e.DestroyContext(gl->display, gl->handle);
-        e.Terminate(gl->display);
-    }
-    free(gl); /* libEGL stays open: drivers do not like to be unloaded */
+    if (gl->backend == GL_BACKEND_EGL)
+        destroy_egl(gl);
+    else
+        destroy_osmesa(gl);
+    free(gl); /* the library stays open: drivers do not like to be unloaded */
 }
