@@ -3,11 +3,11 @@
 #include "vxs.h"
 #include "vxs_space.h"
 
-static const double in_the_air[3] = {0, 0, 0};
+static const double zero[3] = {0, 0, 0}; /* a normal in the air; the origin of the world */
 
 int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3])
 {
-    return vxs_voxel_from_ws(light, point_ws, normal_ws ? normal_ws : in_the_air, filter_px, voxel);
+    return vxs_voxel_from_ws(light, point_ws, normal_ws ? normal_ws : zero, filter_px, voxel);
 }
 
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3])
@@ -17,7 +17,7 @@ void vxs_point(const vxs_light *light, int map, const double coordinates[3], dou
 
 float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)
 {
-    return (float)vxs_lit(baked->dag.words, &baked->light, point_ws, normal_ws ? normal_ws : in_the_air, filter_px);
+    return (float)vxs_lit(baked->dag.words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
 }
 
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
@@ -42,7 +42,7 @@ vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double 
     };
     for (int row = 0; row < 3; row++) {
         const double *m         = light->ls_from_ws + 4 * row;
-        double        at_origin = vxs_ls_coordinate(light, row, origin_ws ? origin_ws : in_the_air, 1);
+        double        at_origin = vxs_ls_coordinate(light, row, origin_ws ? origin_ws : zero, 1);
         for (int column = 0; column < 3; column++) c.ls_from_ws[4 * row + column] = (float)m[column];
         c.ls_from_ws[4 * row + 3] = (float)at_origin;
     }

@@ -82,10 +82,10 @@ float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const d
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit);
 
-/* What a shader has to know of a light, as the struct of this name in vxs_space.h: rows of 16 bytes in a std140 uniform block, a
- * std430 buffer, a cbuffer or a StructuredBuffer, and arrays of it. */
+/* What a shader has to know of a light: the struct of this name in vxs_space.h, laid out the same in a std140 uniform block, a std430
+ * buffer, a cbuffer and a StructuredBuffer, and in arrays of it. The fields are those of vxs_light, in float. */
 typedef struct vxs_light_constants {
-    float    ls_from_ws[12]; /* byte  0: three rows of a matrix from metres about an origin; else as in vxs_light */
+    float    ls_from_ws[12]; /* byte  0: three rows of four; from metres about an origin */
     float    texel_metres;   /* byte 48 */
     float    voxel_metres;   /* byte 52 */
     float    near_metres;    /* byte 56 */
@@ -98,8 +98,9 @@ typedef struct vxs_light_constants {
     uint32_t reserved[3];    /* byte 84: zero */
 } vxs_light_constants;       /* 96 bytes */
 
-/* origin_ws  where positions in the shader count from, metres; NULL: (0, 0, 0). A float has 24 bits: far from the world's origin only
- *            positions relative to the camera, say, are as fine as texels, and so is then the matrix, which is moved in double
+/* The constants of a light, for positions that count from an origin.
+ * origin_ws  metres; NULL: (0, 0, 0). A float has 24 bits, so that far from the world's origin only positions relative to something near,
+ *            the camera say, are finer than texels. The matrix is moved there in double, and then rounded
  * dag        word where the light's DAG was put */
 vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t dag);
 
