@@ -123,7 +123,7 @@ static vxs_result open_assets(compare_command *c, message *m)
 
 /* the comparison -------------------------------------------------------------------------------------- */
 
-/* A comparison that checked nothing says nothing. */
+/* A comparison that checked no point is an error. */
 static vxs_result require_checked(const compare_command *c, const vxs_light *l, const compare_result *result, message *m)
 {
     uint64_t checked = 0, inside = 0;
@@ -169,7 +169,7 @@ static void traced_scene_free(traced_scene *t)
     *t = (traced_scene){0};
 }
 
-/* All assets see the same camera. */
+/* One camera serves all assets; where its place is not given, it follows from the lights of the first. */
 static vxs_result place_camera(compare_command *c, const traced_scene *t, message *m)
 {
     const vxs_light *lights[VXS_LIGHTS_MAX];

@@ -55,7 +55,7 @@ static vxs_result run(picture_command *c, message *m)
     if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;
     if ((r = asset_choose_lights(asset, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->files[0], c->scene_name, m)) != VXS_OK) goto done;
-    /* solids and sheets look the same */
+    /* rays meet solids and sheets alike: nothing needs to be sorted */
     if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;
     if ((r = output_file_open(&out, c->out, m)) != VXS_OK) goto done;

@@ -91,7 +91,7 @@ static double lookup_seconds_of_all(const compared_asset *a)
     return points > 0 ? seconds / points : 0;
 }
 
-/* for people ------------------------------------------------------------------------------------------ */
+/* as text --------------------------------------------------------------------------------------------- */
 
 static void print_counts(FILE *to, const char *name, const compare_counts *n)
 {
@@ -239,14 +239,14 @@ void compare_print(FILE *to, const compare_report *r)
     if (r->asset_count > 1) print_summary(to, r);
 }
 
-/* for machines ---------------------------------------------------------------------------------------- */
+/* as JSON --------------------------------------------------------------------------------------------- */
 
 static json_t *vector_json(const double v[3])
 {
     return json_pack("[f,f,f]", v[0], v[1], v[2]);
 }
 
-/* null where there is nothing to tell. */
+/* null when there are no points. */
 static json_t *texels_json(const compare_distance *d, double texels)
 {
     return d->points ? json_real(texels) : json_null();
@@ -318,7 +318,7 @@ static json_t *compared_light_json(const compare_report *r, const vxs_light *l, 
     return light;
 }
 
-/* What says in which scene an asset was compared: the members of both an asset and the whole. */
+/* The triangles that an asset was compared with: members of each asset, and of the whole report for the first one. */
 static void set_casters(json_t *object, const compared_asset *a)
 {
     char closed[32];

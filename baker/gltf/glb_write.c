@@ -202,7 +202,7 @@ static int append_camera_node(json_t *root, const double position[3])
     return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_real3(position)));
 }
 
-/* Of finite positions: a broken one has no bounds that JSON could say. */
+/* Bounds are those of finite positions: JSON has no other numbers. */
 static json_t *position_accessor(const glb_scene *s, const glb_mesh *mesh)
 {
     const float *p = s->positions + 3 * mesh->vertex_first;

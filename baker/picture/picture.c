@@ -42,7 +42,7 @@ typedef struct lamp {
     const vxs_light *light;
     light_shape      shape;
     double           usual_metres; /* to what it shines on */
-    double           reach_metres; /* it is not seen farther away */
+    double           reach_metres; /* its light ends there */
 } lamp;
 
 typedef struct view {
@@ -234,7 +234,7 @@ static double air_light(const view *v, const double direction[3], double metres,
             vec3_mad(v->options->camera.eye_ws, nearest + beside * slope, direction, point);
             double strength = lamp_strength(l, point, to_lamp);
             if (!(strength > 0)) continue;
-            /* once more by strength: haze that goes on and on hides what is to be seen */
+            /* once more by strength: else haze far from lamps would hide the scene */
             double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
             sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
         }

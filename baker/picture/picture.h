@@ -1,4 +1,4 @@
-/* A picture of a scene in the shadows of baked lights: to look at what was baked.
+/* A picture of a scene in the shadows of baked lights.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PICTURE_H
 #define PICTURE_H
