@@ -106,8 +106,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->asset);
 
     const vxs_contents *contents = vxs_asset_contents(a->asset);
-    const vxs_section  *last     = &contents->sections[contents->section_count - 1]; /* it ends where the file does */
-    a->file_bytes                = last->offset_bytes + last->stored_bytes;
+    a->file_bytes                = asset_file_bytes(a->asset);
     for (uint32_t l = 0; l < contents->light_count; l++) a->memory_bytes += (uint64_t)contents->lights[l].word_count * 4;
     return n < c->bake_reports.count ? read_bake_report(a, c->bake_reports.items[n], m) : VXS_OK;
 }
