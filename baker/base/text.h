@@ -1,4 +1,4 @@
-/* Texts of the command line and of messages.
+/* Small texts: sizes, choices, lists of option values.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEXT_H
 #define TEXT_H

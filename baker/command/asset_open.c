@@ -34,13 +34,11 @@ vxs_result asset_open(vxs_asset **asset, const char *path, message *m)
                 (unsigned long long)f.offset, where);
 }
 
-/* The light that --light names. */
-static vxs_result find_light(const vxs_baked_light **light, const vxs_asset *asset, const char *name, message *m)
+uint64_t asset_file_bytes(const vxs_asset *asset)
 {
-    *light = vxs_asset_find_light(asset, name);
-    if (*light) return VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", name,
-                vxs_asset_light(asset, 0)->light.name);
+    const vxs_contents *c    = vxs_asset_contents(asset);
+    const vxs_section  *last = &c->sections[c->section_count - 1];
+    return last->offset_bytes + last->stored_bytes;
 }
 
 vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, const vxs_baked_light **lights, uint32_t *count,
@@ -50,9 +48,10 @@ vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, c
     if (!names->count)
         for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) lights[(*count)++] = vxs_asset_light(asset, n);
     for (size_t n = 0; n < names->count; n++) {
-        const vxs_baked_light *light;
-        vxs_result             r = find_light(&light, asset, names->items[n], m);
-        if (r != VXS_OK) return r;
+        const vxs_baked_light *light = vxs_asset_find_light(asset, names->items[n]);
+        if (!light)
+            return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", names->items[n],
+                        vxs_asset_light(asset, 0)->light.name);
         for (uint32_t before = 0; before < *count; before++)
             if (lights[before] == light) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
         lights[(*count)++] = light;

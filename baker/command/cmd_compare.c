@@ -106,8 +106,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->asset);
 
     const vxs_contents *contents = vxs_asset_contents(a->asset);
-    const vxs_section  *last     = &contents->sections[contents->section_count - 1]; /* it ends where the file does */
-    a->file_bytes                = last->offset_bytes + last->stored_bytes;
+    a->file_bytes                = asset_file_bytes(a->asset);
     for (uint32_t l = 0; l < contents->light_count; l++) a->memory_bytes += (uint64_t)contents->lights[l].dag.word_count * 4;
     return n < c->bake_reports.count ? read_bake_report(a, c->bake_reports.items[n], m) : VXS_OK;
 }
@@ -123,7 +122,7 @@ static vxs_result open_assets(compare_command *c, message *m)
 
 /* the comparison -------------------------------------------------------------------------------------- */
 
-/* A comparison that checked nothing says nothing. */
+/* A comparison that checked no point is an error. */
 static vxs_result require_checked(const compare_command *c, const vxs_light *l, const compare_result *result, message *m)
 {
     uint64_t checked = 0, inside = 0;
@@ -169,7 +168,7 @@ static void traced_scene_free(traced_scene *t)
     *t = (traced_scene){0};
 }
 
-/* All assets see the same camera. */
+/* One camera serves all assets; where its place is not given, it follows from the lights of the first. */
 static vxs_result place_camera(compare_command *c, const traced_scene *t, message *m)
 {
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];

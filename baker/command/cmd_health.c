@@ -130,10 +130,9 @@ static json_t *counts_json(const component_health *k)
         {"repeated_triangles", k->repeated_triangles},
         {"self_intersections", k->self_intersections},
     };
-    const double *low = k->box_ws.min, *high = k->box_ws.max;
-    json_t       *json = json_pack("{s:b, s:b, s:b, s:f, s:[f,f,f], s:[f,f,f]}", "closed", (int)k->closed, "orientable",
-                                   (int)k->orientable, "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", low[0], low[1],
-                                   low[2], "max_m", high[0], high[1], high[2]);
+    json_t *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
+                             "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
+                             json_vector(k->box_ws.max));
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         json_object_set_new(json, counts[i].name, json_integer((json_int_t)counts[i].count));
     return json;

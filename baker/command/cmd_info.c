@@ -110,8 +110,7 @@ int cmd_info(int argc, char **argv)
     vxs_result         r = options_parse(&line, argc, argv, &path, &help_shown, &m);
     if (r == VXS_OK && !help_shown && (r = asset_open(&asset, path, &m)) == VXS_OK) {
         const vxs_contents *c          = vxs_asset_contents(asset);
-        const vxs_section  *last       = &c->sections[c->section_count - 1];
-        uint64_t            file_bytes = last->offset_bytes + last->stored_bytes;
+        uint64_t            file_bytes = asset_file_bytes(asset);
         if (!is_standard_output(json_path)) r = print_info(path, c, file_bytes, &m);
         if (json_path && r == VXS_OK) r = json_write(json_path, info_json(path, c, file_bytes), &m);
     }

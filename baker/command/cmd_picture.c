@@ -4,6 +4,8 @@
 
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
+#include "baker/files/output_file.h"
+#include "baker/files/png_encode.h"
 #include "baker/options/camera_choice.h"
 #include "baker/options/filter_choice.h"
 #include "baker/options/options.h"
@@ -31,13 +33,16 @@ static vxs_result draw(picture_command *c, const truth *t, const casters *castin
 {
     picture_options *o = &c->options;
     camera_place(&c->camera, casting, lights, count, (double)o->width_px / o->height_px);
-    o->camera    = c->camera.camera;
-    uint8_t *rgb = malloc((size_t)3 * o->width_px * o->height_px);
-    if (!rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px);
-    vxs_result r = picture_render(rgb, o, t, casting, lights, count, m);
-    if (r == VXS_OK) r = picture_write_png(out, rgb, o->width_px, o->height_px, m);
+    o->camera      = c->camera.camera;
+    uint8_t   *rgb = malloc((size_t)3 * o->width_px * o->height_px), *png = NULL;
+    size_t     size_bytes = 0;
+    vxs_result r          = rgb ? picture_render(rgb, o, t, casting, lights, count, m) : VXS_E_MEMORY;
+    if (r == VXS_OK && !(png = png_encode(rgb, o->width_px, o->height_px, 3, &size_bytes))) r = VXS_E_MEMORY;
+    if (r == VXS_OK) r = output_file_write(out, png, size_bytes, m);
+    free(png);
     free(rgb);
-    return r;
+    if (r != VXS_E_MEMORY) return r;
+    return fail(m, r, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px); /* the first message stays */
 }
 
 static vxs_result run(picture_command *c, message *m)
@@ -55,7 +60,7 @@ static vxs_result run(picture_command *c, message *m)
     if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;
     if ((r = asset_choose_lights(asset, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->files[0], c->scene_name, m)) != VXS_OK) goto done;
-    /* solids and sheets look the same */
+    /* rays meet solids and sheets alike: nothing needs to be sorted */
     if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;
     if ((r = output_file_open(&out, c->out, m)) != VXS_OK) goto done;

@@ -77,7 +77,7 @@ static vxs_result check_kind(const scene_options *o, scene_kind kind, message *m
     return VXS_OK;
 }
 
-/* What the table cannot say. */
+/* What the table of options does not check. */
 static vxs_result check(const scene_options *o, scene_kind kind, message *m)
 {
     vxs_result r = check_kind(o, kind, m);

@@ -47,7 +47,7 @@ static vxs_result run(const truth_options *o, message *m)
 
     if ((r = scene_load_gltf(&s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
     if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &lights, m)) != VXS_OK) goto done;
-    /* solids and sheets cast the same shadow, so nothing needs to tell them apart */
+    /* solids and sheets cast the same shadow: nothing needs to be sorted */
     if ((r = casters_from_scene(&c, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &c, o->threads, m)) != VXS_OK) goto done;
     r = points_answer(trace, &(traced){t, &lights}, lights.count, o->threads, m);

@@ -91,7 +91,7 @@ static double lookup_seconds_of_all(const compared_asset *a)
     return points > 0 ? seconds / points : 0;
 }
 
-/* for people ------------------------------------------------------------------------------------------ */
+/* as text --------------------------------------------------------------------------------------------- */
 
 static void print_counts(FILE *to, const char *name, const compare_counts *n)
 {
@@ -239,14 +239,9 @@ void compare_print(FILE *to, const compare_report *r)
     if (r->asset_count > 1) print_summary(to, r);
 }
 
-/* for machines ---------------------------------------------------------------------------------------- */
+/* as JSON --------------------------------------------------------------------------------------------- */
 
-static json_t *vector_json(const double v[3])
-{
-    return json_pack("[f,f,f]", v[0], v[1], v[2]);
-}
-
-/* null where there is nothing to tell. */
+/* null when there are no points. */
 static json_t *texels_json(const compare_distance *d, double texels)
 {
     return d->points ? json_real(texels) : json_null();
@@ -280,8 +275,8 @@ static json_t *examples_json(const compare_result *result)
     for (uint32_t n = 0; n < result->example_count; n++) {
         const compare_example *e = &result->examples[n];
         json_array_append_new(examples, json_pack("{s:s, s:o, s:o, s:i, s:[i,i,i], s:b, s:b}", "kind", kind_names[e->kind],
-                                                  "point_m", vector_json(e->point_ws), "normal",
-                                                  e->kind == COMPARE_RANDOM ? json_null() : vector_json(e->normal_ws), "map",
+                                                  "point_m", json_vector(e->point_ws), "normal",
+                                                  e->kind == COMPARE_RANDOM ? json_null() : json_vector(e->normal_ws), "map",
                                                   e->map, "voxel", e->voxel[0], e->voxel[1], e->voxel[2], "asset_lit", e->asset_lit,
                                                   "truth_lit", e->truth_lit));
     }
@@ -318,7 +313,7 @@ static json_t *compared_light_json(const compare_report *r, const vxs_light *l, 
     return light;
 }
 
-/* What says in which scene an asset was compared: the members of both an asset and the whole. */
+/* The triangles that an asset was compared with: members of each asset, and of the whole report for the first one. */
 static void set_casters(json_t *object, const compared_asset *a)
 {
     char closed[32];
@@ -349,7 +344,7 @@ static json_t *camera_json(const compare_report *r)
     const camera_pose *c = r->options.camera;
     uint32_t           width_px, height_px;
     compare_picture_size(r->options.points, &width_px, &height_px);
-    return json_pack("{s:o, s:o, s:f, s:I, s:I}", "eye_m", vector_json(c->eye_ws), "target_m", vector_json(c->target_ws),
+    return json_pack("{s:o, s:o, s:f, s:I, s:I}", "eye_m", json_vector(c->eye_ws), "target_m", json_vector(c->target_ws),
                      "fov_degrees", c->fov_degrees, "width_px", (json_int_t)width_px, "height_px", (json_int_t)height_px);
 }
 

@@ -1,4 +1,4 @@
-/* What vxs compare found, for people and for machines (docs/compare.schema.json).
+/* The report of vxs compare, as text and as JSON (docs/compare.schema.json).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMPARE_REPORT_H
 #define COMPARE_REPORT_H
@@ -17,7 +17,7 @@ typedef struct compared_asset {
     size_t      triangle_count, solid_triangle_count; /* of the scene, so made */
     uint64_t    file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
 
-    int      bake_given; /* 1: a report of its bake told the next two */
+    int      bake_given; /* 1: the next two come from a report of its bake */
     double   bake_seconds;
     uint64_t bake_peak_bytes;
 

@@ -60,19 +60,14 @@ const char *light_text(char *text, const vxs_light *light)
     return text;
 }
 
-static json_t *vector_json(const double v[3])
-{
-    return json_pack("[f,f,f]", v[0], v[1], v[2]);
-}
-
 json_t *light_json(const vxs_light *light)
 {
     light_shape s = baked_light_shape(light);
     json_t *json = json_pack("{s:o, s:s, s:o, s:I, s:i, s:f, s:f}", "name", json_text(light->name), "kind", light_kind_name(s.kind),
-                             "direction", vector_json(s.direction_ws), "resolution_px", (json_int_t)1 << light->levels, "maps",
+                             "direction", json_vector(s.direction_ws), "resolution_px", (json_int_t)1 << light->levels, "maps",
                              light->flags & VXS_LIGHT_CUBE ? 6 : 1, "texel_m", light->texel_metres, "voxel_m", light->voxel_metres);
     if (!json || s.kind == LIGHT_DIRECTIONAL) return json;
-    json_object_set_new(json, "position_m", vector_json(s.position_ws));
+    json_object_set_new(json, "position_m", json_vector(s.position_ws));
     json_object_set_new(json, "near_m", json_real(light->near_metres));
     json_object_set_new(json, "far_m", json_real(far_metres(light)));
     if (isfinite(s.range_m)) json_object_set_new(json, "range_m", json_real(s.range_m));

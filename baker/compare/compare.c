@@ -3,15 +3,15 @@
  * A pass over all points of a kind writes one verdict each; counts and examples are taken from the verdicts in order. Then it is
  * measured how far the wrong ones are from a boundary (compare_boundary.c).
  *
- * A lookup with a normal is moved off the surface by whole voxels, and the truth is asked there: that judges the map. The
+ * A lookup with a normal is moved off the surface by whole voxels, and the ray starts there: that judges the map. The
  * answer is also held against a ray from the surface, which judges map and bias together; it is counted apart.
  *
- * A voxel is what the ray through the centre of its texel says: lit before casters, shadow behind them, and either where that ray is
+ * A voxel follows the ray through the centre of its texel: lit before casters, shadow behind them, and either where that ray is
  * inside of a solid or meets a surface. So a wrong answer has one of two excuses, or it is a fault:
  *
  *        u ->      +-----+-----+-----+        p  the point    c  the ray through the centre of the texel that was looked up
  *      depth       |     |  c p|/////|
- *        |         +-----+--c--+/////+        near a boundary: where c is in the voxel, the truth is what the asset says
+ *        |         +-----+--c--+/////+        near a boundary: where c is in the voxel, the truth agrees with the asset
  *        v         |     |  c /|/////|        near a surface: c is inside of a solid there, or meets a surface
  *                  +-----+--c--+-----+
  *
@@ -40,7 +40,7 @@ enum { POINTS_AT_A_TIME = 256, STEPS = 2 };
 /* How far depths may be off, in voxels. */
 #define DEPTH_SLACK 0.05
 
-/* How far a ray may be off, in truth_precision: it is rounded, it may be tilted, and a map sees it from aside. */
+/* How far a ray may be off, in truth_precision: it is rounded, it may be tilted, and it crosses a map at an angle. */
 #define RAY_SLACK 3
 
 /* No more is excused, texels and voxels. */
@@ -73,7 +73,7 @@ typedef struct centre {
 } centre;
 
 /* The distance from the light to the nearest caster on the way to a texel or to its neighbours: there rays that were rounded are
- * farthest aside, as the map sees it. A directional light has the same texels everywhere: 1. */
+ * farthest aside in texels of the map. A directional light has the same texels everywhere: 1. */
 static double nearest_caster_m(const comparison *c, int map, double u, double v, double depth)
 {
     static const double about[5][2] = {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}};
@@ -107,7 +107,7 @@ static centre centre_of(const comparison *c, const sample *s)
 }
 
 /* 1 when the truth has this answer at the near side of the voxel, in its middle, or at its far side. */
-static int says(const comparison *c, const centre *at, double u, double v, int lit)
+static int truth_agrees(const comparison *c, const centre *at, double u, double v, int lit)
 {
     return compare_lit_at(c, at->map, u, v, at->near_vx) == lit ||
            compare_lit_at(c, at->map, u, v, 0.5 * (at->near_vx + at->far_vx)) == lit ||
@@ -141,7 +141,7 @@ static int holds_about(const comparison *c, const centre *at, int lit,
 static verdict explain(const comparison *c, const sample *s, int asset_lit)
 {
     centre at = centre_of(c, s);
-    if (holds_about(c, &at, asset_lit, says)) return VERDICT_NEAR_BOUNDARY;
+    if (holds_about(c, &at, asset_lit, truth_agrees)) return VERDICT_NEAR_BOUNDARY;
     return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 

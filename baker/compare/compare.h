@@ -38,7 +38,7 @@ typedef struct compare_options {
     uint32_t           threads;
 } compare_options;
 
-/* How far wrong answers are from the nearest boundary, in texels: where the truth is what the asset says. */
+/* How far wrong answers are from the nearest boundary, in texels: from a place where the truth agrees with the asset. */
 typedef struct compare_distance {
     uint64_t points;                 /* of the wrong ones: those near enough to be found */
     uint64_t beyond;                 /* the others */
@@ -50,11 +50,11 @@ typedef struct compare_distance {
 typedef struct compare_counts {
     uint64_t points;
     uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
-    uint64_t inside_solid; /* nobody asks there, the answer is undefined */
+    uint64_t inside_solid; /* where answers are undefined */
     uint64_t checked;
-    uint64_t leaks;         /* the asset says lit, the truth shadow */
-    uint64_t false_shadows; /* the asset says shadow, the truth lit */
-    uint64_t near_boundary; /* the ray through the centre of the texel says what the asset does, in the voxel that was looked up */
+    uint64_t leaks;         /* lit in the asset, in shadow by the truth */
+    uint64_t false_shadows; /* in shadow in the asset, lit by the truth */
+    uint64_t near_boundary; /* the ray through the centre of the texel agrees with the asset, in the voxel that was looked up */
     uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
     uint64_t unexplained;   /* neither: a fault */
     compare_distance boundary;
@@ -100,12 +100,12 @@ typedef struct compare_result {
 
 /* Compare one light with the truth.
  *
- * Of a surface point the truth is asked where the lookup goes: off the surface by the bias of vxs_voxel, which is whole voxels.
+ * For a surface point the truth is traced from where the lookup goes: off the surface by the bias of vxs_voxel, which is whole voxels.
  * So the error that the bias brings is in neither leaks nor false_shadows; wrong_at_surface has it, from rays that start at
  * truth_lift.
  * An answer is explained by rays about the centre of the texel that was looked up, in its voxel. How far about: a rasterizer may move
  * edges by 1/128 texel and depths by a twentieth of a voxel, and rays are off by three times truth_precision, which is more of a texel
- * the nearer to a spot or point light a caster is; two texels at most. compare_boundary.c says how the distance is measured.
+ * the nearer to a spot or point light a caster is; two texels at most. compare_boundary.c explains how the distance is measured.
  * t      of c;   c  with the solids that the light was baked with
  * Same scene, asset, and options: same counts, at any thread count.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,

@@ -60,7 +60,7 @@ static int random_sample(const comparison *c, rng *r, sample *s)
     return 1;
 }
 
-/* Move the truth by what a lookup with this normal is moved by: whole voxels. Asking both from one place leaves the error of the map,
+/* Move the truth by what a lookup with this normal is moved by: whole voxels. Both from one place leave the error of the map,
  * and keeps out how far the bias had to be rounded. */
 static void move_with_bias(const comparison *c, uint32_t filter_px, sample *s)
 {
@@ -88,7 +88,7 @@ static void turn_normal(sample *s)
     for (int i = 0; i < 3; i++) s->normal_ws[i] = -s->normal_ws[i];
 }
 
-/* A sheet is seen from both sides; a solid from outside. */
+/* Either side of a sheet is drawn; of a solid the outer one. */
 static int finish_drawn_sample(const comparison *c, uint32_t filter_px, uint32_t triangle, rng *r, sample *s)
 {
     if (triangle >= c->casters->solid_triangle_count && rng_below(r, 2)) turn_normal(s);
@@ -116,7 +116,7 @@ static int sample_along_light(const comparison *c, uint32_t filter_px, rng *r, s
     return finish_drawn_sample(c, filter_px, triangle, r, s);
 }
 
-/* A spot may reach little of what there is: look elsewhere, and at last where it shines. */
+/* A spot may reach a small part of the casters: draw again, and at last along its own rays. */
 static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sample *s)
 {
     if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, filter_px, r, s);
@@ -126,7 +126,7 @@ static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sampl
     return found;
 }
 
-/* What a pixel's middle shows, whichever side of it is seen. */
+/* The surface in a pixel's middle, with the normal towards the eye. */
 static int camera_sample(const comparison *c, size_t pixel, uint32_t filter_px, sample *s)
 {
     const double *eye_ws = c->options->camera->eye_ws;

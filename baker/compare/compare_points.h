@@ -1,4 +1,4 @@
-/* The points at which a baked light is compared with the truth, and where the truth is asked for each.
+/* The points at which a baked light is compared with the truth, and where the truth is traced from for each.
  *
  * Points are made from (seed, kind, index), so none is stored and every thread makes its own.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -26,7 +26,7 @@ typedef struct sample {
     double  normal_ws[3];
     double *normal;      /* normal_ws, or NULL for a random point */
     int     map;         /* that is looked up */
-    double  truth_ls[3]; /* where the truth is asked, in the map's coordinates: texels, texels, voxels */
+    double  truth_ls[3]; /* where the truth is traced from, in the map's coordinates: texels, texels, voxels */
     double  truth_ws[3];
 } sample;
 

@@ -40,6 +40,11 @@ char *json_print(const json_t *value, size_t flags)
     return NULL;
 }
 
+json_t *json_vector(const double v[3])
+{
+    return json_pack("[f,f,f]", v[0], v[1], v[2]);
+}
+
 json_t *json_text(const char *text)
 {
     json_t *value = json_string(text);

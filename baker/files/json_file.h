@@ -26,6 +26,9 @@ vxs_result json_write(const char *path, json_t *value, message *m);
  * Returns VXS_OK, VXS_E_READ: it cannot be read, or is no JSON; VXS_E_MEMORY. */
 vxs_result json_read(json_t **value, const char *path, message *m);
 
+/* [x, y, z]. NULL without memory. */
+json_t *json_vector(const double v[3]);
+
 /* A text as JSON; what is not UTF-8, as a file's name may be, gets '?' for each byte beyond ASCII. NULL without memory. */
 json_t *json_text(const char *text);
 

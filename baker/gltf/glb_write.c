@@ -120,11 +120,6 @@ static int append_node(json_t *root, json_t *node)
     return append(root, "nodes", node) | append(drawn, "nodes", json_integer((json_int_t)index));
 }
 
-static json_t *json_real3(const double v[3])
-{
-    return json_pack("[f,f,f]", v[0], v[1], v[2]);
-}
-
 static int is_zero(const double v[3])
 {
     return v[0] == 0 && v[1] == 0 && v[2] == 0;
@@ -183,7 +178,7 @@ static int append_light_node(json_t *root, const glb_scene *s, size_t i)
     json_t            *node   = json_pack("{s:s}", "name", s->lights[i].name);
     int                failed = !node;
     if (!failed && shape->kind != LIGHT_DIRECTIONAL)
-        failed = json_object_set_new(node, "translation", json_real3(shape->position_ws));
+        failed = json_object_set_new(node, "translation", json_vector(shape->position_ws));
     if (!failed && shape->kind != LIGHT_POINT) {
         double q[4];
         quaternion_from_direction(q, shape->direction_ws);
@@ -199,10 +194,10 @@ static int append_light_node(json_t *root, const glb_scene *s, size_t i)
 /* All share one camera. */
 static int append_camera_node(json_t *root, const double position[3])
 {
-    return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_real3(position)));
+    return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_vector(position)));
 }
 
-/* Of finite positions: a broken one has no bounds that JSON could say. */
+/* Bounds are those of finite positions: JSON has no other numbers. */
 static json_t *position_accessor(const glb_scene *s, const glb_mesh *mesh)
 {
     const float *p = s->positions + 3 * mesh->vertex_first;
@@ -218,7 +213,7 @@ static json_t *position_accessor(const glb_scene *s, const glb_mesh *mesh)
     }
     return json_pack("{s:i, s:I, s:i, s:I, s:s, s:o, s:o}", "bufferView", 0, "byteOffset",
                      (json_int_t)(mesh->vertex_first * VERTEX_BYTES), "componentType", GL_FLOAT, "count",
-                     (json_int_t)mesh->vertex_count, "type", "VEC3", "min", json_real3(low), "max", json_real3(high));
+                     (json_int_t)mesh->vertex_count, "type", "VEC3", "min", json_vector(low), "max", json_vector(high));
 }
 
 static json_t *index_accessor(const glb_mesh *mesh)
@@ -254,7 +249,7 @@ static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t 
     failed |= append(root, "meshes", json_pack("{s:s, s:[o]}", "name", mesh->name, "primitives", primitive));
 
     json_t *node = json_pack("{s:s, s:I}", "name", mesh->name, "mesh", (json_int_t)i);
-    if (node && !is_zero(mesh->translation)) failed |= json_object_set_new(node, "translation", json_real3(mesh->translation));
+    if (node && !is_zero(mesh->translation)) failed |= json_object_set_new(node, "translation", json_vector(mesh->translation));
     return failed | append_node(root, node);
 }
 

@@ -55,7 +55,7 @@ typedef struct glb_scene {
     glb_material *materials;           /* [material_count] owned */
     glb_image    *images;              /* [image_count] owned */
     scene_light  *lights;              /* [light_count] directions of any length but 0; owned with their names */
-    double       *camera_positions_ws; /* [3 * camera_count] owned; where they look is not kept */
+    double       *camera_positions_ws; /* [3 * camera_count] owned; their directions are not kept */
 } glb_scene;
 
 /* Write the scene: one node a mesh, then one a light of KHR_lights_punctual, then one a camera. Positions and texture coordinates are FLOAT,

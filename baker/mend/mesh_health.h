@@ -53,7 +53,7 @@ vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress
 
 void mesh_health_free(mesh_health *h);
 
-/* 1 when any count of faults is not 0, or the component meets another, or is not a closed surface with two sides that looks outward. */
+/* 1 when any count of faults is not 0, or the component meets another, or is not a closed surface, oriented outward. */
 int component_has_faults(const component_health *c);
 
 #ifdef __cplusplus

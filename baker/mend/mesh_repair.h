@@ -1,10 +1,10 @@
 /* Mending components, so that more of them are solids: between loading a scene and sorting its casters.
  *
- * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room seen from
- * inside is meant so. Components with alpha-tested triangles are left alone.
+ * What is mended is what is not closed and consistently oriented; a component that is, is left as it is, inward ones too: a room whose walls are seen from
+ * inside has that orientation on purpose. Components with alpha-tested triangles are left alone.
  *
  *   remove   repeated triangles, and those without area
- *   orient   triangles that look the other way than most of their neighbours
+ *   orient   triangles whose winding differs from that of most of their neighbours
  *   fill     small holes, where that closes the component: what stays open anyway keeps its holes, light may be meant to pass
  *
  * Whether the result is a solid is judged by casters_from_scene, as for any other component.
@@ -19,8 +19,9 @@ extern "C" {
 #endif
 
 typedef struct repair_options {
-    uint32_t hole_edges_max;  /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
-    double   hole_diameter_m; /* nor those whose box has a longer diagonal, metres. A crack, all on one line, may have any length */
+    uint32_t hole_edges_max; /* holes with more edges are not filled; 3 to REPAIR_HOLE_EDGES_MAX, 0: none */
+    double
+        hole_diameter_m; /* [0, inf) metres: nor holes whose box has a longer diagonal. A crack, all on one line, may have any length */
 } repair_options;
 
 #define REPAIR_HOLE_EDGES_MAX 1000u
@@ -33,7 +34,7 @@ typedef struct repair_options {
  * of a sheet. */
 #define REPAIR_HOLE_SHARE 0.25
 
-/* Triangles whose winding is mixed are turned the way that at least this share of their area looks; below, they are turned outward. */
+/* Triangles with mixed winding are given the winding that at least this share of their area has; where neither has, the outward one. */
 #define REPAIR_MAJORITY 0.75
 
 typedef struct repaired_component {

@@ -20,7 +20,6 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
-#include "baker/files/png_encode.h"
 #include "baker/truth/baked_light.h"
 #include "runtime/vxs.h"
 
@@ -42,7 +41,7 @@ typedef struct lamp {
     const vxs_baked_light *light;
     light_shape            shape;
     double                 usual_metres; /* to what it shines on */
-    double                 reach_metres; /* it is not seen farther away */
+    double                 reach_metres; /* its light ends there */
 } lamp;
 
 typedef struct view {
@@ -234,7 +233,7 @@ static double air_light(const view *v, const double direction[3], double metres,
             vec3_mad(v->options->camera.eye_ws, nearest + beside * slope, direction, point);
             double strength = lamp_strength(l, point, to_lamp);
             if (!(strength > 0)) continue;
-            /* once more by strength: haze that goes on and on hides what is to be seen */
+            /* once more by strength: else haze far from lamps would hide the scene */
             double lit = fmax(0, (double)vxs_lookup(l->light, point, NULL, 1));
             sum += scattered * strength * fmin(1, strength) * lit * length / l->usual_metres;
         }
@@ -328,17 +327,5 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
 done:
     free(v.suns);
     free(v.lamps);
-    return r;
-}
-
-/* the file -------------------------------------------------------------------------------------------- */
-
-vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m)
-{
-    size_t   size_bytes;
-    uint8_t *png = png_encode(rgb, width_px, height_px, 3, &size_bytes);
-    if (!png) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width_px, height_px);
-    vxs_result r = output_file_write(out, png, size_bytes, m);
-    free(png);
     return r;
 }

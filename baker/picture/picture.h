@@ -1,11 +1,10 @@
-/* A picture of a scene in the shadows of baked lights: to look at what was baked.
+/* A picture of a scene in the shadows of baked lights.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef PICTURE_H
 #define PICTURE_H
 
 #include <stdint.h>
 
-#include "baker/files/output_file.h"
 #include "baker/truth/camera.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
@@ -24,8 +23,5 @@ typedef struct picture_options {
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m);
-
-/* Encode as PNG. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
-vxs_result picture_write_png(output_file *out, const uint8_t *rgb, uint32_t width_px, uint32_t height_px, message *m);
 
 #endif

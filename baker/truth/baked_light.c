@@ -24,7 +24,8 @@ light_shape baked_light_shape(const vxs_light *light)
     return shape;
 }
 
-/* Across, down and away from the light, as a map sees it, in metres. A light whose space is the world's shows the map's axes. */
+/* A point in metres across, down and away from the light, along the axes of a map. These axes are found by a light whose space is the
+ * world's. */
 static void map_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
 {
     vxs_light plain    = *light;

@@ -1,4 +1,4 @@
-/* What a baked light says about itself: its shape, and where in a map a point lies.
+/* The shape of a baked light, and where in its maps a point lies.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKED_LIGHT_H
 #define BAKED_LIGHT_H

@@ -15,7 +15,7 @@ static void corner_of(const box *b, int n, double corner[3])
     for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
 }
 
-/* Unit axes of a camera that looks along forward, level with the horizon unless it looks straight up or down. */
+/* Unit axes of a camera with the direction `forward`, level with the horizon unless that is straight up or down. */
 static void camera_axes(const double forward[3], double right[3], double up[3])
 {
     double across[3];
@@ -40,7 +40,7 @@ static void slopes_of(const box *b, const double target[3], double distance, con
     }
 }
 
-/* Wide and flat scenes are mostly ground: they may lose corners of it, for a better view of what stands there. */
+/* The share of the distance that is kept, [0.75, 1]. Corners of wide and flat scenes may leave the view, so that their middle is larger. */
 static double closer(const box *b)
 {
     double flatness = (b->max[1] - b->min[1]) / fmax(fmax(b->max[0] - b->min[0], b->max[2] - b->min[2]), 1e-9);
@@ -59,7 +59,7 @@ void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3],
     camera_axes(forward, right, up);
     for (int i = 0; i < 3; i++) target[i] = 0.5 * (b.min[i] + b.max[i]);
 
-    /* centre what is seen, step back until it fits, and again, since perspective moves the centre */
+    /* centre the box in the view, step back until it fits, and again, since perspective moves the centre */
     for (int round = 0; round < 8; round++) {
         double low, high;
         distance = 0;

@@ -1,4 +1,4 @@
-/* Where a scene is seen from, and which way each place of a picture lies.
+/* The place of a camera, and the direction of each place of its picture.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CAMERA_H
 #define CAMERA_H
@@ -16,7 +16,7 @@ typedef struct camera_pose {
  * aspect     width / height */
 void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3], double aspect);
 
-/* What a camera sees: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
+/* The field of view: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
 typedef struct camera_view {
     double forward[3], right[3], up[3];
 } camera_view;

@@ -102,7 +102,7 @@ static void unit_from_ws(const truth *t, const double ws[3], float unit[3])
     for (int i = 0; i < 3; i++) unit[i] = (float)((ws[i] - t->centre_ws[i]) * t->scale);
 }
 
-/* What Embree has to say about the last calls on this device. */
+/* The error of the last calls on this device, as a result. */
 static vxs_result check_embree(RTCDevice device, message *m)
 {
     enum RTCError error = rtcGetDeviceError(device);
@@ -298,7 +298,7 @@ static int is_hole(const casters *c, size_t triangle, double second, double thir
     return !alpha_mask_opaque(mask, &c->images[mask->image], at[0], at[1]);
 }
 
-/* What is at most this far from a lamp, in unit space, is asked in double: there a float's rounding turns a ray by too much. */
+/* Casters at most this far from a lamp, in unit space, are tested in double: there a float's rounding turns a ray by too much. */
 #define AT_LAMP 0x1p-10
 
 /* Corners of a triangle as seen from a point, in metres. */
@@ -314,7 +314,7 @@ static int is_at_lamp(const truth *t, size_t triangle, const double lamp_ws[3])
     return triangle_distance2(corners[0], corners[1], corners[2]) <= limit * limit;
 }
 
-/* One ray, asked whether anything is in its way. */
+/* One ray of which only the first caster in its way counts. */
 typedef struct way_context {
     struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
     const truth               *truth;
@@ -322,7 +322,7 @@ typedef struct way_context {
 } way_context;
 
 /* Holes let light pass. Embree's weights of a triangle's corners are off by what rounding displaces the ray, which truth_precision has
- * room for. What is at the lamp is asked elsewhere. */
+ * room for. Casters at the lamp are left to is_occluded_at_lamp. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *args)
 {
     const way_context   *way = (const way_context *)args->context;
@@ -448,7 +448,7 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
     rtcIntersect1(t->scene, &nearest.embree, &query);
     if (nearest.triangle == UINT32_MAX) return 0;
 
-    /* the triangle's plane, in double, tells the distance better, unless the ray all but lies in it */
+    /* the triangle's plane, in double, gives a better distance, unless the ray all but lies in it */
     double normal[3], unit[3] = {0, 0, 0}, to_corner[3];
     double metres = skipped + nearest.distance / t->scale;
     scaled_normal(t, nearest.triangle, normal);
@@ -467,7 +467,7 @@ int truth_first_hit(const truth *t, const double origin_ws[3], const double dire
 /* -- inside ---------------------------------------------------------------------------------------------- */
 
 /* Signed crossings along one ray. A ray that passes an edge closer than rounding can tell may cross both of its triangles,
- * where only one counts; such a ray is doubtful, and another direction is asked. */
+ * where only one counts; such a ray is doubtful, and another direction is tried. */
 typedef struct winding_context {
     struct RTCIntersectContext embree; /* first: the filter gets a pointer to it */
     const truth               *truth;

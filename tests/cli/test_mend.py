@@ -79,6 +79,14 @@ def test_a_turned_triangle_makes_no_solid(vxs, mend, tmp_path):
     assert compared["assets"][0]["solid_triangles"] == 24 and compared["passed"]
 
 
+@pytest.mark.parametrize("command", ["bake", "plan", "compare", "health"])
+def test_no_other_command_mends(vxs, tmp_path, command):
+    path = small_scene.write(tmp_path / "scene.gltf")
+    for option in ("--repair", "--union"):
+        assert f"unknown option '{option}'" in vxs(command, path, option, status=2).stderr
+    assert "repair" not in vxs(command, "--help").stdout
+
+
 @pytest.mark.parametrize("name", ["sponza", "dream_apartment", "pandora_indoor", "low_poly_terrain", "truck_town", "chess_board"])
 def test_real_scenes(vxs, mend, scenes, tmp_path, name):
     """More of them is solid than before, and nothing that was solid is lost."""
