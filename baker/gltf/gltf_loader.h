@@ -347,7 +347,6 @@ std::string primitive_label(const loader &l, size_t mesh, size_t primitive);
 bool   makes_triangles(const tinygltf::Primitive &p);
 size_t triangle_count(const loader &l, const tinygltf::Primitive &p);
 
-void read_materials(loader &l, const json &root);
 void check_model_meshes(loader &l);
 
 /* No index of an uncompressed primitive is too large, whether a node places it or not. */
@@ -363,7 +362,9 @@ void place_meshes(loader &l);
 /* The accessor elements of a triangle's corners, in the order of the scene's. */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3]);
 
-/* ---- gltf_images.cc, gltf_masks.cc ---- */
+/* ---- gltf_images.cc, gltf_materials.cc ---- */
+
+void read_materials(loader &l, const json &root);
 
 /* Decode image `index`, which exists, once. */
 image_alpha &use_image(loader &l, size_t index);

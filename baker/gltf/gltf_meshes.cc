@@ -110,20 +110,6 @@ void check_all_indices(loader &l)
         }
 }
 
-void read_materials(loader &l, const json &root)
-{
-    for (const json &object : items(root, "materials")) {
-        std::string name = object.value("name", ""), mode = object.value("alphaMode", "OPAQUE");
-        if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
-            l.broken(label("material", l.materials.size(), name), "unknown alphaMode '%s'", mode.c_str());
-        material m     = {};
-        m.name         = name;
-        m.double_sided = object.value("doubleSided", false);
-        m.masked       = mode == "MASK";
-        l.materials.push_back(m);
-    }
-}
-
 /* Warnings about what is skipped or simplified; points and lines are only counted. */
 static void warn_about(loader &l, const tinygltf::Node &node, size_t &points, size_t &lines)
 {

@@ -1,8 +1,8 @@
-/* alphaMode MASK (3.9.4): where a material has holes. The alpha of the base colour's texture, times the base colour's own, is held
- * against alphaCutoff; KHR_texture_transform moves the texture. A material that reaches the cutoff everywhere has no alpha mask, one
- * that reaches it nowhere no surface.
+/* Materials, and where those of alphaMode MASK have holes (3.9.4). The alpha of the base colour's texture, times the base colour's own,
+ * is held against alphaCutoff; KHR_texture_transform moves the texture. A material that reaches the cutoff everywhere has no alpha
+ * mask, one that reaches it nowhere no surface.
  *
- * The JSON of materials, textures and samplers is looked at here, and only when triangles are placed that need it.
+ * The JSON of textures, samplers and masked materials is looked at only when triangles are placed that need it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/gltf_loader.h"
 
@@ -10,6 +10,20 @@
 
 namespace gltf
 {
+
+void read_materials(loader &l, const json &root)
+{
+    for (const json &object : items(root, "materials")) {
+        std::string name = object.value("name", ""), mode = object.value("alphaMode", "OPAQUE");
+        if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+            l.broken(label("material", l.materials.size(), name), "unknown alphaMode '%s'", mode.c_str());
+        material m     = {};
+        m.name         = name;
+        m.double_sided = object.value("doubleSided", false);
+        m.masked       = mode == "MASK";
+        l.materials.push_back(m);
+    }
+}
 
 /* Item `index` of a list of the file. */
 static const json &item(loader &l, const std::string &where, const char *list, const char *kind, size_t index)
