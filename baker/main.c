@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "baker/base/version.h"
+#include "baker/command/commands.h"
 #include "baker/options/options.h"
 #include "baker/process/process.h"
 

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include "baker/command/commands.h"
 #include "baker/files/output_file.h"
 #include "baker/options/bake_arguments.h"
 #include "baker/report/bake_page.h"

@@ -9,6 +9,7 @@
 #include "baker/bench/bench.h"
 #include "baker/bench/bench_against.h"
 #include "baker/bench/bench_text.h"
+#include "baker/command/commands.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/options/filter_choice.h"

@@ -7,6 +7,7 @@
 
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/commands.h"
 #include "baker/command/compare_report.h"
 #include "baker/files/json_file.h"
 #include "baker/options/camera_choice.h"

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "baker/command/commands.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/measure/progress.h"

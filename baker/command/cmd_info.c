@@ -7,6 +7,7 @@
 
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/commands.h"
 #include "baker/command/light_text.h"
 #include "baker/files/json_file.h"
 #include "baker/options/options.h"

@@ -4,6 +4,7 @@
 
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/commands.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
 #include "baker/options/camera_choice.h"

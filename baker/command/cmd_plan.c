@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 
+#include "baker/command/commands.h"
 #include "baker/files/output_file.h"
 #include "baker/options/bake_arguments.h"
 #include "baker/report/plan_text.h"

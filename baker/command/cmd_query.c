@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "baker/command/asset_open.h"
+#include "baker/command/commands.h"
 #include "baker/command/points.h"
 #include "baker/options/filter_choice.h"
 #include "baker/options/options.h"

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "baker/bench/bench_json.h"
+#include "baker/command/commands.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/options/options.h"

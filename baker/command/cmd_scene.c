@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "baker/command/commands.h"
 #include "baker/files/output_file.h"
 #include "baker/generate/generate.h"
 #include "baker/gltf/glb_write.h"

@@ -5,6 +5,7 @@
 
 #include "baker/base/parallel.h"
 #include "baker/casters/casters.h"
+#include "baker/command/commands.h"
 #include "baker/command/points.h"
 #include "baker/options/options.h"
 #include "baker/scene/light_choice.h"

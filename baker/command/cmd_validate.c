@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "baker/command/commands.h"
 #include "baker/files/json_file.h"
 #include "baker/options/options.h"
 #include "runtime/vxs.h"

@@ -77,19 +77,4 @@ vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b,
 /* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`. */
 int command_end(message *m, vxs_result code);
 
-/* The commands: argv[0] is the command's own name; the result is the exit status (docs/manual.md). */
-int cmd_bake(int argc, char **argv);
-int cmd_info(int argc, char **argv);
-int cmd_validate(int argc, char **argv);
-int cmd_query(int argc, char **argv);
-int cmd_truth(int argc, char **argv);
-int cmd_compare(int argc, char **argv);
-int cmd_bench(int argc, char **argv);
-int cmd_report(int argc, char **argv);
-int cmd_picture(int argc, char **argv);
-int cmd_plan(int argc, char **argv);
-int cmd_health(int argc, char **argv);
-int cmd_mend(int argc, char **argv);
-int cmd_scene(int argc, char **argv);
-
 #endif

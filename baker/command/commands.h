@@ -1,0 +1,21 @@
+/* The commands of vxs, each in a file of its own.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMMANDS_H
+#define COMMANDS_H
+
+/* argv[0] is the command's own name; the result is the exit status (docs/manual.md). */
+int cmd_bake(int argc, char **argv);
+int cmd_info(int argc, char **argv);
+int cmd_validate(int argc, char **argv);
+int cmd_query(int argc, char **argv);
+int cmd_truth(int argc, char **argv);
+int cmd_compare(int argc, char **argv);
+int cmd_bench(int argc, char **argv);
+int cmd_report(int argc, char **argv);
+int cmd_picture(int argc, char **argv);
+int cmd_plan(int argc, char **argv);
+int cmd_health(int argc, char **argv);
+int cmd_mend(int argc, char **argv);
+int cmd_scene(int argc, char **argv);
+
+#endif
