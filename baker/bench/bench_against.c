@@ -47,7 +47,8 @@ static int outside(double value, spread s)
 static void add_row(moves *v, const char *what, const char *before, const char *now, double ratio)
 {
     static const char *const heads[] = {"moved", "figure", "before", "now", "now / before"};
-    for (size_t n = 0; n < sizeof heads / sizeof *heads && json_array_size(v->table) < 5; n++) table_add(v->table, "%s", heads[n]);
+    if (!json_array_size(v->table))
+        for (size_t n = 0; n < sizeof heads / sizeof *heads; n++) table_add(v->table, "%s", heads[n]);
     table_add(v->table, "%s", v->cell);
     table_add(v->table, "%s", what);
     table_add(v->table, "%s", before);

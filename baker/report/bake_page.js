@@ -97,7 +97,7 @@ function sheet_hint() {
     return sheets >= casters.triangles / 20 && [
         `${percent(sheets / casters.triangles)} of the triangles are sheets. Only solids have an inside that nobody asks about, where the `
         + `builder is free to choose what repeats. Most of these, ${count(most.triangles)}, are ${kind}: `, code("vxs health"),
-        " names them, and ", code("--repair"), " closes what can be closed."];
+        " names them, and ", code("vxs mend"), " closes what can be closed."];
 }
 
 function show_hints() {
