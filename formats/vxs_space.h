@@ -92,33 +92,33 @@ struct vxs_light_constants {
 
 /* Axis n (0 across, 1 down, 2 away from the light) of face `face` of a cube, as an axis of light space. Face 2a looks along axis a, and
  * the next two in turn are across and down. Face 2a + 1 looks against axis a; there they change places, which keeps it right-handed. */
-VXS_FN vxs_i32 vxs_axis(vxs_i32 face, vxs_i32 n)
+VXS_FN vxs_i32 vxs_ls_axis_from_face(vxs_i32 face, vxs_i32 n)
 {
     vxs_i32 after = n < 2 ? 1 + (n ^ (face & 1)) : 0;
     return (face / 2 + after) % 3;
 }
 
-/* The other way: which of a face's axes is axis `axis` of light space. */
-VXS_FN vxs_i32 vxs_of_axis(vxs_i32 face, vxs_i32 axis)
+/* The other way: which axis of the face, 0 to 2 as above, axis `axis` of light space is. */
+VXS_FN vxs_i32 vxs_face_axis_from_ls(vxs_i32 face, vxs_i32 axis)
 {
     vxs_i32 after = (axis + 3 - face / 2) % 3;
     return after == 0 ? 2 : (after - 1) ^ (face & 1);
 }
 
 /* -1 where the face looks against its axis. */
-VXS_FN vxs_real vxs_axis_sign(vxs_i32 face)
+VXS_FN vxs_real vxs_face_sign(vxs_i32 face)
 {
     return (face & 1) != 0 ? VXS_REAL(-1.0) : VXS_REAL(1.0);
 }
 
 /* The face of the cube that a map is. The one map of a light without six has the axes of light space, as face 4 has. */
-VXS_FN vxs_i32 vxs_face(VXS_LIGHT light, vxs_i32 map)
+VXS_FN vxs_i32 vxs_face_of_map(VXS_LIGHT light, vxs_i32 map)
 {
     return (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u ? map : 4;
 }
 
-/* The map that a point of light space is in front of; where two axes are as long, the first. */
-VXS_FN vxs_i32 vxs_map_of(VXS_LIGHT light, const vxs_real3 ls)
+/* The map that a point of light space lies in: of six, the one along its longest axis; of axes of one length, the first. */
+VXS_FN vxs_i32 vxs_map_from_ls(VXS_LIGHT light, const vxs_real3 ls)
 {
     if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) == 0u) return 0;
     vxs_i32 along = vxs_abs(ls[1]) > vxs_abs(ls[0]) ? 1 : 0;
@@ -127,27 +127,28 @@ VXS_FN vxs_i32 vxs_map_of(VXS_LIGHT light, const vxs_real3 ls)
 }
 
 /* Light space as a face sees it: across, down, and away from the light. */
-VXS_FN void vxs_turn_to_face(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3 turned)
+VXS_FN void vxs_face_from_ls(vxs_i32 face, const vxs_real3 ls, VXS_OUT vxs_real3 turned)
 {
-    turned[0] = ls[vxs_axis(face, 0)];
-    turned[1] = ls[vxs_axis(face, 1)];
-    turned[2] = ls[vxs_axis(face, 2)] * vxs_axis_sign(face);
+    turned[0] = ls[vxs_ls_axis_from_face(face, 0)];
+    turned[1] = ls[vxs_ls_axis_from_face(face, 1)];
+    turned[2] = ls[vxs_ls_axis_from_face(face, 2)] * vxs_face_sign(face);
 }
 
-VXS_FN void vxs_turn_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_real3 ls)
+/* And back. */
+VXS_FN void vxs_ls_from_face(vxs_i32 face, const vxs_real3 turned, VXS_OUT vxs_real3 ls)
 {
     vxs_real3 p;
     p[0]  = turned[0];
     p[1]  = turned[1];
-    p[2]  = turned[2] * vxs_axis_sign(face);
-    ls[0] = p[vxs_of_axis(face, 0)];
-    ls[1] = p[vxs_of_axis(face, 1)];
-    ls[2] = p[vxs_of_axis(face, 2)];
+    p[2]  = turned[2] * vxs_face_sign(face);
+    ls[0] = p[vxs_face_axis_from_ls(face, 0)];
+    ls[1] = p[vxs_face_axis_from_ls(face, 1)];
+    ls[2] = p[vxs_face_axis_from_ls(face, 2)];
 }
 
 /* world to voxel -------------------------------------------------------------------------------------------------------------- */
 
-/* A coordinate of light space; `one` is 1 for a point, 0 for a direction. */
+/* Coordinate `row` of light space, of a point (one = 1) or a direction (one = 0). */
 VXS_FN vxs_real vxs_ls_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 ws, vxs_real one)
 {
     return VXS_LS_FROM_WS(light, row, 0) * ws[0] + VXS_LS_FROM_WS(light, row, 1) * ws[1] + VXS_LS_FROM_WS(light, row, 2) * ws[2] +
@@ -161,7 +162,7 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
     ls[2] = vxs_ls_coordinate(light, 2, ws, one);
 }
 
-/* As an integer; what is clamped lies far outside any map, and stays there. */
+/* A coordinate as an integer; one that is clamped lies far outside any map, and stays there. */
 VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
 {
     vxs_real limit = VXS_REAL(1 << 30);
@@ -169,13 +170,14 @@ VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
     return coordinate < limit ? VXS_I(coordinate) : 1 << 30;
 }
 
-/* Whole voxels, away from zero, so that a step too short to leave the voxel of the surface still leaves it. */
+/* A step in whole voxels, rounded away from zero, so that one too short to leave the voxel of the surface still leaves it. */
 VXS_FN vxs_real vxs_whole_step(vxs_real voxels)
 {
     if (vxs_abs(voxels) < VXS_STEP_NOISE) return VXS_REAL(0.0);
     return voxels > 0.0 ? ceil(voxels - VXS_STEP_NOISE) : floor(voxels + VXS_STEP_NOISE);
 }
 
+/* Coordinate `row` of a directional light's voxel. */
 VXS_FN vxs_i32 vxs_sun_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 point_ws, const vxs_real3 normal_ws,
                                   vxs_i32 filter_px)
 {
@@ -196,7 +198,7 @@ VXS_FN vxs_i32 vxs_sun_voxel(VXS_LIGHT light, const vxs_real3 point_ws, const vx
     return voxel[2] < 0 || voxel[2] >= side ? -1 : 0;
 }
 
-/* 1 in the cone and range of a spot or point light; what is not a number is nowhere. */
+/* 1 in the cone and range of a spot or point light, 0 elsewhere and for NaN. */
 VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
 {
     vxs_real distance2 = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
@@ -224,9 +226,9 @@ VXS_FN vxs_i32 vxs_lamp_voxel(VXS_LIGHT light, const vxs_real3 point_ws, const v
     vxs_real3 ls, normal_ls, p, n;
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
     vxs_ls_from_ws(light, normal_ws, VXS_REAL(0.0), normal_ls);
-    vxs_i32 map = vxs_map_of(light, ls);
-    vxs_turn_to_face(vxs_face(light, map), ls, p);
-    vxs_turn_to_face(vxs_face(light, map), normal_ls, n);
+    vxs_i32 map = vxs_map_from_ls(light, ls);
+    vxs_face_from_ls(vxs_face_of_map(light, map), ls, p);
+    vxs_face_from_ls(vxs_face_of_map(light, map), normal_ls, n);
 
     vxs_real z    = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the light's own place is lit */
     voxel[0]      = vxs_lamp_texel(light, p[0], z, n[0], n[2], filter_px);
@@ -280,7 +282,7 @@ VXS_FN vxs_real vxs_lit(VXS_DAG dag, VXS_LIGHT light, const vxs_real3 point_ws, 
 
 /* voxel to world -------------------------------------------------------------------------------------------------------------- */
 
-/* Of the matrix without its last column. */
+/* A cofactor of the matrix without its last column. */
 VXS_FN vxs_real vxs_cofactor(VXS_LIGHT light, vxs_i32 row, vxs_i32 column)
 {
     vxs_i32 a = (row + 1) % 3, b = (row + 2) % 3, c = (column + 1) % 3, d = (column + 2) % 3;
@@ -311,7 +313,7 @@ VXS_FN void vxs_ws_from_voxel(VXS_LIGHT light, vxs_i32 map, const vxs_real3 at, 
         p[2]             = VXS_FIELD(light, near_metres) * exp(at[2] * VXS_FIELD(light, voxel_metres));
         p[0]             = (at[0] - middle) * VXS_FIELD(light, texel_metres) * p[2];
         p[1]             = (at[1] - middle) * VXS_FIELD(light, texel_metres) * p[2];
-        vxs_turn_from_face(vxs_face(light, map), p, ls);
+        vxs_ls_from_face(vxs_face_of_map(light, map), p, ls);
     }
     from[0]     = ls[0] - VXS_LS_FROM_WS(light, 0, 3);
     from[1]     = ls[1] - VXS_LS_FROM_WS(light, 1, 3);

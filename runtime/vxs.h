@@ -69,6 +69,7 @@ int vxs_voxel(const vxs_light *light, const double point_ws[3], const double nor
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3]);
 
 /* The lit fraction of filter_px x filter_px taps in light space around a point: a box PCF ([CPVS16] 5).
+ * baked      a light with its DAG, as vxs_asset_light gives it
  * point_ws   world space, metres, finite
  * normal_ws  NULL, or as for vxs_voxel
  * filter_px  odd, 1 (a single tap) to VXS_FILTER_MAX

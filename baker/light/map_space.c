@@ -11,28 +11,28 @@
 
 void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
 {
-    const int face = vxs_face(light, map);
+    const int face = vxs_face_of_map(light, map);
     for (int n = 0; n < 3; n++) {
-        const double *m = light->ls_from_ws + 4 * vxs_axis(face, n);
+        const double *m = light->ls_from_ws + 4 * vxs_ls_axis_from_face(face, n);
         out[n]          = m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3];
     }
     if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
         out[2] = ldexp(out[2], -(int)light->levels);
     else
-        out[2] *= vxs_axis_sign(face);
+        out[2] *= vxs_face_sign(face);
 }
 
 /* Metres along a spot's direction. */
 static double along_spot(int face, const double at[3])
 {
-    int n = vxs_of_axis(face, 2);
-    return n == 2 ? at[2] * vxs_axis_sign(face) : at[n];
+    int n = vxs_face_axis_from_ls(face, 2);
+    return n == 2 ? at[2] * vxs_face_sign(face) : at[n];
 }
 
 int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle)
 {
     if (light->kind != VXS_LIGHT_KIND_SPOT) return 0;
-    const int face = vxs_face(light, map);
+    const int face = vxs_face_of_map(light, map);
     for (int n = 0; n < triangle->count; n++)
         if (along_spot(face, triangle->corners[n].at) >= 0) return 0;
     return 1;
