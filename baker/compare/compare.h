@@ -3,100 +3,9 @@
 #ifndef COMPARE_H
 #define COMPARE_H
 
-#include "baker/truth/camera.h"
+#include "baker/compare/compare_result.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
-
-enum {
-    COMPARE_EXAMPLES_MAX      = 10,
-    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2, /* the odd widths above 1 */
-    COMPARE_FILTER_POINTS_MAX = 20000,
-    COMPARE_TIMED_POINTS_MAX  = 1000000
-};
-
-/* The shape of a camera's picture: width / height. */
-#define COMPARE_CAMERA_ASPECT (16.0 / 9)
-
-/* Where the points come from. */
-typedef enum compare_kind {
-    /* Uniform in the light's volume (map, cone, range) and the casters' bounding box, 5 % larger; without a normal. */
-    COMPARE_RANDOM,
-    /* Uniform by area on casters, both sides of sheets; looked up with the normal. Of a spot or point light: on what it reaches, and
-     * where that is too little to be found so, on what its rays meet behind random points. */
-    COMPARE_SURFACE,
-    /* What is seen through the middle of each pixel of a camera; looked up with the normal, towards the eye. */
-    COMPARE_CAMERA,
-    COMPARE_KINDS
-} compare_kind;
-
-typedef struct compare_options {
-    uint32_t           points; /* of each kind; a camera's are as many as make a picture */
-    uint32_t           seed;
-    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* odd, 3 to VXS_FILTER_MAX: compared besides single taps */
-    uint32_t           filter_count;
-    const camera_pose *camera; /* NULL: no points of a camera */
-    uint32_t           threads;
-} compare_options;
-
-/* How far wrong answers are from the nearest boundary, in texels: from a place where the truth agrees with the asset. */
-typedef struct compare_distance {
-    uint64_t points;                 /* of the wrong ones: those near enough to be found */
-    uint64_t beyond;                 /* the others */
-    double   mean, median, p95, max; /* of points; 0 when there are none */
-} compare_distance;
-
-/* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
- * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for. */
-typedef struct compare_counts {
-    uint64_t points;
-    uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
-    uint64_t inside_solid; /* where answers are undefined */
-    uint64_t checked;
-    uint64_t leaks;         /* lit in the asset, in shadow by the truth */
-    uint64_t false_shadows; /* in shadow in the asset, lit by the truth */
-    uint64_t near_boundary; /* the ray through the centre of the texel agrees with the asset, in the voxel that was looked up */
-    uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
-    uint64_t unexplained;   /* neither: a fault */
-    compare_distance boundary;
-
-    /* Points on surfaces only, and apart from the above: the same answers against rays from the surface itself. */
-    uint64_t checked_at_surface; /* neither outside nor, just above the surface, inside a solid */
-    uint64_t wrong_at_surface;
-} compare_counts;
-
-/* An unexplained answer. */
-typedef struct compare_example {
-    compare_kind kind;
-    double       point_ws[3];
-    double       normal_ws[3]; /* zero for random points */
-    int          map;          /* of the light: 0, or 0 to 5 of six */
-    int32_t      voxel[3];     /* that was looked up */
-    int          asset_lit, truth_lit;
-} compare_example;
-
-/* Filtered lookups against the same filter over rays. */
-typedef struct compare_error {
-    uint64_t points; /* compared: neither outside nor inside a solid */
-    double   rmse, max_error;
-} compare_error;
-
-typedef struct compare_filter {
-    compare_error error[COMPARE_KINDS];
-    double        lookup_s; /* as compare_time.lookup_s */
-} compare_filter;
-
-typedef struct compare_time {
-    uint64_t points;            /* random points inside the map */
-    double   lookup_s, truth_s; /* a single tap and a ray, for one point, on one thread: the median of five runs */
-} compare_time;
-
-typedef struct compare_result {
-    compare_counts  counts[COMPARE_KINDS];
-    compare_filter  filters[COMPARE_FILTERS_MAX]; /* [filter_count] */
-    compare_example examples[COMPARE_EXAMPLES_MAX];
-    uint32_t        example_count;
-    compare_time    time;
-} compare_result;
 
 /* Compare one light with the truth.
  *
@@ -113,8 +22,5 @@ vxs_result compare_light(compare_result *out, const truth *t, const casters *c, 
 
 /* Leaks and false shadows. */
 uint64_t compare_wrong(const compare_counts *n);
-
-/* Pixels of a camera's picture of at most so many points: as nearly square as they can be. */
-void compare_picture_size(uint32_t points, uint32_t *width_px, uint32_t *height_px);
 
 #endif

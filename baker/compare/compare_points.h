@@ -5,8 +5,9 @@
 #ifndef COMPARE_POINTS_H
 #define COMPARE_POINTS_H
 
-#include "baker/compare/compare.h"
+#include "baker/compare/compare_result.h"
 #include "baker/compare/light_volume.h"
+#include "baker/truth/truth.h"
 
 /* What is compared with what. */
 typedef struct comparison {
