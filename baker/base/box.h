@@ -20,8 +20,8 @@ static inline box box_empty(void)
 static inline void box_add(box *b, const double point[3])
 {
     for (int axis = 0; axis < 3; axis++) {
-        b->min[axis] = fmin(b->min[axis], point[axis]);
-        b->max[axis] = fmax(b->max[axis], point[axis]);
+        if (point[axis] < b->min[axis]) b->min[axis] = point[axis];
+        if (point[axis] > b->max[axis]) b->max[axis] = point[axis];
     }
 }
 

@@ -7,9 +7,9 @@
 #include <exception>
 #include <new>
 
+#include "baker/base/progress_line.h"
 #include "baker/files/output_file.h"
 #include "baker/process/process.h"
-#include "baker/base/progress_line.h"
 
 /* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
  * missing memory is thrown there. */
