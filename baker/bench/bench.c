@@ -68,13 +68,6 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
 
 /* Steps of a run ------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result bake_once(bench_work *w, bench_job *job, message *m)
-{
-    vxs_result r = run_child(w, job, job->arguments, 0, &job->seconds, m);
-    if (r != VXS_OK) return r;
-    return bench_cell_add_bake(job->cell, json_object_get(w->result, "machine"), w->children.report, job->seconds, m);
-}
-
 static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
 {
     char  bytes[1 << 16];
@@ -101,7 +94,7 @@ static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run
                 bench_cell_name(name, sizeof name, w->result, job->cell), run + 1, w->o->runs);
 }
 
-static vxs_result compare_once(bench_work *w, bench_job *job, message *m)
+static vxs_result compare_once(bench_work *w, const bench_job *job, double *seconds, message *m)
 {
     const bench_options *o = w->o;
     char                 points[16], filters[BENCH_FILTERS_MAX][16];
@@ -120,17 +113,25 @@ static vxs_result compare_once(bench_work *w, bench_job *job, message *m)
     arguments[count++] = job->scene_path;
     arguments[count++] = w->children.asset;
 
-    double     seconds = 0;
-    vxs_result r       = run_child(w, job, arguments, FOUND_UNEXPLAINED, &seconds, m);
-    job->seconds += seconds;
-    return r == VXS_OK ? bench_cell_add_compare(job->cell, w->children.report, m) : r;
+    return run_child(w, job, arguments, FOUND_UNEXPLAINED, seconds, m);
 }
 
 static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message *m)
 {
-    vxs_result r = bake_once(w, job, m);
+    json_t    *bake = NULL, *compare = NULL;
+    double     bake_seconds = 0, compare_seconds = 0;
+    vxs_result r = run_child(w, job, job->arguments, 0, &bake_seconds, m);
+    if (r == VXS_OK) r = json_read(&bake, w->children.report, m);
     if (r == VXS_OK) r = require_same_bytes(w, job, run, m);
-    if (r == VXS_OK && w->o->points) r = compare_once(w, job, m);
+    if (r == VXS_OK && w->o->points) r = compare_once(w, job, &compare_seconds, m);
+    if (r == VXS_OK && w->o->points) r = json_read(&compare, w->children.report, m);
+    if (r == VXS_OK) {
+        json_object_set(json_object_get(w->result, "machine"), "renderer", json_object_get(bake, "renderer"));
+        json_array_append_new(job->runs, bench_cell_of_run(job->cell, bake, compare, bake_seconds));
+    }
+    job->seconds = bake_seconds + compare_seconds;
+    json_decref(bake);
+    json_decref(compare);
     return r;
 }
 
@@ -206,7 +207,8 @@ vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_diffe
     if (r == VXS_OK) r = run_rounds(&w, m);
     children_end(&w.children);
 
-    for (size_t n = 0; n < w.job_count && r == VXS_OK; n++) bench_cell_finish(w.jobs[n].cell);
+    for (size_t n = 0; n < w.job_count && r == VXS_OK; n++)
+        json_array_set_new(json_object_get(w.result, "cells"), n, bench_cell_of_runs(json_incref(w.jobs[n].runs)));
     bench_jobs_free(w.jobs, w.job_count);
     *outputs_differ = w.outputs_differ;
     if (r != VXS_OK) json_decref(w.result);

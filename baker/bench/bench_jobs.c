@@ -3,8 +3,8 @@
 #include "baker/bench/bench_jobs.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-#include "baker/bench/bench_cell.h"
 #include "baker/files/json_file.h"
 #include "baker/options/bake_arguments.h"
 
@@ -91,7 +91,9 @@ static vxs_result read_arguments(bench_job *job, json_t *cells, message *m)
     while (argv[argc]) argc++;
     vxs_result r = bake_arguments_parse(&a, "bake", "SCENE -o OUT.vxs [options]", "", 1, argc, argv, m);
     if (r == VXS_OK) {
-        job->cell   = bench_cell_new(job->scene_path, options_json(&a.o));
+        const char *slash = strrchr(job->scene_path, '/');
+        job->runs         = json_array();
+        job->cell = json_pack("{s:o, s:o}", "scene", json_text(slash ? slash + 1 : job->scene_path), "options", options_json(&a.o));
         job->weight = 1e6 + (double)a.o.resolution * a.o.resolution; /* a bake takes as long as a million texels before it begins */
         if (json_array_append_new(cells, job->cell)) r = no_memory(m);
     }
@@ -140,6 +142,9 @@ vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const
 
 void bench_jobs_free(bench_job *jobs, size_t count)
 {
-    for (size_t n = 0; n < count; n++) free(jobs[n].arguments);
+    for (size_t n = 0; n < count; n++) {
+        free(jobs[n].arguments);
+        json_decref(jobs[n].runs);
+    }
     free(jobs);
 }

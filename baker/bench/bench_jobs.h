@@ -27,7 +27,8 @@ typedef struct bench_options {
 typedef struct bench_job {
     const char  *scene_path;
     const char **arguments;  /* of the bake: "vxs", "bake", ...; NULL at the end; owned, the texts are not */
-    json_t      *cell;       /* of the result */
+    json_t      *cell;       /* of the result: "scene" and "options" */
+    json_t      *runs;       /* cells of one run each; owned */
     uint64_t     asset_hash; /* of the first run's bytes */
     double       weight;     /* how long it may take, in no unit, until it has run */
     double       seconds;    /* that its last run took; 0: has not run */
