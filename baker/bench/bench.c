@@ -7,12 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <xxhash.h>
 
 #include "baker/base/version.h"
 #include "baker/bench/bench_cell.h"
-#include "baker/bench/bench_jobs.h"
 #include "baker/bench/bench_text.h"
-#include "baker/bench/child.h"
 #include "baker/files/json_file.h"
 #include "baker/measure/clock.h"
 #include "baker/measure/machine.h"
@@ -23,8 +22,7 @@ typedef struct bench_work {
     json_t              *result;
     bench_job           *jobs; /* [job_count] */
     size_t               job_count;
-    interrupts           signals;
-    work_folder          files;
+    children             children;
     double               since; /* when the first run began */
     int                  outputs_differ;
 } bench_work;
@@ -56,71 +54,52 @@ static vxs_result result_of_status(int status)
 static vxs_result run_child(bench_work *w, const bench_job *job, const char *const *arguments, int accepted, double *seconds,
                             message *m)
 {
-    child_end  end;
     char       name[256], text[512];
-    vxs_result r = child_run(&w->signals, arguments, w->files.errors, &end, m);
-    if (r != VXS_OK) return r;
-    *seconds = end.seconds;
-    if (!end.exit_status || end.exit_status == accepted) return VXS_OK;
+    int        status;
+    vxs_result r = child_run(&w->children, arguments, seconds, &status, m);
+    if (r != VXS_OK || !status || status == accepted) return r;
 
-    read_error(w->files.errors, text);
-    if (!text[0] && end.exit_status < 0)
-        snprintf(text, sizeof text, "ended by signal %d, %s", -end.exit_status, strsignal(-end.exit_status));
-    if (!text[0]) snprintf(text, sizeof text, "exit status %d", end.exit_status);
-    return fail(m, result_of_status(end.exit_status), "%s of %s: %s", arguments[1],
-                bench_cell_name(name, sizeof name, w->result, job->cell), text);
+    read_error(w->children.errors, text);
+    if (!text[0] && status < 0) snprintf(text, sizeof text, "ended by signal %d, %s", -status, strsignal(-status));
+    if (!text[0]) snprintf(text, sizeof text, "exit status %d", status);
+    return fail(m, result_of_status(status), "%s of %s: %s", arguments[1], bench_cell_name(name, sizeof name, w->result, job->cell),
+                text);
 }
 
 /* Steps of a run ------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result bake_once(bench_work *w, bench_job *job, message *m)
+static vxs_result hash_file(const char *path, uint64_t *hash, message *m)
 {
-    vxs_result r = run_child(w, job, job->arguments, 0, &job->seconds, m);
-    if (r != VXS_OK) return r;
-    return bench_cell_add_bake(job->cell, json_object_get(w->result, "machine"), w->files.report, job->seconds, m);
-}
-
-static vxs_result hash_file(const char *path, XXH128_hash_t *hash, message *m)
-{
-    XXH3_state_t *state = XXH3_createState();
-    FILE         *f     = fopen(path, "rbe");
-    char          bytes[1 << 16];
-    vxs_result    r = VXS_OK;
-    if (!state || (!f && errno == ENOMEM))
-        r = fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
-    else if (!f)
-        r = fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
-    if (r == VXS_OK) {
-        XXH3_128bits_reset(state);
-        for (size_t count; (count = fread(bytes, 1, sizeof bytes, f));) XXH3_128bits_update(state, bytes, count);
-        if (ferror(f)) r = fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
-        *hash = XXH3_128bits_digest(state);
-    }
+    char  bytes[1 << 16];
+    FILE *f = fopen(path, "rbe");
+    *hash   = 0;
+    if (!f && errno == ENOMEM) return fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
+    for (size_t count; f && (count = fread(bytes, 1, sizeof bytes, f));) *hash = XXH3_64bits_withSeed(bytes, count, *hash);
+    vxs_result r = f && !ferror(f) ? VXS_OK : fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
     if (f) fclose(f);
-    XXH3_freeState(state);
     return r;
 }
 
 /* What is measured is the same work only when it makes the same bytes. */
 static vxs_result require_same_bytes(bench_work *w, bench_job *job, uint32_t run, message *m)
 {
-    XXH128_hash_t hash;
-    char          name[256];
-    vxs_result    r = hash_file(w->files.asset, &hash, m);
+    uint64_t   hash;
+    char       name[256];
+    vxs_result r = hash_file(w->children.asset, &hash, m);
     if (r != VXS_OK) return r;
     if (!run) job->asset_hash = hash;
-    if (XXH128_isEqual(hash, job->asset_hash)) return VXS_OK;
+    if (hash == job->asset_hash) return VXS_OK;
     w->outputs_differ = 1;
     return fail(m, VXS_E_READ, "bake of %s: run %u of %u wrote other bytes than run 1",
                 bench_cell_name(name, sizeof name, w->result, job->cell), run + 1, w->o->runs);
 }
 
-static vxs_result compare_once(bench_work *w, bench_job *job, message *m)
+static vxs_result compare_once(bench_work *w, const bench_job *job, double *seconds, message *m)
 {
     const bench_options *o = w->o;
     char                 points[16], filters[BENCH_FILTERS_MAX][16];
-    const char          *arguments[2 * BENCH_FILTERS_MAX + 16] = {"vxs", "compare", "--json", w->files.report, "--points", points};
-    size_t               count                                 = 6;
+    const char *arguments[2 * BENCH_FILTERS_MAX + 16] = {"vxs", "compare", "--json", w->children.report, "--points", points};
+    size_t      count                                 = 6;
     enum { FOUND_UNEXPLAINED = 1 };
     snprintf(points, sizeof points, "%u", o->points);
     for (size_t n = 0; n < o->filter_count; n++) {
@@ -132,19 +111,27 @@ static vxs_result compare_once(bench_work *w, bench_job *job, message *m)
     if (o->scene_name) arguments[count++] = o->scene_name;
     arguments[count++] = "--";
     arguments[count++] = job->scene_path;
-    arguments[count++] = w->files.asset;
+    arguments[count++] = w->children.asset;
 
-    double     seconds = 0;
-    vxs_result r       = run_child(w, job, arguments, FOUND_UNEXPLAINED, &seconds, m);
-    job->seconds += seconds;
-    return r == VXS_OK ? bench_cell_add_compare(job->cell, w->files.report, m) : r;
+    return run_child(w, job, arguments, FOUND_UNEXPLAINED, seconds, m);
 }
 
 static vxs_result run_once(bench_work *w, bench_job *job, uint32_t run, message *m)
 {
-    vxs_result r = bake_once(w, job, m);
+    json_t    *bake = NULL, *compare = NULL;
+    double     bake_seconds = 0, compare_seconds = 0;
+    vxs_result r = run_child(w, job, job->arguments, 0, &bake_seconds, m);
+    if (r == VXS_OK) r = json_read(&bake, w->children.report, m);
     if (r == VXS_OK) r = require_same_bytes(w, job, run, m);
-    if (r == VXS_OK && w->o->points) r = compare_once(w, job, m);
+    if (r == VXS_OK && w->o->points) r = compare_once(w, job, &compare_seconds, m);
+    if (r == VXS_OK && w->o->points) r = json_read(&compare, w->children.report, m);
+    if (r == VXS_OK) {
+        json_object_set(json_object_get(w->result, "machine"), "renderer", json_object_get(bake, "renderer"));
+        json_array_append_new(job->runs, bench_cell_of_run(job->cell, bake, compare, bake_seconds));
+    }
+    job->seconds = bake_seconds + compare_seconds;
+    json_decref(bake);
+    json_decref(compare);
     return r;
 }
 
@@ -213,16 +200,15 @@ static json_t *describe(const bench_options *o)
 
 vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, message *m)
 {
-    bench_work w = {.o = o, .result = describe(o)};
-    vxs_result r = w.result ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
-    interrupts_hold(&w.signals);
-    if (r == VXS_OK) r = work_folder_make(&w.files, m);
-    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, &w.files, m);
+    bench_work w = {.o = o};
+    vxs_result r = children_begin(&w.children, m);
+    if (r == VXS_OK && !(w.result = describe(o))) r = fail(m, VXS_E_MEMORY, "out of memory");
+    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, &w.children, m);
     if (r == VXS_OK) r = run_rounds(&w, m);
-    work_folder_remove(&w.files);
-    interrupts_release(&w.signals);
+    children_end(&w.children);
 
-    for (size_t n = 0; n < w.job_count && r == VXS_OK; n++) bench_cell_finish(w.jobs[n].cell);
+    for (size_t n = 0; n < w.job_count && r == VXS_OK; n++)
+        json_array_set_new(json_object_get(w.result, "cells"), n, bench_cell_of_runs(json_incref(w.jobs[n].runs)));
     bench_jobs_free(w.jobs, w.job_count);
     *outputs_differ = w.outputs_differ;
     if (r != VXS_OK) json_decref(w.result);

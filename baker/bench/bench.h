@@ -6,25 +6,7 @@
 #ifndef BENCH_H
 #define BENCH_H
 
-#include "baker/base/text.h"
-#include "baker/bench/bench_json.h"
-
-/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. */
-enum { BENCH_SWEEPS = 9 };
-
-typedef struct bench_options {
-    const char *const *scenes;
-    size_t             scene_count;
-    const char        *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
-    text_list          sweep_value[BENCH_SWEEPS]; /* none: what bake does by default */
-    text_list          light_names;               /* what follows goes to every bake; NULL or none: not given */
-    const char        *sun, *region, *scene_name;
-    uint32_t           filters_px[BENCH_FILTERS_MAX]; /* besides single taps: odd, above 1, none twice */
-    uint32_t           filter_count;
-    uint32_t           runs;
-    uint32_t           points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */
-    int                progress; /* 1: say on standard error how far it is */
-} bench_options;
+#include "baker/bench/bench_jobs.h"
 
 /* Measure.
  * result           [out] as docs/bench.schema.json has it; NULL on failure; released with json_decref

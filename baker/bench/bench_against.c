@@ -13,23 +13,6 @@ static const double stage_share  = 0.05; /* stages that take less of a bake are 
 static const double memory_share = 0.05; /* of peak memory that is never quite the same */
 static const double equal_share  = 1e-8; /* numbers are written with nine digits */
 
-/* The first two may be too slow. */
-typedef enum figure_kind {
-    SECONDS_LIMITED,
-    NANOSECONDS_LIMITED,
-    SECONDS,
-    NANOSECONDS,
-    BYTES,
-    PEAK_BYTES,
-    COUNT,
-    SHARE
-} figure_kind;
-
-typedef struct figure {
-    const char *name, *path;
-    figure_kind kind;
-} figure;
-
 typedef struct moves {
     json_t     *table;
     const char *cell; /* its name */
@@ -59,102 +42,42 @@ static void add_row(moves *v, const char *what, const char *before, const char *
         table_add(v->table, "-");
 }
 
-static void compare_times(moves *v, const char *what, spread before, spread now, int is_limited)
+static int has_moved(const bench_figure *now, const bench_figure *before)
 {
-    char before_text[64], now_text[64];
-    if (!outside(before.median, now) || !outside(now.median, before)) return;
-    add_row(v, what, spread_text(before_text, before), spread_text(now_text, now), now.median / before.median);
-    v->too_slow += is_limited && now.median > v->max_slower * before.median;
+    double equal = now->kind == FIGURE_PEAK_BYTES ? memory_share : now->kind == FIGURE_SHARE ? equal_share : 0;
+    double a = before->value.median, b = now->value.median;
+    if (now->kind == FIGURE_SECONDS) return outside(a, now->value) && outside(b, before->value);
+    return fabs(a - b) > equal * fmax(a, b);
 }
 
-static void compare_numbers(moves *v, const char *what, figure_kind kind, double before, double now)
+static const char *value_text(char text[64], const bench_figure *f)
 {
-    static const char *const formats[] = {[BYTES] = "%.0f B", [PEAK_BYTES] = "%.0f B", [COUNT] = "%.0f", [SHARE] = "%.6g %%"};
-    double                   equal     = kind == PEAK_BYTES ? memory_share : kind == SHARE ? equal_share : 0;
-    double                   unit      = kind == SHARE ? 100 : 1;
-    char                     before_text[32], now_text[32];
-    if (!(fabs(before - now) > equal * fmax(before, now))) return;
-    snprintf(before_text, sizeof before_text, formats[kind], unit * before);
-    snprintf(now_text, sizeof now_text, formats[kind], unit * now);
-    add_row(v, what, before_text, now_text, now / before);
+    if (f->kind == FIGURE_SECONDS) return spread_text(text, f->value);
+    if (f->kind == FIGURE_SHARE)
+        snprintf(text, 64, "%.6g %%", 100 * f->value.median);
+    else
+        snprintf(text, 64, "%.0f%s", f->value.median, f->kind == FIGURE_COUNT ? "" : " B");
+    return text;
 }
 
-/* Figures of an object that both have; those that it has not are left out.
- * figures  ends with a name of NULL
- * of       what filter and points they are of; see figure_text */
-static void compare(moves *v, const figure *figures, const json_t *before, const json_t *now)
+/* Figures of one name that both cells have. same_points: errors were measured at the same points */
+static void compare_cells(moves *v, const json_t *before, const json_t *now, int same_points)
 {
-    char what[96];
-    for (const figure *f = figures; f->name; f++) {
-        if (!json_at(now, f->path) || !json_at(before, f->path)) continue;
-        figure_text(what, f->name, count_at(now, "filter_px"), text_at(now, "points"));
-        double unit = f->kind == NANOSECONDS || f->kind == NANOSECONDS_LIMITED ? 1e-9 : 1;
-        if (f->kind <= NANOSECONDS)
-            compare_times(v, what, spread_at(before, f->path, unit), spread_at(now, f->path, unit), f->kind <= NANOSECONDS_LIMITED);
-        else
-            compare_numbers(v, what, f->kind, number_at(before, f->path), number_at(now, f->path));
-    }
+    bench_figure a[BENCH_FIGURES_MAX], b[BENCH_FIGURES_MAX];
+    size_t       a_count = bench_figures(before, a), b_count = bench_figures(now, b);
+    char         before_text[64], now_text[64];
+    for (size_t n = 0; n < b_count; n++)
+        for (size_t i = 0; i < a_count; i++) {
+            double then = a[i].value.median, here = b[n].value.median;
+            int    is_small = then < stage_share * a[0].value.median && here < stage_share * b[0].value.median;
+            if (strcmp(a[i].name, b[n].name) || !has_moved(&b[n], &a[i])) continue;
+            if ((b[n].flags & FIGURE_STAGE && is_small) || (b[n].flags & FIGURE_ERROR && !same_points)) continue;
+            add_row(v, b[n].name, value_text(before_text, &a[i]), value_text(now_text, &b[n]), here / then);
+            v->too_slow += b[n].flags & FIGURE_LIMITED && here > v->max_slower * then;
+        }
 }
 
 /* Cells ---------------------------------------------------------------------------------------------------------------------- */
-
-static void compare_stages(moves *v, const json_t *before, const json_t *now)
-{
-    json_t *a, *b;
-    size_t  n, i;
-    double  least_before = stage_share * number_at(before, "bake/wall_seconds/median"),
-           least_now     = stage_share * number_at(now, "bake/wall_seconds/median");
-    json_array_foreach(json_at(now, "bake/stages"), n, b) json_array_foreach(json_at(before, "bake/stages"), i, a)
-    {
-        spread then = spread_at(a, "seconds", 1), here = spread_at(b, "seconds", 1);
-        char   what[64];
-        if (strcmp(text_at(a, "name"), text_at(b, "name")) || (then.median < least_before && here.median < least_now)) continue;
-        snprintf(what, sizeof what, "stage %s", text_at(b, "name"));
-        compare_times(v, what, then, here, 0);
-    }
-}
-
-/* Items of the same filter and points. */
-static void compare_items(moves *v, const figure *figures, const json_t *before, const json_t *now)
-{
-    json_t *a, *b;
-    size_t  n, i;
-    json_array_foreach(now, n, b) json_array_foreach(before, i, a)
-    {
-        if (count_at(a, "filter_px") == count_at(b, "filter_px") && !strcmp(text_at(a, "points"), text_at(b, "points")))
-            compare(v, figures, a, b);
-    }
-}
-
-/* same_points  errors were measured at the same points */
-static void compare_cells(moves *v, const json_t *before, const json_t *now, int same_points)
-{
-    static const figure times[] = {
-        {"bake", "bake/wall_seconds", SECONDS_LIMITED}, {"maps to DAG", "bake/maps_to_dag_seconds", SECONDS}, {NULL, NULL, COUNT}};
-    static const figure sizes[]  = {{"peak memory", "bake/peak_bytes", PEAK_BYTES},
-                                    {"triangles", "triangles", COUNT},
-                                    {"triangles of solids", "solid_triangles", COUNT},
-                                    {"lights", "lights", COUNT},
-                                    {"maps", "maps", COUNT},
-                                    {"file", "size/file_bytes", BYTES},
-                                    {"in memory", "size/memory_bytes", BYTES},
-                                    {"nodes", "size/nodes", COUNT},
-                                    {"masks", "size/masks", COUNT},
-                                    {"inserted nodes", "size/inserted_nodes", COUNT},
-                                    {"inserted masks", "size/inserted_masks", COUNT},
-                                    {NULL, NULL, COUNT}};
-    static const figure errors[] = {
-        {"RMSE", "rmse", SHARE},   {"greatest error", "max_error", SHARE},    {"wrong", "wrong_share", SHARE},
-        {"leaks", "leaks", COUNT}, {"false shadows", "false_shadows", COUNT}, {"unexplained", "unexplained", COUNT},
-        {NULL, NULL, COUNT}};
-    static const figure lookups[] = {
-        {"lookup", "nanoseconds", NANOSECONDS_LIMITED}, {"ray", "ray_nanoseconds", NANOSECONDS}, {NULL, NULL, COUNT}};
-    compare(v, times, before, now);
-    compare_stages(v, before, now);
-    compare(v, sizes, before, now);
-    if (same_points) compare_items(v, errors, json_at(before, "errors"), json_at(now, "errors"));
-    compare_items(v, lookups, json_at(before, "lookups"), json_at(now, "lookups"));
-}
 
 static const json_t *find_cell(const json_t *result, const json_t *cell)
 {

@@ -5,70 +5,58 @@
 #include "baker/bench/bench_cell.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
-
-json_t *bench_cell_new(const char *scene_path, json_t *options)
+/* What each of some objects or arrays has at a path: an array, released by the caller. */
+static json_t *pick(const json_t *from, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static json_t *pick(const json_t *from, const char *format, ...)
 {
-    const char *slash = strrchr(scene_path, '/');
-    return json_pack("{s:o, s:n, s:n, s:n, s:n, s:i, s:o, s:{s:[], s:[], s:[], s:[], s:i}, s:n, s:[], s:[]}", "scene",
-                     json_text(slash ? slash + 1 : scene_path), "triangles", "solid_triangles", "light", "lights", "maps", 0,
-                     "options", options, "bake", "wall_seconds", "total_seconds", "maps_to_dag_seconds", "stages", "peak_bytes", 0,
-                     "size", "errors", "lookups");
+    char    path[64];
+    json_t *item, *picked = json_array();
+    size_t  n;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(path, sizeof path, format, arguments);
+    va_end(arguments);
+    json_array_foreach(from, n, item) json_array_append(picked, json_at(item, path));
+    return picked;
 }
 
-static void set_count(json_t *object, const char *name, uint64_t count)
+/* The sum of what objects have at a path. */
+static double total(const json_t *objects, const char *path)
 {
-    json_object_set_new(object, name, json_integer((json_int_t)count));
+    const json_t *object;
+    size_t        n;
+    double        sum = 0;
+    json_array_foreach(objects, n, object) sum += number_at(object, path);
+    return sum;
 }
 
-static void add_count(json_t *object, const char *name, uint64_t count)
+/* The mean, each object weighted by what is at another path; 0 where that is 0 everywhere. */
+static double mean(const json_t *objects, const char *path, const char *weight_path)
 {
-    set_count(object, name, count_at(object, name) + count);
-}
-
-static void add_number(json_t *object, const char *name, double number)
-{
-    json_object_set_new(object, name, json_real(number_at(object, name) + number));
-}
-
-static void keep_most_bytes(json_t *object, uint64_t peak_bytes)
-{
-    if (peak_bytes > count_at(object, "peak_bytes")) set_count(object, "peak_bytes", peak_bytes);
-}
-
-static void add_sample(json_t *object, const char *name, double value)
-{
-    json_array_append_new(json_object_get(object, name), json_real(value));
+    const json_t *object;
+    size_t        n;
+    double        sum = 0;
+    json_array_foreach(objects, n, object) sum += number_at(object, weight_path) * number_at(object, path);
+    return sum / fmax(1, total(objects, weight_path));
 }
 
 /* A bake ---------------------------------------------------------------------------------------------------------------------- */
 
-static int is_from_maps_to_dag(const char *stage)
+static double maps_to_dag_seconds(const json_t *stages)
 {
     static const char *const names[] = {"pyramid", "masks", "insert", "compress", "merge"};
-    for (size_t n = 0; n < sizeof names / sizeof *names; n++)
-        if (!strcmp(names[n], stage)) return 1;
-    return 0;
-}
-
-static void add_stages(json_t *bake, const json_t *report)
-{
-    json_t *stage, *sums = json_object_get(bake, "stages");
-    double  maps_to_dag = 0;
-    size_t  n;
-    json_array_foreach(json_object_get(report, "stages"), n, stage)
+    const json_t            *stage;
+    size_t                   n;
+    double                   seconds = 0;
+    json_array_foreach(stages, n, stage) for (size_t i = 0; i < sizeof names / sizeof *names; i++)
     {
-        const char *name    = text_at(stage, "name");
-        double      seconds = number_at(stage, "seconds");
-        if (n == json_array_size(sums))
-            json_array_append_new(sums, json_pack("{s:s, s:[], s:i}", "name", name, "seconds", "peak_bytes", 0));
-        add_sample(json_array_get(sums, n), "seconds", seconds);
-        keep_most_bytes(json_array_get(sums, n), count_at(stage, "peak_bytes"));
-        if (is_from_maps_to_dag(name)) maps_to_dag += seconds;
+        if (!strcmp(names[i], text_at(stage, "name"))) seconds += number_at(stage, "seconds");
     }
-    add_sample(bake, "maps_to_dag_seconds", maps_to_dag);
+    return seconds;
 }
 
 /* The level of that side; levels stand in the order of their sides, the root first, masks (0) last. */
@@ -81,174 +69,149 @@ static json_t *level_of(json_t *levels, uint64_t side_voxels)
     return json_array_get(levels, at);
 }
 
-static void add_light(json_t *size, const json_t *light)
+static void add_count(json_t *object, const char *name, uint64_t count)
+{
+    json_object_set_new(object, name, json_integer((json_int_t)(count_at(object, name) + count)));
+}
+
+static void add_level(json_t *size, const json_t *level)
 {
     static const char *const figures[] = {"count", "memory_bytes", "stored_bytes"};
-    json_t                  *level;
-    size_t                   n;
-    add_count(size, "memory_bytes", count_at(light, "size/memory_bytes"));
-    add_count(size, "inserted_nodes", count_at(light, "inserted_nodes"));
-    add_count(size, "inserted_masks", count_at(light, "inserted_masks"));
-    json_array_foreach(json_object_get(light, "levels"), n, level)
-    {
-        const char *kind = text_at(level, "kind"); /* "nodes" or "masks" */
-        json_t     *sum  = level_of(json_object_get(size, "levels"), strcmp(kind, "masks") ? count_at(level, "side_voxels") : 0);
-        for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) add_count(sum, figures[i], count_at(level, figures[i]));
-        add_count(size, kind, count_at(level, "count"));
-    }
+    const char              *kind      = text_at(level, "kind"); /* "nodes" or "masks" */
+    json_t *sum = level_of(json_object_get(size, "levels"), strcmp(kind, "masks") ? count_at(level, "side_voxels") : 0);
+    for (size_t n = 0; n < sizeof figures / sizeof *figures; n++) add_count(sum, figures[n], count_at(level, figures[n]));
+    add_count(size, kind, count_at(level, "count"));
 }
 
-/* What is the same in all runs. */
-static void set_sizes(json_t *cell, const json_t *report)
+static json_t *size_json(const json_t *bake, const json_t *lights)
 {
-    json_t *light, *lights = json_object_get(report, "lights");
-    size_t  n;
-    json_t *size = json_pack("{s:O, s:i, s:i, s:i, s:i, s:i, s:[]}", "file_bytes", json_object_get(report, "file_bytes"),
-                             "memory_bytes", 0, "nodes", 0, "masks", 0, "inserted_nodes", 0, "inserted_masks", 0, "levels");
-    set_count(cell, "triangles", count_at(report, "casters/triangles"));
-    set_count(cell, "solid_triangles", count_at(report, "casters/solids/triangles"));
-    set_count(cell, "lights", json_array_size(lights));
-    set_count(cell, "maps", 0);
-    json_object_set(cell, "light", json_object_get(json_array_get(lights, 0), "name"));
-    json_object_set_new(cell, "size", size);
-    json_array_foreach(lights, n, light)
-    {
-        add_count(cell, "maps", count_at(light, "maps"));
-        add_light(size, light);
-    }
-}
-
-vxs_result bench_cell_add_bake(json_t *cell, json_t *machine, const char *path, double wall_seconds, message *m)
-{
-    json_t    *report, *bake = json_object_get(cell, "bake");
-    vxs_result r = json_read(&report, path, m);
-    if (r != VXS_OK) return r;
-    json_object_set(machine, "renderer", json_object_get(report, "renderer"));
-    set_sizes(cell, report);
-    add_stages(bake, report);
-    add_sample(bake, "wall_seconds", wall_seconds);
-    add_sample(bake, "total_seconds", number_at(report, "total_seconds"));
-    keep_most_bytes(bake, count_at(report, "peak_bytes"));
-    json_decref(report);
-    return VXS_OK;
+    json_t *light, *level;
+    size_t  n, i;
+    json_t *size = json_pack("{s:O, s:I, s:i, s:i, s:I, s:I, s:[]}", "file_bytes", json_at(bake, "file_bytes"), "memory_bytes",
+                             (json_int_t)total(lights, "size/memory_bytes"), "nodes", 0, "masks", 0, "inserted_nodes",
+                             (json_int_t)total(lights, "inserted_nodes"), "inserted_masks",
+                             (json_int_t)total(lights, "inserted_masks"), "levels");
+    json_array_foreach(lights, n, light) json_array_foreach(json_at(light, "levels"), i, level) add_level(size, level);
+    return size;
 }
 
 /* A comparison ---------------------------------------------------------------------------------------------------------------- */
 
-enum { POINT_KINDS = 2 };
-static const char *const point_kinds[POINT_KINDS] = {"random", "surface"};
-
-/* Add what a light's lookups through a filter, or its single taps, were off by: to errors n and n + 1. */
-static void add_errors(json_t *errors, size_t n, uint64_t filter_px, const json_t *found)
+/* What lights found at points of a kind, by single taps. found: released */
+static json_t *tap_error(json_t *found, const char *kind)
 {
-    static const char *const counts[] = {"leaks", "false_shadows", "unexplained"};
-    for (int kind = 0; kind < POINT_KINDS; kind++) {
-        const json_t *points  = json_object_get(found, point_kinds[kind]);
-        uint64_t      checked = count_at(points, filter_px > 1 ? "points" : "checked");
-        double        rmse = number_at(points, "rmse"), max_error = number_at(points, "max_error");
-        if (n + kind == json_array_size(errors))
-            json_array_append_new(errors, json_pack("{s:s, s:I, s:i}", "points", point_kinds[kind], "filter_px",
-                                                    (json_int_t)filter_px, "checked", 0));
-        json_t *error = json_array_get(errors, n + kind);
-        add_count(error, "checked", checked);
-        if (filter_px > 1) {
-            add_number(error, "rmse", rmse * rmse * (double)checked); /* the root of the mean follows */
-            json_object_set_new(error, "max_error", json_real(fmax(max_error, number_at(error, "max_error"))));
-            continue;
-        }
-        add_number(error, "wrong_share",
-                   (double)(count_at(points, "leaks") + count_at(points, "false_shadows"))); /* a share follows */
-        for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) add_count(error, counts[i], count_at(points, counts[i]));
-    }
+    double  checked = total(found, "checked"), leaks = total(found, "leaks"), false_shadows = total(found, "false_shadows");
+    json_t *error = json_pack("{s:s, s:i, s:I, s:f, s:I, s:I, s:I}", "points", kind, "filter_px", 1, "checked", (json_int_t)checked,
+                              "wrong_share", (leaks + false_shadows) / fmax(1, checked), "leaks", (json_int_t)leaks,
+                              "false_shadows", (json_int_t)false_shadows, "unexplained", (json_int_t)total(found, "unexplained"));
+    json_decref(found);
+    return error;
 }
 
-/* Sums become means. */
-static void finish_error(json_t *error)
+/* The same, by lookups through a filter. */
+static json_t *filter_error(json_t *found, const char *kind, uint64_t filter_px)
 {
-    double checked = fmax(1, number_at(error, "checked"));
-    if (count_at(error, "filter_px") > 1)
-        json_object_set_new(error, "rmse", json_real(sqrt(number_at(error, "rmse") / checked)));
-    else
-        json_object_set_new(error, "wrong_share", json_real(number_at(error, "wrong_share") / checked));
-}
-
-/* Nanoseconds, the mean over lights, each counted as often as points were looked up in it. filter: of each light's, or -1: single taps. */
-static double mean_ns(const json_t *lights, int filter, const char *figure)
-{
-    const json_t *light;
+    const json_t *of;
     size_t        n;
-    double        sum = 0, weight = 0;
-    json_array_foreach(lights, n, light)
+    double        checked = total(found, "points"), squares = 0, most = 0;
+    json_array_foreach(found, n, of)
     {
-        const json_t *of = filter < 0 ? json_object_get(light, "time") : json_array_get(json_object_get(light, "filters"), filter);
-        double        points = number_at(light, "time/points");
-        sum += points * number_at(of, figure);
-        weight += points;
+        double rmse = number_at(of, "rmse");
+        squares += rmse * rmse * number_at(of, "points");
+        most = fmax(most, number_at(of, "max_error"));
     }
-    return weight > 0 ? sum / weight : 0;
+    json_t *error = json_pack("{s:s, s:I, s:I, s:f, s:f}", "points", kind, "filter_px", (json_int_t)filter_px, "checked",
+                              (json_int_t)checked, "rmse", sqrt(squares / fmax(1, checked)), "max_error", most);
+    json_decref(found);
+    return error;
 }
 
-static void add_lookup(json_t *lookups, size_t n, uint64_t filter_px, const json_t *lights)
+static json_t *errors_json(const json_t *lights)
 {
-    if (n == json_array_size(lookups))
-        json_array_append_new(lookups, n ? json_pack("{s:I, s:[]}", "filter_px", (json_int_t)filter_px, "nanoseconds")
-                                         : json_pack("{s:i, s:[], s:[]}", "filter_px", 1, "nanoseconds", "ray_nanoseconds"));
-    add_sample(json_array_get(lookups, n), "nanoseconds", mean_ns(lights, (int)n - 1, "lookup_ns"));
-    if (!n) add_sample(json_array_get(lookups, n), "ray_nanoseconds", mean_ns(lights, -1, "ray_ns"));
-}
-
-vxs_result bench_cell_add_compare(json_t *cell, const char *path, message *m)
-{
-    json_t *report, *light, *filter, *error, *errors = json_object_get(cell, "errors"), *lookups = json_object_get(cell, "lookups");
-    size_t  n, i;
-    vxs_result r = json_read(&report, path, m);
-    if (r != VXS_OK) return r;
-    const json_t *lights = json_object_get(json_array_get(json_object_get(report, "assets"), 0), "lights");
-
-    json_array_clear(errors); /* they are the same in all runs */
-    json_array_foreach(lights, n, light)
+    static const char *const kinds[] = {"random", "surface"};
+    enum { KINDS = sizeof kinds / sizeof *kinds };
+    json_t *filter, *errors = json_array();
+    size_t  n, k;
+    for (k = 0; lights && k < KINDS; k++) json_array_append_new(errors, tap_error(pick(lights, "%s", kinds[k]), kinds[k]));
+    json_array_foreach(json_at(lights, "0/filters"), n, filter) for (k = 0; k < KINDS; k++)
     {
-        add_errors(errors, 0, 1, light);
-        json_array_foreach(json_object_get(light, "filters"), i, filter)
-            add_errors(errors, POINT_KINDS * (i + 1), count_at(filter, "filter_px"), filter);
+        json_t *found = pick(lights, "filters/%zu/%s", n, kinds[k]);
+        json_array_append_new(errors, filter_error(found, kinds[k], count_at(filter, "filter_px")));
     }
-    json_array_foreach(errors, n, error) finish_error(error);
-
-    add_lookup(lookups, 0, 1, lights);
-    json_array_foreach(json_object_get(json_array_get(lights, 0), "filters"), i, filter)
-        add_lookup(lookups, i + 1, count_at(filter, "filter_px"), lights);
-    json_decref(report);
-    return VXS_OK;
+    return errors;
 }
 
-/* Samples --------------------------------------------------------------------------------------------------------------------- */
+/* Nanoseconds, the mean over points that were looked up. */
+static json_t *lookups_json(const json_t *lights)
+{
+    static const char points[] = "time/points";
+    json_t           *filter, *lookups = json_array();
+    size_t            n;
+    if (lights)
+        json_array_append_new(lookups,
+                              json_pack("{s:i, s:f, s:f}", "filter_px", 1, "nanoseconds", mean(lights, "time/lookup_ns", points),
+                                        "ray_nanoseconds", mean(lights, "time/ray_ns", points)));
+    json_array_foreach(json_at(lights, "0/filters"), n, filter)
+    {
+        char path[64];
+        snprintf(path, sizeof path, "filters/%zu/lookup_ns", n);
+        json_array_append_new(
+            lookups, json_pack("{s:O, s:f}", "filter_px", json_at(filter, "filter_px"), "nanoseconds", mean(lights, path, points)));
+    }
+    return lookups;
+}
 
-static json_t *spread_json(const json_t *samples)
+/* Cells ----------------------------------------------------------------------------------------------------------------------- */
+
+json_t *bench_cell_of_run(const json_t *cell, const json_t *bake, const json_t *compare, double wall_seconds)
+{
+    const json_t *lights = json_at(bake, "lights"), *compared = json_at(compare, "assets/0/lights");
+    return json_pack("{s:O, s:O, s:O, s:O, s:I, s:I, s:O, s:{s:f, s:f, s:f, s:O, s:O}, s:o, s:o, s:o}", "scene",
+                     json_at(cell, "scene"), "triangles", json_at(bake, "casters/triangles"), "solid_triangles",
+                     json_at(bake, "casters/solids/triangles"), "light", json_at(lights, "0/name"), "lights",
+                     (json_int_t)json_array_size(lights), "maps", (json_int_t)total(lights, "maps"), "options",
+                     json_at(cell, "options"), "bake", "wall_seconds", wall_seconds, "total_seconds",
+                     number_at(bake, "total_seconds"), "maps_to_dag_seconds", maps_to_dag_seconds(json_at(bake, "stages")),
+                     "stages", json_at(bake, "stages"), "peak_bytes", json_at(bake, "peak_bytes"), "size", size_json(bake, lights),
+                     "errors", errors_json(compared), "lookups", lookups_json(compared));
+}
+
+static json_t *spread_json(const json_t *numbers)
 {
     double values[BENCH_RUNS_MAX];
-    size_t count = json_array_size(samples);
-    for (size_t n = 0; n < count; n++) values[n] = json_real_value(json_array_get(samples, n));
+    size_t count = json_array_size(numbers);
+    for (size_t n = 0; n < count; n++) values[n] = json_number_value(json_array_get(numbers, n));
     spread s = spread_of(values, (uint32_t)count);
     return json_pack("{s:f, s:f, s:f}", "median", s.median, "min", s.min, "max", s.max);
 }
 
-static void take_spreads(json_t *value)
+/* What runs have under a name. values: released */
+static json_t *of_runs(const char *name, json_t *values)
 {
+    json_t     *part, *first = json_array_get(values, 0), *whole = NULL;
     const char *key;
-    json_t     *part;
     size_t      n;
-    json_array_foreach(value, n, part) take_spreads(part);
-    json_object_foreach(value, key, part)
-    {
-        if (json_is_real(json_array_get(part, 0)))
-            json_object_set_new(value, key, spread_json(part));
-        else
-            take_spreads(part);
+    if (first && strstr(name, "seconds")) {
+        whole = spread_json(values);
+    } else if (json_is_object(first)) {
+        whole = json_object();
+        json_object_foreach(first, key, part) json_object_set_new(whole, key, of_runs(key, pick(values, "%s", key)));
+    } else if (json_is_array(first)) {
+        whole = json_array();
+        json_array_foreach(first, n, part) json_array_append_new(whole, of_runs("", pick(values, "%zu", n)));
+    } else {
+        whole = first;
+        json_array_foreach(values, n, part)
+        {
+            if (!strcmp(name, "peak_bytes") && json_integer_value(part) > json_integer_value(whole)) whole = part;
+        }
+        json_incref(whole);
     }
+    json_decref(values);
+    return whole;
 }
 
-void bench_cell_finish(json_t *cell)
+json_t *bench_cell_of_runs(json_t *runs)
 {
-    take_spreads(json_object_get(cell, "bake"));
-    take_spreads(json_object_get(cell, "lookups"));
+    return of_runs("", runs);
 }

@@ -3,8 +3,8 @@
 #include "baker/bench/bench_jobs.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-#include "baker/bench/bench_cell.h"
 #include "baker/files/json_file.h"
 #include "baker/options/bake_arguments.h"
 
@@ -31,7 +31,7 @@ static size_t append_pair(const char **arguments, size_t count, const char *name
 }
 
 /* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
-static const char **arguments_of(const bench_options *o, const work_folder *f, size_t index)
+static const char **arguments_of(const bench_options *o, const children *c, size_t index)
 {
     const char **all = calloc(2 * (o->light_names.count + BENCH_SWEEPS + 6) + 4, sizeof *all), *value[BENCH_SWEEPS] = {0};
     size_t       count = 0;
@@ -44,8 +44,8 @@ static const char **arguments_of(const bench_options *o, const work_folder *f, s
     }
     count = append_pair(all, count, "vxs", "bake");
     count = append_pair(all, count, "--baseline", "off");
-    count = append_pair(all, count, "--json", f->report);
-    count = append_pair(all, count, "-o", f->asset);
+    count = append_pair(all, count, "--json", c->report);
+    count = append_pair(all, count, "-o", c->asset);
     for (size_t n = 0; n < o->light_names.count; n++) count = append_pair(all, count, "--light", o->light_names.items[n]);
     count = append_pair(all, count, "--sun", o->sun);
     count = append_pair(all, count, "--region", o->region);
@@ -91,7 +91,9 @@ static vxs_result read_arguments(bench_job *job, json_t *cells, message *m)
     while (argv[argc]) argc++;
     vxs_result r = bake_arguments_parse(&a, "bake", "SCENE -o OUT.vxs [options]", "", 1, argc, argv, m);
     if (r == VXS_OK) {
-        job->cell   = bench_cell_new(job->scene_path, options_json(&a.o));
+        const char *slash = strrchr(job->scene_path, '/');
+        job->runs         = json_array();
+        job->cell = json_pack("{s:o, s:o}", "scene", json_text(slash ? slash + 1 : job->scene_path), "options", options_json(&a.o));
         job->weight = 1e6 + (double)a.o.resolution * a.o.resolution; /* a bake takes as long as a million texels before it begins */
         if (json_array_append_new(cells, job->cell)) r = no_memory(m);
     }
@@ -118,7 +120,7 @@ static vxs_result require_different(const json_t *cells, message *m)
     return VXS_OK;
 }
 
-vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const work_folder *f, message *m)
+vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const children *c, message *m)
 {
     size_t     all = count_cells(o);
     vxs_result r   = VXS_OK;
@@ -132,7 +134,7 @@ vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const
     for (; *count < all && r == VXS_OK; ++*count) {
         bench_job *job  = &(*jobs)[*count];
         job->scene_path = o->scenes[*count / (all / o->scene_count)];
-        job->arguments  = arguments_of(o, f, *count);
+        job->arguments  = arguments_of(o, c, *count);
         r               = job->arguments ? read_arguments(job, cells, m) : no_memory(m);
     }
     return r == VXS_OK ? require_different(cells, m) : r;
@@ -140,6 +142,9 @@ vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const
 
 void bench_jobs_free(bench_job *jobs, size_t count)
 {
-    for (size_t n = 0; n < count; n++) free(jobs[n].arguments);
+    for (size_t n = 0; n < count; n++) {
+        free(jobs[n].arguments);
+        json_decref(jobs[n].runs);
+    }
     free(jobs);
 }

@@ -4,6 +4,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/text.h"
@@ -170,7 +171,7 @@ json_t *json_at(const json_t *object, const char *path)
 {
     while (object && *path) {
         size_t length = strcspn(path, "/");
-        object        = json_object_getn(object, path, length);
+        object = json_is_array(object) ? json_array_get(object, strtoul(path, NULL, 10)) : json_object_getn(object, path, length);
         path += length + (path[length] == '/');
     }
     return (json_t *)(size_t)object;

@@ -15,7 +15,7 @@ enum { BENCH_FILTERS_MAX = 9, BENCH_CELLS_MAX = 4096, BENCH_RUNS_MAX = 1000 };
  * Returns VXS_OK; VXS_E_READ: it cannot be read, is no JSON, or not what vxs bench writes, and one line in m says where; VXS_E_MEMORY. */
 vxs_result bench_json_read(json_t **result, const char *path, message *m);
 
-/* The member that a path leads to: "bake/wall_seconds". NULL when it is not there. */
+/* The member or item that a path leads to: "bake/wall_seconds", "errors/0". NULL when it is not there. */
 json_t *json_at(const json_t *object, const char *path);
 
 /* Members of what bench_json_read or bench_run gave. A spread without a unit becomes one of `unit`. */

@@ -102,51 +102,98 @@ const char *spread_text(char text[64], spread s)
     return text;
 }
 
-const char *figure_text(char text[96], const char *name, uint64_t filter_px, const char *points)
+typedef struct figure_row {
+    const char *of, *name, *path; /* in the cell, an object or a list of such; what it is called; where it is in the object */
+    figure_kind kind;
+    unsigned    flags;
+} figure_row;
+
+static const figure_row rows[] = {
+    {"bake", "bake", "wall_seconds", FIGURE_SECONDS, FIGURE_COLUMN | FIGURE_LIMITED},
+    {"bake", "maps to DAG", "maps_to_dag_seconds", FIGURE_SECONDS, FIGURE_COLUMN},
+    {"bake/stages", "stage", "seconds", FIGURE_SECONDS, FIGURE_STAGE},
+    {"bake", "peak memory", "peak_bytes", FIGURE_PEAK_BYTES, FIGURE_COLUMN},
+    {"", "triangles", "triangles", FIGURE_COUNT, 0},
+    {"", "triangles of solids", "solid_triangles", FIGURE_COUNT, 0},
+    {"", "lights", "lights", FIGURE_COUNT, 0},
+    {"", "maps", "maps", FIGURE_COUNT, 0},
+    {"size", "file", "file_bytes", FIGURE_BYTES, FIGURE_COLUMN},
+    {"size", "in memory", "memory_bytes", FIGURE_BYTES, FIGURE_COLUMN},
+    {"size", "nodes", "nodes", FIGURE_COUNT, 0},
+    {"size", "masks", "masks", FIGURE_COUNT, 0},
+    {"size", "inserted nodes", "inserted_nodes", FIGURE_COUNT, 0},
+    {"size", "inserted masks", "inserted_masks", FIGURE_COUNT, 0},
+    {"errors", "wrong", "wrong_share", FIGURE_SHARE, FIGURE_COLUMN | FIGURE_ERROR},
+    {"errors", "leaks", "leaks", FIGURE_COUNT, FIGURE_ERROR},
+    {"errors", "false shadows", "false_shadows", FIGURE_COUNT, FIGURE_ERROR},
+    {"errors", "unexplained", "unexplained", FIGURE_COUNT, FIGURE_ERROR},
+    {"errors", "RMSE", "rmse", FIGURE_SHARE, FIGURE_COLUMN | FIGURE_ERROR},
+    {"errors", "greatest error", "max_error", FIGURE_SHARE, FIGURE_ERROR},
+    {"lookups", "lookup", "nanoseconds", FIGURE_SECONDS, FIGURE_COLUMN | FIGURE_LIMITED},
+    {"lookups", "ray", "ray_nanoseconds", FIGURE_SECONDS, FIGURE_COLUMN},
+};
+
+/* "stage merge", "lookup 3 x 3", "RMSE 9 x 9, surface" */
+static void set_name(char name[96], const figure_row *row, const json_t *item)
 {
-    char filter[32] = "";
-    if (filter_px > 1) snprintf(filter, sizeof filter, " %u x %u", (unsigned)filter_px, (unsigned)filter_px);
-    snprintf(text, 96, "%s%s%s%s", name, filter, points && *points ? ", " : "", points ? points : "");
-    return text;
+    char        filter[32] = "";
+    unsigned    filter_px  = (unsigned)count_at(item, "filter_px");
+    const char *stage = row->flags & FIGURE_STAGE ? text_at(item, "name") : "", *points = text_at(item, "points");
+    if (filter_px > 1) snprintf(filter, sizeof filter, " %u x %u", filter_px, filter_px);
+    snprintf(name, 96, "%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, filter, *points ? ", " : "", points);
 }
 
-static void add_heads(json_t *t, const json_t *result, const json_t *first)
+static void add_figure(bench_figure *figures, size_t *count, const figure_row *row, const json_t *item)
 {
-    static const char *const before[] = {"scene", "texels"}, *const after[] = {"bake", "maps to DAG", "peak memory", "file",
-                                                                               "in memory"};
-    char          text[96];
-    const json_t *item;
-    size_t        n;
-    for (n = 0; n < sizeof before / sizeof *before; n++) table_add(t, "%s", before[n]);
-    for (const char *name = NULL; (name = varying_option(result, name));) table_add(t, "%s", name);
-    for (n = 0; n < sizeof after / sizeof *after; n++) table_add(t, "%s", after[n]);
-    json_array_foreach(json_at(first, "errors"), n, item)
-    {
-        uint64_t k = count_at(item, "filter_px");
-        table_add(t, "%s", figure_text(text, k > 1 ? "RMSE" : "wrong", k, text_at(item, "points")));
+    const json_t *value = json_at(item, row->path);
+    double        one   = json_number_value(value);
+    bench_figure *f     = &figures[*count];
+    if (!value || *count == BENCH_FIGURES_MAX) return;
+    *f = (bench_figure){"", row->kind, row->flags, {one, one, one}};
+    if (row->kind == FIGURE_SECONDS) f->value = spread_at(value, "", strcmp(row->of, "lookups") ? 1 : 1e-9);
+    set_name(f->name, row, item);
+    ++*count;
+}
+
+size_t bench_figures(const json_t *cell, bench_figure *figures)
+{
+    size_t count = 0, n;
+    for (const figure_row *row = rows; row < rows + sizeof rows / sizeof *rows; row++) {
+        const json_t *of = json_at(cell, row->of), *item;
+        if (json_is_object(of)) add_figure(figures, &count, row, of);
+        json_array_foreach(of, n, item) add_figure(figures, &count, row, item);
     }
-    json_array_foreach(json_at(first, "lookups"), n, item)
-        table_add(t, "%s", figure_text(text, "lookup", count_at(item, "filter_px"), NULL));
-    if (n) table_add(t, "ray");
+    return count;
 }
 
-static void add_cell(json_t *t, const json_t *result, const json_t *cell)
+/* The figures of a cell that are columns of the table: what they are called, or what they are. */
+static void add_figures(json_t *t, const json_t *cell, int is_head)
 {
-    static const char *const times[] = {"bake/wall_seconds", "bake/maps_to_dag_seconds"}, *const sizes[] = {"bake/peak_bytes",
-                                                                                                            "size/file_bytes",
-                                                                                                            "size/memory_bytes"};
-    char          text[64];
-    const json_t *item, *lookups = json_at(cell, "lookups");
-    size_t        n;
-    table_add(t, "%s", text_at(cell, "scene"));
-    table_add(t, "%s", option_text(text, cell, "resolution_px"));
-    for (const char *name = NULL; (name = varying_option(result, name));) table_add(t, "%s", option_text(text, cell, name));
-    for (n = 0; n < sizeof times / sizeof *times; n++) table_add(t, "%s", spread_text(text, spread_at(cell, times[n], 1)));
-    for (n = 0; n < sizeof sizes / sizeof *sizes; n++) table_add(t, "%s", size_text(text, count_at(cell, sizes[n])));
-    json_array_foreach(json_at(cell, "errors"), n, item)
-        table_add(t, "%.4f %%", 100 * number_at(item, count_at(item, "filter_px") > 1 ? "rmse" : "wrong_share"));
-    json_array_foreach(lookups, n, item) table_add(t, "%s", spread_text(text, spread_at(item, "nanoseconds", 1e-9)));
-    if (n) table_add(t, "%s", spread_text(text, spread_at(json_array_get(lookups, 0), "ray_nanoseconds", 1e-9)));
+    bench_figure figures[BENCH_FIGURES_MAX];
+    size_t       count = bench_figures(cell, figures);
+    char         text[64];
+    for (const bench_figure *f = figures; f < figures + count; f++) {
+        if (!(f->flags & FIGURE_COLUMN)) continue;
+        if (is_head)
+            table_add(t, "%s", f->name);
+        else if (f->kind == FIGURE_SECONDS)
+            table_add(t, "%s", spread_text(text, f->value));
+        else if (f->kind == FIGURE_SHARE)
+            table_add(t, "%.4f %%", 100 * f->value.median);
+        else
+            table_add(t, "%s", size_text(text, (uint64_t)f->value.median));
+    }
+}
+
+/* is_head: what the columns are called, in place of what the cell has in them. */
+static void add_row(json_t *t, const json_t *result, const json_t *cell, int is_head)
+{
+    char text[64];
+    table_add(t, "%s", is_head ? "scene" : text_at(cell, "scene"));
+    table_add(t, "%s", is_head ? "texels" : option_text(text, cell, "resolution_px"));
+    for (const char *name = NULL; (name = varying_option(result, name));)
+        table_add(t, "%s", is_head ? name : option_text(text, cell, name));
+    add_figures(t, cell, is_head);
 }
 
 vxs_result bench_print(FILE *to, const json_t *result, message *m)
@@ -162,9 +209,9 @@ vxs_result bench_print(FILE *to, const json_t *result, message *m)
     if (count_at(result, "points"))
         fprintf(to, "; errors at %u points of each kind; lookups on one thread", (unsigned)count_at(result, "points"));
     fprintf(to, "\n\n");
-    add_heads(table, result, json_array_get(cells, 0));
+    add_row(table, result, json_array_get(cells, 0), 1);
     size_t columns = json_array_size(table);
-    json_array_foreach(cells, n, cell) add_cell(table, result, cell);
+    json_array_foreach(cells, n, cell) add_row(table, result, cell, 0);
     vxs_result r = table_print(table, columns, to, m);
     json_array_foreach(cells, n, cell) json_array_foreach(json_at(cell, "errors"), i, error)
     {

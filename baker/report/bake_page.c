@@ -69,33 +69,23 @@ static void grey(uint8_t rgba[4], double lightness)
     rgba[3]                     = 255;
 }
 
-static void draw_depths(uint8_t *rgba, const float *light, const uint16_t *depth, uint32_t side)
+/* Depths; or with `masks`, [mask_px * mask_px] of a map, faint shapes, and the colour of its class where a pixel's tiles need masks. */
+static void draw(uint8_t *rgba, const float *light, const uint16_t *depth, const light_picture *p, const uint8_t *masks)
 {
-    for (size_t n = 0; n < (size_t)side * side; n++)
-        if (depth[n] == PICTURE_NO_CASTER)
-            memset(rgba + 4 * n, 0, 4);
-        else
-            grey(rgba + 4 * n, light[n]);
-}
-
-/* Faint shapes, and the colour of its class where a pixel's tiles need masks. */
-static void draw_masks(uint8_t *rgba, const float *light, const uint16_t *depth, const light_picture *p, uint32_t map)
-{
-    const uint8_t *masks = p->masks + (size_t)map * p->mask_px * p->mask_px;
-    uint32_t       side = p->side_px, wide = side / p->mask_px;
+    uint32_t side = p->side_px, wide = side / p->mask_px;
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
             size_t  n    = (size_t)y * side + x;
-            uint8_t runs = masks[(size_t)(y / wide) * p->mask_px + x / wide];
-            if (!runs && depth[n] == PICTURE_NO_CASTER) {
-                memset(rgba + 4 * n, 0, 4);
-            } else if (!runs) {
-                grey(rgba + 4 * n, 0.62 + 0.3 * light[n]);
-            } else {
-                int class = 0;
+            uint8_t runs = masks ? masks[(size_t)(y / wide) * p->mask_px + x / wide] : 0;
+            int class    = 0;
+            if (runs) {
                 while (runs > mask_classes[class].until) class ++;
                 memcpy(rgba + 4 * n, mask_classes[class].colour, 3);
                 rgba[4 * n + 3] = 255;
+            } else if (depth[n] == PICTURE_NO_CASTER) {
+                memset(rgba + 4 * n, 0, 4);
+            } else {
+                grey(rgba + 4 * n, masks ? 0.62 + 0.3 * light[n] : light[n]);
             }
         }
 }
@@ -113,12 +103,9 @@ static char *png_url(const uint8_t *rgba, uint32_t side)
     if (url) {
         char *to = stpcpy(url, begin);
         for (size_t n = 0; n < count; n += 3) {
-            size_t   left = count - n;
-            uint32_t bits = (uint32_t)png[n] << 16 | (left > 1 ? (uint32_t)png[n + 1] << 8 : 0) | (left > 2 ? png[n + 2] : 0);
-            *to++         = digits[bits >> 18];
-            *to++         = digits[bits >> 12 & 63];
-            *to++         = left > 1 ? digits[bits >> 6 & 63] : '=';
-            *to++         = left > 2 ? digits[bits & 63] : '=';
+            uint32_t bits = 0;
+            for (size_t k = 0; k < 3; k++) bits = bits << 8 | (n + k < count ? png[n + k] : 0);
+            for (size_t k = 0; k < 4; k++) *to++ = n + k > count ? '=' : digits[bits >> (18 - 6 * k) & 63];
         }
         *to = 0;
     }
@@ -146,9 +133,9 @@ static int append_map(json_t *depths, json_t *masks, const light_picture *p, con
     int             whole  = shades && rgba;
     if (whole) {
         shade(shades, depth, side, voxels * light->voxel_metres / (texels * light->texel_metres));
-        draw_depths(rgba, shades, depth, side);
+        draw(rgba, shades, depth, p, NULL);
         whole = append_png(depths, rgba, side);
-        draw_masks(rgba, shades, depth, p, map);
+        draw(rgba, shades, depth, p, p->masks + (size_t)map * p->mask_px * p->mask_px);
         whole &= append_png(masks, rgba, side);
     }
     free(rgba);

@@ -437,21 +437,17 @@ const beside = (value, more) => [value, el("small", {}, ` ${more}`)];
 const spread = (s, unit = seconds) => s.min === s.max ? unit(s.median) : beside(unit(s.median), `${unit(s.min)}–${unit(s.max)}`);
 const filter_name = (of) => `${of.filter_px} x ${of.filter_px}`;
 
-function show_table(title, heads, rows) {
-    if (rows.length) show(el("h3", {}, title), table(heads, rows));
+/* rows_of(cell): what stands behind its name, a list for each row */
+function show_cells(title, heads, rows_of) {
+    const rows = ordered.flatMap((c) => rows_of(c).map((row) => [...cell_cells(c), ...row]));
+    if (rows.length && heads.length) show(el("h3", {}, title), table([...cell_heads, ...heads], rows));
 }
 
-function show_bakes() {
-    const bit_per_texel = (c) => (8 * c.size.file_bytes / (c.side ** 2 * (c.maps || 1))).toFixed(3);
-    const figures = {
-        "bake": (c) => spread(time_of(c)), "whole process": (c) => spread(c.bake.wall_seconds),
-        "maps to DAG": (c) => spread(c.bake.maps_to_dag_seconds), "peak memory": (c) => bytes(c.bake.peak_bytes),
-        "file": (c) => bytes(c.size.file_bytes), "in memory": (c) => bytes(c.size.memory_bytes), "bit/texel": bit_per_texel,
-        "nodes": (c) => count(c.size.nodes), "masks": (c) => count(c.size.masks), "nodes inserted": (c) => count(c.size.inserted_nodes),
-        "masks inserted": (c) => count(c.size.inserted_masks), "triangles": (c) => count(c.triangles),
-        "in solids": (c) => count(c.solid_triangles) };
-    show_table("Bakes", [...cell_heads, ...Object.keys(figures)],
-        ordered.map((c) => [...cell_cells(c), ...Object.values(figures).map((figure) => figure(c))]));
+/* A column for each name that parts_of(cell), a list of [name, content], has in any cell. */
+function show_parts(title, parts_of) {
+    const parts = new Map(ordered.map((c) => [c, new Map(parts_of(c))]));
+    const names = [...new Set([...parts.values()].flatMap((of) => [...of.keys()]))];
+    show_cells(title, names, (c) => [names.map((name) => parts.get(c).get(name) ?? "")]);
 }
 
 function show_growth() {
@@ -460,52 +456,37 @@ function show_growth() {
         "nodes": (c) => c.size.nodes, "masks": (c) => c.size.masks };
     const fold = (fit) => fit ? beside(`${fit.factor.toFixed(2)}-fold`, `slope ${fit.slope.toFixed(2)}`) : "–";
     const row = (s) => Object.values(figures).map((figure) => fold(growth(s, figure)));
-    show_table("Growth with each doubling of the resolution, and the fitted slope",
-        [...series_heads, "resolutions", ...Object.keys(figures)],
-        series.map((s) => [...series_cells(s, s.scene), count(s.cells.length), ...row(s)]));
+    show(el("h3", {}, "Growth with each doubling of the resolution, and the fitted slope"),
+        table([...series_heads, "resolutions", ...Object.keys(figures)],
+            series.map((s) => [...series_cells(s, s.scene), count(s.cells.length), ...row(s)])));
 }
 
-function show_stages() {
-    const names = [...new Set(ordered.flatMap((c) => c.bake.stages.map((s) => s.name)))];
-    const stage = (s) => s ? below(seconds(s.seconds.median), bytes(s.peak_bytes)) : "";
-    const row = (c) => names.map((name) => stage(c.bake.stages.find((s) => s.name === name)));
-    if (names.length)
-        show_table("Stages: median seconds, and peak memory", [...cell_heads, ...names.map(clean)],
-            ordered.map((c) => [...cell_cells(c), ...row(c)]));
-}
+const error_figures = (e) => e.filter_px === 1
+    ? [percent(e.wrong_share), count(e.leaks), count(e.false_shadows), count(e.unexplained), percent(rmse(e)), ""]
+    : ["", "", "", "", percent(e.rmse), percent(e.max_error)];
 
-function show_levels() {
-    const all = [...new Set(ordered.flatMap((c) => levels_of(c).map((l) => l.n)))].sort((a, b) => a - b);
-    const level = (l) => l ? below(count(l.count), bytes(l.stored_bytes), bytes(l.memory_bytes)) : "";
-    const row = (c) => all.map((n) => level(levels_of(c).find((l) => l.n === n)));
-    if (all.length)
-        show_table("Levels: nodes or masks, and their bytes in the file and in memory", [...cell_heads, ...all.map(level_name)],
-            ordered.map((c) => [...cell_cells(c), ...row(c)]));
-}
-
-function show_errors() {
-    const taps = (e) => [percent(e.wrong_share), count(e.leaks), count(e.false_shadows), count(e.unexplained), percent(rmse(e)), ""];
-    const filtered = (e) => ["", "", "", "", percent(e.rmse), percent(e.max_error)];
-    const row = (e) => [text(`${e.points} points`), filter_name(e), count(e.checked), ...(e.filter_px === 1 ? taps(e) : filtered(e))];
-    show_table("Errors against ray tracing", [...cell_heads, "points", "filter", "checked", "wrong", "leaks", "false shadows",
-        "unexplained", "root mean square", "greatest"], ordered.flatMap((c) => c.errors.map((e) => [...cell_cells(c), ...row(e)])));
-}
-
-function show_lookups() {
-    const rays = (l) => l.ray_nanoseconds?.median > 0 ? spread(l.ray_nanoseconds, nanoseconds) : "";
-    const row = (l) => [filter_name(l), spread(l.nanoseconds, nanoseconds), rays(l)];
-    show_table("Lookups", [...cell_heads, "filter", "a lookup", "rays for the same"],
-        ordered.flatMap((c) => c.lookups.map((l) => [...cell_cells(c), ...row(l)])));
+function show_figures() {
+    show(el("h2", {}, "The figures"), soft("Times are medians, with least and greatest where they differ."));
+    show_parts("Bakes", (c) => [
+        ["bake", spread(time_of(c))], ["whole process", spread(c.bake.wall_seconds)], ["maps to DAG", spread(c.bake.maps_to_dag_seconds)],
+        ["peak memory", bytes(c.bake.peak_bytes)], ["file", bytes(c.size.file_bytes)], ["in memory", bytes(c.size.memory_bytes)],
+        ["bit/texel", (8 * c.size.file_bytes / (c.side ** 2 * (c.maps || 1))).toFixed(3)],
+        ["nodes", count(c.size.nodes)], ["masks", count(c.size.masks)], ["nodes inserted", count(c.size.inserted_nodes)],
+        ["masks inserted", count(c.size.inserted_masks)], ["triangles", count(c.triangles)], ["in solids", count(c.solid_triangles)]]);
+    show_growth();
+    show_parts("Stages: median seconds, and peak memory",
+        (c) => c.bake.stages.map((s) => [clean(s.name), below(seconds(s.seconds.median), bytes(s.peak_bytes))]));
+    show_parts("Levels: nodes or masks, and their bytes in the file and in memory",
+        (c) => levels_of(c).map((l) => [level_name(l.n), below(count(l.count), bytes(l.stored_bytes), bytes(l.memory_bytes))]));
+    show_cells("Errors against ray tracing", ["points", "filter", "checked", "wrong", "leaks", "false shadows", "unexplained",
+        "root mean square", "greatest"],
+    (c) => c.errors.map((e) => [text(`${e.points} points`), filter_name(e), count(e.checked), ...error_figures(e)]));
+    show_cells("Lookups", ["filter", "a lookup", "rays for the same"], (c) => c.lookups.map((l) => [filter_name(l),
+        spread(l.nanoseconds, nanoseconds), l.ray_nanoseconds?.median > 0 ? spread(l.ray_nanoseconds, nanoseconds) : ""]));
 }
 
 show_head();
 show_charts();
 show_settings();
-show(el("h2", {}, "The figures"), soft("Times are medians, with least and greatest where they differ."));
-show_bakes();
-show_growth();
-show_stages();
-show_levels();
-show_errors();
-show_lookups();
+show_figures();
 draw_all(false);

@@ -23,17 +23,16 @@ EMBEDDED(bake_page_js)
 EMBEDDED(bench_page_js)
 EMBEDDED(chart_min_js)
 
+/* What follows a mark that is in it. The heads of templates are about the program: a page is its user's. */
+static embedded behind(embedded text, const char *mark)
+{
+    const char *at = memmem(text.begin, (size_t)(text.end - text.begin), mark, strlen(mark));
+    return (embedded){at + strlen(mark), text.end};
+}
+
 static void print(FILE *to, embedded text)
 {
     fwrite(text.begin, 1, (size_t)(text.end - text.begin), to);
-}
-
-/* Print the frame up to a mark that is in it. Returns what is behind the mark. */
-static embedded print_until(FILE *to, embedded frame, const char *mark)
-{
-    const char *at = memmem(frame.begin, (size_t)(frame.end - frame.begin), mark, strlen(mark));
-    print(to, (embedded){frame.begin, at});
-    return (embedded){at + strlen(mark), frame.end};
 }
 
 /* JSON that no markup can end: '<' is in texts alone, where it has another spelling. */
@@ -44,14 +43,14 @@ static void print_json(FILE *to, const char *json)
 
 static void print_page(FILE *to, page_kind kind, const char *json)
 {
-    embedded rest = print_until(to, page_html, "@data@");
+    print(to, behind(page_html, "-->\n"));
     print_json(to, json);
-    rest = print_until(to, rest, "@library@");
+    fputs("</script>\n<script>", to);
     if (kind == PAGE_BENCH) print(to, chart_min_js);
-    rest = print_until(to, rest, "@script@");
-    print(to, page_js);
-    print(to, kind == PAGE_BENCH ? bench_page_js : bake_page_js);
-    print(to, rest);
+    fputs("</script>\n<script>", to);
+    print(to, behind(page_js, "*/\n"));
+    print(to, behind(kind == PAGE_BENCH ? bench_page_js : bake_page_js, "*/\n"));
+    fputs("</script>\n</body>\n</html>\n", to);
 }
 
 vxs_result page_write(const char *path, page_kind kind, json_t *data, message *m)

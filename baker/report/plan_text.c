@@ -8,13 +8,19 @@
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
-#include "baker/report/report_parts.h"
 
 /* decisions ------------------------------------------------------------------------------------------------------------------- */
 
+/* "exit map", "left out", "nothing is solid: ..." */
+typedef struct plan_decision {
+    const char *name;
+    char        choice[64];
+    char        reason[256];
+} plan_decision;
+
 typedef struct decision_list {
-    plan_decision *items;
-    size_t         count;
+    plan_decision items[16];
+    size_t        count;
 } decision_list;
 
 #if defined(__GNUC__)
@@ -115,9 +121,10 @@ static void decide_lights(decision_list *l, const bake_plan *plan, const bake_re
                report->left_out_count - nothing, nothing);
 }
 
-size_t plan_decisions(const bake_plan *plan, const bake_options *o, const bake_report *report, plan_decision *decisions)
+/* What was decided, and why. */
+static decision_list decisions_of(const bake_plan *plan, const bake_options *o, const bake_report *report)
 {
-    decision_list l = {.items = decisions};
+    decision_list l = {0};
     block_sums    s = sums_of(plan);
     char          choice[64];
     decide_lights(&l, plan, report);
@@ -127,16 +134,29 @@ size_t plan_decisions(const bake_plan *plan, const bake_options *o, const bake_r
     decide_memory(&l, plan, o);
     decide_compression(&l, plan, o);
     decide(&l, "file", "levels and masks of each light", "no depth maps, no names or materials of the scene, no empty section");
-    return l.count;
+    return l;
 }
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
+void report_print_casters(FILE *to, const bake_report *r)
+{
+    const casters *c = &r->casters;
+    fprintf(to, "casters      %zu triangles, %zu solids with %zu triangles\n", c->triangle_count,
+            c->component_count[COMPONENT_SOLID], c->solid_triangle_count);
+    for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
+        if (c->component_count[kind])
+            fprintf(to, "             %zu sheets with %zu triangles: %s\n", c->component_count[kind], c->triangles_of_kind[kind],
+                    component_kind_name((component_kind)kind));
+    if (c->collapsed_count) fprintf(to, "             %zu triangles left out: two corners in one place\n", c->collapsed_count);
+    fprintf(to, "             %.6g x %.6g x %.6g m\n", r->casters_max_ws[0] - r->casters_min_ws[0],
+            r->casters_max_ws[1] - r->casters_min_ws[1], r->casters_max_ws[2] - r->casters_min_ws[2]);
+}
+
 void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o, const bake_report *report)
 {
-    plan_decision decisions[PLAN_DECISIONS_MAX];
-    size_t        count = plan_decisions(plan, o, report, decisions);
-    for (size_t n = 0; n < count; n++) fprintf(to, "%-20s %s: %s\n", decisions[n].name, decisions[n].choice, decisions[n].reason);
+    decision_list l = decisions_of(plan, o, report);
+    for (const plan_decision *d = l.items; d < l.items + l.count; d++) fprintf(to, "%-20s %s: %s\n", d->name, d->choice, d->reason);
 }
 
 static void print_light(FILE *to, const plan_light *l)
@@ -177,14 +197,42 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
+json_t *report_casters_json(const bake_report *r)
+{
+    const casters *c      = &r->casters;
+    json_t        *sheets = json_object();
+    for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
+        json_object_set_new(sheets, component_kind_name((component_kind)kind),
+                            json_pack("{s:I, s:I}", "components", (json_int_t)c->component_count[kind], "triangles",
+                                      (json_int_t)c->triangles_of_kind[kind]));
+    return json_pack("{s:I, s:I, s:{s:I, s:I}, s:o, s:[f,f,f], s:[f,f,f]}", "triangles", (json_int_t)c->triangle_count,
+                     "collapsed_triangles", (json_int_t)c->collapsed_count, "solids", "components",
+                     (json_int_t)c->component_count[COMPONENT_SOLID], "triangles", (json_int_t)c->solid_triangle_count, "sheets",
+                     sheets, "min_m", r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m",
+                     r->casters_max_ws[0], r->casters_max_ws[1], r->casters_max_ws[2]);
+}
+
+json_t *report_left_out_json(const bake_report *r)
+{
+    json_t *lights = json_array();
+    for (size_t n = 0; n < r->left_out_count; n++)
+        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
+    return lights;
+}
+
+json_t *report_warnings_json(const message *m)
+{
+    json_t *warnings = json_array();
+    for (size_t n = 0; n < m->warning_count; n++) json_array_append_new(warnings, json_text(m->warnings[n]));
+    return warnings;
+}
+
 json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report)
 {
-    plan_decision decisions[PLAN_DECISIONS_MAX];
-    size_t        count = plan_decisions(plan, o, report, decisions);
+    decision_list l     = decisions_of(plan, o, report);
     json_t       *array = json_array();
-    for (size_t n = 0; n < count; n++)
-        json_array_append_new(array, json_pack("{s:s, s:s, s:s}", "name", decisions[n].name, "choice", decisions[n].choice,
-                                               "reason", decisions[n].reason));
+    for (const plan_decision *d = l.items; d < l.items + l.count; d++)
+        json_array_append_new(array, json_pack("{s:s, s:s, s:s}", "name", d->name, "choice", d->choice, "reason", d->reason));
     return array;
 }
 

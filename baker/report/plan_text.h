@@ -8,18 +8,6 @@
 
 #include "baker/bake/bake_report.h"
 
-enum { PLAN_DECISIONS_MAX = 16 };
-
-/* "exit map", "left out", "nothing is solid: ..." */
-typedef struct plan_decision {
-    const char *name;
-    char        choice[64];
-    char        reason[256];
-} plan_decision;
-
-/* What was decided, and why. decisions  [PLAN_DECISIONS_MAX] [out].   Returns how many. */
-size_t plan_decisions(const bake_plan *plan, const bake_options *o, const bake_report *report, plan_decision *decisions);
-
 void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o, const bake_report *report);
 
 /* The whole of vxs plan. */
@@ -28,7 +16,11 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report);
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m);
 
-/* Parts of it, for the report of the bake. */
+/* Parts of it, for the report of the bake: what casts shadows, which lights are left out, what was warned of, what was decided. */
+void    report_print_casters(FILE *to, const bake_report *r);
+json_t *report_casters_json(const bake_report *r);
+json_t *report_left_out_json(const bake_report *r);
+json_t *report_warnings_json(const message *m);
 json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report);
 json_t *plan_estimate_json(const bake_plan *plan);
 json_t *plan_lights_json(const bake_plan *plan);

@@ -9,7 +9,6 @@
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
 #include "baker/report/plan_text.h"
-#include "baker/report/report_parts.h"
 
 /* Of all maps. */
 static double texels_of(const light_report *l)

@@ -48,6 +48,7 @@ class Page:
     def __init__(self, browser, path):
         self.source = path.read_text()
         assert self.source.startswith("<!DOCTYPE html>\n") and self.source.endswith("</html>\n")
+        assert "SPDX" not in self.source, "a page is its user's: the templates' licence is not in it"
         assert Source(self.source).tags == ["html", "head", *["meta"] * 3, "title", "style", "body", "noscript", *["script"] * 3]
         browser.show(path)
         assert browser.complaints == [] and [r for r in browser.requests if not r.startswith("data:")] == [path.as_uri()]
