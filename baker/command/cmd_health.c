@@ -34,20 +34,42 @@ static const char *shape_name(const component_health *k)
     return k->oriented ? "closed" : "mixed winding";
 }
 
-/* Columns: what is counted along edges, at vertices, of triangles. */
+/* What is counted, in the order of component_health.counts: along edges, at vertices, of triangles. */
+static const struct count_column {
+    const char *member; /* of the JSON */
+    int         width;  /* of the column; 0: there is none */
+    const char *heads[2];
+} columns[HEALTH_COUNTS] = {
+    {"triangles", 9, {"", "triangles"}},
+    {"vertices", 0, {NULL}},
+    {"edges", 0, {NULL}},
+    {"boundary_edges", 8, {"boundary", "edges"}},
+    {"holes", 6, {"", "holes"}},
+    {"nonmanifold_edges", 8, {"edges of", ">2 faces"}},
+    {"misoriented_edges", 7, {"turned", "edges"}},
+    {"nonmanifold_vertices", 8, {"pinched", "vertices"}},
+    {"self_intersections", 7, {"self-", "crossed"}},
+    {"zero_area_triangles", 5, {"zero", "area"}},
+    {"repeated_triangles", 8, {"", "repeated"}},
+};
+
 static void print_head(FILE *to)
 {
-    fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "", "", "", "", "boundary", "", "edges of",
-            "turned", "pinched", "self-", "zero", "", "volume", "centre");
-    fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "number", "kind", "shape", "triangles", "edges",
-            "holes", ">2 faces", "edges", "vertices", "crossed", "area", "repeated", "m3", "m; solids that it meets");
+    static const char *const about[2][5] = {{"", "", "", "volume", "centre"},
+                                            {"number", "kind", "shape", "m3", "m; solids that it meets"}};
+    for (int line = 0; line < 2; line++) {
+        fprintf(to, "%7s  %-12s %-19s", about[line][0], about[line][1], about[line][2]);
+        for (int n = 0; n < HEALTH_COUNTS; n++)
+            if (columns[n].width) fprintf(to, " %*s", columns[n].width, columns[n].heads[line]);
+        fprintf(to, " %11s  %s\n", about[line][3], about[line][4]);
+    }
 }
 
 static void print_counts(FILE *to, const component_health *k)
 {
-    fprintf(to, " %9u %8u %6u %8u %7u %8u %7llu %5u %8u %11.4g", k->triangles, k->boundary_edges, k->holes, k->nonmanifold_edges,
-            k->misoriented_edges, k->nonmanifold_vertices, (unsigned long long)k->self_intersections, k->zero_area_triangles,
-            k->repeated_triangles, k->volume_m3);
+    for (int n = 0; n < HEALTH_COUNTS; n++)
+        if (columns[n].width) fprintf(to, " %*llu", columns[n].width, (unsigned long long)k->counts[n]);
+    fprintf(to, " %11.4g", k->volume_m3);
 }
 
 static void print_row(FILE *to, const mesh_health *h, size_t number)
@@ -63,7 +85,8 @@ static void print_row(FILE *to, const mesh_health *h, size_t number)
 }
 
 typedef struct ranked {
-    uint32_t number, triangles;
+    size_t   number;
+    uint64_t triangles;
     int      faults;
 } ranked;
 
@@ -91,7 +114,7 @@ static vxs_result print_health(FILE *to, const health_command *c, const casters 
     ranked *order  = malloc((h->count + 1) * sizeof *order);
     size_t  faulty = 0;
     if (!order) return fail(m, VXS_E_MEMORY, "out of memory for a table of %zu components", h->count);
-    for (uint32_t i = 0; i < h->count; i++) {
+    for (size_t i = 0; i < h->count; i++) {
         order[i] = (ranked){i, h->components[i].triangles, component_has_faults(&h->components[i])};
         faulty += (size_t)order[i].faults;
     }
@@ -115,27 +138,10 @@ static vxs_result print_health(FILE *to, const health_command *c, const casters 
 
 static json_t *counts_json(const component_health *k)
 {
-    const struct {
-        const char *name;
-        uint64_t    count;
-    } counts[] = {
-        {"triangles", k->triangles},
-        {"vertices", k->vertices},
-        {"edges", k->edges},
-        {"boundary_edges", k->boundary_edges},
-        {"holes", k->holes},
-        {"nonmanifold_edges", k->nonmanifold_edges},
-        {"misoriented_edges", k->misoriented_edges},
-        {"nonmanifold_vertices", k->nonmanifold_vertices},
-        {"zero_area_triangles", k->zero_area_triangles},
-        {"repeated_triangles", k->repeated_triangles},
-        {"self_intersections", k->self_intersections},
-    };
     json_t *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
                              "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
                              json_vector(k->box_ws.max));
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-        json_object_set_new(json, counts[i].name, json_integer((json_int_t)counts[i].count));
+    for (int n = 0; n < HEALTH_COUNTS; n++) json_object_set_new(json, columns[n].member, json_integer((json_int_t)k->counts[n]));
     return json;
 }
 

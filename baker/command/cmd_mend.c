@@ -1,8 +1,6 @@
 /* vxs mend: a scene with fewer holes, so that more of it is solid.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <stddef.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "baker/casters/casters.h"
 #include "baker/command/commands.h"
@@ -22,25 +20,17 @@ typedef struct mend_command {
     size_t         solids[2], triangles[2]; /* solids, and triangles of solids, before and after */
 } mend_command;
 
+/* In the order of repaired_component.counts: members of the JSON, and words. */
 static const struct repair_count {
-    const char *name, *text;
-    size_t      offset;
-} repair_counts[] = {
-    {"removed_repeated", "repeated triangles removed", offsetof(repaired_component, removed_repeated)},
-    {"removed_zero_area", "triangles without area removed", offsetof(repaired_component, removed_zero_area)},
-    {"turned_triangles", "triangles turned", offsetof(repaired_component, turned_triangles)},
-    {"filled_holes", "holes filled", offsetof(repaired_component, filled_holes)},
-    {"added_triangles", "triangles added", offsetof(repaired_component, added_triangles)},
-    {"left_holes", "holes left", offsetof(repaired_component, left_holes)},
+    const char *member, *text;
+} repair_counts[REPAIR_COUNTS] = {
+    {"removed_repeated", "repeated triangles removed"},
+    {"removed_zero_area", "triangles without area removed"},
+    {"turned_triangles", "triangles turned"},
+    {"filled_holes", "holes filled"},
+    {"added_triangles", "triangles added"},
+    {"left_holes", "holes left"},
 };
-enum { REPAIR_COUNTS = sizeof repair_counts / sizeof *repair_counts };
-
-static uint32_t repair_count_of(const repaired_component *k, int which)
-{
-    uint32_t count;
-    memcpy(&count, (const char *)k + repair_counts[which].offset, sizeof count);
-    return count;
-}
 
 /* as text -------------------------------------------------------------------------------------------------------------- */
 
@@ -48,9 +38,9 @@ static void print_counts(FILE *to, const repaired_component *k)
 {
     const char *separator = "";
     for (int i = 0; i < REPAIR_COUNTS; i++) {
-        uint32_t count = repair_count_of(k, i);
-        if (count) fprintf(to, "%s%u %s", separator, count, repair_counts[i].text);
-        if (count) separator = ", ";
+        if (!k->counts[i]) continue;
+        fprintf(to, "%s%u %s", separator, k->counts[i], repair_counts[i].text);
+        separator = ", ";
     }
     fprintf(to, "%s\n", *separator ? "" : "nothing to do");
 }
@@ -82,7 +72,7 @@ static json_t *counts_json(const repaired_component *k)
 {
     json_t *json = json_pack("{s:I}", "triangles", (json_int_t)k->triangles);
     for (int i = 0; i < REPAIR_COUNTS; i++)
-        json_object_set_new(json, repair_counts[i].name, json_integer((json_int_t)repair_count_of(k, i)));
+        json_object_set_new(json, repair_counts[i].member, json_integer((json_int_t)k->counts[i]));
     return json;
 }
 
