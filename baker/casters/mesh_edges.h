@@ -24,6 +24,12 @@ static inline uint32_t mesh_edge_end(const uint32_t *indices, uint32_t h)
     return indices[h % 3 == 2 ? h - 2 : h + 1];
 }
 
+/* The third corner of a half-edge's triangle. */
+static inline uint32_t mesh_edge_opposite(const uint32_t *indices, uint32_t h)
+{
+    return indices[h % 3 == 0 ? h + 2 : h - 1];
+}
+
 /* The lower and the higher of an edge's two vertices. */
 static inline uint32_t mesh_edge_low(const uint32_t *indices, uint32_t h)
 {

@@ -34,41 +34,20 @@ static const char *shape_name(const component_health *k)
     return k->oriented ? "closed" : "mixed winding";
 }
 
-/* What is counted, in the order of component_health.counts: along edges, at vertices, of triangles. */
-static const struct count_column {
-    const char *member; /* of the JSON */
-    int         width;  /* of the column; 0: there is none */
-    const char *heads[2];
-} columns[HEALTH_COUNTS] = {
-    {"triangles", 9, {"", "triangles"}},
-    {"vertices", 0, {NULL}},
-    {"edges", 0, {NULL}},
-    {"boundary_edges", 8, {"boundary", "edges"}},
-    {"holes", 6, {"", "holes"}},
-    {"nonmanifold_edges", 8, {"edges of", ">2 faces"}},
-    {"misoriented_edges", 7, {"turned", "edges"}},
-    {"nonmanifold_vertices", 8, {"pinched", "vertices"}},
-    {"self_intersections", 7, {"self-", "crossed"}},
-    {"zero_area_triangles", 5, {"zero", "area"}},
-    {"repeated_triangles", 8, {"", "repeated"}},
-};
-
+/* Columns: what is counted along edges, at vertices, of triangles. */
 static void print_head(FILE *to)
 {
-    static const char *const about[2][5] = {{"", "", "", "volume", "centre"},
-                                            {"number", "kind", "shape", "m3", "m; solids that it meets"}};
-    for (int line = 0; line < 2; line++) {
-        fprintf(to, "%7s  %-12s %-19s", about[line][0], about[line][1], about[line][2]);
-        for (int n = 0; n < HEALTH_COUNTS; n++)
-            if (columns[n].width) fprintf(to, " %*s", columns[n].width, columns[n].heads[line]);
-        fprintf(to, " %11s  %s\n", about[line][3], about[line][4]);
-    }
+    fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "", "", "", "", "boundary", "", "edges of",
+            "turned", "pinched", "self-", "zero", "", "volume", "centre");
+    fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "number", "kind", "shape", "triangles", "edges",
+            "holes", ">2 faces", "edges", "vertices", "crossed", "area", "repeated", "m3", "m; solids that it meets");
 }
 
 static void print_counts(FILE *to, const component_health *k)
 {
+    static const int widths[HEALTH_COUNTS] = {9, 0, 0, 8, 6, 8, 7, 8, 7, 5, 8}; /* 0: vertices and edges have no column */
     for (int n = 0; n < HEALTH_COUNTS; n++)
-        if (columns[n].width) fprintf(to, " %*llu", columns[n].width, (unsigned long long)k->counts[n]);
+        if (widths[n]) fprintf(to, " %*llu", widths[n], (unsigned long long)k->counts[n]);
     fprintf(to, " %11.4g", k->volume_m3);
 }
 
@@ -138,10 +117,21 @@ static vxs_result print_health(FILE *to, const health_command *c, const casters 
 
 static json_t *counts_json(const component_health *k)
 {
+    static const char *const names[HEALTH_COUNTS] = {"triangles",
+                                                     "vertices",
+                                                     "edges",
+                                                     "boundary_edges",
+                                                     "holes",
+                                                     "nonmanifold_edges",
+                                                     "misoriented_edges",
+                                                     "nonmanifold_vertices",
+                                                     "self_intersections",
+                                                     "zero_area_triangles",
+                                                     "repeated_triangles"};
     json_t *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
                              "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
                              json_vector(k->box_ws.max));
-    for (int n = 0; n < HEALTH_COUNTS; n++) json_object_set_new(json, columns[n].member, json_integer((json_int_t)k->counts[n]));
+    for (int n = 0; n < HEALTH_COUNTS; n++) json_object_set_new(json, names[n], json_integer((json_int_t)k->counts[n]));
     return json;
 }
 
@@ -165,12 +155,13 @@ static json_t *health_json(const mesh_health *h)
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result run(health_command *c, message *m)
+static vxs_result run(void *command, message *m)
 {
-    scene       s       = {0};
-    casters     casting = {0};
-    mesh_health h       = {0};
-    vxs_result  r;
+    health_command *c       = command;
+    scene           s       = {0};
+    casters         casting = {0};
+    mesh_health     h       = {0};
+    vxs_result      r;
 
     if (c->json_path && (r = output_file_check(c->json_path, c->path, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
@@ -193,21 +184,14 @@ done:
 int cmd_health(int argc, char **argv)
 {
     health_command c         = {.closed = CLOSED_AUTO};
-    message        m         = {0};
     const option   options[] = {
           {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene", NULL},
           {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL, "which components are solids, as bake has it", NULL},
           {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component, not only the worst", NULL},
           {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "everything as JSON; - is standard output", NULL},
     };
-    const command_line line = {"health",
-                               "SCENE [options]",
-                               "What keeps components of a scene from being solids, and what else is wrong with them.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&c, &m);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("health", "SCENE [options]",
+                     "What keeps components of a scene from being solids, and what else is wrong with them.", options, 1);
+    return command_run(&line, argc, argv, &c.path, run, &c);
 }

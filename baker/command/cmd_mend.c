@@ -138,10 +138,11 @@ static vxs_result check_outputs(const mend_command *c, message *m)
     return c->json_path ? output_file_check(c->json_path, c->path, m) : VXS_OK;
 }
 
-static vxs_result run(mend_command *c, message *m)
+static vxs_result run(void *command, message *m)
 {
-    scene      s = {0};
-    vxs_result r;
+    mend_command *c = command;
+    scene         s = {0};
+    vxs_result    r;
 
     if ((r = check_outputs(c, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
@@ -162,7 +163,6 @@ done:
 int cmd_mend(int argc, char **argv)
 {
     mend_command c         = {.how = REPAIR_DEFAULTS};
-    message      m         = {0};
     const option options[] = {
         {"-o", OPTION_TEXT, &c.output_path, 0, 0, NULL, "OUT.glb", "where the mended scene goes; - is standard output", NULL},
         {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
@@ -173,14 +173,8 @@ int cmd_mend(int argc, char **argv)
         {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component that was mended or still has holes", NULL},
         {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "what was done as JSON; - is standard output", NULL},
     };
-    const command_line line = {"mend",
-                               "SCENE -o OUT.glb [options]",
-                               "Close what can be closed, so that more of a scene is solid, and write what a bake needs of it.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&c, &m);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("mend", "SCENE -o OUT.glb [options]",
+                     "Close what can be closed, so that more of a scene is solid, and write what a bake needs of it.", options, 1);
+    return command_run(&line, argc, argv, &c.path, run, &c);
 }

@@ -154,23 +154,12 @@ static void count_vertices(examination *x)
 
 /* --- triangles -------------------------------------------------------------------------------------------------------- */
 
-static void sort_corners(uint32_t out[3], const uint32_t *v)
-{
-    memcpy(out, v, 3 * sizeof *out);
-    for (int i = 0; i < 3; i++) { /* two exchanges suffice, a third does no harm */
-        int      k   = i % 2;
-        uint32_t low = out[k] < out[k + 1] ? out[k] : out[k + 1], high = out[k] < out[k + 1] ? out[k + 1] : out[k];
-        out[k]     = low;
-        out[k + 1] = high;
-    }
-}
-
+/* Corners of a triangle all differ. */
 static int same_corners(const uint32_t *v, const uint32_t *w)
 {
-    uint32_t p[3], q[3];
-    sort_corners(p, v);
-    sort_corners(q, w);
-    return !memcmp(p, q, sizeof p);
+    for (int i = 0; i < 3; i++)
+        if (v[i] != w[0] && v[i] != w[1] && v[i] != w[2]) return 0;
+    return 1;
 }
 
 /* Repeated triangles are found at the edge of their two lowest corners, where they differ only in the third. */
@@ -180,12 +169,8 @@ static void find_repeated(examination *x, uint32_t begin, uint32_t end)
     size_t          count   = 0;
     if (end - begin < 2) return;
     for (uint32_t i = begin; i < end; i++) {
-        uint32_t        h = x->sorted[i];
-        const uint32_t *v = &indices[3 * (size_t)(h / 3)];
-        uint32_t        sorted_corners[3];
-        sort_corners(sorted_corners, v);
-        if (sorted_corners[0] != mesh_edge_low(indices, h) || sorted_corners[1] != mesh_edge_high(indices, h)) continue;
-        x->keys[count++] = sorted_corners[2];
+        uint32_t third = mesh_edge_opposite(indices, x->sorted[i]);
+        if (third > mesh_edge_high(indices, x->sorted[i])) x->keys[count++] = third;
     }
     sort_keys(x->keys, count);
     for (size_t i = 1; i < count; i++) component_at(x, x->sorted[begin] / 3)->repeated_triangles += x->keys[i] == x->keys[i - 1];

@@ -125,12 +125,6 @@ static const double *position(const snapshot *v, uint32_t vertex)
 
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
 
-/* The third corner of a triangle. */
-static uint32_t opposite(const snapshot *v, uint32_t h)
-{
-    return v->mesh.indices[h % 3 == 0 ? h + 2 : h - 1];
-}
-
 /* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles.
  * faces  [half-edges] how many triangles their edges have */
 static int goes_on(const uint32_t *faces, uint32_t t, uint32_t copies)
@@ -150,16 +144,16 @@ static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const u
     for (uint32_t i = begin; i < end && end - begin <= COPIES_MAX; i++) {
         uint32_t h = v->sorted[i], copies = 0;
         int      more = 0, kept = 0; /* more copies have the winding of h than the other one */
-        if (removed[h / 3] || opposite(v, h) < mesh_edge_high(indices, h)) continue;
+        if (removed[h / 3] || mesh_edge_opposite(indices, h) < mesh_edge_high(indices, h)) continue;
         for (uint32_t k = begin; k < end; k++) {
-            if (opposite(v, v->sorted[k]) != opposite(v, h)) continue;
+            if (mesh_edge_opposite(indices, v->sorted[k]) != mesh_edge_opposite(indices, h)) continue;
             more += indices[v->sorted[k]] == indices[h] ? 1 : -1;
             copies++;
         }
         if (!more && !goes_on(faces, h / 3, copies)) continue;
         for (uint32_t k = begin; k < end; k++) {
             uint32_t g = v->sorted[k];
-            if (opposite(v, g) != opposite(v, h)) continue;
+            if (mesh_edge_opposite(indices, g) != mesh_edge_opposite(indices, h)) continue;
             int as_most = (indices[g] == indices[h]) == (more >= 0);
             if (!as_most || kept) removed[g / 3] = 1;
             kept |= as_most;
