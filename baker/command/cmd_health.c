@@ -117,21 +117,14 @@ static vxs_result print_health(FILE *to, const health_command *c, const casters 
 
 static json_t *counts_json(const component_health *k)
 {
-    static const char *const names[HEALTH_COUNTS] = {"triangles",
-                                                     "vertices",
-                                                     "edges",
-                                                     "boundary_edges",
-                                                     "holes",
-                                                     "nonmanifold_edges",
-                                                     "misoriented_edges",
-                                                     "nonmanifold_vertices",
-                                                     "self_intersections",
-                                                     "zero_area_triangles",
-                                                     "repeated_triangles"};
-    json_t *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
-                             "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
-                             json_vector(k->box_ws.max));
-    for (int n = 0; n < HEALTH_COUNTS; n++) json_object_set_new(json, names[n], json_integer((json_int_t)k->counts[n]));
+    static const char names[] = "triangles|vertices|edges|boundary_edges|holes|nonmanifold_edges|misoriented_edges|"
+                                "nonmanifold_vertices|self_intersections|zero_area_triangles|repeated_triangles";
+    char              name[32];
+    json_t           *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
+                                       "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
+                                       json_vector(k->box_ws.max));
+    for (int n = 0; n < HEALTH_COUNTS; n++)
+        json_object_set_new(json, choice_word(name, names, n), json_integer((json_int_t)k->counts[n]));
     return json;
 }
 

@@ -101,7 +101,5 @@ int cmd_picture(int argc, char **argv)
     const command_line line =
         COMMAND_LINE("picture", "SCENE FILE.vxs -o OUT.png [options]",
                      "A picture of a scene, its shadows looked up in a .vxs file and all else ray traced.", options, 2);
-    int status = command_run(&line, argc, argv, c.files, run, &c);
-    free(c.light_names.items);
-    return status;
+    return command_run(&line, argc, argv, c.files, run, &c);
 }

@@ -1,7 +1,5 @@
 /* vxs query: how lit is each point, by lookups in a .vxs file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <stdlib.h>
-
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/points.h"
@@ -52,7 +50,5 @@ int cmd_query(int argc, char **argv)
                      "the lit fraction, 0 to 1,\n"
                      "one column a light; 'out' outside a light's volume.",
                      options, 1);
-    int status = command_run(&line, argc, argv, &q.path, run, &q);
-    free(q.light_names.items);
-    return status;
+    return command_run(&line, argc, argv, &q.path, run, &q);
 }

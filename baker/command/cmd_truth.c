@@ -77,7 +77,5 @@ int cmd_truth(int argc, char **argv)
                      "(lit), 0 (in shadow) or out (beyond the light's cone or range), one column a light, by tracing a ray to the\n"
                      "light. With a normal the ray starts just off the surface.",
                      options, 1);
-    int status = command_run(&line, argc, argv, &o.scene_path, run, &o);
-    free(o.light_names.items);
-    return status;
+    return command_run(&line, argc, argv, &o.scene_path, run, &o);
 }

@@ -7,6 +7,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/scratch.h"
+#include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
@@ -182,10 +183,8 @@ static void measure(examination *x)
     mesh_soup      soup = {c->positions_ws, c->indices, c->triangle_count};
     for (size_t t = 0; t < c->triangle_count; t++) {
         component_health *k = component_at(x, t);
-        const double     *p[3];
-        for (size_t i = 0; i < 3; i++) p[i] = &c->positions_ws[3 * (size_t)c->indices[3 * t + i]];
         k->triangles++;
-        for (size_t i = 0; i < 3; i++) box_add(&k->box_ws, p[i]);
+        for (size_t i = 0; i < 3; i++) box_add(&k->box_ws, &c->positions_ws[3 * (size_t)c->indices[3 * t + i]]);
         k->zero_area_triangles += mesh_is_flat(&soup, t) != 0;
     }
 }
@@ -196,13 +195,11 @@ static void sum_volumes(examination *x)
     const casters *c = x->c;
     for (size_t t = 0; t < c->triangle_count; t++) {
         component_health *k = component_at(x, t);
-        double            e[3][3];
+        double            e[3][3], normal[3];
         if (!k->closed || !k->oriented) continue;
-        for (size_t i = 0; i < 9; i++)
-            e[i / 3][i % 3] = c->positions_ws[3 * (size_t)c->indices[3 * t + i / 3] + i % 3] - k->box_ws.min[i % 3];
-        k->volume_m3 += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-                        6;
+        for (size_t i = 0; i < 3; i++) vec3_sub(&c->positions_ws[3 * (size_t)c->indices[3 * t + i]], k->box_ws.min, e[i]);
+        vec3_cross(e[1], e[2], normal);
+        k->volume_m3 += vec3_dot(e[0], normal) / 6;
     }
 }
 
@@ -258,27 +255,17 @@ static int keep_intersection(void *user, uint32_t a, uint32_t b)
 /* Lay out which solids meet: every pair twice, once from each side. */
 static int list_met(examination *x)
 {
-    mesh_health *h = x->h;
-    x->pair_count  = drop_repeated(x->pairs, x->pair_count);
-    h->met         = malloc((2 * x->pair_count + 1) * sizeof *h->met);
-    if (!h->met) return 0;
-    for (size_t i = 0; i < x->pair_count; i++) {
-        h->components[x->pairs[i] >> 32].meets++;
-        h->components[(uint32_t)x->pairs[i]].meets++;
+    mesh_health *h     = x->h;
+    size_t       count = drop_repeated(x->pairs, x->pair_count);
+    h->met             = malloc((2 * count + 1) * sizeof *h->met);
+    if (!h->met || !array_reserve(&x->pairs, &x->pair_capacity, 2 * count, sizeof *x->pairs)) return 0;
+    for (size_t i = 0; i < count; i++) x->pairs[count + i] = x->pairs[i] << 32 | x->pairs[i] >> 32;
+    sort_keys(x->pairs, 2 * count);
+    for (size_t i = 0; i < 2 * count; i++) {
+        component_health *k = &h->components[x->pairs[i] >> 32];
+        if (!k->meets++) k->meets_first = i;
+        h->met[i] = (uint32_t)x->pairs[i];
     }
-    uint64_t place = 0;
-    for (size_t i = 0; i < h->count; i++) {
-        h->components[i].meets_first = place;
-        place += h->components[i].meets;
-        h->components[i].meets = 0;
-    }
-    /* lower ones first, then higher ones, so that each list ascends */
-    for (int higher = 0; higher < 2; higher++)
-        for (size_t i = 0; i < x->pair_count; i++) {
-            uint32_t          low = (uint32_t)(x->pairs[i] >> 32), high = (uint32_t)x->pairs[i];
-            component_health *k                 = &h->components[higher ? low : high];
-            h->met[k->meets_first + k->meets++] = higher ? high : low;
-        }
     return 1;
 }
 

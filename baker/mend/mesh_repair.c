@@ -311,8 +311,14 @@ typedef struct addition {
     uint32_t beside;     /* the triangle at the hole */
 } addition;
 
+/* A border that closes, or a path along borders that does not. */
+typedef struct hole {
+    uint32_t beside;    /* a triangle at it */
+    uint32_t triangles; /* of the additions, after those of the holes before: 0 where it is not to be filled, or cannot be */
+} hole;
+
 typedef struct filling {
-    scratch   memory;     /* of all up to the additions */
+    scratch   memory;     /* of all up to the holes */
     uint32_t *ends_at;    /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
     uint32_t *at;         /* [half-edges] */
     uint8_t  *used;       /* [half-edges] */
@@ -323,6 +329,8 @@ typedef struct filling {
     box      *boxes;      /* [component_count] */
     addition *added;      /* [added_count] */
     size_t    added_count, added_capacity;
+    hole     *holes; /* [hole_count] */
+    size_t    hole_count, hole_capacity;
     int       no_memory;
 } filling;
 
@@ -367,23 +375,23 @@ static void measure_boxes(const snapshot *v, box *boxes)
 }
 
 /* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or cannot be. */
-static int triangulate(repair *x, const filling *f, const uint32_t *hole, size_t count)
+static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_t count)
 {
     const snapshot *v      = &x->v;
     box             bounds = box_empty();
     if (count > x->o->hole_edges_max || count > REPAIR_HOLE_EDGES_MAX || count < 3) return 0;
     for (size_t i = 0; i < count; i++) {
-        x->line[i]      = mesh_edge_end(v->mesh.indices, hole[i]);
+        x->line[i]      = mesh_edge_end(v->mesh.indices, edges[i]);
         const double *p = position(v, x->line[i]);
         memcpy(&x->points[3 * i], p, 3 * sizeof *p);
         box_add(&bounds, p);
     }
-    double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[hole[0] / 3]]);
+    double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[edges[0] / 3]]);
     if ((diameter > x->o->hole_diameter_m || diameter > REPAIR_HOLE_SHARE * whole) && !mesh_is_crack(x->points, count)) return 0;
     return mesh_fill_hole(x->points, count, x->filled);
 }
 
-static int add_triangles(repair *x, filling *f, uint32_t beside, size_t count)
+static int add_triangles(const repair *x, filling *f, uint32_t beside, size_t count)
 {
     if (!array_reserve(&f->added, &f->added_capacity, f->added_count + count, sizeof *f->added)) return 0;
     for (size_t i = 0; i < count; i++) {
@@ -394,30 +402,42 @@ static int add_triangles(repair *x, filling *f, uint32_t beside, size_t count)
     return 1;
 }
 
-/* A hole is visited twice: in the first round it is found out whether it can be filled; in the second it is, when all holes of its component
- * can be. */
-static void visit_hole(repair *x, filling *f, const uint32_t *hole, size_t count, int fill)
+/* A hole from its half-edges: triangles for it are added unless it is known that its component stays open. */
+static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count, int closes)
 {
-    uint32_t            beside     = hole[0] / 3;
-    uint8_t            *stays_open = &f->stays_open[x->v.component_of[beside]];
-    repaired_component *origin     = origin_at(x, beside);
-    if (!fill) {
-        if (!*stays_open) *stays_open = !triangulate(x, f, hole, count);
-        return;
+    uint32_t beside = edges[0] / 3, triangles = 0;
+    uint8_t *stays_open = &f->stays_open[x->v.component_of[beside]];
+    if (!*stays_open && closes && triangulate(x, f, edges, count)) triangles = (uint32_t)(count - 2);
+    *stays_open |= !triangles;
+    if (array_reserve(&f->holes, &f->hole_capacity, f->hole_count + 1, sizeof *f->holes) && add_triangles(x, f, beside, triangles))
+        f->holes[f->hole_count++] = (hole){beside, triangles};
+    else
+        f->no_memory = 1;
+}
+
+/* Drop the triangles of holes whose component stays open, and count what is filled. */
+static void settle(repair *x, filling *f)
+{
+    const addition *at   = f->added;
+    size_t          kept = 0;
+    for (size_t i = 0; i < f->hole_count; at += f->holes[i++].triangles) {
+        const hole         *h      = &f->holes[i];
+        repaired_component *origin = origin_at(x, h->beside);
+        if (f->stays_open[x->v.component_of[h->beside]]) {
+            origin->left_holes++;
+            continue;
+        }
+        memmove(&f->added[kept], at, h->triangles * sizeof *at);
+        kept += h->triangles;
+        origin->filled_holes++;
+        origin->added_triangles += h->triangles;
     }
-    if (*stays_open) {
-        origin->left_holes++;
-        return;
-    }
-    if (!triangulate(x, f, hole, count)) return; /* never: it went well in the first round */
-    f->no_memory |= !add_triangles(x, f, beside, count - 2);
-    origin->filled_holes++;
-    origin->added_triangles += (uint32_t)(count - 2);
+    f->added_count = kept;
 }
 
 /* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets
  * itself. */
-static void follow_border(repair *x, filling *f, uint32_t first, int fill)
+static void follow_border(repair *x, filling *f, uint32_t first)
 {
     const uint32_t *indices = x->v.mesh.indices;
     size_t          length  = 0;
@@ -428,7 +448,7 @@ static void follow_border(repair *x, filling *f, uint32_t first, int fill)
         f->on_path[from]  = (uint32_t)length; /* its place, plus 1 */
         if (f->on_path[to]) {
             size_t begin = f->on_path[to] - 1;
-            visit_hole(x, f, &f->path[begin], length - begin, fill);
+            add_hole(x, f, &f->path[begin], length - begin, 1);
             for (size_t i = begin; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
             length = begin;
         }
@@ -438,18 +458,8 @@ static void follow_border(repair *x, filling *f, uint32_t first, int fill)
         if (next == NONE) break;
         h = next;
     }
-    /* a path that does not close: windings differ there */
-    if (length) f->stays_open[x->v.component_of[first / 3]] = 1;
-    if (length && fill) origin_at(x, first / 3)->left_holes++;
+    if (length) add_hole(x, f, f->path, length, 0); /* windings differ there */
     for (size_t i = 0; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
-}
-
-static void follow_borders(repair *x, filling *f, int fill)
-{
-    size_t count = f->ends_at[x->v.mesh.vertex_count];
-    memset(f->used, 0, x->v.edge_count);
-    for (size_t i = 0; i < count; i++)
-        if (!f->used[f->at[i]]) follow_border(x, f, f->at[i], fill);
 }
 
 /* New triangles at the scene's end. */
@@ -482,13 +492,15 @@ static vxs_result fill(repair *x, message *m)
         if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
     gather_borders(v, &f, ends);
     measure_boxes(v, f.boxes);
-    follow_borders(x, &f, 0);
-    follow_borders(x, &f, 1);
+    for (size_t i = 0; i < f.ends_at[v->mesh.vertex_count]; i++)
+        if (!f.used[f.at[i]]) follow_border(x, &f, f.at[i]);
+    settle(x, &f);
     if (f.no_memory || (f.added_count && !append(x, &f))) goto done;
     r = f.added_count ? take_snapshot(x, m) : VXS_OK;
 done:
     scratch_free(&f.memory);
     free(f.added);
+    free(f.holes);
     return r == VXS_E_MEMORY ? out_of_memory(x, m) : r; /* the first message stays */
 }
 

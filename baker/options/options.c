@@ -232,5 +232,7 @@ int command_run(const command_line *c, int argc, char **argv, const char **opera
     int        help_shown;
     vxs_result r = options_parse(c, argc, argv, operands, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(command, &m);
+    for (size_t i = 0; i < c->option_count; i++)
+        if (c->options[i].kind == OPTION_TEXTS) free(((text_list *)c->options[i].target)->items);
     return command_end(&m, r);
 }

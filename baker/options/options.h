@@ -78,7 +78,7 @@ static inline int is_standard_output(const char *path)
  * Returns VXS_OK or VXS_E_ARGUMENT. */
 vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m);
 
-/* All of a command: parse its line, run it unless help was asked for, print its error.
+/* All of a command: parse its line, run it unless help was asked for, print its error, release its lists of texts.
  * operands  as of options_parse;   command  whatever run works on, and the options' targets are in
  * Returns the exit status. */
 int command_run(const command_line *c, int argc, char **argv, const char **operands, vxs_result (*run)(void *command, message *m),
