@@ -51,10 +51,9 @@ static void print_counts(FILE *to, const component_health *k)
     fprintf(to, " %11.4g", k->volume_m3);
 }
 
-static void print_row(FILE *to, const mesh_health *h, size_t number)
+static void print_row(FILE *to, const mesh_health *h, const component_health *k)
 {
-    const component_health *k = &h->components[number];
-    fprintf(to, "%7zu  %-12s %-19s", number, component_kind_name(k->kind), shape_name(k));
+    fprintf(to, "%7zu  %-12s %-19s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
     print_counts(to, k);
     fprintf(to, "  (%.4g, %.4g, %.4g)", (k->box_ws.min[0] + k->box_ws.max[0]) / 2, (k->box_ws.min[1] + k->box_ws.max[1]) / 2,
             (k->box_ws.min[2] + k->box_ws.max[2]) / 2);
@@ -63,18 +62,14 @@ static void print_row(FILE *to, const mesh_health *h, size_t number)
     fputs("\n", to);
 }
 
-typedef struct ranked {
-    size_t   number;
-    uint64_t triangles;
-    int      faults;
-} ranked;
-
+/* Pointers to components are ordered: those with faults first, the largest first, by number. */
 static int worst_first(const void *a, const void *b)
 {
-    const ranked *p = a, *q = b;
-    if (p->faults != q->faults) return q->faults - p->faults;
+    const component_health *p = *(const component_health *const *)a, *q = *(const component_health *const *)b;
+    int                     more_faulty = component_has_faults(q) - component_has_faults(p);
+    if (more_faulty) return more_faulty;
     if (p->triangles != q->triangles) return p->triangles < q->triangles ? 1 : -1;
-    return p->number < q->number ? -1 : 1;
+    return p < q ? -1 : 1;
 }
 
 static void print_summary(FILE *to, const casters *c, const mesh_health *h)
@@ -90,19 +85,19 @@ static void print_summary(FILE *to, const casters *c, const mesh_health *h)
 
 static vxs_result print_health(FILE *to, const health_command *c, const casters *casting, const mesh_health *h, message *m)
 {
-    ranked *order  = malloc((h->count + 1) * sizeof *order);
-    size_t  faulty = 0;
+    const component_health **order  = malloc((h->count + 1) * sizeof *order);
+    size_t                   faulty = 0;
     if (!order) return fail(m, VXS_E_MEMORY, "out of memory for a table of %zu components", h->count);
     for (size_t i = 0; i < h->count; i++) {
-        order[i] = (ranked){i, h->components[i].triangles, component_has_faults(&h->components[i])};
-        faulty += (size_t)order[i].faults;
+        order[i] = &h->components[i];
+        faulty += component_has_faults(order[i]) != 0;
     }
     qsort(order, h->count, sizeof *order, worst_first);
 
     print_summary(to, casting, h);
     print_head(to);
     size_t rows = c->all || faulty + 1 <= ROWS ? (c->all ? h->count : faulty) : ROWS;
-    for (size_t i = 0; i < rows; i++) print_row(to, h, order[i].number);
+    for (size_t i = 0; i < rows; i++) print_row(to, h, order[i]);
     if (faulty > rows) fprintf(to, "%7s  %zu more with faults: --all lists them\n", "", faulty - rows);
     if (!c->all && faulty < h->count) fprintf(to, "%7s  %zu without a fault\n", "", h->count - faulty);
     fprintf(to, "%7s  %-12s %-19s", "total", "", "");

@@ -309,16 +309,11 @@ static vxs_result orient(repair *x, message *m)
 typedef struct addition {
     uint32_t corners[3]; /* scene vertices */
     uint32_t beside;     /* the triangle at the hole */
+    int      is_first;   /* of its hole */
 } addition;
 
-/* A border that closes, or a path along borders that does not. */
-typedef struct hole {
-    uint32_t beside;    /* a triangle at it */
-    uint32_t triangles; /* of the additions, after those of the holes before: 0 where it is not to be filled, or cannot be */
-} hole;
-
 typedef struct filling {
-    scratch   memory;     /* of all up to the holes */
+    scratch   memory;     /* of all up to the additions */
     uint32_t *ends_at;    /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
     uint32_t *at;         /* [half-edges] */
     uint8_t  *used;       /* [half-edges] */
@@ -329,8 +324,6 @@ typedef struct filling {
     box      *boxes;      /* [component_count] */
     addition *added;      /* [added_count] */
     size_t    added_count, added_capacity;
-    hole     *holes; /* [hole_count] */
-    size_t    hole_count, hole_capacity;
     int       no_memory;
 } filling;
 
@@ -391,46 +384,34 @@ static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_
     return mesh_fill_hole(x->points, count, x->filled);
 }
 
-static int add_triangles(const repair *x, filling *f, uint32_t beside, size_t count)
-{
-    if (!array_reserve(&f->added, &f->added_capacity, f->added_count + count, sizeof *f->added)) return 0;
-    for (size_t i = 0; i < count; i++) {
-        addition *a = &f->added[f->added_count++];
-        a->beside   = beside;
-        for (size_t k = 0; k < 3; k++) a->corners[k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
-    }
-    return 1;
-}
-
-/* A hole from its half-edges: triangles for it are added unless it is known that its component stays open. */
+/* A hole, or a path that does not close, from its half-edges. It counts as left until settle finds it filled. */
 static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count, int closes)
 {
-    uint32_t beside = edges[0] / 3, triangles = 0;
+    uint32_t beside     = edges[0] / 3;
     uint8_t *stays_open = &f->stays_open[x->v.component_of[beside]];
-    if (!*stays_open && closes && triangulate(x, f, edges, count)) triangles = (uint32_t)(count - 2);
-    *stays_open |= !triangles;
-    if (array_reserve(&f->holes, &f->hole_capacity, f->hole_count + 1, sizeof *f->holes) && add_triangles(x, f, beside, triangles))
-        f->holes[f->hole_count++] = (hole){beside, triangles};
-    else
-        f->no_memory = 1;
+    origin_at(x, beside)->left_holes++;
+    if (!*stays_open) *stays_open = !closes || !triangulate(x, f, edges, count);
+    if (*stays_open) return;
+    f->no_memory |= !array_reserve(&f->added, &f->added_capacity, f->added_count + count - 2, sizeof *f->added);
+    for (size_t i = 0; i < count - 2 && !f->no_memory; i++) {
+        addition *a = &f->added[f->added_count++];
+        *a          = (addition){.beside = beside, .is_first = !i};
+        for (size_t k = 0; k < 3; k++) a->corners[k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
+    }
 }
 
-/* Drop the triangles of holes whose component stays open, and count what is filled. */
+/* Drop the triangles of components that stay open, and count the others. */
 static void settle(repair *x, filling *f)
 {
-    const addition *at   = f->added;
-    size_t          kept = 0;
-    for (size_t i = 0; i < f->hole_count; at += f->holes[i++].triangles) {
-        const hole         *h      = &f->holes[i];
-        repaired_component *origin = origin_at(x, h->beside);
-        if (f->stays_open[x->v.component_of[h->beside]]) {
-            origin->left_holes++;
-            continue;
-        }
-        memmove(&f->added[kept], at, h->triangles * sizeof *at);
-        kept += h->triangles;
-        origin->filled_holes++;
-        origin->added_triangles += h->triangles;
+    size_t kept = 0;
+    for (size_t i = 0; i < f->added_count; i++) {
+        addition            a      = f->added[i];
+        repaired_component *origin = origin_at(x, a.beside);
+        if (f->stays_open[x->v.component_of[a.beside]]) continue;
+        f->added[kept++] = a;
+        origin->added_triangles++;
+        origin->filled_holes += (uint32_t)a.is_first;
+        origin->left_holes -= (uint32_t)a.is_first;
     }
     f->added_count = kept;
 }
@@ -500,7 +481,6 @@ static vxs_result fill(repair *x, message *m)
 done:
     scratch_free(&f.memory);
     free(f.added);
-    free(f.holes);
     return r == VXS_E_MEMORY ? out_of_memory(x, m) : r; /* the first message stays */
 }
 
