@@ -28,7 +28,8 @@ typedef struct snapshot {
     mesh_weld mesh;
     scratch   memory; /* of what follows */
     uint32_t  edge_count;
-    uint32_t *sorted;       /* [edge_count] half-edges */
+    uint32_t *sorted;       /* [edge_count] half-edges, those of an edge together: a run */
+    uint32_t *faces;        /* [edge_count] how many half-edges the edge of a half-edge has */
     uint32_t *component_of; /* [triangles] */
     size_t    component_count;
     uint8_t  *broken; /* [component_count] 1: some edge does not balance, and no triangle is alpha-tested */
@@ -63,11 +64,6 @@ static void snapshot_free(snapshot *v)
     *v = (snapshot){0};
 }
 
-static uint32_t edge_run(const snapshot *v, uint32_t begin)
-{
-    return mesh_edge_run(v->mesh.indices, v->sorted, begin, v->edge_count);
-}
-
 static int64_t edge_balance(const snapshot *v, uint32_t begin, uint32_t end)
 {
     return mesh_edge_balance(v->mesh.indices, v->sorted, begin, end);
@@ -77,7 +73,7 @@ static void judge_components(const repair *x, snapshot *v)
 {
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->notes[v->mesh.from[t]].masked;
     for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
-        end             = edge_run(v, begin);
+        end             = begin + v->faces[v->sorted[begin]];
         uint32_t within = v->component_of[v->sorted[begin] / 3];
         if (edge_balance(v, begin, end) && !v->masked[within]) v->broken[within] = 1;
     }
@@ -97,11 +93,16 @@ static vxs_result take_snapshot(repair *x, message *m)
     size_t count    = v->mesh.triangle_count;
     v->edge_count   = (uint32_t)(3 * count);
     v->sorted       = scratch_take(&v->memory, v->edge_count, sizeof *v->sorted);
+    v->faces        = scratch_take(&v->memory, v->edge_count, sizeof *v->faces);
     v->component_of = scratch_take(&v->memory, count, sizeof *v->component_of);
     v->broken       = scratch_take(&v->memory, count, sizeof *v->broken);
     v->masked       = scratch_take(&v->memory, count, sizeof *v->masked);
     if (v->memory.missing || mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count) != VXS_OK)
         return out_of_memory(x, m);
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end = mesh_edge_run(v->mesh.indices, v->sorted, begin, v->edge_count);
+        for (uint32_t i = begin; i < end; i++) v->faces[v->sorted[i]] = end - begin;
+    }
     v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count);
     judge_components(x, v);
     return VXS_OK;
@@ -125,19 +126,18 @@ static const double *position(const snapshot *v, uint32_t vertex)
 
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
 
-/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles.
- * faces  [half-edges] how many triangles their edges have */
-static int goes_on(const uint32_t *faces, uint32_t t, uint32_t copies)
+/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
+static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
 {
     for (uint32_t h = 3 * t; h < 3 * t + 3; h++)
-        if ((faces[h] - copies) % 2 == 0) return 0;
+        if ((v->faces[h] - copies) % 2 == 0) return 0;
     return 1;
 }
 
 /* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the first one with
  * the winding of most stays. When both windings are as many and the surface does not go on, they are walls of closed surfaces that touch:
  * all stay. */
-static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const uint32_t *faces, uint8_t *removed)
+static void find_repeated(const repair *x, uint32_t begin, uint32_t end, uint8_t *removed)
 {
     const snapshot *v       = &x->v;
     const uint32_t *indices = v->mesh.indices;
@@ -150,7 +150,7 @@ static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const u
             more += indices[v->sorted[k]] == indices[h] ? 1 : -1;
             copies++;
         }
-        if (!more && !goes_on(faces, h / 3, copies)) continue;
+        if (!more && !goes_on(v, h / 3, copies)) continue;
         for (uint32_t k = begin; k < end; k++) {
             uint32_t g = v->sorted[k];
             if (mesh_edge_opposite(indices, g) != mesh_edge_opposite(indices, h)) continue;
@@ -162,18 +162,14 @@ static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const u
 }
 
 /* Returns how many triangles are to be removed. */
-static size_t find_removed(repair *x, uint32_t *faces, uint8_t *removed)
+static size_t find_removed(repair *x, uint8_t *removed)
 {
     const snapshot *v     = &x->v;
     mesh_soup       soup  = {v->mesh.positions_ws, v->mesh.indices, v->mesh.triangle_count};
     size_t          count = 0;
     for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
-        end = edge_run(v, begin);
-        for (uint32_t i = begin; i < end; i++) faces[v->sorted[i]] = end - begin;
-    }
-    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
-        end = begin + faces[v->sorted[begin]];
-        if (end - begin > 1 && is_broken(v, v->sorted[begin] / 3)) find_repeated(x, begin, end, faces, removed);
+        end = begin + v->faces[v->sorted[begin]];
+        if (end - begin > 1 && is_broken(v, v->sorted[begin] / 3)) find_repeated(x, begin, end, removed);
     }
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
         int is_flat = !removed[t] && is_broken(v, t) && mesh_is_flat(&soup, t);
@@ -209,9 +205,8 @@ static vxs_result remove_triangles(repair *x, message *m)
 {
     scratch    memory  = {0};
     uint8_t   *removed = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *removed);
-    uint32_t  *faces   = scratch_take(&memory, x->v.edge_count, sizeof *faces);
     vxs_result r       = memory.missing ? out_of_memory(x, m) : VXS_OK;
-    if (r == VXS_OK && find_removed(x, faces, removed)) {
+    if (r == VXS_OK && find_removed(x, removed)) {
         take_out(x, removed);
         r = take_snapshot(x, m);
     }
@@ -270,7 +265,7 @@ static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch 
     int             is_turned;
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) parents[t] = t;
     for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
-        end = edge_run(v, begin);
+        end = begin + v->faces[v->sorted[begin]];
         if (end - begin != 2 || !is_broken(v, v->sorted[begin] / 3)) continue;
         uint32_t a = v->sorted[begin] / 3, b = v->sorted[begin + 1] / 3;
         if (!mesh_join_turned(parents, turned, a, b, edge_balance(v, begin, end) != 0)) patches[a].one_sided = 1;
@@ -350,7 +345,7 @@ static void gather_borders(const snapshot *v, filling *f, uint32_t *ends)
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++)
         if (!is_broken(v, t)) f->stays_open[v->component_of[t]] = 1;
     for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
-        end        = edge_run(v, begin);
+        end        = begin + v->faces[v->sorted[begin]];
         uint32_t h = v->sorted[begin];
         if (end - begin > 1 && edge_balance(v, begin, end)) f->stays_open[v->component_of[h / 3]] = 1;
         if (end - begin > 1 || !is_broken(v, h / 3)) continue;
