@@ -49,10 +49,9 @@ typedef struct repair {
     triangle_note        *notes; /* [scene triangles] */
     size_t                note_capacity;
     snapshot              v;
-    scratch               memory; /* of what follows */
-    uint32_t             *line;   /* [REPAIR_HOLE_EDGES_MAX] vertices along a hole */
-    double               *points; /* [3 * REPAIR_HOLE_EDGES_MAX] */
-    uint32_t             *filled; /* [3 * REPAIR_HOLE_EDGES_MAX] */
+    uint32_t              line[REPAIR_HOLE_EDGES_MAX];       /* vertices along a hole */
+    double                points[3 * REPAIR_HOLE_EDGES_MAX]; /* of the line */
+    uint32_t              filled[3 * REPAIR_HOLE_EDGES_MAX]; /* triangles, as numbers along the line */
 } repair;
 
 /* --- snapshot --------------------------------------------------------------------------------------------------------- */
@@ -490,11 +489,7 @@ static int is_closed(const snapshot *v, uint32_t triangle)
 static vxs_result start(repair *x, message *m)
 {
     const scene *s = x->s;
-    x->line        = scratch_take(&x->memory, REPAIR_HOLE_EDGES_MAX, sizeof *x->line);
-    x->points      = scratch_take(&x->memory, 3 * REPAIR_HOLE_EDGES_MAX, sizeof *x->points);
-    x->filled      = scratch_take(&x->memory, 3 * REPAIR_HOLE_EDGES_MAX, sizeof *x->filled);
-    if (x->memory.missing || !array_reserve(&x->notes, &x->note_capacity, s->triangle_count, sizeof *x->notes))
-        return out_of_memory(x, m);
+    if (!array_reserve(&x->notes, &x->note_capacity, s->triangle_count, sizeof *x->notes)) return out_of_memory(x, m);
     for (size_t t = 0; t < s->triangle_count; t++)
         x->notes[t] = (triangle_note){NONE, (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0};
     for (size_t i = 0; i < s->mask_triangle_count; i++) x->notes[s->mask_triangles[i].triangle].masked = 1;
@@ -557,7 +552,6 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
 done:
     if (r != VXS_OK) repair_report_free(out);
     snapshot_free(&x.v);
-    scratch_free(&x.memory);
     free(x.notes);
     return r;
 }
