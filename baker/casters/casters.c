@@ -103,11 +103,8 @@ static void mark_open_edges(work *w, const uint32_t *sorted)
 {
     uint32_t edge_count = (uint32_t)(3 * w->mesh.triangle_count);
     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        uint32_t first   = sorted[begin];
-        int64_t  balance = 0;
-        for (end = begin; end < edge_count && mesh_same_edge(w->mesh.indices, first, sorted[end]); end++)
-            balance += w->mesh.indices[sorted[end]] == w->mesh.indices[first] ? 1 : -1;
-        if (balance) w->flags[first / 3] |= EDGE_OPEN;
+        end = mesh_edge_run(w->mesh.indices, sorted, begin, edge_count);
+        if (mesh_edge_balance(w->mesh.indices, sorted, begin, end)) w->flags[sorted[begin] / 3] |= EDGE_OPEN;
     }
 }
 

@@ -3,8 +3,9 @@
  * Half-edge h = 3 t + i runs from corner i of triangle t to the next one. Those of one edge, whichever way they run, are together once
  * they are sorted:
  *
- *     for (begin = 0; begin < 3 * triangle_count; begin = end)
- *         for (end = begin; end < 3 * triangle_count && mesh_same_edge(indices, sorted[begin], sorted[end]); end++) ...
+ *     for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+ *         end = mesh_edge_run(indices, sorted, begin, edge_count);
+ *         ...
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_EDGES_H
 #define MESH_EDGES_H
@@ -23,6 +24,12 @@ static inline uint32_t mesh_edge_end(const uint32_t *indices, uint32_t h)
     return indices[h % 3 == 2 ? h - 2 : h + 1];
 }
 
+/* The third corner of a half-edge's triangle. */
+static inline uint32_t mesh_edge_opposite(const uint32_t *indices, uint32_t h)
+{
+    return indices[h % 3 == 0 ? h + 2 : h - 1];
+}
+
 /* The lower and the higher of an edge's two vertices. */
 static inline uint32_t mesh_edge_low(const uint32_t *indices, uint32_t h)
 {
@@ -39,6 +46,23 @@ static inline uint32_t mesh_edge_high(const uint32_t *indices, uint32_t h)
 static inline int mesh_same_edge(const uint32_t *indices, uint32_t h, uint32_t g)
 {
     return mesh_edge_low(indices, h) == mesh_edge_low(indices, g) && mesh_edge_high(indices, h) == mesh_edge_high(indices, g);
+}
+
+/* The end of the run of half-edges that are one edge, of which `begin` is the first.
+ * sorted  [edge_count], edge_count = 3 * triangle_count */
+static inline uint32_t mesh_edge_run(const uint32_t *indices, const uint32_t *sorted, uint32_t begin, uint32_t edge_count)
+{
+    uint32_t end = begin + 1;
+    while (end < edge_count && mesh_same_edge(indices, sorted[begin], sorted[end])) end++;
+    return end;
+}
+
+/* How many more half-edges of a run go the way of its first one than the other way: 0 where windings agree and nothing is open. */
+static inline int64_t mesh_edge_balance(const uint32_t *indices, const uint32_t *sorted, uint32_t begin, uint32_t end)
+{
+    int64_t balance = 0;
+    for (uint32_t i = begin; i < end; i++) balance += indices[sorted[i]] == indices[sorted[begin]] ? 1 : -1;
+    return balance;
 }
 
 /* Sort all half-edges by (low, high), equal ones by number: linear, however many faces meet in a vertex.

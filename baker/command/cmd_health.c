@@ -45,15 +45,15 @@ static void print_head(FILE *to)
 
 static void print_counts(FILE *to, const component_health *k)
 {
-    fprintf(to, " %9u %8u %6u %8u %7u %8u %7llu %5u %8u %11.4g", k->triangles, k->boundary_edges, k->holes, k->nonmanifold_edges,
-            k->misoriented_edges, k->nonmanifold_vertices, (unsigned long long)k->self_intersections, k->zero_area_triangles,
-            k->repeated_triangles, k->volume_m3);
+    static const int widths[HEALTH_COUNTS] = {9, 0, 0, 8, 6, 8, 7, 8, 7, 5, 8}; /* 0: vertices and edges have no column */
+    for (int n = 0; n < HEALTH_COUNTS; n++)
+        if (widths[n]) fprintf(to, " %*llu", widths[n], (unsigned long long)k->counts[n]);
+    fprintf(to, " %11.4g", k->volume_m3);
 }
 
-static void print_row(FILE *to, const mesh_health *h, size_t number)
+static void print_row(FILE *to, const mesh_health *h, const component_health *k)
 {
-    const component_health *k = &h->components[number];
-    fprintf(to, "%7zu  %-12s %-19s", number, component_kind_name(k->kind), shape_name(k));
+    fprintf(to, "%7zu  %-12s %-19s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
     print_counts(to, k);
     fprintf(to, "  (%.4g, %.4g, %.4g)", (k->box_ws.min[0] + k->box_ws.max[0]) / 2, (k->box_ws.min[1] + k->box_ws.max[1]) / 2,
             (k->box_ws.min[2] + k->box_ws.max[2]) / 2);
@@ -62,17 +62,14 @@ static void print_row(FILE *to, const mesh_health *h, size_t number)
     fputs("\n", to);
 }
 
-typedef struct ranked {
-    uint32_t number, triangles;
-    int      faults;
-} ranked;
-
+/* Pointers to components are ordered: those with faults first, the largest first, by number. */
 static int worst_first(const void *a, const void *b)
 {
-    const ranked *p = a, *q = b;
-    if (p->faults != q->faults) return q->faults - p->faults;
+    const component_health *p = *(const component_health *const *)a, *q = *(const component_health *const *)b;
+    int                     more_faulty = component_has_faults(q) - component_has_faults(p);
+    if (more_faulty) return more_faulty;
     if (p->triangles != q->triangles) return p->triangles < q->triangles ? 1 : -1;
-    return p->number < q->number ? -1 : 1;
+    return p < q ? -1 : 1;
 }
 
 static void print_summary(FILE *to, const casters *c, const mesh_health *h)
@@ -88,19 +85,19 @@ static void print_summary(FILE *to, const casters *c, const mesh_health *h)
 
 static vxs_result print_health(FILE *to, const health_command *c, const casters *casting, const mesh_health *h, message *m)
 {
-    ranked *order  = malloc((h->count + 1) * sizeof *order);
-    size_t  faulty = 0;
+    const component_health **order  = malloc((h->count + 1) * sizeof *order);
+    size_t                   faulty = 0;
     if (!order) return fail(m, VXS_E_MEMORY, "out of memory for a table of %zu components", h->count);
-    for (uint32_t i = 0; i < h->count; i++) {
-        order[i] = (ranked){i, h->components[i].triangles, component_has_faults(&h->components[i])};
-        faulty += (size_t)order[i].faults;
+    for (size_t i = 0; i < h->count; i++) {
+        order[i] = &h->components[i];
+        faulty += component_has_faults(order[i]) != 0;
     }
     qsort(order, h->count, sizeof *order, worst_first);
 
     print_summary(to, casting, h);
     print_head(to);
     size_t rows = c->all || faulty + 1 <= ROWS ? (c->all ? h->count : faulty) : ROWS;
-    for (size_t i = 0; i < rows; i++) print_row(to, h, order[i].number);
+    for (size_t i = 0; i < rows; i++) print_row(to, h, order[i]);
     if (faulty > rows) fprintf(to, "%7s  %zu more with faults: --all lists them\n", "", faulty - rows);
     if (!c->all && faulty < h->count) fprintf(to, "%7s  %zu without a fault\n", "", h->count - faulty);
     fprintf(to, "%7s  %-12s %-19s", "total", "", "");
@@ -115,27 +112,14 @@ static vxs_result print_health(FILE *to, const health_command *c, const casters 
 
 static json_t *counts_json(const component_health *k)
 {
-    const struct {
-        const char *name;
-        uint64_t    count;
-    } counts[] = {
-        {"triangles", k->triangles},
-        {"vertices", k->vertices},
-        {"edges", k->edges},
-        {"boundary_edges", k->boundary_edges},
-        {"holes", k->holes},
-        {"nonmanifold_edges", k->nonmanifold_edges},
-        {"misoriented_edges", k->misoriented_edges},
-        {"nonmanifold_vertices", k->nonmanifold_vertices},
-        {"zero_area_triangles", k->zero_area_triangles},
-        {"repeated_triangles", k->repeated_triangles},
-        {"self_intersections", k->self_intersections},
-    };
-    json_t *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
-                             "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
-                             json_vector(k->box_ws.max));
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-        json_object_set_new(json, counts[i].name, json_integer((json_int_t)counts[i].count));
+    static const char names[] = "triangles|vertices|edges|boundary_edges|holes|nonmanifold_edges|misoriented_edges|"
+                                "nonmanifold_vertices|self_intersections|zero_area_triangles|repeated_triangles";
+    char              name[32];
+    json_t           *json = json_pack("{s:b, s:b, s:b, s:f, s:o, s:o}", "closed", (int)k->closed, "orientable", (int)k->orientable,
+                                       "oriented", (int)k->oriented, "volume_m3", k->volume_m3, "min_m", json_vector(k->box_ws.min), "max_m",
+                                       json_vector(k->box_ws.max));
+    for (int n = 0; n < HEALTH_COUNTS; n++)
+        json_object_set_new(json, choice_word(name, names, n), json_integer((json_int_t)k->counts[n]));
     return json;
 }
 
@@ -159,12 +143,13 @@ static json_t *health_json(const mesh_health *h)
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result run(health_command *c, message *m)
+static vxs_result run(void *command, message *m)
 {
-    scene       s       = {0};
-    casters     casting = {0};
-    mesh_health h       = {0};
-    vxs_result  r;
+    health_command *c       = command;
+    scene           s       = {0};
+    casters         casting = {0};
+    mesh_health     h       = {0};
+    vxs_result      r;
 
     if (c->json_path && (r = output_file_check(c->json_path, c->path, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
@@ -187,21 +172,14 @@ done:
 int cmd_health(int argc, char **argv)
 {
     health_command c         = {.closed = CLOSED_AUTO};
-    message        m         = {0};
     const option   options[] = {
           {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene", NULL},
           {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL, "which components are solids, as bake has it", NULL},
           {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component, not only the worst", NULL},
           {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "everything as JSON; - is standard output", NULL},
     };
-    const command_line line = {"health",
-                               "SCENE [options]",
-                               "What keeps components of a scene from being solids, and what else is wrong with them.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&c, &m);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("health", "SCENE [options]",
+                     "What keeps components of a scene from being solids, and what else is wrong with them.", options, 1);
+    return command_run(&line, argc, argv, &c.path, run, &c);
 }

@@ -1,8 +1,6 @@
 /* vxs mend: a scene with fewer holes, so that more of it is solid.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <stddef.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "baker/casters/casters.h"
 #include "baker/command/commands.h"
@@ -22,25 +20,17 @@ typedef struct mend_command {
     size_t         solids[2], triangles[2]; /* solids, and triangles of solids, before and after */
 } mend_command;
 
+/* In the order of repaired_component.counts: members of the JSON, and words. */
 static const struct repair_count {
-    const char *name, *text;
-    size_t      offset;
-} repair_counts[] = {
-    {"removed_repeated", "repeated triangles removed", offsetof(repaired_component, removed_repeated)},
-    {"removed_zero_area", "triangles without area removed", offsetof(repaired_component, removed_zero_area)},
-    {"turned_triangles", "triangles turned", offsetof(repaired_component, turned_triangles)},
-    {"filled_holes", "holes filled", offsetof(repaired_component, filled_holes)},
-    {"added_triangles", "triangles added", offsetof(repaired_component, added_triangles)},
-    {"left_holes", "holes left", offsetof(repaired_component, left_holes)},
+    const char *member, *text;
+} repair_counts[REPAIR_COUNTS] = {
+    {"removed_repeated", "repeated triangles removed"},
+    {"removed_zero_area", "triangles without area removed"},
+    {"turned_triangles", "triangles turned"},
+    {"filled_holes", "holes filled"},
+    {"added_triangles", "triangles added"},
+    {"left_holes", "holes left"},
 };
-enum { REPAIR_COUNTS = sizeof repair_counts / sizeof *repair_counts };
-
-static uint32_t repair_count_of(const repaired_component *k, int which)
-{
-    uint32_t count;
-    memcpy(&count, (const char *)k + repair_counts[which].offset, sizeof count);
-    return count;
-}
 
 /* as text -------------------------------------------------------------------------------------------------------------- */
 
@@ -48,9 +38,9 @@ static void print_counts(FILE *to, const repaired_component *k)
 {
     const char *separator = "";
     for (int i = 0; i < REPAIR_COUNTS; i++) {
-        uint32_t count = repair_count_of(k, i);
-        if (count) fprintf(to, "%s%u %s", separator, count, repair_counts[i].text);
-        if (count) separator = ", ";
+        if (!k->counts[i]) continue;
+        fprintf(to, "%s%u %s", separator, k->counts[i], repair_counts[i].text);
+        separator = ", ";
     }
     fprintf(to, "%s\n", *separator ? "" : "nothing to do");
 }
@@ -82,7 +72,7 @@ static json_t *counts_json(const repaired_component *k)
 {
     json_t *json = json_pack("{s:I}", "triangles", (json_int_t)k->triangles);
     for (int i = 0; i < REPAIR_COUNTS; i++)
-        json_object_set_new(json, repair_counts[i].name, json_integer((json_int_t)repair_count_of(k, i)));
+        json_object_set_new(json, repair_counts[i].member, json_integer((json_int_t)k->counts[i]));
     return json;
 }
 
@@ -148,10 +138,11 @@ static vxs_result check_outputs(const mend_command *c, message *m)
     return c->json_path ? output_file_check(c->json_path, c->path, m) : VXS_OK;
 }
 
-static vxs_result run(mend_command *c, message *m)
+static vxs_result run(void *command, message *m)
 {
-    scene      s = {0};
-    vxs_result r;
+    mend_command *c = command;
+    scene         s = {0};
+    vxs_result    r;
 
     if ((r = check_outputs(c, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
@@ -172,7 +163,6 @@ done:
 int cmd_mend(int argc, char **argv)
 {
     mend_command c         = {.how = REPAIR_DEFAULTS};
-    message      m         = {0};
     const option options[] = {
         {"-o", OPTION_TEXT, &c.output_path, 0, 0, NULL, "OUT.glb", "where the mended scene goes; - is standard output", NULL},
         {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
@@ -183,14 +173,8 @@ int cmd_mend(int argc, char **argv)
         {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component that was mended or still has holes", NULL},
         {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "what was done as JSON; - is standard output", NULL},
     };
-    const command_line line = {"mend",
-                               "SCENE -o OUT.glb [options]",
-                               "Close what can be closed, so that more of a scene is solid, and write what a bake needs of it.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, &c.path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&c, &m);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("mend", "SCENE -o OUT.glb [options]",
+                     "Close what can be closed, so that more of a scene is solid, and write what a bake needs of it.", options, 1);
+    return command_run(&line, argc, argv, &c.path, run, &c);
 }

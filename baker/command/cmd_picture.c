@@ -46,8 +46,9 @@ static vxs_result draw(picture_command *c, const truth *t, const casters *castin
     return fail(m, r, "out of memory for a picture of %u x %u pixels", o->width_px, o->height_px); /* the first message stays */
 }
 
-static vxs_result run(picture_command *c, message *m)
+static vxs_result run(void *command, message *m)
 {
+    picture_command       *c     = command;
     vxs_asset             *asset = NULL;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               light_count;
@@ -97,16 +98,8 @@ int cmd_picture(int argc, char **argv)
          {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
          {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all processors)", NULL},
     };
-    const command_line line = {"picture",
-                               "SCENE FILE.vxs -o OUT.png [options]",
-                               "A picture of a scene, its shadows looked up in a .vxs file and all else ray traced.",
-                               options,
-                               sizeof options / sizeof *options,
-                               2};
-    message            m    = {0};
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, c.files, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&c, &m);
-    free(c.light_names.items);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("picture", "SCENE FILE.vxs -o OUT.png [options]",
+                     "A picture of a scene, its shadows looked up in a .vxs file and all else ray traced.", options, 2);
+    return command_run(&line, argc, argv, c.files, run, &c);
 }

@@ -1,7 +1,5 @@
 /* vxs query: how lit is each point, by lookups in a .vxs file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <stdlib.h>
-
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/points.h"
@@ -11,6 +9,8 @@
 typedef struct query {
     const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */
     uint32_t               light_count, filter_px;
+    text_list              light_names;
+    const char            *path;
 } query;
 
 static void look_up(const void *user, const query_point *point, float *lit)
@@ -20,14 +20,15 @@ static void look_up(const void *user, const query_point *point, float *lit)
         lit[n] = vxs_lookup(q->lights[n], point->position_ws, point->has_normal ? point->normal_ws : NULL, (int)q->filter_px);
 }
 
-static vxs_result run(query *q, const char *path, const text_list *light_names, message *m)
+static vxs_result run(void *command, message *m)
 {
+    query     *q     = command;
     vxs_asset *asset = NULL;
     vxs_result r;
 
     if ((r = filter_check(q->filter_px, m)) != VXS_OK) goto done;
-    if ((r = asset_open(&asset, path, m)) != VXS_OK) goto done;
-    if ((r = asset_choose_lights(asset, light_names, q->lights, &q->light_count, m)) != VXS_OK) goto done;
+    if ((r = asset_open(&asset, q->path, m)) != VXS_OK) goto done;
+    if ((r = asset_choose_lights(asset, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK) goto done;
     r = points_answer(look_up, q, q->light_count, 1, m);
 done:
     vxs_asset_close(asset);
@@ -36,27 +37,18 @@ done:
 
 int cmd_query(int argc, char **argv)
 {
-    query        q           = {.filter_px = 1};
-    text_list    light_names = {0};
-    const char  *path        = NULL;
-    const option options[]   = {
-          {"--light", OPTION_TEXTS, &light_names, 0, 0, NULL, "NAME",
-           "answer for this light; repeat for more (default: all, in file order)", NULL},
-          {"--filter", OPTION_U32, &q.filter_px, 1, VXS_FILTER_MAX, NULL, "K",
-           "K x K box filter, K odd, 1 to 17 texels (default 1, a single tap)", NULL},
+    query        q         = {.filter_px = 1};
+    const option options[] = {
+        {"--light", OPTION_TEXTS, &q.light_names, 0, 0, NULL, "NAME",
+         "answer for this light; repeat for more (default: all, in file order)", NULL},
+        {"--filter", OPTION_U32, &q.filter_px, 1, VXS_FILTER_MAX, NULL, "K",
+         "K x K box filter, K odd, 1 to 17 texels (default 1, a single tap)", NULL},
     };
-    const command_line line = {"query",
-                               "FILE.vxs [options] < points",
-                               "For each line 'x y z' or 'x y z nx ny nz' of standard input (world space, metres), print "
-                               "the lit fraction, 0 to 1,\n"
-                               "one column a light; 'out' outside a light's volume.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    message            m    = {0};
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, &path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&q, path, &light_names, &m);
-    free(light_names.items);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("query", "FILE.vxs [options] < points",
+                     "For each line 'x y z' or 'x y z nx ny nz' of standard input (world space, metres), print "
+                     "the lit fraction, 0 to 1,\n"
+                     "one column a light; 'out' outside a light's volume.",
+                     options, 1);
+    return command_run(&line, argc, argv, &q.path, run, &q);
 }

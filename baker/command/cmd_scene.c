@@ -14,39 +14,13 @@ typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIN
 static const char *const kind_names[KINDS] = {"city", "landscape", "room", "forest", "stress"};
 
 typedef struct scene_options {
+    const char  *kind;
     city_options city;
     uint32_t     triangles, seed;
     double       sun[3], size_metres, height_metres;
     const char  *out, *stress_case;
     int          triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given;
 } scene_options;
-
-static vxs_result parse(scene_options *o, const char **kind, int argc, char **argv, int *help_shown, message *m)
-{
-    const option options[] = {
-        {"-o", OPTION_TEXT, &o->out, 0, 0, NULL, "OUT.glb", "where to write; - is standard output", NULL},
-        {"--triangles", OPTION_U32, &o->triangles, GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX, NULL, "T",
-         "all but stress: how many triangles, met within 2% (default 100000)", &o->triangles_given},
-        {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "all but stress: another seed, another scene (default 1)",
-         &o->seed_given},
-        {"--sun", OPTION_VECTOR, o->sun, 0, 3, NULL, "X,Y,Z",
-         "city, landscape, forest: the way sunlight travels (default -0.5,-1,-0.3)", &o->sun_given},
-        {"--blocks", OPTION_U32, &o->city.blocks, 1, CITY_BLOCKS_MAX, NULL, "N", "city: N x N blocks (default 8)",
-         &o->blocks_given},
-        {"--spots", OPTION_U32, &o->city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
-         &o->spots_given},
-        {"--size", OPTION_F64, &o->size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
-         "landscape, forest: length of a side (default 1024, of a forest 100)", &o->size_given},
-        {"--height", OPTION_F64, &o->height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
-         "landscape: from lowest to highest point (default 200)", &o->height_given},
-        {"--case", OPTION_TEXT, &o->stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
-         &o->case_given},
-    };
-    const command_line c = {
-        "scene", "KIND -o OUT.glb [options]",      "Make a test scene; KIND is city, landscape, room, forest or stress.",
-        options, sizeof options / sizeof *options, 1};
-    return options_parse(&c, argc, argv, kind, help_shown, m);
-}
 
 static vxs_result find_kind(scene_kind *kind, const char *name, message *m)
 {
@@ -134,21 +108,41 @@ done:
     return r;
 }
 
+static vxs_result run(void *command, message *m)
+{
+    const scene_options *o    = command;
+    scene_kind           kind = KIND_CITY;
+    vxs_result           r    = find_kind(&kind, o->kind, m);
+    if (r != VXS_OK) return r;
+    if (kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, kind, m) == VXS_OK)
+        print_cases();
+    else if ((r = check(o, kind, m)) == VXS_OK)
+        r = make_scene(o, kind, m);
+    return r;
+}
+
 int cmd_scene(int argc, char **argv)
 {
-    scene_options o    = {.city = {.blocks = 8}, .height_metres = 200, .triangles = 100000, .seed = 1, .sun = {-0.5, -1, -0.3}};
-    message       m    = {0};
-    const char   *name = NULL;
-    scene_kind    kind = KIND_CITY;
-    int           help_shown;
-    vxs_result    r;
-
-    if ((r = parse(&o, &name, argc, argv, &help_shown, &m)) != VXS_OK || help_shown) goto done;
-    if ((r = find_kind(&kind, name, &m)) != VXS_OK) goto done;
-    if (kind == KIND_STRESS && o.case_given && !strcmp(o.stress_case, "list") && check_kind(&o, kind, &m) == VXS_OK)
-        print_cases();
-    else if ((r = check(&o, kind, &m)) == VXS_OK)
-        r = make_scene(&o, kind, &m);
-done:
-    return command_end(&m, r);
+    scene_options o = {.city = {.blocks = 8}, .height_metres = 200, .triangles = 100000, .seed = 1, .sun = {-0.5, -1, -0.3}};
+    const option  options[] = {
+         {"-o", OPTION_TEXT, &o.out, 0, 0, NULL, "OUT.glb", "where to write; - is standard output", NULL},
+         {"--triangles", OPTION_U32, &o.triangles, GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX, NULL, "T",
+          "all but stress: how many triangles, met within 2% (default 100000)", &o.triangles_given},
+         {"--seed", OPTION_U32, &o.seed, 0, UINT32_MAX, NULL, "S", "all but stress: another seed, another scene (default 1)",
+          &o.seed_given},
+         {"--sun", OPTION_VECTOR, o.sun, 0, 3, NULL, "X,Y,Z",
+          "city, landscape, forest: the way sunlight travels (default -0.5,-1,-0.3)", &o.sun_given},
+         {"--blocks", OPTION_U32, &o.city.blocks, 1, CITY_BLOCKS_MAX, NULL, "N", "city: N x N blocks (default 8)", &o.blocks_given},
+         {"--spots", OPTION_U32, &o.city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
+          &o.spots_given},
+         {"--size", OPTION_F64, &o.size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
+          "landscape, forest: length of a side (default 1024, of a forest 100)", &o.size_given},
+         {"--height", OPTION_F64, &o.height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
+          "landscape: from lowest to highest point (default 200)", &o.height_given},
+         {"--case", OPTION_TEXT, &o.stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
+          &o.case_given},
+    };
+    const command_line line = COMMAND_LINE("scene", "KIND -o OUT.glb [options]",
+                                           "Make a test scene; KIND is city, landscape, room, forest or stress.", options, 1);
+    return command_run(&line, argc, argv, &o.kind, run, &o);
 }

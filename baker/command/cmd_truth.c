@@ -38,13 +38,14 @@ static void trace(const void *user, const query_point *point, float *lit)
     }
 }
 
-static vxs_result run(const truth_options *o, message *m)
+static vxs_result run(void *command, message *m)
 {
-    vxs_result   r;
-    scene        s      = {0};
-    light_choice lights = {0};
-    casters      c      = {0};
-    truth       *t      = NULL;
+    const truth_options *o = command;
+    vxs_result           r;
+    scene                s      = {0};
+    light_choice         lights = {0};
+    casters              c      = {0};
+    truth               *t      = NULL;
 
     if ((r = scene_load_gltf(&s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
     if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &lights, m)) != VXS_OK) goto done;
@@ -62,9 +63,7 @@ done:
 
 int cmd_truth(int argc, char **argv)
 {
-    message       m          = {0};
-    int           help_shown = 0;
-    truth_options o          = {.threads = parallel_default_threads()};
+    truth_options o = {.threads = parallel_default_threads()};
 
     const option options[] = {
         {"--light", OPTION_TEXTS, &o.light_names, 0, 0, NULL, "NAME", "a light, a column each (all)", NULL},
@@ -72,19 +71,11 @@ int cmd_truth(int argc, char **argv)
         {"--scene", OPTION_TEXT, &o.scene_name, 0, 0, NULL, "NAME", "a scene of the file, name or index (the file's own)", NULL},
         {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (the processors allowed)", NULL},
     };
-    const command_line line = {
-        .name     = "truth",
-        .synopsis = "SCENE [--light NAME]... [--sun X,Y,Z] [options] < points",
-        .summary  = "Read points from standard input, `x y z` or `x y z nx ny nz` a line (world space, metres); for each print 1\n"
-                    "(lit), 0 (in shadow) or out (beyond the light's cone or range), one column a light, by tracing a ray to the\n"
-                    "light. With a normal the ray starts just off the surface.",
-        .options  = options,
-        .option_count  = sizeof options / sizeof *options,
-        .operand_count = 1,
-    };
-
-    vxs_result r = options_parse(&line, argc, argv, &o.scene_path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(&o, &m);
-    free(o.light_names.items);
-    return command_end(&m, r);
+    const command_line line =
+        COMMAND_LINE("truth", "SCENE [--light NAME]... [--sun X,Y,Z] [options] < points",
+                     "Read points from standard input, `x y z` or `x y z nx ny nz` a line (world space, metres); for each print 1\n"
+                     "(lit), 0 (in shadow) or out (beyond the light's cone or range), one column a light, by tracing a ray to the\n"
+                     "light. With a normal the ray starts just off the surface.",
+                     options, 1);
+    return command_run(&line, argc, argv, &o.scene_path, run, &o);
 }

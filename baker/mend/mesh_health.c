@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/scratch.h"
+#include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
 #include "baker/casters/mesh_join.h"
@@ -19,11 +21,13 @@ enum { RECENT = 1 << 16 }; /* pairs of components that are remembered, so that m
 typedef struct examination {
     mesh_health   *h;
     const casters *c;
-    uint32_t      *sorted; /* [3 * triangle_count] half-edges */
-    uint32_t      *joined; /* scratch for union-find, [3 * triangle_count] at most */
-    uint8_t       *turned; /* [triangle_count] against its parent in the forest */
-    uint64_t      *keys;   /* scratch: [3 * triangle_count] */
-    uint64_t      *pairs;  /* [pair_count] solids that meet: lower, higher */
+    scratch        memory;     /* of the arrays but for pairs */
+    uint32_t       edge_count; /* 3 * triangle_count */
+    uint32_t      *sorted;     /* [edge_count] half-edges */
+    uint32_t      *joined;     /* scratch for union-find, [edge_count] at most */
+    uint8_t       *turned;     /* [triangle_count] against its parent in the forest */
+    uint64_t      *keys;       /* scratch: [edge_count] */
+    uint64_t      *pairs;      /* [pair_count] solids that meet: lower, higher */
     size_t         pair_count, pair_capacity;
     uint64_t      *recent; /* [RECENT] */
     int            no_memory;
@@ -34,6 +38,28 @@ static component_health *component_at(const examination *x, size_t triangle)
     return &x->h->components[x->c->component_of[triangle]];
 }
 
+/* --- keys: two numbers each, to be sorted and counted ------------------------------------------------------------------ */
+
+static int by_key(const void *a, const void *b)
+{
+    uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
+    return p < q ? -1 : p > q;
+}
+
+static void sort_keys(uint64_t *keys, size_t count)
+{
+    if (count > 1) qsort(keys, count, sizeof *keys, by_key); /* keys may be NULL when there are none */
+}
+
+static size_t drop_repeated(uint64_t *keys, size_t count)
+{
+    size_t kept = 0;
+    sort_keys(keys, count);
+    for (size_t i = 0; i < count; i++)
+        if (!i || keys[i] != keys[i - 1]) keys[kept++] = keys[i];
+    return kept;
+}
+
 /* --- edges ------------------------------------------------------------------------------------------------------------ */
 
 /* Half-edges [begin, end) of x->sorted are one edge. */
@@ -41,9 +67,8 @@ static void examine_edge(examination *x, uint32_t begin, uint32_t end)
 {
     const uint32_t   *indices = x->c->indices;
     component_health *k       = component_at(x, x->sorted[begin] / 3);
-    uint32_t          count = end - begin, start = indices[x->sorted[begin]];
-    int64_t           balance = 0;
-    for (uint32_t i = begin; i < end; i++) balance += indices[x->sorted[i]] == start ? 1 : -1;
+    uint32_t          count   = end - begin;
+    int64_t           balance = mesh_edge_balance(indices, x->sorted, begin, end);
     k->edges++;
     k->boundary_edges += count == 1;
     k->nonmanifold_edges += count > 2;
@@ -64,9 +89,8 @@ static void examine_sides(examination *x, uint32_t begin, uint32_t end)
 
 static void for_each_edge(examination *x, void (*examine)(examination *x, uint32_t begin, uint32_t end))
 {
-    uint32_t edge_count = (uint32_t)(3 * x->c->triangle_count);
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        for (end = begin; end < edge_count && mesh_same_edge(x->c->indices, x->sorted[begin], x->sorted[end]);) end++;
+    for (uint32_t begin = 0, end; begin < x->edge_count; begin = end) {
+        end = mesh_edge_run(x->c->indices, x->sorted, begin, x->edge_count);
         examine(x, begin, end);
     }
 }
@@ -95,39 +119,32 @@ static void join_hole(examination *x, uint32_t begin, uint32_t end)
     if (end - begin == 1) mesh_join(x->joined, x->c->indices[x->sorted[begin]], mesh_edge_end(x->c->indices, x->sorted[begin]));
 }
 
-static int by_key(const void *a, const void *b)
-{
-    uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
-    return p < q ? -1 : p > q;
-}
-
 /* A hole is counted once, at the boundary edge whose root is its lowest vertex. A vertex that two components share joins their holes:
  * each still has its own, so roots are told apart by component. */
 static void count_holes(examination *x)
 {
-    size_t key_count = 0, edge_count = 3 * x->c->triangle_count;
+    size_t key_count = 0;
     start_joining(x, x->c->vertex_count);
     for_each_edge(x, join_hole);
-    for (size_t begin = 0, end; begin < edge_count; begin = end) {
+    for (uint32_t begin = 0, end; begin < x->edge_count; begin = end) {
         uint32_t h = x->sorted[begin];
-        for (end = begin; end < edge_count && mesh_same_edge(x->c->indices, h, x->sorted[end]);) end++;
+        end        = mesh_edge_run(x->c->indices, x->sorted, begin, x->edge_count);
         if (end - begin == 1)
             x->keys[key_count++] = (uint64_t)x->c->component_of[h / 3] << 32 | mesh_find(x->joined, x->c->indices[h]);
     }
-    qsort(x->keys, key_count, sizeof *x->keys, by_key);
-    for (size_t i = 0; i < key_count; i++)
-        if (!i || x->keys[i] != x->keys[i - 1]) x->h->components[x->keys[i] >> 32].holes++;
+    key_count = drop_repeated(x->keys, key_count);
+    for (size_t i = 0; i < key_count; i++) x->h->components[x->keys[i] >> 32].holes++;
 }
 
 /* One root of corners for each group of triangles around a vertex. */
 static void count_vertices(examination *x)
 {
-    size_t key_count = 0, corner_count = 3 * x->c->triangle_count;
-    start_joining(x, corner_count);
+    size_t key_count = 0;
+    start_joining(x, x->edge_count); /* there are as many corners */
     for_each_edge(x, join_corners);
-    for (uint32_t i = 0; i < corner_count; i++)
+    for (uint32_t i = 0; i < x->edge_count; i++)
         if (mesh_find(x->joined, i) == i) x->keys[key_count++] = (uint64_t)x->c->component_of[i / 3] << 32 | x->c->indices[i];
-    qsort(x->keys, key_count, sizeof *x->keys, by_key);
+    sort_keys(x->keys, key_count);
     for (size_t begin = 0, end; begin < key_count; begin = end) {
         component_health *k = &x->h->components[x->keys[begin] >> 32];
         for (end = begin; end < key_count && x->keys[end] == x->keys[begin];) end++;
@@ -138,23 +155,12 @@ static void count_vertices(examination *x)
 
 /* --- triangles -------------------------------------------------------------------------------------------------------- */
 
-static void sort_corners(uint32_t out[3], const uint32_t *v)
-{
-    memcpy(out, v, 3 * sizeof *out);
-    for (int i = 0; i < 3; i++) { /* two exchanges suffice, a third does no harm */
-        int      k   = i % 2;
-        uint32_t low = out[k] < out[k + 1] ? out[k] : out[k + 1], high = out[k] < out[k + 1] ? out[k + 1] : out[k];
-        out[k]     = low;
-        out[k + 1] = high;
-    }
-}
-
+/* Corners of a triangle all differ. */
 static int same_corners(const uint32_t *v, const uint32_t *w)
 {
-    uint32_t p[3], q[3];
-    sort_corners(p, v);
-    sort_corners(q, w);
-    return !memcmp(p, q, sizeof p);
+    for (int i = 0; i < 3; i++)
+        if (v[i] != w[0] && v[i] != w[1] && v[i] != w[2]) return 0;
+    return 1;
 }
 
 /* Repeated triangles are found at the edge of their two lowest corners, where they differ only in the third. */
@@ -164,14 +170,10 @@ static void find_repeated(examination *x, uint32_t begin, uint32_t end)
     size_t          count   = 0;
     if (end - begin < 2) return;
     for (uint32_t i = begin; i < end; i++) {
-        uint32_t        h = x->sorted[i];
-        const uint32_t *v = &indices[3 * (size_t)(h / 3)];
-        uint32_t        sorted_corners[3];
-        sort_corners(sorted_corners, v);
-        if (sorted_corners[0] != mesh_edge_low(indices, h) || sorted_corners[1] != mesh_edge_high(indices, h)) continue;
-        x->keys[count++] = sorted_corners[2];
+        uint32_t third = mesh_edge_opposite(indices, x->sorted[i]);
+        if (third > mesh_edge_high(indices, x->sorted[i])) x->keys[count++] = third;
     }
-    qsort(x->keys, count, sizeof *x->keys, by_key);
+    sort_keys(x->keys, count);
     for (size_t i = 1; i < count; i++) component_at(x, x->sorted[begin] / 3)->repeated_triangles += x->keys[i] == x->keys[i - 1];
 }
 
@@ -181,11 +183,9 @@ static void measure(examination *x)
     mesh_soup      soup = {c->positions_ws, c->indices, c->triangle_count};
     for (size_t t = 0; t < c->triangle_count; t++) {
         component_health *k = component_at(x, t);
-        const double     *p[3];
-        for (size_t i = 0; i < 3; i++) p[i] = &c->positions_ws[3 * (size_t)c->indices[3 * t + i]];
         k->triangles++;
-        for (size_t i = 0; i < 3; i++) box_add(&k->box_ws, p[i]);
-        k->zero_area_triangles += (uint32_t)mesh_is_flat(&soup, t);
+        for (size_t i = 0; i < 3; i++) box_add(&k->box_ws, &c->positions_ws[3 * (size_t)c->indices[3 * t + i]]);
+        k->zero_area_triangles += mesh_is_flat(&soup, t) != 0;
     }
 }
 
@@ -195,26 +195,15 @@ static void sum_volumes(examination *x)
     const casters *c = x->c;
     for (size_t t = 0; t < c->triangle_count; t++) {
         component_health *k = component_at(x, t);
-        double            e[3][3];
+        double            e[3][3], normal[3];
         if (!k->closed || !k->oriented) continue;
-        for (size_t i = 0; i < 9; i++)
-            e[i / 3][i % 3] = c->positions_ws[3 * (size_t)c->indices[3 * t + i / 3] + i % 3] - k->box_ws.min[i % 3];
-        k->volume_m3 += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-                        6;
+        for (size_t i = 0; i < 3; i++) vec3_sub(&c->positions_ws[3 * (size_t)c->indices[3 * t + i]], k->box_ws.min, e[i]);
+        vec3_cross(e[1], e[2], normal);
+        k->volume_m3 += vec3_dot(e[0], normal) / 6;
     }
 }
 
 /* --- intersections ---------------------------------------------------------------------------------------------------- */
-
-static size_t drop_repeated(uint64_t *keys, size_t count)
-{
-    size_t kept = 0;
-    if (count > 1) qsort(keys, count, sizeof *keys, by_key); /* keys may be NULL when there are none */
-    for (size_t i = 0; i < count; i++)
-        if (!i || keys[i] != keys[i - 1]) keys[kept++] = keys[i];
-    return kept;
-}
 
 static uint64_t pair_key(const examination *x, uint32_t a, uint32_t b)
 {
@@ -266,34 +255,25 @@ static int keep_intersection(void *user, uint32_t a, uint32_t b)
 /* Lay out which solids meet: every pair twice, once from each side. */
 static int list_met(examination *x)
 {
-    mesh_health *h = x->h;
-    x->pair_count  = drop_repeated(x->pairs, x->pair_count);
-    h->met         = malloc((2 * x->pair_count + 1) * sizeof *h->met);
-    if (!h->met) return 0;
-    for (size_t i = 0; i < x->pair_count; i++) {
-        h->components[x->pairs[i] >> 32].meets++;
-        h->components[(uint32_t)x->pairs[i]].meets++;
+    mesh_health *h     = x->h;
+    size_t       count = drop_repeated(x->pairs, x->pair_count);
+    h->met             = malloc((2 * count + 1) * sizeof *h->met);
+    if (!h->met || !array_reserve(&x->pairs, &x->pair_capacity, 2 * count, sizeof *x->pairs)) return 0;
+    for (size_t i = 0; i < count; i++) x->pairs[count + i] = x->pairs[i] << 32 | x->pairs[i] >> 32;
+    sort_keys(x->pairs, 2 * count);
+    for (size_t i = 0; i < 2 * count; i++) {
+        component_health *k = &h->components[x->pairs[i] >> 32];
+        if (!k->meets++) k->meets_first = i;
+        h->met[i] = (uint32_t)x->pairs[i];
     }
-    uint64_t place = 0;
-    for (size_t i = 0; i < h->count; i++) {
-        h->components[i].meets_first = place;
-        place += h->components[i].meets;
-        h->components[i].meets = 0;
-    }
-    /* lower ones first, then higher ones, so that each list ascends */
-    for (int higher = 0; higher < 2; higher++)
-        for (size_t i = 0; i < x->pair_count; i++) {
-            uint32_t          low = (uint32_t)(x->pairs[i] >> 32), high = (uint32_t)x->pairs[i];
-            component_health *k                 = &h->components[higher ? low : high];
-            h->met[k->meets_first + k->meets++] = higher ? high : low;
-        }
     return 1;
 }
 
 static int examine_intersections(examination *x)
 {
     mesh_soup   soup   = {x->c->positions_ws, x->c->indices, x->c->triangle_count};
-    mesh_search search = {.wanted = matters, .found = keep_intersection, .user = x, .overlaps_max = LOOKS_MAX, .tests_max = TESTS_MAX};
+    mesh_search search = {
+        .wanted = matters, .found = keep_intersection, .user = x, .overlaps_max = LOOKS_MAX, .tests_max = TESTS_MAX};
     if (mesh_find_intersections(&soup, &search) != VXS_OK || x->no_memory) return 0;
     x->h->gave_up = search.gave_up;
     return list_met(x);
@@ -310,17 +290,7 @@ static void sum_up(mesh_health *h)
         const component_health *k = &h->components[i];
         box_add(&sum->box_ws, k->box_ws.min);
         box_add(&sum->box_ws, k->box_ws.max);
-        sum->triangles += k->triangles;
-        sum->vertices += k->vertices;
-        sum->edges += k->edges;
-        sum->boundary_edges += k->boundary_edges;
-        sum->holes += k->holes;
-        sum->nonmanifold_edges += k->nonmanifold_edges;
-        sum->misoriented_edges += k->misoriented_edges;
-        sum->nonmanifold_vertices += k->nonmanifold_vertices;
-        sum->zero_area_triangles += k->zero_area_triangles;
-        sum->repeated_triangles += k->repeated_triangles;
-        sum->self_intersections += k->self_intersections;
+        for (int n = 0; n < HEALTH_COUNTS; n++) sum->counts[n] += k->counts[n];
         sum->meets += k->meets;
         sum->closed &= k->closed;
         sum->orientable &= k->orientable;
@@ -332,15 +302,15 @@ static void sum_up(mesh_health *h)
 static int make_room(examination *x, mesh_health *h, const casters *c)
 {
     for (int kind = 0; kind < COMPONENT_KINDS; kind++) h->count += c->component_count[kind];
-    size_t corners = 3 * c->triangle_count;
-    h->components  = calloc(h->count + 1, sizeof *h->components);
-    x->sorted      = malloc((corners + 1) * sizeof *x->sorted);
-    x->joined      = malloc((corners + 1) * sizeof *x->joined); /* there are no more vertices than corners */
-    x->turned      = calloc(c->triangle_count + 1, sizeof *x->turned);
-    x->keys        = malloc((corners + 1) * sizeof *x->keys);
-    x->recent      = malloc(RECENT * sizeof *x->recent);
+    x->edge_count = (uint32_t)(3 * c->triangle_count);
+    h->components = calloc(h->count + 1, sizeof *h->components);
+    x->sorted     = scratch_take(&x->memory, x->edge_count, sizeof *x->sorted);
+    x->joined     = scratch_take(&x->memory, x->edge_count, sizeof *x->joined); /* there are no more vertices than corners */
+    x->turned     = scratch_take(&x->memory, c->triangle_count, sizeof *x->turned);
+    x->keys       = scratch_take(&x->memory, x->edge_count, sizeof *x->keys);
+    x->recent     = scratch_take(&x->memory, RECENT, sizeof *x->recent);
     if (x->recent) memset(x->recent, 0xff, RECENT * sizeof *x->recent);
-    return h->components && x->sorted && x->joined && x->turned && x->keys && x->recent;
+    return h->components && !x->memory.missing;
 }
 
 static int examine(examination *x, mesh_health *h, const casters *c, void (*progress)(const char *what))
@@ -371,12 +341,8 @@ vxs_result mesh_health_examine(mesh_health *h, const casters *c, void (*progress
     examination x  = {.h = h, .c = c};
     int         ok = examine(&x, h, c, progress);
     if (ok) sum_up(h);
-    free(x.sorted);
-    free(x.joined);
-    free(x.turned);
-    free(x.keys);
+    scratch_free(&x.memory);
     free(x.pairs);
-    free(x.recent);
     if (ok) return VXS_OK;
     mesh_health_free(h);
     return fail(m, VXS_E_MEMORY, "out of memory while examining %zu triangles", c->triangle_count);
@@ -391,7 +357,7 @@ void mesh_health_free(mesh_health *h)
 
 int component_has_faults(const component_health *c)
 {
-    return c->boundary_edges || c->nonmanifold_edges || c->misoriented_edges || c->nonmanifold_vertices || c->zero_area_triangles ||
-           c->repeated_triangles || c->self_intersections || c->meets || !c->closed || !c->orientable || !c->oriented ||
-           c->kind == COMPONENT_SHEET_INWARD;
+    for (int n = HEALTH_FAULTS; n < HEALTH_COUNTS; n++)
+        if (c->counts[n]) return 1;
+    return c->meets || !c->closed || !c->orientable || !c->oriented || c->kind == COMPONENT_SHEET_INWARD;
 }

@@ -10,21 +10,26 @@
 extern "C" {
 #endif
 
+enum { HEALTH_FAULTS = 3, HEALTH_COUNTS = 11 }; /* the first count of faults, and how many counts there are */
+
 /* One connected component, or the sum of all. */
 typedef struct component_health {
     component_kind kind; /* as the casters have it */
-    uint32_t       triangles, vertices;
-
-    uint32_t edges;
-    uint32_t boundary_edges;       /* of one triangle */
-    uint32_t holes;                /* connected groups of boundary edges */
-    uint32_t nonmanifold_edges;    /* of more than two triangles */
-    uint32_t misoriented_edges;    /* of two triangles whose windings differ */
-    uint32_t nonmanifold_vertices; /* whose triangles fall into groups that no edge connects */
-    uint32_t zero_area_triangles;  /* without area: three corners on one line */
-    uint32_t repeated_triangles;   /* whose three corners occurred before, in any order */
-    /* pairs of its triangles that have more in common than an edge or a corner; repeated ones do not count */
-    uint64_t self_intersections;
+    union {
+        struct {
+            uint64_t triangles, vertices, edges;
+            uint64_t boundary_edges;       /* of one triangle: the first fault */
+            uint64_t holes;                /* connected groups of boundary edges */
+            uint64_t nonmanifold_edges;    /* of more than two triangles */
+            uint64_t misoriented_edges;    /* of two triangles whose windings differ */
+            uint64_t nonmanifold_vertices; /* whose triangles fall into groups that no edge connects */
+            /* pairs of its triangles that have more in common than an edge or a corner; repeated ones do not count */
+            uint64_t self_intersections;
+            uint64_t zero_area_triangles; /* without area: three corners on one line */
+            uint64_t repeated_triangles;  /* whose three corners occurred before, in any order */
+        };
+        uint64_t counts[HEALTH_COUNTS]; /* the same, one after the other */
+    };
     uint64_t meets_first, meets; /* [meets_first, meets_first + meets) of mesh_health.met */
 
     uint8_t closed;     /* each edge has an even number of triangles */

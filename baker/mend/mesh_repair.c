@@ -8,6 +8,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/box.h"
+#include "baker/base/scratch.h"
 #include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
@@ -25,24 +26,32 @@ enum {
 /* The scene between two steps, welded. */
 typedef struct snapshot {
     mesh_weld mesh;
-    uint32_t *sorted;       /* [3 * triangles] half-edges */
+    scratch   memory; /* of what follows */
+    uint32_t  edge_count;
+    uint32_t *sorted;       /* [edge_count] half-edges, those of an edge together: a run */
+    uint32_t *faces;        /* [edge_count] how many half-edges the edge of a half-edge has */
     uint32_t *component_of; /* [triangles] */
     size_t    component_count;
     uint8_t  *broken; /* [component_count] 1: some edge does not balance, and no triangle is alpha-tested */
     uint8_t  *masked; /* [component_count] 1: some triangle is */
 } snapshot;
 
+/* What is known of a triangle of the scene. */
+typedef struct triangle_note {
+    uint32_t origin; /* its component in the scene as it was; NONE: it was collapsed */
+    uint8_t  masked; /* 1: alpha-tested */
+} triangle_note;
+
 typedef struct repair {
     scene                *s;
     const repair_options *o;
-    uint8_t              *masked;    /* [scene triangles] 1: alpha-tested */
-    uint32_t             *origin_of; /* [scene triangles] its component in the scene as it was; NONE: it was collapsed */
-    repaired_component   *origins;   /* [origin_count] */
-    size_t                origin_count;
+    repair_report        *out;   /* its components: all of the scene as it was, until sum_up */
+    triangle_note        *notes; /* [scene triangles] */
+    size_t                note_capacity;
     snapshot              v;
-    uint32_t             *line;   /* [REPAIR_HOLE_EDGES_MAX] vertices along a hole */
-    double               *points; /* [3 * REPAIR_HOLE_EDGES_MAX] */
-    uint32_t             *filled; /* [3 * REPAIR_HOLE_EDGES_MAX] */
+    uint32_t              line[REPAIR_HOLE_EDGES_MAX];       /* vertices along a hole */
+    double                points[3 * REPAIR_HOLE_EDGES_MAX]; /* of the line */
+    uint32_t              filled[3 * REPAIR_HOLE_EDGES_MAX]; /* triangles, as numbers along the line */
 } repair;
 
 /* --- snapshot --------------------------------------------------------------------------------------------------------- */
@@ -50,33 +59,20 @@ typedef struct repair {
 static void snapshot_free(snapshot *v)
 {
     mesh_weld_free(&v->mesh);
-    free(v->sorted);
-    free(v->component_of);
-    free(v->broken);
-    free(v->masked);
+    scratch_free(&v->memory);
     *v = (snapshot){0};
-}
-
-static uint32_t edge_run(const snapshot *v, uint32_t begin)
-{
-    uint32_t end = begin + 1, edge_count = (uint32_t)(3 * v->mesh.triangle_count);
-    while (end < edge_count && mesh_same_edge(v->mesh.indices, v->sorted[begin], v->sorted[end])) end++;
-    return end;
 }
 
 static int64_t edge_balance(const snapshot *v, uint32_t begin, uint32_t end)
 {
-    int64_t balance = 0;
-    for (uint32_t i = begin; i < end; i++) balance += v->mesh.indices[v->sorted[i]] == v->mesh.indices[v->sorted[begin]] ? 1 : -1;
-    return balance;
+    return mesh_edge_balance(v->mesh.indices, v->sorted, begin, end);
 }
 
 static void judge_components(const repair *x, snapshot *v)
 {
-    uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
-    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->masked[v->mesh.from[t]];
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end             = edge_run(v, begin);
+    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) v->masked[v->component_of[t]] |= x->notes[v->mesh.from[t]].masked;
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end             = begin + v->faces[v->sorted[begin]];
         uint32_t within = v->component_of[v->sorted[begin] / 3];
         if (edge_balance(v, begin, end) && !v->masked[within]) v->broken[within] = 1;
     }
@@ -94,13 +90,18 @@ static vxs_result take_snapshot(repair *x, message *m)
     snapshot_free(v);
     if ((r = mesh_weld_scene(&v->mesh, x->s, m)) != VXS_OK) return r;
     size_t count    = v->mesh.triangle_count;
-    v->sorted       = malloc((3 * count + 1) * sizeof *v->sorted);
-    v->component_of = malloc((count + 1) * sizeof *v->component_of);
-    v->broken       = calloc(count + 1, sizeof *v->broken);
-    v->masked       = calloc(count + 1, sizeof *v->masked);
-    if (!v->sorted || !v->component_of || !v->broken || !v->masked ||
-        mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count) != VXS_OK)
+    v->edge_count   = (uint32_t)(3 * count);
+    v->sorted       = scratch_take(&v->memory, v->edge_count, sizeof *v->sorted);
+    v->faces        = scratch_take(&v->memory, v->edge_count, sizeof *v->faces);
+    v->component_of = scratch_take(&v->memory, count, sizeof *v->component_of);
+    v->broken       = scratch_take(&v->memory, count, sizeof *v->broken);
+    v->masked       = scratch_take(&v->memory, count, sizeof *v->masked);
+    if (v->memory.missing || mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count) != VXS_OK)
         return out_of_memory(x, m);
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end = mesh_edge_run(v->mesh.indices, v->sorted, begin, v->edge_count);
+        for (uint32_t i = begin; i < end; i++) v->faces[v->sorted[i]] = end - begin;
+    }
     v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count);
     judge_components(x, v);
     return VXS_OK;
@@ -114,7 +115,7 @@ static int is_broken(const snapshot *v, uint32_t triangle)
 /* What is done to a triangle is counted for the component that it was part of in the beginning. */
 static repaired_component *origin_at(const repair *x, uint32_t triangle)
 {
-    return &x->origins[x->origin_of[x->v.mesh.from[triangle]]];
+    return &x->out->components[x->notes[x->v.mesh.from[triangle]].origin];
 }
 
 static const double *position(const snapshot *v, uint32_t vertex)
@@ -124,125 +125,91 @@ static const double *position(const snapshot *v, uint32_t vertex)
 
 /* --- remove ----------------------------------------------------------------------------------------------------------- */
 
-/* The third corner of a triangle. */
-static uint32_t opposite(const snapshot *v, uint32_t h)
-{
-    return v->mesh.indices[h % 3 == 0 ? h + 2 : h - 1];
-}
-
-/* Of triangles with the same corners, with the half-edge h between both lowest ones: how many more have the winding of h's than the other one. */
-static int64_t count_copies(const snapshot *v, uint32_t begin, uint32_t end, uint32_t h)
-{
-    int64_t more = 0;
-    for (uint32_t i = begin; i < end; i++)
-        if (opposite(v, v->sorted[i]) == opposite(v, h)) more += v->mesh.indices[v->sorted[i]] == v->mesh.indices[h] ? 1 : -1;
-    return more;
-}
-
-/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles.
- * faces  [half-edges] how many triangles their edges have */
-static int goes_on(const uint32_t *faces, uint32_t t, uint32_t copies)
+/* 1 when the surface goes on from a triangle that has `copies` in all: each of its edges has an odd number of other triangles. */
+static int goes_on(const snapshot *v, uint32_t t, uint32_t copies)
 {
     for (uint32_t h = 3 * t; h < 3 * t + 3; h++)
-        if ((faces[h] - copies) % 2 == 0) return 0;
+        if ((v->faces[h] - copies) % 2 == 0) return 0;
     return 1;
-}
-
-static uint32_t count_same(const snapshot *v, uint32_t begin, uint32_t end, uint32_t h)
-{
-    uint32_t count = 0;
-    for (uint32_t i = begin; i < end; i++) count += opposite(v, v->sorted[i]) == opposite(v, h);
-    return count;
 }
 
 /* Mark copies of triangles of one edge. Each triangle is seen once, at the edge of its two lowest corners. Of its copies the first one with
  * the winding of most stays. When both windings are as many and the surface does not go on, they are walls of closed surfaces that touch:
  * all stay. */
-static void find_repeated(const repair *x, uint32_t begin, uint32_t end, const uint32_t *faces, uint8_t *removed)
+static void find_repeated(const repair *x, uint32_t begin, uint32_t end, uint8_t *removed)
 {
-    const snapshot *v = &x->v;
+    const snapshot *v       = &x->v;
+    const uint32_t *indices = v->mesh.indices;
     for (uint32_t i = begin; i < end && end - begin <= COPIES_MAX; i++) {
-        uint32_t h = v->sorted[i];
-        if (removed[h / 3] || opposite(v, h) < mesh_edge_high(v->mesh.indices, h)) continue;
-        int64_t  more = count_copies(v, begin, end, h);
-        uint32_t kept = NONE;
-        if (!more && !goes_on(faces, h / 3, count_same(v, begin, end, h))) continue;
+        uint32_t h = v->sorted[i], copies = 0;
+        int      more = 0, kept = 0; /* more copies have the winding of h than the other one */
+        if (removed[h / 3] || mesh_edge_opposite(indices, h) < mesh_edge_high(indices, h)) continue;
+        for (uint32_t k = begin; k < end; k++) {
+            if (mesh_edge_opposite(indices, v->sorted[k]) != mesh_edge_opposite(indices, h)) continue;
+            more += indices[v->sorted[k]] == indices[h] ? 1 : -1;
+            copies++;
+        }
+        if (!more && !goes_on(v, h / 3, copies)) continue;
         for (uint32_t k = begin; k < end; k++) {
             uint32_t g = v->sorted[k];
-            if (opposite(v, g) != opposite(v, h)) continue;
-            int as_most = (v->mesh.indices[g] == v->mesh.indices[h]) == (more >= 0);
-            if (as_most && kept == NONE)
-                kept = g / 3;
-            else
-                removed[g / 3] = 1;
+            if (mesh_edge_opposite(indices, g) != mesh_edge_opposite(indices, h)) continue;
+            int as_most = (indices[g] == indices[h]) == (more >= 0);
+            if (!as_most || kept) removed[g / 3] = 1;
+            kept |= as_most;
         }
     }
 }
 
-static void find_removed(repair *x, uint32_t *faces, uint8_t *removed)
+/* Returns how many triangles are to be removed. */
+static size_t find_removed(repair *x, uint8_t *removed)
 {
-    const snapshot *v          = &x->v;
-    mesh_soup       soup       = {v->mesh.positions_ws, v->mesh.indices, v->mesh.triangle_count};
-    uint32_t        edge_count = (uint32_t)(3 * v->mesh.triangle_count);
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end = edge_run(v, begin);
-        for (uint32_t i = begin; i < end; i++) faces[v->sorted[i]] = end - begin;
-    }
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end = begin + faces[v->sorted[begin]];
-        if (end - begin > 1 && is_broken(v, v->sorted[begin] / 3)) find_repeated(x, begin, end, faces, removed);
+    const snapshot *v     = &x->v;
+    mesh_soup       soup  = {v->mesh.positions_ws, v->mesh.indices, v->mesh.triangle_count};
+    size_t          count = 0;
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end = begin + v->faces[v->sorted[begin]];
+        if (end - begin > 1 && is_broken(v, v->sorted[begin] / 3)) find_repeated(x, begin, end, removed);
     }
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
-        if (removed[t]) origin_at(x, t)->removed_repeated++;
-        if (removed[t] || !is_broken(v, t) || !mesh_is_flat(&soup, t)) continue;
-        removed[t] = 1;
-        origin_at(x, t)->removed_zero_area++;
+        int is_flat = !removed[t] && is_broken(v, t) && mesh_is_flat(&soup, t);
+        origin_at(x, t)->removed_repeated += removed[t];
+        origin_at(x, t)->removed_zero_area += (uint32_t)is_flat;
+        removed[t] |= (uint8_t)is_flat;
+        count += removed[t];
     }
+    return count;
 }
 
 /* Take triangles out of the scene.
- * gone  [scene triangles] 1: this one */
-static void take_out(repair *x, const uint8_t *gone)
+ * removed  [welded triangles], which are in the scene's order */
+static void take_out(repair *x, const uint8_t *removed)
 {
-    scene *s    = x->s;
-    size_t kept = 0, masks = 0;
+    scene           *s    = x->s;
+    const mesh_weld *mesh = &x->v.mesh;
+    size_t           kept = 0, masks = 0, welded = 0;
     for (size_t t = 0; t < s->triangle_count; t++) {
+        int is_welded = welded < mesh->triangle_count && mesh->from[welded] == t;
         while (masks < s->mask_triangle_count && s->mask_triangles[masks].triangle < t) masks++;
-        if (gone[t]) continue;
+        if (is_welded && removed[welded++]) continue;
         if (masks < s->mask_triangle_count && s->mask_triangles[masks].triangle == t)
             s->mask_triangles[masks++].triangle = (uint32_t)kept;
         memmove(&s->indices[3 * kept], &s->indices[3 * t], 3 * sizeof *s->indices);
         s->triangle_flags[kept] = s->triangle_flags[t];
-        x->masked[kept]         = x->masked[t];
-        x->origin_of[kept++]    = x->origin_of[t];
+        x->notes[kept++]        = x->notes[t];
     }
     s->triangle_count = kept;
 }
 
 static vxs_result remove_triangles(repair *x, message *m)
 {
-    const snapshot *v       = &x->v;
-    uint8_t        *removed = calloc(v->mesh.triangle_count + 1, sizeof *removed);
-    uint8_t        *gone    = calloc(x->s->triangle_count + 1, sizeof *gone);
-    uint32_t       *faces   = malloc((3 * v->mesh.triangle_count + 1) * sizeof *faces);
-    size_t          count   = 0;
-    vxs_result      r       = VXS_OK;
-    if (!removed || !gone || !faces) {
-        r = out_of_memory(x, m);
-        goto done;
+    scratch    memory  = {0};
+    uint8_t   *removed = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *removed);
+    vxs_result r       = memory.missing ? out_of_memory(x, m) : VXS_OK;
+    if (r == VXS_OK && find_removed(x, removed)) {
+        take_out(x, removed);
+        r = take_snapshot(x, m);
     }
-    find_removed(x, faces, removed);
-    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
-        gone[v->mesh.from[t]] = removed[t];
-        count += removed[t];
-    }
-    if (!count) goto done;
-    take_out(x, gone);
-    r = take_snapshot(x, m);
-done:
-    free(removed);
-    free(gone);
-    free(faces);
+    scratch_free(&memory);
     return r;
 }
 
@@ -292,13 +259,12 @@ static void turn_triangle(scene *s, uint32_t t)
  * Returns how many triangles it turned. */
 static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch *patches)
 {
-    const snapshot *v          = &x->v;
-    uint32_t        edge_count = (uint32_t)(3 * v->mesh.triangle_count);
-    size_t          count      = 0;
+    const snapshot *v     = &x->v;
+    size_t          count = 0;
     int             is_turned;
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) parents[t] = t;
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end = edge_run(v, begin);
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end = begin + v->faces[v->sorted[begin]];
         if (end - begin != 2 || !is_broken(v, v->sorted[begin] / 3)) continue;
         uint32_t a = v->sorted[begin] / 3, b = v->sorted[begin + 1] / 3;
         if (!mesh_join_turned(parents, turned, a, b, edge_balance(v, begin, end) != 0)) patches[a].one_sided = 1;
@@ -321,24 +287,27 @@ static size_t turn_patches(repair *x, uint32_t *parents, uint8_t *turned, patch 
 
 static vxs_result orient(repair *x, message *m)
 {
-    size_t     triangle_count = x->v.mesh.triangle_count;
-    uint32_t  *parents        = malloc((triangle_count + 1) * sizeof *parents);
-    uint8_t   *turned         = calloc(triangle_count + 1, sizeof *turned);
-    patch     *patches        = calloc(triangle_count + 1, sizeof *patches);
-    vxs_result r              = VXS_OK;
-    if (!parents || !turned || !patches)
-        r = out_of_memory(x, m);
-    else if (turn_patches(x, parents, turned, patches))
-        r = take_snapshot(x, m);
-    free(parents);
-    free(turned);
-    free(patches);
+    scratch    memory  = {0};
+    uint32_t  *parents = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *parents);
+    uint8_t   *turned  = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *turned);
+    patch     *patches = scratch_take(&memory, x->v.mesh.triangle_count, sizeof *patches);
+    vxs_result r       = memory.missing ? out_of_memory(x, m) : VXS_OK;
+    if (r == VXS_OK && turn_patches(x, parents, turned, patches)) r = take_snapshot(x, m);
+    scratch_free(&memory);
     return r;
 }
 
 /* --- fill ------------------------------------------------------------------------------------------------------------- */
 
+/* A new triangle. */
+typedef struct addition {
+    uint32_t corners[3]; /* scene vertices */
+    uint32_t beside;     /* the triangle at the hole */
+    int      is_first;   /* of its hole */
+} addition;
+
 typedef struct filling {
+    scratch   memory;     /* of all up to the additions */
     uint32_t *ends_at;    /* [vertices + 1] border half-edges that end at a vertex are at[ends_at[v]] .. at[ends_at[v + 1] - 1] */
     uint32_t *at;         /* [half-edges] */
     uint8_t  *used;       /* [half-edges] */
@@ -347,121 +316,103 @@ typedef struct filling {
     uint32_t *vertex_of;  /* [vertices] one of the scene's */
     uint8_t  *stays_open; /* [component_count] 1: holes are not all that is wrong, or some are too large */
     box      *boxes;      /* [component_count] */
-    uint32_t *added;      /* [3 * added_count] scene vertices */
-    uint32_t *beside;     /* [added_count] the triangle at the hole */
-    size_t    added_count, added_capacity, beside_capacity;
+    addition *added;      /* [added_count] */
+    size_t    added_count, added_capacity;
     int       no_memory;
 } filling;
 
-static void filling_free(filling *f)
-{
-    free(f->ends_at);
-    free(f->at);
-    free(f->used);
-    free(f->on_path);
-    free(f->path);
-    free(f->vertex_of);
-    free(f->stays_open);
-    free(f->boxes);
-    free(f->added);
-    free(f->beside);
-}
-
 static int filling_init(filling *f, const snapshot *v)
 {
-    size_t edges = 3 * v->mesh.triangle_count + 1, vertices = v->mesh.vertex_count + 2;
-    f->ends_at    = calloc(vertices, sizeof *f->ends_at);
-    f->at         = malloc(edges * sizeof *f->at);
-    f->used       = calloc(edges, sizeof *f->used);
-    f->on_path    = calloc(vertices, sizeof *f->on_path);
-    f->path       = malloc(edges * sizeof *f->path);
-    f->vertex_of  = malloc(vertices * sizeof *f->vertex_of);
-    f->stays_open = calloc(v->component_count + 1, sizeof *f->stays_open);
-    f->boxes      = malloc((v->component_count + 1) * sizeof *f->boxes);
-    return f->ends_at && f->at && f->used && f->on_path && f->path && f->vertex_of && f->stays_open && f->boxes;
+    scratch *memory = &f->memory;
+    f->ends_at      = scratch_take(memory, v->mesh.vertex_count + 1, sizeof *f->ends_at);
+    f->at           = scratch_take(memory, v->edge_count, sizeof *f->at);
+    f->used         = scratch_take(memory, v->edge_count, sizeof *f->used);
+    f->on_path      = scratch_take(memory, v->mesh.vertex_count, sizeof *f->on_path);
+    f->path         = scratch_take(memory, v->edge_count, sizeof *f->path);
+    f->vertex_of    = scratch_take(memory, v->mesh.vertex_count, sizeof *f->vertex_of);
+    f->stays_open   = scratch_take(memory, v->component_count, sizeof *f->stays_open);
+    f->boxes        = scratch_take(memory, v->component_count, sizeof *f->boxes);
+    return !memory->missing;
 }
 
-/* Gather border half-edges by the vertex where they end. Components with other edges that do not balance stay open. */
-static void gather_borders(const snapshot *v, filling *f)
+/* Gather border half-edges by the vertex where they end. Components with other edges that do not balance stay open.
+ * ends  [half-edges] scratch */
+static void gather_borders(const snapshot *v, filling *f, uint32_t *ends)
 {
-    uint32_t edge_count = (uint32_t)(3 * v->mesh.triangle_count);
+    uint32_t *borders = f->path; /* which is empty so far */
+    size_t    count   = 0;
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++)
         if (!is_broken(v, t)) f->stays_open[v->component_of[t]] = 1;
-    for (int place = 0; place < 2; place++) {
-        for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-            end        = edge_run(v, begin);
-            uint32_t h = v->sorted[begin], to = mesh_edge_end(v->mesh.indices, h);
-            if (end - begin > 1 && edge_balance(v, begin, end)) f->stays_open[v->component_of[h / 3]] = 1;
-            if (end - begin > 1 || !is_broken(v, h / 3)) continue;
-            if (place)
-                f->at[f->ends_at[to + 1]++] = h;
-            else
-                f->ends_at[to + 2]++;
-        }
-        if (!place)
-            for (size_t i = 2; i < v->mesh.vertex_count + 2; i++) f->ends_at[i] += f->ends_at[i - 1];
+    for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
+        end        = begin + v->faces[v->sorted[begin]];
+        uint32_t h = v->sorted[begin];
+        if (end - begin > 1 && edge_balance(v, begin, end)) f->stays_open[v->component_of[h / 3]] = 1;
+        if (end - begin > 1 || !is_broken(v, h / 3)) continue;
+        ends[count]      = mesh_edge_end(v->mesh.indices, h);
+        borders[count++] = h;
     }
+    mesh_group(f->ends_at, f->at, ends, count, v->mesh.vertex_count);
+    for (size_t i = 0; i < count; i++) f->at[i] = borders[f->at[i]];
 }
 
 static void measure_boxes(const snapshot *v, box *boxes)
 {
     for (size_t i = 0; i < v->component_count; i++) boxes[i] = box_empty();
-    for (size_t i = 0; i < 3 * v->mesh.triangle_count; i++)
-        box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
+    for (size_t i = 0; i < v->edge_count; i++) box_add(&boxes[v->component_of[i / 3]], position(v, v->mesh.indices[i]));
 }
 
 /* Triangles for a hole into x->filled, from its half-edges, against the way they run. Returns 0 when it is not to be filled, or cannot be. */
-static int triangulate(repair *x, const filling *f, const uint32_t *hole, size_t count)
+static int triangulate(repair *x, const filling *f, const uint32_t *edges, size_t count)
 {
     const snapshot *v      = &x->v;
     box             bounds = box_empty();
     if (count > x->o->hole_edges_max || count > REPAIR_HOLE_EDGES_MAX || count < 3) return 0;
     for (size_t i = 0; i < count; i++) {
-        x->line[i]      = mesh_edge_end(v->mesh.indices, hole[i]);
+        x->line[i]      = mesh_edge_end(v->mesh.indices, edges[i]);
         const double *p = position(v, x->line[i]);
         memcpy(&x->points[3 * i], p, 3 * sizeof *p);
         box_add(&bounds, p);
     }
-    double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[hole[0] / 3]]);
+    double diameter = box_diagonal(&bounds), whole = box_diagonal(&f->boxes[v->component_of[edges[0] / 3]]);
     if ((diameter > x->o->hole_diameter_m || diameter > REPAIR_HOLE_SHARE * whole) && !mesh_is_crack(x->points, count)) return 0;
     return mesh_fill_hole(x->points, count, x->filled);
 }
 
-static int add_triangles(repair *x, filling *f, uint32_t beside, size_t count)
+/* A hole, or a path that does not close, from its half-edges. It counts as left until settle finds it filled. */
+static void add_hole(repair *x, filling *f, const uint32_t *edges, size_t count, int closes)
 {
-    if (!array_reserve(&f->added, &f->added_capacity, f->added_count + count, 3 * sizeof *f->added)) return 0;
-    if (!array_reserve(&f->beside, &f->beside_capacity, f->added_count + count, sizeof *f->beside)) return 0;
-    for (size_t i = 0; i < count; i++) {
-        for (size_t k = 0; k < 3; k++) f->added[3 * f->added_count + k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
-        f->beside[f->added_count++] = beside;
+    uint32_t beside     = edges[0] / 3;
+    uint8_t *stays_open = &f->stays_open[x->v.component_of[beside]];
+    origin_at(x, beside)->left_holes++;
+    if (!*stays_open) *stays_open = !closes || !triangulate(x, f, edges, count);
+    if (*stays_open) return;
+    f->no_memory |= !array_reserve(&f->added, &f->added_capacity, f->added_count + count - 2, sizeof *f->added);
+    for (size_t i = 0; i < count - 2 && !f->no_memory; i++) {
+        addition *a = &f->added[f->added_count++];
+        *a          = (addition){.beside = beside, .is_first = !i};
+        for (size_t k = 0; k < 3; k++) a->corners[k] = f->vertex_of[x->line[x->filled[3 * i + k]]];
     }
-    return 1;
 }
 
-/* A hole is visited twice: in the first round it is found out whether it can be filled; in the second it is, when all holes of its component
- * can be. */
-static void visit_hole(repair *x, filling *f, const uint32_t *hole, size_t count, int fill)
+/* Drop the triangles of components that stay open, and count the others. */
+static void settle(repair *x, filling *f)
 {
-    uint32_t            beside     = hole[0] / 3;
-    uint8_t            *stays_open = &f->stays_open[x->v.component_of[beside]];
-    repaired_component *origin     = origin_at(x, beside);
-    if (!fill) {
-        if (!*stays_open) *stays_open = !triangulate(x, f, hole, count);
-        return;
+    size_t kept = 0;
+    for (size_t i = 0; i < f->added_count; i++) {
+        addition            a      = f->added[i];
+        repaired_component *origin = origin_at(x, a.beside);
+        if (f->stays_open[x->v.component_of[a.beside]]) continue;
+        f->added[kept++] = a;
+        origin->added_triangles++;
+        origin->filled_holes += (uint32_t)a.is_first;
+        origin->left_holes -= (uint32_t)a.is_first;
     }
-    if (*stays_open) {
-        origin->left_holes++;
-        return;
-    }
-    if (!triangulate(x, f, hole, count)) return; /* never: it went well in the first round */
-    f->no_memory |= !add_triangles(x, f, beside, count - 2);
-    origin->filled_holes++;
-    origin->added_triangles += (uint32_t)(count - 2);
+    f->added_count = kept;
 }
 
 /* Follow borders from a half-edge. Whenever the path comes back to a vertex, the part since then is a hole of its own, so that none meets
  * itself. */
-static void follow_border(repair *x, filling *f, uint32_t first, int fill)
+static void follow_border(repair *x, filling *f, uint32_t first)
 {
     const uint32_t *indices = x->v.mesh.indices;
     size_t          length  = 0;
@@ -472,7 +423,7 @@ static void follow_border(repair *x, filling *f, uint32_t first, int fill)
         f->on_path[from]  = (uint32_t)length; /* its place, plus 1 */
         if (f->on_path[to]) {
             size_t begin = f->on_path[to] - 1;
-            visit_hole(x, f, &f->path[begin], length - begin, fill);
+            add_hole(x, f, &f->path[begin], length - begin, 1);
             for (size_t i = begin; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
             length = begin;
         }
@@ -482,140 +433,113 @@ static void follow_border(repair *x, filling *f, uint32_t first, int fill)
         if (next == NONE) break;
         h = next;
     }
-    /* a path that does not close: windings differ there */
-    if (length) f->stays_open[x->v.component_of[first / 3]] = 1;
-    if (length && fill) origin_at(x, first / 3)->left_holes++;
+    if (length) add_hole(x, f, f->path, length, 0); /* windings differ there */
     for (size_t i = 0; i < length; i++) f->on_path[mesh_edge_end(indices, f->path[i])] = 0;
-}
-
-static void follow_borders(repair *x, filling *f, int fill)
-{
-    size_t count = f->ends_at[x->v.mesh.vertex_count];
-    memset(f->used, 0, 3 * x->v.mesh.triangle_count);
-    for (size_t i = 0; i < count; i++)
-        if (!f->used[f->at[i]]) follow_border(x, f, f->at[i], fill);
 }
 
 /* New triangles at the scene's end. */
 static int append(repair *x, const filling *f)
 {
-    scene    *s       = x->s;
-    size_t    count   = s->triangle_count + f->added_count;
-    uint32_t *indices = realloc(s->indices, 3 * count * sizeof *indices);
-    if (indices) s->indices = indices;
-    uint8_t *flags = realloc(s->triangle_flags, count);
-    if (flags) s->triangle_flags = flags;
-    uint8_t *masked = realloc(x->masked, count);
-    if (masked) x->masked = masked;
-    uint32_t *origin_of = realloc(x->origin_of, count * sizeof *origin_of);
-    if (origin_of) x->origin_of = origin_of;
-    if (!indices || !flags || !masked || !origin_of) return 0;
-
+    scene *s     = x->s;
+    size_t count = s->triangle_count + f->added_count, indices_held = s->triangle_count, flags_held = s->triangle_count;
+    if (!array_reserve(&s->indices, &indices_held, count, 3 * sizeof *s->indices) ||
+        !array_reserve(&s->triangle_flags, &flags_held, count, sizeof *s->triangle_flags) ||
+        !array_reserve(&x->notes, &x->note_capacity, count, sizeof *x->notes))
+        return 0;
     for (size_t i = 0; i < f->added_count; i++) {
         size_t   t    = s->triangle_count++;
-        uint32_t like = x->v.mesh.from[f->beside[i]];
-        memcpy(&s->indices[3 * t], &f->added[3 * i], 3 * sizeof *s->indices);
+        uint32_t like = x->v.mesh.from[f->added[i].beside];
+        memcpy(&s->indices[3 * t], f->added[i].corners, sizeof f->added[i].corners);
         s->triangle_flags[t] = s->triangle_flags[like];
-        x->masked[t]         = 0;
-        x->origin_of[t]      = x->origin_of[like];
+        x->notes[t]          = (triangle_note){x->notes[like].origin, 0};
     }
     return 1;
 }
 
 static vxs_result fill(repair *x, message *m)
 {
-    const snapshot *v = &x->v;
-    filling         f = {0};
-    vxs_result      r = VXS_E_MEMORY;
+    const snapshot *v    = &x->v;
+    filling         f    = {0};
+    vxs_result      r    = VXS_E_MEMORY;
+    uint32_t       *ends = scratch_take(&f.memory, v->edge_count, sizeof *ends);
     if (!filling_init(&f, v)) goto done;
     for (size_t i = 0; i < x->s->vertex_count; i++)
         if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
-    gather_borders(v, &f);
+    gather_borders(v, &f, ends);
     measure_boxes(v, f.boxes);
-    follow_borders(x, &f, 0);
-    follow_borders(x, &f, 1);
+    for (size_t i = 0; i < f.ends_at[v->mesh.vertex_count]; i++)
+        if (!f.used[f.at[i]]) follow_border(x, &f, f.at[i]);
+    settle(x, &f);
     if (f.no_memory || (f.added_count && !append(x, &f))) goto done;
     r = f.added_count ? take_snapshot(x, m) : VXS_OK;
 done:
-    filling_free(&f);
+    scratch_free(&f.memory);
+    free(f.added);
     return r == VXS_E_MEMORY ? out_of_memory(x, m) : r; /* the first message stays */
 }
 
 /* --- report ----------------------------------------------------------------------------------------------------------- */
 
+static int is_closed(const snapshot *v, uint32_t triangle)
+{
+    return !is_broken(v, triangle) && !v->masked[v->component_of[triangle]];
+}
+
 /* Components as they are before anything is done. */
 static vxs_result start(repair *x, message *m)
 {
-    scene *s     = x->s;
-    x->masked    = calloc(s->triangle_count + 1, sizeof *x->masked);
-    x->origin_of = malloc((s->triangle_count + 1) * sizeof *x->origin_of);
-    x->line      = malloc(REPAIR_HOLE_EDGES_MAX * sizeof *x->line);
-    x->points    = malloc(3 * REPAIR_HOLE_EDGES_MAX * sizeof *x->points);
-    x->filled    = malloc(3 * REPAIR_HOLE_EDGES_MAX * sizeof *x->filled);
-    if (!x->masked || !x->origin_of || !x->line || !x->points || !x->filled) return out_of_memory(x, m);
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        x->masked[t]    = (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0;
-        x->origin_of[t] = NONE;
-    }
-    for (size_t i = 0; i < s->mask_triangle_count; i++) x->masked[s->mask_triangles[i].triangle] = 1;
+    const scene *s = x->s;
+    if (!array_reserve(&x->notes, &x->note_capacity, s->triangle_count, sizeof *x->notes)) return out_of_memory(x, m);
+    for (size_t t = 0; t < s->triangle_count; t++)
+        x->notes[t] = (triangle_note){NONE, (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0};
+    for (size_t i = 0; i < s->mask_triangle_count; i++) x->notes[s->mask_triangles[i].triangle].masked = 1;
 
     vxs_result r = take_snapshot(x, m);
     if (r != VXS_OK) return r;
-    const snapshot *v = &x->v;
-    x->origin_count   = v->component_count;
-    x->origins        = calloc(x->origin_count + 1, sizeof *x->origins);
-    if (!x->origins) return out_of_memory(x, m);
+    const snapshot *v       = &x->v;
+    x->out->component_count = v->component_count;
+    x->out->components      = calloc(v->component_count + 1, sizeof *x->out->components);
+    if (!x->out->components) return out_of_memory(x, m);
     for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
-        uint32_t            component = v->component_of[t];
-        repaired_component *c         = &x->origins[component];
-        x->origin_of[v->mesh.from[t]] = component;
+        repaired_component *c            = &x->out->components[v->component_of[t]];
+        x->notes[v->mesh.from[t]].origin = v->component_of[t];
         if (!c->triangles++) c->triangle = v->mesh.from[t];
-        c->closed_before = !v->broken[component] && !v->masked[component];
+        c->closed_before = (uint8_t)is_closed(v, t);
     }
     return VXS_OK;
 }
 
+/* Of a component that fell apart, all is closed, or it is not. */
 static void note_closed(repair *x)
 {
-    const snapshot *v = &x->v;
-    for (size_t i = 0; i < x->origin_count; i++)
-        x->origins[i].closed_after = x->origins[i].triangles > x->origins[i].removed_repeated + x->origins[i].removed_zero_area;
-    for (uint32_t t = 0; t < v->mesh.triangle_count; t++) {
-        uint32_t component = v->component_of[t];
-        if (v->broken[component] || v->masked[component]) origin_at(x, t)->closed_after = 0;
+    for (size_t i = 0; i < x->out->component_count; i++) {
+        repaired_component *c = &x->out->components[i];
+        c->closed_after       = c->triangles > c->removed_repeated + c->removed_zero_area;
     }
+    for (uint32_t t = 0; t < x->v.mesh.triangle_count; t++)
+        if (!is_closed(&x->v, t)) origin_at(x, t)->closed_after = 0;
 }
 
-static int has_findings(const repaired_component *c)
+/* Of all components those stay in the report of which there is something to tell. */
+static void sum_up(repair_report *out)
 {
-    return c->removed_repeated || c->removed_zero_area || c->turned_triangles || c->filled_holes || c->left_holes;
-}
-
-static vxs_result sum_up(const repair *x, repair_report *out, message *m)
-{
-    out->components = malloc((x->origin_count + 1) * sizeof *out->components);
-    if (!out->components) return fail(m, VXS_E_MEMORY, "out of memory for a report of %zu components", x->origin_count);
-    out->component_count = x->origin_count;
-    for (size_t i = 0; i < x->origin_count; i++) {
-        const repaired_component *c = &x->origins[i];
-        repaired_component       *t = &out->total;
-        out->closed_before += c->closed_before;
-        out->closed_after += c->closed_after;
-        t->triangles += c->triangles;
-        t->removed_repeated += c->removed_repeated;
-        t->removed_zero_area += c->removed_zero_area;
-        t->turned_triangles += c->turned_triangles;
-        t->filled_holes += c->filled_holes;
-        t->added_triangles += c->added_triangles;
-        t->left_holes += c->left_holes;
-        if (has_findings(c)) out->components[out->count++] = *c;
+    for (size_t i = 0; i < out->component_count; i++) {
+        const repaired_component c        = out->components[i];
+        uint32_t                 findings = 0;
+        out->closed_before += c.closed_before;
+        out->closed_after += c.closed_after;
+        out->total.triangles += c.triangles;
+        for (int n = 0; n < REPAIR_COUNTS; n++) {
+            out->total.counts[n] += c.counts[n];
+            findings |= c.counts[n];
+        }
+        if (findings) out->components[out->count++] = c;
     }
-    return VXS_OK;
 }
 
 vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, message *m)
 {
-    repair     x = {.s = s, .o = o};
+    repair     x = {.s = s, .o = o, .out = out};
     vxs_result r;
 
     *out = (repair_report){0};
@@ -624,16 +548,11 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
     if ((r = orient(&x, m)) != VXS_OK) goto done;
     if ((r = fill(&x, m)) != VXS_OK) goto done;
     note_closed(&x);
-    r = sum_up(&x, out, m);
+    sum_up(out);
 done:
     if (r != VXS_OK) repair_report_free(out);
     snapshot_free(&x.v);
-    free(x.masked);
-    free(x.origin_of);
-    free(x.origins);
-    free(x.line);
-    free(x.points);
-    free(x.filled);
+    free(x.notes);
     return r;
 }
 

@@ -37,14 +37,21 @@ typedef struct repair_options {
 /* Triangles with mixed winding are given the winding that at least this share of their area has; where neither has, the outward one. */
 #define REPAIR_MAJORITY 0.75
 
+enum { REPAIR_COUNTS = 6 };
+
 typedef struct repaired_component {
     uint32_t triangle, triangles; /* its first in the scene as it was, and how many it had */
     uint8_t  closed_before;       /* closed and consistently oriented */
     uint8_t  closed_after;        /* what has become of all of it is */
-    uint32_t removed_repeated, removed_zero_area;
-    uint32_t turned_triangles;
-    uint32_t filled_holes, added_triangles;
-    uint32_t left_holes; /* too large, or the component stays open for other reasons */
+    union {
+        struct {
+            uint32_t removed_repeated, removed_zero_area;
+            uint32_t turned_triangles;
+            uint32_t filled_holes, added_triangles;
+            uint32_t left_holes; /* too large, or the component stays open for other reasons */
+        };
+        uint32_t counts[REPAIR_COUNTS]; /* the same, one after the other */
+    };
 } repaired_component;
 
 typedef struct repair_report {

@@ -80,21 +80,28 @@ static vxs_result set_vector(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-static vxs_result parse_u32(const option *o, const char *value, uint32_t *out, message *m)
+static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, message *m)
 {
-    double      number;
-    const char *end = parse_number(value, &number);
-    if (!end || *end || number < o->min || number > o->max || number != floor(number))
-        return fail(m, VXS_E_ARGUMENT, "%s %s: expected a whole number from %.0f to %.0f", o->name, value, o->min, o->max);
-    *out = (uint32_t)number;
-    return VXS_OK;
+    const char *end = parse_number(value, number);
+    if (end && !*end && *number >= o->min && *number <= o->max && (!whole || *number == floor(*number))) return VXS_OK;
+    int digits = whole ? 10 : 6; /* as many as a uint32_t may have; as many as %g has */
+    return fail(m, VXS_E_ARGUMENT, "%s %s: expected a %snumber from %.*g to %.*g", o->name, value, whole ? "whole " : "", digits,
+                o->min, digits, o->max);
+}
+
+static vxs_result set_u32(const option *o, const char *value, uint32_t *out, message *m)
+{
+    double     number;
+    vxs_result r = parse_in_range(o, value, 1, &number, m);
+    if (r == VXS_OK) *out = (uint32_t)number;
+    return r;
 }
 
 static vxs_result add_number(const option *o, const char *value, message *m)
 {
     number_list *list = o->target;
     uint32_t     number;
-    vxs_result   r = parse_u32(o, value, &number, m);
+    vxs_result   r = set_u32(o, value, &number, m);
     if (r != VXS_OK) return r;
     for (size_t n = 0; n < list->count; n++)
         if (list->items[n] == number) return fail(m, VXS_E_ARGUMENT, "%s %s is given twice", o->name, value);
@@ -121,16 +128,6 @@ static vxs_result set_choice(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-static vxs_result set_f64(const option *o, const char *value, message *m)
-{
-    double      number;
-    const char *end = parse_number(value, &number);
-    if (!end || *end || number < o->min || number > o->max)
-        return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number from %g to %g", o->name, value, o->min, o->max);
-    *(double *)o->target = number;
-    return VXS_OK;
-}
-
 static vxs_result set_option(const option *o, const char *value, message *m)
 {
     switch (o->kind) {
@@ -139,9 +136,9 @@ static vxs_result set_option(const option *o, const char *value, message *m)
     case OPTION_VECTOR: return set_vector(o, value, m);
     case OPTION_TEXTS: return add_text(o, value, m);
     case OPTION_CHOICE: return set_choice(o, value, m);
-    case OPTION_U32: return parse_u32(o, value, o->target, m);
+    case OPTION_U32: return set_u32(o, value, o->target, m);
     case OPTION_U32S: return add_number(o, value, m);
-    case OPTION_F64: return set_f64(o, value, m);
+    case OPTION_F64: return parse_in_range(o, value, 0, o->target, m);
     case OPTION_BYTES:
         if (!parse_bytes(value, o->target))
             return fail(m, VXS_E_ARGUMENT, "%s %s: expected a number of bytes, such as 800M or 2G", o->name, value);
@@ -226,4 +223,16 @@ int command_end(message *m, vxs_result code)
     if (code != VXS_OK) fprintf(stderr, "vxs: error: %s\n", m->error[0] ? m->error : "unknown");
     message_free(m);
     return exit_status(code);
+}
+
+int command_run(const command_line *c, int argc, char **argv, const char **operands, vxs_result (*run)(void *command, message *m),
+                void *command)
+{
+    message    m = {0};
+    int        help_shown;
+    vxs_result r = options_parse(c, argc, argv, operands, &help_shown, &m);
+    if (r == VXS_OK && !help_shown) r = run(command, &m);
+    for (size_t i = 0; i < c->option_count; i++)
+        if (c->options[i].kind == OPTION_TEXTS) free(((text_list *)c->options[i].target)->items);
+    return command_end(&m, r);
 }

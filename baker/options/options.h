@@ -51,6 +51,10 @@ typedef struct command_line {
     size_t        operand_count; /* how many operands (file names and the like) must be given, exactly */
 } command_line;
 
+/* The options are an array. */
+#define COMMAND_LINE(name, synopsis, summary, options, operand_count)                                                              \
+    ((command_line){name, synopsis, summary, options, sizeof(options) / sizeof *(options), operand_count})
+
 /* Parse argv[1..argc). `--name value` and `--name=value` are the same; "-" alone is an operand; "--" ends the options; a
  * value may begin with '-' ("--sun -1,-2,0").
  * operands  [operand_count] borrowed from argv.
@@ -73,6 +77,12 @@ static inline int is_standard_output(const char *path)
  * a_path, b_path  NULL: not given
  * Returns VXS_OK or VXS_E_ARGUMENT. */
 vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m);
+
+/* All of a command: parse its line, run it unless help was asked for, print its error, release its lists of texts.
+ * operands  as of options_parse;   command  whatever run works on, and the options' targets are in
+ * Returns the exit status. */
+int command_run(const command_line *c, int argc, char **argv, const char **operands, vxs_result (*run)(void *command, message *m),
+                void *command);
 
 /* Print "vxs: error: ..." when m holds an error, release m, and return the exit status of `code`. */
 int command_end(message *m, vxs_result code);
