@@ -15,9 +15,9 @@ static void report_casters(bake_report *report, const casters *c)
     counts->positions_ws = NULL;
     counts->indices = counts->component_of = NULL;
     counts->kind_of = counts->solid_meets = NULL;
-    counts->masks                         = NULL;
-    counts->mask_first                    = NULL;
-    counts->mask_uvs                      = NULL;
+    counts->alpha_masks                   = NULL;
+    counts->alpha_mask_first              = NULL;
+    counts->hole_uvs                      = NULL;
     counts->images                        = NULL;
     box all                               = box_empty();
     for (size_t n = 0; n < c->vertex_count; n++) box_add(&all, c->positions_ws + 3 * n);

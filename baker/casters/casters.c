@@ -34,7 +34,7 @@ typedef struct component {
 typedef struct work {
     mesh_weld mesh;
     uint8_t  *flags;        /* [triangle_count] TRIANGLE_*, EDGE_OPEN */
-    uint32_t *hole_of;      /* [triangle_count] which of the scene's mask_triangles, or NONE; NULL: the scene has none */
+    uint32_t *hole_of;      /* [triangle_count] which of the scene's holed_triangles, or NONE; NULL: the scene has none */
     uint32_t *component_of; /* [triangle_count] */
 
     size_t     component_count;
@@ -65,11 +65,11 @@ static vxs_result out_of_memory(message *m, size_t triangle_count)
 
 /* --- weld ------------------------------------------------------------------------------------------------------------- */
 
-/* Which of the scene's mask_triangles triangle t is, or NONE. *at runs along them, as t along the triangles. */
+/* Which of the scene's holed_triangles triangle t is, or NONE. *at runs along them, as t along the triangles. */
 static uint32_t find_hole(const scene *s, size_t t, size_t *at)
 {
-    while (*at < s->mask_triangle_count && s->mask_triangles[*at].triangle < t) ++*at;
-    return *at < s->mask_triangle_count && s->mask_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
+    while (*at < s->holed_triangle_count && s->holed_triangles[*at].triangle < t) ++*at;
+    return *at < s->holed_triangle_count && s->holed_triangles[*at].triangle == t ? (uint32_t)*at : NONE;
 }
 
 /* The flags and holes of each triangle that is left. */
@@ -89,8 +89,8 @@ static vxs_result weld(work *w, const scene *s, message *m)
     vxs_result r = mesh_weld_scene(&w->mesh, s, m);
     if (r != VXS_OK) return r;
     w->flags = allocate(w->mesh.triangle_count, 1);
-    if (s->mask_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
-    if (!w->flags || (s->mask_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
+    if (s->holed_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
+    if (!w->flags || (s->holed_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
     note_materials(w, s);
     return VXS_OK;
 }
@@ -309,7 +309,7 @@ enum { GROUP_SOLIDS, GROUP_SHEETS, GROUP_MASKS };
 
 static uint32_t group_of(const work *w, const scene *s, size_t t)
 {
-    if (has_holes(w, t)) return GROUP_MASKS + s->mask_triangles[w->hole_of[t]].mask;
+    if (has_holes(w, t)) return GROUP_MASKS + s->holed_triangles[w->hole_of[t]].mask;
     return w->components[w->component_of[t]].kind == COMPONENT_SOLID ? GROUP_SOLIDS : GROUP_SHEETS;
 }
 
@@ -324,35 +324,37 @@ static void emit_triangle(casters *c, const work *w, const scene *s, uint32_t *e
     for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = emit_vertex(c, w, emitted_as, from[(begin + (turn ? 3 - n : n)) % 3]);
     c->component_of[at] = of->number;
     for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
-        memcpy(&c->mask_uvs[6 * (at - c->masked_first) + 2 * n], s->mask_triangles[w->hole_of[t]].uv[(begin + n) % 3],
-               2 * sizeof *c->mask_uvs);
+        memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], s->holed_triangles[w->hole_of[t]].uv[(begin + n) % 3],
+               2 * sizeof *c->hole_uvs);
 }
 
-/* Room for the result, which casters_free releases.  first  [GROUP_MASKS + mask_count + 1] where each group begins */
+/* Room for the result, which casters_free releases.  first  [GROUP_MASKS + alpha_mask_count + 1] where each group begins */
 static int make_room(casters *c, const work *w, const scene *s, const uint32_t *first)
 {
-    c->positions_ws = malloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
-    c->indices      = malloc(3 * w->mesh.triangle_count * sizeof *c->indices);
-    c->component_of = malloc(w->mesh.triangle_count * sizeof *c->component_of);
-    c->kind_of      = malloc(w->component_count * sizeof *c->kind_of);
-    c->masks        = allocate(s->mask_count, sizeof *c->masks);
-    c->mask_first   = allocate(s->mask_count + 1, sizeof *c->mask_first);
-    c->mask_uvs     = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->mask_uvs);
-    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->masks || !c->mask_first || !c->mask_uvs) return 0;
+    c->positions_ws     = malloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
+    c->indices          = malloc(3 * w->mesh.triangle_count * sizeof *c->indices);
+    c->component_of     = malloc(w->mesh.triangle_count * sizeof *c->component_of);
+    c->kind_of          = malloc(w->component_count * sizeof *c->kind_of);
+    c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
+    c->alpha_mask_first = allocate(s->alpha_mask_count + 1, sizeof *c->alpha_mask_first);
+    c->hole_uvs         = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
+    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->alpha_masks || !c->alpha_mask_first ||
+        !c->hole_uvs)
+        return 0;
 
     c->solid_triangle_count = first[GROUP_SHEETS];
-    c->masked_first         = first[GROUP_MASKS];
-    c->mask_count           = s->mask_count;
+    c->holed_first          = first[GROUP_MASKS];
+    c->alpha_mask_count     = s->alpha_mask_count;
     c->images               = s->images;
-    if (s->mask_count) memcpy(c->masks, s->masks, s->mask_count * sizeof *c->masks);
-    for (size_t i = 0; i <= s->mask_count; i++) c->mask_first[i] = first[GROUP_MASKS + i];
+    if (s->alpha_mask_count) memcpy(c->alpha_masks, s->alpha_masks, s->alpha_mask_count * sizeof *c->alpha_masks);
+    for (size_t i = 0; i <= s->alpha_mask_count; i++) c->alpha_mask_first[i] = first[GROUP_MASKS + i];
     return 1;
 }
 
 static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
     vxs_result r          = VXS_OK;
-    size_t     groups     = GROUP_MASKS + s->mask_count;
+    size_t     groups     = GROUP_MASKS + s->alpha_mask_count;
     uint32_t  *emitted_as = malloc(w->mesh.vertex_count * sizeof *emitted_as);
     uint32_t  *group      = malloc(w->mesh.triangle_count * sizeof *group);
     uint32_t  *order      = malloc(w->mesh.triangle_count * sizeof *order);
@@ -417,9 +419,9 @@ void casters_free(casters *c)
     free(c->component_of);
     free(c->kind_of);
     free(c->solid_meets);
-    free(c->masks);
-    free(c->mask_first);
-    free(c->mask_uvs);
+    free(c->alpha_masks);
+    free(c->alpha_mask_first);
+    free(c->hole_uvs);
     *c = (casters){0};
 }
 

@@ -37,15 +37,15 @@ typedef struct casters {
 
     size_t    triangle_count;
     size_t    solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, the rest to sheets */
-    size_t    masked_first;         /* triangles [masked_first, triangle_count) have holes; they are sheets */
+    size_t    holed_first;          /* triangles [holed_first, triangle_count) have holes; they are sheets */
     uint32_t *indices;              /* [3 * triangle_count], in the scene's order within solids, sheets, and each mask */
 
-    /* The scene's masks keep their numbers; one whose triangles all collapsed has none. Without masks mask_count is 0, masked_first is
-     * triangle_count, and mask_first has its one entry. */
-    size_t      mask_count;
-    alpha_mask *masks;         /* [mask_count] */
-    size_t     *mask_first;    /* [mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i; [0] is masked_first */
-    float      *mask_uvs;      /* [6 * (triangle_count - masked_first)] u, v of each corner, as mask_triangle.uv */
+    /* The scene's masks keep their numbers; one whose triangles all collapsed has none. Without masks alpha_mask_count is 0, holed_first is
+     * triangle_count, and alpha_mask_first has its one entry. */
+    size_t      alpha_mask_count;
+    alpha_mask *alpha_masks;   /* [alpha_mask_count] */
+    size_t *alpha_mask_first;  /* [alpha_mask_count + 1] mask i cuts the triangles from its entry to the next; [0] is holed_first */
+    float  *hole_uvs;          /* [6 * (triangle_count - holed_first)] u, v of each corner, as holed_triangle.uv */
     const alpha_image *images; /* the scene's: borrowed, it must outlive the casters */
 
     uint32_t *component_of; /* [triangle_count] components are numbered, solids first, each in the order of its first triangle */

@@ -175,9 +175,9 @@ struct loader {
 
     std::map<size_t, image_alpha>    images; /* those that were looked at, by the file's number */
     size_t                           pixels_left = ALPHA_PIXELS_MAX;
-    std::vector<const image_alpha *> mask_images; /* the scene's */
+    std::vector<const image_alpha *> hole_images; /* the scene's */
     std::vector<alpha_mask>          alpha_masks;
-    std::vector<mask_triangle>       mask_triangles;
+    std::vector<holed_triangle>      holed_triangles;
 
     std::vector<size_t>    roots, order; /* the scene's nodes, parents first */
     std::vector<transform> ws_from_node; /* by node */

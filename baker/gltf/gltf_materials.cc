@@ -84,8 +84,8 @@ static void read_texture_transform(loader &l, const std::string &where, const js
 static uint32_t add_mask(loader &l, image_alpha &image, alpha_mask added)
 {
     if (image.in_scene == SIZE_MAX) {
-        image.in_scene = l.mask_images.size();
-        l.mask_images.push_back(&image);
+        image.in_scene = l.hole_images.size();
+        l.hole_images.push_back(&image);
     }
     added.image = (uint32_t)image.in_scene;
     l.alpha_masks.push_back(added);
@@ -193,8 +193,8 @@ void append_mask_triangles(loader &l, const placement &p, size_t first)
 {
     const double *t = p.material->uv_transform;
     for (size_t i = 0; i < p.triangles; i++) {
-        mask_triangle out = {(uint32_t)(first + i), p.material->alpha_mask, {}};
-        uint32_t      element[3];
+        holed_triangle out = {(uint32_t)(first + i), p.material->alpha_mask, {}};
+        uint32_t       element[3];
         triangle_elements(p, i, element);
         for (int k = 0; k < 3; k++) {
             double u = p.uvs->value(element[k], 0), v = p.uvs->value(element[k], 1);
@@ -203,7 +203,7 @@ void append_mask_triangles(loader &l, const placement &p, size_t first)
             if (!std::isfinite(out.uv[k][0]) || !std::isfinite(out.uv[k][1]))
                 l.broken(p.uvs->label, "texture coordinate %u is not finite", element[k]);
         }
-        l.mask_triangles.push_back(out);
+        l.holed_triangles.push_back(out);
     }
 }
 
@@ -214,16 +214,16 @@ void place_masks(loader &l)
         if (l.materials[i].left_out)
             warn(l.m, "%s: its alpha is below the cutoff everywhere: %zu triangles left out",
                  label("material", l.materials, i).c_str(), l.materials[i].left_out);
-    if (l.mask_triangles.empty()) return;
+    if (l.holed_triangles.empty()) return;
 
-    s->images = (alpha_image *)calloc(l.mask_images.size(), sizeof *s->images);
+    s->images = (alpha_image *)calloc(l.hole_images.size(), sizeof *s->images);
     if (!s->images) throw std::bad_alloc();
-    for (const image_alpha *image : l.mask_images)
+    for (const image_alpha *image : l.hole_images)
         s->images[s->image_count++] = {image->width_px, image->height_px, copied(image->alpha)};
-    s->masks               = copied(l.alpha_masks);
-    s->mask_count          = l.alpha_masks.size();
-    s->mask_triangles      = copied(l.mask_triangles);
-    s->mask_triangle_count = l.mask_triangles.size();
+    s->alpha_masks          = copied(l.alpha_masks);
+    s->alpha_mask_count     = l.alpha_masks.size();
+    s->holed_triangles      = copied(l.holed_triangles);
+    s->holed_triangle_count = l.holed_triangles.size();
 }
 
 } // namespace gltf

@@ -22,17 +22,17 @@ typedef struct material_sort {
 } material_sort;
 
 /* The number of a triangle's material. 0 is the default one: glTF needs no entry for it, and glb_mesh.material calls it "none". */
-static size_t material_of(const scene *s, size_t triangle, const mask_triangle *hole)
+static size_t material_of(const scene *s, size_t triangle, const holed_triangle *hole)
 {
     size_t double_sided = (s->triangle_flags[triangle] & TRIANGLE_DOUBLE_SIDED) != 0;
     return double_sided + (hole ? MATERIALS_WITHOUT_MASK * (1 + (size_t)hole->mask) : 0);
 }
 
-/* The mask of triangle t, or NULL. *at runs along mask_triangles, as t along the triangles. */
-static const mask_triangle *hole_of(const scene *s, size_t t, size_t *at)
+/* The mask of triangle t, or NULL. *at runs along holed_triangles, as t along the triangles. */
+static const holed_triangle *hole_of(const scene *s, size_t t, size_t *at)
 {
-    while (*at < s->mask_triangle_count && s->mask_triangles[*at].triangle < t) ++*at;
-    return *at < s->mask_triangle_count && s->mask_triangles[*at].triangle == t ? &s->mask_triangles[*at] : NULL;
+    while (*at < s->holed_triangle_count && s->holed_triangles[*at].triangle < t) ++*at;
+    return *at < s->holed_triangle_count && s->holed_triangles[*at].triangle == t ? &s->holed_triangles[*at] : NULL;
 }
 
 static void count_materials(material_sort *k, const scene *s)
@@ -62,9 +62,9 @@ static void add_triangles(glb_scene *out, material_sort *k, const scene *s)
 {
     for (size_t i = 0; i < 3 * s->vertex_count; i++) out->positions[i] = (float)s->positions_ws[i];
     for (size_t t = 0, at = 0; t < s->triangle_count; t++) {
-        const mask_triangle *hole     = hole_of(s, t, &at);
-        size_t               material = material_of(s, t, hole), place = k->next[material]++;
-        const uint32_t      *corners = &s->indices[3 * t];
+        const holed_triangle *hole     = hole_of(s, t, &at);
+        size_t                material = material_of(s, t, hole), place = k->next[material]++;
+        const uint32_t       *corners = &s->indices[3 * t];
         for (size_t i = 0; i < 3 && !hole; i++) out->indices[3 * place + i] = corners[i];
         for (size_t i = 0; i < 3 && hole; i++) {
             size_t vertex = s->vertex_count + 3 * (place - k->first[MATERIALS_WITHOUT_MASK]) + i;
@@ -77,10 +77,10 @@ static void add_triangles(glb_scene *out, material_sort *k, const scene *s)
 
 static void add_materials(glb_scene *out, const scene *s)
 {
-    for (size_t i = 1; i < MATERIALS_WITHOUT_MASK * (1 + s->mask_count); i++) {
+    for (size_t i = 1; i < MATERIALS_WITHOUT_MASK * (1 + s->alpha_mask_count); i++) {
         glb_material material = {.name = "double-sided", .double_sided = i % MATERIALS_WITHOUT_MASK};
         if (i >= MATERIALS_WITHOUT_MASK) {
-            const alpha_mask *mask = &s->masks[i / MATERIALS_WITHOUT_MASK - 1];
+            const alpha_mask *mask = &s->alpha_masks[i / MATERIALS_WITHOUT_MASK - 1];
             material.name          = "mask";
             material.alpha_cutoff  = mask->threshold;
             material.image         = mask->image + 1;
@@ -114,10 +114,10 @@ static int add_light(glb_scene *out, const scene_light *light)
 /* Room for everything, whose counts are known but for what is added one by one. */
 static int reserve(glb_scene *out, material_sort *k, const scene *s)
 {
-    k->count            = MATERIALS_WITHOUT_MASK * (1 + s->mask_count);
+    k->count            = MATERIALS_WITHOUT_MASK * (1 + s->alpha_mask_count);
     k->first            = calloc(k->count + 1, sizeof *k->first);
     k->next             = calloc(k->count, sizeof *k->next);
-    out->vertex_count   = s->vertex_count + 3 * s->mask_triangle_count;
+    out->vertex_count   = s->vertex_count + 3 * s->holed_triangle_count;
     out->triangle_count = s->triangle_count;
     out->positions      = malloc((3 * out->vertex_count + 1) * sizeof *out->positions);
     out->indices        = malloc((3 * out->triangle_count + 1) * sizeof *out->indices);
@@ -125,7 +125,7 @@ static int reserve(glb_scene *out, material_sort *k, const scene *s)
     out->materials      = calloc(k->count, sizeof *out->materials);
     out->images         = calloc(s->image_count + 1, sizeof *out->images);
     out->lights         = calloc(s->light_count + 1, sizeof *out->lights);
-    if (s->mask_triangle_count && !(out->texcoords = calloc(out->vertex_count, 2 * sizeof *out->texcoords))) return 0;
+    if (s->holed_triangle_count && !(out->texcoords = calloc(out->vertex_count, 2 * sizeof *out->texcoords))) return 0;
     out->camera_positions_ws = malloc((3 * s->camera_count + 1) * sizeof *out->camera_positions_ws);
     return k->first && k->next && out->positions && out->indices && out->meshes && out->materials && out->images && out->lights &&
            out->camera_positions_ws;

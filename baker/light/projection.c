@@ -59,11 +59,11 @@ static uint32_t add_vertex(projector *w, const double at[3])
 static int add_uvq(projector *w, const map_corner *const corners[3])
 {
     projection *p     = w->p;
-    size_t      count = p->triangle_count - p->masked_first;
+    size_t      count = p->triangle_count - p->holed_first;
     if (!array_reserve(&p->uvq, &w->uvq_capacity, count + 1, sizeof *p->uvq)) return 0;
     for (int n = 0; n < 3; n++) {
         double q         = p->reversed ? project(w, corners[n]->at).z : 1;
-        p->uvq[count][n] = (mask_uvq){(float)(corners[n]->uv[0] * q), (float)(corners[n]->uv[1] * q), (float)q};
+        p->uvq[count][n] = (hole_uvq){(float)(corners[n]->uv[0] * q), (float)(corners[n]->uv[1] * q), (float)q};
     }
     return 1;
 }
@@ -115,10 +115,10 @@ static int add_caster(projector *w, size_t n)
     const uint32_t *caster   = c->indices + 3 * n;
     map_polygon     triangle = {.count = 3}, kept;
     w->meets                 = n < c->solid_triangle_count && (!c->solid_meets || c->solid_meets[n]);
-    int has_holes            = c->mask_count && n >= c->masked_first;
+    int has_holes            = c->alpha_mask_count && n >= c->holed_first;
     for (int k = 0; k < 3; k++) triangle.corners[k] = w->corners[caster[k]];
     for (int k = 0; k < 6 && has_holes; k++)
-        triangle.corners[k / 2].uv[k % 2] = (double)c->mask_uvs[6 * (n - c->masked_first) + (size_t)k];
+        triangle.corners[k / 2].uv[k % 2] = (double)c->hole_uvs[6 * (n - c->holed_first) + (size_t)k];
     if (!map_sides_touch(&w->touch, &triangle) || map_space_behind(w->light, w->map, &triangle)) return 1;
     if (!map_sides_clip(&w->keep, &triangle, &kept)) return add_whole(w, caster, &triangle, has_holes);
     return kept.count < 3 || add_polygon(w, &kept, has_holes);
@@ -129,7 +129,7 @@ static int add_caster(projector *w, size_t n)
 /* Where triangles with holes begin. */
 static size_t opaque_end(const casters *c)
 {
-    return c->mask_count ? c->masked_first : c->triangle_count;
+    return c->alpha_mask_count ? c->holed_first : c->triangle_count;
 }
 
 /* Casters [first, end), in order. */
@@ -153,14 +153,14 @@ static int add_casters(projector *w)
     if (!add_run(w, 0, c->solid_triangle_count)) return 0;
     p->solid_triangle_count = p->triangle_count;
     if (!add_run(w, c->solid_triangle_count, opaque_end(c))) return 0;
-    p->masked_first = p->triangle_count;
-    for (size_t mask = 0; mask < c->mask_count; mask++) {
-        p->mask_first[mask] = p->triangle_count;
-        if (!add_run(w, c->mask_first[mask], c->mask_first[mask + 1])) return 0;
+    p->holed_first = p->triangle_count;
+    for (size_t mask = 0; mask < c->alpha_mask_count; mask++) {
+        p->alpha_mask_first[mask] = p->triangle_count;
+        if (!add_run(w, c->alpha_mask_first[mask], c->alpha_mask_first[mask + 1])) return 0;
     }
-    p->mask_first[c->mask_count] = p->triangle_count;
-    p->indices                   = p->own_indices;
-    p->meets                     = p->own_meets;
+    p->alpha_mask_first[c->alpha_mask_count] = p->triangle_count;
+    p->indices                               = p->own_indices;
+    p->meets                                 = p->own_meets;
     return 1;
 }
 
@@ -175,16 +175,16 @@ static int take_casters(projector *w)
     p->vertex_count         = c->vertex_count;
     p->triangle_count       = c->triangle_count;
     p->solid_triangle_count = c->solid_triangle_count;
-    p->masked_first         = opaque_end(c);
+    p->holed_first          = opaque_end(c);
     p->indices              = c->indices;
     p->meets                = c->solid_meets;
-    for (size_t mask = 0; mask <= c->mask_count; mask++)
-        p->mask_first[mask] = c->mask_count ? c->mask_first[mask] : c->triangle_count;
+    for (size_t mask = 0; mask <= c->alpha_mask_count; mask++)
+        p->alpha_mask_first[mask] = c->alpha_mask_count ? c->alpha_mask_first[mask] : c->triangle_count;
 
-    size_t with_holes = c->triangle_count - p->masked_first;
+    size_t with_holes = c->triangle_count - p->holed_first;
     p->uvq            = malloc((with_holes + 1) * sizeof *p->uvq);
     if (!p->uvq) return 0;
-    for (size_t n = 0; n < 3 * with_holes; n++) p->uvq[n / 3][n % 3] = (mask_uvq){c->mask_uvs[2 * n], c->mask_uvs[2 * n + 1], 1};
+    for (size_t n = 0; n < 3 * with_holes; n++) p->uvq[n / 3][n % 3] = (hole_uvq){c->hole_uvs[2 * n], c->hole_uvs[2 * n + 1], 1};
     return 1;
 }
 
@@ -193,9 +193,9 @@ vxs_result projection_init(projection *p, const casters *c, const vxs_light *lig
     *p                 = (projection){.casters = c, .reversed = light->kind != VXS_LIGHT_KIND_DIRECTIONAL};
     projector w        = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels)};
     int       complete = 0, some_leave = p->reversed;
-    w.corners     = malloc((c->vertex_count + 1) * sizeof *w.corners);
-    p->mask_first = malloc((c->mask_count + 1) * sizeof *p->mask_first);
-    if (!w.corners || !p->mask_first) goto done;
+    w.corners           = malloc((c->vertex_count + 1) * sizeof *w.corners);
+    p->alpha_mask_first = malloc((c->alpha_mask_count + 1) * sizeof *p->alpha_mask_first);
+    if (!w.corners || !p->alpha_mask_first) goto done;
     parallel_for(threads, c->vertex_count, 4096, transform_vertices, &w);
     for (int n = 0; n < PARALLEL_THREADS_MAX; n++) some_leave |= w.leaves_bounds[n];
     complete = some_leave ? add_casters(&w) : take_casters(&w);
@@ -209,7 +209,7 @@ void projection_free(projection *p)
 {
     free(p->vertices);
     free(p->own_indices);
-    free(p->mask_first);
+    free(p->alpha_mask_first);
     free(p->uvq);
     free(p->own_meets);
     *p = (projection){0};

@@ -22,9 +22,9 @@ typedef struct vertex_ls {
 } vertex_ls;
 
 /* A place in an image, times q, and q: all three are linear across a triangle. q is 1, or z of a perspective map. */
-typedef struct mask_uvq {
+typedef struct hole_uvq {
     float u, v, q;
-} mask_uvq;
+} hole_uvq;
 
 typedef struct projection {
     const casters *casters;
@@ -35,13 +35,14 @@ typedef struct projection {
 
     size_t          triangle_count;
     size_t          solid_triangle_count; /* triangles [0, solid_triangle_count) belong to solids, as in casters */
-    size_t          masked_first;         /* triangles [masked_first, triangle_count) have holes, as in casters */
+    size_t          holed_first;          /* triangles [holed_first, triangle_count) have holes, as in casters */
     const uint32_t *indices;              /* [3 * triangle_count] into vertices, in the casters' order */
     uint32_t       *own_indices;          /* the same, or NULL: they are the casters' */
 
-    size_t *mask_first;       /* [casters->mask_count + 1] triangles [mask_first[i], mask_first[i + 1]) have mask i */
-    mask_uvq (*uvq)[3];       /* [triangle_count - masked_first] of each corner */
-    const uint8_t *meets;     /* [solid_triangle_count] as the casters' solid_meets, or NULL: all do */
+    size_t *
+        alpha_mask_first; /* [casters->alpha_mask_count + 1] triangles [alpha_mask_first[i], alpha_mask_first[i + 1]) have mask i */
+    hole_uvq (*uvq)[3];   /* [triangle_count - holed_first] of each corner */
+    const uint8_t *meets; /* [solid_triangle_count] as the casters' solid_meets, or NULL: all do */
     uint8_t       *own_meets; /* the same, or NULL */
 } projection;
 

@@ -81,14 +81,14 @@ static void keep_triangle(keeper *k, size_t t)
     for (size_t n = 0; n < 3; n++) out->indices[3 * to + n] = keep_vertex(k, c->indices[3 * t + n]);
     if (t < c->solid_triangle_count && c->solid_meets) out->solid_meets[to] = c->solid_meets[t];
     if (t < c->solid_triangle_count) out->solid_triangle_count = to + 1;
-    if (t < c->masked_first) {
-        out->masked_first = to + 1;
+    if (t < c->holed_first) {
+        out->holed_first = to + 1;
         return;
     }
-    memcpy(out->mask_uvs + 6 * (to - out->masked_first), c->mask_uvs + 6 * (t - c->masked_first), 6 * sizeof *c->mask_uvs);
+    memcpy(out->hole_uvs + 6 * (to - out->holed_first), c->hole_uvs + 6 * (t - c->holed_first), 6 * sizeof *c->hole_uvs);
     size_t mask = 0;
-    while (t >= c->mask_first[mask + 1]) mask++;
-    out->mask_first[mask + 1]++;
+    while (t >= c->alpha_mask_first[mask + 1]) mask++;
+    out->alpha_mask_first[mask + 1]++;
 }
 
 static void keep_runs(keeper *k, const uint8_t *kept, size_t run_count)
@@ -96,26 +96,26 @@ static void keep_runs(keeper *k, const uint8_t *kept, size_t run_count)
     for (size_t n = 0; n < run_count; n++)
         for (size_t t = n * REACH_RUN; t < (n + 1) * REACH_RUN && t < k->c->triangle_count && kept[n]; t++) keep_triangle(k, t);
     casters *out = k->out;
-    if (!out->mask_first) return;
+    if (!out->alpha_mask_first) return;
     /* counts of each mask become where it starts */
-    out->mask_first[0] = out->masked_first;
-    for (size_t mask = 0; mask < out->mask_count; mask++) out->mask_first[mask + 1] += out->mask_first[mask];
+    out->alpha_mask_first[0] = out->holed_first;
+    for (size_t mask = 0; mask < out->alpha_mask_count; mask++) out->alpha_mask_first[mask + 1] += out->alpha_mask_first[mask];
 }
 
 static int allocate(keeper *k, size_t triangles)
 {
-    casters       *out = k->out;
-    const casters *c   = k->c;
-    out->mask_count    = c->mask_count;
-    out->masks         = c->masks;
-    out->images        = c->images;
-    out->positions_ws  = malloc((9 * triangles + 1) * sizeof *out->positions_ws);
-    out->indices       = malloc((3 * triangles + 1) * sizeof *out->indices);
-    out->mask_uvs      = malloc((6 * triangles + 1) * sizeof *out->mask_uvs);
-    out->mask_first    = calloc(c->mask_count + 1, sizeof *out->mask_first);
-    out->solid_meets   = c->solid_meets ? malloc(triangles + 1) : NULL;
-    k->slot            = calloc(c->vertex_count + 1, sizeof *k->slot);
-    return out->positions_ws && out->indices && out->mask_uvs && out->mask_first && k->slot &&
+    casters       *out    = k->out;
+    const casters *c      = k->c;
+    out->alpha_mask_count = c->alpha_mask_count;
+    out->alpha_masks      = c->alpha_masks;
+    out->images           = c->images;
+    out->positions_ws     = malloc((9 * triangles + 1) * sizeof *out->positions_ws);
+    out->indices          = malloc((3 * triangles + 1) * sizeof *out->indices);
+    out->hole_uvs         = malloc((6 * triangles + 1) * sizeof *out->hole_uvs);
+    out->alpha_mask_first = calloc(c->alpha_mask_count + 1, sizeof *out->alpha_mask_first);
+    out->solid_meets      = c->solid_meets ? malloc(triangles + 1) : NULL;
+    k->slot               = calloc(c->vertex_count + 1, sizeof *k->slot);
+    return out->positions_ws && out->indices && out->hole_uvs && out->alpha_mask_first && k->slot &&
            (out->solid_meets || !c->solid_meets);
 }
 
@@ -146,8 +146,8 @@ void reach_release(casters *out, const casters *c)
     if (out->positions_ws != c->positions_ws) {
         free(out->positions_ws);
         free(out->indices);
-        free(out->mask_uvs);
-        free(out->mask_first);
+        free(out->hole_uvs);
+        free(out->alpha_mask_first);
         free(out->solid_meets);
     }
     memset(out, 0, sizeof *out);

@@ -189,10 +189,10 @@ static void take_out(repair *x, const uint8_t *removed)
     size_t           kept = 0, masks = 0, welded = 0;
     for (size_t t = 0; t < s->triangle_count; t++) {
         int is_welded = welded < mesh->triangle_count && mesh->from[welded] == t;
-        while (masks < s->mask_triangle_count && s->mask_triangles[masks].triangle < t) masks++;
+        while (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle < t) masks++;
         if (is_welded && removed[welded++]) continue;
-        if (masks < s->mask_triangle_count && s->mask_triangles[masks].triangle == t)
-            s->mask_triangles[masks++].triangle = (uint32_t)kept;
+        if (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle == t)
+            s->holed_triangles[masks++].triangle = (uint32_t)kept;
         memmove(&s->indices[3 * kept], &s->indices[3 * t], 3 * sizeof *s->indices);
         s->triangle_flags[kept] = s->triangle_flags[t];
         x->notes[kept++]        = x->notes[t];
@@ -492,7 +492,7 @@ static vxs_result start(repair *x, message *m)
     if (!array_reserve(&x->notes, &x->note_capacity, s->triangle_count, sizeof *x->notes)) return out_of_memory(x, m);
     for (size_t t = 0; t < s->triangle_count; t++)
         x->notes[t] = (triangle_note){NONE, (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0};
-    for (size_t i = 0; i < s->mask_triangle_count; i++) x->notes[s->mask_triangles[i].triangle].masked = 1;
+    for (size_t i = 0; i < s->holed_triangle_count; i++) x->notes[s->holed_triangles[i].triangle].masked = 1;
 
     vxs_result r = take_snapshot(x, m);
     if (r != VXS_OK) return r;

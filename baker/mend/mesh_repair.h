@@ -61,7 +61,7 @@ typedef struct repair_report {
     size_t              component_count, closed_before, closed_after; /* of all components of the scene as it was */
 } repair_report;
 
-/* Mend a scene in place. Triangles keep their order; new ones are added at its end, mask_triangles are kept right.
+/* Mend a scene in place. Triangles keep their order; new ones are added at its end, holed_triangles are kept right.
  * out  [out] zeroed on failure; released with repair_report_free
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without triangles is not
  * an error here.  Deterministic; threads: none. Linear but for the holes that are filled. */

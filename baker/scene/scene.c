@@ -14,8 +14,8 @@ void scene_free(scene *s)
     free(s->lights);
     for (size_t i = 0; i < s->image_count; i++) free(s->images[i].alpha);
     free(s->images);
-    free(s->masks);
-    free(s->mask_triangles);
+    free(s->alpha_masks);
+    free(s->holed_triangles);
     free(s->camera_positions_ws);
     free(s->triangle_flags);
     free(s->indices);

@@ -31,7 +31,7 @@ typedef struct scene_light {
 /* per triangle */
 enum {
     TRIANGLE_DOUBLE_SIDED = 1, /* material.doubleSided */
-    TRIANGLE_ALPHA_MASK   = 2  /* material.alphaMode is MASK and some of it may be a hole: it is one of mask_triangles */
+    TRIANGLE_ALPHA_MASK   = 2  /* material.alphaMode is MASK and some of it may be a hole: it is one of holed_triangles */
 };
 
 typedef struct alpha_image {
@@ -52,12 +52,12 @@ typedef struct alpha_mask {
 } alpha_mask;
 
 /* A triangle with holes. */
-typedef struct mask_triangle {
+typedef struct holed_triangle {
     uint32_t triangle; /* index into the scene's triangles */
     uint32_t mask;     /* index into masks */
     float uv[3][2]; /* of its corners; KHR_texture_transform is applied. (0, 0) is the image's upper left corner, (1, 1) the lower
                           right one */
-} mask_triangle;
+} holed_triangle;
 
 typedef struct scene {
     char *name; /* the glTF scene's name, "" when it has none; owned */
@@ -69,11 +69,11 @@ typedef struct scene {
     uint32_t *indices;        /* [3 * triangle_count] < vertex_count; counter-clockwise seen from outside */
     uint8_t  *triangle_flags; /* [triangle_count] TRIANGLE_* */
 
-    size_t         image_count, mask_count;
-    alpha_image   *images; /* only those that masks need */
-    alpha_mask    *masks;
-    size_t         mask_triangle_count;
-    mask_triangle *mask_triangles; /* in the order of their triangles */
+    size_t          image_count, alpha_mask_count;
+    alpha_image    *images; /* only those that masks need */
+    alpha_mask     *alpha_masks;
+    size_t          holed_triangle_count;
+    holed_triangle *holed_triangles; /* in the order of their triangles */
 
     size_t       light_count;
     scene_light *lights;

@@ -280,18 +280,18 @@ static void tilt(struct RTCRay *ray)
 /* Whether a triangle has a hole where the weights of its second and third corner are these. */
 static int is_hole(const casters *c, size_t triangle, double second, double third)
 {
-    if (!c->mask_count || triangle < c->masked_first) return 0;
-    size_t low = 0, high = c->mask_count - 1; /* the last mask that begins at or before the triangle */
+    if (!c->alpha_mask_count || triangle < c->holed_first) return 0;
+    size_t low = 0, high = c->alpha_mask_count - 1; /* the last mask that begins at or before the triangle */
     while (low < high) {
         size_t middle = high - (high - low) / 2;
-        if (c->mask_first[middle] <= triangle)
+        if (c->alpha_mask_first[middle] <= triangle)
             low = middle;
         else
             high = middle - 1;
     }
 
-    const alpha_mask *mask = &c->masks[low];
-    const float      *uv   = &c->mask_uvs[6 * (triangle - c->masked_first)];
+    const alpha_mask *mask = &c->alpha_masks[low];
+    const float      *uv   = &c->hole_uvs[6 * (triangle - c->holed_first)];
     double            at[2];
     for (int i = 0; i < 2; i++)
         at[i] = (1 - second - third) * (double)uv[i] + second * (double)uv[2 + i] + third * (double)uv[4 + i];
@@ -335,7 +335,7 @@ static int is_occluded(const truth *t, struct RTCRay ray, const double *lamp_ws)
 {
     way_context way = {.truth = t, .lamp_ws = lamp_ws};
     rtcInitIntersectContext(&way.embree);
-    if (t->casters->mask_count || lamp_ws) way.embree.filter = pass_holes;
+    if (t->casters->alpha_mask_count || lamp_ws) way.embree.filter = pass_holes;
     rtcOccluded1(t->scene, &way.embree, &ray);
     return ray.tfar < 0; /* Embree's sign for occluded is -infinity */
 }

@@ -249,8 +249,8 @@ vxs_result check_map(const check_desc *d, int map, message *m)
 
     all.solid_meets            = NULL; /* what a plan found out is not trusted: all solids are peeled */
     solids_only                = all;
-    solids_only.triangle_count = solids_only.masked_first = all.solid_triangle_count;
-    solids_only.mask_count                                = 0;
+    solids_only.triangle_count = solids_only.holed_first = all.solid_triangle_count;
+    solids_only.alpha_mask_count                         = 0;
     if (!(c.worker = calloc((size_t)PARALLEL_THREADS_MAX * d->file_count, sizeof *c.worker)))
         return fail(m, VXS_E_MEMORY, "out of memory");
     if ((r = depth_maps_init(&maps, tile, side, voxel_log, any, m)) != VXS_OK) goto done;

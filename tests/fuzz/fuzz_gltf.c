@@ -18,10 +18,10 @@ static void check_triangles(const scene *s)
     for (size_t i = 0; i < s->triangle_count; i++) {
         FUZZ_CHECK(!(s->triangle_flags[i] & ~(TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK)));
         if (!(s->triangle_flags[i] & TRIANGLE_ALPHA_MASK)) continue;
-        FUZZ_CHECK(masked < s->mask_triangle_count && s->mask_triangles[masked].triangle == i);
+        FUZZ_CHECK(masked < s->holed_triangle_count && s->holed_triangles[masked].triangle == i);
         masked++;
     }
-    FUZZ_CHECK(masked == s->mask_triangle_count);
+    FUZZ_CHECK(masked == s->holed_triangle_count);
 }
 
 static void check_masks(const scene *s)
@@ -30,11 +30,11 @@ static void check_masks(const scene *s)
         FUZZ_CHECK(s->images[i].width_px >= 1 && s->images[i].width_px <= ALPHA_IMAGE_MAX_PX);
         FUZZ_CHECK(s->images[i].height_px >= 1 && s->images[i].height_px <= ALPHA_IMAGE_MAX_PX && s->images[i].alpha);
     }
-    for (size_t i = 0; i < s->mask_count; i++)
-        FUZZ_CHECK(s->masks[i].image < s->image_count && s->masks[i].threshold > 0 && s->masks[i].threshold <= 1);
-    for (size_t i = 0; i < s->mask_triangle_count; i++) {
-        FUZZ_CHECK(s->mask_triangles[i].mask < s->mask_count);
-        for (int k = 0; k < 6; k++) FUZZ_CHECK(isfinite(s->mask_triangles[i].uv[k / 2][k % 2]));
+    for (size_t i = 0; i < s->alpha_mask_count; i++)
+        FUZZ_CHECK(s->alpha_masks[i].image < s->image_count && s->alpha_masks[i].threshold > 0 && s->alpha_masks[i].threshold <= 1);
+    for (size_t i = 0; i < s->holed_triangle_count; i++) {
+        FUZZ_CHECK(s->holed_triangles[i].mask < s->alpha_mask_count);
+        for (int k = 0; k < 6; k++) FUZZ_CHECK(isfinite(s->holed_triangles[i].uv[k / 2][k % 2]));
     }
 }
 
@@ -72,7 +72,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         check_lights(&s);
         if (s.triangle_count <= TRIANGLES_TOLD_APART) check_casters(&s, &m);
     } else {
-        FUZZ_CHECK(m.error[0] && !strchr(m.error, '\n') && !s.positions_ws && !s.indices && !s.lights && !s.masks);
+        FUZZ_CHECK(m.error[0] && !strchr(m.error, '\n') && !s.positions_ws && !s.indices && !s.lights && !s.alpha_masks);
     }
     scene_free(&s);
     message_free(&m);

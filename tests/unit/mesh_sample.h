@@ -175,8 +175,8 @@ static inline void sample_clear(sample *b)
     free(s->positions_ws);
     free(s->indices);
     free(s->triangle_flags);
-    free(s->masks);
-    free(s->mask_triangles);
+    free(s->alpha_masks);
+    free(s->holed_triangles);
     free(s->camera_positions_ws);
     *b = (sample){.m.quiet = 1};
 }

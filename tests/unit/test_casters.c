@@ -138,8 +138,8 @@ static void clear(fixture *b)
     free(b->s.triangle_flags);
     free(b->s.lights);
     free(b->s.camera_positions_ws);
-    free(b->s.masks);
-    free(b->s.mask_triangles);
+    free(b->s.alpha_masks);
+    free(b->s.holed_triangles);
     *b = (fixture){.m.quiet = 1};
 }
 
@@ -150,36 +150,36 @@ static void check_masks(const fixture *b)
 {
     const casters *c    = &b->c;
     size_t         kept = 0;
-    assert_int_equal(c->mask_count, b->s.mask_count);
+    assert_int_equal(c->alpha_mask_count, b->s.alpha_mask_count);
     assert_ptr_equal(c->images, b->s.images);
-    assert_int_equal(c->mask_first[0], c->masked_first);
-    assert_int_equal(c->mask_first[c->mask_count], c->triangle_count);
-    assert_true(c->masked_first >= c->solid_triangle_count);
-    for (size_t i = 0; i < c->mask_count; i++) {
-        size_t at = c->mask_first[i];
-        assert_memory_equal(&c->masks[i], &b->s.masks[i], sizeof *c->masks);
-        for (size_t n = 0; n < b->s.mask_triangle_count; n++) {
-            const mask_triangle *hole = &b->s.mask_triangles[n];
-            const uint32_t      *v    = &b->s.indices[3 * (size_t)hole->triangle];
-            const double        *p[3];
+    assert_int_equal(c->alpha_mask_first[0], c->holed_first);
+    assert_int_equal(c->alpha_mask_first[c->alpha_mask_count], c->triangle_count);
+    assert_true(c->holed_first >= c->solid_triangle_count);
+    for (size_t i = 0; i < c->alpha_mask_count; i++) {
+        size_t at = c->alpha_mask_first[i];
+        assert_memory_equal(&c->alpha_masks[i], &b->s.alpha_masks[i], sizeof *c->alpha_masks);
+        for (size_t n = 0; n < b->s.holed_triangle_count; n++) {
+            const holed_triangle *hole = &b->s.holed_triangles[n];
+            const uint32_t       *v    = &b->s.indices[3 * (size_t)hole->triangle];
+            const double         *p[3];
             for (size_t k = 0; k < 3; k++) p[k] = &b->s.positions_ws[3 * (size_t)v[k]];
             int collapsed = 0;
             for (int k = 0; k < 3; k++) collapsed |= !memcmp(p[k], p[(k + 1) % 3], 3 * sizeof(double));
             if (hole->mask != i || collapsed) continue;
-            assert_true(at < c->mask_first[i + 1]);
+            assert_true(at < c->alpha_mask_first[i + 1]);
             size_t turn = 0; /* a triangle begins at its least corner */
             while (turn < 2 && memcmp(&c->positions_ws[3 * (size_t)c->indices[3 * at]], p[turn], 3 * sizeof(double))) turn++;
             for (size_t k = 0; k < 3; k++) {
                 size_t from = (turn + k) % 3;
-                assert_memory_equal(&c->mask_uvs[6 * (at - c->masked_first) + 2 * k], hole->uv[from], sizeof hole->uv[0]);
+                assert_memory_equal(&c->hole_uvs[6 * (at - c->holed_first) + 2 * k], hole->uv[from], sizeof hole->uv[0]);
                 assert_memory_equal(&c->positions_ws[3 * (size_t)c->indices[3 * at + k]], p[from], 3 * sizeof(double));
             }
             at++;
             kept++;
         }
-        assert_int_equal(at, c->mask_first[i + 1]);
+        assert_int_equal(at, c->alpha_mask_first[i + 1]);
     }
-    assert_int_equal(kept, c->triangle_count - c->masked_first);
+    assert_int_equal(kept, c->triangle_count - c->holed_first);
 }
 
 /* Whatever the scene: counts agree, no two vertices are at one place, all are used, nothing is lost. */
@@ -502,17 +502,17 @@ static void test_order_is_the_scenes(void **state)
 
 static void add_mask(fixture *b, uint32_t image, float threshold)
 {
-    b->s.masks                    = grown(b->s.masks, (b->s.mask_count + 1) * sizeof *b->s.masks);
-    b->s.masks[b->s.mask_count++] = (alpha_mask){.image = image, .threshold = threshold, .wrap_u = WRAP_MIRROR};
+    b->s.alpha_masks                          = grown(b->s.alpha_masks, (b->s.alpha_mask_count + 1) * sizeof *b->s.alpha_masks);
+    b->s.alpha_masks[b->s.alpha_mask_count++] = (alpha_mask){.image = image, .threshold = threshold, .wrap_u = WRAP_MIRROR};
 }
 
 /* Triangle t of the scene gets holes, and texture coordinates that no other has. */
 static void set_mask(fixture *b, uint32_t t, uint32_t mask)
 {
-    mask_triangle hole = {.triangle = t, .mask = mask};
+    holed_triangle hole = {.triangle = t, .mask = mask};
     for (int i = 0; i < 6; i++) hole.uv[i / 2][i % 2] = (float)(10 * t) + (float)i;
-    b->s.mask_triangles                             = grown(b->s.mask_triangles, (b->s.mask_triangle_count + 1) * sizeof hole);
-    b->s.mask_triangles[b->s.mask_triangle_count++] = hole;
+    b->s.holed_triangles                              = grown(b->s.holed_triangles, (b->s.holed_triangle_count + 1) * sizeof hole);
+    b->s.holed_triangles[b->s.holed_triangle_count++] = hole;
     b->s.triangle_flags[t] |= TRIANGLE_ALPHA_MASK;
 }
 
@@ -546,15 +546,15 @@ static void test_masked_triangles_come_last(void **state)
     sort_out(&b, CLOSED_AUTO);
     expect(&b, COMPONENT_SHEET_ALPHA_MASK, 5, 5);
     expect(&b, COMPONENT_SOLID, 5, 5);
-    assert_int_equal(b.c.masked_first, 60 + 1); /* the half of a quad without a mask is a sheet like others */
+    assert_int_equal(b.c.holed_first, 60 + 1); /* the half of a quad without a mask is a sheet like others */
     assert_int_equal(b.c.triangle_count, 60 + 10);
-    assert_int_equal(b.c.mask_first[1], b.c.mask_first[2]);
+    assert_int_equal(b.c.alpha_mask_first[1], b.c.alpha_mask_first[2]);
 
     /* whatever the mode, holes stay holes */
     sort_out(&b, CLOSED_OFF);
-    assert_int_equal(b.c.masked_first, 60 + 1);
+    assert_int_equal(b.c.holed_first, 60 + 1);
     sort_out(&b, CLOSED_ON);
-    assert_int_equal(b.c.masked_first, 60 + 1);
+    assert_int_equal(b.c.holed_first, 60 + 1);
     assert_int_equal(b.c.solid_triangle_count, 60);
     clear(&b);
 }
@@ -566,11 +566,11 @@ static void test_mask_makes_a_sheet(void **state)
     add_box(&b, 0, 0, 0, 1, 1, 1);
     add_mask(&b, 0, 0.5f);
     set_mask(&b, 5, 0);
-    b.s.triangle_flags[5] = 0; /* being one of mask_triangles is enough */
+    b.s.triangle_flags[5] = 0; /* being one of holed_triangles is enough */
     for (int mode = CLOSED_AUTO; mode <= CLOSED_ON; mode++) {
         sort_out(&b, (closed_mode)mode);
         expect(&b, COMPONENT_SHEET_ALPHA_MASK, 1, 0);
-        assert_int_equal(b.c.masked_first, 11);
+        assert_int_equal(b.c.holed_first, 11);
     }
     clear(&b);
 }
@@ -581,9 +581,9 @@ static void test_no_masks(void **state)
     fixture b = {0};
     add_box(&b, 0, 0, 0, 1, 1, 1);
     sort_out(&b, CLOSED_AUTO);
-    assert_int_equal(b.c.masked_first, 12);
-    assert_int_equal(b.c.mask_count, 0);
-    assert_int_equal(b.c.mask_first[0], 12);
+    assert_int_equal(b.c.holed_first, 12);
+    assert_int_equal(b.c.alpha_mask_count, 0);
+    assert_int_equal(b.c.alpha_mask_first[0], 12);
     clear(&b);
 }
 

@@ -589,16 +589,16 @@ static void test_cards_are_read_with_their_mask(void **state)
     for (size_t i = 0; i < pixels; i++) alpha[i] = s.images[0].rgba[4 * i + 3];
 
     scene loaded = reread(&s);
-    if (!loaded.mask_count) { /* masks are not read yet */
+    if (!loaded.alpha_mask_count) { /* masks are not read yet */
         free(alpha);
         scene_free(&loaded);
         skip();
     }
-    assert_int_equal(loaded.mask_count, 1);
+    assert_int_equal(loaded.alpha_mask_count, 1);
     assert_int_equal(loaded.image_count, 1);
-    assert_true(loaded.masks[0].threshold == 0.5F && loaded.images[0].width_px == 128 && loaded.images[0].height_px == 128);
+    assert_true(loaded.alpha_masks[0].threshold == 0.5F && loaded.images[0].width_px == 128 && loaded.images[0].height_px == 128);
     assert_memory_equal(loaded.images[0].alpha, alpha, pixels);
-    assert_int_equal(loaded.mask_triangle_count, cards);
+    assert_int_equal(loaded.holed_triangle_count, cards);
     for (size_t t = 0; t < loaded.triangle_count; t++)
         assert_int_equal(loaded.triangle_flags[t], t < first ? 0 : TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
     free(alpha);

@@ -86,7 +86,7 @@ static vxs_result load_mask(const char *node, const char *attributes, const char
 
 static void expect_uv(size_t i, int corner, double u, double v)
 {
-    const float *uv = s.mask_triangles[i].uv[corner];
+    const float *uv = s.holed_triangles[i].uv[corner];
     if (fabs(uv[0] - u) > 1e-6 || fabs(uv[1] - v) > 1e-6) fail_msg("triangle %zu corner %d: %g %g", i, corner, uv[0], uv[1]);
 }
 
@@ -106,11 +106,11 @@ static void test_a_texture_makes_holes(void **state)
         assert_int_equal(s.image_count, 1);
         assert_true(s.images[0].width_px == 2 && s.images[0].height_px == 2);
         assert_memory_equal(s.images[0].alpha, ((uint8_t[]){0, 255, 200, 100}), 4);
-        assert_int_equal(s.mask_count, 1);
-        assert_true(s.masks[0].image == 0 && s.masks[0].threshold == 0.5f && !s.masks[0].nearest);
-        assert_true(s.masks[0].wrap_u == WRAP_REPEAT && s.masks[0].wrap_v == WRAP_REPEAT);
-        assert_int_equal(s.mask_triangle_count, 2);
-        assert_true(s.mask_triangles[0].triangle == 0 && s.mask_triangles[1].triangle == 1 && s.mask_triangles[1].mask == 0);
+        assert_int_equal(s.alpha_mask_count, 1);
+        assert_true(s.alpha_masks[0].image == 0 && s.alpha_masks[0].threshold == 0.5f && !s.alpha_masks[0].nearest);
+        assert_true(s.alpha_masks[0].wrap_u == WRAP_REPEAT && s.alpha_masks[0].wrap_v == WRAP_REPEAT);
+        assert_int_equal(s.holed_triangle_count, 2);
+        assert_true(s.holed_triangles[0].triangle == 0 && s.holed_triangles[1].triangle == 1 && s.holed_triangles[1].mask == 0);
         expect_uv(0, 0, 0, 1);
         expect_uv(0, 1, 1, 1);
         expect_uv(1, 1, 1, 0);
@@ -141,10 +141,10 @@ static void test_samplers_wrap_and_filter(void **state)
     must(load_mask("", UV, BASE,
                    "'textures':[{'source':0,'sampler':1}],'samplers':[{},{'magFilter':9728,'wrapS':33071,'wrapT':33648}],"
                    "'images':[{'bufferView':1}]"));
-    assert_true(s.masks[0].nearest && s.masks[0].wrap_u == WRAP_CLAMP && s.masks[0].wrap_v == WRAP_MIRROR);
+    assert_true(s.alpha_masks[0].nearest && s.alpha_masks[0].wrap_u == WRAP_CLAMP && s.alpha_masks[0].wrap_v == WRAP_MIRROR);
     must(load_mask("", UV, BASE,
                    "'textures':[{'source':0,'sampler':0}],'samplers':[{'magFilter':9729}],'images':[{'bufferView':1}]"));
-    assert_true(!s.masks[0].nearest);
+    assert_true(!s.alpha_masks[0].nearest);
 }
 
 /* offset, a quarter turn and scale: as the sample viewer of the Khronos group moves it. */
@@ -169,11 +169,11 @@ static void test_the_cutoff_is_held_against_the_product(void **state)
     must(load_mask("", UV,
                    "'alphaCutoff':0.2,'pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.8],'baseColorTexture':{'index':0}}",
                    TEXTURE));
-    assert_true(s.masks[0].threshold == 0.25f);
+    assert_true(s.alpha_masks[0].threshold == 0.25f);
     must(load_mask(
         "", UV, "'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[1,1,1,0.75],'diffuseTexture':{'index':0}}}",
         TEXTURE));
-    assert_true(fabsf(s.masks[0].threshold - 2 / 3.0f) < 1e-6f);
+    assert_true(fabsf(s.alpha_masks[0].threshold - 2 / 3.0f) < 1e-6f);
 }
 
 static void test_masks_that_are_none(void **state)
@@ -187,10 +187,10 @@ static void test_masks_that_are_none(void **state)
         must(load_mask("", UV, plain[i], TEXTURE));
         assert_int_equal(s.triangle_count, 4);
         assert_int_equal(s.triangle_flags[0] & TRIANGLE_ALPHA_MASK, 0);
-        assert_true(!s.images && !s.masks && !s.mask_triangles && !s.mask_triangle_count && !m.warning_count);
+        assert_true(!s.images && !s.alpha_masks && !s.holed_triangles && !s.holed_triangle_count && !m.warning_count);
     }
     must(load_mask("", UV, "'alphaCutoff':0.4," BASE, TEXTURE)); /* 100 / 255 is 0.392 */
-    assert_int_equal(s.mask_triangle_count, 2);
+    assert_int_equal(s.holed_triangle_count, 2);
     use_bytes("\xff\xd8\xff\xe0 pixels \xff\xd9", 14);
     must(load_mask("", "", BASE, TEXTURE)); /* a JPEG is opaque: no coordinates are needed */
     assert_int_equal(s.triangle_flags[0], 0);
@@ -308,21 +308,22 @@ static void test_real_masks(void **state)
     const char *scenes = scenes_folder();
     snprintf(file, sizeof file, "%s/real/sponza.glb", scenes);
     must(load_file(file, NULL));
-    assert_true(s.mask_count == 3 && s.image_count == 3 && s.mask_triangle_count > 1000);
-    for (size_t i = 0; i < s.mask_count; i++) {
-        const alpha_image *image = &s.images[s.masks[i].image];
+    assert_true(s.alpha_mask_count == 3 && s.image_count == 3 && s.holed_triangle_count > 1000);
+    for (size_t i = 0; i < s.alpha_mask_count; i++) {
+        const alpha_image *image = &s.images[s.alpha_masks[i].image];
         size_t             holes = 0, pixels = (size_t)image->width_px * image->height_px;
-        for (size_t k = 0; k < pixels; k++) holes += image->alpha[k] / 255.0f < s.masks[i].threshold;
+        for (size_t k = 0; k < pixels; k++) holes += image->alpha[k] / 255.0f < s.alpha_masks[i].threshold;
         if (holes < pixels / 5 || holes > pixels * 4 / 5) fail_msg("mask %zu: %zu of %zu pixels are holes", i, holes, pixels);
     }
     size_t masked = 0;
     for (size_t i = 0; i < s.triangle_count; i++) masked += (s.triangle_flags[i] & TRIANGLE_ALPHA_MASK) != 0;
-    assert_int_equal(masked, s.mask_triangle_count);
-    for (size_t i = 1; i < s.mask_triangle_count; i++) assert_true(s.mask_triangles[i].triangle > s.mask_triangles[i - 1].triangle);
+    assert_int_equal(masked, s.holed_triangle_count);
+    for (size_t i = 1; i < s.holed_triangle_count; i++)
+        assert_true(s.holed_triangles[i].triangle > s.holed_triangles[i - 1].triangle);
 
     snprintf(file, sizeof file, "%s/real/dutch_ship_mask.glb", scenes);
     must(load_file(file, NULL));
-    assert_true(s.triangle_count == 69162 && !s.mask_triangle_count && !s.image_count);
+    assert_true(s.triangle_count == 69162 && !s.holed_triangle_count && !s.image_count);
 }
 
 int main(void)

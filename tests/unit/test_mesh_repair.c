@@ -229,27 +229,27 @@ static void test_masks_stay_right(void **state)
         sample_triangle(&b, (const double(*)[3])p);
         double leaf[3][3] = {{9, i, 0}, {9, i, 1}, {9, i + 1, 0}};
         for (int n = 0; n < 2; n++) {
-            mask_triangle hole = {.triangle = sample_triangle(&b, (const double(*)[3])leaf), .mask = (uint32_t)i};
-            hole.uv[0][0]      = (float)(2 * i + n);
-            b.s.mask_triangles = sample_grown(b.s.mask_triangles, (b.s.mask_triangle_count + 1) * sizeof hole);
-            b.s.mask_triangles[b.s.mask_triangle_count++] = hole;
+            holed_triangle hole = {.triangle = sample_triangle(&b, (const double(*)[3])leaf), .mask = (uint32_t)i};
+            hole.uv[0][0]       = (float)(2 * i + n);
+            b.s.holed_triangles = sample_grown(b.s.holed_triangles, (b.s.holed_triangle_count + 1) * sizeof hole);
+            b.s.holed_triangles[b.s.holed_triangle_count++] = hole;
         }
     }
-    b.s.mask_count = 2;
-    b.s.masks      = calloc(2, sizeof *b.s.masks);
-    assert_non_null(b.s.masks);
+    b.s.alpha_mask_count = 2;
+    b.s.alpha_masks      = calloc(2, sizeof *b.s.alpha_masks);
+    assert_non_null(b.s.alpha_masks);
     repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 100});
     expect_solids(&b, 1, 2);
     assert_int_equal(r.total.removed_repeated, 2);
     assert_int_equal(r.count, 1);
     assert_int_equal(b.s.triangle_count, 16);
     for (uint32_t i = 0; i < 4; i++) {
-        const mask_triangle *hole = &b.s.mask_triangles[i];
+        const holed_triangle *hole = &b.s.holed_triangles[i];
         assert_int_equal(hole->triangle, 12 + i);
         const double *p = &b.s.positions_ws[3 * (size_t)b.s.indices[3 * (size_t)hole->triangle]];
         assert_true(p[0] == 9 && p[1] == i / 2 && hole->mask == i / 2 && hole->uv[0][0] == (float)i);
     }
-    assert_int_equal(b.c.masked_first, 12);
+    assert_int_equal(b.c.holed_first, 12);
     assert_int_equal(b.c.triangle_count, 16);
     done(&b, &r);
 }

@@ -48,12 +48,12 @@ static uint8_t       alpha[2][6]  = {{0, 255, 128, 127, 1, 254}, {255, 0, 9, 200
 static alpha_image   images[2]    = {{3, 2, alpha[0]}, {2, 3, alpha[1]}};
 static alpha_mask    masks[MASKS] = {
        {0, 0.5f, WRAP_REPEAT, WRAP_REPEAT, 0}, {1, 0.3f, WRAP_CLAMP, WRAP_MIRROR, 0}, {1, 0.7f, WRAP_REPEAT, WRAP_REPEAT, 1}};
-static mask_triangle mask_triangles[TRIANGLES];
-static scene_light   lights[]  = {{"a sun", {LIGHT_DIRECTIONAL, {0}, {0, -0.6, 0.8}, 0, INFINITY}},
-                                  {"a lamp whose name is longer than the names of the meshes that vxs scene makes",
-                                   {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5}},
-                                  {"\xc3\xa9", {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}}};
-static double        cameras[] = {1, 2.1, 3, -4, 5, 6};
+static holed_triangle holed_triangles[TRIANGLES];
+static scene_light    lights[]  = {{"a sun", {LIGHT_DIRECTIONAL, {0}, {0, -0.6, 0.8}, 0, INFINITY}},
+                                   {"a lamp whose name is longer than the names of the meshes that vxs scene makes",
+                                    {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5}},
+                                   {"\xc3\xa9", {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}}};
+static double         cameras[] = {1, 2.1, 3, -4, 5, 6};
 
 static scene sample_scene(void)
 {
@@ -64,10 +64,10 @@ static scene sample_scene(void)
                .indices             = indices,
                .triangle_flags      = flags,
                .image_count         = 2,
-               .mask_count          = MASKS,
+               .alpha_mask_count    = MASKS,
                .images              = images,
-               .masks               = masks,
-               .mask_triangles      = mask_triangles,
+               .alpha_masks         = masks,
+               .holed_triangles     = holed_triangles,
                .light_count         = 3,
                .lights              = lights,
                .camera_count        = 2,
@@ -78,17 +78,17 @@ static scene sample_scene(void)
         flags[t] = double_sided[t] ? TRIANGLE_DOUBLE_SIDED : 0;
         if (mask_of[t] < 0) continue;
         flags[t] |= TRIANGLE_ALPHA_MASK;
-        mask_triangle *hole = &mask_triangles[s.mask_triangle_count++];
-        *hole               = (mask_triangle){.triangle = t, .mask = (uint32_t)mask_of[t]};
+        holed_triangle *hole = &holed_triangles[s.holed_triangle_count++];
+        *hole                = (holed_triangle){.triangle = t, .mask = (uint32_t)mask_of[t]};
         for (int i = 0; i < 6; i++) hole->uv[i / 2][i % 2] = (float)t + 0.1f * (float)i;
     }
     return s;
 }
 
-static const mask_triangle *hole_of(const scene *s, size_t triangle)
+static const holed_triangle *hole_of(const scene *s, size_t triangle)
 {
-    for (size_t i = 0; i < s->mask_triangle_count; i++)
-        if (s->mask_triangles[i].triangle == triangle) return &s->mask_triangles[i];
+    for (size_t i = 0; i < s->holed_triangle_count; i++)
+        if (s->holed_triangles[i].triangle == triangle) return &s->holed_triangles[i];
     return NULL;
 }
 
@@ -103,11 +103,11 @@ static int same_triangle(const scene *a, size_t t, const scene *b, size_t u)
     return 1;
 }
 
-static void expect_same_mask(const scene *a, const mask_triangle *p, const scene *b, const mask_triangle *q)
+static void expect_same_mask(const scene *a, const holed_triangle *p, const scene *b, const holed_triangle *q)
 {
     assert_true((p == NULL) == (q == NULL));
     if (!p) return;
-    const alpha_mask  *v = &a->masks[p->mask], *w = &b->masks[q->mask];
+    const alpha_mask  *v = &a->alpha_masks[p->mask], *w = &b->alpha_masks[q->mask];
     const alpha_image *i = &a->images[v->image], *j = &b->images[w->image];
     assert_memory_equal(p->uv, q->uv, sizeof p->uv);
     assert_true(v->threshold == w->threshold && v->wrap_u == w->wrap_u && v->wrap_v == w->wrap_v && v->nearest == w->nearest);
@@ -137,15 +137,15 @@ static void test_triangles_and_masks(void **state)
 static void test_order(void **state)
 {
     (void)state;
-    scene s               = sample_scene();
-    s.mask_triangle_count = 0;
+    scene s                = sample_scene();
+    s.holed_triangle_count = 0;
     for (size_t t = 0; t < TRIANGLES; t++) flags[t] &= TRIANGLE_DOUBLE_SIDED;
     scene  r = written_and_read(&s);
     size_t u = 0;
     for (int sided = 0; sided < 2; sided++)
         for (size_t t = 0; t < TRIANGLES; t++)
             if (double_sided[t] == sided) assert_true(same_triangle(&s, t, &r, u++));
-    assert_int_equal(r.mask_triangle_count, 0);
+    assert_int_equal(r.holed_triangle_count, 0);
     scene_free(&r);
 }
 

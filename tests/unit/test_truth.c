@@ -507,32 +507,32 @@ static const alpha_image images[]  = {{2, 2, chequer}, {4, 4, clouds}};
 static alpha_mask        masks[]   = {{.image = 0, .threshold = 0.5f, .wrap_u = WRAP_REPEAT, .wrap_v = WRAP_REPEAT, .nearest = 1},
                                       {.image = 1, .threshold = 0.6f, .wrap_u = WRAP_MIRROR, .wrap_v = WRAP_CLAMP},
                                       {.image = 1, .threshold = 0.3f, .wrap_u = WRAP_REPEAT, .wrap_v = WRAP_MIRROR}};
-static size_t            mask_first[4];
-static float             mask_uvs[6 * MASKED_MAX];
+static size_t            alpha_mask_first[4];
+static float             hole_uvs[6 * MASKED_MAX];
 
 /* Triangles from here on are masked, by all three masks in turn; masks_end_here gives them their shares. */
 static void masks_begin_here(void)
 {
-    built.masked_first = built.triangle_count;
-    built.mask_first   = mask_first;
-    built.masks        = masks;
-    built.mask_uvs     = mask_uvs;
-    built.images       = images;
+    built.holed_first      = built.triangle_count;
+    built.alpha_mask_first = alpha_mask_first;
+    built.alpha_masks      = masks;
+    built.hole_uvs         = hole_uvs;
+    built.images           = images;
 }
 
 static void masks_end_here(size_t of_first, size_t of_second)
 {
-    built.mask_count = 3;
-    mask_first[0]    = built.masked_first;
-    mask_first[1]    = mask_first[0] + of_first;
-    mask_first[2]    = mask_first[1] + of_second;
-    mask_first[3]    = built.triangle_count;
+    built.alpha_mask_count = 3;
+    alpha_mask_first[0]    = built.holed_first;
+    alpha_mask_first[1]    = alpha_mask_first[0] + of_first;
+    alpha_mask_first[2]    = alpha_mask_first[1] + of_second;
+    alpha_mask_first[3]    = built.triangle_count;
 }
 
 static void uvs_of_last(double ua, double va, double ub, double vb, double uc, double vc)
 {
-    assert_true(built.triangle_count - built.masked_first <= MASKED_MAX);
-    float       *uv    = &mask_uvs[6 * (built.triangle_count - 1 - built.masked_first)];
+    assert_true(built.triangle_count - built.holed_first <= MASKED_MAX);
+    float       *uv    = &hole_uvs[6 * (built.triangle_count - 1 - built.holed_first)];
     const double of[6] = {ua, va, ub, vb, uc, vc};
     for (int i = 0; i < 6; i++) uv[i] = (float)of[i];
 }
@@ -580,8 +580,8 @@ static void light_passes_holes_drawn_by_hand(void **state)
 /* Whether a masked triangle has a surface at weights of its second and third corner: -1 where a small step decides. */
 static int brute_opaque(size_t t, double second, double third, double step)
 {
-    const float *uv   = &mask_uvs[6 * (t - built.masked_first)];
-    int          mask = t >= mask_first[2] ? 2 : t >= mask_first[1] ? 1 : 0, sum = 0;
+    const float *uv   = &hole_uvs[6 * (t - built.holed_first)];
+    int          mask = t >= alpha_mask_first[2] ? 2 : t >= alpha_mask_first[1] ? 1 : 0, sum = 0;
     for (int i = 0; i < 9; i++) {
         double b = second + step * (i % 3 - 1), c = third + step * (i / 3 - 1), a = 1 - b - c;
         double u = a * (double)uv[0] + b * (double)uv[2] + c * (double)uv[4];
@@ -603,7 +603,7 @@ static int brute_first_opaque(const double origin[3], const double direction[3],
         vec3_sub(corner_of(t, 2), corner_of(t, 0), ac);
         vec3_cross(ab, ac, n);
         for (int i = 0; i < 3; i++) from_corner[i] = origin[i] + here * direction[i] - corner_of(t, 0)[i];
-        if (t >= built.masked_first) {
+        if (t >= built.holed_first) {
             vec3_cross(from_corner, ac, c);
             double second = vec3_dot(c, n) / vec3_dot(n, n);
             vec3_cross(ab, from_corner, c);
@@ -654,7 +654,7 @@ static void rays_through_holes_agree_with_brute_force(void **state)
         assert_int_equal(truth_first_hit(t, origin, direction, NULL, NULL, &which), expected);
         if (!expected) continue;
         assert_int_equal(which, hit);
-        masked_hits += hit >= built.masked_first;
+        masked_hits += hit >= built.holed_first;
     }
     assert_true(clear > 2800 && hits > 400 && hits < 2000 && masked_hits > 300);
     truth_destroy(t);

@@ -72,7 +72,7 @@ vxs_result depth_block_init(depth_block *b, block_context *context, message *m)
     gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, b->buffers[1]);
     gl->EnableVertexAttribArray(0);
     gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-    vxs_result r = mask_triangles_init(&b->masked, &context->images, c, m);
+    vxs_result r = holed_triangles_init(&b->masked, &context->images, c, m);
     if (r != VXS_OK || gl->GetError() == GL_NO_ERROR) return r;
     return fail(m, VXS_E_GL, "OpenGL cannot set up depth maps of %u texels", context->block_px);
 }
@@ -85,7 +85,7 @@ void depth_block_free(depth_block *b)
     gl->DeleteTextures(sizeof textures / sizeof *textures, textures);
     gl->DeleteBuffers(2, b->buffers);
     gl->DeleteVertexArrays(1, &b->vertex_array);
-    mask_triangles_free(&b->masked);
+    holed_triangles_free(&b->masked);
     free(b->positions);
     free(b->indices);
     free(b->triangles);
@@ -155,10 +155,10 @@ static uint32_t block_vertex(depth_block *b, uint32_t vertex)
 static void add_masked(depth_block *b, size_t t)
 {
     const projection *c  = &b->context->casters;
-    mask_corner      *to = b->masked.corners[b->masked.count];
+    hole_corner      *to = b->masked.corners[b->masked.count];
     for (int k = 0; k < 3; k++) {
         clip_vertex(b, c->indices[3 * t + (size_t)k], to[k].clip);
-        to[k].at = c->uvq[t - c->masked_first][k];
+        to[k].at = c->uvq[t - c->holed_first][k];
     }
     b->masked.triangle[b->masked.count++] = (uint32_t)t;
 }
@@ -172,7 +172,7 @@ static void gather_triangles(depth_block *b)
     for (size_t n = 0; n < x->candidate_count; n++) {
         size_t t = x->candidates[n];
         if (!texel_box_touches(&x->boxes[t], b->u0, b->v0, (int32_t)x->block_px)) continue;
-        if (t >= c->masked_first) {
+        if (t >= c->holed_first) {
             add_masked(b, t);
             continue;
         }
@@ -300,7 +300,7 @@ static void draw_nearest(depth_block *b, GLuint depth, uint32_t first, uint32_t 
 static void draw_sheets(depth_block *b)
 {
     draw_nearest(b, b->texture_sheet, b->solid_count, b->triangle_count - b->solid_count);
-    mask_triangles_draw(&b->masked);
+    holed_triangles_draw(&b->masked);
     b->context->stats.triangles_drawn += b->masked.count;
     b->context->gl->BindVertexArray(b->vertex_array);
 }

@@ -9,7 +9,7 @@
 
 #include "baker/columns/opengl/exit_depth.h"
 #include "baker/columns/opengl/gl.h"
-#include "baker/columns/opengl/mask_pass.h"
+#include "baker/columns/opengl/holes_pass.h"
 #include "baker/light/projection.h"
 
 enum { BLOCK_MAX_PX = 512, CELL_PX = 32, SUBTEXELS = 256 };
@@ -36,7 +36,7 @@ typedef struct depth_order {
 typedef struct block_context {
     gl_context *gl;
     projection  casters; /* in the map */
-    mask_images images;
+    hole_images images;
     depth_order order;
     exit_mode   mode;
     uint32_t    block_px;
@@ -78,7 +78,7 @@ typedef struct depth_block {
     int       has_sheets;
     int       peels; /* some solid meets another: the nearest back face may not be where light leaves their union */
 
-    mask_triangles masked; /* of the sheets, those with holes: not in triangles */
+    holed_triangles masked; /* of the sheets, those with holes: not in triangles */
 
     /* [block_px * block_px] each */
     float     *sheet;    /* enter depth of sheets */

@@ -89,7 +89,7 @@ static vxs_result set_up(depth_renderer *r, uint32_t threads, message *m)
     parallel_for(threads, p->triangle_count, 4096, bound_triangles, r);
     vxs_result result = make_programs(x, m);
     x->gl->GenFramebuffers(1, &x->framebuffer);
-    if (result == VXS_OK) result = mask_images_init(&x->images, x->gl, p->casters, m);
+    if (result == VXS_OK) result = hole_images_init(&x->images, x->gl, p->casters, m);
     for (int n = 0; n < LANES && result == VXS_OK; n++) result = depth_block_init(&r->lane[n], x, m);
     return result;
 }
@@ -128,7 +128,7 @@ void depth_renderer_destroy(depth_renderer *r)
     gl_context    *gl = x->gl;
     for (int n = 0; n < LANES; n++) depth_block_free(&r->lane[n]);
     gl->DeleteFramebuffers(1, &x->framebuffer);
-    mask_images_free(&x->images);
+    hole_images_free(&x->images);
     projection_free(&x->casters);
     free(x->boxes);
     free(x->candidates);

@@ -1,6 +1,6 @@
-/* Drawing alpha-tested triangles; see mask_pass.h.
+/* Drawing alpha-tested triangles; see holes_pass.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/columns/opengl/mask_pass.h"
+#include "baker/columns/opengl/holes_pass.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -91,40 +91,40 @@ static void upload_image(gl_context *gl, GLuint *texture, const alpha_image *ima
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 
-vxs_result mask_images_init(mask_images *x, gl_context *gl, const casters *c, message *m)
+vxs_result hole_images_init(hole_images *x, gl_context *gl, const casters *c, message *m)
 {
-    *x = (mask_images){.gl = gl, .casters = c};
-    if (!c->mask_count) return VXS_OK;
-    x->textures = calloc(c->mask_count, sizeof *x->textures);
-    if (!x->textures) return fail(m, VXS_E_MEMORY, "out of memory for %zu masks", c->mask_count);
-    for (size_t n = 0; n < c->mask_count; n++) {
-        if (c->mask_first[n] == c->mask_first[n + 1]) continue;
+    *x = (hole_images){.gl = gl, .casters = c};
+    if (!c->alpha_mask_count) return VXS_OK;
+    x->textures = calloc(c->alpha_mask_count, sizeof *x->textures);
+    if (!x->textures) return fail(m, VXS_E_MEMORY, "out of memory for %zu masks", c->alpha_mask_count);
+    for (size_t n = 0; n < c->alpha_mask_count; n++) {
+        if (c->alpha_mask_first[n] == c->alpha_mask_first[n + 1]) continue;
         for (size_t same = 0; same < n && !x->textures[n]; same++)
-            if (c->masks[same].image == c->masks[n].image) x->textures[n] = x->textures[same];
-        if (!x->textures[n]) upload_image(gl, &x->textures[n], &c->images[c->masks[n].image]);
+            if (c->alpha_masks[same].image == c->alpha_masks[n].image) x->textures[n] = x->textures[same];
+        if (!x->textures[n]) upload_image(gl, &x->textures[n], &c->images[c->alpha_masks[n].image]);
     }
     vxs_result r = make_program(gl, &x->program, vertex_text, fragment_text, m);
     if (r == VXS_OK && gl->GetError() != GL_NO_ERROR) r = fail(m, VXS_E_GL, "OpenGL cannot take the images of alpha masks");
     return r;
 }
 
-void mask_images_free(mask_images *x)
+void hole_images_free(hole_images *x)
 {
     if (x->textures) {
         /* masks may share a texture: a name that is deleted twice is ignored the second time */
-        x->gl->DeleteTextures((GLsizei)x->casters->mask_count, x->textures);
+        x->gl->DeleteTextures((GLsizei)x->casters->alpha_mask_count, x->textures);
         x->gl->DeleteProgram(x->program);
     }
     free(x->textures);
-    *x = (mask_images){0};
+    *x = (hole_images){0};
 }
 
 /* triangles ------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result mask_triangles_init(mask_triangles *t, const mask_images *images, const projection *p, message *m)
+vxs_result holed_triangles_init(holed_triangles *t, const hole_images *images, const projection *p, message *m)
 {
-    size_t count = p->triangle_count - p->masked_first;
-    *t           = (mask_triangles){.images = images, .projection = p};
+    size_t count = p->triangle_count - p->holed_first;
+    *t           = (holed_triangles){.images = images, .projection = p};
     if (!count) return VXS_OK;
     t->corners  = malloc(count * sizeof *t->corners);
     t->triangle = malloc(count * sizeof *t->triangle);
@@ -137,39 +137,39 @@ vxs_result mask_triangles_init(mask_triangles *t, const mask_images *images, con
     gl->BindBuffer(GL_ARRAY_BUFFER, t->buffer);
     gl->EnableVertexAttribArray(0);
     gl->EnableVertexAttribArray(1);
-    gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(mask_corner), NULL);
-    gl->VertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(mask_corner), (const void *)offsetof(mask_corner, at));
+    gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(hole_corner), NULL);
+    gl->VertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(hole_corner), (const void *)offsetof(hole_corner, at));
     return VXS_OK;
 }
 
-void mask_triangles_free(mask_triangles *t)
+void holed_triangles_free(holed_triangles *t)
 {
     if (t->vertex_array) t->images->gl->DeleteVertexArrays(1, &t->vertex_array);
     if (t->buffer) t->images->gl->DeleteBuffers(1, &t->buffer);
     free(t->corners);
     free(t->triangle);
-    *t = (mask_triangles){0};
+    *t = (holed_triangles){0};
 }
 
-static void use_mask(const mask_images *x, size_t mask)
+static void use_mask(const hole_images *x, size_t mask)
 {
-    const alpha_mask *a = &x->casters->masks[mask];
+    const alpha_mask *a = &x->casters->alpha_masks[mask];
     x->gl->BindTextureUnit(0, x->textures[mask]);
     x->gl->ProgramUniform4i(x->program, 0, (GLint)a->wrap_u, (GLint)a->wrap_v, a->nearest, 0);
     x->gl->ProgramUniform1f(x->program, 1, a->threshold);
 }
 
-void mask_triangles_draw(const mask_triangles *t)
+void holed_triangles_draw(const holed_triangles *t)
 {
     if (!t->count) return;
     gl_context   *gl    = t->images->gl;
-    const size_t *first = t->projection->mask_first;
+    const size_t *first = t->projection->alpha_mask_first;
     gl->BindVertexArray(t->vertex_array);
     gl->BindBuffer(GL_ARRAY_BUFFER, t->buffer);
     gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(t->count * sizeof *t->corners), t->corners, GL_STREAM_DRAW);
     gl->UseProgram(t->images->program);
     uint32_t begin = 0;
-    for (size_t mask = 0; mask < t->images->casters->mask_count; mask++) {
+    for (size_t mask = 0; mask < t->images->casters->alpha_mask_count; mask++) {
         uint32_t end = begin;
         while (end < t->count && t->triangle[end] < first[mask + 1]) end++;
         if (end == begin) continue;

@@ -44,7 +44,7 @@ typedef struct cards {
     float       uvs[6 * CARD_TRIANGLES];
     uint8_t     pixels[CARDS][IMAGE * IMAGE / 2];
     alpha_image images[CARDS];
-    alpha_mask  masks[CARDS];
+    alpha_mask  alpha_masks[CARDS];
     size_t      first[CARDS + 1];
     casters     c;
 } cards;
@@ -82,22 +82,22 @@ static void make_cards(cards *k, uint64_t seed)
             k->uvs[2 * (6 * card + n) + 1] = (float)(shift + scale * (corners[n] >> 1));
         }
         for (size_t n = 0; n < IMAGE * IMAGE / 2; n++) k->pixels[card][n] = (uint8_t)rng_below(&r, 256);
-        k->images[card] = (alpha_image){IMAGE, IMAGE / 2, k->pixels[card]};
-        k->masks[card]  = (alpha_mask){(uint32_t)card, (float)(0.3 + 0.4 * unit(&r)), (texture_wrap)((seed + card) % 3),
-                                       (texture_wrap)((seed + card) / 3 % 3), rng_below(&r, 3) == 0};
-        k->first[card]  = 2 + 2 * card;
+        k->images[card]      = (alpha_image){IMAGE, IMAGE / 2, k->pixels[card]};
+        k->alpha_masks[card] = (alpha_mask){(uint32_t)card, (float)(0.3 + 0.4 * unit(&r)), (texture_wrap)((seed + card) % 3),
+                                            (texture_wrap)((seed + card) / 3 % 3), rng_below(&r, 3) == 0};
+        k->first[card]       = 2 + 2 * card;
     }
     k->first[CARDS] = 2 + CARD_TRIANGLES;
-    k->c            = (casters){.vertex_count   = 4 * (CARDS + 1),
-                                .positions_ws   = k->positions[0],
-                                .triangle_count = 2 + CARD_TRIANGLES,
-                                .masked_first   = 2,
-                                .indices        = k->indices,
-                                .mask_count     = CARDS,
-                                .masks          = k->masks,
-                                .mask_first     = k->first,
-                                .mask_uvs       = k->uvs,
-                                .images         = k->images};
+    k->c            = (casters){.vertex_count     = 4 * (CARDS + 1),
+                                .positions_ws     = k->positions[0],
+                                .triangle_count   = 2 + CARD_TRIANGLES,
+                                .holed_first      = 2,
+                                .indices          = k->indices,
+                                .alpha_mask_count = CARDS,
+                                .alpha_masks      = k->alpha_masks,
+                                .alpha_mask_first = k->first,
+                                .hole_uvs         = k->uvs,
+                                .images           = k->images};
 }
 
 static vxs_light sun(void)
@@ -144,10 +144,10 @@ static int surface_at(const cards *k, size_t card, double u, double v)
 {
     enum { STEPS = 1 };
     const double step  = 2e-4;
-    int          found = alpha_mask_opaque(&k->masks[card], &k->images[card], u, v);
+    int          found = alpha_mask_opaque(&k->alpha_masks[card], &k->images[card], u, v);
     for (int i = -STEPS; i <= STEPS; i++)
         for (int j = -STEPS; j <= STEPS; j++)
-            if (alpha_mask_opaque(&k->masks[card], &k->images[card], u + i * step, v + j * step) != found) return -1;
+            if (alpha_mask_opaque(&k->alpha_masks[card], &k->images[card], u + i * step, v + j * step) != found) return -1;
     return found;
 }
 
@@ -235,5 +235,5 @@ int main(void)
         cmocka_unit_test(masks_in_a_flat_map),
         cmocka_unit_test(masks_in_a_perspective_map),
     };
-    return cmocka_run_group_tests_name("mask_pass", tests, open_gl, close_gl);
+    return cmocka_run_group_tests_name("holes_pass", tests, open_gl, close_gl);
 }
