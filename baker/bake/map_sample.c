@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/array.h"
 #include "baker/base/integer.h"
 #include "baker/base/random.h"
 #include "baker/columns/opengl/depth_block.h"
@@ -31,7 +32,7 @@ typedef struct fragment_list {
 
 typedef struct triangle_list {
     uint32_t *items;
-    uint32_t  count, capacity;
+    size_t    count, capacity;
 } triangle_list;
 
 /* Counts of triangles by block, as differences along both axes until they are summed up. */
@@ -59,26 +60,15 @@ typedef struct sampler {
     int               out_of_memory;
 } sampler;
 
-static int reserve(void **items, size_t *capacity, size_t needed, size_t size)
-{
-    if (needed <= *capacity) return 1;
-    size_t more  = needed < 1024 ? 1024 : needed * 2;
-    void  *grown = realloc(*items, more * size);
-    if (!grown) return 0;
-    *items    = grown;
-    *capacity = more;
-    return 1;
-}
-
 /* what lies where --------------------------------------------------------------------------------------------------------------- */
 
-static void place_windows(sampler *j)
+static void place_windows(sampler *job)
 {
-    uint32_t places = j->cell_px / j->window_px;
-    for (uint32_t n = 0; n < j->cells * j->cells; n++) {
-        rng r       = rng_split(1, n);
-        j->at[n][0] = n % j->cells * j->cell_px + rng_below(&r, places) * j->window_px;
-        j->at[n][1] = n / j->cells * j->cell_px + rng_below(&r, places) * j->window_px;
+    uint32_t places = job->cell_px / job->window_px;
+    for (uint32_t n = 0; n < job->cells * job->cells; n++) {
+        rng r         = rng_split(1, n);
+        job->at[n][0] = n % job->cells * job->cell_px + rng_below(&r, places) * job->window_px;
+        job->at[n][1] = n / job->cells * job->cell_px + rng_below(&r, places) * job->window_px;
     }
 }
 
@@ -101,31 +91,29 @@ static void sum_up(int32_t *counts, uint32_t side)
                                    (u && v ? counts[(v - 1) * row + u - 1] : 0);
 }
 
-static void add_to_windows(sampler *j, uint32_t triangle, const texel_box *b)
+static void add_to_windows(sampler *job, uint32_t triangle, const texel_box *b)
 {
-    uint32_t i0 = (uint32_t)b->u0 / j->cell_px, i1 = (uint32_t)b->u1 / j->cell_px;
-    uint32_t j0 = (uint32_t)b->v0 / j->cell_px, j1 = (uint32_t)b->v1 / j->cell_px;
+    uint32_t i0 = (uint32_t)b->u0 / job->cell_px, i1 = (uint32_t)b->u1 / job->cell_px;
+    uint32_t j0 = (uint32_t)b->v0 / job->cell_px, j1 = (uint32_t)b->v1 / job->cell_px;
     for (uint32_t y = j0; y <= j1; y++)
         for (uint32_t x = i0; x <= i1; x++) {
-            uint32_t n = y * j->cells + x;
-            if (!texel_box_touches(b, (int32_t)j->at[n][0], (int32_t)j->at[n][1], (int32_t)j->window_px)) continue;
-            triangle_list *l        = &j->lists[n];
-            size_t         capacity = l->capacity;
-            if (!reserve((void **)&l->items, &capacity, (size_t)l->count + 1, sizeof *l->items)) {
-                j->out_of_memory = 1;
+            uint32_t n = y * job->cells + x;
+            if (!texel_box_touches(b, (int32_t)job->at[n][0], (int32_t)job->at[n][1], (int32_t)job->window_px)) continue;
+            triangle_list *l = &job->lists[n];
+            if (!array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) {
+                job->out_of_memory = 1;
                 return;
             }
-            l->capacity          = (uint32_t)capacity;
             l->items[l->count++] = triangle;
         }
 }
 
-static void place_triangles(sampler *j)
+static void place_triangles(sampler *job)
 {
-    const projection *p    = j->p;
-    int32_t           last = (int32_t)j->side_px - 1;
-    uint32_t          px   = min_u32(j->side_px, BLOCK_MAX_PX);
-    for (size_t t = 0; t < p->triangle_count && !j->out_of_memory; t++) {
+    const projection *p    = job->p;
+    int32_t           last = (int32_t)job->side_px - 1;
+    uint32_t          px   = min_u32(job->side_px, BLOCK_MAX_PX);
+    for (size_t t = 0; t < p->triangle_count && !job->out_of_memory; t++) {
         texel_box b = texel_box_of(p, t);
         if (b.u0 > b.u1 || b.v0 > b.v1 || b.u1 < 0 || b.v1 < 0 || b.u0 > last || b.v0 > last) continue;
         b.u0        = b.u0 < 0 ? 0 : b.u0;
@@ -133,18 +121,18 @@ static void place_triangles(sampler *j)
         b.u1        = b.u1 > last ? last : b.u1;
         b.v1        = b.v1 > last ? last : b.v1;
         uint32_t u0 = (uint32_t)b.u0 / px, v0 = (uint32_t)b.v0 / px, u1 = (uint32_t)b.u1 / px, v1 = (uint32_t)b.v1 / px;
-        count_square(j->blocks.all, j->blocks.side, u0, v0, u1, v1);
-        if (t < p->solid_triangle_count) count_square(j->blocks.solid, j->blocks.side, u0, v0, u1, v1);
-        if (t < p->solid_triangle_count && (j->peels_all || !p->meets || p->meets[t]))
-            count_square(j->blocks.meet, j->blocks.side, u0, v0, u1, v1);
-        add_to_windows(j, (uint32_t)t, &b);
+        count_square(job->blocks.all, job->blocks.side, u0, v0, u1, v1);
+        if (t < p->solid_triangle_count) count_square(job->blocks.solid, job->blocks.side, u0, v0, u1, v1);
+        if (t < p->solid_triangle_count && (job->peels_all || !p->meets || p->meets[t]))
+            count_square(job->blocks.meet, job->blocks.side, u0, v0, u1, v1);
+        add_to_windows(job, (uint32_t)t, &b);
     }
 }
 
-static void count_blocks(sampler *j)
+static void count_blocks(sampler *job)
 {
-    map_sample   *s = j->s;
-    block_counts *b = &j->blocks;
+    map_sample   *s = job->s;
+    block_counts *b = &job->blocks;
     sum_up(b->all, b->side);
     sum_up(b->solid, b->side);
     sum_up(b->meet, b->side);
@@ -166,15 +154,15 @@ static int tile_has_triangles(const block_counts *b, uint32_t u0, uint32_t v0, u
     return 0;
 }
 
-static void count_tiles(sampler *j)
+static void count_tiles(sampler *job)
 {
-    uint32_t block_px = min_u32(j->side_px, BLOCK_MAX_PX);
+    uint32_t block_px = min_u32(job->side_px, BLOCK_MAX_PX);
     for (uint32_t size = 0; size < TILE_SIZES; size++) {
-        uint32_t tile = max_u32(block_px, min_u32(j->side_px, TILE_MAX_PX >> size)), across = tile / block_px;
-        for (uint32_t v = 0; v < j->blocks.side; v += across)
-            for (uint32_t u = 0; u < j->blocks.side; u += across) {
-                j->s->tiles[size]++;
-                j->s->tiles_empty[size] += !tile_has_triangles(&j->blocks, u, v, across);
+        uint32_t tile = max_u32(block_px, min_u32(job->side_px, TILE_MAX_PX >> size)), across = tile / block_px;
+        for (uint32_t v = 0; v < job->blocks.side; v += across)
+            for (uint32_t u = 0; u < job->blocks.side; u += across) {
+                job->s->tiles[size]++;
+                job->s->tiles_empty[size] += !tile_has_triangles(&job->blocks, u, v, across);
             }
     }
 }
@@ -187,21 +175,21 @@ static int inside(double value, double du, double dv)
     return value > 0 || (value == 0 && (dv > 0 || (dv == 0 && du < 0)));
 }
 
-static void rasterize(sampler *j, uint32_t n, uint32_t t)
+static void rasterize(sampler *job, uint32_t n, uint32_t t)
 {
-    const projection *p = j->p;
+    const projection *p = job->p;
     const uint32_t   *c = p->indices + 3 * (size_t)t;
     double            u[3], v[3], z[3];
     for (int k = 0; k < 3; k++) {
-        u[k] = p->vertices[c[k]].u - j->at[n][0];
-        v[k] = p->vertices[c[k]].v - j->at[n][1];
+        u[k] = p->vertices[c[k]].u - job->at[n][0];
+        v[k] = p->vertices[c[k]].v - job->at[n][1];
         z[k] = p->reversed ? -p->vertices[c[k]].z : p->vertices[c[k]].z;
     }
     double area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
     if (area == 0) return;
     face_kind kind = t >= p->solid_triangle_count ? FACE_SHEET : area < 0 ? FACE_FRONT : FACE_BACK;
     double    side = area < 0 ? -1 : 1, low = p->reversed ? -1 : 0, high = p->reversed ? 0 : 1;
-    double    last = j->window_px - 1;
+    double    last = job->window_px - 1;
     int       u0   = (int)fmax(0, ceil(fmin(fmin(u[0], u[1]), u[2]) - 0.5)),
         u1         = (int)fmin(last, floor(fmax(fmax(u[0], u[1]), u[2]) - 0.5));
     int v0         = (int)fmax(0, ceil(fmin(fmin(v[0], v[1]), v[2]) - 0.5)),
@@ -217,13 +205,14 @@ static void rasterize(sampler *j, uint32_t n, uint32_t t)
                 in   = inside(w[k], du, dv);
             }
             if (!in) continue;
-            fragment_list *l = &j->fragments;
-            if (!reserve((void **)&l->items, &l->capacity, l->count + 1, sizeof *l->items)) {
-                j->out_of_memory = 1;
+            fragment_list *l = &job->fragments;
+            if (!array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) {
+                job->out_of_memory = 1;
                 return;
             }
-            double depth         = (w[0] * z[0] + w[1] * z[1] + w[2] * z[2]) / (side * area);
-            l->items[l->count++] = (fragment){(float)fmin(fmax(depth, low), high), (uint32_t)y * j->window_px + (uint32_t)x, kind};
+            double depth = (w[0] * z[0] + w[1] * z[1] + w[2] * z[2]) / (side * area);
+            l->items[l->count++] =
+                (fragment){(float)fmin(fmax(depth, low), high), (uint32_t)y * job->window_px + (uint32_t)x, kind};
         }
 }
 
@@ -233,22 +222,22 @@ static int nearer(const fragment *a, const fragment *b)
 }
 
 /* Fragments by texel, in each from near to far. */
-static void sort_fragments(sampler *j, uint32_t texels)
+static void sort_fragments(sampler *job, uint32_t texels)
 {
-    const fragment_list *l = &j->fragments;
-    memset(j->first, 0, (texels + 1) * sizeof *j->first);
-    for (size_t n = 0; n < l->count; n++) j->first[l->items[n].texel + 1]++;
-    for (uint32_t n = 0; n < texels; n++) j->first[n + 1] += j->first[n];
-    for (size_t n = l->count; n-- > 0;) j->sorted[--j->first[l->items[n].texel + 1]] = l->items[n];
+    const fragment_list *l = &job->fragments;
+    memset(job->first, 0, (texels + 1) * sizeof *job->first);
+    for (size_t n = 0; n < l->count; n++) job->first[l->items[n].texel + 1]++;
+    for (uint32_t n = 0; n < texels; n++) job->first[n + 1] += job->first[n];
+    for (size_t n = l->count; n-- > 0;) job->sorted[--job->first[l->items[n].texel + 1]] = l->items[n];
     /* every first[n + 1] has become the start of texel n */
-    memmove(j->first, j->first + 1, texels * sizeof *j->first);
-    j->first[texels] = (uint32_t)l->count;
+    memmove(job->first, job->first + 1, texels * sizeof *job->first);
+    job->first[texels] = (uint32_t)l->count;
     for (uint32_t texel = 0; texel < texels; texel++)
-        for (uint32_t n = j->first[texel] + 1; n < j->first[texel + 1]; n++) {
-            fragment f = j->sorted[n];
+        for (uint32_t n = job->first[texel] + 1; n < job->first[texel + 1]; n++) {
+            fragment f = job->sorted[n];
             uint32_t k = n;
-            for (; k > j->first[texel] && nearer(&f, &j->sorted[k - 1]); k--) j->sorted[k] = j->sorted[k - 1];
-            j->sorted[k] = f;
+            for (; k > job->first[texel] && nearer(&f, &job->sorted[k - 1]); k--) job->sorted[k] = job->sorted[k - 1];
+            job->sorted[k] = f;
         }
 }
 
@@ -279,60 +268,60 @@ static uint32_t walk(const fragment *f, uint32_t count, float *enter, float *exi
     return backs;
 }
 
-static void take_hash(sampler *j, int level, uint64_t hash)
+static void take_hash(sampler *job, int level, uint64_t hash)
 {
-    if (!reserve((void **)&j->hashes[level], &j->hash_capacity[level], j->hash_count[level] + 1, sizeof **j->hashes)) {
-        j->out_of_memory = 1;
+    if (!array_reserve(&job->hashes[level], &job->hash_capacity[level], job->hash_count[level] + 1, sizeof **job->hashes)) {
+        job->out_of_memory = 1;
         return;
     }
-    j->hashes[level][j->hash_count[level]++] = hash;
+    job->hashes[level][job->hash_count[level]++] = hash;
 }
 
-static vxs_result insert_window(sampler *j)
+static vxs_result insert_window(sampler *job)
 {
     dag           d       = {0};
-    column_square columns = depth_maps_square(&j->maps);
-    build_options o       = {.rule = j->rule, .reuse = j->reuse};
+    column_square columns = depth_maps_square(&job->maps);
+    build_options o       = {.rule = job->rule, .reuse = job->reuse};
     build_stats   stats   = {0};
-    vxs_result    r       = dag_build_square(&d, &columns, square_level(j->window_px), 0, 0, &o, &stats);
+    vxs_result    r       = dag_build_square(&d, &columns, square_level(job->window_px), 0, 0, &o, &stats);
     if (r != VXS_OK) return r;
-    j->s->mask_runs += stats.mask_runs;
-    j->s->mask_tiles += stats.mask_tiles;
-    j->s->masks += d.mask_count;
-    for (uint32_t n = 0; n < d.mask_count; n++) take_hash(j, SAMPLE_LEVELS, d.masks[n]);
+    job->s->mask_runs += stats.mask_runs;
+    job->s->mask_tiles += stats.mask_tiles;
+    job->s->masks += d.mask_count;
+    for (uint32_t n = 0; n < d.mask_count; n++) take_hash(job, SAMPLE_LEVELS, d.masks[n]);
     for (uint32_t l = 0; l < d.level_count; l++) {
-        j->s->nodes[l] += d.level[l].count;
-        for (uint32_t n = 0; n < d.level[l].count; n++) take_hash(j, (int)l, d.level[l].hash[n]);
+        job->s->nodes[l] += d.level[l].count;
+        for (uint32_t n = 0; n < d.level[l].count; n++) take_hash(job, (int)l, d.level[l].hash[n]);
     }
     dag_free(&d);
     return VXS_OK;
 }
 
-static vxs_result look_at(sampler *j, uint32_t n)
+static vxs_result sample_window(sampler *job, uint32_t n)
 {
-    uint32_t    texels = j->window_px * j->window_px;
-    map_sample *s      = j->s;
+    uint32_t    texels = job->window_px * job->window_px;
+    map_sample *s      = job->s;
     s->texels += texels;
-    if (!j->lists[n].count) return VXS_OK; /* all lit */
+    if (!job->lists[n].count) return VXS_OK; /* all lit */
 
-    j->fragments.count = 0;
-    for (uint32_t k = 0; k < j->lists[n].count && !j->out_of_memory; k++) rasterize(j, n, j->lists[n].items[k]);
-    fragment *sorted = realloc(j->sorted, (j->fragments.count + 1) * sizeof *sorted);
-    if (!sorted || j->out_of_memory) return VXS_E_MEMORY;
-    j->sorted = sorted;
-    sort_fragments(j, texels);
+    job->fragments.count = 0;
+    for (size_t k = 0; k < job->lists[n].count && !job->out_of_memory; k++) rasterize(job, n, job->lists[n].items[k]);
+    fragment *sorted = realloc(job->sorted, (job->fragments.count + 1) * sizeof *sorted);
+    if (!sorted || job->out_of_memory) return VXS_E_MEMORY;
+    job->sorted = sorted;
+    sort_fragments(job, texels);
 
     uint32_t layers = 0;
     for (uint32_t texel = 0; texel < texels; texel++) {
-        uint32_t from = j->first[texel], count = j->first[texel + 1] - from;
-        j->maps.enter[texel] = j->maps.exit[texel] = j->p->reversed ? 0 : 1;
-        uint32_t backs                             = walk(j->sorted + from, count, &j->maps.enter[texel], &j->maps.exit[texel]);
-        layers                                     = backs > layers ? backs : layers;
+        uint32_t from = job->first[texel], count = job->first[texel + 1] - from;
+        job->maps.enter[texel] = job->maps.exit[texel] = job->p->reversed ? 0 : 1;
+        uint32_t backs = walk(job->sorted + from, count, &job->maps.enter[texel], &job->maps.exit[texel]);
+        layers         = backs > layers ? backs : layers;
     }
     s->layers += layers;
     s->peeled_windows += layers > 0;
-    depth_maps_reduce(&j->maps, 1);
-    return insert_window(j);
+    depth_maps_reduce(&job->maps, 1);
+    return insert_window(job);
 }
 
 /* all windows ------------------------------------------------------------------------------------------------------------------- */
@@ -351,27 +340,27 @@ static uint64_t different(uint64_t *hashes, size_t count)
     return found;
 }
 
-static vxs_result look_at_all(sampler *j)
+static vxs_result sample_windows(sampler *job)
 {
-    map_sample *s = j->s;
+    map_sample *s = job->s;
     vxs_result  r = VXS_OK;
-    for (uint32_t n = 0; n < j->cells * j->cells && r == VXS_OK; n++) r = look_at(j, n);
-    if (r != VXS_OK || j->out_of_memory) return VXS_E_MEMORY;
-    s->unique_masks = different(j->hashes[SAMPLE_LEVELS], j->hash_count[SAMPLE_LEVELS]);
-    for (int l = 0; l < SAMPLE_LEVELS; l++) s->unique_nodes += different(j->hashes[l], j->hash_count[l]);
+    for (uint32_t n = 0; n < job->cells * job->cells && r == VXS_OK; n++) r = sample_window(job, n);
+    if (r != VXS_OK || job->out_of_memory) return VXS_E_MEMORY;
+    s->unique_masks = different(job->hashes[SAMPLE_LEVELS], job->hash_count[SAMPLE_LEVELS]);
+    for (int l = 0; l < SAMPLE_LEVELS; l++) s->unique_nodes += different(job->hashes[l], job->hash_count[l]);
     return VXS_OK;
 }
 
-static void sampler_free(sampler *j)
+static void sampler_free(sampler *job)
 {
-    for (int n = 0; n < CELLS_MAX * CELLS_MAX; n++) free(j->lists[n].items);
-    for (int l = 0; l <= SAMPLE_LEVELS; l++) free(j->hashes[l]);
-    free(j->blocks.all);
-    free(j->fragments.items);
-    free(j->sorted);
-    free(j->first);
-    depth_maps_free(&j->maps);
-    free(j);
+    for (int n = 0; n < CELLS_MAX * CELLS_MAX; n++) free(job->lists[n].items);
+    for (int l = 0; l <= SAMPLE_LEVELS; l++) free(job->hashes[l]);
+    free(job->blocks.all);
+    free(job->fragments.items);
+    free(job->sorted);
+    free(job->first);
+    depth_maps_free(&job->maps);
+    free(job);
 }
 
 /* Every 64th texel of a map of 4096; all of small ones. */
@@ -386,37 +375,37 @@ vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *
                            message *m)
 {
     memset(s, 0, sizeof *s);
-    sampler *j = calloc(1, sizeof *j);
-    if (!j) return fail(m, VXS_E_MEMORY, "out of memory for a sample of a map");
-    j->s         = s;
-    j->p         = p;
-    j->light     = light;
-    j->peels_all = peels_all;
-    j->reuse     = reuse;
-    j->rule      = rule;
-    j->side_px   = 1u << light->levels;
-    j->window_px = min_u32(j->side_px, SAMPLE_WINDOW_PX);
-    j->cells     = windows_a_side(j->side_px);
-    j->cell_px   = j->side_px / j->cells;
+    sampler *job = calloc(1, sizeof *job);
+    if (!job) return fail(m, VXS_E_MEMORY, "out of memory for a sample of a map");
+    job->s         = s;
+    job->p         = p;
+    job->light     = light;
+    job->peels_all = peels_all;
+    job->reuse     = reuse;
+    job->rule      = rule;
+    job->side_px   = 1u << light->levels;
+    job->window_px = min_u32(job->side_px, SAMPLE_WINDOW_PX);
+    job->cells     = windows_a_side(job->side_px);
+    job->cell_px   = job->side_px / job->cells;
 
-    uint32_t   texels = j->window_px * j->window_px;
+    uint32_t   texels = job->window_px * job->window_px;
     vxs_result r      = VXS_E_MEMORY;
-    j->blocks.side    = j->side_px / min_u32(j->side_px, BLOCK_MAX_PX);
-    size_t blocks     = (size_t)(j->blocks.side + 1) * (j->blocks.side + 1);
-    j->blocks.all     = calloc(3 * blocks, sizeof *j->blocks.all);
-    j->first          = malloc((texels + 1) * sizeof *j->first);
+    job->blocks.side  = job->side_px / min_u32(job->side_px, BLOCK_MAX_PX);
+    size_t blocks     = (size_t)(job->blocks.side + 1) * (job->blocks.side + 1);
+    job->blocks.all   = calloc(3 * blocks, sizeof *job->blocks.all);
+    job->first        = malloc((texels + 1) * sizeof *job->first);
     double log        = light->kind != VXS_LIGHT_KIND_DIRECTIONAL ? light->voxel_metres : 0;
-    if (j->blocks.all && j->first && depth_maps_init(&j->maps, j->window_px, j->side_px, log, 1, m) == VXS_OK) {
-        j->blocks.solid = j->blocks.all + blocks;
-        j->blocks.meet  = j->blocks.solid + blocks;
-        place_windows(j);
-        place_triangles(j);
-        count_blocks(j);
-        count_tiles(j);
-        r         = j->out_of_memory ? VXS_E_MEMORY : look_at_all(j);
-        s->weight = s->texels ? (double)j->side_px * j->side_px / (double)s->texels : 0;
+    if (job->blocks.all && job->first && depth_maps_init(&job->maps, job->window_px, job->side_px, log, 1, m) == VXS_OK) {
+        job->blocks.solid = job->blocks.all + blocks;
+        job->blocks.meet  = job->blocks.solid + blocks;
+        place_windows(job);
+        place_triangles(job);
+        count_blocks(job);
+        count_tiles(job);
+        r         = job->out_of_memory ? VXS_E_MEMORY : sample_windows(job);
+        s->weight = s->texels ? (double)job->side_px * job->side_px / (double)s->texels : 0;
     }
-    sampler_free(j);
+    sampler_free(job);
     if (r == VXS_OK) return VXS_OK;
     memset(s, 0, sizeof *s);
     return fail(m, r, "out of memory for a sample of a map");

@@ -16,7 +16,7 @@ uint32_t sub_dag_side(uint32_t map_side_px)
 
 /* one square ------------------------------------------------------------------------------------------------------------------ */
 
-/* The end of a step of a square: its time, and whoever watches. */
+/* The end of a step of a square: its time is noted, and `after` is called. */
 static vxs_result step_end(const build_options *o, bake_stage stage, double *since, column_tree *tree, dag *d, build_stats *stats)
 {
     double now = clock_seconds();
@@ -83,7 +83,7 @@ typedef struct map_builder {
 static int is_decided(const map_builder *b, const column_bounds *bounds, uint32_t level, uint32_t *lit_slabs)
 {
     uint32_t shift = b->sub_level + 3, boundary = bounds->xmin >> shift << shift;
-    *lit_slabs     = boundary >> shift;
+    *lit_slabs = boundary >> shift;
     /* within a slab of the square the boundary takes nodes, of which parts that are not shared want their own */
     if (!b->o->share && boundary & ((8u << level) - 1)) return 0;
     return bounds->emax <= boundary && (level == b->sub_level || bounds->xmax >> shift == *lit_slabs);

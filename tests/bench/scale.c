@@ -63,11 +63,11 @@ static vxs_result build_once(cell *c, int shape, uint32_t side_px, uint32_t thre
 }
 
 /* Print a cell, and add it to an array. */
-static void tell_cell(json_t *cells, cell *c, int shape, uint32_t side_px, uint32_t runs)
+static void print_cell(json_t *cells, cell *c, int shape, uint32_t side_px, uint32_t runs)
 {
     spread s = spread_of(c->seconds, runs);
-    printf("%-6s %7u %9.1f ms (%.1f to %.1f) %9.2f MiB %9llu calls %8llu tiles %8llu nodes %8llu masks\n", shape_names[shape], side_px,
-           1e3 * s.median, 1e3 * s.min, 1e3 * s.max, (double)c->peak_bytes / (1 << 20), (unsigned long long)c->calls,
+    printf("%-6s %7u %9.1f ms (%.1f to %.1f) %9.2f MiB %9llu calls %8llu tiles %8llu nodes %8llu masks\n", shape_names[shape],
+           side_px, 1e3 * s.median, 1e3 * s.min, 1e3 * s.max, (double)c->peak_bytes / (1 << 20), (unsigned long long)c->calls,
            (unsigned long long)c->tiles, (unsigned long long)c->nodes, (unsigned long long)c->masks);
     json_array_append_new(cells, json_pack("{s:s, s:I, s:{s:f, s:f, s:f}, s:I, s:I, s:I, s:I, s:I}", "shape", shape_names[shape],
                                            "resolution_px", (json_int_t)side_px, "seconds", "median", s.median, "min", s.min, "max",
@@ -77,19 +77,20 @@ static void tell_cell(json_t *cells, cell *c, int shape, uint32_t side_px, uint3
 
 int main(int argc, char **argv)
 {
-    uint32_t           runs = 5, threads = parallel_default_threads(), largest_px = LARGEST_PX;
-    const char        *json_path = NULL, *operand = NULL;
-    const option       options[] = {{"--runs", OPTION_U32, &runs, 1, RUNS_MAX, NULL, "N", "of each cell (default 5)", NULL},
-                                    {"--threads", OPTION_U32, &threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL},
-                                    {"--largest", OPTION_U32, &largest_px, SMALLEST_PX, LARGEST_PX, NULL, "N",
-                                     "texels a side of the largest map (default 262144)", NULL},
-                                    {"--json", OPTION_TEXT, &json_path, 0, 0, NULL, "FILE", "the figures as JSON", NULL}};
-    const command_line line      = {"scale", "[options]", "Time and memory of maps from formulas.", options,
-                                    sizeof options / sizeof *options, 0};
-    message            m         = {0};
-    int                help_shown;
-    vxs_result         r     = options_parse(&line, argc, argv, &operand, &help_shown, &m);
-    cell              *cells = calloc(SHAPES * SIZES_MAX, sizeof *cells);
+    uint32_t     runs = 5, threads = parallel_default_threads(), largest_px = LARGEST_PX;
+    const char  *json_path = NULL, *operand = NULL;
+    const option options[] = {
+        {"--runs", OPTION_U32, &runs, 1, RUNS_MAX, NULL, "N", "of each cell (default 5)", NULL},
+        {"--threads", OPTION_U32, &threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL},
+        {"--largest", OPTION_U32, &largest_px, SMALLEST_PX, LARGEST_PX, NULL, "N",
+         "texels a side of the largest map (default 262144)", NULL},
+        {"--json", OPTION_TEXT, &json_path, 0, 0, NULL, "FILE", "the figures as JSON", NULL}};
+    const command_line line = {
+        "scale", "[options]", "Time and memory of maps from formulas.", options, sizeof options / sizeof *options, 0};
+    message    m = {0};
+    int        help_shown;
+    vxs_result r     = options_parse(&line, argc, argv, &operand, &help_shown, &m);
+    cell      *cells = calloc(SHAPES * SIZES_MAX, sizeof *cells);
     if (r != VXS_OK || help_shown || !cells) goto done;
 
     for (uint32_t run = 0; run < runs && r == VXS_OK; run++)
@@ -97,12 +98,12 @@ int main(int argc, char **argv)
             uint32_t side_px = (uint32_t)SMALLEST_PX << n % SIZES_MAX;
             if (side_px <= largest_px) r = build_once(&cells[n], n / SIZES_MAX, side_px, threads, run, &m);
         }
-    json_t *told = json_array();
+    json_t *printed = json_array();
     for (int n = 0; n < SHAPES * SIZES_MAX && r == VXS_OK; n++)
         if ((uint32_t)SMALLEST_PX << n % SIZES_MAX <= largest_px)
-            tell_cell(told, &cells[n], n / SIZES_MAX, (uint32_t)SMALLEST_PX << n % SIZES_MAX, runs);
+            print_cell(printed, &cells[n], n / SIZES_MAX, (uint32_t)SMALLEST_PX << n % SIZES_MAX, runs);
     json_t *root = json_pack("{s:s, s:I, s:I, s:o}", "vxs", VXS_VERSION, "threads", (json_int_t)threads, "runs", (json_int_t)runs,
-                             "cells", told);
+                             "cells", printed);
     if (r == VXS_OK && json_path)
         r = json_write(json_path, root, &m);
     else

@@ -84,7 +84,7 @@ static int spoil_node(dag *d, uint32_t level, rng *random)
     }
 }
 
-/* Who spoils a square while it is built. */
+/* A fault, and the square that it is planted in while that is built. */
 typedef struct spoiler {
     fault    planted;
     uint64_t skip; /* squares that are passed over before one is spoilt */
