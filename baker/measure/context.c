@@ -21,7 +21,7 @@ static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
 {
     stage_report *s = &ctx->stage[stage];
     if (peak_bytes > s->peak_bytes) s->peak_bytes = peak_bytes;
-    if (peak_bytes > ctx->peak_bytes) ctx->peak_bytes = peak_bytes;
+    if (stage < STAGE_COUNT && peak_bytes > ctx->peak_bytes) ctx->peak_bytes = peak_bytes;
 }
 
 static void enter(bake_context *ctx, bake_stage stage)

@@ -48,7 +48,7 @@ typedef struct bake_context {
     uint64_t    memory_bytes; /* [in] what the process may hold at most; 0: any amount */
 
     stage_report stage[STAGE_NONE];
-    uint64_t     peak_bytes; /* over all stages */
+    uint64_t     peak_bytes; /* over the stages that make an asset */
 
     bake_stage at;          /* the stage in work; meaningful while stage_since > 0 */
     double     stage_since; /* of the clock */
