@@ -52,7 +52,8 @@ typedef struct sampler {
     uint32_t          at[CELLS_MAX * CELLS_MAX][2]; /* texel where each window starts */
     triangle_list     lists[CELLS_MAX * CELLS_MAX]; /* what may touch it */
     fragment_list     fragments;
-    fragment         *sorted;
+    fragment         *sorted; /* by texel, in each from near to far */
+    size_t            sorted_capacity;
     uint32_t         *first; /* [window texels + 1] */
     depth_maps        maps;
     uint64_t         *hashes[SAMPLE_LEVELS + 1]; /* of all inserted nodes by level, masks last */
@@ -306,9 +307,8 @@ static vxs_result sample_window(sampler *job, uint32_t n)
 
     job->fragments.count = 0;
     for (size_t k = 0; k < job->lists[n].count && !job->out_of_memory; k++) rasterize(job, n, job->lists[n].items[k]);
-    fragment *sorted = realloc(job->sorted, (job->fragments.count + 1) * sizeof *sorted);
-    if (!sorted || job->out_of_memory) return VXS_E_MEMORY;
-    job->sorted = sorted;
+    if (job->out_of_memory || !array_reserve(&job->sorted, &job->sorted_capacity, job->fragments.count + 1, sizeof *job->sorted))
+        return VXS_E_MEMORY;
     sort_fragments(job, texels);
 
     uint32_t layers = 0;
