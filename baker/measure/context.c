@@ -26,7 +26,7 @@ static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
 
 static void enter(bake_context *ctx, bake_stage stage)
 {
-    memory_peak_reset();
+    if (stage != STAGE_NONE) memory_peak_reset();
     ctx->at          = stage;
     ctx->stage_since = stage == STAGE_NONE ? 0 : clock_seconds();
 }
@@ -50,13 +50,6 @@ void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, co
         note_peak(ctx, (bake_stage)(first + n), peak);
     }
     enter(ctx, stage);
-}
-
-double stages_seconds(const bake_context *ctx)
-{
-    double sum = 0;
-    for (int n = 0; n < STAGE_COUNT; n++) sum += ctx->stage[n].seconds;
-    return sum;
 }
 
 vxs_result context_within_memory(const bake_context *ctx)

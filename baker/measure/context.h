@@ -69,9 +69,6 @@ void stage_begin(bake_context *ctx, bake_stage stage);
  * `first`, `first` + 1, ... share the wall time among them. */
 void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, const double *seconds, uint32_t count);
 
-/* Wall time of the stages that make an asset, so far. */
-double stages_seconds(const bake_context *ctx);
-
 const char *bake_stage_name(bake_stage stage);
 
 /* VXS_E_MEMORY when more was held than memory_bytes: estimates may be wrong, the promise is kept. */
