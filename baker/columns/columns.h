@@ -83,6 +83,12 @@ static inline column_bounds bounds_unknown(uint32_t depth_vx)
     return (column_bounds){0, depth_vx, 0, depth_vx};
 }
 
+/* Whether all columns that have these bounds are equal. */
+static inline int bounds_alike(const column_bounds *b)
+{
+    return b->emin == b->emax && b->xmin == b->xmax;
+}
+
 /* No caster. */
 static inline column_bounds bounds_empty(uint32_t depth_vx)
 {

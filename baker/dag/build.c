@@ -33,6 +33,7 @@ vxs_result dag_build_square(dag *d, const column_square *columns, uint32_t level
     vxs_result  r;
     memset(d, 0, sizeof *d);
     if ((r = column_tree_build(&tree, columns, level, i, j, o->rule, o->share)) != VXS_OK) goto done;
+    stats->squares_built++;
     stats->mask_tiles += tree.tile_count;
     stats->mask_runs += tree.run_count;
     if ((r = step_end(o, STAGE_MASKS, &since, &tree, d, stats)) != VXS_OK) goto done;
@@ -106,7 +107,7 @@ static void add_stats(build_stats *to, const build_stats *from)
     to->mask_runs += from->mask_runs;
     to->inserted_nodes += from->inserted_nodes;
     to->inserted_masks += from->inserted_masks;
-    to->squares_built++;
+    to->squares_built += from->squares_built;
 }
 
 /* Build the squares that wait, and merge them in the order in which they came. */
@@ -118,10 +119,10 @@ static vxs_result build_batch(map_builder *b)
     stage_begin(b->ctx, STAGE_MASKS);
     parallel_for(b->ctx->threads, b->batch_count, 1, build_subs, b);
     for (uint32_t n = 0; n < b->batch_count; n++) add_stats(&batch, &b->batch[n].stats);
+    add_stats(b->stats, &batch);
     stage_begin_after(b->ctx, STAGE_MERGE, STAGE_MASKS, batch.seconds, SQUARE_STAGES);
     for (uint32_t n = 0; n < b->batch_count; n++) {
         sub_dag *s = &b->batch[n];
-        add_stats(b->stats, &s->stats);
         if (r == VXS_OK) r = s->result;
         if (r == VXS_OK) r = dag_merger_add(b->g, &s->dag, b->map, s->level, s->i, s->j);
         dag_free(&s->dag);
@@ -193,7 +194,7 @@ static vxs_result visit(map_builder *b, uint32_t level, uint32_t i, uint32_t j)
         return dag_merger_add_split(b->g, b->map, level, i, j, b->sub_level, lit_slabs);
     }
     if (!b->fetched) return 8u << level <= b->columns->fetch_px ? fetch(b, level, i, j) : visit_parts(b, level, i, j);
-    int alike = b->o->share && bounds.emin == bounds.emax && bounds.xmin == bounds.xmax;
+    int alike = b->o->share && bounds_alike(&bounds);
     return level == b->sub_level || alike ? build_later(b, level, i, j) : visit_parts(b, level, i, j);
 }
 

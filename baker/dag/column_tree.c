@@ -12,7 +12,7 @@ static vxs_result bound_square(const column_tree *t, tree_square *q, uint32_t le
     column_bounds b;
     vxs_result    r = t->columns->bounds(t->columns->data, level, i, j, &b);
     if (r != VXS_OK) return r;
-    *q = (tree_square){.xmin = b.xmin, .emax = b.emax, .parts = PARTS_UNKNOWN, .alike = b.emin == b.emax && b.xmin == b.xmax};
+    *q = (tree_square){.xmin = b.xmin, .emax = b.emax, .parts = PARTS_UNKNOWN, .alike = (uint32_t)bounds_alike(&b)};
     return VXS_OK;
 }
 
