@@ -99,7 +99,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
                                gl_context *gl, light_picture *picture, dag *out, light_report *light, bake_context *ctx)
 {
     light_columns columns;
-    build_options build = plan_build_options(plan, o);
+    build_options build = build_options_of(o, plan->compress);
     build_stats   stats = {0};
     stage_begin(ctx, STAGE_GL);
     vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);

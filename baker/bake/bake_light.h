@@ -7,7 +7,7 @@
 #include "baker/bake/plan.h"
 
 /* source   of the maps of the light, opened one after the other
- * build    as plan_build_options has it; `after` is used for pictures here
+ * build    as build_options_of has it; `after` is used for pictures here
  * unify    1: one DAG without equal subtrees; 0: sub-DAGs side by side
  * picture  NULL, or what gets the masks
  * out      [out] a DAG with a root for each map; released with dag_free, whatever is returned

@@ -32,3 +32,17 @@ json_t *bake_options_json(const bake_options *o)
     if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
     return object;
 }
+
+compress_order compress_order_of(compress_choice choice)
+{
+    return choice == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN;
+}
+
+build_options build_options_of(const bake_options *o, compress_order compress)
+{
+    /* parts that are alike are kept once where the merge would find them anyway; what is left side by side is kept as insertion made it */
+    return (build_options){.rule     = o->rule,
+                           .reuse    = o->reuse,
+                           .compress = o->stop == STOP_INSERT ? COMPRESS_NONE : compress,
+                           .share    = o->reuse && o->stop == STOP_FINAL};
+}

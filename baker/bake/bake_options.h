@@ -9,7 +9,7 @@
 #include "baker/casters/casters.h"
 #include "baker/columns/opengl/exit_depth.h"
 #include "baker/columns/opengl/gl.h"
-#include "baker/dag/masks.h"
+#include "baker/dag/build.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384 };
 
@@ -58,6 +58,12 @@ typedef struct bake_options {
     int             pictures;     /* 1: keep pictures of the maps of the largest lights, for a page */
     int             progress;     /* 1: say on standard error how far it is */
 } bake_options;
+
+/* The order that a choice names; auto: top-down, where sub-DAGs are compressed at all. */
+compress_order compress_order_of(compress_choice choice);
+
+/* How DAGs are built by these options: rule, reuse and stop, with sub-DAGs compressed in an order that the stop may leave out. */
+build_options build_options_of(const bake_options *o, compress_order compress);
 
 /* Words for the options that decide what is baked, and for all that make a difference to the report. */
 json_t *bake_choices_json(const bake_options *o);

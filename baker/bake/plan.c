@@ -151,16 +151,7 @@ static void plan_compression(bake_plan *plan, const bake_options *o)
     plan->merge_seconds_spared = repeated * MERGE_SECONDS_PER_REPEATED_NODE;
     int pays =
         o->stop == STOP_PARTIAL || o->compress != COMPRESS_CHOICE_AUTO || plan->merge_seconds_spared > plan->compress_seconds;
-    plan->compress = o->stop == STOP_INSERT || !pays            ? COMPRESS_NONE
-                     : o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP
-                                                                : COMPRESS_TOP_DOWN;
-}
-
-build_options plan_build_options(const bake_plan *plan, const bake_options *o)
-{
-    /* parts that are alike are kept once where the merge would find them anyway; what is left side by side is kept as insertion made it */
-    return (build_options){
-        .rule = o->rule, .reuse = o->reuse, .compress = plan->compress, .share = o->reuse && o->stop == STOP_FINAL};
+    plan->compress = o->stop == STOP_INSERT || !pays ? COMPRESS_NONE : compress_order_of(o->compress);
 }
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */

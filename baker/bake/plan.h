@@ -64,9 +64,6 @@ typedef struct bake_plan {
 /* Why a light reaches nothing. */
 extern const char REACHES_NOTHING[];
 
-/* How the DAG of a planned light is built from its columns. */
-build_options plan_build_options(const bake_plan *plan, const bake_options *o);
-
 /* Make a plan.
  * plan         [out] zeroed on failure; released with plan_free
  * c            gets solid_meets where the plan needs it

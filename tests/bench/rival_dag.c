@@ -16,27 +16,19 @@ typedef struct dag_options {
     stop_stage      stop;
 } dag_options;
 
-/* What compresses sub-DAGs: what is asked for, or what the plan says. */
-static compress_order order_of(const bake_plan *plan, const dag_options *o)
-{
-    if (o->stop == STOP_INSERT) return COMPRESS_NONE;
-    if (o->compress == COMPRESS_CHOICE_AUTO) return plan->compress;
-    return o->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP : COMPRESS_TOP_DOWN;
-}
-
 static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *file)
 {
-    const dag_options *o     = options;
-    int                unify = o->stop == STOP_FINAL;
-    build_options      build = {
-             .rule = o->rule, .reuse = !o->reuse_off, .compress = order_of(&maps->plan, o), .share = unify && !o->reuse_off};
-    build_stats  stats   = {0};
-    message      m       = {.quiet = 1};
-    bake_context ctx     = {.message = &m, .threads = 1};
-    column_map   columns = depth_maps_map(&maps->maps);
-    dag_merger   merger;
-    dag          d = {0};
-    vxs_result   r;
+    const dag_options *o       = options;
+    int                unify   = o->stop == STOP_FINAL;
+    compress_order     order   = o->compress == COMPRESS_CHOICE_AUTO ? maps->plan.compress : compress_order_of(o->compress);
+    build_options      build   = build_options_of(&(bake_options){.rule = o->rule, .reuse = !o->reuse_off, .stop = o->stop}, order);
+    build_stats        stats   = {0};
+    message            m       = {.quiet = 1};
+    bake_context       ctx     = {.message = &m, .threads = 1};
+    column_map         columns = depth_maps_map(&maps->maps);
+    dag_merger         merger;
+    dag                d = {0};
+    vxs_result         r;
 
     depth_maps_reduce(&maps->maps, 1);
     if ((r = dag_merger_init(&merger, columns.side_px, 1, unify)) != VXS_OK) goto done;

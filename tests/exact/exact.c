@@ -189,7 +189,7 @@ static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, m
 {
     size_t           count  = plan->light_count;
     bake_context     ctx    = {.message = m, .threads = y->bake.threads};
-    build_options    build  = plan_build_options(plan, &y->bake);
+    build_options    build  = build_options_of(&y->bake, plan->compress);
     uint32_t         baked  = 0;
     vxs_write_light *lights = calloc(count, sizeof *lights);
     dag             *dags   = calloc(count, sizeof *dags);

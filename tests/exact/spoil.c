@@ -108,19 +108,13 @@ static vxs_result spoil_square_dag(void *user, bake_stage stage, column_tree *tr
 /* The DAG of the maps, as bake() builds it, with what the spoiler does; on one thread, so that it spoils one square at a time. */
 static vxs_result build_dag(const bake_options *bake, const depth_maps *maps, spoiler *s, dag *out, build_stats *stats, message *m)
 {
-    compress_order compress = bake->stop == STOP_INSERT                     ? COMPRESS_NONE
-                              : bake->compress == COMPRESS_CHOICE_BOTTOM_UP ? COMPRESS_BOTTOM_UP
-                                                                            : COMPRESS_TOP_DOWN;
-    build_options  o        = {.rule     = bake->rule,
-                               .reuse    = bake->reuse,
-                               .compress = compress,
-                               .share    = bake->reuse && bake->stop == STOP_FINAL,
-                               .after    = spoil_square_dag,
-                               .user     = s};
-    bake_context   ctx      = {.message = m, .threads = 1};
-    column_map     columns  = depth_maps_map(maps);
-    dag_merger     merger;
-    vxs_result     r = dag_merger_init(&merger, maps->side_px, 1, bake->stop == STOP_FINAL);
+    build_options o       = build_options_of(bake, compress_order_of(bake->compress));
+    bake_context  ctx     = {.message = m, .threads = 1};
+    column_map    columns = depth_maps_map(maps);
+    dag_merger    merger;
+    o.after      = spoil_square_dag;
+    o.user       = s;
+    vxs_result r = dag_merger_init(&merger, maps->side_px, 1, bake->stop == STOP_FINAL);
     if (r == VXS_OK) r = dag_build_map(&merger, 0, &columns, &o, stats, &ctx);
     if (r == VXS_OK) r = dag_merger_finish(&merger, out);
     dag_merger_free(&merger);
