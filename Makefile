@@ -1,14 +1,18 @@
-# vxs: precomputed voxelized shadows. The only build description.
+# vxs: precomputed voxelized shadows. The only build description, with runtime/install/install.mk.
 #
-#   make                build the command and the runtime library: build/release/vxs, build/release/libvxs.a
+#   make                build the command and the runtime library: build/release/vxs, build/release/libvxs.a and .so
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
+#   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
+#   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
-#   make install        to $(DESTDIR)$(prefix); uninstall takes it away
+#   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
+#   make man            manual pages, in build/release/man
+#   make deb            Debian packages, in build/release/deb
 #   make format         lay the sources out with clang-format
 #   make clean
 #
@@ -19,7 +23,6 @@
 -include Makefile.config
 
 config     ?= release
-prefix     ?= /usr/local
 BENCH_JSON ?= build/bench.json
 CHART_JS   ?= /usr/share/javascript/chart.js/chart.min.js
 PKG_CONFIG ?= pkg-config
@@ -31,7 +34,8 @@ Q          := $(if $(V),,@)
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
                   libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libjs-chart.js
-packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox chromium
+packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
+                  groff-base zsh fish cmake dpkg-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
 
@@ -63,8 +67,8 @@ baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)
 # what takes longest to compile comes first, so that no processor waits for it in the end
 baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
-# files that go into the command as they are: page.c names their bytes by their own names
-embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js)) $B/baker/report/chart.min.js.o
+# files that go into the command as they are; baker/base/embedded.h names their bytes
+embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.*)) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
@@ -75,12 +79,14 @@ fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o)
-objects   := $B/baker/main.c.o $(baker.o) $(runtime.o) $(test.o)
+objects    = $B/baker/main.c.o $(baker.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers demo check check-fast check-unit check-tsan bench packages install uninstall format clean
-all: $B/vxs $B/libvxs.a
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-tsan bench packages format clean
+all: $B/vxs $B/libvxs.a $B/libvxs.so
 unit: $(unit) $(helper) $(fuzz)
+
+include runtime/install/install.mk
 
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 # an archive: what a test does not call is not linked into it, which takes the linker a quarter of the time
@@ -105,6 +111,8 @@ fuzzers: $(fuzz)
 fuzz:
 	@command -v clang >/dev/null || { echo "make fuzz needs clang with its run-time library; Debian: clang libclang-rt-dev" >&2; exit 1; }
 	@$(MAKE) config=fuzz fuzzers
+fuzz-commands: $B/vxs
+	@$(python) tests/fuzz/command_lines.py --vxs $< --seconds $(or $(seconds),60) --seed $(or $(seed),1)
 
 $B/libvxs.a: $(runtime.o)
 	@echo "  ar   $@"
@@ -129,7 +137,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-tsan bench packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-tsan bench deb packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects): | packages # nothing is compiled before the headers are there
@@ -169,6 +177,8 @@ check-fast: all unit
 	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B --fast
 check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit
+check-memory: all
+	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
 check-tsan: packages
 	@$(MAKE) config=tsan packages=skip all check-unit
 	@VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py
@@ -176,22 +186,7 @@ check-tsan: packages
 bench: all $(helper)
 	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
 
-# --- install --------------------------------------------------------------------------------------------------------------
-
-version  = $(shell sed -n 's/^\#define VXS_VERSION_[MP][A-Z]* *//p' runtime/vxs.h | paste -sd.)
-headers := runtime/vxs.h $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_space.h)
-to       = $(DESTDIR)$(prefix)
-
-install: all
-	install -d $(to)/bin $(to)/lib/pkgconfig $(to)/include/vxs
-	install $B/vxs $(to)/bin
-	install -m 644 $B/libvxs.a $(to)/lib
-	install -m 644 $(headers) $(to)/include/vxs
-	sed 's|@prefix@|$(prefix)|; s|@version@|$(version)|' runtime/vxs.pc.in >$(to)/lib/pkgconfig/vxs.pc
-
-uninstall:
-	$(RM) $(to)/bin/vxs $(to)/lib/libvxs.a $(to)/lib/pkgconfig/vxs.pc $(addprefix $(to)/include/vxs/,$(notdir $(headers)))
-	[ ! -d $(to)/include/vxs ] || rmdir $(to)/include/vxs
+# --- other goals -----------------------------------------------------------------------------------------------------------
 
 format:
 	clang-format -i $(wildcard $(foreach d,baker baker/* baker/*/* formats runtime tests/*,$d/*.c $d/*.cc $d/*.h))

@@ -3,38 +3,49 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "baker/base/nearest.h"
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
+#include "baker/options/help.h"
 #include "baker/options/options.h"
 #include "baker/process/process.h"
 
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
-    const char *summary;
 } commands[] = {
-    {"bake", cmd_bake, "bake the shadows of a scene into a .vxs file"},
-    {"plan", cmd_plan, "what a bake would do, what it would leave out, and why"},
-    {"info", cmd_info, "what a .vxs file holds"},
-    {"validate", cmd_validate, "check every byte of a .vxs file"},
-    {"query", cmd_query, "answer 'how lit is this point?' from a .vxs file"},
-    {"truth", cmd_truth, "answer the same question by ray tracing the scene"},
-    {"compare", cmd_compare, "error, size and time of .vxs files against ray tracing"},
-    {"bench", cmd_bench, "time, memory, size and error of bakes and lookups"},
-    {"report", cmd_report, "a page with plots of what bench measured"},
-    {"picture", cmd_picture, "a picture (PNG) of a scene with the shadows of a .vxs file"},
-    {"health", cmd_health, "what is wrong with the meshes of a scene"},
-    {"mend", cmd_mend, "write a scene with closed meshes, for smaller files"},
-    {"scene", cmd_scene, "make a procedural test scene"},
+    {"bake", cmd_bake},     {"plan", cmd_plan},       {"info", cmd_info},   {"validate", cmd_validate}, {"query", cmd_query},
+    {"truth", cmd_truth},   {"compare", cmd_compare}, {"bench", cmd_bench}, {"report", cmd_report},     {"picture", cmd_picture},
+    {"health", cmd_health}, {"mend", cmd_mend},       {"scene", cmd_scene},
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
-static void print_usage(FILE *to)
+/* What each command says of itself, between what is said of vxs. */
+static int print_help(const char *format_word)
 {
-    fprintf(to, "vxs %s: baked voxelized shadows\n\nusage: vxs COMMAND [arguments], vxs COMMAND --help\n\ncommands:\n",
-            VXS_VERSION);
-    for (int n = 0; n < COMMAND_COUNT; n++) fprintf(to, "  %-10s %s\n", commands[n].name, commands[n].summary);
+    message m      = {0};
+    int     format = choice_index(HELP_FORMATS_OF_ALL, format_word), status = 0;
+    char    part[32], part_option[sizeof part + sizeof "--help="];
+    if (format < 0)
+        return command_end(&m, fail(&m, VXS_E_ARGUMENT, "--help %s: expected one of %s", format_word, HELP_FORMATS_OF_ALL));
+    snprintf(part_option, sizeof part_option, "--help=%s", choice_word(part, HELP_FORMATS, help_part(format)));
+    help_print_head(format);
+    for (int n = 0; n < COMMAND_COUNT && !status; n++)
+        status = commands[n].run(2, (char *[]){(char *)commands[n].name, part_option, NULL});
+    if (!status) help_print_tail(format);
+    return status ? status : command_end(&m, VXS_OK);
+}
+
+static int unknown_command(const char *name)
+{
+    message m    = {0};
+    nearest near = {.typed = name};
+    char    meant[64];
+    for (int n = 0; n < COMMAND_COUNT; n++) nearest_try(&near, commands[n].name, strlen(commands[n].name));
+    nearest_try(&near, "help", strlen("help"));
+    return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unknown command '%s'%s%s vxs --help lists the commands", name,
+                                nearest_text(meant, &near), near.word ? "" : ":"));
 }
 
 int main(int argc, char **argv)
@@ -42,20 +53,22 @@ int main(int argc, char **argv)
     message m = {0};
     process_begin();
 
-    if (argc >= 2 && (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "help"))) {
-        print_usage(stdout);
-        return command_end(&m, VXS_OK);
+    const char *name = argc >= 2 ? argv[1] : "";
+    if (argc < 2) return command_end(&m, fail(&m, VXS_E_ARGUMENT, "no command given: vxs --help lists the commands"));
+    if (!strcmp(name, "help") && argc > 3)
+        return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs help COMMAND", argv[3]));
+    if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help bake is vxs bake --help */
+        name    = argv[2];
+        argv[1] = argv[2];
+        argv[2] = "--help";
     }
-    if (argc >= 2 && !strcmp(argv[1], "--version")) {
+    if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) return print_help("text");
+    if (!strncmp(name, "--help=", strlen("--help="))) return print_help(strchr(name, '=') + 1);
+    if (!strcmp(name, "--version")) {
         printf("vxs %s\n", VXS_VERSION);
         return command_end(&m, VXS_OK);
     }
-    for (int n = 0; argc >= 2 && n < COMMAND_COUNT; n++)
-        if (!strcmp(argv[1], commands[n].name)) return commands[n].run(argc - 1, argv + 1);
-
-    if (argc < 2)
-        fprintf(stderr, "vxs: error: no command given: vxs --help lists the commands\n");
-    else
-        fprintf(stderr, "vxs: error: unknown command '%s': vxs --help lists the commands\n", argv[1]);
-    return exit_status(VXS_E_ARGUMENT);
+    for (int n = 0; n < COMMAND_COUNT; n++)
+        if (!strcmp(name, commands[n].name)) return commands[n].run(argc - 1, argv + 1);
+    return unknown_command(name);
 }

@@ -68,11 +68,12 @@ typedef struct vxs_allocator {
 typedef void vxs_finding_fn(void *user, int number, const char *text, int section, uint64_t offset_bytes);
 
 typedef struct vxs_read_desc {
-    const vxs_allocator *allocator;          /* NULL: malloc and free; copied, but its functions must outlive what was read */
-    uint64_t             memory_limit_bytes; /* 0: 4 GiB. More than this is refused before it is allocated */
-    vxs_finding_fn      *finding;            /* NULL: nobody asks */
-    void                *finding_user;
-    int                  find_all; /* 1: go on after a finding where that makes sense, to report the others too */
+    const vxs_allocator *allocator;     /* NULL: malloc and free; copied, but its functions must outlive what was read */
+    uint64_t        memory_limit_bytes; /* 0: 256 times the file, but 64 MiB at least. More is refused before it is allocated */
+    vxs_finding_fn *finding;            /* NULL: nobody asks */
+    void           *finding_user;
+    int             find_all; /* 1: go on after a finding where that makes sense, to report the others too */
+    int             metadata; /* 1: inflate the metadata, too. 0: no lookup needs it, so it is left as it lies in the file */
 } vxs_read_desc;
 
 typedef struct vxs_section {
@@ -87,7 +88,7 @@ typedef struct vxs_contents {
     vxs_baked_light *lights;
     uint32_t         section_count;
     vxs_section     *sections;
-    char            *metadata; /* JSON text, NUL-terminated; NULL when the file has none */
+    char            *metadata; /* JSON text, NUL-terminated; NULL when the file has none, or nobody asked for it */
     size_t           metadata_bytes;
     vxs_allocator    allocator;
 } vxs_contents;

@@ -27,9 +27,14 @@ static inline vxs_allocator vxs_allocator_of(const vxs_read_desc *desc)
     return desc && desc->allocator && desc->allocator->alloc && desc->allocator->free ? *desc->allocator : standard;
 }
 
-static inline uint64_t vxs_memory_limit_of(const vxs_read_desc *desc)
+/* Without a limit of its own, a file may take so many times its size: real ones take 6 to 9 times, all that is held while they are read. A
+ * small one may take 64 MiB. */
+static inline uint64_t vxs_memory_limit_of(const vxs_read_desc *desc, uint64_t file_bytes)
 {
-    return desc && desc->memory_limit_bytes ? desc->memory_limit_bytes : (uint64_t)4 << 30;
+    const uint64_t least = (uint64_t)64 << 20, times = 256;
+    if (desc && desc->memory_limit_bytes) return desc->memory_limit_bytes;
+    if (file_bytes > UINT64_MAX / times) return UINT64_MAX;
+    return file_bytes * times > least ? file_bytes * times : least;
 }
 
 #endif

@@ -170,18 +170,25 @@ static int find_section(reader *r, uint32_t kind, uint32_t light, uint32_t level
     return -1;
 }
 
-/* The inflated bytes of a section and `extra` zeros behind them; NULL: a finding. */
-static uint8_t *inflate(reader *r, int section, size_t extra)
+/* Whether a section is one frame of the size that the directory says, as far as that is seen without inflating it; 0: a finding. */
+static int check_frame(reader *r, int section, size_t extra)
 {
     const vxs_section *s    = &r->out.sections[section];
     const uint8_t     *from = r->bytes + s->offset_bytes;
     /* the magic number first: zstd would also take frames that it skips, and those of its own past */
     if (s->stored_bytes < 4 || vxs_load32(from) != ZSTD_MAGICNUMBER ||
         ZSTD_getFrameContentSize(from, s->stored_bytes) != s->inflated_bytes ||
-        ZSTD_findFrameCompressedSize(from, s->stored_bytes) != s->stored_bytes || s->inflated_bytes > SIZE_MAX - extra) {
-        found(r, 207, section, s->offset_bytes);
-        return NULL;
-    }
+        ZSTD_findFrameCompressedSize(from, s->stored_bytes) != s->stored_bytes || s->inflated_bytes > SIZE_MAX - extra)
+        return found(r, 207, section, s->offset_bytes), 0;
+    return 1;
+}
+
+/* The inflated bytes of a section and `extra` zeros behind them; NULL: a finding. */
+static uint8_t *inflate(reader *r, int section, size_t extra)
+{
+    const vxs_section *s    = &r->out.sections[section];
+    const uint8_t     *from = r->bytes + s->offset_bytes;
+    if (!check_frame(r, section, extra)) return NULL;
     uint8_t *to = take(r, s->inflated_bytes + extra, 1, section);
     if (!to) return NULL;
     size_t size = ZSTD_decompressDCtx(r->zstd, to, s->inflated_bytes, from, s->stored_bytes);
@@ -465,6 +472,10 @@ static void read_metadata(reader *r)
     const vxs_section wanted = {.kind = VXS_KIND_METADATA, .light = VXS_NO_LIGHT};
     for (uint32_t n = 0; n < r->out.section_count; n++) {
         if (!same_section(&r->out.sections[n], &wanted)) continue;
+        if (!r->desc.metadata) {
+            check_frame(r, (int)n, 1);
+            continue;
+        }
         r->out.metadata       = (char *)inflate(r, (int)n, 1);
         r->out.metadata_bytes = r->out.sections[n].inflated_bytes;
     }
@@ -490,7 +501,7 @@ vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes
     reader r = {.bytes = bytes, .size = size_bytes};
     if (desc) r.desc = *desc;
     r.allocator     = vxs_allocator_of(desc);
-    r.memory_left   = vxs_memory_limit_of(desc);
+    r.memory_left   = vxs_memory_limit_of(desc, size_bytes);
     r.out.allocator = r.allocator;
 
     read_all(&r);

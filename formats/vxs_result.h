@@ -14,6 +14,7 @@
     X(VXS_E_WRITE,        4, "a file cannot be written")                       \
     X(VXS_E_INTERRUPTED,  5, "interrupted")                                    \
     X(VXS_E_REFERENCES,   6, "more nodes than 32-bit references reach")        \
+    X(VXS_E_DESERTED,     7, "nobody reads the output any more")               \
     X(VXS_E_NOT_VXS,     10, "not a .vxs file")                                \
     X(VXS_E_VERSION,     11, "a format version that this library cannot read") \
     X(VXS_E_TRUNCATED,   12, "the file ends before its contents")              \
@@ -22,6 +23,7 @@
     X(VXS_E_UNSUPPORTED, 21, "the scene requires what vxs does not read")      \
     X(VXS_E_NO_CASTER,   22, "the scene has no triangle that casts a shadow")  \
     X(VXS_E_NO_LIGHT,    23, "the scene has no light to bake")                 \
+    X(VXS_E_STRICT,      24, "a warning, where warnings are errors")           \
     X(VXS_E_GL,          30, "OpenGL is not available")                        \
     X(VXS_E_PROGRAM,     31, "a program that is needed is not available")
 /* clang-format on */

@@ -50,7 +50,7 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     uint8_t      *bytes  = NULL;
     long long     size   = file_size(f);
     vxs_read_desc rest   = desc ? *desc : (vxs_read_desc){0};
-    uint64_t      limit  = vxs_memory_limit_of(desc);
+    uint64_t      limit  = vxs_memory_limit_of(desc, size > 0 ? (uint64_t)size : 0);
     if (size < 0) goto done;
     r = VXS_E_MEMORY;
     if ((uint64_t)size >= limit || (uint64_t)size > SIZE_MAX) goto done;

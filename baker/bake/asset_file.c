@@ -4,26 +4,14 @@
 
 #include <stdlib.h>
 
-#include "baker/base/version.h"
-#include "baker/files/json_file.h"
+#include "baker/bake/provenance.h"
 #include "baker/files/output_file.h"
-
-/* What made the file, for people and tools; a lookup needs none of it. No clock, no path: same input, same bytes. */
-static char *metadata_text(const bake_options *o, const bake_report *report)
-{
-    json_t *root = json_pack("{s:s, s:I, s:I, s:I, s:o}", "generator", "vxs " VXS_VERSION, "triangles",
-                             (json_int_t)report->casters.triangle_count, "solids",
-                             (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
-                             (json_int_t)report->casters.solid_triangle_count, "options", bake_choices_json(o));
-    char   *text = root ? json_print(root, JSON_COMPACT) : NULL;
-    json_decref(root);
-    return text;
-}
+#include "runtime/vxs.h"
 
 vxs_result asset_encode(const bake_options *o, const dag *dags, const bake_report *report, vxs_bytes *out, message *m)
 {
     vxs_write_light *lights = calloc(report->light_count, sizeof *lights);
-    char            *text   = metadata_text(o, report);
+    char            *text   = provenance_text(report);
     vxs_result       r      = VXS_E_MEMORY;
     if (lights && text) {
         for (uint32_t n = 0; n < report->light_count; n++) {

@@ -11,26 +11,20 @@
 #include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
 #include "baker/bake/light_columns.h"
+#include "baker/bake/provenance.h"
+#include "baker/bake/scene_warnings.h"
+#include "baker/base/memory.h"
 #include "baker/base/pages.h"
 #include "baker/files/output_file.h"
 #include "baker/measure/clock.h"
 #include "baker/measure/progress.h"
-#include "baker/scene/light_choice.h"
+#include "baker/scene/light_warnings.h"
 
 /* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
 static uint64_t file_bytes(const char *path)
 {
     struct stat s;
     return stat(path, &s) || s.st_size < 0 ? 0 : (uint64_t)s.st_size;
-}
-
-/* A scene is held whole while it is read. */
-static vxs_result check_scene_bytes(const bake_options *o, uint64_t scene_bytes, message *m)
-{
-    char budget[32], size[32];
-    if (!o->memory_bytes || scene_bytes <= o->memory_bytes) return VXS_OK;
-    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s', a file of %s", size_text(budget, o->memory_bytes),
-                o->scene_path, size_text(size, scene_bytes));
 }
 
 /* pictures -------------------------------------------------------------------------------------------------------------------- */
@@ -132,15 +126,30 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     return r;
 }
 
+/* Mesa and LLVM do not survive that the address space ends (ulimit -v): they are not begun where it may. Beside what is held they
+ * map libraries, code, and for each thread a stack and a heap. */
+static vxs_result check_address_space(const bake_options *o, const bake_plan *plan, message *m)
+{
+    uint64_t bytes = ((uint64_t)450 << 20) + o->threads * ((uint64_t)72 << 20) + plan->peak_bytes;
+    char     needed[32];
+    if (memory_has_room(bytes)) return VXS_OK;
+    return fail(m, VXS_E_MEMORY,
+                "OpenGL needs up to %s of address space for '%s', and this process may not have as much (ulimit -v)",
+                size_text(needed, bytes), o->scene_path);
+}
+
 static vxs_result bake_lights(const bake_options *o, const casters *c, dag *dags, bake_report *report, bake_context *ctx)
 {
     const bake_plan *plan = report->plan;
     gl_context      *gl   = NULL;
+    vxs_result       r    = check_address_space(o, plan, ctx->message);
+    if (r != VXS_OK) return r;
     stage_begin(ctx, STAGE_GL);
-    vxs_result r = gl_context_create(&gl, o->gl, o->threads, ctx->message);
+    r = gl_context_create(&gl, o->gl, o->threads, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) return r;
     snprintf(report->renderer, sizeof report->renderer, "%s", gl->renderer);
+    snprintf(report->cpu_class, sizeof report->cpu_class, "%s", gl->cpu_class);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
@@ -163,6 +172,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, vxs_bytes *
     if ((r = bake_lights(o, c, dags, report, ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
+    report->warning_count = ctx->message->warning_count - report->warnings_before;
     if ((r = asset_encode(o, dags, report, file, ctx->message)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_within_memory(ctx);
@@ -172,23 +182,64 @@ done:
     return r;
 }
 
-/* From the scene's file to the plan of its bake. */
+typedef struct light_question {
+    const bake_options *o;
+    light_choice       *chosen;
+} light_question;
+
+/* Which lights are baked, and whether they can be: asked before a triangle is placed. */
+static vxs_result choose_lights(void *user, const scene *s, message *m)
+{
+    const light_question *q      = user;
+    light_choice         *chosen = q->chosen;
+    vxs_result            r      = lights_choose(s, &q->o->light_names, &q->o->suns, chosen, m);
+    if (r != VXS_OK) return r;
+    if (chosen->count > VXS_LIGHTS_MAX)
+        return fail(m, VXS_E_ARGUMENT,
+                    "%zu lights to bake, and a file holds %u at most: choose some with --light NAME, in several bakes",
+                    chosen->count, VXS_LIGHTS_MAX);
+    warn_about_lights(chosen, m);
+    return VXS_OK;
+}
+
+static void warn_about_scene(const bake_options *o, const casters *c, const light_choice *chosen, message *m)
+{
+    int has_sun = 0;
+    for (size_t n = 0; n < chosen->count; n++) has_sun |= chosen->lights[n].shape.kind == LIGHT_DIRECTIONAL;
+    warn_about_scale(c, m);
+    if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* lamps do not look at it */
+}
+
+/* Whether the output was made of these inputs, and may stay. What had warnings would not have been written by a strict run. */
+static int is_unchanged(const bake_options *o, bake_report *report, const message *m)
+{
+    return o->if_changed && provenance_is_current(o->output_path, report->inputs, &report->file_bytes, &report->warning_count) &&
+           !(m->strict && report->warning_count);
+}
+
+/* From the scene's file to the plan of its bake; or to the finding that there is nothing to do. */
 static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, bake_context *ctx)
 {
-    light_choice chosen = {0};
-    message     *m      = ctx->message;
-    uint64_t     bytes  = file_bytes(o->scene_path);
-    vxs_result   r;
+    light_choice   chosen   = {0};
+    light_question question = {o, &chosen};
+    message       *m        = ctx->message;
+    uint64_t       bytes    = file_bytes(o->scene_path);
+    vxs_result     r;
+    report->warnings_before = m->warning_count;
     stage_begin(ctx, STAGE_LOAD);
     progress_say(o->progress, "reading %s", o->scene_path);
-    if ((r = check_scene_bytes(o, bytes, m)) != VXS_OK) goto done;
-    if ((r = scene_load_gltf(s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
+    memory_budget_set(o->memory_bytes);
+    scene_check check = {choose_lights, &question};
+    if ((r = scene_load_gltf_checked(s, o->scene_path, &o->scene, &check, m)) != VXS_OK) goto done;
+    if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
+    if ((report->unchanged = is_unchanged(o, report, m))) goto done;
 
     stage_begin(ctx, STAGE_SOLIDS);
     if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "telling solids from sheets");
     if ((r = casters_from_scene(c, s, o->closed, m)) != VXS_OK) goto done;
-    if ((r = lights_choose(s, &o->light_names, o->sun_given, o->sun, &chosen, m)) != VXS_OK) goto done;
+    warn_about_scene(o, c, &chosen, m);
+    if ((r = message_check(m)) != VXS_OK) goto done;
 
     stage_begin(ctx, STAGE_PLAN);
     if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
@@ -200,6 +251,7 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
     if ((r = plan_make(report->plan, o, c, &chosen, bytes, m)) != VXS_OK) goto done;
     if ((r = bake_report_begin(report, s, c, m)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
+    if ((r = message_check(m)) != VXS_OK) goto done;
     r = context_within_memory(ctx);
 done:
     light_choice_free(&chosen);
@@ -225,7 +277,7 @@ static void report_stages(bake_report *report, const bake_context *ctx)
     report->total_seconds    = clock_seconds() - ctx->begun - report->baseline_seconds - report->picture_seconds;
 }
 
-vxs_result bake(const bake_options *o, bake_report *report, message *m)
+vxs_result bake(const bake_options *o, const bake_observer *observer, bake_report *report, message *m)
 {
     bake_context ctx  = context_of(o, m);
     scene        s    = {0};
@@ -234,8 +286,8 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     vxs_result   r;
 
     pages_return_large();
-    if ((r = output_file_check(o->output_path, o->scene_path, m)) != VXS_OK) goto done;
     if ((r = prepare(o, &s, &c, report, &ctx)) != VXS_OK) goto done;
+    if (report->unchanged) goto done;
     if ((r = bake_file(o, &c, &file, report, &ctx)) != VXS_OK) goto done;
 
     stage_begin(&ctx, STAGE_WRITE);
@@ -243,7 +295,9 @@ vxs_result bake(const bake_options *o, bake_report *report, message *m)
     if ((r = asset_write(o, &file, report, m)) != VXS_OK) goto done;
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
+    if (observer) r = observer->look(observer->user, o, &c, &file, m);
 done:
+    if (report->unchanged) report_stages(report, &ctx);
     progress_clear();
     free(file.data);
     casters_free(&c);

@@ -5,10 +5,17 @@
 
 #include "baker/bake/bake_report.h"
 
+/* What may look at the casters and the asset's bytes when the file is there; its time is no part of the bake's. */
+typedef struct bake_observer {
+    vxs_result (*look)(void *user, const bake_options *o, const casters *c, const vxs_bytes *file, message *m);
+    void *user;
+} bake_observer;
+
 /* Bake a scene. The output is complete under its name, or untouched.
- * report  [out] zero it first; released with bake_report_free, whatever is returned.
+ * observer  NULL: nobody looks
+ * report    [out] zero it first; released with bake_report_free, whatever is returned.
  * Same scene and options, same bytes, at any thread count. */
-vxs_result bake(const bake_options *o, bake_report *report, message *m);
+vxs_result bake(const bake_options *o, const bake_observer *observer, bake_report *report, message *m);
 
 /* Only what would be done: fills what is known before the work, the plan above all. */
 vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m);

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/bake_options.h"
 
+#include "baker/files/json_file.h"
+
 static int set_word(json_t *object, const char *key, const char *choices, int index)
 {
     char word[32];
@@ -10,27 +12,75 @@ static int set_word(json_t *object, const char *key, const char *choices, int in
 
 json_t *bake_choices_json(const bake_options *o)
 {
-    json_t *object = json_object();
+    json_t       *object = json_object();
+    const double *b      = o->region_ws;
     set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
     set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
     set_word(object, "rule", RULE_CHOICES, (int)o->rule);
     set_word(object, "stop", STOP_CHOICES, (int)o->stop);
+    if (o->stop == STOP_INSERT) set_word(object, "reuse", REUSE_CHOICES, o->reuse); /* compression finds the same */
+    set_word(object, "gl", GL_CHOICES, (int)o->gl);
+    json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
+    if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
+    if (o->scene.exclude.count) json_object_set_new(object, "exclude", json_texts(&o->scene.exclude));
+    if (o->scene.include.count) json_object_set_new(object, "include", json_texts(&o->scene.include));
+    if (o->scene.skinned != SKINNED_EXCLUDE) set_word(object, "skinned", SKINNED_CHOICES, o->scene.skinned);
     return object;
+}
+
+/* {"noon": [0, -1, 0]}, or {"noon": 1024}, of those that have a name; absent where none has. */
+static void set_named(json_t *object, const char *key, const named_list *list, json_t *(*value_json)(const double numbers[3]))
+{
+    json_t *values = json_object();
+    for (const named_value *v = list->items; v < list->items + list->count; v++)
+        if (v->name) json_object_set_new(values, v->name, value_json(v->numbers));
+    if (json_object_size(values)) json_object_set(object, key, values);
+    json_decref(values);
+}
+
+static json_t *whole_json(const double numbers[3])
+{
+    return json_integer((json_int_t)numbers[0]);
+}
+
+static json_t *real_json(const double numbers[3])
+{
+    return json_real(numbers[0]);
+}
+
+/* Which lights, and how large their maps are. */
+static void set_lights(json_t *object, const bake_options *o)
+{
+    json_t *names = json_array();
+    for (size_t n = 0; n < o->light_names.count; n++) json_array_append_new(names, json_text(o->light_names.items[n]));
+    if (json_array_size(names)) json_object_set(object, "light", names);
+    json_decref(names);
+    set_named(object, "sun", &o->suns, json_vector);
+    if (o->resolution)
+        json_object_set_new(object, "resolution_px", json_integer(o->resolution));
+    else
+        json_object_set_new(object, "texel_m", json_real(o->texel_metres));
+    set_named(object, "light_resolution_px", &o->resolutions, whole_json);
+    set_named(object, "light_texel_m", &o->texels, real_json);
 }
 
 json_t *bake_options_json(const bake_options *o)
 {
-    json_t       *object = bake_choices_json(o);
-    const double *b      = o->region_ws;
+    json_t *object = bake_choices_json(o);
+    set_lights(object, o);
     set_word(object, "reuse", REUSE_CHOICES, o->reuse);
     set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
-    set_word(object, "gl", GL_CHOICES, (int)o->gl);
     set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
-    json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
     json_object_set_new(object, "threads", json_integer(o->threads));
     if (o->memory_bytes) json_object_set_new(object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
-    if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
     return object;
+}
+
+uint32_t light_resolution(const bake_options *o, const char *light_name, double *texel_metres)
+{
+    const named_value *resolution = named_find(&o->resolutions, light_name), *texel = named_find(&o->texels, light_name);
+    *texel_metres = texel ? texel->numbers[0] : o->texel_metres;
+    return resolution ? (uint32_t)resolution->numbers[0] : texel ? 0 : o->resolution;
 }
 
 compress_order compress_order_of(compress_choice choice)

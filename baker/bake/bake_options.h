@@ -36,12 +36,12 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 typedef struct bake_options {
     const char     *scene_path;
     const char     *output_path; /* "-" is standard output */
-    const char     *scene_name;  /* NULL: the default scene */
-    text_list       light_names; /* none: all directional lights, or the sun */
-    int             sun_given;
-    double          sun[3];     /* the way sunlight travels; any length but zero */
-    uint32_t        resolution; /* texels a side; 0: from texel_metres */
+    scene_choice    scene;       /* which one of the file, and what of it casts */
+    text_list       light_names; /* none: all lights, or the suns */
+    named_list      suns;        /* all have a name; the way sunlight travels, of any length but zero */
+    uint32_t        resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
     double          texel_metres;
+    named_list      resolutions, texels; /* by light; none is in both */
     int             region_given;
     double          region_ws[6]; /* min xyz, max xyz */
     closed_mode     closed;
@@ -55,6 +55,7 @@ typedef struct bake_options {
     uint32_t        zstd_level; /* 1..19 */
     baseline_mode   baseline;
     uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    int             if_changed;   /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
     int             pictures;     /* 1: keep pictures of the maps of the largest lights, for a page */
     int             progress;     /* 1: say on standard error how far it is */
 } bake_options;
@@ -65,7 +66,11 @@ compress_order compress_order_of(compress_choice choice);
 /* How DAGs are built by these options: rule, reuse and stop, with sub-DAGs compressed in an order that the stop may leave out. */
 build_options build_options_of(const bake_options *o, compress_order compress);
 
-/* Words for the options that decide what is baked, and for all that make a difference to the report. */
+/* The side of a light's map in texels; 0: from *texel_metres, which is written. */
+uint32_t light_resolution(const bake_options *o, const char *light_name, double *texel_metres);
+
+/* Words and numbers of the options that decide which bytes are baked, but for what goes by light; and of all that make a difference to
+ * the report. */
 json_t *bake_choices_json(const bake_options *o);
 json_t *bake_options_json(const bake_options *o);
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/base/box.h"
+#include "baker/files/json_file.h"
 
 static void report_casters(bake_report *report, const casters *c)
 {
@@ -15,6 +16,7 @@ static void report_casters(bake_report *report, const casters *c)
     counts->positions_ws = NULL;
     counts->indices = counts->component_of = NULL;
     counts->kind_of = counts->solid_meets = NULL;
+    counts->parts_of                      = NULL;
     counts->alpha_masks                   = NULL;
     counts->alpha_mask_first              = NULL;
     counts->hole_uvs                      = NULL;
@@ -46,9 +48,7 @@ static vxs_result report_left_out(bake_report *report, const scene *s, message *
     }
     for (size_t n = 0; n < plan->light_count; n++) {
         const plan_light *l = &plan->lights[n];
-        if (!l->left_out) continue;
-        leave_out(report, l->name, l->left_out);
-        warn(m, "light '%s' %s: it is left out", l->name, l->left_out);
+        if (l->left_out) leave_out(report, l->name, l->left_out);
     }
     return VXS_OK;
 }
@@ -56,13 +56,27 @@ static vxs_result report_left_out(bake_report *report, const scene *s, message *
 vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m)
 {
     report_casters(report, c);
+    report->exclusion_count = s->exclusion_count;
+    report->exclusions      = malloc((s->exclusion_count + 1) * sizeof *report->exclusions);
+    if (!report->exclusions) return fail(m, VXS_E_MEMORY, "out of memory for %zu exclusions", s->exclusion_count);
+    if (s->exclusion_count) memcpy(report->exclusions, s->exclusions, s->exclusion_count * sizeof *report->exclusions);
     return report_left_out(report, s, m);
+}
+
+json_t *report_left_out_json(const bake_report *r)
+{
+    json_t *lights = json_array();
+    for (size_t n = 0; n < r->left_out_count; n++)
+        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
+    return lights;
 }
 
 void bake_report_free(bake_report *r)
 {
+    json_decref(r->inputs);
     free(r->lights);
     free(r->left_out);
+    free(r->exclusions);
     if (r->plan) plan_free(r->plan);
     free(r->plan);
     for (uint32_t n = 0; n < r->picture_count; n++) light_picture_free(&r->pictures[n]);

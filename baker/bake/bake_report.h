@@ -27,6 +27,17 @@ typedef struct light_report {
     double       depth_sample_share; /* of its texels that this was measured on */
 } light_report;
 
+/* Of all its maps: texels, and the bytes of plain depth maps of 16 bits. */
+static inline double light_texels(const light_report *l)
+{
+    return (double)((uint64_t)vxs_light_map_count(&l->light) << (2 * l->light.levels));
+}
+
+static inline double light_depth16_bytes(const light_report *l)
+{
+    return 2 * light_texels(l);
+}
+
 /* A light of the scene that was not baked. */
 typedef struct light_left_out {
     char        name[VXS_LIGHT_NAME_BYTES];
@@ -39,6 +50,7 @@ typedef struct bake_report {
     double          baseline_seconds, picture_seconds; /* no part of the total */
     uint64_t        peak_bytes;
     char            renderer[128];
+    char            cpu_class[16]; /* "" where the renderer does not depend on it */
     uint64_t        file_bytes;
     casters         casters;                              /* counts only: no arrays */
     double          casters_min_ws[3], casters_max_ws[3]; /* metres */
@@ -46,6 +58,12 @@ typedef struct bake_report {
     uint32_t        light_count;
     light_left_out *left_out;
     size_t          left_out_count;
+
+    scene_exclusion *exclusions; /* [exclusion_count] what of the scene does not cast; owned */
+    size_t           exclusion_count;
+    json_t          *inputs;                         /* what goes into the bake (baker/bake/provenance.h); owned */
+    size_t           warning_count, warnings_before; /* of the bake; of the run before it */
+    int unchanged; /* 1: the output was baked from the same, and stays: only its size, its warnings and the time are known */
 
     bake_plan *plan; /* owned */
 
@@ -56,6 +74,9 @@ typedef struct bake_report {
 /* What is known before the work: counts of casters, and which lights of the scene are left out. Lights that reach nothing are a warning.
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m);
+
+/* The lights that are left out: [{"name", "why"}]. */
+json_t *report_left_out_json(const bake_report *r);
 
 /* Accepts a zeroed object. */
 void bake_report_free(bake_report *r);

@@ -17,6 +17,14 @@
 
 enum { CELLS_MAX = 32 }; /* windows a side */
 
+/* What a sample may cost, however many triangles lie over each other: some two seconds, and 100 MiB beside what follows the triangles.
+ * Real scenes need a tenth of it. */
+enum {
+    ENTRIES_MAX          = 1 << 24, /* of triangles in the lists of windows: beyond it, windows are left out */
+    FRAGMENTS_MAX        = 1 << 25, /* of all windows: then no other is begun */
+    WINDOW_FRAGMENTS_MAX = 1 << 21, /* of one: its other triangles are not looked at */
+};
+
 typedef enum face_kind { FACE_FRONT, FACE_BACK, FACE_SHEET } face_kind; /* fronts first among faces at one depth */
 
 typedef struct fragment {
@@ -51,6 +59,9 @@ typedef struct sampler {
     block_counts      blocks;
     uint32_t          at[CELLS_MAX * CELLS_MAX][2]; /* texel where each window starts */
     triangle_list     lists[CELLS_MAX * CELLS_MAX]; /* what may touch it */
+    uint32_t          windows;                      /* those of a rank below this are looked at */
+    size_t            entries;                      /* in all lists */
+    uint64_t          fragments_made;
     fragment_list     fragments;
     fragment         *sorted; /* by texel, in each from near to far */
     size_t            sorted_capacity;
@@ -92,6 +103,26 @@ static void sum_up(int32_t *counts, uint32_t side)
                                    (u && v ? counts[(v - 1) * row + u - 1] : 0);
 }
 
+/* Which window is the rank-th; and, the same function, which rank a window has. Its number's bits the other way round: the first few
+ * windows lie all over the map. There is a power of two of them. */
+static uint32_t window_of_rank(const sampler *job, uint32_t rank)
+{
+    uint32_t n = 0;
+    for (uint32_t bit = 1; bit < job->cells * job->cells; bit *= 2) n = 2 * n + !!(rank & bit);
+    return n;
+}
+
+/* Many large triangles lie over each other: look at fewer windows. */
+static void leave_out_windows(sampler *job)
+{
+    for (; job->entries > ENTRIES_MAX && job->windows > 1; job->windows--) {
+        triangle_list *l = &job->lists[window_of_rank(job, job->windows - 1)];
+        job->entries -= l->count;
+        free(l->items);
+        *l = (triangle_list){0};
+    }
+}
+
 static void add_to_windows(sampler *job, uint32_t triangle, const texel_box *b)
 {
     uint32_t i0 = (uint32_t)b->u0 / job->cell_px, i1 = (uint32_t)b->u1 / job->cell_px;
@@ -100,13 +131,16 @@ static void add_to_windows(sampler *job, uint32_t triangle, const texel_box *b)
         for (uint32_t x = i0; x <= i1; x++) {
             uint32_t n = y * job->cells + x;
             if (!texel_box_touches(b, (int32_t)job->at[n][0], (int32_t)job->at[n][1], (int32_t)job->window_px)) continue;
+            if (job->windows < job->cells * job->cells && window_of_rank(job, n) >= job->windows) continue;
             triangle_list *l = &job->lists[n];
             if (!array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) {
                 job->out_of_memory = 1;
                 return;
             }
             l->items[l->count++] = triangle;
+            job->entries++;
         }
+    if (job->entries > ENTRIES_MAX) leave_out_windows(job);
 }
 
 static void place_triangles(sampler *job)
@@ -144,6 +178,7 @@ static void count_blocks(sampler *job)
         s->blocks_peeled += b->meet[at] > 0;
         s->blocks_not_peeled += b->solid[at] > 0 && b->meet[at] == 0;
         s->block_triangles += (uint64_t)b->all[at];
+        s->block_most = max_u64(s->block_most, (uint64_t)b->all[at]);
         s->peeled_triangles += b->meet[at] > 0 ? (uint64_t)b->solid[at] : 0;
     }
 }
@@ -217,9 +252,27 @@ static void rasterize(sampler *job, uint32_t n, uint32_t t)
         }
 }
 
-static int nearer(const fragment *a, const fragment *b)
+/* Those that are equal here are equal in all that is asked of them: it does not matter which comes first. */
+static int compare_fragments(const void *a, const void *b)
 {
-    return a->depth != b->depth ? a->depth < b->depth : a->kind < b->kind;
+    const fragment *f = a, *g = b;
+    if (f->depth != g->depth) return f->depth < g->depth ? -1 : 1;
+    return (f->kind > g->kind) - (f->kind < g->kind);
+}
+
+/* Most texels have a few fragments, which a plain insertion has in order before qsort has begun. */
+static void sort_near_to_far(fragment *items, uint32_t count)
+{
+    if (count > 32) {
+        qsort(items, count, sizeof *items, compare_fragments);
+        return;
+    }
+    for (uint32_t n = 1; n < count; n++) {
+        fragment f = items[n];
+        uint32_t k = n;
+        for (; k > 0 && compare_fragments(&f, &items[k - 1]) < 0; k--) items[k] = items[k - 1];
+        items[k] = f;
+    }
 }
 
 /* Fragments by texel, in each from near to far. */
@@ -234,12 +287,7 @@ static void sort_fragments(sampler *job, uint32_t texels)
     memmove(job->first, job->first + 1, texels * sizeof *job->first);
     job->first[texels] = (uint32_t)l->count;
     for (uint32_t texel = 0; texel < texels; texel++)
-        for (uint32_t n = job->first[texel] + 1; n < job->first[texel + 1]; n++) {
-            fragment f = job->sorted[n];
-            uint32_t k = n;
-            for (; k > job->first[texel] && nearer(&f, &job->sorted[k - 1]); k--) job->sorted[k] = job->sorted[k - 1];
-            job->sorted[k] = f;
-        }
+        sort_near_to_far(job->sorted + job->first[texel], job->first[texel + 1] - job->first[texel]);
 }
 
 /* The column of a texel, as depth_block.c means it. Returns the back faces up to the exit. */
@@ -305,8 +353,11 @@ static vxs_result sample_window(sampler *job, uint32_t n)
     s->texels += texels;
     if (!job->lists[n].count) return VXS_OK; /* all lit */
 
+    size_t looked_at     = 0;
     job->fragments.count = 0;
-    for (size_t k = 0; k < job->lists[n].count && !job->out_of_memory; k++) rasterize(job, n, job->lists[n].items[k]);
+    while (looked_at < job->lists[n].count && job->fragments.count < WINDOW_FRAGMENTS_MAX && !job->out_of_memory)
+        rasterize(job, n, job->lists[n].items[looked_at++]);
+    job->fragments_made += job->fragments.count;
     if (job->out_of_memory || !array_reserve(&job->sorted, &job->sorted_capacity, job->fragments.count + 1, sizeof *job->sorted))
         return VXS_E_MEMORY;
     sort_fragments(job, texels);
@@ -318,7 +369,8 @@ static vxs_result sample_window(sampler *job, uint32_t n)
         uint32_t backs = walk(job->sorted + from, count, &job->maps.enter[texel], &job->maps.exit[texel]);
         layers         = backs > layers ? backs : layers;
     }
-    s->layers += layers;
+    uint64_t all = (uint64_t)layers * job->lists[n].count / looked_at;
+    s->layers += all < PEEL_PASSES_MAX ? all : PEEL_PASSES_MAX;
     s->peeled_windows += layers > 0;
     depth_maps_reduce(&job->maps, 1);
     return insert_window(job);
@@ -344,7 +396,8 @@ static vxs_result sample_windows(sampler *job)
 {
     map_sample *s = job->s;
     vxs_result  r = VXS_OK;
-    for (uint32_t n = 0; n < job->cells * job->cells && r == VXS_OK; n++) r = sample_window(job, n);
+    for (uint32_t rank = 0; rank < job->windows && job->fragments_made < FRAGMENTS_MAX && r == VXS_OK; rank++)
+        r = sample_window(job, window_of_rank(job, rank));
     if (r != VXS_OK || job->out_of_memory) return VXS_E_MEMORY;
     s->unique_masks = different(job->hashes[SAMPLE_LEVELS], job->hash_count[SAMPLE_LEVELS]);
     for (int l = 0; l < SAMPLE_LEVELS; l++) s->unique_nodes += different(job->hashes[l], job->hash_count[l]);
@@ -387,6 +440,7 @@ vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *
     job->window_px = min_u32(job->side_px, SAMPLE_WINDOW_PX);
     job->cells     = windows_a_side(job->side_px);
     job->cell_px   = job->side_px / job->cells;
+    job->windows   = job->cells * job->cells;
 
     uint32_t   texels = job->window_px * job->window_px;
     vxs_result r      = VXS_E_MEMORY;

@@ -18,13 +18,14 @@ typedef struct map_sample {
     uint64_t blocks_peeled;                              /* hold solids that meet another */
     uint64_t blocks_not_peeled;                          /* hold solids, and none that meets another */
     uint64_t block_triangles;                            /* over all blocks, the triangles that may touch each */
+    uint64_t block_most;                                 /* of the block with the most */
     uint64_t peeled_triangles;                           /* the same over blocks_peeled, solids alone */
     uint64_t tiles[TILE_SIZES], tiles_empty[TILE_SIZES]; /* of TILE_MAX_PX >> n texels a side, or the whole map */
 
     /* of the windows */
     uint64_t texels;
     double   weight;                      /* texels of the map for each texel looked at */
-    uint64_t peeled_windows, layers;      /* windows with solids; over them, back faces up to the exit where there are most */
+    uint64_t peeled_windows, layers;      /* windows with solids; over them, the layers that are peeled where there are most */
     uint64_t mask_tiles, mask_runs;       /* tiles that need masks, and their masks */
     uint64_t masks, nodes[SAMPLE_LEVELS]; /* inserted, by level */
     uint64_t unique_masks, unique_nodes;  /* different ones among them */

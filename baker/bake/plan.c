@@ -8,6 +8,7 @@
 
 #include "baker/bake/light_picture.h"
 #include "baker/base/integer.h"
+#include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/light/light_fit.h"
 #include "baker/measure/clock.h"
@@ -29,12 +30,11 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
 {
     light_fit_desc fit = {.name           = chosen->name,
                           .shape          = &chosen->shape,
-                          .resolution     = o->resolution,
                           .resolution_max = RESOLUTION_MAX_PX,
-                          .texel_metres   = o->texel_metres,
                           .region_ws      = o->region_given ? o->region_ws : NULL};
     casters        near;
-    vxs_result     r = reach_casters(&near, &plan->reach, c, &chosen->shape, m);
+    fit.resolution = light_resolution(o, chosen->name, &fit.texel_metres);
+    vxs_result r   = reach_casters(&near, &plan->reach, c, &chosen->shape, m);
     if (r == VXS_OK) r = light_fit(&l->light, &near, &fit, m);
     reach_release(&near, c);
     l->shape = chosen->shape;
@@ -48,15 +48,27 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
     return r == VXS_OK ? check_name(plan, l, m) : r;
 }
 
+static void warn_about_left_out(const bake_plan *plan, message *m)
+{
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
+        if (l->left_out)
+            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
+                 l->name, l->left_out);
+}
+
 static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const light_choice *chosen, message *m)
 {
-    vxs_result r = VXS_OK;
+    vxs_result r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
+    if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
+    if (r != VXS_OK) return r;
     plan->lights = calloc(chosen->count, sizeof *plan->lights);
     if (!plan->lights) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", chosen->count);
     plan->light_count = chosen->count;
     for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) r = fit_light(plan, &plan->lights[n], o, c, &chosen->lights[n], m);
     if (r == VXS_OK && !plan->baked_count) return fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
-    return r;
+    if (r != VXS_OK) return r;
+    warn_about_left_out(plan, m);
+    return message_check(m);
 }
 
 /* solids ---------------------------------------------------------------------------------------------------------------------- */
@@ -93,6 +105,7 @@ static void add_sample(map_sample *sum, const map_sample *s)
     sum->blocks_peeled += s->blocks_peeled;
     sum->blocks_not_peeled += s->blocks_not_peeled;
     sum->block_triangles += s->block_triangles;
+    sum->block_most = max_u64(sum->block_most, s->block_most);
     sum->peeled_triangles += s->peeled_triangles;
     for (int size = 0; size < TILE_SIZES; size++) {
         sum->tiles[size] += s->tiles[size];
@@ -186,18 +199,22 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     plan->budget_bytes  = o->memory_bytes;
     plan->picture_bytes = o->pictures ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, c, plan->tile_px);
-    if (plan->budget_bytes && plan->peak_bytes > plan->budget_bytes)
-        plan->baseline = BASELINE_OFF; /* a comparison, no part of the file */
+    uint64_t held = memory_held_bytes(), left = memory_available_bytes();
+    uint64_t machine = left < UINT64_MAX - held ? held + left : UINT64_MAX;
+    uint64_t most    = plan->budget_bytes ? min_u64(plan->budget_bytes, machine) : machine;
+    if (plan->peak_bytes > most) plan->baseline = BASELINE_OFF; /* a comparison, no part of the file */
     plan->least_bytes = plan_peak_bytes(plan, c, least);
-    if (!plan->budget_bytes) return VXS_OK;
-    while (plan->peak_bytes > plan->budget_bytes && plan->tile_px > least) {
+    while (plan->peak_bytes > most && plan->tile_px > least) {
         plan->tile_px /= 2;
         plan->peak_bytes = plan_peak_bytes(plan, c, plan->tile_px);
     }
-    if (plan->peak_bytes <= plan->budget_bytes) return VXS_OK;
-    char budget[32], needed[32];
-    return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s': this bake needs about %s at least",
-                size_text(budget, plan->budget_bytes), o->scene_path, size_text(needed, plan->least_bytes));
+    if (plan->peak_bytes <= most) return VXS_OK;
+    char there[32], needed[32];
+    if (most < machine)
+        return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s': this bake needs about %s at least",
+                    size_text(there, most), o->scene_path, size_text(needed, plan->least_bytes));
+    return fail(m, VXS_E_MEMORY, "there is too little memory for '%s', %s: this bake needs about %s at least", o->scene_path,
+                size_text(there, machine), size_text(needed, plan->least_bytes));
 }
 
 static void count_tiles(bake_plan *plan)

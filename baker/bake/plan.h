@@ -69,7 +69,7 @@ extern const char REACHES_NOTHING[];
  * c            gets solid_meets where the plan needs it
  * scene_bytes  of the scene's file
  * Returns VXS_OK; VXS_E_NO_LIGHT when no light reaches a caster; VXS_E_ARGUMENT for a light that cannot be fitted, or two of one name;
- * VXS_E_MEMORY, also when no plan stays within the budget: one line says how much is needed.
+ * VXS_E_MEMORY, also when no plan stays within the budget: one line says how much is needed; VXS_E_STRICT, before a light is sampled.
  * Same scene and options, same plan, but for the clock. */
 vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const light_choice *chosen, uint64_t scene_bytes,
                      message *m);

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "baker/bake/plan.h"
+#include "baker/columns/opengl/depth_block.h"
 
 /* counts ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -110,7 +111,7 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
 /* The most is held while a tile is rendered or merged: its maps, what OpenGL and the scene need, the DAGs so far, and its sub-DAGs. */
 uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
 {
-    double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, nodes = 0, texels = 0;
+    double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, nodes = 0, texels = 0, drawn = 0;
     for (size_t n = 0; n < plan->light_count; n++) {
         const plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
@@ -118,9 +119,13 @@ uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_
         double part = side * side / ldexp(1, 2 * (int)l->light.levels) / l->map_count;
         tile        = fmax(tile, side * side * (texel + pyramid) + 11 * part * (l->inserted_nodes + l->inserted_masks));
         nodes += l->nodes + l->masks;
+        drawn = fmax(drawn, (double)l->sample.block_most);
         texels += ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     }
     double compared = plan->baseline == BASELINE_FULL ? 4 * texels : 0; /* 16-bit depths, and what zstd makes of them */
-    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + 190 * (double)c->triangle_count + 71 * nodes + tile +
-                              compared + (double)plan->picture_bytes));
+    /* the scene, the casters and their projection; a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
+    double arrays   = 54 * (double)c->triangle_count + 24 * (double)c->scene_vertex_count + 56 * (double)c->vertex_count;
+    double block    = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
+    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + arrays + block + 71 * nodes + tile + compared +
+                              (double)plan->picture_bytes));
 }

@@ -25,17 +25,21 @@ vxs_result fail(message *m, vxs_result code, const char *format, ...)
 
 void warn(message *m, const char *format, ...)
 {
-    char    text[1024];
+    char    text[1024], word[COLORED_BYTES];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     one_line(text);
 
+    if (m->strict) {
+        fail(m, VXS_E_STRICT, "%s (--strict: a warning is an error)", text);
+        return;
+    }
     for (size_t i = 0; i < m->warning_count; i++)
         if (!strcmp(m->warnings[i], text)) return;
     if (!m->quiet) progress_clear();
-    if (!m->quiet) fprintf(stderr, "vxs: warning: %s\n", text);
+    if (!m->quiet) fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_YELLOW, "warning"), text);
 
     /* out of memory while warning: the line was printed, the report goes without it */
     char *copy = strdup(text);
@@ -43,6 +47,11 @@ void warn(message *m, const char *format, ...)
         m->warnings[m->warning_count++] = copy;
     else
         free(copy);
+}
+
+vxs_result message_check(const message *m)
+{
+    return m->strict && m->error[0] ? VXS_E_STRICT : VXS_OK;
 }
 
 void message_free(message *m)
@@ -53,10 +62,21 @@ void message_free(message *m)
     m->warning_count = m->warning_capacity = 0;
 }
 
+FILE *report_stream(const message *m, int stdout_is_taken)
+{
+    return m->no_report ? NULL : stdout_is_taken ? stderr : stdout;
+}
+
+int progress_wanted(const message *m)
+{
+    return !m->no_report && terminal_can_clear(stderr);
+}
+
 int exit_status(vxs_result code)
 {
     switch (code) {
     case VXS_OK: return 0;
+    case VXS_E_STRICT: return 1;
     case VXS_E_ARGUMENT: return 2;
     case VXS_E_READ:
     case VXS_E_NOT_VXS:
@@ -73,6 +93,7 @@ int exit_status(vxs_result code)
     case VXS_E_GL:
     case VXS_E_PROGRAM: return 6;
     case VXS_E_INTERRUPTED: return 130;
+    case VXS_E_DESERTED: return 141; /* as a shell says it of what SIGPIPE ended */
     }
     return 6;
 }

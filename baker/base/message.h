@@ -6,7 +6,9 @@
 #define MESSAGE_H
 
 #include <stddef.h>
+#include <stdio.h>
 
+#include "baker/base/terminal.h"
 #include "formats/vxs_result.h"
 
 #ifdef __cplusplus
@@ -17,7 +19,17 @@ typedef struct message {
     char   error[1024]; /* one line without a newline; "" when nothing failed */
     char **warnings;    /* [warning_count] one line each, owned */
     size_t warning_count, warning_capacity;
-    int    quiet; /* nonzero: warnings are kept, not printed */
+    int    quiet;  /* nonzero: warnings are kept, not printed */
+    int    strict; /* nonzero: a warning is an error, the first of them the one that counts */
+    int    force;  /* nonzero: files are replaced that are read-only, or of which something is lost (baker/files/replaced_file.h) */
+    int    wrong;  /* nonzero: the command works, and what it looked at is wrong: its exit status is 1 */
+
+    struct run_files *files; /* what this run writes (baker/files/run_files.h); borrowed; NULL: nothing is known of it */
+
+    /* how much is said, and how: for people alone, no data depends on it */
+    int        verbose;   /* nonzero: reports at full length */
+    int        no_report; /* nonzero: no report, and no progress */
+    color_mode color;
 } message;
 
 #if defined(__GNUC__)
@@ -32,11 +44,21 @@ typedef struct message {
  * The text is one line (control characters become '?'): what (file, element), where, what was found, what was expected. */
 vxs_result fail(message *m, vxs_result code, const char *format, ...) MESSAGE_PRINTF;
 
-/* Keep a warning for the report and print "vxs: warning: ..." to standard error. Equal warnings are kept once. */
+/* Keep a warning for the report and print "vxs: warning: ..." to standard error. Equal warnings are kept once. Where warnings are errors,
+ * the first becomes the error instead, and message_check says so. */
 void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
+
+/* VXS_OK, or VXS_E_STRICT when a warning has become an error. Called before an output appears. */
+vxs_result message_check(const message *m);
 
 /* Release the warnings. Accepts a zeroed object. */
 void message_free(message *m);
+
+/* Where a report for people goes: standard output, or standard error when an output takes that; NULL: nowhere. */
+FILE *report_stream(const message *m, int stdout_is_taken);
+
+/* 1 when progress may be shown on standard error. */
+int progress_wanted(const message *m);
 
 /* The exit status of a command that ended with `code`; results are mapped to statuses here alone (docs/manual.md). */
 int exit_status(vxs_result code);

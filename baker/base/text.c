@@ -3,7 +3,29 @@
 #include "baker/base/text.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+const named_value *named_find(const named_list *list, const char *name)
+{
+    for (const named_value *v = list->items; v < list->items + list->count; v++)
+        if (name && v->name ? !strcmp(v->name, name) : name == v->name) return v;
+    return NULL;
+}
+
+void named_list_free(named_list *list)
+{
+    for (size_t n = 0; n < list->count; n++) free(list->items[n].name);
+    free(list->items);
+    *list = (named_list){0};
+}
+
+void list_item(char text[LIST_BYTES], const char *item)
+{
+    size_t used = strlen(text);
+    used += (size_t)snprintf(text + used, LIST_BYTES - used, "%s%s", used ? ", " : "", item);
+    if (used >= LIST_BYTES) memcpy(text + LIST_BYTES - sizeof "...", "...", sizeof "...");
+}
 
 char *one_line(char *text)
 {
@@ -42,4 +64,13 @@ int choice_index(const char *choices, const char *word)
         if (!choices[n]) return -1;
         choices += n + 1;
     }
+}
+
+const char *path_split(const char *path, char folder[PATH_MAX])
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    if (name - path >= PATH_MAX) return NULL;
+    snprintf(folder, PATH_MAX, "%.*s", (int)(name - path), path);
+    if (!slash) strcpy(folder, "./");
+    return name;
 }

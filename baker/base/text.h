@@ -1,8 +1,9 @@
-/* Small texts: sizes, choices, lists of option values.
+/* Small texts: sizes, choices, lists of option values, paths.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef TEXT_H
 #define TEXT_H
 
+#include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -11,6 +12,28 @@ typedef struct text_list {
     const char **items; /* owned; the strings are argv's */
     size_t       count, capacity;
 } text_list;
+
+/* A value that an option has for what is named, or for all that is not. */
+typedef struct named_value {
+    char  *name;       /* owned; NULL: none was given */
+    double numbers[3]; /* as many as the option has */
+} named_value;
+
+/* Values of an option that may be repeated, no two of one name. */
+typedef struct named_list {
+    named_value *items; /* owned */
+    size_t       count, capacity;
+} named_list;
+
+/* The value of a name (NULL: the one without); NULL when there is none. */
+const named_value *named_find(const named_list *list, const char *name);
+
+/* Accepts a zeroed object. */
+void named_list_free(named_list *list);
+
+/* Another item of a list for a message: "noon, morning, ...", cut short where it would not fit. text  "" at first */
+enum { LIST_BYTES = 512 };
+void list_item(char text[LIST_BYTES], const char *item);
 
 /* Make text that comes from a file fit to print, in place: control characters, which would break the line or speak to the terminal,
  * become '?'. Messages and progress lines do so themselves. Returns text. */
@@ -24,5 +47,9 @@ const char *choice_word(char word[32], const char *choices, int index);
 
 /* The index of a word of "auto|on|off", or -1. */
 int choice_index(const char *choices, const char *word);
+
+/* The folder that a path leads to, with a slash at its end: "./" where it names none.
+ * Returns the name in it, which is a part of the path; NULL when the folder is longer than any that can be opened. */
+const char *path_split(const char *path, char folder[PATH_MAX]);
 
 #endif

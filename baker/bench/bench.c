@@ -6,12 +6,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include "baker/base/version.h"
 #include "baker/bench/bench_cell.h"
 #include "baker/bench/bench_text.h"
+#include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/measure/clock.h"
 #include "baker/measure/machine.h"
@@ -22,6 +26,7 @@ typedef struct bench_work {
     json_t              *result;
     bench_job           *jobs; /* [job_count] */
     size_t               job_count;
+    int                 *inputs; /* [scene] see keep_pipe; owned */
     children             children;
     double               since; /* when the first run began */
     int                  outputs_differ;
@@ -56,7 +61,7 @@ static vxs_result run_child(bench_work *w, const bench_job *job, const char *con
 {
     char       name[256], text[512];
     int        status;
-    vxs_result r = child_run(&w->children, arguments, seconds, &status, m);
+    vxs_result r = child_run(&w->children, arguments, job->input, seconds, &status, m);
     if (r != VXS_OK || !status || status == accepted) return r;
 
     read_error(w->children.errors, text);
@@ -109,6 +114,7 @@ static vxs_result compare_once(bench_work *w, const bench_job *job, double *seco
     }
     if (o->scene_name) arguments[count++] = "--scene";
     if (o->scene_name) arguments[count++] = o->scene_name;
+    arguments[count++] = "--other-scene"; /* one that changed since its bake shows by the bytes of the next */
     arguments[count++] = "--";
     arguments[count++] = job->scene_path;
     arguments[count++] = w->children.asset;
@@ -179,6 +185,43 @@ static vxs_result run_rounds(bench_work *w, message *m)
     return r;
 }
 
+/* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
+
+/* Each run reads its scene again, which a pipe gives once: a copy in memory.
+ * kept  [out] its descriptor; -1: the scene is a file, or cannot be had, which its bake will say */
+static vxs_result keep_pipe(int *kept, const char *path, message *m)
+{
+    struct stat status;
+    uint8_t    *bytes;
+    size_t      size_bytes, done = 0;
+    vxs_result  r;
+    *kept = -1;
+    if (!is_standard_input(path) && (stat(path, &status) || !S_ISFIFO(status.st_mode))) return VXS_OK;
+    if ((r = input_read(&bytes, &size_bytes, path, UINT32_MAX, m)) != VXS_OK) return r;
+    *kept = memfd_create("scene", MFD_CLOEXEC);
+    for (ssize_t n = 1; *kept >= 0 && n > 0 && done < size_bytes; done += (size_t)(n > 0 ? n : 0))
+        n = write(*kept, bytes + done, size_bytes - done);
+    free(bytes);
+    return done == size_bytes ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a copy of '%s'", input_name(path));
+}
+
+static vxs_result keep_pipes(bench_work *w, message *m)
+{
+    vxs_result r = VXS_OK;
+    w->inputs    = malloc(w->o->scenes.count * sizeof *w->inputs);
+    if (!w->inputs) return fail(m, VXS_E_MEMORY, "out of memory");
+    for (size_t n = 0; n < w->o->scenes.count; n++) w->inputs[n] = -1;
+    for (size_t n = 0; n < w->o->scenes.count && r == VXS_OK; n++) r = keep_pipe(&w->inputs[n], w->o->scenes.items[n], m);
+    return r;
+}
+
+static void release_pipes(bench_work *w)
+{
+    for (size_t n = 0; w->inputs && n < w->o->scenes.count; n++)
+        if (w->inputs[n] >= 0) close(w->inputs[n]);
+    free(w->inputs);
+}
+
 /* The whole ------------------------------------------------------------------------------------------------------------------ */
 
 /* What is known before the first run. NULL without memory. */
@@ -201,15 +244,22 @@ static json_t *describe(const bench_options *o)
 vxs_result bench_run(const bench_options *o, json_t **result, int *outputs_differ, message *m)
 {
     bench_work w = {.o = o};
-    vxs_result r = children_begin(&w.children, m);
+    *result      = NULL;
+    vxs_result r = keep_pipes(&w, m);
+    if (r != VXS_OK) {
+        release_pipes(&w);
+        return r;
+    }
+    r = children_begin(&w.children, m); /* from now on signals wait */
     if (r == VXS_OK && !(w.result = describe(o))) r = fail(m, VXS_E_MEMORY, "out of memory");
-    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, &w.children, m);
+    if (r == VXS_OK) r = bench_jobs_make(&w.jobs, &w.job_count, json_object_get(w.result, "cells"), o, w.inputs, &w.children, m);
     if (r == VXS_OK) r = run_rounds(&w, m);
     children_end(&w.children);
 
     for (size_t n = 0; n < w.job_count && r == VXS_OK; n++)
         json_array_set_new(json_object_get(w.result, "cells"), n, bench_cell_of_runs(json_incref(w.jobs[n].runs)));
     bench_jobs_free(w.jobs, w.job_count);
+    release_pipes(&w);
     *outputs_differ = w.outputs_differ;
     if (r != VXS_OK) json_decref(w.result);
     *result = r == VXS_OK ? w.result : NULL;

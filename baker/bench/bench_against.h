@@ -11,6 +11,7 @@
 /* Print what differs: first of versions and machines, then of the cells that both have. A time moved when each median lies outside
  * of the other's spread; by chance alone that is so of one in twenty, with five runs each. Sizes and errors moved when they differ
  * at all, peak memory, which is never quite the same, by 5 %.
+ * to           NULL: print nothing
  * before_path  what messages call the earlier one
  * max_slower   ratio of times
  * too_slow     [out] how many baking or lookup times moved to more than max_slower times what they were

@@ -2,9 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bench/bench_jobs.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/options/bake_arguments.h"
 
@@ -13,12 +15,40 @@ static vxs_result no_memory(message *m)
     return fail(m, VXS_E_MEMORY, "out of memory for the cells of the bench");
 }
 
+/* 1 when both are for the same light ("sun=64" and "sun=512"), or for none. */
+static int same_name(const char *a, const char *b)
+{
+    const char *a_end = strrchr(a, '='), *b_end = strrchr(b, '=');
+    return !a_end || !b_end ? a_end == b_end : a_end - a == b_end - b && !memcmp(a, b, (size_t)(a_end - a));
+}
+
+/* How many values there are for the light that value n is for; 0 where an earlier one is for the same. */
+static size_t count_alike(const text_list *values, size_t n)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++)
+        if (same_name(values->items[i], values->items[n])) return 0;
+    for (size_t i = n; i < values->count; i++) count += (size_t)same_name(values->items[i], values->items[n]);
+    return count;
+}
+
+/* Value `which` of these. */
+static const char *value_alike(const text_list *values, size_t n, size_t which)
+{
+    size_t i = n;
+    while (!same_name(values->items[i], values->items[n]) || which--) i++;
+    return values->items[i];
+}
+
 /* How many combinations there are; BENCH_CELLS_MAX + 1 when they are more. */
 static size_t count_cells(const bench_options *o)
 {
-    size_t count = o->scene_count;
-    for (int n = 0; n < BENCH_SWEEPS && count <= BENCH_CELLS_MAX; n++)
-        if (o->sweep_value[n].count) count *= o->sweep_value[n].count;
+    size_t count = o->scenes.count;
+    for (int n = 0; n < BENCH_SWEEPS; n++)
+        for (size_t i = 0; i < o->sweep_value[n].count && count <= BENCH_CELLS_MAX; i++) {
+            size_t alike = count_alike(&o->sweep_value[n], i);
+            if (alike) count *= alike;
+        }
     return count <= BENCH_CELLS_MAX ? count : BENCH_CELLS_MAX + 1;
 }
 
@@ -31,27 +61,28 @@ static size_t append_pair(const char **arguments, size_t count, const char *name
 }
 
 /* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
-static const char **arguments_of(const bench_options *o, const children *c, size_t index)
+static const char **arguments_of(const bench_options *o, const char *scene_path, const children *c, size_t index)
 {
-    const char **all = calloc(2 * (o->light_names.count + BENCH_SWEEPS + 6) + 4, sizeof *all), *value[BENCH_SWEEPS] = {0};
-    size_t       count = 0;
+    size_t pairs = o->light_names.count + o->suns.count + 8, count = 0;
+    for (int n = 0; n < BENCH_SWEEPS; n++) pairs += o->sweep_value[n].count;
+    const char **all = calloc(2 * pairs, sizeof *all);
     if (!all) return NULL;
-    for (int n = BENCH_SWEEPS; n-- > 0;) { /* the last varies fastest */
-        const text_list *values = &o->sweep_value[n];
-        if (!values->count) continue;
-        value[n] = values->items[index % values->count];
-        index /= values->count;
-    }
     count = append_pair(all, count, "vxs", "bake");
     count = append_pair(all, count, "--baseline", "off");
     count = append_pair(all, count, "--json", c->report);
     count = append_pair(all, count, "-o", c->asset);
     for (size_t n = 0; n < o->light_names.count; n++) count = append_pair(all, count, "--light", o->light_names.items[n]);
-    count = append_pair(all, count, "--sun", o->sun);
+    for (size_t n = 0; n < o->suns.count; n++) count = append_pair(all, count, "--sun", o->suns.items[n]);
     count = append_pair(all, count, "--region", o->region);
     count = append_pair(all, count, "--scene", o->scene_name);
-    for (int n = 0; n < BENCH_SWEEPS; n++) count = append_pair(all, count, o->sweep_name[n], value[n]);
-    append_pair(all, count, "--", o->scenes[index]);
+    for (int n = BENCH_SWEEPS; n-- > 0;) /* the last varies fastest */
+        for (size_t i = o->sweep_value[n].count; i-- > 0;) {
+            size_t alike = count_alike(&o->sweep_value[n], i);
+            if (!alike) continue;
+            count = append_pair(all, count, o->sweep_name[n], value_alike(&o->sweep_value[n], i, index % alike));
+            index /= alike;
+        }
+    append_pair(all, count, "--", scene_path);
     return all;
 }
 
@@ -65,39 +96,35 @@ static json_t *as_written(json_t *value)
     return written;
 }
 
-/* What makes a difference: bake's own words, and what the measurement was told to bake. Without what is the same in every bench. */
+/* What makes a difference: bake's own words, and the scene. Without what is the same in every bench. */
 static json_t *options_json(const bake_options *o)
 {
     json_t *object = bake_options_json(o);
     json_object_del(object, "gl");
     json_object_del(object, "baseline");
-    json_object_set_new(object, "resolution_px", json_integer(o->resolution));
-    if (o->sun_given) json_object_set_new(object, "sun", json_pack("[f,f,f]", o->sun[0], o->sun[1], o->sun[2]));
-    if (o->scene_name) json_object_set_new(object, "scene", json_text(o->scene_name));
-    if (o->light_names.count) {
-        json_t *names = json_array();
-        for (size_t n = 0; n < o->light_names.count; n++) json_array_append_new(names, json_text(o->light_names.items[n]));
-        json_object_set_new(object, "light", names);
-    }
+    if (o->scene.name) json_object_set_new(object, "scene", json_text(o->scene.name));
     return as_written(object);
 }
 
 /* Read the arguments as the bake will: its checks, its defaults. */
-static vxs_result read_arguments(bench_job *job, json_t *cells, message *m)
+static vxs_result read_arguments(bench_job *job, const char *name, json_t *cells, message *m)
 {
     bake_arguments a;
     char         **argv = (char **)(size_t)(job->arguments + 1); /* that of a command begins with its own name */
-    int            argc = 0;
+    int            argc = 0, help_shown;
     while (argv[argc]) argc++;
-    vxs_result r = bake_arguments_parse(&a, "bake", "SCENE -o OUT.vxs [options]", "", 1, argc, argv, m);
+    bake_arguments_init(&a, "bake", "", "", 1);
+    vxs_result r = options_parse(&a.line, argc, argv, &help_shown, m);
+    if (r == VXS_OK) r = bake_arguments_check(&a, m);
     if (r == VXS_OK) {
-        const char *slash = strrchr(job->scene_path, '/');
+        const char *slash = strrchr(name, '/');
         job->runs         = json_array();
-        job->cell = json_pack("{s:o, s:o}", "scene", json_text(slash ? slash + 1 : job->scene_path), "options", options_json(&a.o));
+        job->cell         = json_pack("{s:o, s:o}", "scene", json_text(slash ? slash + 1 : name), "options", options_json(&a.o));
         job->weight = 1e6 + (double)a.o.resolution * a.o.resolution; /* a bake takes as long as a million texels before it begins */
+        for (size_t n = 0; n < a.o.resolutions.count; n++) job->weight += pow(a.o.resolutions.items[n].numbers[0], 2);
         if (json_array_append_new(cells, job->cell)) r = no_memory(m);
     }
-    bake_arguments_free(&a);
+    options_free(&a.line);
     return r;
 }
 
@@ -120,7 +147,8 @@ static vxs_result require_different(const json_t *cells, message *m)
     return VXS_OK;
 }
 
-vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const children *c, message *m)
+vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const int *inputs,
+                           const children *c, message *m)
 {
     size_t     all = count_cells(o);
     vxs_result r   = VXS_OK;
@@ -132,10 +160,13 @@ vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const
     *jobs = calloc(all, sizeof **jobs);
     if (!*jobs) return no_memory(m);
     for (; *count < all && r == VXS_OK; ++*count) {
-        bench_job *job  = &(*jobs)[*count];
-        job->scene_path = o->scenes[*count / (all / o->scene_count)];
-        job->arguments  = arguments_of(o, c, *count);
-        r               = job->arguments ? read_arguments(job, cells, m) : no_memory(m);
+        bench_job  *job   = &(*jobs)[*count];
+        size_t      which = *count / (all / o->scenes.count);
+        const char *path  = o->scenes.items[which];
+        job->input        = inputs[which];
+        job->scene_path   = job->input < 0 ? path : "-";
+        job->arguments    = arguments_of(o, job->scene_path, c, *count);
+        r                 = job->arguments ? read_arguments(job, input_name(path), cells, m) : no_memory(m);
     }
     return r == VXS_OK ? require_different(cells, m) : r;
 }

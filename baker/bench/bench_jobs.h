@@ -7,25 +7,26 @@
 #include "baker/bench/bench_json.h"
 #include "baker/bench/children.h"
 
-/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. */
+/* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
+ * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
 enum { BENCH_SWEEPS = 9 };
 
 typedef struct bench_options {
-    const char *const *scenes;
-    size_t             scene_count;
-    const char        *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
-    text_list          sweep_value[BENCH_SWEEPS]; /* none: what bake does by default */
-    text_list          light_names;               /* what follows goes to every bake; NULL or none: not given */
-    const char        *sun, *region, *scene_name;
-    uint32_t           filters_px[BENCH_FILTERS_MAX]; /* besides single taps: odd, above 1, none twice */
-    uint32_t           filter_count;
-    uint32_t           runs;
-    uint32_t           points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */
-    int                progress; /* 1: say on standard error how far it is */
+    text_list   scenes;
+    const char *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
+    text_list   sweep_value[BENCH_SWEEPS]; /* none: what bake does by default */
+    text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
+    const char *region, *scene_name;
+    uint32_t    filters_px[BENCH_FILTERS_MAX]; /* besides single taps: odd, above 1, none twice */
+    uint32_t    filter_count;
+    uint32_t    runs;
+    uint32_t    points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */
+    int         progress; /* 1: say on standard error how far it is */
 } bench_options;
 
 typedef struct bench_job {
-    const char  *scene_path;
+    const char  *scene_path; /* "-" when there is an input */
+    int          input;      /* descriptor of what children have as standard input; -1: none; borrowed */
     const char **arguments;  /* of the bake: "vxs", "bake", ...; NULL at the end; owned, the texts are not */
     json_t      *cell;       /* of the result: "scene" and "options" */
     json_t      *runs;       /* cells of one run each; owned */
@@ -36,11 +37,13 @@ typedef struct bench_job {
 
 /* Make a job and its cell for each scene and combination of options, checked as bake checks its own.
  * cells  an array, which gets the cells
+ * inputs [scene] descriptors; -1: the scene is a file
  * c      where bakes write; outlives the jobs
  * jobs   [out] [count], released with bench_jobs_free, whatever is returned
  * count  [out]
  * Returns VXS_OK; VXS_E_ARGUMENT: a value is wrong, two cells are the same, or there are too many; VXS_E_MEMORY. */
-vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const children *c, message *m);
+vxs_result bench_jobs_make(bench_job **jobs, size_t *count, json_t *cells, const bench_options *o, const int *inputs,
+                           const children *c, message *m);
 
 void bench_jobs_free(bench_job *jobs, size_t count);
 

@@ -84,11 +84,13 @@ static int redirect(const char *path, int flags, int descriptor)
 }
 
 /* Between fork and exec: only what is safe in a signal handler. */
-static void become(const children *c, const char *const *arguments, pid_t parent)
+static void become(const children *c, const char *const *arguments, int input, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(CANNOT_START);
-    if (redirect("/dev/null", O_RDONLY, STDIN_FILENO) && redirect("/dev/null", O_WRONLY, STDOUT_FILENO) &&
+    int has_input = input < 0 ? redirect("/dev/null", O_RDONLY, STDIN_FILENO)
+                              : lseek(input, 0, SEEK_SET) == 0 && dup2(input, STDIN_FILENO) == STDIN_FILENO;
+    if (has_input && redirect("/dev/null", O_WRONLY, STDOUT_FILENO) &&
         redirect(c->errors, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO)) {
         sigprocmask(SIG_SETMASK, &c->before, NULL);
         execv("/proc/self/exe", (char *const *)arguments);
@@ -109,12 +111,12 @@ static void stop(pid_t child)
     }
 }
 
-vxs_result child_run(children *c, const char *const *arguments, double *seconds, int *exit_status, message *m)
+vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, message *m)
 {
     double begin  = clock_seconds();
     pid_t  parent = getpid(), child = fork();
     if (child < 0) return fail(m, VXS_E_MEMORY, "cannot start a process: %s", strerror(errno));
-    if (!child) become(c, arguments, parent);
+    if (!child) become(c, arguments, input, parent);
 
     int status;
     while (!waitpid(child, &status, WNOHANG)) {

@@ -29,13 +29,14 @@ vxs_result children_begin(children *c, message *m);
 /* Take the folder away with all files in it (there are no folders in it). Returns only when no signal came. */
 void children_end(children *c);
 
-/* Run this executable and wait until it ends. It reads nothing, and what it prints to standard output is lost. It is stopped with
+/* Run this executable and wait until it ends. What it prints to standard output is lost. It is stopped with
  * SIGTERM when this process ends, or when a signal comes that is held; then with SIGKILL when it takes longer than half a second.
  * arguments    [] NULL at the end; arguments[0] is a name
+ * input        a file's descriptor, which becomes its standard input, from the start of the file; -1: it reads nothing
  * seconds      [out] from before its start until it was gone; written only when VXS_OK is returned, as the next is
  * exit_status  [out] or -N: ended by signal N
  * Returns VXS_OK whatever the child's exit status is; VXS_E_INTERRUPTED; VXS_E_MEMORY: it could not be started.
  * Threads: only in a process of one thread. */
-vxs_result child_run(children *c, const char *const *arguments, double *seconds, int *exit_status, message *m);
+vxs_result child_run(children *c, const char *const *arguments, int input, double *seconds, int *exit_status, message *m);
 
 #endif

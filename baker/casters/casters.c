@@ -9,6 +9,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,6 +24,7 @@ enum { EDGE_OPEN = 0x80 }; /* beside the scene's TRIANGLE_* */
 
 typedef struct component {
     uint32_t       triangle_count;
+    part_span      parts;
     uint8_t        flags; /* of all its triangles */
     component_kind kind;
     uint32_t       number;    /* in the result */
@@ -135,8 +137,9 @@ static double tetrahedron_volume(const double *o, const double *const p[3])
            6;
 }
 
-static vxs_result measure_components(work *w, message *m)
+static vxs_result measure_components(work *w, const scene *s, message *m)
 {
+    uint32_t part = 0;
     w->components = allocate(w->component_count, sizeof *w->components);
     w->boxes      = allocate(w->component_count, sizeof *w->boxes);
     if (!w->components || !w->boxes) return out_of_memory(m, w->mesh.triangle_count);
@@ -152,6 +155,7 @@ static vxs_result measure_components(work *w, message *m)
         }
         if (!c->triangle_count++) memcpy(c->origin, p[0], sizeof c->origin);
         c->flags |= w->flags[t];
+        part_span_add(&c->parts, part = scene_part_at(s, part, w->mesh.from[t]));
         c->volume += tetrahedron_volume(c->origin, p);
     }
     return VXS_OK;
@@ -268,9 +272,10 @@ static void number_by_kind(casters *c, work *w)
 {
     size_t next_solid = 0, next_sheet = c->component_count[COMPONENT_SOLID];
     for (size_t i = 0; i < w->component_count; i++) {
-        component *k          = &w->components[i];
-        k->number             = (uint32_t)(k->kind == COMPONENT_SOLID ? next_solid++ : next_sheet++);
-        c->kind_of[k->number] = (uint8_t)k->kind;
+        component *k           = &w->components[i];
+        k->number              = (uint32_t)(k->kind == COMPONENT_SOLID ? next_solid++ : next_sheet++);
+        c->kind_of[k->number]  = (uint8_t)k->kind;
+        c->parts_of[k->number] = k->parts;
     }
 }
 
@@ -335,11 +340,12 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
     c->indices          = malloc(3 * w->mesh.triangle_count * sizeof *c->indices);
     c->component_of     = malloc(w->mesh.triangle_count * sizeof *c->component_of);
     c->kind_of          = malloc(w->component_count * sizeof *c->kind_of);
+    c->parts_of         = malloc(w->component_count * sizeof *c->parts_of);
     c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
     c->alpha_mask_first = allocate(s->alpha_mask_count + 1, sizeof *c->alpha_mask_first);
     c->hole_uvs         = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
-    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->alpha_masks || !c->alpha_mask_first ||
-        !c->hole_uvs)
+    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->alpha_masks ||
+        !c->alpha_mask_first || !c->hole_uvs)
         return 0;
 
     c->solid_triangle_count = first[GROUP_SHEETS];
@@ -383,8 +389,21 @@ done:
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
 
+/* "30 triangles: --exclude node:Door*; 12 triangles: skinned, ..." */
+static vxs_result all_excluded(const scene *s, message *m)
+{
+    char   list[640] = "", rule[128];
+    size_t used      = 0;
+    for (const scene_exclusion *e = s->exclusions; e < s->exclusions + s->exclusion_count && used < sizeof list; e++)
+        if (e->triangles)
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu triangles: %s", used ? "; " : "", e->triangles,
+                                     exclusion_text(rule, e));
+    return used ? fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: all that the scene has is excluded; %s", list) : VXS_OK;
+}
+
 static vxs_result no_caster(const scene *s, message *m)
 {
+    if (!s->triangle_count && all_excluded(s, m) != VXS_OK) return VXS_E_NO_CASTER;
     if (!s->triangle_count) return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: the scene has no triangles");
     return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: each of the scene's %zu triangles collapses to a line or a point",
                 s->triangle_count);
@@ -397,13 +416,14 @@ vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, me
 
     *c = (casters){0};
     if ((r = weld(&w, s, m)) != VXS_OK) goto done;
-    c->collapsed_count = s->triangle_count - w.mesh.triangle_count;
+    c->collapsed_count    = s->triangle_count - w.mesh.triangle_count;
+    c->scene_vertex_count = s->vertex_count;
     if (!w.mesh.triangle_count) {
         r = no_caster(s, m);
         goto done;
     }
     if ((r = connect(&w, m)) != VXS_OK) goto done;
-    if ((r = measure_components(&w, m)) != VXS_OK) goto done;
+    if ((r = measure_components(&w, s, m)) != VXS_OK) goto done;
     if ((r = judge_components(&w, s, closed, m)) != VXS_OK) goto done;
     r = emit(c, &w, s, m);
 done:
@@ -418,6 +438,7 @@ void casters_free(casters *c)
     free(c->indices);
     free(c->component_of);
     free(c->kind_of);
+    free(c->parts_of);
     free(c->solid_meets);
     free(c->alpha_masks);
     free(c->alpha_mask_first);

@@ -51,12 +51,15 @@ typedef struct casters {
     uint32_t *component_of; /* [triangle_count] components are numbered, solids first, each in the order of its first triangle */
     uint8_t  *kind_of;      /* [all components] component_kind */
 
+    part_span *parts_of; /* [all components] the parts of the scene that it is made of */
+
     uint8_t       *solid_meets; /* [solid_triangle_count] 1: its solid meets another or itself; NULL before casters_find_meeting */
     meeting_counts meeting;
 
     size_t component_count[COMPONENT_KINDS]; /* components of each kind */
     size_t triangles_of_kind[COMPONENT_KINDS];
-    size_t collapsed_count; /* triangles dropped because two corners welded together */
+    size_t scene_vertex_count; /* before welding */
+    size_t collapsed_count;    /* triangles dropped because two corners welded together */
 } casters;
 
 /* Weld vertices at bit-equal world positions (-0 equals +0), drop triangles that collapse, split into components connected by

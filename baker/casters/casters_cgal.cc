@@ -1,7 +1,8 @@
 /* Which closed shells have something inside; see casters_cgal.h.
  *
- * Candidate pairs come from CGAL's box intersection: whatever lies in a shell has its lowest corner in the shell's box. For
- * those a tree is built of the part of the shell that can matter.
+ * Whatever lies in a shell has its box in the shell's box. A tree of boxes finds these guests one by one, since of most shells the first is
+ * enough: of nested ones there are as many pairs as their number's square. For some at a time a tree is built of the part of the shell that
+ * can matter.
  *
  * Inside is decided by the winding number, because the shells are balanced soups and need not be manifold, as
  * CGAL::Side_of_triangle_mesh wants them. It is counted along a vertical segment from the point to above the shell. That may
@@ -15,25 +16,23 @@
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <new>
-#include <utility>
 #include <vector>
 
 #include "baker/base/box.h"
 
 namespace
 {
-using kernel       = CGAL::Exact_predicates_inexact_constructions_kernel;
-using point        = kernel::Point_3;
-using triangle     = kernel::Triangle_3;
-using triangles    = std::vector<triangle>;
-using primitive    = CGAL::AABB_triangle_primitive<kernel, triangles::const_iterator>;
-using tree         = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
-using numbered_box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+using kernel    = CGAL::Exact_predicates_inexact_constructions_kernel;
+using point     = kernel::Point_3;
+using triangle  = kernel::Triangle_3;
+using triangles = std::vector<triangle>;
+using primitive = CGAL::AABB_triangle_primitive<kernel, triangles::const_iterator>;
+using tree      = CGAL::AABB_tree<CGAL::AABB_traits<kernel, primitive>>;
 
 constexpr size_t tested_vertices_max = 4096;
 
@@ -137,55 +136,114 @@ bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
     return true;
 }
 
-using candidate = std::pair<uint32_t, uint32_t>; /* shell, guest */
-
-/* In ascending order. */
-std::vector<candidate> find_candidates(const shell_set &s, const uint8_t *wanted)
+/* Boxes of guests, asked for those that lie in a box: a balanced tree over their six bounds. What is known of a part of the tree are its
+ * greatest lower bounds and its least upper ones: where these are not in the box, no guest of the part is. */
+class guest_tree
 {
-    std::vector<numbered_box> shells, guests;
-    for (uint32_t i = 0; i < s.count; i++)
-        if (wanted[i]) shells.emplace_back(guest_box(s, i), i);
-    for (uint32_t i = 0; i < s.count + s.point_count; i++) {
-        const CGAL::Bbox_3 b = guest_box(s, i);
-        guests.emplace_back(point(b.xmin(), b.ymin(), b.zmin()).bbox(), i);
+  public:
+    explicit guest_tree(const shell_set &s)
+    {
+        for (uint32_t i = 0; i < s.count + s.point_count; i++) {
+            const CGAL::Bbox_3 b = guest_box(s, i);
+            guests.push_back({{b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()}, i});
+        }
+        size_t parts = 1;
+        while (guests.size() > leaf_guests * parts) parts *= 2;
+        greatest.resize(2 * parts);
+        build(1, 0, guests.size());
     }
 
-    std::vector<candidate> found;
-    auto                   keep = [&](const numbered_box &guest, const numbered_box &outer) {
-        const CGAL::Bbox_3 around = outer.bbox();
-        if (guest.info() != outer.info() && guest_box(s, guest.info()) + around == around)
-            found.emplace_back(outer.info(), guest.info());
+    /* Call visit(number) with the guests in a box until one says true. */
+    template <class visitor> bool any_inside(const CGAL::Bbox_3 &b, const visitor &visit) const
+    {
+        return any_inside({b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()}, visit, 1, 0, guests.size());
+    }
+
+  private:
+    /* Lower bounds, and upper ones negated: in a box lies what has none less than the box's. */
+    using bounds = std::array<double, 6>;
+    struct guest {
+        bounds   at;
+        uint32_t number;
     };
-    CGAL::box_intersection_d(guests.begin(), guests.end(), shells.begin(), shells.end(), keep);
-    std::sort(found.begin(), found.end());
-    return found;
-}
+    static constexpr size_t leaf_guests = 8;
+    std::vector<guest>      guests;
+    std::vector<bounds>     greatest; /* by part; part n is divided into 2 n and 2 n + 1 */
+
+    bool is_leaf(size_t part) const { return 2 * part >= greatest.size(); }
+
+    static bool none_less(const bounds &a, const bounds &b)
+    {
+        for (size_t k = 0; k < 6; k++)
+            if (a[k] < b[k]) return false;
+        return true;
+    }
+
+    void build(size_t part, size_t begin, size_t end)
+    {
+        bounds least = guests[begin].at, most = least;
+        size_t widest = 0, middle = begin + (end - begin) / 2;
+        for (size_t i = begin; i < end; i++)
+            for (size_t k = 0; k < 6; k++) {
+                least[k] = std::min(least[k], guests[i].at[k]);
+                most[k]  = std::max(most[k], guests[i].at[k]);
+            }
+        greatest[part] = most;
+        if (is_leaf(part)) return;
+        for (size_t k = 1; k < 6; k++)
+            if (most[k] - least[k] > most[widest] - least[widest]) widest = k;
+        std::nth_element(guests.begin() + (ptrdiff_t)begin, guests.begin() + (ptrdiff_t)middle, guests.begin() + (ptrdiff_t)end,
+                         [widest](const guest &a, const guest &b) { return a.at[widest] < b.at[widest]; });
+        build(2 * part, begin, middle);
+        build(2 * part + 1, middle, end);
+    }
+
+    template <class visitor> bool any_inside(const bounds &box, const visitor &visit, size_t part, size_t begin, size_t end) const
+    {
+        const size_t middle = begin + (end - begin) / 2;
+        if (!none_less(greatest[part], box)) return false;
+        if (!is_leaf(part))
+            return any_inside(box, visit, 2 * part, begin, middle) || any_inside(box, visit, 2 * part + 1, middle, end);
+        for (size_t i = begin; i < end; i++)
+            if (none_less(guests[i].at, box) && visit(guests[i].number)) return true;
+        return false;
+    }
+};
 
 bool holds_guest(shell &outer, const shell_set &s, uint32_t guest)
 {
     return guest < s.count ? holds_component(outer, s, guest) : outer.holds(point_at(&s.points[3 * (guest - s.count)]));
 }
 
-/* The candidates [begin, end) of one shell. Often the first is inside, and a small part of the shell shows it; then eight
- * more are tried, and so on, so that many guests do not cost many trees. */
-bool is_occupied(const shell_set &s, const candidate *begin, const candidate *end)
+bool holds_any(const shell_set &s, uint32_t component, const std::vector<uint32_t> &guests)
 {
-    const uint32_t component = begin->first;
-    for (ptrdiff_t batch = 1; begin != end; batch *= 8) {
-        const candidate *stop = begin + std::min(batch, end - begin);
-        CGAL::Bbox_3     area;
-        for (const candidate *c = begin; c != stop; c++) area += guest_box(s, c->second);
-        shell outer(s, component, area);
-        for (; begin != stop; begin++)
-            if (holds_guest(outer, s, begin->second)) return true;
-    }
-    return false;
+    CGAL::Bbox_3 area;
+    for (uint32_t guest : guests) area += guest_box(s, guest);
+    shell outer(s, component, area);
+    return std::any_of(guests.begin(), guests.end(), [&](uint32_t guest) { return holds_guest(outer, s, guest); });
 }
 
-bool is_occupied_or_unknown(const shell_set &s, const candidate *begin, const candidate *end)
+/* Often the first guest in its box is inside, and a small part of the shell shows it; then eight more are tried, and so on, so that many
+ * guests do not cost many trees. */
+bool is_occupied(const shell_set &s, const guest_tree &guests, uint32_t component)
+{
+    std::vector<uint32_t> batch;
+    size_t                room = 1;
+    return guests.any_inside(guest_box(s, component), [&](uint32_t guest) {
+        if (guest == component) return false;
+        batch.push_back(guest);
+        if (batch.size() < room) return false;
+        if (holds_any(s, component, batch)) return true;
+        batch.clear();
+        room *= 8;
+        return false;
+    }) || (!batch.empty() && holds_any(s, component, batch));
+}
+
+bool is_occupied_or_unknown(const shell_set &s, const guest_tree &guests, uint32_t component)
 {
     try {
-        return is_occupied(s, begin, end);
+        return is_occupied(s, guests, component);
     } catch (const std::bad_alloc &) {
         throw;
     } catch (...) {
@@ -195,14 +253,10 @@ bool is_occupied_or_unknown(const shell_set &s, const candidate *begin, const ca
 
 void find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied)
 {
-    const std::vector<candidate> found = find_candidates(s, wanted);
-    for (size_t i = 0; i < s.count; i++)
-        if (wanted[i]) occupied[i] = 0;
-    const candidate *const all_end = found.data() + found.size();
-    for (const candidate *begin = found.data(), *end; begin != all_end; begin = end) {
-        end                    = std::find_if(begin, all_end, [&](const candidate &c) { return c.first != begin->first; });
-        occupied[begin->first] = is_occupied_or_unknown(s, begin, end);
-    }
+    if (!s.count) return;
+    const guest_tree guests(s);
+    for (uint32_t i = 0; i < s.count; i++)
+        if (wanted[i]) occupied[i] = is_occupied_or_unknown(s, guests, i);
 }
 
 /* The pairs [begin, end) of one outer component. */

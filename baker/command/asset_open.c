@@ -2,9 +2,16 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/command/asset_open.h"
 
-#include <errno.h>
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
+
+#include "baker/bake/provenance.h"
+#include "baker/base/array.h"
+#include "baker/files/input_file.h"
+#include "formats/vxs_memory.h"
+
+/* of a file, where no limit is given */
+#define READ_MAX ((uint64_t)4 << 30)
 
 typedef struct first_finding {
     int         number, section;
@@ -18,20 +25,39 @@ static void keep_first(void *user, int number, const char *text, int section, ui
     if (!f->number) *f = (first_finding){number, section, offset, text};
 }
 
+vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m)
+{
+    vxs_read_desc rest = *desc;
+    uint8_t      *bytes;
+    size_t        size_bytes;
+    vxs_result    r = input_read(&bytes, &size_bytes, path, desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX, m);
+    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
+    rest.memory_limit_bytes = limit - size_bytes;
+    *asset                  = NULL;
+    if (r == VXS_OK) r = vxs_asset_open(asset, bytes, size_bytes, &rest);
+    free(bytes);
+    return r;
+}
+
 vxs_result asset_open(vxs_asset **asset, const char *path, message *m)
 {
+    return asset_open_within(asset, path, 0, 1, m);
+}
+
+vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m)
+{
     first_finding f    = {0};
-    vxs_read_desc desc = {.finding = keep_first, .finding_user = &f};
-    errno              = 0;
-    vxs_result r       = vxs_asset_open_file(asset, path, &desc);
+    vxs_read_desc desc = {.finding = keep_first, .finding_user = &f, .memory_limit_bytes = memory_bytes, .metadata = metadata};
+    vxs_result    r    = asset_read(asset, path, &desc, m);
+    path               = input_name(path);
     if (r == VXS_OK) return r;
-    if (r == VXS_E_READ) return fail(m, r, "cannot read '%s': %s", path, strerror(errno ? errno : EIO));
     if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
     char where[32] = "the header";
     if (f.section >= 0) snprintf(where, sizeof where, "section %d", f.section);
+    const char *remedy    = r == VXS_E_MEMORY ? "; --memory of info, validate and query sets it" : "";
     const char *judgement = r == VXS_E_MEMORY ? "cannot be opened" : "is not a valid .vxs file";
-    return fail(m, r, "'%s' %s: %s (finding %d at byte %llu, in %s)", path, judgement, f.text, f.number,
-                (unsigned long long)f.offset, where);
+    return fail(m, r, "'%s' %s: %s (finding %d at byte %llu, in %s)%s", path, judgement, f.text, f.number,
+                (unsigned long long)f.offset, where, remedy);
 }
 
 uint64_t asset_file_bytes(const vxs_asset *asset)
@@ -41,17 +67,49 @@ uint64_t asset_file_bytes(const vxs_asset *asset)
     return last->offset_bytes + last->stored_bytes;
 }
 
-vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, const vxs_baked_light **lights, uint32_t *count,
-                               message *m)
+/* Patterns of the metadata, which anyone may have written: what is no text is none. */
+static vxs_result add_patterns(text_list *list, const json_t *patterns, message *m)
+{
+    json_t *pattern;
+    size_t  n;
+    json_array_foreach(patterns, n, pattern)
+    {
+        if (!json_is_string(pattern)) continue;
+        if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items))
+            return fail(m, VXS_E_MEMORY, "out of memory for what casts");
+        list->items[list->count++] = json_string_value(pattern);
+    }
+    return VXS_OK;
+}
+
+vxs_result asset_scene_choice(const vxs_asset *asset, scene_choice *choice, json_t **made, message *m)
+{
+    vxs_result r = provenance_read(made, vxs_asset_contents(asset), m);
+    if (r != VXS_OK || choice->exclude.count || choice->include.count || choice->skinned_given) return r;
+    const json_t *options = json_object_get(*made, "options");
+    const char   *skinned = json_string_value(json_object_get(options, "skinned"));
+    int           index   = skinned ? choice_index(SKINNED_CHOICES, skinned) : -1;
+    if (index >= 0) choice->skinned = index;
+    r = add_patterns(&choice->exclude, json_object_get(options, "exclude"), m);
+    return r == VXS_OK ? add_patterns(&choice->include, json_object_get(options, "include"), m) : r;
+}
+
+static vxs_result fail_no_such_light(const vxs_asset *asset, const char *path, const char *name, message *m)
+{
+    char known[LIST_BYTES] = "";
+    for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) list_item(known, vxs_asset_light(asset, n)->light.name);
+    return fail(m, VXS_E_ARGUMENT, "--light %s: '%s' has no light of that name; it has %s", name, path, known);
+}
+
+vxs_result asset_choose_lights(const vxs_asset *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
+                               uint32_t *count, message *m)
 {
     *count = 0;
     if (!names->count)
         for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) lights[(*count)++] = vxs_asset_light(asset, n);
     for (size_t n = 0; n < names->count; n++) {
         const vxs_baked_light *light = vxs_asset_find_light(asset, names->items[n]);
-        if (!light)
-            return fail(m, VXS_E_ARGUMENT, "--light %s: the file has no light of that name (the first is %s)", names->items[n],
-                        vxs_asset_light(asset, 0)->light.name);
+        if (!light) return fail_no_such_light(asset, path, names->items[n], m);
         for (uint32_t before = 0; before < *count; before++)
             if (lights[before] == light) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
         lights[(*count)++] = light;

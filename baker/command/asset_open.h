@@ -3,9 +3,17 @@
 #ifndef ASSET_OPEN_H
 #define ASSET_OPEN_H
 
+#include <jansson.h>
+
 #include "baker/base/message.h"
 #include "baker/base/text.h"
+#include "baker/scene/scene.h"
 #include "runtime/vxs.h"
+
+/* As vxs_asset_open_file, of any input (input_file.h). One line in m only when the bytes could not be had. */
+vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m);
+/* With a limit on what is held of the file, 0: the reader's own; metadata: whether it is read, too. */
+vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m);
 
 /* asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
 vxs_result asset_open(vxs_asset **asset, const char *path, message *m);
@@ -13,10 +21,16 @@ vxs_result asset_open(vxs_asset **asset, const char *path, message *m);
 /* The size of an open file: its last section ends where it does. */
 uint64_t asset_file_bytes(const vxs_asset *asset);
 
+/* Where the command line does not say what of a scene casts, what was said when the asset was baked.
+ * made  [out] holds the texts that choice has from now on; released with json_decref
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result asset_scene_choice(const vxs_asset *asset, scene_choice *choice, json_t **made, message *m);
+
 /* Choose lights of a file by name: all of them, in file order, when there is no name; else the named ones, in the order given.
+ * path    for messages
  * lights  [out] [VXS_LIGHTS_MAX] valid until the asset is closed
  * Returns VXS_OK or VXS_E_ARGUMENT: no such light, or one given twice. */
-vxs_result asset_choose_lights(const vxs_asset *asset, const text_list *names, const vxs_baked_light **lights, uint32_t *count,
-                               message *m);
+vxs_result asset_choose_lights(const vxs_asset *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
+                               uint32_t *count, message *m);
 
 #endif

@@ -4,38 +4,48 @@
 #include <unistd.h>
 
 #include "baker/command/commands.h"
-#include "baker/files/output_file.h"
 #include "baker/options/bake_arguments.h"
 #include "baker/report/bake_page.h"
 #include "baker/report/report.h"
+#include "baker/report/summary.h"
+#include "baker/report/unchanged.h"
 
-static vxs_result run(bake_arguments *a, bake_report *report, message *m)
+static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
 {
-    bake_options *o = &a->o;
-    int to_stdout   = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(a->page_path);
+    const bake_options *o = &a->o;
+    int   to_stdout = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(a->page_path);
+    FILE *to        = report_stream(m, to_stdout); /* what goes to standard output stays alone there */
     vxs_result r;
 
-    if (a->json_path && (r = output_file_check(a->json_path, o->scene_path, m)) != VXS_OK) return r;
-    if (a->page_path && (r = output_file_check(a->page_path, o->scene_path, m)) != VXS_OK) return r;
-    o->progress = isatty(STDERR_FILENO);
-    if ((r = bake(o, report, m)) != VXS_OK) return r;
-    report_print(to_stdout ? stderr : stdout, o, report); /* what goes to standard output stays alone there */
+    if (report->unchanged) {
+        if (to) unchanged_print(to, o, report);
+        return a->json_path ? unchanged_write_json(a->json_path, o, report, m) : VXS_OK;
+    }
+    if (to) (m->verbose ? report_print : bake_summary_print)(to, o, report);
     if (a->json_path && (r = report_write_json(a->json_path, o, report, m)) != VXS_OK) return r;
     if (!a->page_path) return VXS_OK;
-    /* names that were not there before, and are one file now: through a linked folder */
-    if ((r = output_file_check(a->page_path, is_standard_output(o->output_path) ? NULL : o->output_path, m)) != VXS_OK) return r;
-    return bake_page_write(a->page_path, o, report, m);
+    return bake_page_write(a->page_path, page, o, report, m);
+}
+
+static vxs_result run(void *command, message *m)
+{
+    bake_arguments *a      = command;
+    bake_report     report = {0};
+    bake_page       page   = {0};
+    bake_observer   drawn  = {bake_page_look, &page};
+    vxs_result      r      = bake_arguments_check(a, m);
+    a->o.progress          = progress_wanted(m);
+    if (a->page_path && access(a->page_path, F_OK)) a->o.if_changed = 0; /* a page that is not there is made of a bake */
+    if (r == VXS_OK) r = bake(&a->o, a->page_path ? &drawn : NULL, &report, m);
+    if (r == VXS_OK) r = write_reports(a, &page, &report, m);
+    bake_page_free(&page);
+    bake_report_free(&report);
+    return r;
 }
 
 int cmd_bake(int argc, char **argv)
 {
     bake_arguments a;
-    bake_report    report = {0};
-    message        m      = {0};
-    vxs_result     r      = bake_arguments_parse(&a, "bake", "SCENE -o OUT.vxs [options]",
-                                                 "Bake the shadows of a glTF scene into a .vxs file.", 1, argc, argv, &m);
-    if (r == VXS_OK && !a.help_shown) r = run(&a, &report, &m);
-    bake_report_free(&report);
-    bake_arguments_free(&a);
-    return command_end(&m, r);
+    bake_arguments_init(&a, "bake", "SCENE -o OUT.vxs [options]", "Bake the shadows of a scene into a .vxs file.", 1);
+    return command_run(&a.line, argc, argv, run, &a);
 }

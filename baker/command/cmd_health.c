@@ -3,27 +3,29 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "baker/command/commands.h"
+#include "baker/command/part_text.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/measure/progress.h"
 #include "baker/mend/mesh_health.h"
 #include "baker/options/options.h"
+#include "baker/options/scene_rows.h"
 
 enum { ROWS = 30, NAMES = 6 };
 
 typedef struct health_command {
-    const char *path, *scene_name, *json_path;
-    int         closed, all;
+    const char  *path, *json_path;
+    scene_choice choice;
+    int          closed, all;
 } health_command;
 
 /* --- as text ---------------------------------------------------------------------------------------------------------- */
 
 static void show_progress(const char *what)
 {
-    progress_say(isatty(STDERR_FILENO), "examining %s", what);
+    progress_say(1, "examining %s", what);
 }
 
 /* What a component is, in a word or two. */
@@ -40,7 +42,8 @@ static void print_head(FILE *to)
     fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "", "", "", "", "boundary", "", "edges of",
             "turned", "pinched", "self-", "zero", "", "volume", "centre");
     fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "number", "kind", "shape", "triangles", "edges",
-            "holes", ">2 faces", "edges", "vertices", "crossed", "area", "repeated", "m3", "m; solids that it meets");
+            "holes", ">2 faces", "edges", "vertices", "crossed", "area", "repeated", "m3",
+            "m; solids that it meets; where it is from");
 }
 
 static void print_counts(FILE *to, const component_health *k)
@@ -51,22 +54,23 @@ static void print_counts(FILE *to, const component_health *k)
     fprintf(to, " %11.4g", k->volume_m3);
 }
 
-static void print_row(FILE *to, const mesh_health *h, const component_health *k)
+static void print_row(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
 {
+    char from[PART_TEXT_BYTES];
     fprintf(to, "%7zu  %-12s %-19s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
     print_counts(to, k);
     fprintf(to, "  (%.4g, %.4g, %.4g)", (k->box_ws.min[0] + k->box_ws.max[0]) / 2, (k->box_ws.min[1] + k->box_ws.max[1]) / 2,
             (k->box_ws.min[2] + k->box_ws.max[2]) / 2);
     for (uint64_t i = 0; i < k->meets && i < NAMES; i++) fprintf(to, "%s%u", i ? ", " : "; ", h->met[k->meets_first + i]);
     if (k->meets > NAMES) fprintf(to, " and %llu more", (unsigned long long)(k->meets - NAMES));
-    fputs("\n", to);
+    fprintf(to, "; %s\n", part_text(from, s, &c->parts_of[k - h->components]));
 }
 
-/* Pointers to components are ordered: those with faults first, the largest first, by number. */
+/* Pointers to components are ordered: what cannot be solid first, then other faults; the largest first, by number. */
 static int worst_first(const void *a, const void *b)
 {
     const component_health *p = *(const component_health *const *)a, *q = *(const component_health *const *)b;
-    int                     more_faulty = component_has_faults(q) - component_has_faults(p);
+    int                     more_faulty = component_faults(q) - component_faults(p);
     if (more_faulty) return more_faulty;
     if (p->triangles != q->triangles) return p->triangles < q->triangles ? 1 : -1;
     return p < q ? -1 : 1;
@@ -83,23 +87,26 @@ static void print_summary(FILE *to, const casters *c, const mesh_health *h)
                     c->component_count[kind], c->triangles_of_kind[kind]);
 }
 
-static vxs_result print_health(FILE *to, const health_command *c, const casters *casting, const mesh_health *h, message *m)
+static vxs_result print_health(FILE *to, const health_command *c, const scene *s, const casters *casting, const mesh_health *h,
+                               message *m)
 {
     const component_health **order  = malloc((h->count + 1) * sizeof *order);
-    size_t                   faulty = 0;
+    size_t                   faulty = 0, sound_meet = 0;
     if (!order) return fail(m, VXS_E_MEMORY, "out of memory for a table of %zu components", h->count);
     for (size_t i = 0; i < h->count; i++) {
         order[i] = &h->components[i];
-        faulty += component_has_faults(order[i]) != 0;
+        faulty += component_faults(order[i]) != 0;
+        sound_meet += order[i]->meets && !component_faults(order[i]);
     }
     qsort(order, h->count, sizeof *order, worst_first);
 
     print_summary(to, casting, h);
     print_head(to);
     size_t rows = c->all || faulty + 1 <= ROWS ? (c->all ? h->count : faulty) : ROWS;
-    for (size_t i = 0; i < rows; i++) print_row(to, h, order[i]);
+    for (size_t i = 0; i < rows; i++) print_row(to, s, casting, h, order[i]);
     if (faulty > rows) fprintf(to, "%7s  %zu more with faults: --all lists them\n", "", faulty - rows);
-    if (!c->all && faulty < h->count) fprintf(to, "%7s  %zu without a fault\n", "", h->count - faulty);
+    if (!c->all && faulty < h->count)
+        fprintf(to, "%7s  %zu without a fault, %zu of which meet others: --all lists them\n", "", h->count - faulty, sound_meet);
     fprintf(to, "%7s  %-12s %-19s", "total", "", "");
     print_counts(to, &h->total);
     fprintf(to, "  %llu pairs of solids meet\n", (unsigned long long)(h->total.meets / 2));
@@ -123,7 +130,7 @@ static json_t *counts_json(const component_health *k)
     return json;
 }
 
-static json_t *health_json(const mesh_health *h)
+static json_t *health_json(const scene *s, const casters *c, const mesh_health *h)
 {
     json_t *components = json_array();
     for (size_t i = 0; i < h->count; i++) {
@@ -133,6 +140,8 @@ static json_t *health_json(const mesh_health *h)
         json_object_set_new(entry, "number", json_integer((json_int_t)i));
         json_object_set_new(entry, "kind", json_string(component_kind_name(k->kind)));
         json_object_set_new(entry, "meets", meets);
+        json_object_set_new(entry, "faults", json_integer(component_faults(k)));
+        json_object_set_new(entry, "from", part_json(s, &c->parts_of[i]));
         json_array_append_new(components, entry);
     }
     json_t *total = counts_json(&h->total);
@@ -151,17 +160,18 @@ static vxs_result run(void *command, message *m)
     mesh_health     h       = {0};
     vxs_result      r;
 
-    if (c->json_path && (r = output_file_check(c->json_path, c->path, m)) != VXS_OK) goto done;
-    if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
     if ((r = casters_from_scene(&casting, &s, (closed_mode)c->closed, m)) != VXS_OK) goto done;
-    r = mesh_health_examine(&h, &casting, show_progress, m);
+    r = mesh_health_examine(&h, &casting, progress_wanted(m) ? show_progress : NULL, m);
     progress_clear();
     if (r != VXS_OK) goto done;
-    if ((r = print_health(is_standard_output(c->json_path) ? stderr : stdout, c, &casting, &h, m)) != VXS_OK) goto done;
+    FILE *to = report_stream(m, is_standard_output(c->json_path));
+    if (to && (r = print_health(to, c, &s, &casting, &h, m)) != VXS_OK) goto done;
     if (c->json_path)
-        r = json_write(
-            c->json_path,
-            json_pack("{s:o, s:o, s:o}", "scene", json_text(c->path), "name", json_text(s.name), "health", health_json(&h)), m);
+        r = json_write(c->json_path,
+                       json_pack("{s:o, s:o, s:o}", "scene", json_text(c->path), "name", json_text(s.name), "health",
+                                 health_json(&s, &casting, &h)),
+                       m);
 done:
     mesh_health_free(&h);
     casters_free(&casting);
@@ -173,13 +183,15 @@ int cmd_health(int argc, char **argv)
 {
     health_command c         = {.closed = CLOSED_AUTO};
     const option   options[] = {
-          {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene", NULL},
-          {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL, "which components are solids, as bake has it", NULL},
-          {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component, not only the worst", NULL},
-          {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "everything as JSON; - is standard output", NULL},
+          {"SCENE", OPTION_INPUT, &c.path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+          SCENE_ROWS(c.choice),
+          {"--closed", OPTION_CHOICE, &c.closed, 0, 0, CLOSED_CHOICES, NULL,
+           "which components are solids, as bake has it (default auto)", NULL},
+          {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component, not the 30 worst only", NULL},
+          {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "everything as JSON; - is standard output", NULL},
     };
     const command_line line =
         COMMAND_LINE("health", "SCENE [options]",
-                     "What keeps components of a scene from being solids, and what else is wrong with them.", options, 1);
-    return command_run(&line, argc, argv, &c.path, run, &c);
+                     "Say what is wrong with the meshes of a scene. What keeps components from being solids comes first.", options);
+    return command_run(&line, argc, argv, run, &c);
 }

@@ -2,13 +2,14 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <jansson.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/light_text.h"
+#include "baker/command/provenance_text.h"
+#include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/options/options.h"
 
@@ -38,21 +39,20 @@ static uint32_t section_count(const vxs_contents *c, const vxs_section *s, uint6
     return 0;
 }
 
-static vxs_result print_info(const char *path, const vxs_contents *c, uint64_t file_bytes, message *m)
+static void print_info(FILE *to, const char *path, const vxs_contents *c, const json_t *made, uint64_t file_bytes)
 {
-    char  a[32], b[32];
-    char *metadata = c->metadata ? strdup(c->metadata) : NULL;
-    if (c->metadata && !metadata) return fail(m, VXS_E_MEMORY, "out of memory for the metadata of '%s'", path);
-    printf("%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
-    if (metadata) printf("metadata     %s\n", one_line(metadata));
-    free(metadata);
+    char a[32], b[32];
+    fprintf(to, "%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
+    if (made) provenance_print(to, made);
+    if (!made && c->metadata)
+        fprintf(to, "made by      unknown: vxs did not write the metadata, %s\n", size_text(a, c->metadata_bytes));
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_light *l = &c->lights[n].light;
         char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
-        printf("light %s: %s, %s in memory\n", one_line(strcpy(name, l->name)), light_text(text, l),
-               size_text(a, (uint64_t)c->lights[n].dag.word_count * 4));
+        fprintf(to, "light %s: %s, %s in memory\n", one_line(strcpy(name, l->name)), light_text(text, l),
+                size_text(a, (uint64_t)c->lights[n].dag.word_count * 4));
     }
-    printf("%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
+    fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) {
         const vxs_section *s = &c->sections[n];
         char               name[32], memory_text[32], light[VXS_LIGHT_NAME_BYTES];
@@ -62,14 +62,13 @@ static vxs_result print_info(const char *path, const vxs_contents *c, uint64_t f
             snprintf(name, sizeof name, "%u^3", 8u << s->level);
         else
             snprintf(name, sizeof name, "%s", section_name(s->kind));
-        printf("%-10s %-16s %10u %12s %12s %12s\n", name,
-               one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), count,
-               size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
+        fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", name,
+                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), count,
+                size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
     }
-    return VXS_OK;
 }
 
-static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_bytes)
+static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, uint64_t file_bytes)
 {
     json_t *lights = json_array(), *sections = json_array();
     for (uint32_t n = 0; n < c->light_count; n++) {
@@ -91,30 +90,45 @@ static json_t *info_json(const char *path, const vxs_contents *c, uint64_t file_
         if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer((json_int_t)8 << s->level));
         json_array_append_new(sections, entry);
     }
-    json_t *root     = json_pack("{s:o, s:i, s:I, s:o, s:o}", "file", json_text(path), "version", (int)c->version, "file_bytes",
-                                 (json_int_t)file_bytes, "lights", lights, "sections", sections);
-    json_t *metadata = c->metadata ? json_loads(c->metadata, 0, NULL) : NULL;
-    if (root && metadata) json_object_set_new(root, "metadata", metadata);
+    json_t *root = json_pack("{s:o, s:i, s:I, s:o, s:o}", "file", json_text(path), "version", (int)c->version, "file_bytes",
+                             (json_int_t)file_bytes, "lights", lights, "sections", sections);
+    if (made) json_object_set(root, "metadata", made);
     return root;
+}
+
+typedef struct info_command {
+    const char *path, *json_path;
+    uint64_t    memory_bytes;
+} info_command;
+
+static vxs_result run(void *command, message *m)
+{
+    const info_command *c     = command;
+    vxs_asset          *asset = NULL;
+    vxs_result          r     = asset_open_within(&asset, c->path, c->memory_bytes, 1, m);
+    if (r != VXS_OK) return r;
+    const vxs_contents *contents   = vxs_asset_contents(asset);
+    uint64_t            file_bytes = asset_file_bytes(asset);
+    FILE               *to         = is_standard_output(c->json_path) ? NULL : report_stream(m, 0);
+    json_t             *made;
+    if ((r = provenance_read(&made, contents, m)) == VXS_OK && to) print_info(to, input_name(c->path), contents, made, file_bytes);
+    if (c->json_path && r == VXS_OK) r = json_write(c->json_path, info_json(c->path, contents, made, file_bytes), m);
+    json_decref(made);
+    vxs_asset_close(asset);
+    return r;
 }
 
 int cmd_info(int argc, char **argv)
 {
-    const char  *json_path = NULL, *path = NULL;
+    info_command c         = {0};
     const option options[] = {
-        {"--json", OPTION_TEXT, &json_path, 0, 0, NULL, "FILE", "the same as JSON; - is standard output", NULL}};
-    const command_line line  = {"info", "FILE.vxs [--json FILE]", "Lights, resolution, nodes and bytes of a .vxs file.", options, 1,
-                                1};
-    message            m     = {0};
-    vxs_asset         *asset = NULL;
-    int                help_shown;
-    vxs_result         r = options_parse(&line, argc, argv, &path, &help_shown, &m);
-    if (r == VXS_OK && !help_shown && (r = asset_open(&asset, path, &m)) == VXS_OK) {
-        const vxs_contents *c          = vxs_asset_contents(asset);
-        uint64_t            file_bytes = asset_file_bytes(asset);
-        if (!is_standard_output(json_path)) r = print_info(path, c, file_bytes, &m);
-        if (json_path && r == VXS_OK) r = json_write(json_path, info_json(path, c, file_bytes), &m);
-    }
-    vxs_asset_close(asset);
-    return command_end(&m, r);
+        {"FILE.vxs", OPTION_INPUT, &c.path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
+        {"--memory", OPTION_BYTES, &c.memory_bytes, 0, 0, NULL, "BYTES",
+         "hold no more of the file in memory than this (default 256 times the file, 64M at least)", NULL},
+        {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "the same as JSON; - is standard output", NULL},
+    };
+    const command_line line =
+        COMMAND_LINE("info", "FILE.vxs [options]",
+                     "Say what a .vxs file holds. How it was made; its lights, resolution, nodes and bytes.", options);
+    return command_run(&line, argc, argv, run, &c);
 }

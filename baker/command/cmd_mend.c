@@ -1,19 +1,23 @@
 /* vxs mend: a scene with fewer holes, so that more of it is solid.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "baker/casters/casters.h"
 #include "baker/command/commands.h"
+#include "baker/command/part_text.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/gltf/scene_to_glb.h"
 #include "baker/mend/mesh_repair.h"
 #include "baker/options/options.h"
+#include "baker/options/scene_rows.h"
 
 enum { ROWS = 30 };
 
 typedef struct mend_command {
-    const char    *path, *output_path, *scene_name, *json_path;
+    const char    *path, *output_path, *json_path;
+    scene_choice   choice;
     int            all;
     repair_options how;
     repair_report  report;
@@ -45,18 +49,29 @@ static void print_counts(FILE *to, const repaired_component *k)
     fprintf(to, "%s\n", *separator ? "" : "nothing to do");
 }
 
-static void print_report(FILE *to, const mend_command *c)
+/* What is still open first, the largest first, in the scene's order. */
+static int worst_first(const void *a, const void *b)
+{
+    const repaired_component *p = a, *q = b;
+    if (p->closed_after != q->closed_after) return p->closed_after ? 1 : -1;
+    if (p->triangles != q->triangles) return p->triangles < q->triangles ? 1 : -1;
+    return p->triangle < q->triangle ? -1 : 1;
+}
+
+/* The totals, and components where somebody asks for them. */
+static void print_report(FILE *to, const mend_command *c, const scene *s, int verbose)
 {
     const repair_report *r    = &c->report;
-    size_t               rows = c->all || r->count <= ROWS ? r->count : ROWS;
+    size_t               rows = c->all || (verbose && r->count <= ROWS) ? r->count : verbose ? ROWS : 0;
     fprintf(to, "scene        %s\n", c->path);
     for (size_t i = 0; i < rows; i++) {
         const repaired_component *k = &r->components[i];
-        fprintf(to, "component of %u triangles from triangle %u, %s: ", k->triangles, k->triangle,
-                k->closed_after ? "now closed" : "still open");
+        char                      from[PART_TEXT_BYTES];
+        fprintf(to, "component of %u triangles from triangle %u, %s, %s: ", k->triangles, k->triangle,
+                part_text(from, s, &k->parts), k->closed_after ? "now closed" : "still open");
         print_counts(to, k);
     }
-    if (r->count > rows) fprintf(to, "%zu more: --all lists them\n", r->count - rows);
+    if (r->count > rows && verbose) fprintf(to, "%zu more: --all lists them\n", r->count - rows);
     fprintf(to, "in all       ");
     print_counts(to, &r->total);
     fprintf(to, "closed       %zu of %zu components were closed and oriented, %zu are now\n", r->closed_before, r->component_count,
@@ -81,7 +96,7 @@ static json_t *solids_json(const mend_command *c, int when)
     return json_pack("{s:I, s:I}", "components", (json_int_t)c->solids[when], "triangles", (json_int_t)c->triangles[when]);
 }
 
-static json_t *report_json(const mend_command *c)
+static json_t *report_json(const mend_command *c, const scene *s)
 {
     const repair_report *r          = &c->report;
     json_t              *components = json_array();
@@ -89,6 +104,7 @@ static json_t *report_json(const mend_command *c)
         json_t *entry = counts_json(&r->components[i]);
         json_object_set_new(entry, "first_triangle", json_integer((json_int_t)r->components[i].triangle));
         json_object_set_new(entry, "closed_after", json_boolean(r->components[i].closed_after));
+        json_object_set_new(entry, "from", part_json(s, &r->components[i].parts));
         json_array_append_new(components, entry);
     }
     return json_pack("{s:o, s:o, s:{s:f, s:I}, s:o, s:o, s:I, s:I, s:I, s:o, s:o}", "scene", json_text(c->path), "output",
@@ -129,31 +145,23 @@ done:
     return r;
 }
 
-static vxs_result check_outputs(const mend_command *c, message *m)
-{
-    vxs_result r;
-    if (!c->output_path) return fail(m, VXS_E_ARGUMENT, "mend needs -o OUT.glb");
-    if ((r = outputs_check_apart("-o", c->output_path, "--json", c->json_path, m)) != VXS_OK) return r;
-    if ((r = output_file_check(c->output_path, c->path, m)) != VXS_OK) return r;
-    return c->json_path ? output_file_check(c->json_path, c->path, m) : VXS_OK;
-}
-
 static vxs_result run(void *command, message *m)
 {
     mend_command *c = command;
     scene         s = {0};
     vxs_result    r;
 
-    if ((r = check_outputs(c, m)) != VXS_OK) goto done;
-    if ((r = scene_load_gltf(&s, c->path, c->scene_name, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
     if ((r = glb_round_positions(&s, m)) != VXS_OK) goto done; /* first, so that what is closed here is closed in the file */
     if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
     if ((r = write_scene(c->output_path, &s, m)) != VXS_OK) goto done;
+    if (c->report.count) qsort(c->report.components, c->report.count, sizeof *c->report.components, worst_first);
     /* what goes to standard output stays alone there */
-    print_report(is_standard_output(c->output_path) || is_standard_output(c->json_path) ? stderr : stdout, c);
-    if (c->json_path) r = json_write(c->json_path, report_json(c), m);
+    FILE *to = report_stream(m, is_standard_output(c->output_path) || is_standard_output(c->json_path));
+    if (to) print_report(to, c, &s, m->verbose);
+    if (c->json_path) r = json_write(c->json_path, report_json(c, &s), m);
 done:
     repair_report_free(&c->report);
     scene_free(&s);
@@ -164,17 +172,21 @@ int cmd_mend(int argc, char **argv)
 {
     mend_command c         = {.how = REPAIR_DEFAULTS};
     const option options[] = {
-        {"-o", OPTION_TEXT, &c.output_path, 0, 0, NULL, "OUT.glb", "where the mended scene goes; - is standard output", NULL},
-        {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
+        {"SCENE", OPTION_INPUT, &c.path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+        {"-o", OPTION_OUTPUT, &c.output_path, 1, 0, ".glb", "OUT.glb", "where the mended scene goes; - is standard output", NULL},
+        SCENE_ROWS(c.choice),
         {"--hole-diameter", OPTION_F64, &c.how.hole_diameter_m, 0, 1e9, NULL, "METRES", "the largest hole to fill (default 0.1)",
          NULL},
         {"--hole-edges", OPTION_U32, &c.how.hole_edges_max, 0, REPAIR_HOLE_EDGES_MAX, NULL, "N",
          "the most edges of a hole to fill (default 64)", NULL},
-        {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL, "list every component that was mended or still has holes", NULL},
-        {"--json", OPTION_TEXT, &c.json_path, 0, 0, NULL, "FILE", "what was done as JSON; - is standard output", NULL},
+        {"--all", OPTION_SWITCH, &c.all, 0, 0, NULL, NULL,
+         "list every component that was mended or still has holes, not the first 30 only", NULL},
+        {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "what was done as JSON; - is standard output", NULL},
     };
-    const command_line line =
-        COMMAND_LINE("mend", "SCENE -o OUT.glb [options]",
-                     "Close what can be closed, so that more of a scene is solid, and write what a bake needs of it.", options, 1);
-    return command_run(&line, argc, argv, &c.path, run, &c);
+    const command_line line = COMMAND_LINE("mend", "SCENE -o OUT.glb [options]",
+                                           "Write a scene with closed meshes, for smaller files. What can be closed is closed, so "
+                                           "that more of the scene is solid, and "
+                                           "what a bake needs of it is written.",
+                                           options);
+    return command_run(&line, argc, argv, run, &c);
 }

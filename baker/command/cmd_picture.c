@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 
+#include "baker/bake/provenance.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
@@ -10,13 +11,14 @@
 #include "baker/options/camera_choice.h"
 #include "baker/options/filter_choice.h"
 #include "baker/options/options.h"
+#include "baker/options/scene_rows.h"
 #include "baker/picture/picture.h"
 
 enum { SIDE_MIN_PX = 16, SIDE_MAX_PX = 8192 };
 
 typedef struct picture_command {
-    const char     *files[2]; /* scene, asset */
-    const char     *scene_name, *out;
+    const char     *scene_path, *asset_path, *out;
+    scene_choice    choice;
     text_list       light_names;
     picture_options options;
     camera_choice   camera;
@@ -24,9 +26,21 @@ typedef struct picture_command {
 
 static vxs_result check_options(const picture_command *c, message *m)
 {
-    if (!c->out) return fail(m, VXS_E_ARGUMENT, "picture needs -o OUT.png");
     vxs_result r = filter_check(c->options.filter_px, m);
     return r == VXS_OK ? camera_check(&c->camera, m) : r;
+}
+
+/* A picture of another scene shows shadows of what is not there: no fault of the file, and rarely what is wanted. */
+static vxs_result check_scene(const picture_command *c, const vxs_asset *asset, const scene *s, message *m)
+{
+    char       differ[PROVENANCE_TEXT_BYTES];
+    json_t    *differences;
+    vxs_result r = provenance_differences(&differences, vxs_asset_contents(asset), s, m);
+    if (json_array_size(differences))
+        warn(m, "'%s' was baked from another scene than %s (differs: %s): its shadows may not fit; bake it anew", c->asset_path,
+             c->scene_path, provenance_differences_text(differ, differences));
+    json_decref(differences);
+    return r == VXS_OK ? message_check(m) : r;
 }
 
 static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_baked_light *const *lights,
@@ -50,6 +64,7 @@ static vxs_result run(void *command, message *m)
 {
     picture_command       *c     = command;
     vxs_asset             *asset = NULL;
+    json_t                *made  = NULL;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               light_count;
     scene                  s       = {0};
@@ -59,9 +74,11 @@ static vxs_result run(void *command, message *m)
     vxs_result             r;
 
     if ((r = check_options(c, m)) != VXS_OK) goto done;
-    if ((r = asset_open(&asset, c->files[1], m)) != VXS_OK) goto done;
-    if ((r = asset_choose_lights(asset, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
-    if ((r = scene_load_gltf(&s, c->files[0], c->scene_name, m)) != VXS_OK) goto done;
+    if ((r = asset_open(&asset, c->asset_path, m)) != VXS_OK) goto done;
+    if ((r = asset_choose_lights(asset, c->asset_path, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
+    if ((r = asset_scene_choice(asset, &c->choice, &made, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
+    if ((r = check_scene(c, asset, &s, m)) != VXS_OK) goto done;
     /* rays meet solids and sheets alike: nothing needs to be sorted */
     if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;
@@ -74,6 +91,7 @@ done:
     casters_free(&casting);
     scene_free(&s);
     vxs_asset_close(asset);
+    json_decref(made);
     return r;
 }
 
@@ -84,22 +102,25 @@ int cmd_picture(int argc, char **argv)
     camera_pose     *camera = &c.camera.camera;
     camera->fov_degrees     = 35;
     const option options[]  = {
-         {"-o", OPTION_TEXT, &c.out, 0, 0, NULL, "OUT.png", "where the picture goes; - is standard output", NULL},
+         {"SCENE", OPTION_INPUT, &c.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+         {"FILE.vxs", OPTION_INPUT, &c.asset_path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
+         {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
          {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", NULL},
          {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", NULL},
-         {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres (default: the scene fills the view)",
+         {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres (default all of the scene in view)",
           &c.camera.eye_given},
          {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
           &c.camera.target_given},
          {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
-         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME", "a light that shines; repeat for more (default: all)", NULL},
+         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
+          "a light that shines; repeat for more (default all of the file)", NULL},
          {"--filter", OPTION_U32, &o->filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 5)",
           NULL},
-         {"--scene", OPTION_TEXT, &c.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)", NULL},
-         {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all processors)", NULL},
+         SCENE_ROWS(c.choice),
+         {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
     };
     const command_line line =
         COMMAND_LINE("picture", "SCENE FILE.vxs -o OUT.png [options]",
-                     "A picture of a scene, its shadows looked up in a .vxs file and all else ray traced.", options, 2);
-    return command_run(&line, argc, argv, c.files, run, &c);
+                     "Draw a picture (PNG) of a scene with the shadows of a .vxs file. All else is ray traced.", options);
+    return command_run(&line, argc, argv, run, &c);
 }

@@ -11,6 +11,7 @@ typedef struct query {
     uint32_t               light_count, filter_px;
     text_list              light_names;
     const char            *path;
+    uint64_t               memory_bytes;
 } query;
 
 static void look_up(const void *user, const query_point *point, float *lit)
@@ -27,8 +28,9 @@ static vxs_result run(void *command, message *m)
     vxs_result r;
 
     if ((r = filter_check(q->filter_px, m)) != VXS_OK) goto done;
-    if ((r = asset_open(&asset, q->path, m)) != VXS_OK) goto done;
-    if ((r = asset_choose_lights(asset, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK) goto done;
+    if ((r = points_check_input("FILE.vxs", q->path, m)) != VXS_OK) goto done;
+    if ((r = asset_open_within(&asset, q->path, q->memory_bytes, 0, m)) != VXS_OK) goto done;
+    if ((r = asset_choose_lights(asset, q->path, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK) goto done;
     r = points_answer(look_up, q, q->light_count, 1, m);
 done:
     vxs_asset_close(asset);
@@ -39,16 +41,18 @@ int cmd_query(int argc, char **argv)
 {
     query        q         = {.filter_px = 1};
     const option options[] = {
+        {"FILE.vxs", OPTION_INPUT, &q.path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
         {"--light", OPTION_TEXTS, &q.light_names, 0, 0, NULL, "NAME",
-         "answer for this light; repeat for more (default: all, in file order)", NULL},
-        {"--filter", OPTION_U32, &q.filter_px, 1, VXS_FILTER_MAX, NULL, "K",
-         "K x K box filter, K odd, 1 to 17 texels (default 1, a single tap)", NULL},
+         "answer for this light; repeat for more (default all, in file order)", NULL},
+        {"--filter", OPTION_U32, &q.filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 1)",
+         NULL},
+        {"--memory", OPTION_BYTES, &q.memory_bytes, 0, 0, NULL, "BYTES",
+         "hold no more of the file in memory than this (default 256 times the file, 64M at least)", NULL},
     };
-    const command_line line =
-        COMMAND_LINE("query", "FILE.vxs [options] < points",
-                     "For each line 'x y z' or 'x y z nx ny nz' of standard input (world space, metres), print "
-                     "the lit fraction, 0 to 1,\n"
-                     "one column a light; 'out' outside a light's volume.",
-                     options, 1);
-    return command_run(&line, argc, argv, &q.path, run, &q);
+    const command_line line = COMMAND_LINE(
+        "query", "FILE.vxs [options] < points",
+        "Answer 'how lit is this point?' from a .vxs file. For each line 'x y z' or 'x y z nx ny nz' of standard "
+        "input (world space, metres), print the lit fraction, 0 to 1, one column a light; 'out' outside a light's volume.",
+        options);
+    return command_run(&line, argc, argv, run, &q);
 }

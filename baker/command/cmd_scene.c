@@ -8,13 +8,13 @@
 #include "baker/generate/generate.h"
 #include "baker/gltf/glb_write.h"
 #include "baker/options/options.h"
+#include "baker/scene/light_warnings.h"
 
-typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_STRESS, KINDS } scene_kind;
-
-static const char *const kind_names[KINDS] = {"city", "landscape", "room", "forest", "stress"};
+#define SCENE_KINDS "city|landscape|room|forest|stress"
+typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_STRESS } scene_kind;
 
 typedef struct scene_options {
-    const char  *kind;
+    scene_kind   kind;
     city_options city;
     uint32_t     triangles, seed;
     double       sun[3], size_metres, height_metres;
@@ -22,15 +22,8 @@ typedef struct scene_options {
     int          triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given;
 } scene_options;
 
-static vxs_result find_kind(scene_kind *kind, const char *name, message *m)
-{
-    for (int i = 0; i < KINDS; i++)
-        if (!strcmp(name, kind_names[i])) return *kind = (scene_kind)i, VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "unknown kind '%s': expected city, landscape, room, forest or stress", name);
-}
-
 /* Which option goes with which kind. */
-static vxs_result check_kind(const scene_options *o, scene_kind kind, message *m)
+static vxs_result check_kind(const scene_options *o, message *m)
 {
     const struct {
         const char *name, *kinds_in_words;
@@ -47,30 +40,31 @@ static vxs_result check_kind(const scene_options *o, scene_kind kind, message *m
         {"--case", "stress only", o->case_given, 1 << KIND_STRESS},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
-        if (rules[i].given && !(rules[i].kinds >> kind & 1))
+        if (rules[i].given && !(rules[i].kinds >> o->kind & 1))
             return fail(m, VXS_E_ARGUMENT, "%s applies to %s", rules[i].name, rules[i].kinds_in_words);
     return VXS_OK;
 }
 
 /* What the table of options does not check. */
-static vxs_result check(const scene_options *o, scene_kind kind, message *m)
+static vxs_result check(const scene_options *o, message *m)
 {
-    vxs_result r = check_kind(o, kind, m);
+    vxs_result r = check_kind(o, m);
     if (r != VXS_OK) return r;
     if (o->sun[0] == 0 && o->sun[1] == 0 && o->sun[2] == 0)
         return fail(m, VXS_E_ARGUMENT, "--sun 0,0,0: expected a direction, at least one number other than 0");
-    if (kind == KIND_FOREST && o->size_given && o->size_metres < FOREST_SIZE_MIN)
+    if (o->kind == KIND_FOREST && o->size_given && o->size_metres < FOREST_SIZE_MIN)
         return fail(m, VXS_E_ARGUMENT, "--size %g: expected %g or more for a forest", o->size_metres, FOREST_SIZE_MIN);
-    if (kind == KIND_STRESS && !o->case_given) return fail(m, VXS_E_ARGUMENT, "--case is missing: --case list prints the names");
+    if (o->kind == KIND_STRESS && !o->case_given) return fail(m, VXS_E_ARGUMENT, "--case is missing: --case list prints the names");
     if (!o->out) return fail(m, VXS_E_ARGUMENT, "-o is missing: expected -o OUT.glb, or -o - for standard output");
-    if (kind == KIND_STRESS) return stress_check(o->stress_case, m);
-    return VXS_OK;
+    if (o->kind == KIND_STRESS) return stress_check(o->stress_case, m);
+    if (o->sun_given) warn_about_sun(SUN_NAME, o->sun, m);
+    return message_check(m);
 }
 
-static vxs_result generate(glb_scene *s, const scene_options *o, scene_kind kind, message *m)
+static vxs_result generate(glb_scene *s, const scene_options *o, message *m)
 {
     const double *sun = o->sun;
-    switch (kind) {
+    switch (o->kind) {
     case KIND_CITY:
         return generate_city(s, &(city_options){o->city.blocks, o->triangles, o->seed, {sun[0], sun[1], sun[2]}, o->city.spots}, m);
     case KIND_LANDSCAPE: {
@@ -92,14 +86,14 @@ static void print_cases(void)
     for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
 }
 
-static vxs_result make_scene(const scene_options *o, scene_kind kind, message *m)
+static vxs_result make_scene(const scene_options *o, message *m)
 {
     glb_scene   s   = {0};
     output_file out = {0};
     vxs_result  r;
 
     if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* first: a name that cannot be written costs nothing */
-    if ((r = generate(&s, o, kind, m)) != VXS_OK) goto done;
+    if ((r = generate(&s, o, m)) != VXS_OK) goto done;
     if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);
 done:
@@ -110,14 +104,12 @@ done:
 
 static vxs_result run(void *command, message *m)
 {
-    const scene_options *o    = command;
-    scene_kind           kind = KIND_CITY;
-    vxs_result           r    = find_kind(&kind, o->kind, m);
-    if (r != VXS_OK) return r;
-    if (kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, kind, m) == VXS_OK)
+    const scene_options *o = command;
+    vxs_result           r = VXS_OK;
+    if (o->kind == KIND_STRESS && o->case_given && !strcmp(o->stress_case, "list") && check_kind(o, m) == VXS_OK)
         print_cases();
-    else if ((r = check(o, kind, m)) == VXS_OK)
-        r = make_scene(o, kind, m);
+    else if ((r = check(o, m)) == VXS_OK)
+        r = make_scene(o, m);
     return r;
 }
 
@@ -125,7 +117,8 @@ int cmd_scene(int argc, char **argv)
 {
     scene_options o = {.city = {.blocks = 8}, .height_metres = 200, .triangles = 100000, .seed = 1, .sun = {-0.5, -1, -0.3}};
     const option  options[] = {
-         {"-o", OPTION_TEXT, &o.out, 0, 0, NULL, "OUT.glb", "where to write; - is standard output", NULL},
+         {"KIND", OPTION_CHOICE, &o.kind, 0, 0, SCENE_KINDS, NULL, "city, landscape, room, forest or stress", NULL},
+         {"-o", OPTION_OUTPUT, &o.out, 0, 0, ".glb", "OUT.glb", "where to write; - is standard output", NULL},
          {"--triangles", OPTION_U32, &o.triangles, GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX, NULL, "T",
           "all but stress: how many triangles, met within 2% (default 100000)", &o.triangles_given},
          {"--seed", OPTION_U32, &o.seed, 0, UINT32_MAX, NULL, "S", "all but stress: another seed, another scene (default 1)",
@@ -136,13 +129,13 @@ int cmd_scene(int argc, char **argv)
          {"--spots", OPTION_U32, &o.city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
           &o.spots_given},
          {"--size", OPTION_F64, &o.size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
-          "landscape, forest: length of a side (default 1024, of a forest 100)", &o.size_given},
+          "landscape, forest: length of a side; of a forest 100 unless given (default 1024)", &o.size_given},
          {"--height", OPTION_F64, &o.height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
           "landscape: from lowest to highest point (default 200)", &o.height_given},
          {"--case", OPTION_TEXT, &o.stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
           &o.case_given},
     };
-    const command_line line = COMMAND_LINE("scene", "KIND -o OUT.glb [options]",
-                                           "Make a test scene; KIND is city, landscape, room, forest or stress.", options, 1);
-    return command_run(&line, argc, argv, &o.kind, run, &o);
+    const command_line line =
+        COMMAND_LINE("scene", "KIND -o OUT.glb [options]", "Make a procedural test scene. Same options, same bytes.", options);
+    return command_run(&line, argc, argv, run, &o);
 }

@@ -5,26 +5,40 @@
 
 #include "baker/base/parallel.h"
 #include "baker/casters/casters.h"
+#include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/command/points.h"
+#include "baker/options/filter_choice.h"
 #include "baker/options/options.h"
-#include "baker/scene/light_choice.h"
+#include "baker/options/scene_rows.h"
+#include "baker/scene/light_warnings.h"
 #include "baker/scene/scene.h"
-#include "baker/truth/truth.h"
+#include "baker/truth/baked_light.h"
+#include "baker/truth/truth_filter.h"
 
 typedef struct truth_options {
-    const char *scene_path;
-    const char *scene_name;
-    text_list   light_names;
-    int         sun_given;
-    double      sun[3];
-    uint32_t    threads;
+    const char  *scene_path;
+    scene_choice choice;
+    const char  *like_path; /* NULL: rays from the points themselves */
+    text_list    light_names;
+    named_list   suns;
+    uint32_t     filter_px, threads;
+    int          filter_given;
 } truth_options;
 
 typedef struct traced {
     const truth        *truth;
     const light_choice *lights;
 } traced;
+
+/* What a file should answer. */
+typedef struct traced_like {
+    const truth           *truth;
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */
+    light_shape            shapes[VXS_LIGHTS_MAX]; /* of them */
+    uint32_t               light_count;
+    int                    filter_px;
+} traced_like;
 
 static void trace(const void *user, const query_point *point, float *lit)
 {
@@ -38,6 +52,50 @@ static void trace(const void *user, const query_point *point, float *lit)
     }
 }
 
+static void trace_like(const void *user, const query_point *point, float *lit)
+{
+    const traced_like *q = user;
+    for (uint32_t n = 0; n < q->light_count; n++) {
+        const vxs_light *light = &q->lights[n]->light;
+        int32_t          voxel[3];
+        int map = vxs_voxel(light, point->position_ws, point->has_normal ? point->normal_ws : NULL, q->filter_px, voxel);
+        lit[n]  = map < 0 ? -1 : (float)truth_filtered(q->truth, light, &q->shapes[n], map, voxel, q->filter_px);
+    }
+}
+
+static vxs_result check_options(const truth_options *o, message *m)
+{
+    if (o->filter_given && !o->like_path)
+        return fail(m, VXS_E_ARGUMENT, "--filter goes with --like FILE.vxs: a filter is as wide as the texels of a baked map");
+    if (o->suns.count && o->like_path)
+        return fail(m, VXS_E_ARGUMENT, "--sun and --like exclude each other: the lights are those of %s", o->like_path);
+    return filter_check(o->filter_px, m);
+}
+
+/* The asset, and the lights of it that are asked for. */
+static vxs_result open_like(const truth_options *o, vxs_asset **asset, traced_like *q, message *m)
+{
+    vxs_result r = asset_open(asset, o->like_path, m);
+    if (r == VXS_OK) r = asset_choose_lights(*asset, o->like_path, &o->light_names, q->lights, &q->light_count, m);
+    for (uint32_t n = 0; r == VXS_OK && n < q->light_count; n++) q->shapes[n] = baked_light_shape(&q->lights[n]->light);
+    q->filter_px = (int)o->filter_px;
+    return r;
+}
+
+/* The lights that are asked about, before a triangle is placed. */
+typedef struct light_question {
+    const truth_options *o;
+    light_choice        *chosen;
+} light_question;
+
+static vxs_result choose_lights(void *user, const scene *s, message *m)
+{
+    const light_question *q = user;
+    vxs_result            r = lights_choose(s, &q->o->light_names, &q->o->suns, q->chosen, m);
+    if (r == VXS_OK) warn_about_suns(q->chosen, m);
+    return r;
+}
+
 static vxs_result run(void *command, message *m)
 {
     const truth_options *o = command;
@@ -46,36 +104,53 @@ static vxs_result run(void *command, message *m)
     light_choice         lights = {0};
     casters              c      = {0};
     truth               *t      = NULL;
+    vxs_asset           *asset  = NULL;
+    traced_like          like   = {0};
+    light_question       q      = {o, &lights};
+    scene_check          check  = {choose_lights, &q};
 
-    if ((r = scene_load_gltf(&s, o->scene_path, o->scene_name, m)) != VXS_OK) goto done;
-    if ((r = lights_choose(&s, &o->light_names, o->sun_given, o->sun, &lights, m)) != VXS_OK) goto done;
+    if ((r = points_check_input("SCENE", o->scene_path, m)) != VXS_OK) goto done;
+    if ((r = check_options(o, m)) != VXS_OK) goto done;
+    if (o->like_path && (r = open_like(o, &asset, &like, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf_checked(&s, o->scene_path, &o->choice, o->like_path ? NULL : &check, m)) != VXS_OK) goto done;
     /* solids and sheets cast the same shadow: nothing needs to be sorted */
     if ((r = casters_from_scene(&c, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &c, o->threads, m)) != VXS_OK) goto done;
-    r = points_answer(trace, &(traced){t, &lights}, lights.count, o->threads, m);
+    like.truth = t;
+    r          = o->like_path ? points_answer(trace_like, &like, like.light_count, o->threads, m)
+                              : points_answer(trace, &(traced){t, &lights}, lights.count, o->threads, m);
 done:
     truth_destroy(t);
     casters_free(&c);
     light_choice_free(&lights);
     scene_free(&s);
+    vxs_asset_close(asset);
     return r;
 }
 
 int cmd_truth(int argc, char **argv)
 {
-    truth_options o = {.threads = parallel_default_threads()};
+    truth_options o = {.filter_px = 1, .threads = parallel_default_threads()};
 
     const option options[] = {
-        {"--light", OPTION_TEXTS, &o.light_names, 0, 0, NULL, "NAME", "a light, a column each (all)", NULL},
-        {"--sun", OPTION_VECTOR, o.sun, 0, 3, NULL, "X,Y,Z", "the way sunlight travels; adds a light named sun", &o.sun_given},
-        {"--scene", OPTION_TEXT, &o.scene_name, 0, 0, NULL, "NAME", "a scene of the file, name or index (the file's own)", NULL},
-        {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (the processors allowed)", NULL},
+        {"SCENE", OPTION_INPUT, &o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+        {"--light", OPTION_TEXTS, &o.light_names, 0, 0, NULL, "NAME",
+         "a light, a column each; repeat for more (default all, in the scene's order)", NULL},
+        {"--sun", OPTION_NAMED_VECTOR, &o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",
+         "add a light that travels this way, named sun or NAME; repeat for more", NULL},
+        {"--like", OPTION_INPUT, &o.like_path, FILE_ASSET, 0, NULL, "FILE.vxs",
+         "ask as a lookup in this file does: its lights, its volumes, its voxels", NULL},
+        {"--filter", OPTION_U32, &o.filter_px, 1, VXS_FILTER_MAX, NULL, "K",
+         "with --like: the mean of K x K rays, K odd, 1 to 17 texels (default 1)", &o.filter_given},
+        SCENE_ROWS(o.choice),
+        {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
     };
-    const command_line line =
-        COMMAND_LINE("truth", "SCENE [--light NAME]... [--sun X,Y,Z] [options] < points",
-                     "Read points from standard input, `x y z` or `x y z nx ny nz` a line (world space, metres); for each print 1\n"
-                     "(lit), 0 (in shadow) or out (beyond the light's cone or range), one column a light, by tracing a ray to the\n"
-                     "light. With a normal the ray starts just off the surface.",
-                     options, 1);
-    return command_run(&line, argc, argv, &o.scene_path, run, &o);
+    const command_line line = COMMAND_LINE(
+        "truth", "SCENE [options] < points",
+        "Answer 'how lit is this point?' by ray tracing the scene. For each line 'x y z' or 'x y z nx ny nz' of standard "
+        "input (world space, metres), print 1 (lit), 0 (in shadow) or 'out' (beyond the light's cone or range), one "
+        "column a light. With a normal the ray starts just off the surface. With --like the answer is what "
+        "vxs query FILE.vxs should say: of rays through the centres of the texels that a lookup reads, from where its voxel is.",
+        options);
+    return command_run(&line, argc, argv, run, &o);
 }

@@ -5,9 +5,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "baker/bake/provenance.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/light_text.h"
+#include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 
 static const char *const kind_names[COMPARE_KINDS] = {"random", "surface", "camera"};
@@ -23,18 +25,13 @@ static int kind_count(const compare_report *r)
     return r->options.camera ? COMPARE_KINDS : COMPARE_CAMERA;
 }
 
-static uint32_t light_count(const compared_asset *a)
-{
-    return vxs_asset_light_count(a->asset);
-}
-
 /* all lights together --------------------------------------------------------------------------------- */
 
 /* What counts for the exit status, of kinds [first, last]. */
 static compare_counts total(const compared_asset *a, int first, int last)
 {
     compare_counts sum = {0};
-    for (uint32_t n = 0; n < light_count(a); n++)
+    for (uint32_t n = 0; n < a->light_count; n++)
         for (int kind = first; kind <= last; kind++) {
             const compare_counts *one = &a->results[n].counts[kind];
             sum.checked += one->checked;
@@ -72,7 +69,7 @@ int compare_passes(const compare_report *r)
 static double rmse_of_all(const compared_asset *a, uint32_t filter, int kind)
 {
     double squares = 0, points = 0;
-    for (uint32_t n = 0; n < light_count(a); n++) {
+    for (uint32_t n = 0; n < a->light_count; n++) {
         const compare_error *e = &a->results[n].filters[filter].error[kind];
         squares += e->rmse * e->rmse * (double)e->points;
         points += (double)e->points;
@@ -83,7 +80,7 @@ static double rmse_of_all(const compared_asset *a, uint32_t filter, int kind)
 static double lookup_seconds_of_all(const compared_asset *a)
 {
     double seconds = 0, points = 0;
-    for (uint32_t n = 0; n < light_count(a); n++) {
+    for (uint32_t n = 0; n < a->light_count; n++) {
         const compare_time *t = &a->results[n].time;
         seconds += t->lookup_s * (double)t->points;
         points += (double)t->points;
@@ -161,27 +158,80 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
     print_time(to, r, result);
 }
 
-static void print_asset(FILE *to, const compare_report *r, const compared_asset *a)
+/* "FAILED", and why; "passed". */
+static void print_judgement(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
+{
+    compare_counts sum    = total_of_all(a);
+    int            passes = compare_asset_passes(r, a);
+    char           word[COLORED_BYTES];
+    fputs(colored(word, m->color, to, passes ? COLOR_GREEN : COLOR_RED, passes ? "passed" : "FAILED"), to);
+    if (sum.unexplained) fprintf(to, ": %llu wrong answers that nothing explains", (unsigned long long)sum.unexplained);
+    if (r->max_error_given && wrong_share(&sum) > r->max_error)
+        fprintf(to, "%s more is wrong than --max-error %g", sum.unexplained ? ", and" : ":", r->max_error);
+    if (!passes && !m->verbose) fprintf(to, "; --verbose says where");
+    fprintf(to, "\n");
+}
+
+static void print_other_scene(FILE *to, const compared_asset *a)
+{
+    char differ[PROVENANCE_TEXT_BYTES];
+    if (json_array_size(a->scene_differences))
+        fprintf(to, "other scene  than it was baked from: %s\n", provenance_differences_text(differ, a->scene_differences));
+}
+
+static void print_asset_head(FILE *to, const compared_asset *a)
+{
+    char     file[32], memory[32];
+    uint32_t all = vxs_asset_light_count(a->asset);
+    fprintf(to, "asset        %s: ", input_name(a->path));
+    if (a->light_count < all) fprintf(to, "%u of ", a->light_count);
+    fprintf(to, "%u light%s, a file of %s, %s in memory\n", all, all > 1 ? "s" : "", size_text(file, a->file_bytes),
+            size_text(memory, a->memory_bytes));
+    print_other_scene(to, a);
+}
+
+static void print_asset_in_short(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
 {
     compare_counts sum = total_of_all(a);
-    char           file[32], memory[32], closed[32];
-    fprintf(to, "asset        %s: %u lights, a file of %s, %s in memory\n", a->path, light_count(a), size_text(file, a->file_bytes),
-            size_text(memory, a->memory_bytes));
+    print_asset_head(to, a);
+    fprintf(to, "wrong        %.3g %% of %llu points", 100 * wrong_share(&sum), (unsigned long long)sum.checked);
+    for (int kind = 0; kind < kind_count(r); kind++) {
+        compare_counts one = total(a, kind, kind);
+        fprintf(to, "%s%s %.2g", kind ? ", " : " (", kind_names[kind], 100 * wrong_share(&one));
+    }
+    fprintf(to, ")\n");
+    for (uint32_t f = 0; f < r->options.filter_count; f++) {
+        fprintf(to, "%-12s ", f ? "" : "filters");
+        fprintf(to, "%u x %u: RMSE", r->options.filters_px[f], r->options.filters_px[f]);
+        for (int kind = 0; kind < kind_count(r); kind++)
+            fprintf(to, "%s %s %.4f", kind ? "," : "", kind_names[kind], rmse_of_all(a, f, kind));
+        fprintf(to, "\n");
+    }
+    fprintf(to, "lookup       %.1f ns on one thread\n", 1e9 * lookup_seconds_of_all(a));
+    fprintf(to, "result       ");
+    print_judgement(to, r, a, m);
+}
+
+static void print_asset(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
+{
+    compare_counts sum = total_of_all(a);
+    char           memory[32], closed[32];
+    print_asset_head(to, a);
     fprintf(to, "casters      %zu triangles, %zu of solids (--closed %s)\n", a->triangle_count, a->solid_triangle_count,
             choice_word(closed, CLOSED_CHOICES, (int)a->closed));
     if (a->bake_given) fprintf(to, "bake         %.3g s, peak memory %s\n", a->bake_seconds, size_text(memory, a->bake_peak_bytes));
-    for (uint32_t n = 0; n < light_count(a); n++) print_light(to, r, &vxs_asset_light(a->asset, n)->light, &a->results[n]);
-    fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu%s\n", (unsigned long long)compare_wrong(&sum),
-            (unsigned long long)sum.checked, 100 * wrong_share(&sum), (unsigned long long)sum.unexplained,
-            compare_asset_passes(r, a) ? "" : "; FAILED");
+    for (uint32_t n = 0; n < a->light_count; n++) print_light(to, r, &a->lights[n]->light, &a->results[n]);
+    fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu; ", (unsigned long long)compare_wrong(&sum),
+            (unsigned long long)sum.checked, 100 * wrong_share(&sum), (unsigned long long)sum.unexplained);
+    print_judgement(to, r, a, m);
 }
 
 /* "4096", or "64-4096" where lights differ. */
 static const char *texels_text(char text[32], const compared_asset *a)
 {
     uint32_t least = UINT32_MAX, most = 0;
-    for (uint32_t n = 0; n < light_count(a); n++) {
-        uint32_t side = (uint32_t)1 << vxs_asset_light(a->asset, n)->light.levels;
+    for (uint32_t n = 0; n < a->light_count; n++) {
+        uint32_t side = (uint32_t)1 << a->lights[n]->light.levels;
         if (side < least) least = side;
         if (side > most) most = side;
     }
@@ -190,9 +240,9 @@ static const char *texels_text(char text[32], const compared_asset *a)
 }
 
 /* A row an asset, its name last: names may be long. */
-static void print_summary(FILE *to, const compare_report *r)
+static void print_table(FILE *to, const compare_report *r, const message *m)
 {
-    char text[64];
+    char text[64], word[COLORED_BYTES];
     fprintf(to, "%-12s %11s %11s %9s %9s", "texels", "file", "memory", "bake", "lookup");
     for (int kind = 0; kind < kind_count(r); kind++) {
         snprintf(text, sizeof text, "wrong %s", kind_names[kind]);
@@ -221,22 +271,27 @@ static void print_summary(FILE *to, const compare_report *r)
                 length += snprintf(text + length, sizeof text - (size_t)length, "%s%.4f", kind ? "/" : "", rmse_of_all(a, f, kind));
             fprintf(to, "  %*s", 15 + 8 * kind_count(r), text);
         }
-        fprintf(to, "  %s%s\n", a->path, compare_asset_passes(r, a) ? "" : "; FAILED");
+        fprintf(to, "  %s%s%s\n", input_name(a->path), compare_asset_passes(r, a) ? "" : "; ",
+                compare_asset_passes(r, a) ? "" : colored(word, m->color, to, COLOR_RED, "FAILED"));
+        if (!m->verbose) print_other_scene(to, a);
     }
 }
 
-void compare_print(FILE *to, const compare_report *r)
+void compare_print(FILE *to, const compare_report *r, const message *m)
 {
-    fprintf(to, "scene        %s\n", r->scene_path);
-    if (r->options.camera) {
+    fprintf(to, "scene        %s\n", input_name(r->scene_path));
+    if (r->options.camera && m->verbose) {
         const camera_pose *c = r->options.camera;
         uint32_t           width_px, height_px;
         compare_picture_size(r->options.points, &width_px, &height_px);
         fprintf(to, "camera       at (%.6g, %.6g, %.6g) towards (%.6g, %.6g, %.6g), %.4g degrees, %u x %u pixels\n", c->eye_ws[0],
                 c->eye_ws[1], c->eye_ws[2], c->target_ws[0], c->target_ws[1], c->target_ws[2], c->fov_degrees, width_px, height_px);
     }
-    for (size_t n = 0; n < r->asset_count; n++) print_asset(to, r, &r->assets[n]);
-    if (r->asset_count > 1) print_summary(to, r);
+    for (size_t n = 0; n < r->asset_count && m->verbose; n++) print_asset(to, r, &r->assets[n], m);
+    if (r->asset_count > 1)
+        print_table(to, r, m);
+    else if (!m->verbose)
+        print_asset_in_short(to, r, &r->assets[0], m);
 }
 
 /* as JSON --------------------------------------------------------------------------------------------- */
@@ -326,13 +381,15 @@ static json_t *asset_json(const compare_report *r, const compared_asset *a)
 {
     compare_counts sum    = total_of_all(a);
     json_t        *lights = json_array();
-    for (uint32_t n = 0; n < light_count(a); n++)
-        json_array_append_new(lights, compared_light_json(r, &vxs_asset_light(a->asset, n)->light, &a->results[n]));
-    json_t *root = json_pack("{s:o, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
-                             (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "lights", lights, "checked",
-                             (json_int_t)sum.checked, "wrong", (json_int_t)compare_wrong(&sum), "wrong_share", wrong_share(&sum),
-                             "unexplained", (json_int_t)sum.unexplained, "passed", compare_asset_passes(r, a));
+    for (uint32_t n = 0; n < a->light_count; n++)
+        json_array_append_new(lights, compared_light_json(r, &a->lights[n]->light, &a->results[n]));
+    json_t *root = json_pack("{s:o, s:I, s:I, s:I, s:o, s:I, s:I, s:f, s:I, s:b}", "asset", json_text(a->path), "file_bytes",
+                             (json_int_t)a->file_bytes, "memory_bytes", (json_int_t)a->memory_bytes, "lights_in_file",
+                             (json_int_t)vxs_asset_light_count(a->asset), "lights", lights, "checked", (json_int_t)sum.checked,
+                             "wrong", (json_int_t)compare_wrong(&sum), "wrong_share", wrong_share(&sum), "unexplained",
+                             (json_int_t)sum.unexplained, "passed", compare_asset_passes(r, a));
     set_casters(root, a);
+    json_object_set(root, "scene_differences", a->scene_differences);
     if (a->bake_given)
         json_object_set_new(
             root, "bake", json_pack("{s:f, s:I}", "total_seconds", a->bake_seconds, "peak_bytes", (json_int_t)a->bake_peak_bytes));

@@ -21,7 +21,10 @@ typedef struct compared_asset {
     double   bake_seconds;
     uint64_t bake_peak_bytes;
 
-    compare_result *results; /* [light count] owned; NULL: not yet compared */
+    json_t *scene_differences;      /* from the scene that it was baked from, in words: an array, owned; NULL: not yet known */
+    const vxs_baked_light **lights; /* [light_count] that are compared; owned, the lights are the asset's */
+    uint32_t                light_count;
+    compare_result         *results; /* [light_count] owned; NULL: not yet compared */
 } compared_asset;
 
 typedef struct compare_report {
@@ -37,7 +40,8 @@ typedef struct compare_report {
 int compare_asset_passes(const compare_report *r, const compared_asset *a);
 int compare_passes(const compare_report *r);
 
-void compare_print(FILE *to, const compare_report *r);
+/* A line or a few for each asset; all of it when m is verbose. */
+void compare_print(FILE *to, const compare_report *r, const message *m);
 
 /* NULL or incomplete without memory: json_write says so. */
 json_t *compare_json(const compare_report *r);

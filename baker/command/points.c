@@ -9,11 +9,14 @@
 
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
+#include "baker/files/input_file.h"
+#include "baker/files/run_files.h"
 
 /* Points of a block. With many lights it has fewer, so that answers take 16 MiB at most. */
 #define BLOCK_POINTS      ((size_t)1 << 16)
 #define BLOCK_ANSWERS_MAX ((size_t)1 << 22)
 #define POINTS_AT_A_TIME  256
+#define BYTE_ORDER_MARK   "\xef\xbb\xbf"
 
 /* The next line, ended by a NUL in place of its LF.
  * length  [out] without the line's end
@@ -43,40 +46,90 @@ static int is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-/* All numbers of a line, of which the first six are kept.
- * Returns NULL, or the word that is not a finite number. */
-static const char *parse_numbers(const char *line, double numbers[6], size_t *count)
+static int is_separator(char c)
 {
-    for (*count = 0;; ++*count) {
-        while (is_blank(*line)) line++;
-        if (!*line) return NULL;
+    return is_blank(c) || c == ',' || c == ';';
+}
 
+/* What stands between two numbers. */
+typedef struct separator {
+    char mark;  /* ',' or ';'; 0: blanks alone */
+    int  loose; /* blanks before the next number */
+} separator;
+
+/* A line's numbers and what separates them. */
+typedef struct number_row {
+    double      numbers[6]; /* the first of them */
+    separator   after[6];   /* behind each */
+    size_t      count;
+    int         has_points; /* decimal points */
+    const char *wrong;      /* NULL, or the word that is not a finite number */
+} number_row;
+
+/* Skip blanks, and a mark among them. */
+static const char *skip_separator(const char *at, separator *s)
+{
+    *s = (separator){0};
+    while (is_blank(*at)) at++;
+    if (!*at || !is_separator(*at)) return at;
+    s->mark            = *at++;
+    const char *behind = at;
+    while (is_blank(*at)) at++;
+    s->loose = at > behind;
+    return at;
+}
+
+static number_row parse_numbers(const char *line)
+{
+    number_row row = {0};
+    while (is_blank(*line)) line++;
+    for (separator s = {0}; *line || s.mark; row.count++) {
         char  *end;
         double number = strtod(line, &end);
-        if (end == line || (*end && !is_blank(*end)) || !isfinite(number)) return line;
-        if (*count < 6) numbers[*count] = number;
-        line = end;
+        if (end == line || (*end && !is_separator(*end)) || !isfinite(number)) {
+            row.wrong = line;
+            return row;
+        }
+        row.has_points |= memchr(line, '.', (size_t)(end - line)) != NULL;
+        line = skip_separator(end, &s);
+        if (row.count < 6) row.numbers[row.count] = number, row.after[row.count] = s;
     }
+    return row;
+}
+
+/* Whether a line may mean something else: "1,5 2,5 3,5" and "1,5;2,5;3,5" are three numbers where the decimal point is a comma, and so is
+ * "1,5, 2,5, 3,5"; "1,2,3, 0,1,0" is not. */
+static int is_ambiguous(const number_row *row)
+{
+    size_t alike = 1, in_pairs = 1;
+    for (size_t n = 0; n + 1 < row->count && n < 6; n++) {
+        alike &= row->after[n].mark == row->after[0].mark;
+        in_pairs &= row->after[n].mark == ',' && row->after[n].loose == (n % 2 == 1);
+    }
+    return !alike || (row->count == 6 && in_pairs && !row->has_points);
 }
 
 static vxs_result parse_point(const point_reader *reader, const char *line, size_t length, query_point *point, message *m)
 {
-    double             numbers[6];
-    size_t             count;
     unsigned long long number = reader->line;
     if (memchr(line, '\0', length)) return fail(m, VXS_E_READ, "%s: line %llu: holds a NUL byte", reader->name, number);
 
-    const char *wrong = parse_numbers(line, numbers, &count);
-    size_t      word  = wrong ? strcspn(wrong, " \t") : 0;
-    if (wrong)
+    number_row row  = parse_numbers(line);
+    size_t     word = row.wrong ? strcspn(row.wrong, " \t,;") : 0;
+    if (row.wrong)
         return fail(m, VXS_E_READ, "%s: line %llu: expected a finite number, found '%.*s'", reader->name, number,
-                    (int)(word < 32 ? word : 32), wrong);
-    if (count != 3 && count != 6)
-        return fail(m, VXS_E_READ, "%s: line %llu: expected 3 or 6 numbers, found %zu", reader->name, number, count);
+                    (int)(word < 32 ? word : 32), row.wrong);
+    if (is_ambiguous(&row))
+        return fail(m, VXS_E_READ,
+                    "%s: line %llu: expected numbers with a decimal point, separated all alike, by blanks or commas: "
+                    "'%.32s' could mean two things",
+                    reader->name, number, line);
+    if (row.count != 3 && row.count != 6)
+        return fail(m, VXS_E_READ, "%s: line %llu: expected 3 or 6 numbers, found %zu", reader->name, number, row.count);
 
-    *point = (query_point){.has_normal = count == 6};
-    memcpy(point->position_ws, numbers, sizeof point->position_ws);
-    if (point->has_normal && !vec3_unit(&numbers[3], point->normal_ws))
+    *point = (query_point){.has_normal = row.count == 6};
+    memcpy(point->position_ws, row.numbers, sizeof point->position_ws);
+    if (point->has_normal && !vec3_unit(&row.numbers[3], point->normal_ws))
         return fail(m, VXS_E_READ, "%s: line %llu: the normal is zero", reader->name, number);
     return VXS_OK;
 }
@@ -89,13 +142,19 @@ vxs_result points_read(point_reader *reader, query_point *points, size_t capacit
         vxs_result r      = next_line(reader, &length, &at_end, m);
         if (r != VXS_OK || at_end) return r;
 
-        size_t blanks = 0;
+        size_t blanks = reader->line == 1 && !strncmp(reader->text, BYTE_ORDER_MARK, 3) ? 3 : 0;
         while (is_blank(reader->text[blanks])) blanks++;
         if (blanks == length || reader->text[blanks] == '#') continue;
-        if ((r = parse_point(reader, reader->text, length, &points[*count], m)) != VXS_OK) return r;
+        if ((r = parse_point(reader, reader->text + blanks, length - blanks, &points[*count], m)) != VXS_OK) return r;
         ++*count;
     }
     return VXS_OK;
+}
+
+vxs_result points_check_input(const char *name, const char *path, message *m)
+{
+    if (!is_standard_input(path)) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "%s -: points are read from standard input: expected a file or <(command)", name);
 }
 
 /* answers ---------------------------------------------------------------------------------------------- */
@@ -128,10 +187,11 @@ static void print_answer(float lit, char end)
 vxs_result points_answer(point_answer answer, const void *user, size_t light_count, uint32_t threads, message *m)
 {
     point_reader reader = {.file = stdin, .name = "standard input"};
+    vxs_result   r      = run_files_check_input("-", reader.name, m);
     block        b      = {.answer = answer, .user = user, .light_count = light_count, .capacity = BLOCK_ANSWERS_MAX / light_count};
     size_t       count  = 0;
-    vxs_result   r      = VXS_OK;
 
+    if (r != VXS_OK) return r;
     if (!b.capacity) b.capacity = 1;
     if (b.capacity > BLOCK_POINTS) b.capacity = BLOCK_POINTS;
     b.points = malloc(b.capacity * sizeof *b.points);
@@ -145,7 +205,8 @@ vxs_result points_answer(point_answer answer, const void *user, size_t light_cou
         parallel_for(threads, count, POINTS_AT_A_TIME, answer_points, &b);
         for (size_t n = 0; n < count * light_count; n++) print_answer(b.lit[n], (n + 1) % light_count ? ' ' : '\n');
         if (fflush(stdout) || ferror(stdout)) {
-            r = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
+            r = standard_output_is_deserted() ? VXS_E_DESERTED
+                                              : fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
             goto done;
         }
     } while (count);

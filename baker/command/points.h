@@ -4,7 +4,8 @@
  *     x y z nx ny nz        a point of a surface, and the surface's normal there
  *     # a comment           skipped, like a blank line
  *
- * World space, metres; separated by blanks or tabs; lines end in LF or CRLF, the last one may do without.
+ * World space, metres. Numbers are separated by blanks and tabs, or all of a line by commas, or all by semicolons; lines end in LF or CRLF,
+ * the last one may do without. A byte order mark of UTF-8 before the first line is skipped.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef POINTS_H
 #define POINTS_H
@@ -43,10 +44,13 @@ vxs_result points_read(point_reader *reader, query_point *points, size_t capacit
  * Threads: several at once. */
 typedef void (*point_answer)(const void *user, const query_point *point, float *lit);
 
+/* Points have standard input: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
+vxs_result points_check_input(const char *name, const char *path, message *m);
+
 /* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0", "1", a number
  * between, or "out". Points are answered in blocks; the block that a bad line is in is not.
  * light_count  1 or more
- * Returns VXS_OK, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_DESERTED: nobody reads the answers any more. */
 vxs_result points_answer(point_answer answer, const void *user, size_t light_count, uint32_t threads, message *m);
 
 #endif

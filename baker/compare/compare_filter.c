@@ -1,5 +1,4 @@
 /* Filtered lookups against filtered rays; see compare_points.h.
- * Source: [CPVS16] 5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/compare/compare_points.h"
 
@@ -7,6 +6,7 @@
 #include <stdlib.h>
 
 #include "baker/base/parallel.h"
+#include "baker/truth/truth_filter.h"
 #include "runtime/vxs.h"
 
 enum { POINTS_AT_A_TIME = 64 };
@@ -19,15 +19,6 @@ typedef struct filter_pass {
     float            *errors; /* [count] of the lookup, signed; INFINITY: not compared */
 } filter_pass;
 
-/* The lookup's own box of texels, from rays through their centres, at the depth of its voxels' middle. */
-static double filtered_truth(const comparison *c, int filter_px, int map, const int32_t voxel[3])
-{
-    int half = filter_px / 2, lit = 0;
-    for (int j = -half; j <= half; j++)
-        for (int i = -half; i <= half; i++) lit += compare_lit_at(c, map, voxel[0] + i + 0.5, voxel[1] + j + 0.5, voxel[2] + 0.5);
-    return (double)lit / (double)(filter_px * filter_px);
-}
-
 static float filter_error(const filter_pass *f, size_t n)
 {
     const comparison *c     = f->comparison;
@@ -39,7 +30,7 @@ static float filter_error(const filter_pass *f, size_t n)
     float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
     if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
     vxs_voxel(c->light, s.point_ws, s.normal, filter_px, voxel);
-    return (float)(lookup - filtered_truth(c, filter_px, s.map, voxel));
+    return (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, s.map, voxel, filter_px));
 }
 
 static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)

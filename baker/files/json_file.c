@@ -7,8 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
 
+#include "baker/files/input_file.h"
 #include "baker/files/output_file.h"
 
 enum { READ_MAX_MIB = 256 };
@@ -71,24 +72,51 @@ vxs_result json_write(const char *path, json_t *value, message *m)
     return r;
 }
 
+/* An input that jansson reads piece by piece; a pipe has no size that could be known before. */
+typedef struct json_input {
+    int    descriptor, error;
+    size_t bytes_left;
+} json_input;
+
+static size_t read_piece(void *buffer, size_t size, void *user)
+{
+    json_input *in = user;
+    ssize_t     n;
+    do n = read(in->descriptor, buffer, size < in->bytes_left ? size : in->bytes_left);
+    while (n < 0 && errno == EINTR);
+    if (n < 0) in->error = errno;
+    if (n < 0) return (size_t)-1;
+    in->bytes_left -= (size_t)n;
+    return (size_t)n;
+}
+
 vxs_result json_read(json_t **value, const char *path, message *m)
 {
-    FILE        *f = fopen(path, "rbe");
-    struct stat  status;
+    json_input   in = {.descriptor = input_open(path), .bytes_left = (size_t)READ_MAX_MIB << 20};
     json_error_t e;
     vxs_result   r = VXS_OK;
-    *value         = NULL;
-    if (!f && errno == ENOMEM)
+    path           = input_name(path);
+    in.error       = in.descriptor < 0 ? errno : 0;
+    *value         = in.error ? NULL : json_load_callback(read_piece, &in, JSON_REJECT_DUPLICATES, &e);
+    if (in.error == ENOMEM || json_memory_missing())
         r = fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
-    else if (!f || fstat(fileno(f), &status))
-        r = fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(errno));
-    else if (S_ISDIR(status.st_mode))
+    else if (in.error == EISDIR)
         r = fail(m, VXS_E_READ, "%s: cannot read: it is a folder, expected a file name", path);
-    else if (status.st_size > (off_t)READ_MAX_MIB << 20)
+    else if (in.error)
+        r = fail(m, VXS_E_READ, "%s: cannot read: %s", path, strerror(in.error));
+    else if (!in.bytes_left)
         r = fail(m, VXS_E_READ, "%s: larger than %d MiB, which no JSON of vxs is", path, READ_MAX_MIB);
-    else if (!(*value = json_loadf(f, JSON_REJECT_DUPLICATES, &e)))
-        r = json_memory_missing() ? fail(m, VXS_E_MEMORY, "out of memory while reading %s", path)
-                                  : fail(m, VXS_E_READ, "%s: not JSON: line %d: %s", path, e.line, e.text);
-    if (f) fclose(f);
+    else if (!*value)
+        r = fail(m, VXS_E_READ, "%s: not JSON: line %d: %s", path, e.line, e.text);
+    if (r != VXS_OK) json_decref(*value);
+    if (r != VXS_OK) *value = NULL;
+    if (in.descriptor >= 0) close(in.descriptor);
     return r;
+}
+
+json_t *json_texts(const text_list *texts)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; i < texts->count; i++) json_array_append_new(array, json_text(texts->items[i]));
+    return array;
 }

@@ -6,6 +6,7 @@
 #include <jansson.h>
 
 #include "baker/base/message.h"
+#include "baker/base/text.h"
 
 /* Call this first: from then on json_memory_missing and json_print notice when any value could not be allocated. jansson reports that
  * call by call where an object is filled, and not always where one is printed. */
@@ -31,5 +32,8 @@ json_t *json_vector(const double v[3]);
 
 /* A text as JSON; what is not UTF-8, as a file's name may be, gets '?' for each byte beyond ASCII. NULL without memory. */
 json_t *json_text(const char *text);
+
+/* An array of them. NULL without memory. */
+json_t *json_texts(const text_list *texts);
 
 #endif

@@ -4,7 +4,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -14,6 +13,9 @@
 #include <unistd.h>
 
 #include "baker/base/progress_line.h"
+#include "baker/base/text.h"
+#include "baker/files/input_file.h"
+#include "baker/files/replaced_file.h"
 
 /* enough for the files of earlier runs that were killed and had the same process number */
 enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };
@@ -87,10 +89,9 @@ static vxs_result cannot_write(const output_file *f, int error, message *m)
 /* A name beside the target that no other process takes: its number is in it. NULL without memory. */
 static char *temporary_name(const output_file *f, int n)
 {
-    const char *slash  = strrchr(f->target, '/');
-    int         folder = slash ? (int)(slash + 1 - f->target) : 0;
-    char       *name;
-    return asprintf(&name, "%.*s.vxs-%ld-%d.tmp", folder, f->target, (long)getpid(), n) < 0 ? NULL : name;
+    char folder[PATH_MAX] = "", *name;
+    path_split(f->target, folder);
+    return asprintf(&name, "%s.vxs-%ld-%d.tmp", folder, (long)getpid(), n) < 0 ? NULL : name;
 }
 
 /* Where the system shows an open file; a link to it gives the file its first name. */
@@ -141,16 +142,21 @@ static vxs_result name_temporary(output_file *f, int descriptor, int *taken, mes
     return cannot_write(f, EEXIST, m);
 }
 
+/* Open the folder of f->target. -1, and errno, when that fails. */
+static int open_folder(const output_file *f, int flags)
+{
+    char folder[PATH_MAX];
+    errno = ENAMETOOLONG;
+    return path_split(f->target, folder) ? open(folder, flags, 0666) : -1;
+}
+
 /* A new file in the folder of f->target that has no name until it is complete, so that nothing is left of it when this process ends,
  * however it ends. -1 where the file system or the kernel has no such files, or would give them no name later. */
 static int create_nameless(const output_file *f)
 {
 #ifdef O_TMPFILE
-    const char *slash      = strrchr(f->target, '/');
-    char       *folder     = slash ? strndup(f->target, (size_t)(slash + 1 - f->target)) : strdup(".");
-    int         descriptor = folder ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
-    char        path[64];
-    free(folder);
+    char path[64];
+    int  descriptor = open_folder(f, O_TMPFILE | O_WRONLY | O_CLOEXEC);
     if (descriptor < 0) return -1;
     descriptor_path(path, descriptor);
     if (!access(path, F_OK)) return descriptor;
@@ -173,18 +179,28 @@ static vxs_result open_temporary(output_file *f, message *m)
     return out_of_memory(f->name, m);
 }
 
+/* What nothing can be renamed over: a device, a pipe, and a file that has lost its name and is open yet (/dev/fd/3). */
+static int is_written_directly(const struct stat *s)
+{
+    return !S_ISDIR(s->st_mode) && (!S_ISREG(s->st_mode) || !s->st_nlink);
+}
+
 static vxs_result open_directly(output_file *f, const char *path, message *m)
 {
     f->stream = fopen(path, "wbe");
     return f->stream ? VXS_OK : cannot_write(f, errno, m);
 }
 
-/* A path that exists is replaced where its links lead; a new one stays as it was given. */
-static vxs_result open_beside(output_file *f, const char *path, int exists, message *m)
+/* A path that exists is replaced where its links lead; a new one stays as it was given.
+ * old  the status of what is there; NULL: nothing */
+static vxs_result open_beside(output_file *f, const char *path, const struct stat *old, message *m)
 {
-    f->target = exists ? realpath(path, NULL) : strdup(path);
+    vxs_result r = old ? replaced_file_check(path, old, m) : VXS_OK;
+    if (r != VXS_OK) return r;
+    f->target = old ? realpath(path, NULL) : strdup(path);
     if (!f->target) return errno == ENOMEM ? out_of_memory(path, m) : cannot_write(f, errno, m);
-    return open_temporary(f, m);
+    r = open_temporary(f, m);
+    return r == VXS_OK && old ? replaced_file_keep(f->target, old, fileno(f->stream), m) : r;
 }
 
 static void release(output_file *f)
@@ -206,29 +222,27 @@ vxs_result output_file_open(output_file *f, const char *path, message *m)
         return VXS_OK;
     }
 
-    struct stat status;
-    int         exists = !stat(path, &status);
+    struct stat status, link;
+    int         exists = !stat(path, &status), error = errno;
     vxs_result  r;
     if (!path[0])
         r = fail(m, VXS_E_WRITE, "the output's name is empty: expected a file name, or - for standard output");
     else if (exists && S_ISDIR(status.st_mode))
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a folder, expected a file name", path);
-    else if (exists && !S_ISREG(status.st_mode))
+    else if (!exists && !lstat(path, &link))
+        r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a link that leads to no file: %s", path, strerror(error));
+    else if (exists && is_written_directly(&status))
         r = open_directly(f, path, m);
     else
-        r = open_beside(f, path, exists, m);
-    if (r != VXS_OK) release(f);
+        r = open_beside(f, path, exists ? &status : NULL, m);
+    if (r != VXS_OK) output_file_abort(f);
     return r;
 }
 
-vxs_result output_file_check(const char *path, const char *input, message *m)
+vxs_result output_file_check(const char *path, message *m)
 {
-    struct stat out, in;
-    if (!strcmp(path, "-")) return VXS_OK;
-    int exists = !stat(path, &out);
-    if (exists && input && !stat(input, &in) && out.st_dev == in.st_dev && out.st_ino == in.st_ino)
-        return fail(m, VXS_E_ARGUMENT, "%s: is the input itself: expected another name for the output", path);
-    if (exists && !S_ISREG(out.st_mode) && !S_ISDIR(out.st_mode)) return VXS_OK;
+    struct stat out;
+    if (!strcmp(path, "-") || (!stat(path, &out) && is_written_directly(&out))) return VXS_OK;
 
     /* as far as the name that it would get: not every file system that has files without names lets them have one later */
     output_file f = {0};
@@ -245,17 +259,33 @@ vxs_result output_file_write(output_file *f, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
+/* Bring to the disk what was written, of a file or the names of a folder. Returns 0, or an errno; a file system that cannot is let be. */
+static int sync_to_disk(int descriptor)
+{
+    return !fsync(descriptor) || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
 vxs_result output_file_commit(output_file *f, message *m)
 {
-    vxs_result r     = VXS_OK;
-    int        error = ferror(f->stream) ? EIO : 0, linked; /* of a write through stdio that was not checked: its errno is lost */
+    vxs_result r      = message_check(m);
+    int        error  = ferror(f->stream) ? EIO : 0, linked; /* of a write through stdio that was not checked: its errno is lost */
+    int        folder = -1;
     if (fflush(f->stream)) error = errno;
+    if (r != VXS_OK) {
+        output_file_abort(f);
+        return r;
+    }
+    if (!error && f->target) error = sync_to_disk(fileno(f->stream));
+    /* a folder that may be written and not read is never brought to the disk by hand */
+    if (!error && f->target && (folder = open_folder(f, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0 && errno != EACCES) error = errno;
     if (!error && f->target && !f->temporary) r = name_temporary(f, fileno(f->stream), &linked, m);
     if (f->stream != stdout && fclose(f->stream) && !error) error = errno;
     if (!error && f->temporary && rename(f->temporary, f->target)) error = errno;
+    if (error && f->temporary) unlink(f->temporary);
+    if (!error && r == VXS_OK && folder >= 0) error = sync_to_disk(folder);
 
     if (error && r == VXS_OK) r = cannot_write(f, error, m);
-    if (error && f->temporary) unlink(f->temporary);
+    if (folder >= 0) close(folder);
     release(f);
     return r;
 }

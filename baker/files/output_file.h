@@ -14,7 +14,11 @@
  *
  * Two kinds of path are written directly, because nothing can be renamed over them: "-", which is standard output, and
  * whatever exists and is neither a regular file nor a folder (a device, a pipe). What went there cannot be taken back.
- * A symbolic link is followed: its target is replaced, the link stays.
+ * A symbolic link is followed: its target is replaced, the link stays. One that leads to no file is an error. What is replaced keeps
+ * what it has, or is left alone (replaced_file.h).
+ *
+ * The bytes are on the disk before the file gets its name, and the name is there before the run goes on: what a run has reported outlives
+ * a power cut.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef OUTPUT_FILE_H
 #define OUTPUT_FILE_H
@@ -46,21 +50,22 @@ void output_file_remove_temporary(void);
 
 /* Start writing `path`. A new file gets the permissions that umask leaves of 0666.
  * f  [out] zeroed on failure; otherwise ends with output_file_commit or output_file_abort.
- * Returns VXS_OK; VXS_E_WRITE when the path is empty or a folder, or no file can be made beside it; VXS_E_MEMORY.
+ * Returns VXS_OK; VXS_E_WRITE when the path is empty, a folder or a link to nothing, no file can be made beside it, or what is there may
+ * not be replaced; VXS_E_STRICT; VXS_E_MEMORY.
  * One line in m says which. */
 vxs_result output_file_open(output_file *f, const char *path, message *m);
 
 /* Find out before long work whether a file could be written there: as output_file_open followed by output_file_abort, but never opens
- * a device or a pipe.
- * input  NULL, or a file that must not be overwritten: VXS_E_ARGUMENT when both are one file. */
-vxs_result output_file_check(const char *path, const char *input, message *m);
+ * a device or a pipe. */
+vxs_result output_file_check(const char *path, message *m);
 
 /* Append size_bytes bytes (0 is allowed). Buffered: a full disk may show only in output_file_commit.
  * Returns VXS_OK or VXS_E_WRITE; after a failure only output_file_abort makes sense. */
 vxs_result output_file_write(output_file *f, const void *bytes, size_t size_bytes, message *m);
 
-/* Write out what is buffered, close, and give the file its name. Either way f is released and zeroed.
- * Returns VXS_OK, or VXS_E_WRITE: then the temporary file is gone and an older file of that name is as it was. */
+/* Write out what is buffered, to the disk, close, and give the file its name. Either way f is released and zeroed.
+ * Returns VXS_OK; VXS_E_WRITE: an older file is as it was, unless the last step failed, which brings the name to the disk; or VXS_E_STRICT when a warning has become an error: then the temporary file is gone and an older file of
+ * that name is as it was. */
 vxs_result output_file_commit(output_file *f, message *m);
 
 /* Give up: close and remove the temporary file. Accepts a zeroed object, so that one exit serves all. */

@@ -125,6 +125,7 @@ static void make_dense(loader &l, const tinygltf::Accessor &a, elements &e)
 {
     if (e.count > l.dense_left) l.unsupported(e.label, "sparse accessors would hold more than %zu elements", DENSE_MAX);
     l.dense_left -= e.count;
+    l.need(e.count * e.size, e.label);
     e.dense.resize(e.count * e.size);
     for (size_t i = 0; e.data && i < e.count; i++) memcpy(e.dense.data() + i * e.size, e.data + i * e.stride, e.size);
     e.data   = e.dense.data();

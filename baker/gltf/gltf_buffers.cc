@@ -1,5 +1,6 @@
 /* Buffers and bufferViews (3.6.1), and files beside the scene.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/files/run_files.h"
 #include "baker/gltf/gltf_loader.h"
 
 namespace gltf
@@ -21,15 +22,46 @@ static std::string percent_decoded(const std::string &uri)
     return text;
 }
 
+/* Where the file is that a uri names: beside the scene. */
+static std::string path_beside(const loader &l, const std::string &uri)
+{
+    return l.folder + percent_decoded(uri);
+}
+
+static bool is_data(const std::string &uri)
+{
+    return uri.rfind("data:", 0) == 0;
+}
+
+static void check_file_beside(loader &l, const std::string &what, const json &object)
+{
+    auto               found = object.find("uri");
+    const std::string *uri   = found == object.end() ? nullptr : found->get_ptr<const std::string *>();
+    if (!uri || uri->empty() || is_data(*uri)) return;
+    std::string path = path_beside(l, *uri);
+    if (path == "-") path = "./-"; /* a file, not standard input */
+    vxs_result r = run_files_check_input(path.c_str(), (what + " of '" + l.path + "'").c_str(), l.m);
+    if (r != VXS_OK) throw failure{r};
+}
+
+void check_files_beside(loader &l, const json &root)
+{
+    size_t index = 0;
+    if (!l.files_beside) return;
+    for (const json &object : items(root, "buffers")) check_file_beside(l, label("buffer", index++), object);
+    index = 0;
+    for (const json &object : items(root, "images")) check_file_beside(l, label("image", index++), object);
+}
+
 bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit)
 {
-    std::string name = percent_decoded(uri), folder = l.path;
-    if (name.find('\0') != std::string::npos) l.broken(what, "uri '%s' holds a zero byte", uri.c_str());
-    if (!l.files_beside) l.error(VXS_E_READ, "%s is in another file, '%s', and only this one is read", what.c_str(), name.c_str());
-    folder.erase(folder.rfind('/') == std::string::npos ? 0 : folder.rfind('/') + 1);
+    std::string path = path_beside(l, uri);
+    if (path.find('\0') != std::string::npos) l.broken(what, "uri '%s' holds a zero byte", uri.c_str());
+    if (!l.files_beside)
+        l.error(VXS_E_READ, "%s is in another file, '%s', and only this one is read", what.c_str(), percent_decoded(uri).c_str());
     int   reason;
-    bytes found = read_bytes((folder + name).c_str(), limit, true, reason);
-    if (reason) l.error(VXS_E_READ, "cannot read %s, '%s': %s", what.c_str(), (folder + name).c_str(), strerror(reason));
+    bytes found = read_bytes(l, path.c_str(), limit, true, reason);
+    if (reason) l.error(VXS_E_READ, "cannot read %s, '%s': %s", what.c_str(), path.c_str(), strerror(reason));
     return found;
 }
 
@@ -62,9 +94,10 @@ static void read_buffer(loader &l, const json &object, const container &c, size_
         if (b.missing) return;
         b.data = c.bin;
     } else {
-        if (uri.rfind("data:", 0) == 0) {
+        if (is_data(uri)) {
             if (!tinygltf::IsDataURI(uri) || uri.rfind("data:image/", 0) == 0)
                 l.broken(where, "'%.40s' is not a base64 data URI of a buffer", uri.c_str());
+            l.need(3 * uri.size(), where);
             decode_base64(uri.substr(uri.find(',') + 1), b.owned);
             source = "its data URI";
         } else {

@@ -7,13 +7,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "baker/files/input_file.h"
+
 namespace gltf
 {
 
-bytes read_bytes(const char *path, size_t limit, bool regular_only, int &error)
+bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error)
 {
     bytes out;
-    int   file = open(path, O_RDONLY | O_CLOEXEC | (regular_only ? O_NONBLOCK : 0));
+    int   file = regular_only ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : input_open(path);
     error      = file < 0 ? errno : 0;
     if (error) return out;
 
@@ -26,6 +28,13 @@ bytes read_bytes(const char *path, size_t limit, bool regular_only, int &error)
         error = EINVAL;
 
     size_t found = 0;
+    try {
+        if (!error && S_ISREG(status.st_mode))
+            l.need(std::min((size_t)status.st_size, limit), "a file, '" + std::string(path) + "'");
+    } catch (...) {
+        close(file);
+        throw;
+    }
     if (!error) out.resize(S_ISREG(status.st_mode) ? std::min((size_t)status.st_size, limit) : 0);
     while (!error && found < limit) {
         if (found == out.size()) out.resize(std::min(limit, found + std::max(found, (size_t)65536)));
@@ -40,10 +49,14 @@ bytes read_bytes(const char *path, size_t limit, bool regular_only, int &error)
     return out;
 }
 
-void read_scene_file(loader &l)
+void read_scene_file(loader &l, const char *path)
 {
-    int reason;
-    l.file = read_bytes(l.path, FILE_BYTES_MAX, false, reason);
+    int         reason;
+    struct stat status;
+    l.file            = read_bytes(l, path, FILE_BYTES_MAX, false, reason);
+    /* what comes through a pipe lies nowhere: beside it are the files of the working folder */
+    const char *slash = !stat(path, &status) && S_ISREG(status.st_mode) ? strrchr(path, '/') : nullptr;
+    if (slash) l.folder.assign(path, slash + 1);
     if (reason || l.file.empty())
         throw failure{fail(l.m, VXS_E_READ, "cannot read '%s': %s", l.path, reason ? strerror(reason) : "the file is empty")};
     if (l.file.size() >= FILE_BYTES_MAX) l.unsupported("", "is 4 GiB or larger");

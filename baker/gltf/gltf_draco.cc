@@ -50,6 +50,9 @@ static bool triangles_in_header(const char *from, size_t size, uint32_t &triangl
     return buffer.Decode(&kind) && draco::DecodeVarint(&vertices, &buffer) && draco::DecodeVarint(&triangles, &buffer);
 }
 
+/* Of a mesh while it is decoded, at least. */
+constexpr uint64_t TRIANGLE_BYTES = 60;
+
 /* Room for elements that follow each other. */
 static elements dense_elements(const elements &like, int component, size_t components, size_t count)
 {
@@ -122,6 +125,7 @@ static draco_primitive decode(loader &l, const std::string &where, const tinyglt
         l.broken(where, "its %s data holds %u triangles, accessor %d says %zu indices", NAME, triangles, p.indices, indices.count);
     if (triangles > plausible_triangles(size)) l.unsupported(where, "%u triangles in %zu bytes of %s data", triangles, size, NAME);
 
+    l.need(TRIANGLE_BYTES * triangles, where);
     draco::DecoderBuffer buffer;
     buffer.Init(from, size);
     draco::Decoder decoder;

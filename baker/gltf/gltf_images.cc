@@ -22,6 +22,7 @@ static void check_pixels(loader &l, const std::string &where, int width, int hei
         l.unsupported(where, "%d x %d pixels: masks may have %zu in an image, %zu together", width, height, PIXELS_MAX,
                       ALPHA_PIXELS_MAX);
     l.pixels_left -= pixels;
+    l.need(5 * pixels, where); /* four bytes each, and the alpha of them */
     out.width_px  = (uint32_t)width;
     out.height_px = (uint32_t)height;
 }

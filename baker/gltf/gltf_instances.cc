@@ -27,7 +27,6 @@ static void check_attribute(loader &l, size_t node, const char *name, int type, 
     if (e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) l.broken(where, "accessor %d is of 32-bit integers", index);
     if (count != SIZE_MAX && e.count != count) l.broken(where, "%zu elements, the attribute before has %zu", e.count, count);
     count = e.count;
-    use_accessor(l, index);
 }
 
 size_t count_instances(loader &l, size_t node)
@@ -49,9 +48,11 @@ size_t count_instances(loader &l, size_t node)
     return found;
 }
 
-static void read_values(const loader &l, int accessor, size_t i, size_t count, double *values)
+static void read_values(loader &l, int accessor, size_t i, size_t count, double *values)
 {
-    for (size_t k = 0; accessor >= 0 && k < count; k++) values[k] = l.accessors[accessor].value(i, k);
+    if (accessor < 0) return;
+    const elements &e = use_accessor(l, (size_t)accessor);
+    for (size_t k = 0; k < count; k++) values[k] = e.value(i, k);
 }
 
 transform instance_transform(loader &l, size_t node, size_t i)

@@ -222,11 +222,17 @@ static void check_primitives(loader &l, const json &root)
     }
 }
 
-/* How deep brackets nest, at most. nlohmann could count while it parses, but in quadratic time. */
-static long nesting(const container &c)
+/* What a text is made of. */
+struct text_counts {
+    long   deepest = 0; /* how deep brackets nest; nlohmann could count while it parses, but in quadratic time */
+    size_t values  = 0; /* nearly */
+};
+
+static text_counts count_text(const container &c)
 {
-    long depth = 0, deepest = 0;
-    bool quoted = false;
+    text_counts counts;
+    long        depth  = 0;
+    bool        quoted = false;
     for (size_t i = 0; i < c.text_size; i++) {
         char at = c.text[i];
         if (quoted && at == '\\')
@@ -234,16 +240,24 @@ static long nesting(const container &c)
         else if (at == '"')
             quoted = !quoted;
         else if (!quoted && (at == '[' || at == '{'))
-            deepest = std::max(deepest, ++depth);
+            counts.deepest = std::max(counts.deepest, ++depth), counts.values++;
         else if (!quoted && (at == ']' || at == '}'))
             depth--;
+        else if (!quoted && at == ',')
+            counts.values++;
     }
-    return deepest;
+    return counts;
 }
+
+/* What a text becomes, with the model that tinygltf makes of it: measured with long lists of nodes and with data URIs. */
+constexpr uint64_t JSON_VALUE_BYTES = 150, JSON_TEXT_BYTES = 3;
 
 json parse_json(loader &l, const container &c)
 {
-    if (nesting(c) > JSON_DEPTH_MAX) l.broken("", "its JSON is nested too deeply");
+    text_counts counts = count_text(c);
+    if (counts.deepest > JSON_DEPTH_MAX) l.broken("", "its JSON is nested too deeply");
+    l.need(JSON_VALUE_BYTES * counts.values + JSON_TEXT_BYTES * c.text_size,
+           "JSON of " + std::to_string(counts.values) + " values in " + std::to_string(c.text_size) + " bytes");
     return json::parse(c.text, c.text + c.text_size);
 }
 

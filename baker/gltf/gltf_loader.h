@@ -151,12 +151,24 @@ struct placement {
     size_t                     triangles;
 };
 
+/* What has a name that patterns may give, and extras. */
+enum kind { NODE, MESH, MATERIAL, KINDS };
+
+/* What is said of one of them. */
+struct mark {
+    bool   included = false;    /* an --include names it */
+    bool   flagged  = false;    /* its extras say that it casts no shadow */
+    size_t excluded = SIZE_MAX; /* the first --exclude that names it; SIZE_MAX: none */
+};
+
 struct loader {
-    message        *m;
-    const char     *path;
-    scene          *s;
-    bool            files_beside; /* buffers and images may be in other files */
-    tinygltf::Model model;
+    message            *m;
+    const char         *path; /* as messages call it */
+    const scene_choice *choice;
+    scene              *s;
+    bool                files_beside; /* buffers and images may be in other files */
+    std::string         folder;       /* of those: "" or with a slash at its end */
+    tinygltf::Model     model;
 
     bytes file; /* a GLB's buffer 0 lies in it */
     json  rest; /* what tinygltf does not get: materials, textures, samplers, images */
@@ -179,6 +191,14 @@ struct loader {
     std::vector<alpha_mask>          alpha_masks;
     std::vector<holed_triangle>      holed_triangles;
 
+    std::vector<mark>            marks[KINDS];         /* of a node: with what is said of those above it */
+    std::vector<scene_exclusion> exclusions;           /* all rules, by number */
+    size_t                       skinned_excluded = 0; /* nodes */
+
+    std::vector<scene_part> parts;
+    std::vector<uint32_t>   name_at[KINDS]; /* in names, 0: not there */
+    std::string             names;
+
     std::vector<size_t>    roots, order; /* the scene's nodes, parents first */
     std::vector<transform> ws_from_node; /* by node */
 
@@ -194,6 +214,9 @@ struct loader {
     [[noreturn]] void error(vxs_result code, const char *format, ...) __attribute__((format(printf, 3, 4)));
     [[noreturn]] void broken(const std::string &where, const char *format, ...) __attribute__((format(printf, 3, 4)));
     [[noreturn]] void unsupported(const std::string &where, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+    /* So many bytes are about to be taken for something, "buffer 3": throw when there are not as many. */
+    void need(uint64_t size_bytes, const std::string &what);
 };
 
 /* "node 3 'lamp'" */
@@ -227,8 +250,8 @@ struct container {
 };
 
 /* The first `limit` bytes of a file; `error` is 0 or an errno. A file that a scene refers to must be a regular one: a pipe may never end. */
-bytes     read_bytes(const char *path, size_t limit, bool regular_only, int &error);
-void      read_scene_file(loader &l);
+bytes     read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error);
+void      read_scene_file(loader &l, const char *path);
 container open_container(loader &l);
 
 /* ---- gltf_json.cc, gltf_parse.cc ---- */
@@ -268,6 +291,9 @@ void read_buffer_views(loader &l, const json &root);
 
 /* No buffer is missing; checked after all faults that can be seen without data. */
 void check_buffers(loader &l);
+
+/* No file that the scene refers to, whether it will be read or not, is an output of this run. */
+void check_files_beside(loader &l, const json &root);
 
 /* At most `limit` bytes of a file beside the scene, by the uri of a buffer or an image, `what`. */
 bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit);
@@ -336,6 +362,26 @@ int  choose_scene(loader &l, const char *which);
 void choose_roots(loader &l, int chosen, const std::vector<int> &parent);
 void place_nodes(loader &l, const std::vector<int> &parent);
 
+/* ---- gltf_selection.cc, gltf_parts.cc ---- */
+
+constexpr size_t CASTS = SIZE_MAX;
+
+/* What extras say, into l.marks. */
+void read_flags(loader &l, const json &root);
+
+/* What patterns say of the scene's nodes, of their meshes and of the materials of these, beside what extras do. */
+void select_casters(loader &l, const std::vector<int> &parent);
+
+/* The rule by which a node's primitive casts no shadow, a number of l.exclusions, or CASTS. */
+size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p);
+
+/* What was excluded, into the scene; with a warning where nobody asked for it. */
+void finish_selection(loader &l);
+
+/* The triangles from here on are of that primitive. */
+void begin_part(loader &l, size_t node, const tinygltf::Primitive &p);
+void finish_parts(loader &l);
+
 /* ---- gltf_meshes.cc, gltf_triangles.cc ---- */
 
 /* The accessor of an attribute, or -1. */
@@ -355,9 +401,9 @@ void check_all_indices(loader &l);
 /* A weight for each morph target of a primitive (3.7.2.2), or none. */
 void check_weights(loader &l, const std::string &where, const std::vector<double> &weights, const tinygltf::Primitive &p);
 
-/* Count before allocating: instancing makes scenes much larger than files. */
-void measure(loader &l);
-void place_meshes(loader &l);
+/* The scene's triangles, counted before they are placed: instancing makes scenes much larger than files. */
+size_t measure(loader &l);
+void   place_meshes(loader &l, size_t triangles);
 
 /* The accessor elements of a triangle's corners, in the order of the scene's. */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3]);

@@ -184,7 +184,8 @@ void warn_about_colors(loader &l, const std::string &where, const placement &p)
     message_free(&kept);
     for (size_t i = 0; e && i < e->count; i++)
         if (e->value(i, 3) != 1) {
-            warn(l.m, "%s: the alpha of COLOR_0 is ignored", where.c_str());
+            warn(l.m, "%s: the alpha of COLOR_0 is ignored; where it makes holes, put it into the texture of the base colour",
+                 where.c_str());
             return;
         }
 }
@@ -212,7 +213,9 @@ void place_masks(loader &l)
     scene *s = l.s;
     for (size_t i = 0; i < l.materials.size(); i++)
         if (l.materials[i].left_out)
-            warn(l.m, "%s: its alpha is below the cutoff everywhere: %zu triangles left out",
+            warn(l.m,
+                 "%s: its alpha is below the cutoff everywhere: %zu triangles left out; lower alphaCutoff, or set alphaMode to "
+                 "OPAQUE",
                  label("material", l.materials, i).c_str(), l.materials[i].left_out);
     if (l.holed_triangles.empty()) return;
 

@@ -110,52 +110,100 @@ void check_all_indices(loader &l)
         }
 }
 
-/* Warnings about what is skipped or simplified; points and lines are only counted. */
-static void warn_about(loader &l, const tinygltf::Node &node, size_t &points, size_t &lines)
+/* What is not baked, or not as it is shown, and no rule excludes. */
+struct skipped {
+    size_t points, lines; /* primitives */
+};
+
+static void warn_about(loader &l, size_t mesh, size_t i, skipped &skip)
 {
-    const tinygltf::Mesh &mesh = l.model.meshes[node.mesh];
-    for (size_t i = 0; i < mesh.primitives.size(); i++) {
-        const tinygltf::Primitive &p     = mesh.primitives[i];
-        std::string                where = primitive_label(l, node.mesh, i);
-        if (p.mode == TINYGLTF_MODE_POINTS)
-            points++;
-        else if (p.mode < TINYGLTF_MODE_TRIANGLES)
-            lines++;
-        else if (!makes_triangles(p))
-            warn(l.m, "%s has no POSITION: skipped", where.c_str());
-        else if (p.mode == TINYGLTF_MODE_TRIANGLES && corner_count(l, p) % 3)
-            warn(l.m, "%s has %zu corners, not a multiple of 3: the last ones are ignored", where.c_str(), corner_count(l, p));
-        if (!p.targets.empty())
-            warn(l.m, "%s has morph targets: baked at their default weights", label("mesh", l.model.meshes, node.mesh).c_str());
-    }
-    if (node.skin >= 0) warn(l.m, "%s: baked in rest pose, as its mesh is stored", label("skin", l.model.skins, node.skin).c_str());
+    const tinygltf::Primitive &p     = l.model.meshes[mesh].primitives[i];
+    std::string                where = primitive_label(l, mesh, i);
+    if (p.mode == TINYGLTF_MODE_POINTS)
+        skip.points++;
+    else if (p.mode < TINYGLTF_MODE_TRIANGLES)
+        skip.lines++;
+    else if (!makes_triangles(p))
+        warn(l.m, "%s has no POSITION: skipped; give it positions, or delete it", where.c_str());
+    else if (p.mode == TINYGLTF_MODE_TRIANGLES && corner_count(l, p) % 3)
+        warn(l.m, "%s has %zu corners, not a multiple of 3: the last ones are ignored; export it again", where.c_str(),
+             corner_count(l, p));
+    if (!p.targets.empty())
+        warn(l.m, "%s has morph targets: baked at their default weights; set those to the shape that is to cast",
+             label("mesh", l.model.meshes, mesh).c_str());
 }
 
-void measure(loader &l)
-{
-    std::vector<size_t> of_mesh(l.model.meshes.size(), 0);
-    for (size_t i = 0; i < of_mesh.size(); i++)
-        for (const tinygltf::Primitive &p : l.model.meshes[i].primitives)
-            if (makes_triangles(p)) of_mesh[i] += std::min(triangle_count(l, p), TRIANGLES_MAX + 1);
+/* Triangles of a node's mesh that cast, and vertices that are made of them each time it is placed: primitives that follow each other share
+ * those of an accessor. */
+struct mesh_counts {
+    size_t triangles = 0, vertices = 0;
+    size_t sharing = 0, shared = 0; /* triangles over the same accessor so far, and their vertices */
+    int    last = -1;
 
-    size_t total = 0, points = 0, lines = 0;
+    void add(const loader &l, const tinygltf::Primitive &p, size_t more)
+    {
+        if (!more) return;
+        int positions = attribute(p.attributes, "POSITION");
+        if (positions != last) sharing = shared = 0;
+        last = positions;
+        sharing += more;
+        triangles += more;
+        vertices -= shared;
+        vertices += shared = std::min(l.accessors[positions].count, 3 * sharing);
+    }
+};
+
+/* The arrays of a scene, and those that all who read one make of it: welded vertices, then edges (mesh_weld.c, casters.c). */
+static uint64_t scene_bytes(uint64_t triangles, uint64_t vertices)
+{
+    return std::max(29 * triangles + 60 * vertices, 58 * triangles + 28 * vertices);
+}
+
+/* What of a node's mesh casts, once; triangles that do not are counted where they are excluded. */
+static mesh_counts measure_node(loader &l, size_t index, size_t instances, skipped &skip)
+{
+    const tinygltf::Node &node       = l.model.nodes[index];
+    const auto           &primitives = l.model.meshes[node.mesh].primitives;
+    mesh_counts           casting;
+    bool                  skinned = false;
+    for (size_t i = 0; i < primitives.size(); i++) {
+        size_t triangles = makes_triangles(primitives[i]) ? std::min(triangle_count(l, primitives[i]), TRIANGLES_MAX + 1) : 0;
+        size_t rule      = exclusion_of(l, index, primitives[i]);
+        if (rule == CASTS) {
+            warn_about(l, node.mesh, i, skip);
+            casting.add(l, primitives[i], triangles);
+        } else {
+            l.exclusions[rule].triangles += instances * triangles;
+            skinned |= l.exclusions[rule].rule == EXCLUDED_AS_SKINNED && instances && triangles;
+        }
+    }
+    l.skinned_excluded += skinned;
+    return casting;
+}
+
+size_t measure(loader &l)
+{
+    size_t  total = 0, vertices = 0, placed = 0;
+    skipped skip = {};
     for (size_t index : l.order) {
-        const tinygltf::Node &node = l.model.nodes[index];
-        if (node.mesh < 0) continue;
-        size_t instances = count_instances(l, index), triangles = of_mesh[node.mesh];
-        warn_about(l, node, points, lines);
+        if (l.model.nodes[index].mesh < 0) continue;
+        size_t      instances = count_instances(l, index);
+        mesh_counts casting   = measure_node(l, index, instances, skip);
+        size_t      triangles = casting.triangles;
         if (triangles && instances > (TRIANGLES_MAX - std::min(total, TRIANGLES_MAX)) / triangles)
             l.unsupported("", "more than %zu triangles in the scene, with those of %s", TRIANGLES_MAX,
                           label("node", l.model.nodes, index).c_str());
         total += instances * triangles;
+        vertices += instances * casting.vertices;
+        placed += triangles ? instances : 0;
     }
-    if (points) warn(l.m, "primitives of points skipped: %zu", points);
-    if (lines) warn(l.m, "primitives of lines skipped: %zu", lines);
-    if (!total) return;
-
-    l.s->indices        = (uint32_t *)malloc(3 * total * sizeof(uint32_t));
-    l.s->triangle_flags = (uint8_t *)malloc(total);
-    if (!l.s->indices || !l.s->triangle_flags) l.error(VXS_E_MEMORY, "out of memory for %zu triangles", total);
+    if (skip.points) warn(l.m, "primitives of points skipped: %zu; what is to cast a shadow needs triangles", skip.points);
+    if (skip.lines) warn(l.m, "primitives of lines skipped: %zu; what is to cast a shadow needs triangles", skip.lines);
+    finish_selection(l);
+    if (total)
+        l.need(scene_bytes(total, vertices), std::to_string(total) + " triangles with " + std::to_string(vertices) +
+                                                 " vertices, meshes placed " + std::to_string(placed) + " times");
+    return total;
 }
 
 } // namespace gltf

@@ -76,6 +76,7 @@ void decode_view(loader &l, size_t index)
     if (c.mode == "ATTRIBUTES" && from[0] == 0xa1) l.unsupported(where, "version 1 of the vertex codec is not read");
 
     l.decoded_left -= v.length;
+    l.need(v.length, where);
     bytes out(v.length);
     int   failed = c.mode == "ATTRIBUTES"  ? meshopt_decodeVertexBuffer(out.data(), c.count, c.stride, from, c.length)
                    : c.mode == "TRIANGLES" ? meshopt_decodeIndexBuffer(out.data(), c.count, c.stride, from, c.length)

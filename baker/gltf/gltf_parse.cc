@@ -47,10 +47,12 @@ void parse(loader &l)
     container c    = open_container(l);
     json      root = parse_json(l, c);
     check_json(l, root);
+    check_files_beside(l, root);
     read_buffers(l, root, c);
     read_buffer_views(l, root);
     read_lights(l, root);
     read_materials(l, root);
+    read_flags(l, root);
     l.camera_count = items(root, "cameras").size();
     for (const char *list : {"extensionsUsed", "extensionsRequired"})
         for (const json &name : items(root, list)) l.quantization |= name == "KHR_mesh_quantization";

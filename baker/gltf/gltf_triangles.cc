@@ -97,12 +97,14 @@ static void apply_material(loader &l, const std::string &where, placement &p)
 }
 
 /* What one node places, each time. */
-static std::vector<placement> find_placements(loader &l, const tinygltf::Node &node, size_t instances)
+static std::vector<placement> find_placements(loader &l, size_t index, size_t instances)
 {
+    const tinygltf::Node  &node = l.model.nodes[index];
     std::vector<placement> placements;
     const auto            &primitives = l.model.meshes[node.mesh].primitives;
     for (size_t i = 0; i < primitives.size(); i++) {
         if (!makes_triangles(primitives[i]) || !triangle_count(l, primitives[i])) continue;
+        if (exclusion_of(l, index, primitives[i]) != CASTS) continue;
         placement p = {};
         p.primitive = &primitives[i];
         p.triangles = triangle_count(l, primitives[i]);
@@ -132,6 +134,7 @@ static void place_primitive(loader &l, size_t node, const placement &p, const el
     last = p.targets.empty() ? p.positions : nullptr;
     if (l.slots.size() < p.positions->count) l.slots.resize(p.positions->count);
 
+    begin_part(l, node, *p.primitive);
     uint32_t *out = s->indices + 3 * s->triangle_count;
     for (size_t t = 0; t < p.triangles; t++, out += 3) {
         uint32_t element[3];
@@ -149,7 +152,7 @@ static void place_primitive(loader &l, size_t node, const placement &p, const el
 static void place_node(loader &l, size_t node)
 {
     size_t                 instances  = count_instances(l, node);
-    std::vector<placement> placements = instances ? find_placements(l, l.model.nodes[node], instances) : std::vector<placement>();
+    std::vector<placement> placements = instances ? find_placements(l, node, instances) : std::vector<placement>();
     for (size_t i = 0; i < instances && !placements.empty(); i++) {
         transform       ws_from_instance = instance_transform(l, node, i);
         const elements *last             = nullptr;
@@ -161,12 +164,20 @@ static void place_node(loader &l, size_t node)
     }
 }
 
-void place_meshes(loader &l)
+static void make_room(loader &l, size_t triangles)
 {
-    measure(l);
+    l.s->indices        = (uint32_t *)malloc(3 * triangles * sizeof(uint32_t));
+    l.s->triangle_flags = (uint8_t *)malloc(triangles);
+    if (!l.s->indices || !l.s->triangle_flags) l.error(VXS_E_MEMORY, "out of memory for %zu triangles", triangles);
+}
+
+void place_meshes(loader &l, size_t triangles)
+{
+    if (triangles) make_room(l, triangles);
     for (size_t node : l.order)
         if (l.model.nodes[node].mesh >= 0) place_node(l, node);
     place_masks(l);
+    finish_parts(l);
     if (!l.s->vertex_count) return;
     double *fitted = (double *)realloc(l.s->positions_ws, 3 * l.s->vertex_count * sizeof(double));
     if (fitted) l.s->positions_ws = fitted;

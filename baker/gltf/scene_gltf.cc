@@ -5,6 +5,9 @@
 #include <cstdarg>
 #include <stdexcept>
 
+#include "baker/base/memory.h"
+#include "baker/files/input_file.h"
+
 namespace gltf
 {
 
@@ -42,6 +45,12 @@ void loader::unsupported(const std::string &where, const char *format, ...)
     give_up(*this, VXS_E_UNSUPPORTED, where, formatted(format, args));
 }
 
+void loader::need(uint64_t size_bytes, const std::string &what)
+{
+    vxs_result r = memory_check(size_bytes, m, "'%s': %s: this needs", path, what.c_str());
+    if (r != VXS_OK) throw failure{r};
+}
+
 std::string label(const char *kind, size_t index, const std::string &name)
 {
     std::string text = std::string(kind) + " " + std::to_string(index);
@@ -58,7 +67,15 @@ std::string one_line(std::string text)
     return text.empty() ? "cannot be parsed" : text;
 }
 
-static void load(loader &l, const char *which)
+/* What stops the work is said before the triangles, which may be many more than the file's. */
+static void check_before_triangles(loader &l, const scene_check *check)
+{
+    vxs_result r = check ? check->check(check->user, l.s, l.m) : VXS_OK;
+    if (r == VXS_OK) r = message_check(l.m);
+    if (r != VXS_OK) throw failure{r};
+}
+
+static void load(loader &l, const scene_check *check)
 {
     parse(l);
     check_accessors(l);
@@ -67,27 +84,33 @@ static void load(loader &l, const char *which)
     std::vector<int> parent = check_tree(l);
     check_buffers(l);
     check_all_indices(l);
-    int chosen = choose_scene(l, which);
+    int chosen = choose_scene(l, l.choice->name);
     choose_roots(l, chosen, parent);
     place_nodes(l, parent);
-    place_meshes(l);
+    select_casters(l, parent);
     place_lights(l);
     place_cameras(l);
     l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[chosen].name.c_str());
     if (!l.s->name) throw std::bad_alloc();
+    size_t triangles = measure(l);
+    check_before_triangles(l, check);
+    place_meshes(l, triangles);
 }
 
 } // namespace gltf
 
 /* No exception leaves the loader. */
-template <typename function> static vxs_result guarded(scene *s, const char *path, message *m, function &&work)
+template <typename function>
+static vxs_result guarded(scene *s, const char *path, const scene_choice *choice, message *m, function &&work)
 {
-    vxs_result r = VXS_OK;
+    static const scene_choice all = {};
+    vxs_result                r   = VXS_OK;
     memset(s, 0, sizeof *s);
     try {
         gltf::loader l = {};
         l.m            = m;
         l.path         = path;
+        l.choice       = choice ? choice : &all;
         l.s            = s;
         work(l);
     } catch (const gltf::failure &f) {
@@ -105,18 +128,34 @@ template <typename function> static vxs_result guarded(scene *s, const char *pat
     return r;
 }
 
-extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const char *which, message *m)
+extern "C" vxs_result scene_load_gltf(scene *s, const char *path, const scene_choice *choice, message *m)
 {
-    return guarded(s, path, m, [which](gltf::loader &l) {
+    return scene_load_gltf_checked(s, path, choice, nullptr, m);
+}
+
+extern "C" vxs_result scene_load_gltf_checked(scene *s, const char *path, const scene_choice *choice, const scene_check *check,
+                                              message *m)
+{
+    return guarded(s, input_name(path), choice, m, [path, check](gltf::loader &l) {
         l.files_beside = true;
-        gltf::read_scene_file(l);
-        gltf::load(l, which);
+        gltf::read_scene_file(l, path);
+        gltf::load(l, check);
+    });
+}
+
+extern "C" vxs_result scene_check_files_gltf(const char *path, message *m)
+{
+    scene unread;
+    return guarded(&unread, input_name(path), nullptr, m, [path](gltf::loader &l) {
+        l.files_beside = true;
+        gltf::read_scene_file(l, path);
+        gltf::check_files_beside(l, gltf::parse_json(l, gltf::open_container(l)));
     });
 }
 
 extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m)
 {
-    return guarded(s, name, m, [bytes, size_bytes](gltf::loader &l) {
+    return guarded(s, name, nullptr, m, [bytes, size_bytes](gltf::loader &l) {
         if (size_bytes >= gltf::FILE_BYTES_MAX) l.unsupported("", "is 4 GiB or larger");
         l.file.assign((const unsigned char *)bytes, (const unsigned char *)bytes + size_bytes);
         gltf::load(l, nullptr);

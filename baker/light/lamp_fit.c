@@ -132,8 +132,11 @@ vxs_result lamp_fit(vxs_light *light, const casters *c, const light_fit_desc *de
         double px = 2 * slope * r.far / desc->texel_metres;
         while (side < desc->resolution_max && side - 2 * border_px(side) < px) side *= 2;
         if (side - 2 * border_px(side) < px)
-            return fail(m, VXS_E_ARGUMENT, "--texel %g: light '%s' is %g m wide where it ends, which needs more than %u texels",
-                        desc->texel_metres, desc->name, 2 * slope * r.far, desc->resolution_max);
+            return fail(m, VXS_E_ARGUMENT,
+                        "--texel %g: light '%s' is %g m wide where it ends, which needs more than %u texels; at least --texel "
+                        "%s=%.3g",
+                        desc->texel_metres, desc->name, 2 * slope * r.far, desc->resolution_max, desc->name,
+                        1.005 * 2 * slope * r.far / (side - 2 * border_px(side)));
         light->levels       = log2_u32(side);
         light->texel_metres = slope_of(slope, side);
     }

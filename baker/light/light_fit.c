@@ -38,7 +38,8 @@ static void set_name(vxs_light *light, const char *name, message *m)
     if (length > VXS_LIGHT_NAME_BYTES - 1) {
         length = VXS_LIGHT_NAME_BYTES - 1;
         while (length && ((unsigned char)name[length] & 0xc0) == 0x80) length--;
-        warn(m, "light '%s': the name is cut to its first %zu bytes", name, length);
+        warn(m, "light '%s': the name is cut to its first %zu bytes, by which it will be looked up; rename it in the scene", name,
+             length);
     }
     memcpy(light->name, name, length);
 }
@@ -64,11 +65,18 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
     } else {
         for (side = 8; side < desc->resolution_max && (side - 2) * texel < width; side *= 2) {}
         if ((side - 2) * texel < width)
-            return fail(m, VXS_E_ARGUMENT,
-                        "--texel %g: the scene is %g m wide, which needs more than %u texels; at least --texel %.3g", texel, width,
-                        desc->resolution_max, width / (desc->resolution_max - 2));
+            return fail(
+                m, VXS_E_ARGUMENT,
+                "--texel %g: the scene is %g m wide seen from light '%s', which needs more than %u texels; at least --texel "
+                "%s=%.3g",
+                texel, width, desc->name, desc->resolution_max, desc->name, 1.005 * width / (desc->resolution_max - 2));
     }
     double voxel = fmax(depth / (side - 3), texel);
+    if (desc->region_ws && fmax(width, depth) < texel)
+        warn(m,
+             "light '%s': --region is %.3g x %.3g m seen from it, and a texel is %.3g m: one voxel holds all; give a smaller "
+             "--texel or a larger region",
+             desc->name, width, depth, texel);
     if (!(texel > 0) || !isfinite(1 / texel) || !isfinite(width) || !isfinite(depth))
         return fail(m, VXS_E_ARGUMENT, "the casters span %g x %g m seen from light '%s': no map can be fitted to them", width,
                     depth, desc->name);

@@ -355,9 +355,10 @@ void mesh_health_free(mesh_health *h)
     *h = (mesh_health){0};
 }
 
-int component_has_faults(const component_health *c)
+int component_faults(const component_health *c)
 {
+    if (!c->closed || !c->orientable || !c->oriented || c->kind == COMPONENT_SHEET_INWARD) return 2;
     for (int n = HEALTH_FAULTS; n < HEALTH_COUNTS; n++)
         if (c->counts[n]) return 1;
-    return c->meets || !c->closed || !c->orientable || !c->oriented || c->kind == COMPONENT_SHEET_INWARD;
+    return 0;
 }

@@ -39,6 +39,7 @@ typedef struct snapshot {
 /* What is known of a triangle of the scene. */
 typedef struct triangle_note {
     uint32_t origin; /* its component in the scene as it was; NONE: it was collapsed */
+    uint32_t part;   /* of the scene as it was */
     uint8_t  masked; /* 1: alpha-tested */
 } triangle_note;
 
@@ -186,9 +187,10 @@ static void take_out(repair *x, const uint8_t *removed)
 {
     scene           *s    = x->s;
     const mesh_weld *mesh = &x->v.mesh;
-    size_t           kept = 0, masks = 0, welded = 0;
+    size_t           kept = 0, masks = 0, welded = 0, part = 0;
     for (size_t t = 0; t < s->triangle_count; t++) {
         int is_welded = welded < mesh->triangle_count && mesh->from[welded] == t;
+        while (part < s->part_count && s->parts[part].triangle_first == t) s->parts[part++].triangle_first = (uint32_t)kept;
         while (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle < t) masks++;
         if (is_welded && removed[welded++]) continue;
         if (masks < s->holed_triangle_count && s->holed_triangles[masks].triangle == t)
@@ -197,6 +199,7 @@ static void take_out(repair *x, const uint8_t *removed)
         s->triangle_flags[kept] = s->triangle_flags[t];
         x->notes[kept++]        = x->notes[t];
     }
+    for (; part < s->part_count; part++) s->parts[part].triangle_first = (uint32_t)kept;
     s->triangle_count = kept;
 }
 
@@ -442,16 +445,21 @@ static int append(repair *x, const filling *f)
 {
     scene *s     = x->s;
     size_t count = s->triangle_count + f->added_count, indices_held = s->triangle_count, flags_held = s->triangle_count;
+    size_t parts_held = s->part_count;
     if (!array_reserve(&s->indices, &indices_held, count, 3 * sizeof *s->indices) ||
         !array_reserve(&s->triangle_flags, &flags_held, count, sizeof *s->triangle_flags) ||
-        !array_reserve(&x->notes, &x->note_capacity, count, sizeof *x->notes))
+        !array_reserve(&x->notes, &x->note_capacity, count, sizeof *x->notes) ||
+        (s->part_count && !array_reserve(&s->parts, &parts_held, s->part_count + f->added_count, sizeof *s->parts)))
         return 0;
     for (size_t i = 0; i < f->added_count; i++) {
         size_t   t    = s->triangle_count++;
         uint32_t like = x->v.mesh.from[f->added[i].beside];
         memcpy(&s->indices[3 * t], f->added[i].corners, sizeof f->added[i].corners);
         s->triangle_flags[t] = s->triangle_flags[like];
-        x->notes[t]          = (triangle_note){x->notes[like].origin, 0};
+        x->notes[t]          = (triangle_note){x->notes[like].origin, x->notes[like].part, 0};
+        if (!s->part_count) continue; /* it came from no file */
+        s->parts[s->part_count]                  = s->parts[x->notes[t].part];
+        s->parts[s->part_count++].triangle_first = (uint32_t)t;
     }
     return 1;
 }
@@ -490,8 +498,11 @@ static vxs_result start(repair *x, message *m)
 {
     const scene *s = x->s;
     if (!array_reserve(&x->notes, &x->note_capacity, s->triangle_count, sizeof *x->notes)) return out_of_memory(x, m);
-    for (size_t t = 0; t < s->triangle_count; t++)
-        x->notes[t] = (triangle_note){NONE, (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0};
+    uint32_t part = 0;
+    for (size_t t = 0; t < s->triangle_count; t++) {
+        part        = scene_part_at(s, part, t);
+        x->notes[t] = (triangle_note){NONE, part, (s->triangle_flags[t] & TRIANGLE_ALPHA_MASK) != 0};
+    }
     for (size_t i = 0; i < s->holed_triangle_count; i++) x->notes[s->holed_triangles[i].triangle].masked = 1;
 
     vxs_result r = take_snapshot(x, m);
@@ -504,6 +515,7 @@ static vxs_result start(repair *x, message *m)
         repaired_component *c            = &x->out->components[v->component_of[t]];
         x->notes[v->mesh.from[t]].origin = v->component_of[t];
         if (!c->triangles++) c->triangle = v->mesh.from[t];
+        part_span_add(&c->parts, x->notes[v->mesh.from[t]].part);
         c->closed_before = (uint8_t)is_closed(v, t);
     }
     return VXS_OK;

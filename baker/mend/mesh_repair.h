@@ -40,9 +40,10 @@ typedef struct repair_options {
 enum { REPAIR_COUNTS = 6 };
 
 typedef struct repaired_component {
-    uint32_t triangle, triangles; /* its first in the scene as it was, and how many it had */
-    uint8_t  closed_before;       /* closed and consistently oriented */
-    uint8_t  closed_after;        /* what has become of all of it is */
+    uint32_t  triangle, triangles; /* its first in the scene as it was, and how many it had */
+    part_span parts;
+    uint8_t   closed_before; /* closed and consistently oriented */
+    uint8_t   closed_after;  /* what has become of all of it is */
     union {
         struct {
             uint32_t removed_repeated, removed_zero_area;
@@ -61,7 +62,8 @@ typedef struct repair_report {
     size_t              component_count, closed_before, closed_after; /* of all components of the scene as it was */
 } repair_report;
 
-/* Mend a scene in place. Triangles keep their order; new ones are added at its end, holed_triangles are kept right.
+/* Mend a scene in place. Triangles keep their order; new ones are added at its end, holed_triangles and parts are
+ * kept right; a part keeps its number.
  * out  [out] zeroed on failure; released with repair_report_free
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_SCENE (as mesh_weld_scene). After a failure the scene can only be freed. A scene without triangles is not
  * an error here.  Deterministic; threads: none. Linear but for the holes that are filled. */

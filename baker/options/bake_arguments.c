@@ -2,84 +2,102 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/options/bake_arguments.h"
 
-#include <stdlib.h>
+#include <assert.h>
 #include <string.h>
 
 #include "baker/base/parallel.h"
+#include "baker/options/scene_rows.h"
 
-static vxs_result check(bake_arguments *a, int output_needed, message *m)
+static vxs_result check_map_sizes(bake_options *o, message *m)
+{
+    for (const named_value *v = o->resolutions.items; v < o->resolutions.items + o->resolutions.count; v++) {
+        uint32_t side = (uint32_t)v->numbers[0];
+        if (side & (side - 1))
+            return fail(m, VXS_E_ARGUMENT, "--resolution %s%s%u: expected a power of two from %d to %d", v->name ? v->name : "",
+                        v->name ? "=" : "", side, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX);
+        if (!named_find(&o->texels, v->name)) continue;
+        if (!v->name)
+            return fail(
+                m, VXS_E_ARGUMENT,
+                "--resolution and --texel exclude each other: expected one of them, or a name before one: --texel NAME=METRES");
+        return fail(m, VXS_E_ARGUMENT, "--resolution %s=%u and --texel %s=%g exclude each other: expected one of them", v->name,
+                    side, v->name, named_find(&o->texels, v->name)->numbers[0]);
+    }
+    const named_value *resolution = named_find(&o->resolutions, NULL), *texel = named_find(&o->texels, NULL);
+    if (resolution) o->resolution = (uint32_t)resolution->numbers[0];
+    if (texel) {
+        o->resolution   = 0;
+        o->texel_metres = texel->numbers[0];
+    }
+    return VXS_OK;
+}
+
+vxs_result bake_arguments_check(bake_arguments *a, message *m)
 {
     bake_options *o = &a->o;
-    vxs_result    r;
-    if (output_needed && !o->output_path) return fail(m, VXS_E_ARGUMENT, "bake needs -o OUT.vxs");
-    if ((r = outputs_check_apart("-o", o->output_path, "--json", a->json_path, m)) != VXS_OK) return r;
-    if ((r = outputs_check_apart("-o", o->output_path, "--report", a->page_path, m)) != VXS_OK) return r;
-    if ((r = outputs_check_apart("--json", a->json_path, "--report", a->page_path, m)) != VXS_OK) return r;
-    if (a->resolution_given && a->texel_given) return fail(m, VXS_E_ARGUMENT, "--resolution and --texel exclude each other");
-    if (a->texel_given) o->resolution = 0;
-    if (o->resolution & (o->resolution - 1))
-        return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two from %d to %d", o->resolution, RESOLUTION_MIN_PX,
-                    RESOLUTION_MAX_PX);
+    o->pictures     = a->page_path != NULL;
+    vxs_result r    = check_map_sizes(o, m);
+    if (r != VXS_OK) return r;
     for (int axis = 0; axis < 3 && o->region_given; axis++)
         if (!(o->region_ws[axis] < o->region_ws[axis + 3]))
             return fail(m, VXS_E_ARGUMENT, "--region: the minimum must be less than the maximum, but is %g and %g on axis %c",
                         o->region_ws[axis], o->region_ws[axis + 3], "xyz"[axis]);
+    if (o->if_changed && (!o->output_path || is_standard_output(o->output_path)))
+        return fail(m, VXS_E_ARGUMENT, "--if-changed needs -o OUT.vxs: there is no older asset on standard output");
+    if (o->if_changed && is_standard_output(a->page_path))
+        return fail(m, VXS_E_ARGUMENT, "--if-changed and --report - exclude each other: a page is made of a bake");
     return VXS_OK;
 }
 
-vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed,
-                                int argc, char **argv, message *m)
+void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed)
 {
     memset(a, 0, sizeof *a);
     a->o =
         (bake_options){.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .zstd_level = 12, .threads = parallel_default_threads()};
     const option options[] = {
-        {"-o", OPTION_TEXT, &a->o.output_path, 0, 0, NULL, "OUT.vxs", "where the asset goes; - is standard output", NULL},
-        {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default: all)", NULL},
-        {"--sun", OPTION_VECTOR, a->o.sun, 0, 3, NULL, "X,Y,Z", "add a light named sun that travels this way", &a->o.sun_given},
-        {"--resolution", OPTION_U32, &a->o.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N",
-         "texels a side of the map, a power of two, 8 to 16384 (default 4096)", &a->resolution_given},
-        {"--texel", OPTION_F64, &a->o.texel_metres, 1e-9, 1e9, NULL, "METRES", "side of a texel; the resolution follows from it",
-         &a->texel_given},
-        {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",
-         "x,y,z,x,y,z of the box that will be looked up, metres (default: all casters)", &a->o.region_given},
-        {"--scene", OPTION_TEXT, &a->o.scene_name, 0, 0, NULL, "NAME", "name or index of the glTF scene (default: the file's)",
+        {"SCENE", OPTION_INPUT, &a->o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+        {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, 0, ".vxs", "OUT.vxs", "where the asset goes; - is standard output",
          NULL},
-        {"--maps", OPTION_CHOICE, &a->maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto, which is gl)", NULL},
+        {"--if-changed", OPTION_SWITCH, &a->o.if_changed, 0, 0, NULL, NULL,
+         "do nothing when OUT.vxs is sound, and was baked from the same scene, lights and options by this version", NULL},
+        {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default all lights)",
+         NULL},
+        {"--sun", OPTION_NAMED_VECTOR, &a->o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",
+         "add a light that travels this way, named sun or NAME; repeat for more", NULL},
+        {"--resolution", OPTION_NAMED_U32, &a->o.resolutions, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "[NAME=]N",
+         "texels a side of the map, of light NAME or of all others, a power of two, 8 to 16384 (default 4096)", NULL},
+        {"--texel", OPTION_NAMED_F64, &a->o.texels, 1e-9, 1e9, NULL, "[NAME=]METRES",
+         "side of a texel, of light NAME or of all others; the resolution follows from it (default from --resolution)", NULL},
+        {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",
+         "x,y,z,x,y,z of the box that will be looked up, metres (default all casters)", &a->o.region_given},
+        SCENE_ROWS(a->o.scene),
+        {"--maps", OPTION_CHOICE, &a->maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto)", NULL},
         {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
-         "exit depth of solids: peeled, or the nearest back face (default auto: peeled where solids meet)", NULL},
+         "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},
         {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
-         "threads (default: all processors); never changes the bytes", NULL},
+         "threads; never changes the bytes (default all processors)", NULL},
         {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
-         "hold no more memory than this: 800M, 2G, or plain bytes (default: as much as it needs)", NULL},
-        {"--report", OPTION_TEXT, &a->page_path, 0, 0, NULL, "FILE.html",
+         "hold no more memory than this: 800M, 2G, or plain bytes (default as much as needed)", NULL},
+        {"--report", OPTION_OUTPUT, &a->page_path, 0, 0, ".html|.htm", "FILE.html",
          "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
-        {"--json", OPTION_TEXT, &a->json_path, 0, 0, NULL, "FILE", "the report as JSON; - is standard output", NULL},
+        {"--json", OPTION_OUTPUT, &a->json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},
         {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "for comparison with older work", NULL},
         {"--rule", OPTION_CHOICE, &a->o.rule, 0, 0, RULE_CHOICES, NULL,
          "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
         {"--reuse", OPTION_CHOICE, &a->o.reuse, 0, 0, REUSE_CHOICES, NULL,
          "insertion refers to an equal neighbour nearer the light (default on)", NULL},
         {"--compress", OPTION_CHOICE, &a->o.compress, 0, 0, COMPRESS_CHOICES, NULL,
-         "order of sub-DAG compression (default auto: top-down where it pays)", NULL},
+         "order of sub-DAG compression; auto: top-down where it pays (default auto)", NULL},
         {"--stop", OPTION_CHOICE, &a->o.stop, 0, 0, STOP_CHOICES, NULL,
          "after insertion, sub-DAG compression, or the merge (default final)", NULL},
         {"--baseline", OPTION_CHOICE, &a->o.baseline, 0, 0, BASELINE_CHOICES, NULL,
          "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
     };
-    const command_line line = {name, synopsis, summary, options, sizeof options / sizeof *options, 1};
-    vxs_result         r    = options_parse(&line, argc, argv, &a->o.scene_path, &a->help_shown, m);
-    if (r != VXS_OK || a->help_shown) return r;
-    a->o.pictures = a->page_path != NULL;
-    return check(a, output_needed, m);
-}
-
-void bake_arguments_free(bake_arguments *a)
-{
-    free(a->o.light_names.items);
-    memset(a, 0, sizeof *a);
+    static_assert(sizeof options <= sizeof a->options, "the table has room for all");
+    memcpy(a->options, options, sizeof options);
+    a->line = (command_line){name, synopsis, summary, a->options, sizeof options / sizeof *options};
 }

@@ -10,17 +10,17 @@ typedef struct bake_arguments {
     bake_options o;
     const char  *json_path; /* NULL: none */
     const char  *page_path; /* --report; NULL: none */
-    int          help_shown;
 
-    int resolution_given, texel_given;
     int maps; /* the choice of --maps, both of which are gl so far */
+
+    option       options[OPTIONS_MAX]; /* the table; its targets are in this struct, which is not copied */
+    command_line line;
 } bake_arguments;
 
-/* Parse and check. name: "bake" or "plan"; output_needed: -o must be given.
- * a  [out] released with bake_arguments_free, whatever is returned. */
-vxs_result bake_arguments_parse(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed,
-                                int argc, char **argv, message *m);
+/* Defaults, and the table. name: "bake" or "plan"; output_needed: -o must be given. */
+void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed);
 
-void bake_arguments_free(bake_arguments *a);
+/* What the table does not check; called when the line was parsed. Returns VXS_OK or VXS_E_ARGUMENT. */
+vxs_result bake_arguments_check(bake_arguments *a, message *m);
 
 #endif

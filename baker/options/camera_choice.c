@@ -13,17 +13,8 @@ vxs_result camera_check(const camera_choice *c, message *m)
     return VXS_OK;
 }
 
-/* The direction of light that the camera is placed beside: that of the first sun, or a usual one. */
-static const double *light_direction(const vxs_baked_light *const *lights, uint32_t count)
-{
-    static const double usual[3] = {-0.43, -0.86, -0.26};
-    for (uint32_t n = 0; n < count; n++)
-        if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return lights[n]->light.direction_ws;
-    return usual;
-}
-
 void camera_place(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
                   double aspect)
 {
-    if (!c->eye_given) camera_frame(&c->camera, casting, light_direction(lights, light_count), aspect);
+    if (!c->eye_given) camera_frame_lit(&c->camera, casting, lights, light_count, aspect);
 }

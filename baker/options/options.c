@@ -1,4 +1,4 @@
-/* Command-line options as a table; see options.h.
+/* Parsing the command line of a command; see options.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/options/options.h"
 
@@ -7,28 +7,29 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "baker/base/array.h"
-#include "baker/measure/progress.h"
+#include "baker/base/nearest.h"
+#include "baker/options/help.h"
 
-static void print_help(const command_line *c)
+/* What every command understands, after its own rows. */
+enum { COMMON_OPTIONS = 7 };
+
+static void common_options(option rows[COMMON_OPTIONS], message *m, help_format *format)
 {
-    printf("vxs %s %s\n\n%s\n", c->name, c->synopsis, c->summary);
-    if (c->option_count) printf("\noptions:\n");
-    for (size_t i = 0; i < c->option_count; i++) {
-        const option *o = &c->options[i];
-        char          left[96];
-        if (o->kind == OPTION_GROUP) {
-            printf("\n%s:\n", o->help);
-            continue;
-        }
-        snprintf(left, sizeof left, "%s %s", o->name,
-                 o->kind == OPTION_SWITCH   ? ""
-                 : o->kind == OPTION_CHOICE ? o->choices
-                                            : o->value);
-        printf("  %-28s %s\n", left, o->help);
-    }
+    const option common[COMMON_OPTIONS] = {
+        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "in every command", NULL},
+        {"--strict", OPTION_SWITCH, &m->strict, 0, 0, NULL, NULL, "a warning is an error, and nothing is written", NULL},
+        {"--force", OPTION_SWITCH, &m->force, 0, 0, NULL, NULL, "replace outputs that are read-only or have further names", NULL},
+        {"--quiet", OPTION_SWITCH, &m->no_report, 0, 0, NULL, NULL,
+         "no report and no progress: errors, warnings, what was asked for", NULL},
+        {"--verbose", OPTION_SWITCH, &m->verbose, 0, 0, NULL, NULL, "the report at full length, with decisions and their reasons",
+         NULL},
+        {"--color", OPTION_CHOICE, &m->color, 0, 0, COLOR_CHOICES, NULL, "colours; auto: on a terminal (default auto)", NULL},
+        {"--help", OPTION_HELP, format, 0, 0, HELP_FORMATS, NULL, "this text, and nothing else; --help=man prints a manual page",
+         NULL},
+    };
+    memcpy(rows, common, sizeof common);
 }
 
 static const option *find_option(const command_line *c, const char *name, size_t length)
@@ -36,6 +37,15 @@ static const option *find_option(const command_line *c, const char *name, size_t
     for (size_t i = 0; i < c->option_count; i++)
         if (c->options[i].name && strlen(c->options[i].name) == length && !memcmp(c->options[i].name, name, length))
             return &c->options[i];
+    return NULL;
+}
+
+/* The row of the next operand after `last`, NULL at first; NULL when there is none. */
+static const option *next_operand(const command_line *c, const option *last)
+{
+    if (last && is_list(last)) return last;
+    for (const option *o = last ? last + 1 : c->options; o < c->options + c->option_count; o++)
+        if (is_operand(o)) return o;
     return NULL;
 }
 
@@ -65,24 +75,31 @@ static int parse_bytes(const char *text, uint64_t *bytes)
     return 1;
 }
 
-static vxs_result set_vector(const option *o, const char *value, message *m)
+/* Where the value begins: a name may hold a '=', a number holds none. */
+static const char *behind_name(const option *o, const char *text)
+{
+    const char *equals = is_named(o) ? strrchr(text, '=') : NULL;
+    return equals ? equals + 1 : text;
+}
+
+static vxs_result set_vector(const option *o, const char *value, double *out, message *m)
 {
     size_t      count = (size_t)o->max;
     double      numbers[16];
-    const char *at = value;
+    const char *at = behind_name(o, value);
     for (size_t i = 0; i < count; i++) {
         at = parse_number(at, &numbers[i]);
         if (!at || *at != (i + 1 < count ? ',' : '\0'))
             return fail(m, VXS_E_ARGUMENT, "%s %s: expected %zu numbers separated by commas", o->name, value, count);
         at++;
     }
-    memcpy(o->target, numbers, count * sizeof *numbers);
+    memcpy(out, numbers, count * sizeof *numbers);
     return VXS_OK;
 }
 
 static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, message *m)
 {
-    const char *end = parse_number(value, number);
+    const char *end = parse_number(behind_name(o, value), number);
     if (end && !*end && *number >= o->min && *number <= o->max && (!whole || *number == floor(*number))) return VXS_OK;
     int digits = whole ? 10 : 6; /* as many as a uint32_t may have; as many as %g has */
     return fail(m, VXS_E_ARGUMENT, "%s %s: expected a %snumber from %.*g to %.*g", o->name, value, whole ? "whole " : "", digits,
@@ -120,10 +137,36 @@ static vxs_result add_text(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
+static vxs_result add_named(const option *o, const char *text, message *m)
+{
+    named_list  *list   = o->target;
+    size_t       length = (size_t)(behind_name(o, text) - text);
+    named_value *item;
+    if (length == 1) return fail(m, VXS_E_ARGUMENT, "%s %s: expected a name before the '=', or none", o->name, text);
+    if (!array_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items)) goto no_memory;
+    item  = &list->items[list->count];
+    *item = (named_value){0};
+    if (length && !(item->name = strndup(text, length - 1))) goto no_memory;
+    if (!length && o->choices && !(item->name = strdup(o->choices))) goto no_memory;
+    list->count++; /* from here on the list releases it */
+    if (named_find(list, item->name) != item)
+        return item->name ? fail(m, VXS_E_ARGUMENT, "%s is given twice for '%s': expected once", o->name, item->name)
+                          : fail(m, VXS_E_ARGUMENT, "%s is given twice without a name: expected once", o->name);
+    if (o->kind == OPTION_NAMED_VECTOR) return set_vector(o, text, item->numbers, m);
+    return parse_in_range(o, text, o->kind == OPTION_NAMED_U32, item->numbers, m);
+no_memory:
+    return fail(m, VXS_E_MEMORY, "out of memory while reading %s", o->name);
+}
+
 static vxs_result set_choice(const option *o, const char *value, message *m)
 {
-    int index = choice_index(o->choices, value);
-    if (index < 0) return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s", o->name, value, o->choices);
+    int     index = choice_index(o->choices, value);
+    nearest near  = {.typed = value};
+    char    meant[64];
+    if (index < 0) {
+        nearest_try_choices(&near, o->choices);
+        return fail(m, VXS_E_ARGUMENT, "%s %s: expected one of %s%s", o->name, value, o->choices, nearest_text(meant, &near));
+    }
     *(int *)o->target = index;
     return VXS_OK;
 }
@@ -132,10 +175,17 @@ static vxs_result set_option(const option *o, const char *value, message *m)
 {
     switch (o->kind) {
     case OPTION_SWITCH: *(int *)o->target = 1; break;
-    case OPTION_TEXT: *(const char **)o->target = value; break;
-    case OPTION_VECTOR: return set_vector(o, value, m);
-    case OPTION_TEXTS: return add_text(o, value, m);
-    case OPTION_CHOICE: return set_choice(o, value, m);
+    case OPTION_TEXT:
+    case OPTION_INPUT:
+    case OPTION_OUTPUT: *(const char **)o->target = value; break;
+    case OPTION_VECTOR: return set_vector(o, value, o->target, m);
+    case OPTION_TEXTS:
+    case OPTION_INPUTS: return add_text(o, value, m);
+    case OPTION_NAMED_VECTOR:
+    case OPTION_NAMED_U32:
+    case OPTION_NAMED_F64: return add_named(o, value, m);
+    case OPTION_CHOICE:
+    case OPTION_HELP: return set_choice(o, value, m);
     case OPTION_U32: return set_u32(o, value, o->target, m);
     case OPTION_U32S: return add_number(o, value, m);
     case OPTION_F64: return parse_in_range(o, value, 0, o->target, m);
@@ -148,91 +198,96 @@ static vxs_result set_option(const option *o, const char *value, message *m)
     return VXS_OK;
 }
 
-static vxs_result parse(const command_line *c, int argc, char **argv, size_t operand_max, const char **operands, int *help_shown,
-                        message *m)
+/* Set an option, once unless it is a list. given  [option_count] */
+static vxs_result give(const command_line *c, const option *o, const char *value, char *given, message *m)
 {
-    size_t found        = 0;
-    int    options_over = 0;
-    *help_shown         = 0;
-    for (int i = 1; i < argc; i++) {
-        const char *arg = argv[i];
+    char *before = &given[o - c->options];
+    if (*before && !is_list(o)) return fail(m, VXS_E_ARGUMENT, "%s is given twice: expected once", o->name);
+    *before = 1;
+    if (o->given) *o->given = 1;
+    return set_option(o, value, m);
+}
+
+/* The value of option o in argv[*i], behind its '=' or in the argument that follows. NULL for switches. */
+static vxs_result take_value(const option *o, const char *equals, int argc, char **argv, int *i, const char **value, message *m)
+{
+    *value = equals ? equals + 1 : NULL;
+    if (o->kind == OPTION_SWITCH) return equals ? fail(m, VXS_E_ARGUMENT, "%s takes no value", o->name) : VXS_OK;
+    if (equals) return VXS_OK;
+    if (++*i == argc)
+        return fail(m, VXS_E_ARGUMENT, "%s needs a value: %s", o->name, o->kind == OPTION_CHOICE ? o->choices : o->value);
+    *value = argv[*i];
+    return VXS_OK;
+}
+
+static vxs_result unknown_option(const command_line *c, const char *arg, message *m)
+{
+    char    name[NEAREST_LENGTH_MAX + 2], meant[64]; /* longer names are cut, but not to what is compared */
+    nearest near = {.typed = name};
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
+    for (const option *o = c->options; o < c->options + c->option_count; o++)
+        if (o->name && !is_operand(o)) nearest_try(&near, o->name, strlen(o->name));
+    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, nearest_text(meant, &near),
+                near.word ? "" : ":", c->name);
+}
+
+static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, message *m)
+{
+    const option *operand      = NULL;
+    int           options_over = 0;
+    vxs_result    r            = VXS_OK;
+    for (int i = 1; i < argc && r == VXS_OK && !*help_shown; i++) {
+        const char *arg = argv[i], *value;
         if (options_over || arg[0] != '-' || !arg[1]) {
-            if (found == operand_max)
+            if (!(operand = next_operand(c, operand)))
                 return fail(m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs %s %s", arg, c->name, c->synopsis);
-            operands[found++] = arg;
+            r = give(c, operand, arg, given, m);
             continue;
         }
         if (!strcmp(arg, "--")) {
             options_over = 1;
             continue;
         }
-        if (!strcmp(arg, "--help") || !strcmp(arg, "-h")) {
-            print_help(c);
-            *help_shown = 1;
-            return VXS_OK;
-        }
-
+        if (!strcmp(arg, "-h")) arg = "--help";
         const char   *equals = arg[1] == '-' ? strchr(arg, '=') : NULL;
         const option *o      = find_option(c, arg, equals ? (size_t)(equals - arg) : strlen(arg));
-        if (!o) return fail(m, VXS_E_ARGUMENT, "unknown option '%s': vxs %s --help lists the options", arg, c->name);
-        const char *value = equals ? equals + 1 : NULL;
-        if (o->kind == OPTION_SWITCH) {
-            if (value) return fail(m, VXS_E_ARGUMENT, "%s takes no value", o->name);
-        } else if (!value) {
-            if (++i == argc)
-                return fail(m, VXS_E_ARGUMENT, "%s needs a value: %s", o->name, o->kind == OPTION_CHOICE ? o->choices : o->value);
-            value = argv[i];
+        if (!o) return unknown_option(c, arg, m);
+        if (o->kind == OPTION_HELP) {
+            *help_shown = 1;
+            return set_option(o, equals ? equals + 1 : "text", m);
         }
-        vxs_result r = set_option(o, value, m);
-        if (r != VXS_OK) return r;
-        if (o->given) *o->given = 1;
+        if ((r = take_value(o, equals, argc, argv, &i, &value, m)) == VXS_OK) r = give(c, o, value, given, m);
     }
-    if (found < c->operand_count) return fail(m, VXS_E_ARGUMENT, "too few arguments: usage is vxs %s %s", c->name, c->synopsis);
-    return VXS_OK;
+    return r;
 }
 
-vxs_result options_parse(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m)
+vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, message *m)
 {
-    return parse(c, argc, argv, c->operand_count, operands, help_shown, m);
+    char         given[OPTIONS_MAX] = {0};
+    help_format  format             = HELP_TEXT;
+    option       options[OPTIONS_MAX];
+    command_line line = {c->name, c->synopsis, c->summary, options, c->option_count + COMMON_OPTIONS};
+    memcpy(options, c->options, c->option_count * sizeof *options);
+    common_options(options + c->option_count, m, &format);
+    *help_shown  = 0;
+    vxs_result r = parse_arguments(&line, argc, argv, given, help_shown, m);
+    if (r == VXS_OK && *help_shown) help_print(&line, format);
+    for (size_t i = 0; i < c->option_count && r == VXS_OK && !*help_shown; i++) {
+        const option *o = &c->options[i];
+        if (given[i]) continue;
+        if (is_operand(o))
+            r = fail(m, VXS_E_ARGUMENT, "%s is missing: usage is vxs %s %s", o->name, c->name, c->synopsis);
+        else if (o->kind == OPTION_OUTPUT && o->min > 0)
+            r = fail(m, VXS_E_ARGUMENT, "%s needs %s %s", c->name, o->name, o->value);
+    }
+    if (r == VXS_OK && m->no_report && m->verbose) r = fail(m, VXS_E_ARGUMENT, "--quiet and --verbose exclude each other");
+    return r;
 }
 
-vxs_result options_parse_repeated(const command_line *c, int argc, char **argv, const char **operands, int *help_shown, message *m)
+void options_free(const command_line *c)
 {
-    return parse(c, argc, argv, SIZE_MAX, operands, help_shown, m);
-}
-
-vxs_result outputs_check_apart(const char *a, const char *a_path, const char *b, const char *b_path, message *m)
-{
-    struct stat a_status, b_status;
-    if (!a_path || !b_path) return VXS_OK;
-    int is_same = !strcmp(a_path, b_path);
-    if (is_same && is_standard_output(a_path))
-        return fail(m, VXS_E_ARGUMENT, "%s - and %s - exclude each other: both would go to standard output", a, b);
-    if (!is_same && !is_standard_output(a_path) && !is_standard_output(b_path) && !stat(a_path, &a_status) &&
-        !stat(b_path, &b_status))
-        is_same = S_ISREG(a_status.st_mode) && a_status.st_dev == b_status.st_dev && a_status.st_ino == b_status.st_ino;
-    return is_same ? fail(m, VXS_E_ARGUMENT, "%s and %s are both %s: expected two names", a, b, b_path) : VXS_OK;
-}
-
-int command_end(message *m, vxs_result code)
-{
-    /* what was printed counts as written only when it has arrived */
-    if ((fflush(stdout) || ferror(stdout)) && code == VXS_OK)
-        code = fail(m, VXS_E_WRITE, "standard output: cannot be written: %s", strerror(errno));
-    progress_clear();
-    if (code != VXS_OK) fprintf(stderr, "vxs: error: %s\n", m->error[0] ? m->error : "unknown");
-    message_free(m);
-    return exit_status(code);
-}
-
-int command_run(const command_line *c, int argc, char **argv, const char **operands, vxs_result (*run)(void *command, message *m),
-                void *command)
-{
-    message    m = {0};
-    int        help_shown;
-    vxs_result r = options_parse(c, argc, argv, operands, &help_shown, &m);
-    if (r == VXS_OK && !help_shown) r = run(command, &m);
-    for (size_t i = 0; i < c->option_count; i++)
-        if (c->options[i].kind == OPTION_TEXTS) free(((text_list *)c->options[i].target)->items);
-    return command_end(&m, r);
+    for (const option *o = c->options; o < c->options + c->option_count; o++) {
+        if (o->kind == OPTION_TEXTS || o->kind == OPTION_INPUTS) free(((text_list *)o->target)->items);
+        if (is_named(o)) named_list_free(o->target);
+    }
 }

@@ -45,17 +45,17 @@ typedef struct lamp {
 } lamp;
 
 typedef struct view {
-    const picture_options *options;
-    const truth           *truth;
+    const picture_options  *options;
+    const truth            *truth;
     const vxs_baked_light **suns;  /* [sun_count] */
-    lamp                  *lamps; /* [lamp_count] */
-    uint32_t               sun_count, lamp_count;
-    double                 day; /* of the sky's light: 1, or night */
-    uint8_t               *rgb;
-    camera_view            seen;
-    double                 near_metres; /* haze begins */
-    double                 haze_metres; /* it takes 1 - 1/e in so much */
-    double                 sky_metres;  /* what is this far away shuts out half of the sky behind it */
+    lamp                   *lamps; /* [lamp_count] */
+    uint32_t                sun_count, lamp_count;
+    double                  day; /* of the sky's light: 1, or night */
+    uint8_t                *rgb;
+    camera_view             seen;
+    double                  near_metres; /* haze begins */
+    double                  haze_metres; /* it takes 1 - 1/e in so much */
+    double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
 } view;
 
 /* the scene ------------------------------------------------------------------------------------------- */

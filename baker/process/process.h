@@ -9,7 +9,7 @@ extern "C" {
 
 /* Call first, before a file is opened or a thread is started.
  * A closed standard input, output or error stays useless, and using it an error, but no file that is opened later takes its number: a
- * report would go into the asset. A reader that has gone away and a file that grows beyond a limit are errors of writing, not the end
+ * report would go into the asset. A reader that has gone away (terminal.h) and a file that grows beyond a limit are errors of writing, not the end
  * of the process. Signals that end it take temporary files with them (output_file.h). Memory that is missing where C++ cannot throw,
  * in a destructor, ends the process as it does elsewhere: one line, and the exit status for it. */
 void process_begin(void);

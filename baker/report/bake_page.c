@@ -5,10 +5,18 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 
 #include "baker/files/png_encode.h"
+#include "baker/measure/clock.h"
+#include "baker/measure/progress.h"
+#include "baker/picture/asset_picture.h"
 #include "baker/report/page.h"
 #include "baker/report/report.h"
+
+/* The picture of the shadows, and what drawing it may hold, at most: for itself, and for each triangle. */
+enum { PICTURE_WIDTH_PX = 480, PICTURE_HEIGHT_PX = 270, PICTURE_BYTES = 16 << 20, PICTURE_TRIANGLE_BYTES = 160 };
 
 /* pixels of pictures ---------------------------------------------------------------------------------------------------------- */
 
@@ -46,10 +54,8 @@ static double depth_near(const uint16_t *depth, uint32_t side, int64_t x, int64_
 }
 
 /* Lightness of each pixel, 0 to 1: near is light, and slopes are lit from the upper left. rise: of a unit of depth, in pixels. */
-static void shade(float *light, const uint16_t *depth, uint32_t side, double rise)
+static void shade(float *light, const uint16_t *depth, uint32_t side, double rise, double from, double until)
 {
-    double from, until;
-    depth_range(depth, (size_t)side * side, &from, &until);
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
             double d  = depth[(size_t)y * side + x];
@@ -69,36 +75,65 @@ static void grey(uint8_t rgba[4], double lightness)
     rgba[3]                     = 255;
 }
 
+/* Where the picture of a face of a cube lies when the cube is unfolded into a cross, and how it is turned, so that edges meet: +x, +z, -x
+ * and -z in a row, as the light sees them with +y above; all in the light's own axes, of which y is as upright as can be. */
+typedef enum turn { TURN_NONE, TURN_QUARTER, TURN_HALF, TURN_THREE_QUARTERS } turn;
+
+typedef struct face_place {
+    uint32_t column, row;
+    turn     turned;
+} face_place;
+
+static const face_place cross_places[6] = {{0, 1, TURN_QUARTER},        {2, 1, TURN_HALF}, /* +x, -x */
+                                           {1, 0, TURN_THREE_QUARTERS}, {1, 2, TURN_HALF}, /* +y, -y */
+                                           {1, 1, TURN_HALF},           {3, 1, TURN_QUARTER}};
+
+/* The pixel of a map that is seen at (x, y) of its turned picture. */
+static size_t turned_pixel(turn turned, uint32_t side, uint32_t x, uint32_t y)
+{
+    uint32_t u = x, v = y, last = side - 1;
+    if (turned == TURN_QUARTER) u = last - y, v = x;
+    if (turned == TURN_HALF) u = last - x, v = last - y;
+    if (turned == TURN_THREE_QUARTERS) u = y, v = last - x;
+    return (size_t)v * side + u;
+}
+
+/* A picture of all maps of a light: one map, or the cross of six. */
+typedef struct canvas {
+    uint32_t width_px, height_px;
+    uint8_t *rgba; /* [4 * width * height] blank where no map is */
+} canvas;
+
 /* Depths; or with `masks`, [mask_px * mask_px] of a map, faint shapes, and the colour of its class where a pixel's tiles need masks. */
-static void draw(uint8_t *rgba, const float *light, const uint16_t *depth, const light_picture *p, const uint8_t *masks)
+static void draw(canvas *c, face_place place, const float *light, const uint16_t *depth, const light_picture *p,
+                 const uint8_t *masks)
 {
     uint32_t side = p->side_px, wide = side / p->mask_px;
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
-            size_t  n    = (size_t)y * side + x;
-            uint8_t runs = masks ? masks[(size_t)(y / wide) * p->mask_px + x / wide] : 0;
-            int class    = 0;
+            size_t   n    = turned_pixel(place.turned, side, x, y);
+            uint8_t  runs = masks ? masks[n / side / wide * p->mask_px + n % side / wide] : 0;
+            uint8_t *rgba = c->rgba + 4 * ((size_t)(place.row * side + y) * c->width_px + place.column * side + x);
+            int class     = 0;
             if (runs) {
                 while (runs > mask_classes[class].until) class ++;
-                memcpy(rgba + 4 * n, mask_classes[class].colour, 3);
-                rgba[4 * n + 3] = 255;
-            } else if (depth[n] == PICTURE_NO_CASTER) {
-                memset(rgba + 4 * n, 0, 4);
-            } else {
-                grey(rgba + 4 * n, masks ? 0.62 + 0.3 * light[n] : light[n]);
+                memcpy(rgba, mask_classes[class].colour, 3);
+                rgba[3] = 255;
+            } else if (depth[n] != PICTURE_NO_CASTER) {
+                grey(rgba, masks ? 0.62 + 0.3 * light[n] : light[n]);
             }
         }
 }
 
 /* pictures as JSON ------------------------------------------------------------------------------------------------------------ */
 
-/* The text of a URL that holds a picture; NULL without memory. Released with free(). */
-static char *png_url(const uint8_t *rgba, uint32_t side)
+/* The text of a URL that holds a picture, of 3 or 4 channels; NULL without memory. Released with free(). */
+static char *png_url(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
     static const char begin[]  = "data:image/png;base64,",
                       digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     size_t   count;
-    uint8_t *png = png_encode(rgba, side, side, 4, &count);
+    uint8_t *png = png_encode(pixels, width_px, height_px, channels, &count);
     char    *url = png ? malloc(sizeof begin + (count + 2) / 3 * 4) : NULL;
     if (url) {
         char *to = stpcpy(url, begin);
@@ -113,46 +148,49 @@ static char *png_url(const uint8_t *rgba, uint32_t side)
     return url;
 }
 
-static int append_png(json_t *pictures, const uint8_t *rgba, uint32_t side)
+/* NULL without memory. */
+static json_t *png_json(const uint8_t *pixels, uint32_t width_px, uint32_t height_px, uint32_t channels)
 {
-    char *url     = png_url(rgba, side);
-    int   failure = url ? json_array_append_new(pictures, json_string_nocheck(url)) : -1;
+    char   *url  = pixels ? png_url(pixels, width_px, height_px, channels) : NULL;
+    json_t *json = url ? json_string_nocheck(url) : NULL;
     free(url);
-    return !failure;
+    return json;
 }
 
-/* Both pictures of a map. Returns 0 without memory. */
-static int append_map(json_t *depths, json_t *masks, const light_picture *p, const vxs_light *light, uint32_t map)
+/* All maps of a light in one picture, of depths or of masks. NULL without memory. */
+static json_t *maps_json(const light_picture *p, const vxs_light *light, int masks)
 {
-    uint32_t        side   = p->side_px;
-    size_t          count  = (size_t)side * side;
-    const uint16_t *depth  = p->depth + map * count;
-    double          texels = (double)p->map_px / side, voxels = (double)p->map_px / PICTURE_NO_CASTER;
-    float          *shades = malloc(count * sizeof *shades);
-    uint8_t        *rgba   = malloc(4 * count);
-    int             whole  = shades && rgba;
-    if (whole) {
-        shade(shades, depth, side, voxels * light->voxel_metres / (texels * light->texel_metres));
-        draw(rgba, shades, depth, p, NULL);
-        whole = append_png(depths, rgba, side);
-        draw(rgba, shades, depth, p, p->masks + (size_t)map * p->mask_px * p->mask_px);
-        whole &= append_png(masks, rgba, side);
+    uint32_t side = p->side_px, cube = p->map_count > 1;
+    size_t   count  = (size_t)side * side;
+    canvas   c      = {cube ? 4 * side : side, cube ? 3 * side : side, NULL};
+    double   texels = (double)p->map_px / side, voxels = (double)p->map_px / PICTURE_NO_CASTER, from, until;
+    float   *shades = malloc(count * sizeof *shades);
+    c.rgba          = calloc((size_t)c.width_px * c.height_px, 4);
+    depth_range(p->depth, p->map_count * count, &from, &until); /* of all six, so that tones go on from face to face */
+    for (uint32_t map = 0; map < p->map_count && shades && c.rgba; map++) {
+        const uint16_t *depth = p->depth + map * count;
+        shade(shades, depth, side, voxels * light->voxel_metres / (texels * light->texel_metres), from, until);
+        draw(&c, cube ? cross_places[map] : (face_place){0, 0, TURN_NONE}, shades, depth, p,
+             masks ? p->masks + (size_t)map * p->mask_px * p->mask_px : NULL);
     }
-    free(rgba);
+    json_t *json = shades ? png_json(c.rgba, c.width_px, c.height_px, 4) : NULL;
+    free(c.rgba);
     free(shades);
-    return whole;
+    return json;
+}
+
+/* Which way a light's own axes point in the world. */
+static json_t *axes_json(const vxs_light *light)
+{
+    const double *a = light->ls_from_ws;
+    return json_pack("[[f,f,f], [f,f,f], [f,f,f]]", a[0], a[1], a[2], a[4], a[5], a[6], a[8], a[9], a[10]);
 }
 
 static json_t *picture_json(const light_picture *p, const vxs_light *light)
 {
-    json_t *depths = json_array(), *masks = json_array();
-    int     whole = 1;
-    for (uint32_t map = 0; map < p->map_count; map++) whole &= append_map(depths, masks, p, light, map);
-    json_t *picture = json_pack("{s:i, s:i, s:i, s:o, s:o}", "light", (int)p->light, "side_px", (int)p->side_px, "mask_tiles",
-                                (int)p->mask_tiles, "depths", depths, "masks", masks);
-    if (whole) return picture;
-    json_decref(picture);
-    return NULL;
+    json_t *depths = maps_json(p, light, 0), *masks = maps_json(p, light, 1);
+    return json_pack("{s:i, s:i, s:i, s:o, s:o, s:o}", "light", (int)p->light, "side_px", (int)p->side_px, "mask_tiles",
+                     (int)p->mask_tiles, "axes", axes_json(light), "depths", depths, "masks", masks);
 }
 
 /* What colours mean, in the order of a key. */
@@ -167,15 +205,49 @@ static json_t *mask_colours_json(void)
     return colours;
 }
 
-vxs_result bake_page_write(const char *path, const bake_options *o, const bake_report *r, message *m)
+/* When the scene's file was last written, "2026-11-22 08:30 UTC"; null where that is not known. */
+static json_t *scene_date_json(const char *path)
+{
+    struct stat status;
+    struct tm   utc;
+    char        text[32];
+    if (stat(path, &status) || !S_ISREG(status.st_mode) || !gmtime_r(&status.st_mtime, &utc)) return json_null();
+    strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
+    return json_string(text);
+}
+
+vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, const vxs_bytes *file, message *m)
+{
+    bake_page *p = page;
+    if (o->memory_bytes) {
+        memory_peak_reset();
+        if (memory_peak_bytes() + PICTURE_BYTES + PICTURE_TRIANGLE_BYTES * c->triangle_count + 8 * file->size_bytes >
+            o->memory_bytes)
+            return VXS_OK;
+    }
+    progress_say(o->progress, "drawing the shadows");
+    p->rgb = malloc((size_t)3 * PICTURE_WIDTH_PX * PICTURE_HEIGHT_PX);
+    if (!p->rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of the shadows");
+    return asset_picture(p->rgb, PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX, c, file->data, file->size_bytes, o->threads, m);
+}
+
+vxs_result bake_page_write(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, message *m)
 {
     json_t *pictures = json_array();
-    int     failed   = 0;
     for (uint32_t n = 0; n < r->picture_count; n++)
-        failed |= json_array_append_new(pictures, picture_json(&r->pictures[n], &r->lights[r->pictures[n].light].light));
-    json_t *data =
-        json_pack("{s:o, s:o, s:o}", "report", report_json(o, r, m), "mask_colours", mask_colours_json(), "pictures", pictures);
-    if (!failed) return page_write(path, PAGE_BAKE, data, m);
+        json_array_append_new(pictures, picture_json(&r->pictures[n], &r->lights[r->pictures[n].light].light));
+    json_t *shadows = page->rgb ? png_json(page->rgb, PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX, 3) : json_null();
+    int     whole   = shadows && json_array_size(pictures) == r->picture_count;
+    json_t *data    = json_pack("{s:o, s:o, s:o, s:o, s:i, s:o}", "report", report_json(o, r, m), "scene_date",
+                                scene_date_json(o->scene_path), "mask_colours", mask_colours_json(), "shadows", shadows,
+                                "shadow_lights", ASSET_PICTURE_LIGHTS, "pictures", pictures);
+    if (whole) return page_write(path, PAGE_BAKE, data, m);
     json_decref(data);
     return fail(m, VXS_E_MEMORY, "out of memory for pictures of %u lights", r->picture_count);
+}
+
+void bake_page_free(bake_page *page)
+{
+    free(page->rgb);
+    page->rgb = NULL;
 }

@@ -1,12 +1,22 @@
-/* The page about one bake: what `vxs bake --report` writes.
+/* The page of a bake: its JSON, pictures of its maps and of its shadows, and the script that shows them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BAKE_PAGE_H
 #define BAKE_PAGE_H
 
 #include "baker/bake/bake.h"
 
-/* Write the page: the report as JSON, and pictures of the largest lights. path "-" is standard output.
- * Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY; the file is complete under its name, or untouched. */
-vxs_result bake_page_write(const char *path, const bake_options *o, const bake_report *r, message *m);
+/* What is drawn while the bake still has its scene. Zero it first. */
+typedef struct bake_page {
+    uint8_t *rgb; /* the shadows; owned; NULL: not drawn */
+} bake_page;
+
+/* Look at a bake (bake_observer): draw its shadows, unless that would need more memory than the bake may hold. */
+vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, const vxs_bytes *file, message *m);
+
+/* Write the page. path  "-" is standard output.   Returns VXS_OK, VXS_E_WRITE or VXS_E_MEMORY. */
+vxs_result bake_page_write(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, message *m);
+
+/* Accepts a zeroed object. */
+void bake_page_free(bake_page *page);
 
 #endif

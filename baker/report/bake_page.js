@@ -1,10 +1,44 @@
-/* The page of one bake. data: {report: docs/bake-report.schema.json, pictures: bake_page.c}
+/* The page of one bake. data: {report: docs/bake-report.schema.json, the rest: bake_page.c}
  * SPDX-License-Identifier: GPL-3.0-or-later */
 const report = data.report, options = report.options, estimate = report.plan.estimate, actual = report.plan.actual;
-const LIGHTS_SHOWN = 30, HEAD_COLOUR = "#8d8a80";
+const LIGHTS_SHOWN = 30, LIGHTS_NAMED = 8, HEAD_COLOUR = "#8d8a80";
 const texels_of = (light) => light.maps * light.resolution_px ** 2;
 const texels = sum(report.lights, texels_of), file = report.file_bytes;
 const lights = report.lights.map((light, index) => ({ ...light, index })).sort((a, b) => b.size.stored_bytes - a.size.stored_bytes);
+
+const picture_of = (light) => data.pictures.find((p) => p.light === light.index);
+const signed = (value) => significant(Math.abs(value) < 1e-6 ? 0 : value).replace("-", "\u2212");
+const vector_text = (v) => `(${v.map(signed).join(", ")})`;
+
+/* "sun, directional, which travels (−0.4, −0.9, −0.2), 60° above the horizon: 4096 x 4096 texels of 0.15 m" */
+function light_text(light) {
+    const height = -180 / Math.PI * Math.asin(Math.max(-1, Math.min(1, light.direction[1])));
+    const way = { directional: `, which travels ${vector_text(light.direction)}, ${significant(height)}° above the horizon`,
+        spot: `, which points along ${vector_text(light.direction)}`, point: "" }[light.kind];
+    const side = light.resolution_px, maps = light.maps > 1 ? `${light.maps} maps of ` : "";
+    return `${clean(light.name)}, ${light.kind}${way}: ${maps}${side} x ${side} texels of ${significant(light.texel_m)} m`;
+}
+
+/* "closed auto, region 0,0,0,1,1,1, sun noon=0,-1,0": as `--json` has them. */
+function value_text(value) {
+    if (typeof value === "number") return signed(value);
+    if (Array.isArray(value)) return value.map(value_text).join(",");
+    if (value && typeof value === "object") return Object.entries(value).map(([name, v]) => `${name}=${value_text(v)}`).join(", ");
+    return String(value);
+}
+
+const option_text = ([name, value]) => clean(`${name.replace(/_(m|px)$/, "").replaceAll("_", " ")} ${value_text(value)}`);
+
+function show_made() {
+    const shown = lights.slice(0, LIGHTS_NAMED).map(light_text), rest = lights.length - shown.length;
+    const below = (items) => items.flatMap((item, n) => n ? [el("br", {}), item] : [item]);
+    const scene = [clean(report.scene), `${count(report.casters.triangles)} triangles`, ...(data.scene_date ? [`written ${data.scene_date}`] : [])];
+    show(el("h2", {}, "How it was made"), table(null, [
+        [text("scene"), long(scene.join(", "))],
+        [text(lights.length > 1 ? "lights" : "light"), long(below(rest ? [...shown, `and ${plural(rest, "more light")}`] : shown))],
+        [text("options"), long(Object.entries(options).map(option_text).join(", "))],
+        [text("by"), long(`vxs ${report.vxs}, OpenGL by ${clean(report.renderer)}`)]]));
+}
 
 function show_facts() {
     const scene = base_name(report.scene), output = report.output === "-" ? "standard output" : base_name(report.output);
@@ -12,12 +46,26 @@ function show_facts() {
     show(el("h1", {}, `The shadows of ${scene}`),
         soft(`${count(report.casters.triangles)} triangles and ${plural(lights.length, "light")}, baked to ${output} by vxs `
             + `${report.vxs} on ${plural(options.threads, "thread")}.`),
+        ...show_shadows(),
         el("div", { class: "facts" },
             fact("How big?", bytes(file), `on disk; planned ${bytes(estimate.file_bytes)}`),
             fact("For a texel?", `${significant(8 * file / texels)} bit`, `a 16-bit depth map takes ${count(2 * texels / file)} times as much`),
             fact("When loaded?", bytes(actual.memory_bytes), `in memory; planned ${bytes(estimate.memory_bytes)}`),
             fact("How long?", seconds(report.total_seconds), `to bake; planned ${seconds(estimate.total_seconds)}`),
             fact("How much memory?", bytes(report.peak_bytes), `at the peak; planned ${bytes(estimate.peak_bytes)}`)));
+}
+
+/* What came out, beside what the largest light sees. */
+function show_shadows() {
+    const light = lights.find(picture_of), depths = light && picture_of(light).depths;
+    const seen = light && el("figure", {}, el("img", { src: depths, alt: "depth map, near surfaces light" }),
+        el("figcaption", {}, `What ${clean(light.name)} sees: near is light, no caster is blank.`));
+    if (!data.shadows)
+        return [soft("There is no picture of the shadows: it would have needed more memory than the bake may hold."), ...(seen ? [seen] : [])];
+    const few = lights.length > data.shadow_lights ? `, of the ${data.shadow_lights} largest lights` : "";
+    return [el("div", { class: light && light.maps > 1 ? "pairs" : "shadows" },
+        el("figure", {}, el("img", { src: data.shadows, alt: "the scene in its shadows" }),
+            el("figcaption", {}, `The scene in its shadows${few}, looked up in the file. All else is traced.`)), ...(seen ? [seen] : []))];
 }
 
 /* Sums over all lights, the finest level first. */
@@ -62,14 +110,16 @@ function show_lights() {
     if (rest.length) show(soft(`${rest.length} smaller lights take ${bytes(sum(rest, (l) => l.size.stored_bytes))} together.`));
 }
 
-/* Both pictures of each map. */
-function figures({ depths, masks, side_px }) {
-    const ways = ["along x", "against x", "along y", "against y", "along z", "against z"];
-    const figure = (what, src, alt, n) => el("figure", {},
-        el("h3", {}, depths.length > 1 ? `${what}, map ${n + 1} of 6, ${ways[n]}` : what),
-        el("img", { src, alt, width: side_px, height: side_px, class: side_px < 512 ? "few" : "" }));
-    return depths.flatMap((depth, n) => [figure("Depths", depth, "depth map, near surfaces light", n),
-        figure("Masks", masks[n], "the same place: how many masks its tiles need", n)]);
+/* "+y", or a vector where it is no axis of the world. */
+function axis_text(axis, sign) {
+    const way = axis.map((value) => sign * value), n = way.findIndex((value) => Math.abs(value) > 0.9999);
+    return n < 0 ? vector_text(way) : `${way[n] < 0 ? "\u2212" : "+"}${"xyz"[n]}`;
+}
+
+/* Where the faces of a light's six maps point, as its pictures are laid out. */
+function faces_text([x, y, z]) {
+    return "The six maps lie as a cube that is unfolded, as the light sees it. In the row: "
+        + `${[axis_text(x, 1), axis_text(z, 1), axis_text(x, -1), axis_text(z, -1)].join(", ")}; above ${axis_text(y, 1)}, below ${axis_text(y, -1)}.`;
 }
 
 function show_pictures() {
@@ -79,10 +129,15 @@ function show_pictures() {
             + "grass and wires show; so do sheets, whose every slope is an edge."),
         key(["masks that an 8 x 8 tile needs:"], ...data.mask_colours.map(([name, colour]) => [swatch(colour), name])));
     for (const light of lights) {
-        const picture = data.pictures.find((p) => p.light === light.index), side = light.resolution_px;
+        const picture = picture_of(light), side = light.resolution_px;
         if (!picture) continue;
         const size = `${plural(light.maps, "map")} of ${side} x ${side} texels, ${bytes(light.size.stored_bytes)}`;
-        show(el("h3", {}, `${clean(light.name)}: ${size}`), el("div", { class: "pairs" }, ...figures(picture)));
+        const figure = (what, src, alt) => el("figure", {}, el("h3", {}, what),
+            el("img", { src, alt, class: picture.side_px < 512 ? "few" : "" }));
+        show(el("h3", {}, `${clean(light.name)}: ${size}`), el("div", { class: "pairs" },
+            figure("Depths", picture.depths, "depth map, near surfaces light"),
+            figure("Masks", picture.masks, "the same place: how many masks its tiles need")));
+        if (light.maps > 1) show(soft(faces_text(picture.axes)));
         if (picture.mask_tiles > 1)
             show(soft(`A pixel stands for ${picture.mask_tiles} tiles: the one that needs most of them counts.`));
     }
@@ -129,8 +184,7 @@ function show_stages() {
     show(el("h2", {}, "Where the time goes"), soft("Broad bars are what it took, narrow ones what was planned."),
         table(["stage", "took", "planned", "", "peak memory"], report.stages.map((s) =>
             [text(s.name), seconds(s.seconds), seconds(planned[s.name]), both(s.seconds, planned[s.name]), bytes(s.peak_bytes)]),
-        [text("total"), seconds(report.total_seconds), seconds(estimate.total_seconds), "", bytes(report.peak_bytes)]),
-        soft(`OpenGL by ${clean(report.renderer)}.`));
+        [text("total"), seconds(report.total_seconds), seconds(estimate.total_seconds), "", bytes(report.peak_bytes)]));
 }
 
 function show_decisions() {
@@ -155,6 +209,7 @@ function show_left_out() {
 }
 
 show_facts();
+show_made();
 show_levels();
 show_lights();
 show_pictures();

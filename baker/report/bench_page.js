@@ -375,6 +375,8 @@ function show_head() {
             + `OpenGL by ${m.renderer}; medians of ${plural(bench.runs, "run")}`
             + (bench.points ? `, ${count(bench.points)} points of each kind.` : "."))));
     }
+    if (settings.length > 1)
+        show(soft(`Options that differ from the first bake's are named; a bake without such is called base${base ? `: ${base}` : ""}.`));
     const wrong = cells.flatMap((c) => error_of(c, "surface", 1)?.wrong_share ?? []);
     const lookups = cells.flatMap((c) => lookup_of(c, 1)?.nanoseconds.median ?? []);
     const answer = (question, values, unit, about) => values.length ? [fact(question, range_text(values, unit, " – "), about)] : [];
@@ -421,8 +423,8 @@ function show_settings() {
     };
     if (settings.length < 2) return;
     show(el("h2", {}, "What each setting is worth"),
-        el("p", {}, `Base is ${base || "the first setting"}. Each other setting is divided by it, at the same scene and resolution: `
-            + "median, and least to greatest. Below 1 is smaller, sooner, less wrong."),
+        el("p", {}, "Each setting is divided by base, at the same scene and resolution: median, and least to greatest. Below 1 is "
+            + "smaller, sooner, less wrong."),
         table(["setting", "bakes", ...Object.keys(figures)], settings.map(row).slice(1)));
 }
 

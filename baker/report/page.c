@@ -5,17 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/embedded.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
-
-/* A file that the Makefile put into the program: bytes from `begin` to `end`. */
-typedef struct embedded {
-    const char *begin, *end;
-} embedded;
-
-#define EMBEDDED(name)                                                                                                             \
-    extern const char     name##_begin[] __asm__("_binary_" #name "_start"), name##_end[] __asm__("_binary_" #name "_end");        \
-    static const embedded name = {name##_begin, name##_end};
 
 EMBEDDED(page_html)
 EMBEDDED(page_js)
@@ -30,11 +22,6 @@ static embedded behind(embedded text, const char *mark)
     return (embedded){at + strlen(mark), text.end};
 }
 
-static void print(FILE *to, embedded text)
-{
-    fwrite(text.begin, 1, (size_t)(text.end - text.begin), to);
-}
-
 /* JSON that no markup can end: '<' is in texts alone, where it has another spelling. */
 static void print_json(FILE *to, const char *json)
 {
@@ -43,13 +30,13 @@ static void print_json(FILE *to, const char *json)
 
 static void print_page(FILE *to, page_kind kind, const char *json)
 {
-    print(to, behind(page_html, "-->\n"));
+    embedded_print(to, behind(page_html, "-->\n"));
     print_json(to, json);
     fputs("</script>\n<script>", to);
-    if (kind == PAGE_BENCH) print(to, chart_min_js);
+    if (kind == PAGE_BENCH) embedded_print(to, chart_min_js);
     fputs("</script>\n<script>", to);
-    print(to, behind(page_js, "*/\n"));
-    print(to, behind(kind == PAGE_BENCH ? bench_page_js : bake_page_js, "*/\n"));
+    embedded_print(to, behind(page_js, "*/\n"));
+    embedded_print(to, behind(kind == PAGE_BENCH ? bench_page_js : bake_page_js, "*/\n"));
     fputs("</script>\n</body>\n</html>\n", to);
 }
 

@@ -139,6 +139,13 @@ static decision_list decisions_of(const bake_plan *plan, const bake_options *o, 
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
+void report_print_excluded(FILE *to, const bake_report *r, const char *head)
+{
+    char rule[128];
+    for (const scene_exclusion *e = r->exclusions; e < r->exclusions + r->exclusion_count; e++)
+        fprintf(to, "%-12s %zu triangles excluded: %s\n", head, e->triangles, exclusion_text(rule, e));
+}
+
 void report_print_casters(FILE *to, const bake_report *r)
 {
     const casters *c = &r->casters;
@@ -148,6 +155,7 @@ void report_print_casters(FILE *to, const bake_report *r)
         if (c->component_count[kind])
             fprintf(to, "             %zu sheets with %zu triangles: %s\n", c->component_count[kind], c->triangles_of_kind[kind],
                     component_kind_name((component_kind)kind));
+    report_print_excluded(to, r, "");
     if (c->collapsed_count) fprintf(to, "             %zu triangles left out: two corners in one place\n", c->collapsed_count);
     fprintf(to, "             %.6g x %.6g x %.6g m\n", r->casters_max_ws[0] - r->casters_min_ws[0],
             r->casters_max_ws[1] - r->casters_min_ws[1], r->casters_max_ws[2] - r->casters_min_ws[2]);
@@ -197,6 +205,19 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
+static json_t *exclusions_json(const bake_report *r)
+{
+    json_t *excluded = json_array();
+    for (const scene_exclusion *e = r->exclusions; e < r->exclusions + r->exclusion_count; e++) {
+        char    rule[32];
+        json_t *entry = json_pack("{s:s, s:I}", "rule", choice_word(rule, EXCLUSION_RULES, (int)e->rule), "triangles",
+                                  (json_int_t)e->triangles);
+        if (e->pattern) json_object_set_new(entry, "pattern", json_text(e->pattern));
+        json_array_append_new(excluded, entry);
+    }
+    return excluded;
+}
+
 json_t *report_casters_json(const bake_report *r)
 {
     const casters *c      = &r->casters;
@@ -205,19 +226,11 @@ json_t *report_casters_json(const bake_report *r)
         json_object_set_new(sheets, component_kind_name((component_kind)kind),
                             json_pack("{s:I, s:I}", "components", (json_int_t)c->component_count[kind], "triangles",
                                       (json_int_t)c->triangles_of_kind[kind]));
-    return json_pack("{s:I, s:I, s:{s:I, s:I}, s:o, s:[f,f,f], s:[f,f,f]}", "triangles", (json_int_t)c->triangle_count,
-                     "collapsed_triangles", (json_int_t)c->collapsed_count, "solids", "components",
+    return json_pack("{s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:[f,f,f], s:[f,f,f]}", "triangles", (json_int_t)c->triangle_count,
+                     "collapsed_triangles", (json_int_t)c->collapsed_count, "excluded", exclusions_json(r), "solids", "components",
                      (json_int_t)c->component_count[COMPONENT_SOLID], "triangles", (json_int_t)c->solid_triangle_count, "sheets",
                      sheets, "min_m", r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m",
                      r->casters_max_ws[0], r->casters_max_ws[1], r->casters_max_ws[2]);
-}
-
-json_t *report_left_out_json(const bake_report *r)
-{
-    json_t *lights = json_array();
-    for (size_t n = 0; n < r->left_out_count; n++)
-        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
-    return lights;
 }
 
 json_t *report_warnings_json(const message *m)
@@ -270,10 +283,11 @@ json_t *plan_lights_json(const bake_plan *plan)
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m)
 {
     const bake_plan *plan = report->plan;
-    json_t          *root = json_pack(
-                 "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:f}", "vxs", VXS_VERSION, "scene", json_text(o->scene_path), "options",
-                 bake_options_json(o), "casters", report_casters_json(report), "decisions", plan_decisions_json(plan, o, report), "lights",
-                 plan_lights_json(plan), "lights_left_out", report_left_out_json(report), "warnings", report_warnings_json(m), "estimate",
-                 plan_estimate_json(plan), "least_bytes", (json_int_t)plan->least_bytes, "plan_seconds", plan->plan_seconds);
+    json_t          *root =
+        json_pack("{s:s, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:f}", "vxs", VXS_VERSION, "scene",
+                  json_text(o->scene_path), "unchanged", 0, "options", bake_options_json(o), "casters", report_casters_json(report),
+                  "decisions", plan_decisions_json(plan, o, report), "lights", plan_lights_json(plan), "lights_left_out",
+                  report_left_out_json(report), "warnings", report_warnings_json(m), "estimate", plan_estimate_json(plan),
+                  "least_bytes", (json_int_t)plan->least_bytes, "plan_seconds", plan->plan_seconds);
     return json_write(path, root, m);
 }

@@ -16,10 +16,10 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report);
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m);
 
-/* Parts of it, for the report of the bake: what casts shadows, which lights are left out, what was warned of, what was decided. */
+/* Parts of it, for the report of the bake: what casts shadows, what was warned of, what was decided. */
 void    report_print_casters(FILE *to, const bake_report *r);
+void    report_print_excluded(FILE *to, const bake_report *r, const char *head); /* a line a rule, head first */
 json_t *report_casters_json(const bake_report *r);
-json_t *report_left_out_json(const bake_report *r);
 json_t *report_warnings_json(const message *m);
 json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report);
 json_t *plan_estimate_json(const bake_plan *plan);

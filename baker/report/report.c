@@ -10,17 +10,6 @@
 #include "baker/files/json_file.h"
 #include "baker/report/plan_text.h"
 
-/* Of all maps. */
-static double texels_of(const light_report *l)
-{
-    return (double)((uint64_t)vxs_light_map_count(&l->light) << (2 * l->light.levels));
-}
-
-static double depth16_bytes(const light_report *l)
-{
-    return 2 * texels_of(l);
-}
-
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
 static void print_light(FILE *to, const light_report *l)
@@ -49,12 +38,12 @@ static void print_light(FILE *to, const light_report *l)
         fprintf(to, "  %-12s %10u %12s %12s\n", what, v->count, size_text(a, v->memory_bytes), size_text(b, v->stored_bytes));
     }
     fprintf(to, "  size       %s in memory, %s on disk: %.4g and %.4g bit/texel\n", size_text(a, l->memory_bytes),
-            size_text(b, l->stored_bytes), 8.0 * (double)l->memory_bytes / texels_of(l),
-            8.0 * (double)l->stored_bytes / texels_of(l));
+            size_text(b, l->stored_bytes), 8.0 * (double)l->memory_bytes / light_texels(l),
+            8.0 * (double)l->stored_bytes / light_texels(l));
     fprintf(to, "             a 16-bit depth map takes %s, %.4g times as much as the file",
-            size_text(c, (uint64_t)depth16_bytes(l)), depth16_bytes(l) / (double)l->stored_bytes);
+            size_text(c, (uint64_t)light_depth16_bytes(l)), light_depth16_bytes(l) / (double)l->stored_bytes);
     if (l->depth_zstd19_ratio > 0) {
-        double zstd_bytes = depth16_bytes(l) * l->depth_zstd19_ratio;
+        double zstd_bytes = light_depth16_bytes(l) * l->depth_zstd19_ratio;
         fprintf(to, "; under zstd -19 %s, %.4g times", size_text(c, (uint64_t)zstd_bytes), zstd_bytes / (double)l->stored_bytes);
         if (l->depth_sample_share < 1) fprintf(to, " (estimated from %.2g %% of it)", 100 * l->depth_sample_share);
     }
@@ -82,6 +71,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
         fprintf(to, "%-12s %7.1f ms    not part of the total: --baseline off leaves it out\n", "baseline",
                 1e3 * r->baseline_seconds);
     if (o->pictures) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
+    fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
     fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
 }
 
@@ -107,7 +97,7 @@ static const char *kind_text(const vxs_light *l)
 
 static json_t *light_json(const light_report *l)
 {
-    double  texels = texels_of(l);
+    double  texels = light_texels(l);
     json_t *o      = json_pack(
              "{s:o, s:s, s:I, s:i, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
              json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
@@ -119,12 +109,13 @@ static json_t *light_json(const light_report *l)
              "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max, "mask_tiles",
              (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
              "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
-    json_t *size =
-        json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
-                  (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
-                  "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes", (json_int_t)depth16_bytes(l));
+    json_t *size = json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
+                             (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
+                             "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes",
+                             (json_int_t)light_depth16_bytes(l));
     if (l->depth_zstd19_ratio > 0) {
-        json_object_set_new(size, "depth16_zstd19_bytes", json_integer((json_int_t)(depth16_bytes(l) * l->depth_zstd19_ratio)));
+        json_object_set_new(size, "depth16_zstd19_bytes",
+                            json_integer((json_int_t)(light_depth16_bytes(l) * l->depth_zstd19_ratio)));
         json_object_set_new(size, "depth16_zstd19_sample_share", json_real(l->depth_sample_share));
     }
     json_object_set_new(o, "size", size);
@@ -155,11 +146,12 @@ json_t *report_json(const bake_options *o, const bake_report *r, const message *
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    return json_pack("{s:s, s:o, s:o, s:o, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION, "scene",
-                     json_text(o->scene_path), "output", json_text(o->output_path), "options", bake_options_json(o), "renderer",
-                     r->renderer, "file_bytes", (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights,
-                     "lights_left_out", report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json(r),
-                     "plan", plan_json(o, r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes,
+    return json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
+                     "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
+                     bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes",
+                     (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights, "lights_left_out",
+                     report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json(r), "plan",
+                     plan_json(o, r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes,
                      "baseline_seconds", r->baseline_seconds);
 }
 

@@ -2,80 +2,114 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/light_choice.h"
 
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/vec3.h"
+#include "formats/vxs_format.h"
 
 static void add(light_choice *chosen, const char *name, const light_shape *shape)
 {
     chosen->lights[chosen->count++] = (chosen_light){name, *shape};
 }
 
-static int has(const light_choice *chosen, const char *name)
+static const chosen_light *find(const light_choice *lights, const char *name)
 {
-    for (size_t i = 0; i < chosen->count; i++)
-        if (!strcmp(chosen->lights[i].name, name)) return 1;
-    return 0;
+    for (size_t i = 0; i < lights->count; i++)
+        if (!strcmp(lights->lights[i].name, name)) return &lights->lights[i];
+    return NULL;
 }
 
-/* "lamp (spot), moon (directional)", cut short where it would fill the message. */
-static void list_lights(const scene *s, char *text, size_t size)
+/* "lamp (spot), moon (directional)" */
+static const char *list_lights(const light_choice *lights, char text[LIST_BYTES])
 {
-    size_t used = 0;
-    text[0]     = '\0';
-    for (size_t i = 0; i < s->light_count && used < size; i++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s (%s)", i ? ", " : "", s->lights[i].name,
-                                 light_kind_name(s->lights[i].shape.kind));
-    if (used >= size) memcpy(text + size - sizeof "...", "...", sizeof "...");
-}
-
-static vxs_result add_named(const scene *s, const char *name, const light_shape *sun, light_choice *chosen, message *m)
-{
-    if (has(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
-    if (sun && !strcmp(name, SUN_NAME)) {
-        add(chosen, SUN_NAME, sun);
-        return VXS_OK;
+    text[0] = '\0';
+    for (size_t i = 0; i < lights->count; i++) {
+        char item[LIST_BYTES];
+        snprintf(item, sizeof item, "%s (%s)", lights->lights[i].name, light_kind_name(lights->lights[i].shape.kind));
+        list_item(text, item);
     }
-    for (size_t i = 0; i < s->light_count; i++) {
-        const scene_light *light = &s->lights[i];
-        if (strcmp(light->name, name) != 0) continue;
+    return text;
+}
+
+/* As JSON has to be: what is no UTF-8 is no string there. */
+static int is_utf8(const char *text)
+{
+    json_t *string = json_string(text);
+    json_decref(string);
+    return string != NULL;
+}
+
+/* What there is to choose from: the scene's lights, and the suns, in the place of those that have their names. */
+static vxs_result add_all(const scene *s, const named_list *suns, light_choice *all, message *m)
+{
+    for (size_t i = 0; i < s->light_count; i++)
+        if (!named_find(suns, s->lights[i].name)) add(all, s->lights[i].name, &s->lights[i].shape);
+    for (const named_value *sun = suns->items; sun < suns->items + suns->count; sun++) {
+        light_shape   shape  = {.kind = LIGHT_DIRECTIONAL};
+        const double *v      = sun->numbers;
+        size_t        length = strlen(sun->name);
+        if (!vec3_unit(v, shape.direction_ws))
+            return fail(m, VXS_E_ARGUMENT, "--sun %s=%g,%g,%g: expected a direction, not zero", sun->name, v[0], v[1], v[2]);
+        if (length >= VXS_LIGHT_NAME_BYTES)
+            return fail(m, VXS_E_ARGUMENT, "--sun %s: the name has %zu bytes, expected 1 to %d", sun->name, length,
+                        VXS_LIGHT_NAME_BYTES - 1);
+        if (!is_utf8(sun->name)) return fail(m, VXS_E_ARGUMENT, "--sun %s: expected a name in UTF-8", sun->name);
+        add(all, sun->name, &shape);
+    }
+    return VXS_OK;
+}
+
+static vxs_result add_named(const light_choice *all, const char *name, light_choice *chosen, message *m)
+{
+    const chosen_light *light = find(all, name);
+    char                known[LIST_BYTES];
+    if (find(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
+    if (light) {
         add(chosen, light->name, &light->shape);
         return VXS_OK;
     }
-    if (!s->light_count) return fail(m, VXS_E_ARGUMENT, "--light %s: the scene has no lights; --sun X,Y,Z gives one", name);
-    char known[512];
-    list_lights(s, known, sizeof known);
-    return fail(m, VXS_E_ARGUMENT, "--light %s: no such light; the scene has %s", name, known);
+    if (!all->count) return fail(m, VXS_E_ARGUMENT, "--light %s: the scene has no lights; --sun X,Y,Z gives one", name);
+    return fail(m, VXS_E_ARGUMENT, "--light %s: no such light; there are %s", name, list_lights(all, known));
 }
 
-static vxs_result choose(const scene *s, const text_list *names, const light_shape *sun, light_choice *chosen, message *m)
+static vxs_result choose(const light_choice *all, const text_list *names, const named_list *suns, light_choice *chosen, message *m)
 {
     for (size_t i = 0; i < names->count; i++) {
-        vxs_result r = add_named(s, names->items[i], sun, chosen, m);
+        vxs_result r = add_named(all, names->items[i], chosen, m);
         if (r != VXS_OK) return r;
     }
-    if (sun && !has(chosen, SUN_NAME)) add(chosen, SUN_NAME, sun);
-    if (chosen->count) return VXS_OK;
-
-    for (size_t i = 0; i < s->light_count; i++) add(chosen, s->lights[i].name, &s->lights[i].shape);
+    for (size_t i = all->count - suns->count; i < all->count; i++)
+        if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i].name, &all->lights[i].shape);
+    for (size_t i = 0; i < all->count && !names->count && !suns->count; i++)
+        add(chosen, all->lights[i].name, &all->lights[i].shape);
     return chosen->count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "the scene has no light: --sun X,Y,Z gives one");
 }
 
-vxs_result lights_choose(const scene *s, const text_list *names, int sun_given, const double sun[3], light_choice *chosen,
-                         message *m)
+vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m)
 {
-    *chosen               = (light_choice){0};
-    light_shape sun_shape = {.kind = LIGHT_DIRECTIONAL};
-    if (sun_given && !vec3_unit(sun, sun_shape.direction_ws))
-        return fail(m, VXS_E_ARGUMENT, "--sun %g,%g,%g: expected a direction, not zero", sun[0], sun[1], sun[2]);
-
-    chosen->lights = calloc(names->count + s->light_count + 1, sizeof *chosen->lights);
-    if (!chosen->lights) return fail(m, VXS_E_MEMORY, "out of memory for the choice of lights");
-    vxs_result r = choose(s, names, sun_given ? &sun_shape : NULL, chosen, m);
+    size_t       most = names->count + s->light_count + suns->count + 1;
+    light_choice all  = {0, calloc(most, sizeof *all.lights)};
+    *chosen           = (light_choice){0, calloc(most, sizeof *chosen->lights)};
+    vxs_result r      = VXS_OK;
+    if (!all.lights || !chosen->lights) r = fail(m, VXS_E_MEMORY, "out of memory for the choice of lights");
+    if (r == VXS_OK) r = add_all(s, suns, &all, m);
+    if (r == VXS_OK) r = choose(&all, names, suns, chosen, m);
     if (r != VXS_OK) light_choice_free(chosen);
+    light_choice_free(&all);
     return r;
+}
+
+vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m)
+{
+    char known[LIST_BYTES];
+    for (const named_value *v = values->items; v < values->items + values->count; v++)
+        if (v->name && !find(chosen, v->name))
+            return fail(m, VXS_E_ARGUMENT, "%s %s=%.10g: no light of that name is baked, but %s", option, v->name, v->numbers[0],
+                        list_lights(chosen, known));
+    return VXS_OK;
 }
 
 void light_choice_free(light_choice *chosen)

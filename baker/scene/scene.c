@@ -3,6 +3,7 @@
 #include "baker/scene/scene.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +15,9 @@ void scene_free(scene *s)
     free(s->lights);
     for (size_t i = 0; i < s->image_count; i++) free(s->images[i].alpha);
     free(s->images);
+    free(s->parts);
+    free(s->names);
+    free(s->exclusions);
     free(s->alpha_masks);
     free(s->holed_triangles);
     free(s->camera_positions_ws);
@@ -22,6 +26,17 @@ void scene_free(scene *s)
     free(s->positions_ws);
     free(s->name);
     memset(s, 0, sizeof *s);
+}
+
+const char *exclusion_text(char text[128], const scene_exclusion *e)
+{
+    switch (e->rule) {
+    case EXCLUDED_BY_INCLUDE: return strcpy(text, "no --include names them");
+    case EXCLUDED_BY_EXCLUDE: snprintf(text, 128, "--exclude %s", e->pattern); return one_line(text);
+    case EXCLUDED_BY_EXTRAS: return strcpy(text, "vxs_cast_shadow is false in their extras");
+    case EXCLUDED_AS_SKINNED: return strcpy(text, "skinned, which --skinned rest includes");
+    }
+    return strcpy(text, "unknown");
 }
 
 const char *light_kind_name(light_kind kind)

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "baker/base/message.h"
+#include "baker/base/text.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -59,6 +60,30 @@ typedef struct holed_triangle {
                           right one */
 } holed_triangle;
 
+/* Triangles that follow each other, all of one primitive and one node, instances of it included. */
+typedef struct scene_part {
+    uint32_t triangle_first;                      /* to where the next part begins */
+    uint32_t node, mesh, material;                /* the file's numbers; material SCENE_NO_MATERIAL: none */
+    uint32_t node_name, mesh_name, material_name; /* where they begin in the scene's names; 0: it has none */
+} scene_part;
+
+#define SCENE_NO_MATERIAL UINT32_MAX
+
+/* The parts that something is made of, whose triangles are seen in order. */
+typedef struct part_span {
+    uint32_t first, last, count;
+} part_span;
+
+/* Why triangles do not cast; the order is the order in which the rules are asked. */
+typedef enum exclusion_rule { EXCLUDED_BY_INCLUDE, EXCLUDED_BY_EXCLUDE, EXCLUDED_BY_EXTRAS, EXCLUDED_AS_SKINNED } exclusion_rule;
+#define EXCLUSION_RULES "include|exclude|extras|skinned" /* their words, in that order */
+
+typedef struct scene_exclusion {
+    exclusion_rule rule;
+    const char    *pattern;   /* of EXCLUDED_BY_EXCLUDE: the choice's; else NULL */
+    size_t         triangles; /* that this is the first rule to exclude */
+} scene_exclusion;
+
 typedef struct scene {
     char *name; /* the glTF scene's name, "" when it has none; owned */
 
@@ -68,6 +93,13 @@ typedef struct scene {
     size_t    triangle_count;
     uint32_t *indices;        /* [3 * triangle_count] < vertex_count; counter-clockwise seen from outside */
     uint8_t  *triangle_flags; /* [triangle_count] TRIANGLE_* */
+
+    size_t      part_count;
+    scene_part *parts; /* in the order of their triangles, all of which they hold; none in a scene that came from no file */
+    char       *names; /* each ended by 0, as the file has them */
+
+    size_t           exclusion_count;
+    scene_exclusion *exclusions; /* what was asked for, and what else left triangles out */
 
     size_t          image_count, alpha_mask_count;
     alpha_image    *images; /* only those that masks need */
@@ -82,20 +114,65 @@ typedef struct scene {
     double *camera_positions_ws; /* [3 * camera_count] */
 } scene;
 
+typedef enum skinned_mode { SKINNED_EXCLUDE, SKINNED_REST } skinned_mode;
+#define SKINNED_CHOICES "exclude|rest" /* their words, in that order */
+
+/* Which scene of a file, and what of it casts. A pattern names nodes, meshes or materials of the scene by their names, with the wildcards of
+ * a shell, or by their numbers ("#12"): one kind after "node:", "mesh:" or "material:", else all three. A node stands for all below
+ * it. What an exclude names does not cast; with an include, nor does what none names. */
+typedef struct scene_choice {
+    const char *name; /* of the scene, or its index; NULL: the file's default scene, else scene 0, else all root nodes */
+    text_list   exclude, include;
+    int         skinned, skinned_given; /* skinned_mode; when it was asked for, that is no reason for a warning */
+} scene_choice;
+
 /* Read a .gltf or .glb file with tinygltf (glTF 2.0): node hierarchy, sparse accessors, strips and fans, lights of
- * KHR_lights_punctual. Skins and morph targets are taken in rest pose, points and lines skipped; each with a warning.
- * which  NULL: the file's default scene (else scene 0, else all root nodes); or a scene's name or index.
- * s      [out] zeroed on failure; released with scene_free.
+ * KHR_lights_punctual. Skinned meshes are excluded, morph targets taken at their default weights, points and lines skipped; each with a
+ * warning.
+ * choice  NULL: the file's default scene, and all of it but skinned meshes
+ * s       [out] zeroed on failure; released with scene_free. Borrows patterns from the choice.
  * A mirrored node (negative determinant) has its winding turned back, so that outside stays outside.
  * Returns VXS_OK, VXS_E_READ, VXS_E_SCENE, VXS_E_UNSUPPORTED (an unknown required extension), VXS_E_ARGUMENT (no such
- * scene), VXS_E_MEMORY. A scene without triangles is not an error here. */
-vxs_result scene_load_gltf(scene *s, const char *path, const char *which, message *m);
+ * scene, a pattern that names nothing of it), VXS_E_MEMORY, VXS_E_STRICT. A scene without triangles is not an error here. */
+vxs_result scene_load_gltf(scene *s, const char *path, const scene_choice *choice, message *m);
 
-/* The same for the bytes of a .gltf or .glb file: its default scene; buffers and images in other files are an error. `name` stands
+/* Asked once when the name, the lights and the cameras of a scene are known and before a triangle is placed, which may take long: what
+ * it returns ends the loading unless it is VXS_OK. What it borrows from s stays where it is until scene_free. */
+typedef struct scene_check {
+    vxs_result (*check)(void *user, const scene *s, message *m);
+    void *user;
+} scene_check;
+
+/* The same, and what the check returns.   check  NULL: none */
+vxs_result scene_load_gltf_checked(scene *s, const char *path, const scene_choice *choice, const scene_check *check, message *m);
+
+/* Check alone, for a scene that others will read, that no file that it refers to is an output of this run, as scene_load_gltf does first.
+ * Returns VXS_OK, VXS_E_READ, VXS_E_SCENE, VXS_E_ARGUMENT, VXS_E_MEMORY. */
+vxs_result scene_check_files_gltf(const char *path, message *m);
+
+/* Read the bytes of a .gltf or .glb file alike: its default scene; buffers and images in other files are an error. `name` stands
  * for the file in messages. */
 vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m);
 
 void scene_free(scene *s);
+
+/* The part that a triangle belongs to. `part` is that of a triangle before, 0 at first. */
+static inline uint32_t scene_part_at(const scene *s, uint32_t part, size_t triangle)
+{
+    while (part + 1 < s->part_count && s->parts[part + 1].triangle_first <= triangle) part++;
+    return part;
+}
+
+/* Count a triangle's part. */
+static inline void part_span_add(part_span *span, uint32_t part)
+{
+    if (span->count && span->last == part) return;
+    if (!span->count++) span->first = part;
+    span->last = part;
+}
+
+/* "--exclude node:Door*", "vxs_cast_shadow in its extras", ... into text. Returns text. */
+const char *exclusion_text(char text[128], const scene_exclusion *e);
 
 /* "directional", "spot", "point" */
 const char *light_kind_name(light_kind kind);

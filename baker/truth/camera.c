@@ -81,6 +81,16 @@ void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3],
     vec3_mad(target, -distance * closer(&b), forward, camera->eye_ws);
 }
 
+void camera_frame_lit(camera_pose *camera, const casters *c, const vxs_baked_light *const *lights, uint32_t light_count,
+                      double aspect)
+{
+    static const double usual[3] = {-0.43, -0.86, -0.26};
+    const double       *sun      = usual;
+    for (uint32_t n = light_count; n-- > 0;)
+        if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) sun = lights[n]->light.direction_ws;
+    camera_frame(camera, c, sun, aspect);
+}
+
 camera_view camera_view_of(const camera_pose *camera, double aspect)
 {
     camera_view v;

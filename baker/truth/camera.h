@@ -4,6 +4,7 @@
 #define CAMERA_H
 
 #include "baker/casters/casters.h"
+#include "formats/vxs_file.h"
 
 typedef struct camera_pose {
     double eye_ws[3], target_ws[3];
@@ -15,6 +16,10 @@ typedef struct camera_pose {
  * sun_ws     unit, the way the light travels
  * aspect     width / height */
 void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3], double aspect);
+
+/* The same, beside the first sun of the lights, or as if there were a usual one.   lights  [light_count] */
+void camera_frame_lit(camera_pose *camera, const casters *c, const vxs_baked_light *const *lights, uint32_t light_count,
+                      double aspect);
 
 /* The field of view: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
 typedef struct camera_view {

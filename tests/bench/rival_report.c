@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
 #include "baker/base/version.h"
+#include "baker/files/json_file.h"
 #include "baker/measure/machine.h"
 
 /* figures ---------------------------------------------------------------------------------------------------------------------- */

@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/files/json_file.h"
-#include "baker/files/output_file.h"
 #include "baker/base/parallel.h"
-#include "baker/process/process.h"
+#include "baker/files/json_file.h"
+#include "baker/files/run_files.h"
 #include "baker/options/options.h"
+#include "baker/process/process.h"
 #include "tests/bench/rival_report.h"
 
 typedef enum fault { FAULT_NONE, FAULT_DEPTH, FAULT_FILTER } fault;
@@ -61,7 +61,6 @@ static vxs_result run(rivals_command *c, int *right, message *m)
     rival_result *results = no_results();
     rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, rival_count()};
     vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
-    if (r == VXS_OK && c->json_path) r = output_file_check(c->json_path, c->bake.scene_path, m);
     if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
     if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
     if (r == VXS_OK) r = rivals_measure(results, rival_count(), &maps, &c->measure, m);
@@ -82,7 +81,8 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
 {
     const char  *voxels    = "2000000";
     const option options[] = {
-        {"--sun", OPTION_VECTOR, c->bake.sun, 0, 3, NULL, "X,Y,Z", "as bake", &c->bake.sun_given},
+        {"SCENE", OPTION_INPUT, &c->bake.scene_path, FILE_SCENE, 0, NULL, NULL, NULL, NULL},
+        {"--sun", OPTION_NAMED_VECTOR, &c->bake.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z", "as bake", NULL},
         {"--light", OPTION_TEXTS, &c->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
         {"--resolution", OPTION_U32, &c->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 4096)",
          NULL},
@@ -90,16 +90,13 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
         {"--points", OPTION_U32, &c->measure.points, 1, 1e8, NULL, "P", "lookups of each kind in a run (default 1000000)", NULL},
         {"--voxels", OPTION_TEXT, &voxels, 0, 0, NULL, "COUNT", "random voxels to check, or all (default 2000000)", NULL},
         {"--seed", OPTION_U32, &c->measure.seed, 0, UINT32_MAX, NULL, "S", "other points (default 1)", NULL},
-        {"--json", OPTION_TEXT, &c->json_path, 0, 0, NULL, "FILE", "the same as JSON; - is standard output", NULL},
+        {"--json", OPTION_OUTPUT, &c->json_path, 0, 0, ".json", "FILE", "the same as JSON; - is standard output", NULL},
         {"--fault", OPTION_CHOICE, &c->fault, 0, 0, "none|depth|filter", NULL, "plant a fault", NULL},
     };
-    const command_line line = {"rivals",
-                               "SCENE [options]",
-                               "Measure vxs beside other ways to keep a light's shadow, on the same depth maps.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    vxs_result         r    = options_parse(&line, argc, argv, &c->bake.scene_path, help_shown, m);
+    const command_line line = COMMAND_LINE(
+        "rivals", "SCENE [options]", "Measure vxs beside other ways to keep a light's shadow, on the same depth maps.", options);
+    vxs_result r = options_parse(&line, argc, argv, help_shown, m);
+    if (r == VXS_OK && !*help_shown) r = options_check_files(&line, m);
     if (r != VXS_OK) return r;
     if (c->bake.resolution & (c->bake.resolution - 1))
         return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", c->bake.resolution);
@@ -119,12 +116,15 @@ int main(int argc, char **argv)
             {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads(), .baseline = BASELINE_OFF},
         .measure = {.runs = 5, .points = 1000000, .seed = 1},
     };
-    message m = {.quiet = 1};
-    int     help_shown, right = 1;
+    run_files files = {0};
+    message   m     = {.quiet = 1, .files = &files};
+    int       help_shown, right = 1;
     process_begin();
     vxs_result r = parse(&c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(&c, &right, &m);
     free(c.bake.light_names.items);
+    named_list_free(&c.bake.suns);
+    run_files_free(&files);
     int status = command_end(&m, r);
     return status ? status : !right;
 }

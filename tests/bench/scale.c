@@ -78,19 +78,18 @@ static void print_cell(json_t *cells, cell *c, int shape, uint32_t side_px, uint
 int main(int argc, char **argv)
 {
     uint32_t     runs = 5, threads = parallel_default_threads(), largest_px = LARGEST_PX;
-    const char  *json_path = NULL, *operand = NULL;
+    const char  *json_path = NULL;
     const option options[] = {
         {"--runs", OPTION_U32, &runs, 1, RUNS_MAX, NULL, "N", "of each cell (default 5)", NULL},
         {"--threads", OPTION_U32, &threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL},
         {"--largest", OPTION_U32, &largest_px, SMALLEST_PX, LARGEST_PX, NULL, "N",
          "texels a side of the largest map (default 262144)", NULL},
-        {"--json", OPTION_TEXT, &json_path, 0, 0, NULL, "FILE", "the figures as JSON", NULL}};
-    const command_line line = {
-        "scale", "[options]", "Time and memory of maps from formulas.", options, sizeof options / sizeof *options, 0};
-    message    m = {0};
-    int        help_shown;
-    vxs_result r     = options_parse(&line, argc, argv, &operand, &help_shown, &m);
-    cell      *cells = calloc(SHAPES * SIZES_MAX, sizeof *cells);
+        {"--json", OPTION_OUTPUT, &json_path, 0, 0, ".json", "FILE", "the figures as JSON", NULL}};
+    const command_line line = COMMAND_LINE("scale", "[options]", "Time and memory of maps from formulas.", options);
+    message            m    = {0};
+    int                help_shown;
+    vxs_result         r     = options_parse(&line, argc, argv, &help_shown, &m);
+    cell              *cells = calloc(SHAPES * SIZES_MAX, sizeof *cells);
     if (r != VXS_OK || help_shown || !cells) goto done;
 
     for (uint32_t run = 0; run < runs && r == VXS_OK; run++)

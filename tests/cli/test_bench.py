@@ -171,10 +171,24 @@ def test_options_reach_the_bake(bench):
     other = bench(*QUICK, "--sun", "-0.5,-1,0.25", "--region", "-8,-1,-8,8,4,8", "--scene", "small",
                   *[word for pair in given.items() for word in pair])[0]["cells"][0]
     expected = {{"--level": "zstd_level"}.get(name, name[2:]): value for name, value in given.items()}
-    expected |= {"resolution_px": 64, "sun": [-0.5, -1, 0.25], "region_m": [-8, -1, -8, 8, 4, 8], "scene": "small"}
+    expected |= {"resolution_px": 64, "sun": {"sun": [-0.5, -1, 0.25]}, "region_m": [-8, -1, -8, 8, 4, 8], "scene": "small"}
     assert other["options"] == expected
     assert other["solid_triangles"] == 0 and other["lights"] == 1 and other["size"]["nodes"] != plain["size"]["nodes"]
     assert other["size"]["nodes"] >= other["size"]["inserted_nodes"], "stopped after insertion: nothing is compressed"
+
+
+def test_values_by_light(bench):
+    """Those of a light are combined with those of other lights, and with those of all others; suns go to every bake."""
+    suns = ("--sun", "noon=0,-1,0", "--sun", "-1,-1,0", "--runs", 1, "--points", 0)
+    cells = bench("--resolution", "noon=64", "--resolution", 16, "--resolution", "noon=128", "--resolution", "sun=8", *suns)[0]["cells"]
+    sizes = [(c["options"]["resolution_px"], c["options"]["light_resolution_px"]) for c in cells]
+    assert sizes == [(16, {"noon": 64, "sun": 8}), (16, {"noon": 128, "sun": 8})]
+    assert all(c["options"]["sun"] == {"noon": [0, -1, 0], "sun": [-1, -1, 0]} and c["lights"] == 2 for c in cells)
+    assert [[v["side_voxels"] for v in c["size"]["levels"]][0] for c in cells] == [64, 128], "the larger map of both lights"
+    cells, text = bench("--resolution", "noon=64", "--resolution", 16, "--resolution", 32, *suns)
+    assert [(c["options"]["resolution_px"], c["options"]["light_resolution_px"]) for c in cells["cells"]] == [
+        (n, {"noon": 64}) for n in (16, 32)]
+    assert [line.split()[1] for line in text.splitlines() if line.startswith("small.gltf")] == ["16", "32"]
 
 
 def test_to_standard_output(vxs, folder, temporary):
@@ -260,9 +274,14 @@ def wide(result):
     return result
 
 
+def moved(text):
+    """What moved, but for a peak that is a few MiB another: the system maps libraries in larger or smaller pieces."""
+    lines = [line for line in text.splitlines()[1:] if not re.search(r"  peak memory .* (0\.[89]|1\.[01])\d\d$", line)]
+    return [] if lines == ["nothing moved in 1 cells"] else lines[1:] if lines[0].split()[:2] == ["moved", "figure"] else lines
+
+
 def test_nothing_moved(against, measured):
-    text = against(wide(first_cell(measured)), "--max-slower", 1)
-    assert text.splitlines()[1:] == ["nothing moved in 1 cells"]
+    assert moved(against(wide(first_cell(measured)), "--max-slower", 1)) == []
 
 
 def test_times_that_moved(against, measured):
@@ -292,8 +311,8 @@ def test_times_that_moved(against, measured):
 def test_figures_that_moved(against, measured, change, row):
     old = wide(first_cell(measured))
     change(old["cells"][0])
-    lines = against(old).splitlines()[1:]
-    assert len(lines) == 2 and lines[0].split()[:2] == ["moved", "figure"] and re.search(row, lines[1]), lines
+    rows = moved(against(old))
+    assert len(rows) == 1 and re.search(row, rows[0]), rows
 
 
 def test_machines_and_cells_that_differ(against, measured):
@@ -318,6 +337,9 @@ def test_machines_and_cells_that_differ(against, measured):
     (["--level", 20], "--level 20: expected a whole number from 1 to 19"),
     (["--threads", "many"], "--threads many"),
     (["--sun", "1,2"], "--sun 1,2: expected 3 numbers"),
+    (["--sun", "0,-1,0", "--sun", "sun=1,-1,0"], "--sun is given twice for 'sun'"),
+    (["--resolution", "sun=100"], "--resolution sun=100: expected a power of two"),
+    (["--resolution", "sun=64", "--resolution", "sun=064"], "asked for twice"),
     (["--region", "0,0,0,0,1,1"], "--region: the minimum must be less"),
     (["--resolution", 64, "--resolution", "0064"], "asked for twice"),
     (["--filter", 4], "--filter 4: expected an odd number"),
@@ -334,7 +356,7 @@ def test_command_line_is_checked(rejected, arguments, words):
 
 def test_operands_are_checked(vxs, rejected, folder, tmp_path, temporary):
     assert "bench needs -o" in vxs("bench", folder / "small.gltf", status=2).stderr
-    assert "too few arguments" in vxs("bench", "-o", tmp_path / "b.json", status=2).stderr
+    assert "SCENE is missing" in vxs("bench", "-o", tmp_path / "b.json", status=2).stderr
     assert "asked for twice" in rejected(2, scenes=("small.gltf", "small.gltf"))
     assert "is the input itself" in vxs("bench", folder / "small.gltf", "-o", folder / "small.gltf", status=2).stderr
 
@@ -342,8 +364,8 @@ def test_operands_are_checked(vxs, rejected, folder, tmp_path, temporary):
 def test_scenes_that_cannot_be_baked(vxs, rejected, folder):
     small_scene.write(folder / "dark.gltf", lights=())
     (folder / "broken.glb").write_bytes(b"glTF, or so it says")
-    assert re.search(r"bake of nobody\.glb, 64 texels: .*nobody\.glb", rejected(3, *QUICK, scenes=("small.gltf", "nobody.glb")))
-    assert "bake of broken.glb" in rejected(3, *QUICK, scenes=("broken.glb",))
+    assert re.match(r"vxs: error: cannot read '.*nobody\.glb'", rejected(3, *QUICK, scenes=("small.gltf", "nobody.glb")))
+    assert re.match(r"vxs: error: '.*broken\.glb': ", rejected(3, *QUICK, scenes=("small.gltf", "broken.glb")))
     assert "bake of dark.gltf, 64 texels: " in rejected(5, *QUICK, scenes=("dark.gltf",))
     assert "bake of small.gltf, 64 texels: " in rejected(2, *QUICK, "--light", "nobody")
 

@@ -46,7 +46,7 @@ SCENES = ["sponza", "dream_apartment", "pandora_indoor", "stanford_bunny_closed"
 @pytest.mark.parametrize("name", SCENES)
 def test_counts_of_the_readme(vxs, scenes, name):
     said = readme_rows(scenes)[name + ".glb"]
-    report = health(vxs, scenes / "real" / (name + ".glb"))
+    report = health(vxs, scenes / "real" / (name + ".glb"), "--skinned", "rest")
     total, components = report["health"]["total"], report["health"]["components"]
     assert total["triangles"] + total["collapsed_triangles"] == said["triangles"]
     assert [total["collapsed_triangles"], total["zero_area_triangles"], total["repeated_triangles"]] == said["bad"]
@@ -81,7 +81,7 @@ def test_faults(vxs, tmp_path):
     crossing = small_scene.write(tmp_path / "crossing.gltf", boxes=(small_scene.GROUND, ((-1, -0.5, -1), (1, 3, 1)), ((5, 0, 5), (6, 1, 6))))
     report = health(vxs, crossing)["health"]
     assert [c["meets"] for c in report["components"]] == [[1, 2], [0], [0]] and report["total"]["pairs_that_meet"] == 2
-    assert "; 1, 2" in vxs("health", crossing).stdout
+    assert "; 1, 2; node 0, mesh 0, material 0\n" in vxs("health", crossing, "--all").stdout
     forced = health(vxs, crossing, "--closed", "off")["health"]
     assert [c["kind"] for c in forced["components"]] == ["forced"] * 3 and forced["total"]["pairs_that_meet"] == 0
 

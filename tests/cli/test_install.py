@@ -3,18 +3,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import re
+import shlex
 import shutil
 import subprocess
 
 import pytest
 
+import small_scene
+from commands import COMMANDS
 from conftest import ROOT
 
 GOLDEN = ROOT / "tests" / "golden" / "smallest.vxs"
 SANITIZERS = {"asan": ["-fsanitize=address,undefined"], "tsan": ["-fsanitize=thread"]}
-INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/pkgconfig/vxs.pc",
+HEADER = (ROOT / "runtime" / "vxs.h").read_text()
+VERSION = ".".join(re.search(rf"VXS_VERSION_{part} (\d+)", HEADER)[1] for part in ("MAJOR", "MINOR", "PATCH"))
+MAJOR = VERSION.split(".")[0]
+DOCUMENTS = ["README.md", "LICENSE", "LICENSE.MIT", "LICENSE.GPL-3.0", "formats/vxs.md", "scenes/README.md",
+             *(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*") if path.is_file())]
+INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}", f"lib/libvxs.so.{VERSION}", "lib/pkgconfig/vxs.pc",
+             "lib/cmake/vxs/vxsConfig.cmake", "lib/cmake/vxs/vxsConfigVersion.cmake",
              *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
-                                             "vxs_space"))}
+                                             "vxs_space")),
+             "share/man/man1/vxs.1", *(f"share/man/man1/vxs-{command}.1" for command in COMMANDS),
+             "share/bash-completion/completions/vxs", "share/zsh/site-functions/_vxs", "share/fish/vendor_completions.d/vxs.fish",
+             *(f"share/doc/vxs/{name}" for name in DOCUMENTS)}
 
 # The points of the file of vxs.md section 10: under its mask, beside it, behind it, outside.
 C_USER = """
@@ -82,52 +94,145 @@ def make(build, *args):
     return done.stdout
 
 
+def tree_under(folder):
+    return {str(path.relative_to(folder)) for path in folder.rglob("*")}
+
+
 def files_under(folder):
-    return {str(path.relative_to(folder)) for path in folder.rglob("*") if not path.is_dir()}
+    return {name for name in tree_under(folder) if (folder / name).is_symlink() or not (folder / name).is_dir()}
 
 
-def pkg_config(root, env, *args):
-    env = {"PATH": os.environ["PATH"], "PKG_CONFIG_PATH": str(root / "lib" / "pkgconfig"), **env}
+def pkg_config(folder, env, *args):
+    env = {"PATH": os.environ["PATH"], "PKG_CONFIG_PATH": str(folder), **env}
     done = subprocess.run(["pkg-config", *args, "vxs"], env=env, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    return done.stdout.split()
+    return shlex.split(done.stdout)
 
 
-def build_and_run(folder, name, source, compiler, flags, extra):
+def sysroot(folder, root):
+    """For pkg-config; by a name without a blank, which it does not escape where it puts it before paths of other packages."""
+    (folder / "sysroot").symlink_to(root)
+    return {"PKG_CONFIG_SYSROOT_DIR": str(folder / "sysroot")}
+
+
+def run_user(program, libdir=None):
+    env = os.environ | ({"LD_LIBRARY_PATH": str(libdir)} if libdir else {})
+    return subprocess.run([program, GOLDEN], env=env, capture_output=True, text=True, check=True).stdout
+
+
+def build_and_run(folder, name, source, compiler, flags, extra, libdir):
     """Build away from the sources, so that only what was installed can be found."""
     (folder / name).write_text(source)
     done = subprocess.run([*compiler, "-Wall", "-Wextra", "-Werror", *extra, "-o", "user", name, *flags], cwd=folder,
                           capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    return subprocess.run([folder / "user", GOLDEN], capture_output=True, text=True, check=True).stdout
+    return run_user(folder / "user", libdir)
+
+
+C_COMPILER = [*os.environ.get("CC", "cc").split(), "-std=c99", "-pedantic"]
+CXX_COMPILER = [*os.environ.get("CXX", "c++").split(), "-std=c++11", "-pedantic"]
+C_SAYS, CXX_SAYS = "0 1 0 -1 ", "1 1 0 ok"
+
+CMAKE_USER = """
+cmake_minimum_required(VERSION 3.16)
+project(user C CXX)
+foreach(version 1 0.99)
+  find_package(vxs ${version} QUIET)
+  if(vxs_FOUND)
+    message(FATAL_ERROR "version ${version} was found")
+  endif()
+endforeach()
+find_package(vxs @VERSION@ EXACT REQUIRED)
+find_package(vxs REQUIRED)
+add_executable(c_vxs user.c)
+add_executable(c_static user.c)
+add_executable(cxx_shared user.cpp)
+add_executable(cxx_static user.cpp)
+target_link_libraries(c_vxs PRIVATE vxs::vxs)
+target_link_libraries(c_static PRIVATE vxs::static)
+target_link_libraries(cxx_shared PRIVATE vxs::shared)
+target_link_libraries(cxx_static PRIVATE vxs::static)
+"""
+
+
+def needed(path):
+    """The shared libraries that a program or library names."""
+    done = subprocess.run(["readelf", "-d", path], capture_output=True, text=True, check=True)
+    return re.findall(r"\(NEEDED\).*\[(.*)\]", done.stdout)
+
+
+def use_with_cmake(folder, prefix, build, *args):
+    if not shutil.which("cmake"):
+        pytest.skip("no cmake: package cmake")
+    folder.mkdir()
+    (folder / "user.c").write_text(C_USER)
+    (folder / "user.cpp").write_text(CXX_USER)
+    (folder / "CMakeLists.txt").write_text(CMAKE_USER.replace("@VERSION@", VERSION))
+    flags = " ".join(SANITIZERS.get(config_of(build), []))
+    for line in (["cmake", "-S", ".", "-B", "made", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_C_FLAGS={flags}", f"-DCMAKE_CXX_FLAGS={flags}", *args],
+                 ["cmake", "--build", "made"]):
+        done = subprocess.run(line, cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+    for program, says in (("c_vxs", C_SAYS), ("c_static", C_SAYS), ("cxx_shared", CXX_SAYS), ("cxx_static", CXX_SAYS)):
+        assert run_user(folder / "made" / program) == says
+        assert (f"libvxs.so.{MAJOR}" in needed(folder / "made" / program)) == (not program.endswith("static"))
 
 
 @pytest.mark.parametrize("staged", [False, True], ids=["prefix", "destdir"])
 def test_install_use_uninstall(build, tmp_path, staged):
-    stage, user = tmp_path / "stage", tmp_path / "user"
+    stage, user = tmp_path / "my sta&ge", tmp_path / "user"
     user.mkdir()
-    prefix = "/opt/vxs" if staged else str(stage)
-    root = stage / "opt" / "vxs" if staged else stage
+    prefix = "/opt/my vxs" if staged else str(stage)
+    root = stage / "opt" / "my vxs" if staged else stage
     where = [f"prefix={prefix}", *([f"DESTDIR={stage}"] if staged else [])]
-    make(build, "install", *where)
-    assert files_under(root) == INSTALLED
-    assert os.access(root / "bin" / "vxs", os.X_OK)
-    assert "@" not in (root / "lib" / "pkgconfig" / "vxs.pc").read_text()
+    # others have been here before
+    others = {"bin/other", "include/other.h", "lib/cmake/other/x", "lib/pkgconfig/other.pc", "share/man/man1/other.1", "share/doc/other/x",
+              "share/bash-completion/completions/other", "share/zsh/site-functions/_other", "share/fish/vendor_completions.d/other.fish"}
+    for name in others:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).touch()
+    before = tree_under(stage)
 
-    env = {"PKG_CONFIG_SYSROOT_DIR": str(stage)} if staged else {}
-    header = (ROOT / "runtime" / "vxs.h").read_text()
-    version = [re.search(rf"VXS_VERSION_{part} (\d+)", header)[1] for part in ("MAJOR", "MINOR", "PATCH")]
-    assert pkg_config(root, env, "--modversion") == [".".join(version)]
-    flags = pkg_config(root, env, "--cflags", "--libs")
+    make(build, "install", *where)
+    make(build, "install", *where)  # over what is there
+    assert files_under(root) == INSTALLED | others
+    assert os.access(root / "bin" / "vxs", os.X_OK) and not os.access(root / "lib" / f"libvxs.so.{VERSION}", os.X_OK)
+    for name in ("pkgconfig/vxs.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
+        assert "@" not in (root / "lib" / name).read_text()
+    assert re.match(r'\.TH VXS-BAKE 1 "\d{4}-\d\d-\d\d" ', (root / "share/man/man1/vxs-bake.1").read_text())
+
+    env, libdir = (sysroot(tmp_path, stage) if staged else {}), root / "lib"
+    assert pkg_config(libdir / "pkgconfig", env, "--modversion") == [VERSION]
+    flags = pkg_config(libdir / "pkgconfig", env, "--cflags", "--libs")
+    assert "-lzstd" not in flags
     extra = SANITIZERS.get(config_of(build), [])
-    c, cxx = os.environ.get("CC", "cc").split(), os.environ.get("CXX", "c++").split()
-    assert build_and_run(user, "user.c", C_USER, [*c, "-std=c99", "-pedantic"], flags, extra) == "0 1 0 -1 "
-    assert build_and_run(user, "user.cpp", CXX_USER, [*cxx, "-std=c++11", "-pedantic"], flags, extra) == "1 1 0 ok"
+    assert build_and_run(user, "user.c", C_USER, C_COMPILER, flags, extra, libdir) == C_SAYS
+    assert f"libvxs.so.{MAJOR}" in needed(user / "user") and "libzstd.so.1" not in needed(user / "user")
+    assert build_and_run(user, "user.cpp", CXX_USER, CXX_COMPILER, flags, extra, libdir) == CXX_SAYS
+    if not extra:  # sanitizers have no static programs
+        flags = ["-static", *pkg_config(libdir / "pkgconfig", env, "--static", "--cflags", "--libs")]
+        assert build_and_run(user, "user.c", C_USER, C_COMPILER, flags, [], None) == C_SAYS and needed(user / "user") == []
+        assert build_and_run(user, "user.cpp", CXX_USER, CXX_COMPILER, flags, [], None) == CXX_SAYS
 
     make(build, "uninstall", *where)
     make(build, "uninstall", *where)  # nothing is there any more: no error
-    assert files_under(stage) == set()
-    assert not (root / "include" / "vxs").exists()
+    assert tree_under(stage) == before
+
+
+@pytest.mark.slow
+def test_use_with_cmake(build, tmp_path):
+    make(build, "install", f"prefix={tmp_path / 'my prefix'}")
+    use_with_cmake(tmp_path / "a user", tmp_path / "my prefix", build)
+    for line in (["cmake", "-DVXS_STATIC=ON", "made"], ["cmake", "--build", "made", "--target", "c_vxs"]):
+        subprocess.run(line, cwd=tmp_path / "a user", capture_output=True, check=True)
+    assert f"libvxs.so.{MAJOR}" not in needed(tmp_path / "a user" / "made" / "c_vxs")
+
+
+def test_uninstall_leaves_no_file(build, tmp_path):
+    make(build, "install", f"DESTDIR={tmp_path}")
+    assert files_under(tmp_path / "usr" / "local") == INSTALLED
+    make(build, "uninstall", f"DESTDIR={tmp_path}")
+    assert files_under(tmp_path) == set() and not [name for name in tree_under(tmp_path) if "vxs" in name]
 
 
 def nm(library, *args):
@@ -146,6 +251,22 @@ def test_library_symbols(build):
     assert missing == set()
 
 
+def test_shared_library_has_what_headers_declare(build):
+    library = build / "libvxs.so"
+    exported = subprocess.run(["nm", "-D", "--defined-only", "--with-symbol-versions", library], capture_output=True, text=True, check=True)
+    names = dict(line.split()[2].split("@@") for line in exported.stdout.splitlines() if line.split()[1] != "A")
+    headers = HEADER + (ROOT / "formats" / "vxs_file.h").read_text()
+    declared = set(re.findall(r"^(?!typedef|static)\w[^;(\n]*?\b(vxs_\w+)\(", headers, re.MULTILINE))
+    assert len(names) > 10 and set(names) == declared & nm(build / "libvxs.a", "-g", "--defined-only")
+    assert set(names.values()) == {f"VXS_{MAJOR}"}
+    dynamic = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True).stdout
+    assert f"soname: [libvxs.so.{MAJOR}]" in dynamic
+    if config_of(build) not in SANITIZERS:
+        assert set(needed(library)) <= {"libc.so.6", "libm.so.6", "libzstd.so.1", "libxxhash.so.0"}
+        loose = subprocess.run(["ldd", "-r", library], capture_output=True, text=True, check=True)
+        assert "undefined symbol" not in loose.stdout + loose.stderr
+
+
 def test_library_needs_only_libc_libm_zstd_xxhash(build, tmp_path):
     """All of it, whether it is used or not, links with these alone."""
     (tmp_path / "main.c").write_text("int main(void) { return 0; }\n")
@@ -161,3 +282,76 @@ def test_formats_and_runtime_stay_apart_from_the_baker():
             text = path.read_text()
             assert not re.search(r'#include ["<](baker|tests)/', text), path
             assert "SPDX-License-Identifier: MIT" in text, path
+
+
+# --- Debian packages --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def packages(build, tmp_path_factory):
+    """What `make deb` makes: {name: path}."""
+    if config_of(build) in SANITIZERS:
+        pytest.skip("packages are not made with sanitizers")
+    if not shutil.which("dpkg-shlibdeps"):
+        pytest.skip("no dpkg-shlibdeps: package dpkg-dev")
+    shown = make(build, "deb", "DEBFULLNAME=A Maintainer", "DEBEMAIL=a@vxs.test")
+    assert "warning" not in shown
+    return {path.name.split("_")[0]: path for path in (build / "deb").glob("*.deb")}
+
+
+def fields(package):
+    done = subprocess.run(["dpkg-deb", "--field", package], capture_output=True, text=True, check=True)
+    return dict(re.findall(r"^([\w-]+): (.*)$", done.stdout, re.MULTILINE))
+
+
+@pytest.fixture(scope="module")
+def unpacked(packages, tmp_path_factory):
+    root = tmp_path_factory.mktemp("unpacked here")
+    for path in packages.values():
+        subprocess.run(["dpkg-deb", "--extract", path, root], check=True)
+    return root
+
+
+@pytest.mark.slow
+def test_packages_say_what_they_need(build, packages, unpacked):
+    assert set(packages) == {"vxs", f"libvxs{MAJOR}", "libvxs-dev"}
+    told = {name: fields(path) for name, path in packages.items()}
+    for name, control in told.items():
+        assert control["Package"] == name and control["Version"] == VERSION and control["Maintainer"] == "A Maintainer <a@vxs.test>"
+    for name, path in (("vxs", unpacked / "usr/bin/vxs"), (f"libvxs{MAJOR}", next(unpacked.glob(f"usr/lib/*/libvxs.so.{VERSION}")))):
+        depends = {one.split()[0] for one in told[name]["Depends"].split(", ")}
+        where = dict(re.findall(r"(\S+) => (\S+)", subprocess.run(["ldd", path], capture_output=True, text=True, check=True).stdout))
+        found = {library: os.path.basename(os.path.realpath(where[library])) for library in needed(path) if library in where}
+        owners = subprocess.run(["dpkg", "-S", *(f"*/{file}" for file in found.values())], capture_output=True, text=True, check=True).stdout
+        for library, file in found.items():
+            assert depends & set(re.findall(rf"^([^:]+):.*/{re.escape(file)}$", owners, re.MULTILINE)), library
+    assert "libosmesa6" in told["vxs"]["Depends"]  # which is opened when something is drawn
+    assert f"libvxs{MAJOR} (= {VERSION})" in told["libvxs-dev"]["Depends"]
+
+
+@pytest.mark.slow
+def test_packages_hold_what_is_installed(packages, unpacked):
+    multiarch = next(unpacked.glob("usr/lib/*/libvxs.a")).parent.name
+    here = {name.replace(f"usr/lib/{multiarch}/", "lib/").replace("usr/", "", 1).replace(".1.gz", ".1")
+            .replace("zsh/vendor-completions", "zsh/site-functions") for name in files_under(unpacked)}
+    of_debian = {f"share/doc/{name}/{file}" for name in packages for file in ("copyright", "changelog.gz")}
+    assert here == {name for name in INSTALLED if "/LICENSE" not in name} | of_debian
+    for name in packages:
+        said = (unpacked / "usr/share/doc" / name / "copyright").read_text()
+        assert "License: GPL-3.0-or-later" in said and "License: MIT" in said and "Permission is hereby granted" in said
+    for path in packages.values():
+        listed = subprocess.run(["dpkg-deb", "--contents", path], capture_output=True, text=True, check=True).stdout
+        assert {line.split()[1] for line in listed.splitlines()} == {"root/root"}
+
+
+@pytest.mark.slow
+def test_packages_work(build, unpacked, tmp_path):
+    """The command bakes, and a program is built and run with the library, each as it was unpacked."""
+    small_scene.write(tmp_path / "scene.gltf")
+    command = unpacked / "usr/bin/vxs"
+    subprocess.run([command, "bake", tmp_path / "scene.gltf", "-o", tmp_path / "a.vxs", "--resolution", "64"], check=True, capture_output=True)
+    assert "valid" in subprocess.run([command, "validate", tmp_path / "a.vxs"], check=True, capture_output=True, text=True).stdout
+    libdir = next(unpacked.glob("usr/lib/*/libvxs.a")).parent
+    flags = pkg_config(libdir / "pkgconfig", sysroot(tmp_path, unpacked), "--cflags", "--libs")
+    assert build_and_run(tmp_path, "user.c", C_USER, C_COMPILER, flags, [], libdir) == C_SAYS
+    use_with_cmake(tmp_path / "cmake", unpacked / "usr", build, f"-DCMAKE_LIBRARY_ARCHITECTURE={libdir.name}")

@@ -104,7 +104,7 @@ def test_many_points(query):
 
 @pytest.mark.parametrize("line, says", [
     ("0 0", "3 or 6 numbers, found 2"), ("0 0 0 0", "found 4"), ("0 0 0 0 1 0 0", "found 7"), ("0 0 zero", "found 'zero'"),
-    ("nan 0 0", "found 'nan'"), ("0 inf 0", "found 'inf'"), ("0 0 1e999", "found '1e999'"), ("0,0,0", "found '0,0,0'"),
+    ("nan 0 0", "found 'nan'"), ("0 inf 0", "found 'inf'"), ("0 0 1e999", "found '1e999'"), ("0:0:0", "found '0:0:0'"),
     ("0 0 0 0 0 0", "the normal is zero"), ("0 0 0\0", "NUL"), ("1 " * 3000, "longer than"),
 ])
 def test_wrong_points(fails, line, says):

@@ -166,8 +166,9 @@ def test_can_be_read(report, browser, tmp_path, width, dark, media):
 
 def test_settings_and_files_are_told_apart(report, vxs, browser, tmp_path):
     page = report(bench(cell(), cell(rule="shadow"), cell("hills.glb"), cell("hills.glb", rule="shadow")), bench(cell()))
-    for word in ("Base is rule greedy.", "rule shadow 2 1.50 1.50–1.50", "b0.json", "b1.json", "hills.glb"):
+    for word in ("a bake without such is called base: rule greedy.", "rule shadow 2 1.50 1.50–1.50", "b0.json", "b1.json", "hills.glb"):
         assert word in page.text, word
+    assert page.text.index("base") == page.text.index("base: rule greedy"), "said what it is where it first appears"
     for folder in "pq":
         (tmp_path / folder).mkdir()
         shutil.copy(tmp_path / "b1.json", tmp_path / folder / "same.json")

@@ -148,10 +148,13 @@ static vxs_result put_lamps(scene *s, const exact_options *o, message *m)
     return r;
 }
 
+/* Skinned meshes are voxels like others. */
+static const scene_choice everything = {.skinned = SKINNED_REST, .skinned_given = 1};
+
 static vxs_result world_load(world *w, const exact_options *o, message *m)
 {
     vxs_result r;
-    if ((r = scene_load_gltf(&w->s, o->scene_path, NULL, m)) != VXS_OK) return r;
+    if ((r = scene_load_gltf(&w->s, o->scene_path, &everything, m)) != VXS_OK) return r;
     return lamps_asked_for(o) ? put_lamps(&w->s, o, m) : VXS_OK;
 }
 
@@ -175,8 +178,9 @@ static vxs_result bake_asset(const exact_options *o, way *y, message *m)
     if (!mkdtemp(dir)) return fail(m, VXS_E_WRITE, "%s: cannot make a folder", dir);
     snprintf(path, sizeof path, "%s/asset.vxs", dir);
     bake_it.scene_path  = o->scene_path;
+    bake_it.scene       = everything;
     bake_it.output_path = path;
-    vxs_result r        = bake(&bake_it, &report, m);
+    vxs_result r        = bake(&bake_it, NULL, &report, m);
     if (r == VXS_OK) r = asset_open(&y->asset, path, m);
     bake_report_free(&report);
     unlink(path);
@@ -325,14 +329,14 @@ done:
 
 static int print_result(const exact_options *o, const way *y)
 {
-    const tally *t = &y->sum;
-    json_t      *line =
-        json_pack("{s:s, s:I, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
-                  (json_int_t)y->bake.resolution, "sun", y->bake.sun[0], y->bake.sun[1], y->bake.sun[2], "seed",
-                  (json_int_t)y->seed, "maps", (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels",
-                  (json_int_t)t->voxels, "wrong_lit", (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow,
-                  "misread", (json_int_t)t->misread, "insane_depths", (json_int_t)t->insane);
-    json_t *told   = bake_options_json(&y->bake);
+    const tally *t          = &y->sum;
+    const double sunless[3] = {0}, *sun = y->bake.suns.count ? y->bake.suns.items[0].numbers : sunless;
+    json_t *line = json_pack("{s:s, s:I, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
+                             (json_int_t)y->bake.resolution, "sun", sun[0], sun[1], sun[2], "seed", (json_int_t)y->seed, "maps",
+                             (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "wrong_lit",
+                             (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow, "misread",
+                             (json_int_t)t->misread, "insane_depths", (json_int_t)t->insane);
+    json_t *told = bake_options_json(&y->bake);
     int     failed = !line || !told || json_object_update_missing(line, told) || json_dumpf(line, stdout, JSON_COMPACT) ||
                  puts("") < 0 || fflush(stdout);
     json_decref(line);
@@ -379,7 +383,7 @@ static vxs_result compare_ways(const exact_options *o, world *w, const bake_opti
     if (!count) return fail(m, VXS_E_ARGUMENT, "more than %d combinations for the same maps", WAYS_MAX);
     ways[0].asset = *first;
     *first        = NULL;
-    if ((r = lights_choose(&w->s, &bake->light_names, bake->sun_given, bake->sun, &chosen, m)) != VXS_OK) goto done;
+    if ((r = lights_choose(&w->s, &bake->light_names, &bake->suns, &chosen, m)) != VXS_OK) goto done;
     for (uint32_t y = 0; y < count; y++) {
         if (ways[y].asset) continue;
         r = o->fault == FAULT_NONE || (lamps_asked_for(o) && o->fault == FAULT_WORD)
@@ -398,11 +402,12 @@ done:
 }
 
 /* The sun of the command line; without one, nothing. */
-static vxs_result set_sun(bake_options *bake, const char *text, message *m)
+static vxs_result set_sun(bake_options *bake, named_value *sun, const char *text, message *m)
 {
-    int end         = 0;
-    bake->sun_given = text != NULL;
-    if (text && (sscanf(text, "%lf,%lf,%lf%n", &bake->sun[0], &bake->sun[1], &bake->sun[2], &end) != 3 || text[end]))
+    int     end = 0;
+    double *v   = sun->numbers;
+    bake->suns  = (named_list){sun, text != NULL, 1};
+    if (text && (sscanf(text, "%lf,%lf,%lf%n", &v[0], &v[1], &v[2], &end) != 3 || text[end]))
         return fail(m, VXS_E_ARGUMENT, "--sun %s: expected 3 numbers", text);
     return VXS_OK;
 }
@@ -410,17 +415,18 @@ static vxs_result set_sun(bake_options *bake, const char *text, message *m)
 /* The combinations of what decides casters and maps, and in each all others. */
 static vxs_result compare_all(const exact_options *o, int *right, message *m)
 {
-    world        w     = {0};
-    bake_options bake  = o->bake;
-    vxs_asset   *first = NULL;
-    size_t       suns  = o->suns.count ? o->suns.count : 1;
+    world        w       = {0};
+    bake_options bake    = o->bake;
+    vxs_asset   *first   = NULL;
+    size_t       suns    = o->suns.count ? o->suns.count : 1;
+    named_value  sun_now = {.name = (char[]){SUN_NAME}};
     vxs_result   r;
     if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
         way ways[WAYS_MAX];
         bake.closed     = (closed_mode)o->value[CHOICE_CLOSED][0];
         bake.exit       = (exit_mode)o->value[CHOICE_EXIT][0];
         bake.resolution = o->resolutions.items[0];
-        if ((r = set_sun(&bake, o->suns.count ? o->suns.items[0] : NULL, m)) != VXS_OK) goto done;
+        if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[0] : NULL, m)) != VXS_OK) goto done;
         if (ways_of(o, &bake, ways) && (r = bake_asset(o, &ways[0], m)) != VXS_OK) goto done;
         first = ways[0].asset;
     }
@@ -431,7 +437,7 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
         if ((r = casters_from_scene(&w.c, &w.s, bake.closed, m)) != VXS_OK) goto done;
         if (!w.gl && (r = gl_context_create(&w.gl, GL_BACKEND_OSMESA, bake.threads, m)) != VXS_OK) goto done;
         for (size_t sun = 0; sun < suns; sun++) {
-            if ((r = set_sun(&bake, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
+            if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
             for (size_t n = 0; n < o->value_count[CHOICE_EXIT] * o->resolutions.count; n++) {
                 bake.exit       = (exit_mode)o->value[CHOICE_EXIT][n / o->resolutions.count];
                 bake.resolution = o->resolutions.items[n % o->resolutions.count];
@@ -479,10 +485,11 @@ static vxs_result check_options(exact_options *o, const char *columns, message *
 
 static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown, message *m)
 {
-    text_list   given[CHOICES]       = {{0}};
-    int         planted              = FAULT_NONE;
-    const char *columns              = "all";
-    option      options[CHOICES + 9] = {
+    text_list   given[CHOICES]        = {{0}};
+    int         planted               = FAULT_NONE;
+    const char *columns               = "all";
+    option      options[CHOICES + 10] = {
+             {"SCENE", OPTION_INPUT, &o->scene_path, FILE_SCENE, 0, NULL, NULL, NULL, NULL},
              {"--sun", OPTION_TEXTS, &o->suns, 0, 0, NULL, "X,Y,Z", "as bake; repeated for more", NULL},
              {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
              {"--spot", OPTION_TEXTS, &o->spots, 0, 0, NULL, "X,Y,Z,DX,DY,DZ,DEGREES[,RANGE]", "a spot light", NULL},
@@ -495,16 +502,12 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
              {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
     };
     for (int c = 0; c < CHOICES; c++)
-        options[9 + c] =
+        options[10 + c] =
             (option){choices[c].option, OPTION_TEXTS, &given[c], 0, 0, NULL, choices[c].words, "as bake; repeated for more", NULL};
-    const command_line line = {"exact",
-                               "SCENE [options]",
-                               "Bake a scene and compare voxels with its depth maps.",
-                               options,
-                               sizeof options / sizeof *options,
-                               1};
-    vxs_result         r    = options_parse(&line, argc, argv, &o->scene_path, help_shown, m);
-    o->fault                = (fault)planted;
+    const command_line line =
+        COMMAND_LINE("exact", "SCENE [options]", "Bake a scene and compare voxels with its depth maps.", options);
+    vxs_result r = options_parse(&line, argc, argv, help_shown, m);
+    o->fault     = (fault)planted;
     for (int c = 0; c < CHOICES; c++) {
         if (r == VXS_OK) r = set_choice(o, (enum choice)c, &given[c], m);
         free(given[c].items);

@@ -2,7 +2,7 @@
 //
 //   FAULT=CALL:N:WHAT       the N-th call of CALL, counted from 1, does WHAT. N 0: none
 //       CALL  alloc (malloc, calloc, realloc, aligned_alloc, operator new, and what allocates inside: strdup, asprintf, realpath,
-//             fopen, fdopen), open, read, write, close, link, rename, thread
+//             fopen, fdopen), open, read, write, close, link, rename, fsync, thread
 //       WHAT  a number: fail with that errno (alloc: without memory);  short: read half of what is asked for;  kill: SIGKILL;
 //             interrupt: SIGINT
 //   FAULT_EVERY=1           every call from the N-th on, not that one alone
@@ -324,6 +324,11 @@ int rename(const char *old_path, const char *new_path)
 {
     NEXT(rename);
     return fails("rename", CALLER) ? -1 : real(old_path, new_path);
+}
+int fsync(int file)
+{
+    NEXT(fsync);
+    return fails("fsync", CALLER) ? -1 : real(file);
 }
 int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*body)(void *), void *user)
 {

@@ -44,7 +44,8 @@ static vxs_result open_asset(vxs_asset **asset, alloc_fail *memory, int find_all
                                .memory_limit_bytes = MEMORY_LIMIT_BYTES,
                                .finding            = print_finding,
                                .finding_user       = f,
-                               .find_all           = find_all};
+                               .find_all           = find_all,
+                               .metadata           = 1};
     vxs_result    r         = vxs_asset_open(asset, data, size, &desc);
     FUZZ_CHECK((r == VXS_OK) == (*asset != NULL) && (r == VXS_OK) == !f->count);
     FUZZ_CHECK(r == result_of(f->first));
@@ -58,7 +59,7 @@ static void open_without_memory(const uint8_t *data, size_t size, const alloc_fa
     for (int failing = 0; failing < 2; failing++) {
         alloc_fail    memory    = {.fail_at = failing ? 1 + random % needed->calls : 0};
         vxs_allocator allocator = alloc_fail_allocator(&memory);
-        vxs_read_desc desc      = {.allocator = &allocator, .memory_limit_bytes = failing ? 0 : needed->peak_bytes / 2};
+        vxs_read_desc desc = {.allocator = &allocator, .memory_limit_bytes = failing ? 0 : needed->peak_bytes / 2, .metadata = 1};
         vxs_asset    *asset;
         FUZZ_CHECK(vxs_asset_open(&asset, data, size, &desc) == VXS_E_MEMORY && !asset);
         FUZZ_CHECK(!memory.live_bytes && !memory.wrong_sizes);

@@ -24,6 +24,8 @@ static message m;
 static char    folder[] = "/tmp/vxs_gltf_XXXXXX";
 static char    path[256];
 
+static scene_choice chosen; /* what load_file asks for, but for the scene */
+
 #define LIGHTS "'extensions':{'KHR_lights_punctual':{'lights':["
 #define USE(n) "'extensions':{'KHR_lights_punctual':{'light':" #n "}}"
 #define HEAD   "{'asset':{'version':'2.0'},"
@@ -78,7 +80,8 @@ static inline void forget(void)
 static inline vxs_result load_file(const char *file, const char *which)
 {
     forget();
-    return scene_load_gltf(&s, file, which, &m);
+    chosen.name = which;
+    return scene_load_gltf(&s, file, &chosen, &m);
 }
 
 static inline vxs_result load_text(const char *json, const char *which)

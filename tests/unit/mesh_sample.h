@@ -175,6 +175,7 @@ static inline void sample_clear(sample *b)
     free(s->positions_ws);
     free(s->indices);
     free(s->triangle_flags);
+    free(s->parts);
     free(s->alpha_masks);
     free(s->holed_triangles);
     free(s->camera_positions_ws);

@@ -678,7 +678,7 @@ static vxs_bytes bake_city(bake_options o)
     strcpy(output_path, in_folder("city.vxs"));
     o.scene_path  = scene_path;
     o.output_path = output_path;
-    assert_int_equal(bake(&o, &report, &m), VXS_OK);
+    assert_int_equal(bake(&o, NULL, &report, &m), VXS_OK);
     bake_report_free(&report);
 
     FILE *f = fopen(output_path, "rb");

@@ -54,7 +54,7 @@ static void collect(void *user, int number, const char *text, int section, uint6
 /* vxs_read, where a refusal must come with a finding, whose result is the one returned. */
 static vxs_result read_bytes(vxs_contents *contents, const vxs_bytes *file, findings *f, int find_all)
 {
-    vxs_read_desc desc = {.finding = collect, .finding_user = f, .find_all = find_all};
+    vxs_read_desc desc = {.finding = collect, .finding_user = f, .find_all = find_all, .metadata = 1};
     *f                 = (findings){0};
     vxs_result r       = vxs_read(contents, file->data, file->size_bytes, &desc);
     assert_int_equal(r == VXS_OK, f->count == 0);
@@ -558,7 +558,7 @@ static void test_optional_sections_are_skipped(void **state)
     add_part(&p, 0x31323334, VXS_SECTION_OPTIONAL, "twice", 5);
     file = put_together(&p);
     vxs_contents contents;
-    assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, NULL), VXS_OK);
+    assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &(vxs_read_desc){.metadata = 1}), VXS_OK);
     assert_int_equal(contents.section_count, p.count);
     assert_string_equal(contents.metadata, metadata);
     vxs_contents_free(&contents);
@@ -1184,12 +1184,22 @@ static void test_memory_limit(void **state)
     vxs_allocator allocator = alloc_fail_allocator(&a);
     findings      f         = {0};
     vxs_contents  contents;
-    vxs_read_desc desc = {.allocator = &allocator, .memory_limit_bytes = 1 << 20, .finding = collect, .finding_user = &f};
+    vxs_read_desc desc = {
+        .allocator = &allocator, .memory_limit_bytes = 1 << 20, .finding = collect, .finding_user = &f, .metadata = 1};
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_E_MEMORY);
     assert_int_equal(f.first, 211);
     produced[211]++;
     assert_in_range(a.peak_bytes, 1, desc.memory_limit_bytes);
     assert_int_equal(a.live_bytes, 0);
+
+    /* nobody asks for it: it is not inflated */
+    desc.metadata = 0;
+    a             = (alloc_fail){0};
+    assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_OK);
+    assert_null(contents.metadata);
+    assert_in_range(a.peak_bytes, 1, 1 << 16);
+    vxs_contents_free(&contents);
+    desc.metadata = 1;
 
     /* with enough, it is read; the limit is what was taken at most, to the byte */
     desc.memory_limit_bytes = 0;

@@ -207,7 +207,8 @@ static void test_surfaces_that_are_nowhere(void **state)
         assert_int_equal(s.triangle_count, 2);
         assert_int_equal(s.triangle_flags[0], 0);
         assert_int_equal(m.warning_count, 1);
-        assert_string_equal(m.warnings[0], "material 0 'leaf': its alpha is below the cutoff everywhere: 2 triangles left out");
+        assert_string_equal(m.warnings[0], "material 0 'leaf': its alpha is below the cutoff everywhere: 2 triangles left out; "
+                                           "lower alphaCutoff, or set alphaMode to OPAQUE");
     }
 }
 

@@ -40,7 +40,7 @@ static void test_sound_solids(void **state)
     sample_ball(&b, (double[3]){9, 0, 0}, 2, 40);
     mesh_health h = examine(&b, CLOSED_AUTO);
     assert_int_equal(h.count, 2);
-    for (int i = 0; i < 2; i++) assert_false(component_has_faults(&h.components[i]));
+    for (int i = 0; i < 2; i++) assert_false(component_faults(&h.components[i]));
     assert_int_equal(h.components[0].vertices, 8);
     assert_int_equal(h.components[0].edges, 18);
     assert_float_equal(h.components[0].volume_m3, 6, 1e-12);
@@ -83,7 +83,7 @@ static void test_winding(void **state)
     assert_true(h.components[1].closed && h.components[1].oriented);
     assert_float_equal(h.components[1].volume_m3, -8, 1e-12);
     assert_int_equal(h.components[1].kind, COMPONENT_SHEET_INWARD);
-    assert_true(component_has_faults(&h.components[1]));
+    assert_true(component_faults(&h.components[1]));
     done(&b, &h);
 }
 
@@ -200,6 +200,7 @@ static void test_who_meets_whom(void **state)
     for (uint32_t i = 0; i < 5; i++) {
         const component_health *k = &h.components[i];
         assert_int_equal(k->meets, i == 0 || i == 4 ? 1 : 2);
+        assert_int_equal(component_faults(k), 0); /* that is none */
         assert_int_equal(h.met[k->meets_first], i ? i - 1 : 1);
         if (i && i < 4) assert_int_equal(h.met[k->meets_first + 1], i + 1);
         assert_int_equal(k->self_intersections, 0);

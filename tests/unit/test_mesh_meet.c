@@ -332,9 +332,9 @@ static void test_limits(void **state)
     found            = (pairs){.most = 0};
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
     assert_int_equal(search.gave_up, 1);
-    search.tests_max = 10000;
+    search.tests_max    = 10000;
     search.overlaps_max = 10;
-    found            = (pairs){.most = 0};
+    found               = (pairs){.most = 0};
     assert_int_equal(mesh_find_intersections(&soup, &search), VXS_OK);
     assert_int_equal(search.gave_up, 1);
     sample_clear(&b);

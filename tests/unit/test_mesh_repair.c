@@ -255,6 +255,45 @@ static void test_masks_stay_right(void **state)
 }
 
 /* Many kinds of damage at once. What comes out as solid holds what the undamaged balls held, and nothing else. */
+/* The triangles from here on are of another part. */
+static void begin_part(sample *b)
+{
+    scene *s     = &b->s;
+    s->parts     = sample_grown(s->parts, (s->part_count + 1) * sizeof *s->parts);
+    uint32_t at  = (uint32_t)s->part_count++;
+    s->parts[at] = (scene_part){.triangle_first = (uint32_t)s->triangle_count, .node = at};
+}
+
+/* Triangles that are taken out, a part of nothing else, and triangles that are added far from those beside them. */
+static void test_parts_stay_right(void **state)
+{
+    (void)state;
+    static const double places[] = {0, 10, 20, 20, 30}; /* along x, by part */
+    sample              b        = {0};
+    for (int i = 0; i < 5; i++) {
+        double at[3] = {places[i], 0, 0};
+        begin_part(&b);
+        if (i == 1 || i == 2) sample_cube(&b, at[0], 0, 0, 1);
+        if (i == 3) sample_points(&b, (double[3]){19, -1, -1}, (double[3]){19, 1, -1}, (double[3]){21, 1, -1}); /* of the cube */
+        if (i == 0 || i == 4) sample_ball(&b, at, 0.2, 8);
+    }
+    sample_remove(&b, b.s.parts[4].triangle_first + 100);
+    sample_remove(&b, 100);
+    for (int i = 1; i < 5; i++) b.s.parts[i].triangle_first--;
+    repair_report r = mend_with(&b, (repair_options){.hole_edges_max = 64, .hole_diameter_m = 1});
+    assert_true(r.total.filled_holes == 2 && r.total.removed_repeated == 1 && r.count == 3);
+    uint32_t part = 0;
+    for (size_t t = 0; t < b.s.triangle_count; t++) {
+        part     = scene_part_at(&b.s, part, t);
+        double x = b.s.positions_ws[3 * (size_t)b.s.indices[3 * t]];
+        assert_true(fabs(x - places[b.s.parts[part].node]) < 2 && b.s.parts[part].node != 3);
+    }
+    static const uint32_t firsts[] = {0, 2, 4}, counts[] = {1, 2, 1};
+    for (size_t i = 0; i < r.count; i++)
+        assert_true(r.components[i].parts.first == firsts[i] && r.components[i].parts.count == counts[i]);
+    done(&b, &r);
+}
+
 static void test_random_damage(void **state)
 {
     (void)state;
@@ -348,6 +387,7 @@ int main(void)
         cmocka_unit_test(test_one_sided_surfaces_are_left_alone),
         cmocka_unit_test(test_repeated_and_flat_triangles_are_removed),
         cmocka_unit_test(test_masks_stay_right),
+        cmocka_unit_test(test_parts_stay_right),
         cmocka_unit_test(test_random_damage),
         cmocka_unit_test(test_stress),
     };

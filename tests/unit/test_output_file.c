@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
@@ -195,6 +196,82 @@ static void test_commit_sees_a_full_standard_output(void **state)
     assert_string_equal(m.error, "standard output: cannot write: No space left on device");
 }
 
+/* open and check say the same of a file, and nothing is left of either. */
+static void check_refused(const char *path, message m, vxs_result code, const char *says)
+{
+    output_file f;
+    message     again  = m;
+    int         before = file_count();
+    assert_int_equal(output_file_open(&f, path, &m), code);
+    assert_non_null(strstr(m.error, says));
+    assert_null(f.stream);
+    assert_int_equal(output_file_check(path, &again), code);
+    assert_string_equal(again.error, m.error);
+    assert_int_equal(file_count(), before);
+}
+
+/* The bits of the mode count, which do not keep root from writing. */
+static void test_read_only_files_are_left_alone(void **state)
+{
+    (void)state;
+    message     forced = {.force = 1};
+    struct stat status;
+    write_file("a", "old");
+    chmod("a", 0444);
+    check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is read-only: --force");
+    check_content("a", "old");
+
+    output_file f;
+    assert_int_equal(output_file_open(&f, "a", &forced), VXS_OK);
+    fputs("new", f.stream);
+    assert_int_equal(output_file_commit(&f, &forced), VXS_OK);
+    check_content("a", "new");
+    assert_true(!stat("a", &status) && (status.st_mode & 07777) == 0444);
+    assert_int_equal(forced.warning_count, 0);
+}
+
+static void test_modes_are_kept(void **state)
+{
+    (void)state;
+    static const mode_t modes[] = {0600, 0646, 0755, 02664};
+    struct stat         status;
+    write_file("a", "old");
+    for (size_t n = 0; n < sizeof modes / sizeof *modes; n++) {
+        chmod("a", modes[n]);
+        write_file("a", "new");
+        assert_true(!stat("a", &status) && (status.st_mode & 07777) == modes[n]);
+    }
+}
+
+static void test_hard_links_are_not_parted(void **state)
+{
+    (void)state;
+    message     forced = {.quiet = 1, .force = 1}, strict = {.quiet = 1, .force = 1, .strict = 1};
+    output_file f;
+    write_file("a", "old");
+    assert_int_equal(link("a", "b"), 0);
+    check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is one of 2 hard links");
+    check_refused("a", strict, VXS_E_STRICT, "a: was one of 2 hard links");
+    assert_int_equal(output_file_check("a", &forced), VXS_OK);
+    assert_int_equal(output_file_open(&f, "a", &forced), VXS_OK);
+    fputs("new", f.stream);
+    assert_int_equal(output_file_commit(&f, &forced), VXS_OK);
+    assert_int_equal(forced.warning_count, 1);
+    check_content("a", "new");
+    check_content("b", "old");
+    message_free(&forced);
+}
+
+static void test_links_lead_to_files(void **state)
+{
+    (void)state;
+    assert_int_equal(symlink("b", "a"), 0);
+    check_refused("a", (message){.force = 1}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: No such file");
+    unlink("a");
+    assert_int_equal(symlink("a", "a"), 0);
+    check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: Too many levels");
+}
+
 static void test_a_folder_is_no_file(void **state)
 {
     (void)state;
@@ -213,7 +290,9 @@ int main(void)
         IN_FOLDER(test_no_name_until_commit),    IN_FOLDER(test_names_left_behind),
         IN_FOLDER(test_two_files_at_once),       IN_FOLDER(test_abort_is_harmless_twice),
         IN_FOLDER(test_commit_sees_a_full_disk), IN_FOLDER(test_commit_sees_a_full_standard_output),
-        IN_FOLDER(test_a_folder_is_no_file),
+        IN_FOLDER(test_a_folder_is_no_file),     IN_FOLDER(test_read_only_files_are_left_alone),
+        IN_FOLDER(test_modes_are_kept),          IN_FOLDER(test_hard_links_are_not_parted),
+        IN_FOLDER(test_links_lead_to_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -99,13 +99,81 @@ static void wrong_lines_are_named(void **state)
     bad("1 2 3\n\n1 2 3 4\n", "standard input: line 3: expected 3 or 6 numbers, found 4", 1);
     bad("1 2\n", "standard input: line 1: expected 3 or 6 numbers, found 2", 0);
     bad("1 2 3 4 5 6 7", "standard input: line 1: expected 3 or 6 numbers, found 7", 0);
-    bad("# no\n1,2,3\n", "standard input: line 2: expected a finite number, found '1,2,3'", 0);
+    bad("# no\n1:2:3\n", "standard input: line 2: expected a finite number, found '1:2:3'", 0);
     bad("1 two 3\n", "standard input: line 1: expected a finite number, found 'two'", 0);
     bad("1 2 nan\n", "standard input: line 1: expected a finite number, found 'nan'", 0);
     bad("1 -inf 2\r\n", "standard input: line 1: expected a finite number, found '-inf'", 0);
     bad("1 2 1e999\n", "standard input: line 1: expected a finite number, found '1e999'", 0);
     bad("1 2 3 0 0 -0\n", "standard input: line 1: the normal is zero", 0);
     bad_bytes("1 2 3\0 4\n", 9, "standard input: line 1: holds a NUL byte", 0);
+}
+
+/* The three numbers of a point and, where they are given, of its normal. */
+static void is_point(const char *text, double x, double y, double z, int has_normal)
+{
+    query_point p[CAPACITY];
+    assert_int_equal(good(text, p), 1);
+    assert_true(p[0].position_ws[0] == x && p[0].position_ws[1] == y && p[0].position_ws[2] == z);
+    assert_int_equal(p[0].has_normal, has_normal);
+}
+
+static void commas_and_semicolons_separate(void **state)
+{
+    (void)state;
+    is_point("1,2,3", 1, 2, 3, 0);
+    is_point("1.5, -2.5 ,3e1\t\r\n", 1.5, -2.5, 30, 0);
+    is_point(" 1;2;3 \n", 1, 2, 3, 0);
+    is_point("1.5 ; 2.5;3", 1.5, 2.5, 3, 0);
+    is_point("1,2,3,0,1,0", 1, 2, 3, 1);
+    is_point("1, 2, 3, 0, 1, 0", 1, 2, 3, 1);
+    is_point("1,2,3, 0,1,0", 1, 2, 3, 1);
+    is_point("1.5,2, 3.5,0, 1.5,0", 1.5, 2, 3.5, 1); /* ragged, but the decimal point is a point */
+}
+
+/* A comma that is a decimal point is never taken for another thing. */
+static void lines_that_may_mean_two_things_are_refused(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {"1,5 2,5 3,5", "1,5\t2,5\t3,5", "1,5;2,5;3,5", "1,5, 2,5, 3,5", "1,5 , 2,5 , 3,5",
+                                        "1 2,5 3",     "1,2 3",         "1 2 3,5",     "1;2,3",         "1,5 2 3 4 5"};
+    for (size_t n = 0; n < sizeof lines / sizeof *lines; n++) {
+        char        why[256];
+        message     m = {0};
+        query_point p[CAPACITY];
+        size_t      total;
+        snprintf(why, sizeof why,
+                 "standard input: line 1: expected numbers with a decimal point, separated all alike, by blanks or "
+                 "commas: '%s' could mean two things",
+                 lines[n]);
+        for (char *c = why; *c; c++)
+            if (*c == '\t') *c = '?';
+        assert_int_equal(read_bytes(lines[n], strlen(lines[n]), 3, p, &total, &m), VXS_E_READ);
+        assert_string_equal(m.error, why);
+    }
+    bad("1,,2,3\n", "standard input: line 1: expected a finite number, found ''", 0);
+    bad("1,2,3,\n", "standard input: line 1: expected a finite number, found ''", 0);
+    bad(",1,2,3\n", "standard input: line 1: expected a finite number, found ''", 0);
+    bad("x,y,z\n", "standard input: line 1: expected a finite number, found 'x'", 0);
+    bad("1,5\n", "standard input: line 1: expected 3 or 6 numbers, found 2", 0);
+}
+
+static void a_byte_order_mark_is_skipped(void **state)
+{
+    (void)state;
+    query_point p[CAPACITY];
+    is_point("\xef\xbb\xbf"
+             "1 2 3\n",
+             1, 2, 3, 0);
+    assert_int_equal(good("\xef\xbb\xbf# x\r\n1 2 3\r\n", p), 1);
+    assert_int_equal(good("\xef\xbb\xbf", p), 0);
+    bad("1 2 3\n\xef\xbb\xbf"
+        "4 5 6\n",
+        "standard input: line 2: expected a finite number, found '\xef\xbb\xbf"
+        "4'",
+        1);
+    bad_bytes("\xef\xbb\xbf"
+              "1 2 3\0 4\n",
+              12, "standard input: line 1: holds a NUL byte", 0);
 }
 
 /* A line of `length` characters, "1 2 3" and blanks, and then another point. */
@@ -180,18 +248,20 @@ static scene_light scene_lights[] = {
     {.name = (char *)"moon", .shape = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {1, 0, 0}}},
     {.name = (char *)"sun", .shape = {.kind = LIGHT_DIRECTIONAL, .direction_ws = {0, -1, 0}}},
 };
-static const scene  lit_scene  = {.light_count = 3, .lights = scene_lights};
-static const scene  dark_scene = {.light_count = 1, .lights = scene_lights};
-static const double sun[3]     = {0, 0, -2};
+static const scene      lit_scene  = {.light_count = 3, .lights = scene_lights};
+static const scene      dark_scene = {.light_count = 1, .lights = scene_lights};
+static const named_list no_suns    = {0};
+static const named_list one_sun    = {(named_value[]){{(char *)"sun", {0, 0, -2}}}, 1, 1};
+static const named_list two_suns   = {(named_value[]){{(char *)"noon", {0, 0, -1}}, {(char *)"sun", {0, 0, -2}}}, 2, 2};
 
 /* The names chosen, "a b", or the error. */
-static const char *choose(const scene *s, const char **names, size_t name_count, const double *sun_option, vxs_result expected)
+static const char *choose(const scene *s, const char **names, size_t name_count, const named_list *suns, vxs_result expected)
 {
     static char     text[2048];
     light_choice    chosen;
     message         m    = {0};
     const text_list list = {.items = names, .count = name_count};
-    assert_int_equal(lights_choose(s, &list, sun_option != NULL, sun_option, &chosen, &m), expected);
+    assert_int_equal(lights_choose(s, &list, suns, &chosen, &m), expected);
     if (expected != VXS_OK) {
         assert_null(chosen.lights);
         return strcpy(text, m.error);
@@ -201,8 +271,8 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
     for (size_t i = 0; i < chosen.count; i++) {
         strcat(strcat(text, i ? " " : ""), chosen.lights[i].name);
         if (strcmp(chosen.lights[i].name, "sun")) continue;
-        assert_true(chosen.lights[i].shape.direction_ws[1] == (sun_option ? 0 : -1)); /* --sun replaces the scene's */
-        assert_true(chosen.lights[i].shape.direction_ws[2] == (sun_option ? -1 : 0)); /* and is made a unit vector */
+        assert_true(chosen.lights[i].shape.direction_ws[1] == (suns->count ? 0 : -1)); /* --sun replaces the scene's */
+        assert_true(chosen.lights[i].shape.direction_ws[2] == (suns->count ? -1 : 0)); /* and is made a unit vector */
     }
     light_choice_free(&chosen);
     return text;
@@ -211,28 +281,95 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
 static void lights_are_chosen(void **state)
 {
     (void)state;
-    assert_string_equal(choose(&lit_scene, NULL, 0, NULL, VXS_OK), "lamp moon sun");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"sun", "moon"}, 2, NULL, VXS_OK), "sun moon");
-    assert_string_equal(choose(&lit_scene, NULL, 0, sun, VXS_OK), "sun");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"moon"}, 1, sun, VXS_OK), "moon sun");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"sun", "moon"}, 2, sun, VXS_OK), "sun moon");
-    assert_string_equal(choose(&dark_scene, NULL, 0, sun, VXS_OK), "sun");
+    assert_string_equal(choose(&lit_scene, NULL, 0, &no_suns, VXS_OK), "lamp moon sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"sun", "moon"}, 2, &no_suns, VXS_OK), "sun moon");
+    assert_string_equal(choose(&lit_scene, NULL, 0, &one_sun, VXS_OK), "sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"moon"}, 1, &one_sun, VXS_OK), "moon sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"sun", "moon"}, 2, &one_sun, VXS_OK), "sun moon");
+    assert_string_equal(choose(&dark_scene, NULL, 0, &one_sun, VXS_OK), "sun");
+}
+
+static void several_suns_are_chosen(void **state)
+{
+    (void)state;
+    assert_string_equal(choose(&lit_scene, NULL, 0, &two_suns, VXS_OK), "noon sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"sun"}, 1, &two_suns, VXS_OK), "sun noon");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"lamp", "noon"}, 2, &two_suns, VXS_OK), "lamp noon sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, &two_suns, VXS_E_ARGUMENT),
+                        "--light son: no such light; there are lamp (spot), moon (directional), noon (directional), "
+                        "sun (directional)");
+}
+
+/* The error for a sun of this name, or "". */
+static const char *choose_sun(const char *name)
+{
+    named_value  sun = {(char *)name, {0, -1, 0}};
+    text_list    all = {0};
+    message      m   = {0};
+    static char  text[1024];
+    light_choice chosen;
+    vxs_result   r = lights_choose(&dark_scene, &all, &(named_list){&sun, 1, 1}, &chosen, &m);
+    assert_int_equal(r, m.error[0] ? VXS_E_ARGUMENT : VXS_OK);
+    light_choice_free(&chosen);
+    return strcpy(text, m.error);
+}
+
+static void names_of_suns_are_those_of_the_format(void **state)
+{
+    (void)state;
+    char long_name[65] = "";
+    for (int n = 0; n < 63; n++) strcat(long_name, "x");
+    assert_string_equal(choose_sun(long_name), "");
+    assert_non_null(strstr(choose_sun(strcat(long_name, "x")), "the name has 64 bytes, expected 1 to 63"));
+    static const char *const good[] = {"a=b",          "Mittag \xc3\xbc", "\xe2\x98\x80", "\xf0\x9f\x8c\x9e",
+                                       "\xed\x9f\xbf", "\xf4\x8f\xbf\xbf"};
+    static const char *const bad[]  = {"\xfc",
+                                       "a\xc3",
+                                       "\x80",
+                                       "\xc0\xaf",
+                                       "\xe0\x80\x80",
+                                       "\xed\xa0\x80",
+                                       "\xf4\x90\x80\x80",
+                                       "\xf0\x9f\x8c",
+                                       "\xf8\x88\x80\x80\x80",
+                                       "\xe2\x98z"};
+    for (size_t n = 0; n < sizeof good / sizeof *good; n++) assert_string_equal(choose_sun(good[n]), "");
+    for (size_t n = 0; n < sizeof bad / sizeof *bad; n++) assert_non_null(strstr(choose_sun(bad[n]), "expected a name in UTF-8"));
 }
 
 static void wrong_choices_are_explained(void **state)
 {
     (void)state;
-    const scene  empty   = {0};
-    const double zero[3] = {0, 0, 0};
-    assert_string_equal(choose(&dark_scene, NULL, 0, NULL, VXS_OK), "lamp");
-    assert_string_equal(choose(&empty, NULL, 0, NULL, VXS_E_NO_LIGHT), "the scene has no light: --sun X,Y,Z gives one");
-    assert_string_equal(choose(&lit_scene, NULL, 0, zero, VXS_E_ARGUMENT), "--sun 0,0,0: expected a direction, not zero");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, NULL, VXS_E_ARGUMENT),
-                        "--light son: no such light; the scene has lamp (spot), moon (directional), sun (directional)");
-    assert_string_equal(choose(&empty, (const char *[]){"son"}, 1, NULL, VXS_E_ARGUMENT),
+    const scene      empty = {0};
+    const named_list zero  = {(named_value[]){{(char *)"sun", {0, 0, 0}}}, 1, 1};
+    assert_string_equal(choose(&dark_scene, NULL, 0, &no_suns, VXS_OK), "lamp");
+    assert_string_equal(choose(&empty, NULL, 0, &no_suns, VXS_E_NO_LIGHT), "the scene has no light: --sun X,Y,Z gives one");
+    assert_string_equal(choose(&lit_scene, NULL, 0, &zero, VXS_E_ARGUMENT), "--sun sun=0,0,0: expected a direction, not zero");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, &no_suns, VXS_E_ARGUMENT),
+                        "--light son: no such light; there are lamp (spot), moon (directional), sun (directional)");
+    assert_string_equal(choose(&empty, (const char *[]){"son"}, 1, &no_suns, VXS_E_ARGUMENT),
                         "--light son: the scene has no lights; --sun X,Y,Z gives one");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, sun, VXS_OK), "lamp sun");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"moon", "moon"}, 2, NULL, VXS_E_ARGUMENT), "--light moon: given twice");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, &one_sun, VXS_OK), "lamp sun");
+    assert_string_equal(choose(&lit_scene, (const char *[]){"moon", "moon"}, 2, &no_suns, VXS_E_ARGUMENT),
+                        "--light moon: given twice");
+}
+
+static void values_are_of_chosen_lights(void **state)
+{
+    (void)state;
+    named_value      values[] = {{NULL, {64}}, {(char *)"lamp", {512}}};
+    const named_list list     = {values, 2, 2};
+    text_list        all      = {0};
+    message          m        = {0};
+    light_choice     chosen;
+    assert_int_equal(lights_choose(&lit_scene, &all, &no_suns, &chosen, &m), VXS_OK);
+    assert_int_equal(light_choice_require(&chosen, "--resolution", &list, &m), VXS_OK);
+    light_choice_free(&chosen);
+    assert_int_equal(lights_choose(&lit_scene, &all, &two_suns, &chosen, &m), VXS_OK);
+    assert_int_equal(light_choice_require(&chosen, "--resolution", &list, &m), VXS_E_ARGUMENT);
+    assert_string_equal(m.error,
+                        "--resolution lamp=512: no light of that name is baked, but noon (directional), sun (directional)");
+    light_choice_free(&chosen);
 }
 
 static void long_lists_of_lights_are_cut(void **state)
@@ -246,7 +383,7 @@ static void long_lists_of_lights_are_cut(void **state)
         many[i] = (scene_light){.name = names[i]};
     }
     const scene s     = {.light_count = LIGHTS, .lights = many};
-    const char *error = choose(&s, (const char *[]){"x"}, 1, NULL, VXS_E_ARGUMENT);
+    const char *error = choose(&s, (const char *[]){"x"}, 1, &no_suns, VXS_E_ARGUMENT);
     assert_int_equal(strcmp(error + strlen(error) - 3, "..."), 0);
 }
 
@@ -257,11 +394,17 @@ int main(void)
         cmocka_unit_test(blank_lines_and_comments_are_skipped),
         cmocka_unit_test(line_ends_may_be_crlf_or_missing),
         cmocka_unit_test(wrong_lines_are_named),
+        cmocka_unit_test(commas_and_semicolons_separate),
+        cmocka_unit_test(lines_that_may_mean_two_things_are_refused),
+        cmocka_unit_test(a_byte_order_mark_is_skipped),
         cmocka_unit_test(overlong_lines_are_refused),
         cmocka_unit_test(long_input_is_read_in_pieces),
         cmocka_unit_test(unreadable_files_are_errors),
         cmocka_unit_test(lights_are_chosen),
+        cmocka_unit_test(several_suns_are_chosen),
+        cmocka_unit_test(names_of_suns_are_those_of_the_format),
         cmocka_unit_test(wrong_choices_are_explained),
+        cmocka_unit_test(values_are_of_chosen_lights),
         cmocka_unit_test(long_lists_of_lights_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

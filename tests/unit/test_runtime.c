@@ -37,7 +37,8 @@ static int set_up(void **state)
     lights[1].light.flags     = VXS_LIGHT_BOUNDED;
     vxs_write_desc desc       = {.lights = lights, .light_count = 2, .metadata = "{}", .zstd_level = 1};
     if (vxs_write(&f->file, &desc) != VXS_OK) return 1;
-    if (vxs_asset_open(&f->asset, f->file.data, f->file.size_bytes, NULL) != VXS_OK) return 1;
+    vxs_read_desc read = {.metadata = 1};
+    if (vxs_asset_open(&f->asset, f->file.data, f->file.size_bytes, &read) != VXS_OK) return 1;
 
     strcpy(f->path, "/tmp/vxs-runtime-XXXXXX");
     int    to      = mkstemp(f->path);

@@ -270,18 +270,209 @@ static void test_materials_set_flags(void **state)
     assert_int_equal(s.triangle_flags[1], 0);
 }
 
-static void test_points_lines_and_skins_are_warned_about(void **state)
+static void test_points_and_lines_are_warned_about(void **state)
 {
     (void)state;
-    must(load_square("'nodes':[{'mesh':0,'skin':0}],'skins':[{'name':'arm','joints':[0]}],'meshes':[{'primitives':["
+    must(load_square("'nodes':[{'mesh':0}],'meshes':[{'primitives':["
                      "{'attributes':{'POSITION':0},'mode':0},{'attributes':{'POSITION':0},'mode':1},"
                      "{'attributes':{'POSITION':0},'mode':3},{'attributes':{'NORMAL':0}}]}]",
                      NULL));
     assert_int_equal(s.triangle_count, 0);
     must_warn("points skipped: 1");
     must_warn("lines skipped: 2");
-    must_warn("skin 0 'arm'");
     must_warn("no POSITION");
+}
+
+/* ---- what casts ---- */
+
+/* A house of two nodes and two materials, a door that shows one of its meshes again, and a skinned cloak. */
+static vxs_result load_house(void)
+{
+    return load_square(
+        "'nodes':[{'name':'house','mesh':0,'children':[1,2]},{'name':'door','mesh':1},{'mesh':1,'translation':[0,0,9]},"
+        "{'name':'cloak','mesh':1,'skin':0}],'skins':[{'joints':[0]}],"
+        "'scene':0,'scenes':[{'nodes':[0,3]}],"
+        "'materials':[{'name':'brick'},{'name':'glass','extras':{'vxs_cast_shadow':true}}],"
+        "'meshes':[{'name':'walls','primitives':[{'attributes':{'POSITION':0},'indices':1,'material':0},"
+        "{'attributes':{'POSITION':0},'indices':11,'material':1}]},"
+        "{'primitives':[{'attributes':{'POSITION':0},'indices':11}]}]",
+        NULL);
+}
+
+/* Patterns of the next load; NULL: none. */
+static void choose(const char *exclude, const char *include)
+{
+    static const char *items[2];
+    items[0] = exclude, items[1] = include;
+    chosen = (scene_choice){.exclude = {items, exclude != NULL, 1}, .include = {items + 1, include != NULL, 1}};
+}
+
+static void test_parts_name_triangles(void **state)
+{
+    (void)state;
+    choose(NULL, NULL);
+    must(load_house());
+    static const uint32_t first[] = {0, 2, 3, 4}, node[] = {0, 0, 1, 2}, mesh[] = {0, 0, 1, 1},
+                          material[]     = {0, 1, SCENE_NO_MATERIAL, SCENE_NO_MATERIAL};
+    static const char *const node_name[] = {"house", "house", "door", ""}, *const material_name[] = {"brick", "glass", "", ""};
+    assert_int_equal(s.triangle_count, 5);
+    assert_int_equal(s.part_count, 4);
+    for (size_t i = 0; i < s.part_count; i++) {
+        const scene_part *p = &s.parts[i];
+        assert_true(p->triangle_first == first[i] && p->node == node[i] && p->mesh == mesh[i] && p->material == material[i]);
+        assert_string_equal(s.names + p->node_name, node_name[i]);
+        assert_string_equal(s.names + p->mesh_name, i < 2 ? "walls" : "");
+        assert_string_equal(s.names + p->material_name, material_name[i]);
+    }
+    assert_int_equal(scene_part_at(&s, 0, 1), 0);
+    assert_int_equal(scene_part_at(&s, 0, 2), 1);
+    assert_int_equal(scene_part_at(&s, 1, 4), 3);
+}
+
+static void test_patterns_choose_what_casts(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *exclude, *include;
+        size_t      triangles; /* that cast; the cloak's one never does */
+    } cases[] = {
+        {NULL, NULL, 5},
+        {"node:house", NULL, 0},
+        {"node:door", NULL, 4},
+        {"door", NULL, 4},
+        {"mesh:#1", NULL, 3},
+        {"node:#2", NULL, 4},
+        {"mesh:wall?", NULL, 2},
+        {"material:*", NULL, 2},
+        {"material:b*", NULL, 3},
+        {"[gb]lass", NULL, 4},
+        {NULL, "node:house", 5},
+        {NULL, "node:door", 1},
+        {NULL, "material:glass", 1},
+        {"node:door", "mesh:#1", 1},
+        {"mesh:#1", "node:house", 3},
+        {"node:house", "node:door", 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        choose(cases[i].exclude, cases[i].include);
+        must(load_house());
+        if (s.triangle_count != cases[i].triangles)
+            fail_msg("exclude %s, include %s: %zu triangles", cases[i].exclude, cases[i].include, s.triangle_count);
+        size_t excluded = 0;
+        for (size_t k = 0; k < s.exclusion_count; k++) excluded += s.exclusions[k].triangles;
+        assert_int_equal(s.triangle_count + excluded, 6); /* each by one rule */
+    }
+    choose(NULL, NULL);
+}
+
+static void test_patterns_that_name_nothing_are_refused(void **state)
+{
+    (void)state;
+    choose("node:Door", NULL);
+    must_fail(load_house(), VXS_E_ARGUMENT, "--exclude node:Door names nothing in the scene; near it are node:door");
+    choose(NULL, "brick*s");
+    must_fail(load_house(), VXS_E_ARGUMENT,
+              "--include brick*s names nothing in the scene; there are node:house, mesh:walls, material:");
+    choose("mesh:", NULL);
+    must_fail(load_house(), VXS_E_ARGUMENT, "--exclude mesh: names nothing");
+    choose("node:#9", NULL);
+    must_fail(load_house(), VXS_E_ARGUMENT, "node:#9");
+    choose(NULL, NULL);
+}
+
+static void test_instances_are_one_part(void **state)
+{
+    (void)state;
+    must(load_square("'extensionsUsed':['EXT_mesh_gpu_instancing'],'nodes':[{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{"
+                     "'attributes':{'TRANSLATION':0}}}},{'mesh':0}],"
+                     "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]",
+                     NULL));
+    assert_int_equal(s.triangle_count, 10);
+    assert_int_equal(s.part_count, 2);
+    assert_int_equal(s.parts[1].triangle_first, 8);
+    choose("node:#0", NULL);
+    must(load_square("'extensionsUsed':['EXT_mesh_gpu_instancing'],'nodes':[{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{"
+                     "'attributes':{'TRANSLATION':0}}}},{'mesh':0}],"
+                     "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]",
+                     NULL));
+    assert_int_equal(s.triangle_count, 2); /* the other node still shows the mesh */
+    assert_int_equal(s.exclusions[0].triangles, 8);
+    choose(NULL, NULL);
+}
+
+/* The square, with extras of its node, mesh and material. */
+static vxs_result load_flagged(const char *node, const char *mesh, const char *material)
+{
+    char rest[1024];
+    snprintf(rest, sizeof rest,
+             "'nodes':[{'children':[1]%s},{'name':'below','mesh':0}],'materials':[{'name':'paint'%s}],"
+             "'meshes':[{'name':'square','primitives':[{'attributes':{'POSITION':0},'indices':1,'material':0}]%s}]",
+             node, material, mesh);
+    return load_square(rest, NULL);
+}
+
+static void test_extras_say_what_casts_no_shadow(void **state)
+{
+    (void)state;
+#define EXTRAS(value) ",'extras':{'other':[1],'vxs_cast_shadow':" value "}"
+    static const char *const        off[]   = {EXTRAS("false"), EXTRAS("0")},
+                             *const on[]    = {EXTRAS("true"), EXTRAS("1"), ",'extras':3", ",'extras':[]"},
+                             *const wrong[] = {EXTRAS("'false'"), EXTRAS("2"), EXTRAS("null"), EXTRAS("{}")};
+    for (size_t i = 0; i < 2; i++) {
+        must(load_flagged(off[i], "", ""));
+        assert_int_equal(s.triangle_count, 0);
+        assert_true(s.exclusion_count == 1 && s.exclusions[0].rule == EXCLUDED_BY_EXTRAS && s.exclusions[0].triangles == 2);
+        must(load_flagged("", off[i], ""));
+        assert_int_equal(s.triangle_count, 0);
+        must(load_flagged("", "", off[i]));
+        assert_int_equal(s.triangle_count, 0);
+        assert_int_equal(m.warning_count, 0);
+    }
+    for (size_t i = 0; i < sizeof on / sizeof *on; i++) {
+        must(load_flagged(on[i], on[i], on[i]));
+        assert_int_equal(s.triangle_count, 2);
+        assert_int_equal(m.warning_count, 0);
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        must(load_flagged("", wrong[i], wrong[i]));
+        assert_int_equal(s.triangle_count, 2);
+        assert_int_equal(m.warning_count, 1);
+        must_warn("mesh 0 'square': vxs_cast_shadow in its extras is neither true nor false: ignored, as in 1 more");
+    }
+    choose(NULL, "mesh:square"); /* which has the flag: set aside */
+    must(load_flagged("", off[0], ""));
+    assert_int_equal(s.triangle_count, 2);
+    must(load_flagged("", "", off[0])); /* another has it */
+    assert_int_equal(s.triangle_count, 0);
+    choose(NULL, "node:below");
+    must(load_flagged(off[0], "", "")); /* the flag of the node above is set aside for this one */
+    assert_int_equal(s.triangle_count, 2);
+    choose(NULL, NULL);
+}
+
+static void test_skinned_meshes_are_left_out(void **state)
+{
+    (void)state;
+    const char *two = "'nodes':[{'mesh':0,'skin':0},{'mesh':0,'skin':0,'name':'cape'}],'skins':[{'joints':[0]}],"
+                      "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]";
+    must(load_square(two, NULL));
+    assert_int_equal(s.triangle_count, 0);
+    assert_true(s.exclusion_count == 1 && s.exclusions[0].rule == EXCLUDED_AS_SKINNED && s.exclusions[0].triangles == 4);
+    assert_int_equal(m.warning_count, 1);
+    must_warn("2 with 4 triangles are left out; --skinned rest takes them");
+    chosen.skinned_given = 1; /* it is meant */
+    must(load_square(two, NULL));
+    assert_int_equal(s.triangle_count, 0);
+    assert_int_equal(m.warning_count, 0);
+    choose("node:cape", NULL); /* asked for, and counted there */
+    must(load_square(two, NULL));
+    assert_int_equal(s.exclusion_count, 2);
+    must_warn("1 with 2 triangles are left out");
+    chosen.skinned = SKINNED_REST;
+    must(load_square(two, NULL));
+    assert_int_equal(s.triangle_count, 2);
+    assert_int_equal(m.warning_count, 0);
+    choose(NULL, NULL);
 }
 
 /* ---- lights, cameras, scenes ---- */
@@ -724,6 +915,7 @@ static void test_real_scenes_have_their_known_figures(void **state)
     (void)state;
     const char *scenes = scenes_folder();
     double      spot   = 0;
+    chosen.skinned     = SKINNED_REST;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         char file[512];
         snprintf(file, sizeof file, "%s/real/%s", scenes, known[i].file);
@@ -738,6 +930,7 @@ static void test_real_scenes_have_their_known_figures(void **state)
         }
         if (strstr(known[i].file, "spot_fans")) assert_int_equal(s.vertex_count, 2930);
     }
+    choose(NULL, NULL);
 }
 
 static void test_real_lights_and_scenes(void **state)
@@ -774,7 +967,13 @@ int main(void)
         cmocka_unit_test(test_vertices_are_shared_within_a_node),
         cmocka_unit_test(test_morph_targets_take_default_weights),
         cmocka_unit_test(test_materials_set_flags),
-        cmocka_unit_test(test_points_lines_and_skins_are_warned_about),
+        cmocka_unit_test(test_points_and_lines_are_warned_about),
+        cmocka_unit_test(test_parts_name_triangles),
+        cmocka_unit_test(test_patterns_choose_what_casts),
+        cmocka_unit_test(test_patterns_that_name_nothing_are_refused),
+        cmocka_unit_test(test_instances_are_one_part),
+        cmocka_unit_test(test_extras_say_what_casts_no_shadow),
+        cmocka_unit_test(test_skinned_meshes_are_left_out),
         cmocka_unit_test(test_lights_follow_their_nodes),
         cmocka_unit_test(test_lights_have_a_cone_and_a_range),
         cmocka_unit_test(test_cameras_are_positions),

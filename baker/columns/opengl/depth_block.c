@@ -22,13 +22,16 @@
  * Done texels start a pass with the nearest depth instead of the farthest, so that the depth test drops all of their fragments before any other work.
  * A block whose solids meet nothing needs none of this: there the first back face is the exit, and nothing is counted.
  * A texel that runs out of back faces takes the first one, which lies before the true exit: a smaller free range is always right.
- * So is what happens to counts beyond the 255 that a texel holds: front faces too many are not counted, and the ray leaves early.
+ * So is what happens to counts beyond the 255 that a texel holds: front faces too many are not counted, and the ray leaves early. So peeling
+ * takes 255 passes at most, and time that is linear in the triangles, however many layers there are.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/opengl/depth_block.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "baker/base/integer.h"
 
 static void make_texture(gl_context *gl, GLuint *texture, GLenum format, uint32_t side)
 {
@@ -271,12 +274,16 @@ static void upload(const depth_block *b)
                    GL_STREAM_DRAW);
 }
 
+/* Of very many triangles a part at a time, waited for: llvmpipe sorts triangles into up to 64 scenes of 36 MiB ahead of its rasterizer. */
 static void draw(depth_block *b, GLuint program, uint32_t first, uint32_t count)
 {
     gl_context *gl = b->context->gl;
     gl->UseProgram(program);
-    gl->DrawElements(GL_TRIANGLES, (GLsizei)(count * 3), GL_UNSIGNED_INT,
-                     (const void *)((uintptr_t)first * 3 * sizeof *b->indices));
+    for (uint32_t at = 0; at < count; at += DRAW_MAX) {
+        gl->DrawElements(GL_TRIANGLES, (GLsizei)(3 * min_u32(count - at, DRAW_MAX)), GL_UNSIGNED_INT,
+                         (const void *)((uintptr_t)(first + at) * 3 * sizeof *b->indices));
+        if (count > DRAW_MAX) gl->Finish();
+    }
     b->context->stats.triangles_drawn += count;
 }
 

@@ -14,6 +14,12 @@
 
 enum { BLOCK_MAX_PX = 512, CELL_PX = 32, SUBTEXELS = 256 };
 
+/* Triangles that are drawn at once. */
+enum { DRAW_MAX = 1 << 19 };
+
+/* So many passes peel the deepest block: a texel counts no more front faces, and every pass takes one away. */
+enum { PEEL_PASSES_MAX = 255 };
+
 /* Texels whose centres a triangle's bounding box covers; empty when u0 > u1 or v0 > v1. */
 typedef struct texel_box {
     int32_t u0, v0, u1, v1;

@@ -41,6 +41,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                         \
     X(PFNGLENABLEPROC, Enable)                                     \
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)   \
+    X(PFNGLFINISHPROC, Finish)                                     \
     X(PFNGLFLUSHPROC, Flush)                                       \
     X(PFNGLFRAMEBUFFERTEXTUREPROC, FramebufferTexture)             \
     X(PFNGLFRONTFACEPROC, FrontFace)                               \
@@ -70,11 +71,12 @@ typedef struct gl_context {
     GL_FUNCTIONS(GL_FUNCTION_POINTER)
 #undef GL_FUNCTION_POINTER
     gl_backend backend;
-    void      *handle;            /* OSMesaContext, or EGLContext */
-    void      *display;           /* EGLDisplay */
-    void      *library;           /* libEGL, opened when it is asked for */
-    uint32_t   pixels[16 * 16];   /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
-    char       renderer[128];     /* what GL calls itself */
+    void      *handle;          /* OSMesaContext, or EGLContext */
+    void      *display;         /* EGLDisplay */
+    void      *library;         /* libEGL, opened when it is asked for */
+    uint32_t   pixels[16 * 16]; /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
+    char       renderer[128];   /* what GL calls itself */
+    char       cpu_class[16]; /* OSMesa: the instructions that it draws with, by which depths may differ in a few texels; else "" */
     GLuint     depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
 } gl_context;
 

@@ -25,6 +25,26 @@ static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
     return VXS_OK;
 }
 
+/* llvmpipe compiles for the processor that it finds, or for a lesser one that GALLIUM_OVERRIDE_CPU_CAPS names. */
+static const char *cpu_class(void)
+{
+#if defined(__x86_64__)
+    static const char *const names[] = {"sse2", "sse4.1", "avx", "avx2", "avx512"};
+    const char              *most    = getenv("GALLIUM_OVERRIDE_CPU_CAPS");
+    int                      found   = __builtin_cpu_supports("avx512f")  ? 4
+                                       : __builtin_cpu_supports("avx2")   ? 3
+                                       : __builtin_cpu_supports("avx")    ? 2
+                                       : __builtin_cpu_supports("sse4.1") ? 1
+                                                                          : 0;
+    for (int n = 0; most && n < found; n++)
+        if (!strcmp(most, names[n]) || (!n && !strncmp(most, "sse", 3) && strcmp(most, "sse4.1")) || !strcmp(most, "nosse"))
+            return names[n];
+    return names[found];
+#else
+    return "other";
+#endif
+}
+
 /* Libraries of OpenGL are opened when a context is made: OSMesa brings LLVM, which takes four times as long to load as all the rest of
  * the command, and most commands draw nothing; EGL may not be there. */
 typedef struct osmesa {
@@ -64,6 +84,7 @@ static vxs_result create_osmesa(gl_context *gl, message *m)
     if (!gl->handle) return fail(m, VXS_E_GL, "OSMesa cannot make an OpenGL 4.5 core context");
     if (!o.MakeCurrent(gl->handle, gl->pixels, GL_UNSIGNED_BYTE, 16, 16))
         return fail(m, VXS_E_GL, "OSMesa cannot make its context current");
+    snprintf(gl->cpu_class, sizeof gl->cpu_class, "%s", cpu_class());
     return load_functions(gl, o.GetProcAddress, m);
 }
 

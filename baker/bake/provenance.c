@@ -1,0 +1,269 @@
+/* Where an asset comes from; see provenance.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/provenance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "baker/base/text.h"
+#include "baker/base/version.h"
+#include "baker/files/json_file.h"
+#include "baker/scene/fingerprint.h"
+
+/* More than this is not what vxs writes. JSON takes some twenty times its text in memory. */
+enum { METADATA_MAX_BYTES = 4 << 20 };
+
+/* what goes in ---------------------------------------------------------------------------------------------------------------- */
+
+/* No -0, which equals 0. */
+static json_t *number_json(double number)
+{
+    return json_real(number + 0.0);
+}
+
+static json_t *vector_json(const double v[3])
+{
+    return json_pack("[o, o, o]", number_json(v[0]), number_json(v[1]), number_json(v[2]));
+}
+
+/* What a light's kind gives a meaning to. */
+static void set_shape(json_t *object, const light_shape *l)
+{
+    json_object_set_new(object, "kind", json_string(light_kind_name(l->kind)));
+    if (l->kind != LIGHT_POINT) json_object_set_new(object, "direction", vector_json(l->direction_ws));
+    if (l->kind == LIGHT_DIRECTIONAL) return;
+    json_object_set_new(object, "position_m", vector_json(l->position_ws));
+    if (isfinite(l->range_m)) json_object_set_new(object, "range_m", number_json(l->range_m));
+    if (l->kind == LIGHT_SPOT) json_object_set_new(object, "outer_rad", number_json(l->outer_rad));
+}
+
+/* A light of the scene lends the choice its very name; another comes from the command line. */
+static int is_of_scene(const scene *s, const chosen_light *light)
+{
+    for (size_t n = 0; n < s->light_count; n++)
+        if (s->lights[n].name == light->name) return 1;
+    return 0;
+}
+
+static json_t *light_json(const bake_options *o, const scene *s, const chosen_light *light)
+{
+    double   texel_metres;
+    uint32_t side   = light_resolution(o, light->name, &texel_metres);
+    json_t  *object = json_pack("{s:o, s:b}", "name", json_text(light->name), "in_scene", is_of_scene(s, light));
+    set_shape(object, &light->shape);
+    if (side)
+        json_object_set_new(object, "resolution_px", json_integer(side));
+    else
+        json_object_set_new(object, "texel_m", number_json(texel_metres));
+    return object;
+}
+
+static json_t *scene_json(const scene *s, const scene_fingerprint *f)
+{
+    return json_pack("{s:o, s:I, s:s, s:s, s:s, s:s}", "name", json_text(s->name), "triangles", (json_int_t)s->triangle_count,
+                     "geometry", f->geometry, "alpha_masks", f->alpha_masks, "cameras", f->cameras, "lights", f->lights);
+}
+
+vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const scene *s, const light_choice *chosen, message *m)
+{
+    scene_fingerprint f;
+    *inputs      = NULL;
+    vxs_result r = scene_fingerprint_take(&f, s, m);
+    if (r != VXS_OK) return r;
+    json_t *lights = json_array();
+    for (size_t n = 0; n < chosen->count; n++) json_array_append_new(lights, light_json(o, s, &chosen->lights[n]));
+    *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(s, &f), "lights", lights,
+                        "options", bake_choices_json(o));
+    return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
+}
+
+/* what came of it ------------------------------------------------------------------------------------------------------------- */
+
+char *provenance_text(const bake_report *report)
+{
+    json_t *root    = json_copy(report->inputs);
+    json_t *outcome = json_pack("{s:I, s:I, s:I, s:o, s:I}", "triangles", (json_int_t)report->casters.triangle_count, "solids",
+                                (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
+                                (json_int_t)report->casters.solid_triangle_count, "left_out", report_left_out_json(report),
+                                "warnings", (json_int_t)report->warning_count);
+    char   *text    = root && outcome && !json_object_update(root, outcome) ? json_print(root, JSON_COMPACT) : NULL;
+    json_decref(outcome);
+    json_decref(root);
+    return text;
+}
+
+/* reading --------------------------------------------------------------------------------------------------------------------- */
+
+/* Whether a value has the members that a format of json_unpack tells, of the types that it tells. */
+#define HAS_TYPES(value, ...) (!json_unpack_ex(value, NULL, JSON_VALIDATE_ONLY, __VA_ARGS__))
+
+static int is_light(json_t *light)
+{
+    return HAS_TYPES(light, "{s:s, s:b, s:s, s?[F, F, F!], s?[F, F, F!], s?F, s?F, s?I, s?F}", "name", "in_scene", "kind",
+                     "direction", "position_m", "range_m", "outer_rad", "resolution_px", "texel_m");
+}
+
+static int is_left_out(json_t *light)
+{
+    return HAS_TYPES(light, "{s:s, s:s}", "name", "why");
+}
+
+/* An array of what `is_item` accepts, or nothing at all. */
+static int is_list(const json_t *list, int (*is_item)(json_t *item))
+{
+    json_t *item;
+    size_t  n;
+    if (list && !json_is_array(list)) return 0;
+    json_array_foreach(list, n, item) if (!is_item(item)) return 0;
+    return 1;
+}
+
+/* Members that vxs writes have their types. Older versions wrote fewer. */
+static int is_provenance(json_t *root)
+{
+    json_t *input = json_object_get(root, "scene"), *options = json_object_get(root, "options");
+    return HAS_TYPES(root, "{s:s, s?I, s?I, s?I, s?I}", "generator", "triangles", "solids", "solid_triangles", "warnings") &&
+           (!input || HAS_TYPES(input, "{s:s, s:I, s:s, s:s, s:s, s:s}", "name", "triangles", "geometry", "alpha_masks", "cameras",
+                                "lights")) &&
+           (!options || HAS_TYPES(options, "{s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit", "rule",
+                                  "stop", "reuse", "gl", "zstd_level", "region_m")) &&
+           is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out);
+}
+
+/* NULL when it is not what vxs writes. */
+static json_t *parsed(const vxs_contents *contents)
+{
+    if (!contents->metadata || contents->metadata_bytes > METADATA_MAX_BYTES) return NULL;
+    json_t *root = json_loadb(contents->metadata, contents->metadata_bytes, JSON_REJECT_DUPLICATES, NULL);
+    if (is_provenance(root)) return root;
+    json_decref(root);
+    return NULL;
+}
+
+vxs_result provenance_read(json_t **made, const vxs_contents *contents, message *m)
+{
+    *made = parsed(contents);
+    if (!json_memory_missing()) return VXS_OK;
+    json_decref(*made);
+    *made = NULL;
+    return fail(m, VXS_E_MEMORY, "out of memory for the metadata of a file");
+}
+
+static int has_inputs(const json_t *made, const json_t *inputs)
+{
+    const char *key;
+    json_t     *input;
+    json_object_foreach((json_t *)(size_t)inputs, key, input) if (!json_equal(json_object_get(made, key), input)) return 0;
+    return 1;
+}
+
+int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file_bytes, size_t *warning_count)
+{
+    struct stat         status;
+    vxs_asset          *asset = NULL;
+    const vxs_read_desc desc  = {.metadata = 1};
+    if (stat(path, &status) || !S_ISREG(status.st_mode)) return 0; /* reading a pipe would wait for what nobody writes */
+    if (vxs_asset_open_file(&asset, path, &desc) != VXS_OK) return 0;
+    json_t *made    = parsed(vxs_asset_contents(asset));
+    int     current = has_inputs(made, inputs);
+    *file_bytes     = (uint64_t)status.st_size;
+    *warning_count  = (size_t)json_integer_value(json_object_get(made, "warnings"));
+    json_decref(made);
+    vxs_asset_close(asset);
+    return current;
+}
+
+/* another scene --------------------------------------------------------------------------------------------------------------- */
+
+/* Of a light that the metadata tells of: names in the file may be cut short. */
+static int is_baked(const vxs_contents *contents, const char *name)
+{
+    for (uint32_t n = 0; n < contents->light_count; n++) {
+        const char *baked = contents->lights[n].light.name;
+        if (strlen(name) < VXS_LIGHT_NAME_BYTES ? !strcmp(baked, name) : !strncmp(baked, name, strlen(baked))) return 1;
+    }
+    return 0;
+}
+
+static const scene_light *find_light(const scene *s, const char *name)
+{
+    for (size_t n = 0; n < s->light_count; n++)
+        if (!strcmp(s->lights[n].name, name)) return &s->lights[n];
+    return NULL;
+}
+
+/* "light 'lamp': position, range" */
+static void add_light_difference(json_t *differences, const json_t *made, const scene *s)
+{
+    static const struct {
+        const char *key, *word;
+    } members[] = {
+        {"kind", "kind"}, {"direction", "direction"}, {"position_m", "position"}, {"range_m", "range"}, {"outer_rad", "cone"}};
+    const char        *name = json_string_value(json_object_get(made, "name")), *before = ": ";
+    const scene_light *l         = find_light(s, name);
+    json_t            *is        = json_object();
+    char               words[64] = "";
+    if (l) set_shape(is, &l->shape);
+    for (size_t n = 0; l && n < sizeof members / sizeof *members; n++) {
+        const json_t *a = json_object_get(made, members[n].key), *b = json_object_get(is, members[n].key);
+        if (a == b || json_equal(a, b)) continue;
+        strcat(strcat(words, before), members[n].word);
+        before = ", ";
+    }
+    if (!l || words[0]) json_array_append_new(differences, json_sprintf("light '%s'%s", name, l ? words : ": not there"));
+    json_decref(is);
+}
+
+static json_t *differences_of(const json_t *made, const vxs_contents *contents, const scene *s, const scene_fingerprint *f)
+{
+    const struct {
+        const char *key, *word, *is;
+    } prints[] = {
+        {"geometry", "geometry", f->geometry}, {"alpha_masks", "alpha masks", f->alpha_masks}, {"cameras", "cameras", f->cameras}};
+    json_t *differences = json_array(), *was = json_object_get(made, "scene"), *light;
+    size_t  index;
+    for (size_t n = 0; was && n < sizeof prints / sizeof *prints; n++)
+        if (strcmp(json_string_value(json_object_get(was, prints[n].key)), prints[n].is) != 0)
+            json_array_append_new(differences, json_string(prints[n].word));
+    json_array_foreach(json_object_get(made, "lights"), index, light)
+    {
+        if (!json_is_true(json_object_get(light, "in_scene"))) continue;
+        if (is_baked(contents, json_string_value(json_object_get(light, "name")))) add_light_difference(differences, light, s);
+    }
+    return differences;
+}
+
+vxs_result provenance_differences(json_t **differences, const vxs_contents *contents, const scene *s, message *m)
+{
+    scene_fingerprint f;
+    json_t           *made;
+    *differences = NULL;
+    vxs_result r = scene_fingerprint_take(&f, s, m);
+    if (r != VXS_OK || (r = provenance_read(&made, contents, m)) != VXS_OK) return r;
+    *differences = differences_of(made, contents, s, &f);
+    json_decref(made);
+    if (!json_memory_missing()) return VXS_OK;
+    json_decref(*differences);
+    *differences = NULL;
+    return fail(m, VXS_E_MEMORY, "out of memory for what differs from the scene that was baked");
+}
+
+enum { DIFFERENCES_SAID = 4 };
+
+const char *provenance_differences_text(char text[PROVENANCE_TEXT_BYTES], const json_t *differences)
+{
+    size_t  used = 0, size = PROVENANCE_TEXT_BYTES, n;
+    json_t *one;
+    text[0] = '\0';
+    json_array_foreach(differences, n, one)
+    {
+        if (n < DIFFERENCES_SAID) used += (size_t)snprintf(text + used, size - used, "%s%s", n ? "; " : "", json_string_value(one));
+        if (used >= size) break;
+    }
+    if (used < size && n > DIFFERENCES_SAID)
+        used += (size_t)snprintf(text + used, size - used, "; and %zu more", n - DIFFERENCES_SAID);
+    if (used >= size) memcpy(text + size - sizeof "...", "...", sizeof "...");
+    return one_line(text);
+}

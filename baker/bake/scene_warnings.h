@@ -1,0 +1,16 @@
+/* What is probably wrong with a scene's size, or with the region of it that is asked for.
+ *
+ * The bounds are wide, so that no scene in metres is beyond them, however large its terrain or small its only object.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SCENE_WARNINGS_H
+#define SCENE_WARNINGS_H
+
+#include "baker/casters/casters.h"
+
+/* Warn when a scene is too large or too small for metres: the unit of glTF, which other units are taken for. */
+void warn_about_scale(const casters *c, message *m);
+
+/* Warn when no caster touches the region: then it is probably in other units, or elsewhere.   region_ws  [6] min xyz, max xyz */
+void warn_about_region(const casters *c, const double region_ws[6], message *m);
+
+#endif

@@ -1,0 +1,46 @@
+/* Where a component comes from, in words and in JSON; see part_text.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/command/part_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "baker/files/json_file.h"
+
+enum { NAME_BYTES = 60 };
+
+/* "node 3 'lamp'", "mesh 2" */
+static size_t append(char *text, size_t used, const char *kind, uint32_t number, const char *name)
+{
+    size_t length = strlen(name);
+    int    is_cut = length > NAME_BYTES;
+    for (length = is_cut ? NAME_BYTES : length; is_cut && length && (name[length] & 0xc0) == 0x80;)
+        length--; /* not within a letter */
+    used += (size_t)snprintf(text + used, PART_TEXT_BYTES - used, "%s%s %u", used ? ", " : "", kind, number);
+    if (length) used += (size_t)snprintf(text + used, PART_TEXT_BYTES - used, " '%.*s%s'", (int)length, name, is_cut ? "..." : "");
+    return used;
+}
+
+const char *part_text(char *text, const scene *s, const part_span *span)
+{
+    const scene_part *p    = &s->parts[span->first];
+    size_t            used = append(text, 0, "node", p->node, s->names + p->node_name);
+    used                   = append(text, used, "mesh", p->mesh, s->names + p->mesh_name);
+    if (p->material != SCENE_NO_MATERIAL) used = append(text, used, "material", p->material, s->names + p->material_name);
+    if (span->count > 1) snprintf(text + used, PART_TEXT_BYTES - used, " and %u more", span->count - 1);
+    return one_line(text);
+}
+
+static json_t *name_json(const scene *s, uint32_t at)
+{
+    return at ? json_text(s->names + at) : json_null();
+}
+
+json_t *part_json(const scene *s, const part_span *span)
+{
+    const scene_part *p = &s->parts[span->first];
+    return json_pack("{s:I, s:o, s:I, s:o, s:o, s:o, s:I}", "node", (json_int_t)p->node, "node_name", name_json(s, p->node_name),
+                     "mesh", (json_int_t)p->mesh, "mesh_name", name_json(s, p->mesh_name), "material",
+                     p->material == SCENE_NO_MATERIAL ? json_null() : json_integer(p->material), "material_name",
+                     name_json(s, p->material_name), "parts", (json_int_t)span->count);
+}

@@ -1,0 +1,72 @@
+/* What a file that is replaced has, and the new one shall have; see replaced_file.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/files/replaced_file.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/xattr.h>
+#include <unistd.h>
+
+/* as much as Linux allows */
+enum { ATTRIBUTE_BYTES_MAX = 65536 };
+
+static const char access_list[] = "system.posix_acl_access";
+
+vxs_result replaced_file_check(const char *path, const struct stat *old, message *m)
+{
+    unsigned long links = old->st_nlink;
+    if (!m->force && !(old->st_mode & S_IWUSR))
+        return fail(m, VXS_E_WRITE, "%s: cannot write: it is read-only: --force replaces it all the same", path);
+    if (!m->force && links > 1)
+        return fail(m, VXS_E_WRITE, "%s: cannot write: it is one of %lu hard links to a file: --force replaces this one alone",
+                    path, links);
+    if (links > 1) warn(m, "%s: was one of %lu hard links to a file: the others keep the old one", path, links);
+    return message_check(m);
+}
+
+static vxs_result not_kept(const char *path, const char *what, int error, message *m)
+{
+    if (!m->force)
+        return fail(m, VXS_E_WRITE, "%s: cannot write: its %s cannot be kept (%s): --force replaces it without", path, what,
+                    strerror(error));
+    warn(m, "%s: its %s cannot be kept (%s)", path, what, strerror(error));
+    return message_check(m);
+}
+
+/* Returns 0, or an errno. */
+static int keep_attributes(const char *path, int descriptor)
+{
+    char    names[ATTRIBUTE_BYTES_MAX], value[ATTRIBUTE_BYTES_MAX];
+    ssize_t size   = listxattr(path, names, sizeof names);
+    int     listed = 0;
+    if (size < 0) return errno == ENOTSUP || errno == ENOSYS ? 0 : errno;
+    for (const char *name = names; name < names + size; name += strlen(name) + 1) {
+        if (strncmp(name, "user.", 5) && strcmp(name, access_list)) continue;
+        ssize_t length = getxattr(path, name, value, sizeof value);
+        if (length < 0 || fsetxattr(descriptor, name, value, (size_t)length, 0)) return errno;
+        listed |= !strcmp(name, access_list);
+    }
+    /* one that the new file has from its folder */
+    int inherited = !listed && fgetxattr(descriptor, access_list, NULL, 0) >= 0;
+    return inherited && fremovexattr(descriptor, access_list) ? errno : 0;
+}
+
+vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m)
+{
+    struct stat now;
+    vxs_result  r     = VXS_OK;
+    mode_t      kept  = 07777;
+    int         error = fstat(descriptor, &now) ? errno : 0;
+    if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid)) {
+        r    = not_kept(path, "owner and group", errno, m);
+        kept = 0777; /* whose user it would run as is another */
+    }
+    int lost = keep_attributes(path, descriptor);
+    if (lost && r == VXS_OK) r = not_kept(path, "attributes", lost, m);
+
+    /* last: the calls before change them, and a read-only file takes no attributes */
+    if (!error && fstat(descriptor, &now)) error = errno;
+    if (!error && ((now.st_mode ^ old->st_mode) & kept) && fchmod(descriptor, old->st_mode & kept)) error = errno;
+    if (error && r == VXS_OK) r = not_kept(path, "permissions", error, m);
+    return r;
+}

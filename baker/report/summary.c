@@ -1,0 +1,142 @@
+/* A bake or its plan in about five lines; see summary.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/report/summary.h"
+
+#include <string.h>
+
+#include "baker/base/text.h"
+#include "baker/files/input_file.h"
+#include "baker/report/plan_text.h"
+
+/* "sun, lamp and 12 more": as many names as a line has room for, the first in any case. */
+typedef struct name_list {
+    char   text[VXS_LIGHT_NAME_BYTES + 48];
+    size_t count, shown;
+} name_list;
+
+enum { NAMES_ROOM = 28 };
+
+static void add_name(name_list *l, const char *name)
+{
+    size_t used = strlen(l->text);
+    if (!l->count || (l->shown == l->count && used + strlen(name) <= NAMES_ROOM)) {
+        snprintf(l->text + used, sizeof l->text - used, "%s%s", used ? ", " : "", name);
+        l->shown++;
+    }
+    l->count++;
+}
+
+static void print_names(FILE *to, name_list *l)
+{
+    fputs(one_line(l->text), to);
+    if (l->count > l->shown) fprintf(to, " and %zu more", l->count - l->shown);
+}
+
+static void print_scene(FILE *to, const bake_options *o, const bake_report *r)
+{
+    const casters *c     = &r->casters;
+    double         share = c->triangle_count ? 100 * (double)c->solid_triangle_count / (double)c->triangle_count : 0;
+    fprintf(to, "scene        %s: %zu triangles, %.3g %% of them in solids\n", input_name(o->scene_path), c->triangle_count, share);
+}
+
+/* The lights that are baked, and the texels of their maps. */
+static void print_lights(FILE *to, const bake_plan *plan)
+{
+    name_list         names = {0};
+    const plan_light *one   = NULL;
+    uint32_t          least = 32, most = 0;
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++) {
+        if (l->left_out) continue;
+        one = l;
+        add_name(&names, l->name);
+        if (l->light.levels < least) least = l->light.levels;
+        if (l->light.levels > most) most = l->light.levels;
+    }
+    fprintf(to, names.count == 1 ? "light        " : "lights       %zu: ", names.count);
+    print_names(to, &names);
+    if (names.count == 1 && one->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        fprintf(to, "; %u x %u texels of %.3g m\n", 1u << most, 1u << most, one->light.texel_metres);
+    else if (names.count == 1)
+        fprintf(to, "; %u x %u texels%s\n", 1u << most, 1u << most, one->map_count > 1 ? ", six maps" : "");
+    else if (least == most)
+        fprintf(to, "; %u x %u texels each\n", 1u << most, 1u << most);
+    else
+        fprintf(to, "; %u to %u texels a side\n", 1u << least, 1u << most);
+}
+
+/* A line for each reason. */
+static void print_left_out(FILE *to, const bake_report *r)
+{
+    report_print_excluded(to, r, "left out");
+    for (size_t n = 0; n < r->left_out_count; n++) {
+        name_list   names    = {0};
+        const char *why      = r->left_out[n].why;
+        int         is_first = 1;
+        for (size_t before = 0; before < n && is_first; before++) is_first = strcmp(r->left_out[before].why, why) != 0;
+        for (size_t k = n; k < r->left_out_count && is_first; k++)
+            if (!strcmp(r->left_out[k].why, why)) add_name(&names, r->left_out[k].name);
+        if (!is_first) continue;
+        fprintf(to, "left out     ");
+        print_names(to, &names);
+        fprintf(to, ": %s\n", why);
+    }
+}
+
+/* "0.046", "9.5", "1748" */
+static const char *ratio_text(char text[32], double ratio)
+{
+    snprintf(text, 32, ratio < 1 ? "%.2g" : ratio < 10 ? "%.1f" : "%.0f", ratio);
+    return text;
+}
+
+/* What the file is worth: how much more plain depth maps of 16 bits take. */
+static void print_file(FILE *to, const bake_options *o, const bake_report *r)
+{
+    char   size[32], ratio[32];
+    double maps = 0, zstd_maps = 0;
+    int    is_known = 1;
+    for (uint32_t n = 0; n < r->light_count; n++) {
+        const light_report *l     = &r->lights[n];
+        double              bytes = light_depth16_bytes(l);
+        maps += bytes;
+        zstd_maps += bytes * l->depth_zstd19_ratio;
+        is_known &= l->depth_zstd19_ratio > 0;
+    }
+    fprintf(to, "file         %s: %s; depth maps are %s times that",
+            strcmp(o->output_path, "-") ? o->output_path : "standard output", size_text(size, r->file_bytes),
+            ratio_text(ratio, maps / (double)r->file_bytes));
+    if (is_known) fprintf(to, ", %s with zstd", ratio_text(ratio, zstd_maps / (double)r->file_bytes));
+    fprintf(to, "\n");
+}
+
+static void print_time(FILE *to, const bake_report *r)
+{
+    static const char *const works[STAGE_COUNT] = {"reading the scene",    "finding solids",  "planning",     "starting OpenGL",
+                                                   "rendering depth maps", "bounding depths", "making masks", "inserting nodes",
+                                                   "compressing",          "merging",         "encoding",     "writing"};
+    char                     memory[32];
+    int                      longest = 0;
+    for (int s = 0; s < STAGE_COUNT; s++)
+        if (r->stage[s].seconds > r->stage[longest].seconds) longest = s;
+    fprintf(to, "time         %.2f s, %.2f of it %s; memory %s\n", r->total_seconds, r->stage[longest].seconds, works[longest],
+            size_text(memory, r->peak_bytes));
+}
+
+void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
+{
+    print_scene(to, o, r);
+    print_lights(to, r->plan);
+    print_left_out(to, r);
+    print_file(to, o, r);
+    print_time(to, r);
+}
+
+void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r)
+{
+    char a[32], b[32], c[32];
+    print_scene(to, o, r);
+    print_lights(to, r->plan);
+    print_left_out(to, r);
+    fprintf(to, "estimate     %.2g s, %s of memory, a file of %s, %s when loaded\n", r->plan->total_seconds,
+            size_text(a, r->plan->peak_bytes), size_text(b, r->plan->file_bytes), size_text(c, r->plan->memory_bytes));
+}

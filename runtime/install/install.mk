@@ -1,0 +1,91 @@
+# The shared library, manual pages, completion, and what goes where: make install, make deb.
+# SPDX-License-Identifier: MIT
+
+prefix     ?= /usr/local
+bindir     ?= $(prefix)/bin
+libdir     ?= $(prefix)/lib
+includedir ?= $(prefix)/include
+datadir    ?= $(prefix)/share
+zshdir     ?= $(datadir)/zsh/site-functions
+
+version := $(shell sed -n 's/^\#define VXS_VERSION_[MP][A-Z]* *//p' runtime/vxs.h | paste -sd.)
+major   := $(firstword $(subst ., ,$(version)))
+headers := runtime/vxs.h $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_space.h)
+
+# --- libvxs.so: what the headers declare, under one version of symbols for each that breaks programs ----------------------------
+
+pic.o := $(runtime.c:%=$B/pic/%.o)
+
+$B/libvxs.so: $(pic.o) $B/libvxs.map
+	@echo "  link $@"
+	$Q$(CC) $(opt) -shared -Wl,-soname,libvxs.so.$(major) -Wl,--version-script=$B/libvxs.map -Wl,-Bsymbolic-functions -o $@ \
+	    $(pic.o) $(shell $(PKG_CONFIG) --libs libzstd libxxhash) -lm $(LDFLAGS)
+
+$B/pic/%.c.o: %.c
+	@echo "  pic  $<"
+	$Q mkdir -p $(@D) && $(CC) $(cflags) -fPIC -fno-semantic-interposition $(CPPFLAGS) $(CFLAGS) -c $< -o $@
+
+$B/libvxs.map: runtime/vxs.h formats/vxs_file.h
+	$Q mkdir -p $(@D) && { echo "VXS_$(major) { global:"; \
+	    sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_[a-z_]*\)(.*/    \1;/p' $^; echo "local: *; };"; } >$@
+
+# --- manual pages and completion, which the command makes of its own options ------------------------------------------------------
+
+# when the sources changed last, in seconds: what is made of the same sources is the same
+epoch       = $(or $(SOURCE_DATE_EPOCH),$(shell git log -1 --format=%ct 2>/dev/null),$(shell stat -c %Y runtime/vxs.h))
+man.1      := $B/man/vxs.1 $(patsubst baker/command/cmd_%.c,$B/man/vxs-%.1,$(wildcard baker/command/cmd_*.c))
+completion := $(addprefix $B/completion/vxs.,bash zsh fish)
+
+.PHONY: man
+man: $(man.1)
+$(man.1): $B/vxs
+	$Q mkdir -p $(@D) && $B/vxs $(patsubst vxs-%.1,%,$(filter vxs-%,$(@F))) --help=man >$@ && \
+	    sed -i "1s/\"\"/\"$$(date -u -d @$(epoch) +%F)\"/" $@
+
+$(completion): $B/completion/vxs.%: $B/vxs
+	$Q mkdir -p $(@D) && $B/vxs --help=$* >$@
+
+# --- install ----------------------------------------------------------------------------------------------------------------------
+
+# folder/path=file (runtime/install/put)
+doc.files := README.md LICENSE LICENSE.MIT LICENSE.GPL-3.0 formats/vxs.md scenes/README.md $(wildcard docs/*.md docs/*.json docs/*.png docs/plots/*)
+files     := bindir/vxs=$B/vxs \
+             libdir/libvxs.a=$B/libvxs.a \
+             libdir/libvxs.so.$(version)=$B/libvxs.so \
+             libdir/libvxs.so.$(major)=@libvxs.so.$(version) \
+             libdir/libvxs.so=@libvxs.so.$(major) \
+             libdir/pkgconfig/vxs.pc=runtime/install/vxs.pc.in \
+             $(foreach f,vxsConfig vxsConfigVersion,libdir/cmake/vxs/$f.cmake=runtime/install/$f.cmake.in) \
+             $(foreach f,$(headers),includedir/vxs/$(notdir $f)=$f) \
+             $(foreach f,$(man.1),datadir/man/man1/$(notdir $f)=$f) \
+             datadir/bash-completion/completions/vxs=$B/completion/vxs.bash \
+             zshdir/_vxs=$B/completion/vxs.zsh \
+             datadir/fish/vendor_completions.d/vxs.fish=$B/completion/vxs.fish \
+             $(foreach f,$(doc.files),datadir/doc/vxs/$f=$f)
+
+.PHONY: install uninstall deb
+install uninstall: export DESTDIR := $(DESTDIR)
+install uninstall: export prefix := $(prefix)
+install uninstall: export bindir := $(bindir)
+install uninstall: export libdir := $(libdir)
+install uninstall: export includedir := $(includedir)
+install uninstall: export datadir := $(datadir)
+install uninstall: export zshdir := $(zshdir)
+install uninstall: export version := $(version)
+install uninstall: export major := $(major)
+install: all $(man.1) $(completion)
+	@echo "  put  $(DESTDIR)$(prefix)"
+	$Q runtime/install/put install $(files)
+
+uninstall:
+	$Q runtime/install/put uninstall $(files)
+
+# --- Debian packages: what is installed, parted ------------------------------------------------------------------------------------
+
+multiarch = $(shell dpkg-architecture -qDEB_HOST_MULTIARCH)
+deb: all packages
+	@command -v dpkg-shlibdeps >/dev/null || { echo "make deb needs the package dpkg-dev" >&2; exit 1; }
+	$Q$(RM) -r $B/deb
+	$Q$(MAKE) --no-print-directory install packages=skip DESTDIR=$(abspath $B/deb/all) prefix=/usr libdir=/usr/lib/$(multiarch) \
+	    zshdir=/usr/share/zsh/vendor-completions
+	$Q cd $B/deb && SOURCE_DATE_EPOCH=$(epoch) version=$(version) major=$(major) multiarch=$(multiarch) $(CURDIR)/runtime/install/deb $(CURDIR)

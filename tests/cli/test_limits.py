@@ -1,0 +1,226 @@
+# Time and memory follow the input: deep piles of geometry, small files that unfold, --memory from outside of the process.
+# VXS_EVERY_SCENE=1 bakes every real scene within half and twice of what it needs (make check-memory); else a few.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import collections
+import base64
+import json
+import os
+import pathlib
+import resource
+import struct
+import subprocess
+
+import pytest
+
+import boxes
+import damage
+import small_scene
+from conftest import ROOT
+
+SUN = ("--sun", "-0.4,-1,-0.2")
+
+
+# --- time -----------------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pile", [boxes.coinciding, boxes.nested])
+def test_deep_piles_take_time_like_their_triangles(vxs_path, tmp_path, pile):
+    """8000 boxes: some two seconds of a processor; 100 and 40, when every layer was compared with every other."""
+    scene = boxes.write(tmp_path / "pile.glb", pile(8000))
+    done = subprocess.run([vxs_path, "bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--resolution", "64", "--baseline", "off"],
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (15, 15)), capture_output=True)
+    assert done.returncode == 0, done
+
+
+def test_peeling_is_bounded(vxs, tmp_path):
+    """However many solids are open at once, 255 passes end it; the plan knows."""
+    scene = boxes.write(tmp_path / "nest.glb", boxes.nested(300))
+    options = (*SUN, "--resolution", 16, "--closed", "on", "--baseline", "off", "--json", tmp_path / "b.json")
+    vxs("bake", scene, "-o", tmp_path / "a.vxs", *options)
+    light = json.loads((tmp_path / "b.json").read_text())["lights"][0]
+    assert light["peel_passes_max"] == 255 and light["blocks_peeled"] == 1
+
+
+# --- memory, from outside of the process ----------------------------------------------------------------------------------------------
+
+MIB = 1 << 20
+# what is not worth a look before it is taken: libraries, stacks, arrays of less than a mebibyte
+TOLERANCE = 8 * MIB
+
+
+@pytest.fixture(scope="session")
+def outside(vxs_path, tmp_path_factory):
+    """run(*args): the command, and the most that it has held as the system tells its parent."""
+    if b"__asan_init" in vxs_path.read_bytes() or b"__tsan_init" in vxs_path.read_bytes():
+        pytest.skip("a sanitizer needs memory of its own")
+    folder = tmp_path_factory.mktemp("peak")
+    for name, flags in (("keep_peak", ("-fPIC", "-shared", "-ldl")), ("peak", ())):
+        subprocess.run([os.environ.get("CC", "cc"), "-O1", "-o", folder / name, ROOT / "tests" / "faults" / f"{name}.c", *flags],
+                       check=True)
+    outcome = collections.namedtuple("outcome", "returncode peak stderr")
+
+    def run(*args, **limits):
+        done = subprocess.run([folder / "peak", folder / "bytes", vxs_path, *map(str, args)], capture_output=True, text=True,
+                              env=os.environ | {"PEAK_PRELOAD": str(folder / "keep_peak")}, timeout=600, **limits)
+        return outcome(done.returncode, int((folder / "bytes").read_text()), done.stderr)
+
+    return run
+
+
+def refused(done):
+    return done.returncode == 6 and done.stderr.startswith("vxs: error: ") and done.stderr.count("\n") == 1
+
+
+EVERY = bool(os.environ.get("VXS_EVERY_SCENE"))
+
+
+def real_scenes():
+    folder = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "scenes")) / "real"
+    return sorted(path.stem for path in folder.glob("*.glb"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", real_scenes() if EVERY else ["kaykit_city", "sunlit_primitives"])
+@pytest.mark.parametrize("resolution", [1024, 4096] if EVERY else [2048])
+def test_memory_is_a_promise(outside, scenes, tmp_path, name, resolution):
+    """At twice of what a bake needs it succeeds and stays below; at half of it, and all the way up, it does, or is refused and stays
+    below all the same."""
+    scene, out = scenes / "real" / f"{name}.glb", tmp_path / "a.vxs"
+    bake = ("bake", scene, "-o", out, *SUN, "--resolution", resolution)
+    free = outside(*bake)
+    assert free.returncode == 0, free
+    whole = out.read_bytes()
+    done = outside(*bake, "--memory", 2 * free.peak)
+    assert done.returncode == 0 and done.peak <= 2 * free.peak and out.read_bytes() == whole, done
+    out.unlink()
+    for share in (0.2, 0.5, 0.75, 1.1) if EVERY else (0.5, 0.9):
+        budget = int(share * free.peak)
+        done = outside(*bake, "--memory", budget)
+        assert done.returncode == 0 or refused(done), done
+        assert done.peak <= budget + TOLERANCE, (share, budget, done)
+        assert out.exists() == (done.returncode == 0) and (not out.exists() or out.read_bytes() == whole)
+        out.unlink(missing_ok=True)
+
+
+def many_instances(path, count):
+    """A box, placed very often by an accessor that needs no bytes: a small file that unfolds."""
+    positions = struct.pack("<24f", *(c >> axis & 1 for c in range(8) for axis in range(3)))
+    indices = bytes(i for a, b, c, d in small_scene.FACES for i in (a, b, c, a, c, d))
+    gltf = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "extensionsUsed": ["EXT_mesh_gpu_instancing"],
+        "nodes": [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": 132, "uri": "data:application/octet-stream;base64," + base64.b64encode(positions + indices).decode()}],
+        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 8, "min": [0] * 3, "max": [1] * 3},
+                      {"bufferView": 1, "componentType": 5121, "type": "SCALAR", "count": 36},
+                      {"componentType": 5126, "type": "VEC3", "count": count}],
+    }
+    path.write_text(json.dumps(gltf, separators=(",", ":")))
+    assert path.stat().st_size < 1000
+    return path
+
+
+def test_a_small_file_that_unfolds(outside, tmp_path):
+    """4 M boxes in less than 1000 bytes: refused from counts, before they are made. Without --memory it is what there is that counts."""
+    scene = many_instances(tmp_path / "many.gltf", 4000000)
+    counts = "48000000 triangles with 32000000 vertices, meshes placed 4000000 times"
+    done = outside("bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--memory", "2G")
+    assert refused(done) and counts in done.stderr and "--memory allows 2048.0 MiB" in done.stderr and done.peak < 32 * MIB
+    for command in (("bake", scene, "-o", tmp_path / "a.vxs", *SUN), ("health", scene), ("plan", scene, *SUN)):
+        done = outside(*command, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30)))
+        assert refused(done) and counts in done.stderr and " left" in done.stderr and done.peak < 32 * MIB, done
+
+
+def test_memory_of_json_is_counted_before_it_is_read(outside, tmp_path):
+    nodes = {"asset": {"version": "2.0"}, "nodes": [{"translation": [n, 0, 0]} for n in range(200000)]}
+    (tmp_path / "nodes.gltf").write_text(json.dumps(nodes))
+    done = outside("bake", tmp_path / "nodes.gltf", "-o", tmp_path / "a.vxs", *SUN, "--memory", "60M")
+    assert refused(done) and "values in" in done.stderr and done.peak < 60 * MIB + TOLERANCE
+
+
+@pytest.mark.slow
+def test_memory_of_a_deep_pile(outside, tmp_path):
+    """60 000 boxes in one place, all over a map: lists of what lies where, and triangles on their way through OpenGL, stay bounded."""
+    scene = boxes.write(tmp_path / "pile.glb", boxes.coinciding(60000))
+    done = outside("plan", scene, *SUN, "--resolution", 4096)
+    assert done.returncode == 0 and done.peak < 300 * MIB, done
+    done = outside("bake", scene, "-o", tmp_path / "a.vxs", *SUN, "--resolution", 16, "--exit", "back", "--baseline", "off")
+    assert done.returncode == 0 and done.peak < 260 * MIB, done
+
+
+# --- assets ---------------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_small_asset_that_unfolds(outside, vxs, tmp_path):
+    """256 MiB of metadata in a file of less than 32 KiB: query and an engine never inflate it, the others stop at 64 MiB unless told."""
+    vxs("bake", small_scene.write(tmp_path / "s.gltf"), "-o", tmp_path / "a.vxs", "--resolution", 16)
+    asset = damage.Asset(tmp_path / "a.vxs")
+    asset.contents["META", damage.NONE, 0] = b'"' + b" " * (256 * MIB) + b'"'
+    path = asset.write(tmp_path / "b.vxs")
+    assert path.stat().st_size < 32768
+    done = outside("query", path, stdin=subprocess.DEVNULL)
+    assert done.returncode == 0 and done.peak < 32 * MIB
+    done = outside("info", path)
+    assert refused(done) and "finding 211" in done.stderr and "--memory" in done.stderr and done.peak < 90 * MIB
+    assert outside("validate", path).returncode == 1
+    for command in ("info", "validate"):
+        assert outside(command, path, "--memory", "1G").returncode == 0
+    assert refused(outside("query", tmp_path / "a.vxs", "--memory", 500, stdin=subprocess.DEVNULL))
+
+
+# --- same bytes -----------------------------------------------------------------------------------------------------------------------
+
+
+def test_classes_of_processors(vxs, scenes, tmp_path, monkeypatch):
+    """Same class, same bytes, and the report says which; on the least of them, whatever the bytes, no answer is wrong."""
+    scene, files = scenes / "real" / "sunlit_primitives.glb", {}
+    for name in ("found", "again", "sse2", "sse2-again"):
+        if name == "sse2":
+            monkeypatch.setenv("GALLIUM_OVERRIDE_CPU_CAPS", "sse2")
+        out, report = tmp_path / f"{name}.vxs", tmp_path / f"{name}.json"
+        said = vxs("bake", scene, "-o", out, *SUN, "--resolution", 512, "--json", report, "--verbose").stdout
+        cpu_class = json.loads(report.read_text())["cpu_class"]
+        assert f"processors of class {cpu_class}\n" in said
+        files[name] = cpu_class, out.read_bytes()
+    assert files["found"] == files["again"] and files["sse2"] == files["sse2-again"] and files["sse2"][0] == "sse2"
+    assert files["found"][0] != "sse2" or files["found"] == files["sse2"]
+    for name in ("found", "sse2"):
+        done = vxs("compare", scene, tmp_path / f"{name}.vxs", "--points", 20000, "--json", tmp_path / "c.json")
+        assert '"unexplained": 0' in (tmp_path / "c.json").read_text(), done.stdout
+
+
+# --- address space --------------------------------------------------------------------------------------------------------------------
+
+
+def test_address_space_that_ends(vxs_path, tmp_path):
+    """Whatever the limit, a bake succeeds or says why not: Mesa is not begun where it would run out."""
+    scene, out, statuses = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.vxs", []
+    for mib in range(150, 1400, 25):
+        done = subprocess.run([vxs_path, "bake", scene, "-o", out, "--resolution", "512", "--threads", "2", "--baseline", "off"],
+                              capture_output=True, text=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (mib * MIB, mib * MIB)))
+        assert done.returncode == 0 and not done.stderr or refused(done), (mib, done)
+        statuses.append(done.returncode)
+    assert statuses[0] == 6 and statuses[-1] == 0 and statuses == sorted(statuses, reverse=True)
+
+
+# --- limits on files ------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["json", "page", "picture", "standard output", "printed"])
+def test_limit_on_the_size_of_any_file(vxs, vxs_path, tmp_path, kind):
+    """SIGXFSZ is no death: one line, exit status 4, and the file is not there in part."""
+    scene, asset, out = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.vxs", tmp_path / "out"
+    vxs("bake", scene, "-o", asset, "--resolution", 16)
+    command = {"json": ("info", asset, "--json", out),
+               "page": ("bake", scene, "-o", asset, "--resolution", 16, "--report", out),
+               "picture": ("picture", scene, asset, "-o", out, "--width", 64, "--height", 64),
+               "standard output": ("bake", scene, "-o", "-", "--resolution", 16),
+               "printed": ("info", asset)}[kind]
+    with open(tmp_path / "stdout", "wb") as stdout:
+        done = subprocess.run([vxs_path, *map(str, command)], stdout=stdout, stderr=subprocess.PIPE, text=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (400, 400)))
+    assert done.returncode == 4 and "File too large" in done.stderr and not out.exists(), done
+    assert [line for line in done.stderr.splitlines() if line.startswith("vxs: error: ")] == done.stderr.splitlines()[-1:], done
