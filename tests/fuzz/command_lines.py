@@ -208,12 +208,12 @@ class Line:
                 self.outputs.append((option, text))
             elif re.search(r"FILE|\.\w+$", value):
                 self.inputs.append(text)
+        if chance.random() < 0.03:
+            options.append([chance.choice(["--help", "--", "--nobody", "-", "more"])])
         chance.shuffle(options)
         self.is_forced = "--force" in chosen
         self.lists_cases = ["--case", "list"] in options or ["--case=list"] in options
         self.arguments = [command.name, *(word for option in options for word in option)]
-        if chance.random() < 0.03:
-            self.arguments.insert(chance.randrange(1, len(self.arguments) + 1), chance.choice(["--help", "--", "--nobody", "-", "more"]))
         self.asks_for_help = any(a.startswith("--help") for a in self.arguments)
         self.stdin = "points.txt" if chance.random() < 0.5 else chance.choice(names)
         self.stdout = chance.choice(names) if chance.random() < 0.1 else None
