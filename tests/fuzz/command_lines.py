@@ -310,10 +310,9 @@ def run_one(vxs, commands, pristine, seed, number, keep):
         inputs = {inode(folder, p) for p in line.inputs + belong if "\0" not in p}
         reads_stdin = line.command.name in ("query", "truth") or {"/dev/stdin", "-"} & set(line.inputs)
         inputs |= {inode(folder, line.stdin)} if reads_stdin else set()
-        if "/dev/stdin" in [path for _, path in line.outputs] and inode(folder, line.stdin):  # what cannot be opened is /dev/null
-            line.outputs.append(("-o", line.stdin))
-        if "/dev/stdout" in [path for _, path in line.outputs] and line.stdout:
-            line.outputs.append(("-o", line.stdout))
+        for device, path in ("/dev/stdin", line.stdin), ("/dev/stdout", line.stdout):
+            if device in [p for _, p in line.outputs] and path and inode(folder, path):  # what cannot be opened is /dev/null
+                line.outputs.append(("-o", path))
         outputs = [real_path(folder, p) for _, p in line.outputs]
         before = inputs - {None}, outputs, snapshot(folder)
         begin = time.monotonic()
