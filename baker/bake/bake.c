@@ -57,7 +57,7 @@ static void keep_picture(bake_report *report, const dag *dags, light_picture *pi
 static int is_picture_wanted(const bake_options *o, const bake_plan *plan, const plan_light *planned)
 {
     uint32_t larger = 0;
-    if (!o->pictures) return 0;
+    if (!o->page_path) return 0;
     for (size_t n = 0; n < plan->light_count; n++) larger += plan->lights[n].stored_bytes > planned->stored_bytes;
     return larger < 4 * PICTURES_MAX;
 }
@@ -217,6 +217,12 @@ static int is_unchanged(const bake_options *o, bake_report *report, const messag
            !(m->strict && report->warning_count);
 }
 
+vxs_result bake_check_outputs(const bake_options *o, message *m)
+{
+    vxs_result r = o->output_path ? output_file_check(o->output_path, m) : VXS_OK;
+    return r == VXS_OK && o->page_path ? output_file_check(o->page_path, m) : r;
+}
+
 /* From the scene's file to the plan of its bake; or to the finding that there is nothing to do. */
 static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, bake_context *ctx)
 {
@@ -233,6 +239,7 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
     if ((r = scene_load_gltf_checked(s, o->scene_path, &o->scene, &check, m)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
     if ((report->unchanged = is_unchanged(o, report, m))) goto done;
+    if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else it was asked before the scene was read */
 
     stage_begin(ctx, STAGE_SOLIDS);
     if ((r = context_within_memory(ctx)) != VXS_OK) goto done;

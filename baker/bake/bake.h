@@ -11,6 +11,11 @@ typedef struct bake_observer {
     void *user;
 } bake_observer;
 
+/* Find out before long work that the asset and the page can be written. With if_changed a bake asks itself, once it knows that it writes:
+ * what stays as it is may be read-only.
+ * Returns what output_file_check returns. */
+vxs_result bake_check_outputs(const bake_options *o, message *m);
+
 /* Bake a scene. The output is complete under its name, or untouched.
  * observer  NULL: nobody looks
  * report    [out] zero it first; released with bake_report_free, whatever is returned.

@@ -36,6 +36,7 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 typedef struct bake_options {
     const char     *scene_path;
     const char     *output_path; /* "-" is standard output */
+    const char     *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
     scene_choice    scene;       /* which one of the file, and what of it casts */
     text_list       light_names; /* none: all lights, or the suns */
     named_list      suns;        /* all have a name; the way sunlight travels, of any length but zero */
@@ -56,7 +57,6 @@ typedef struct bake_options {
     baseline_mode   baseline;
     uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
     int             if_changed;   /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
-    int             pictures;     /* 1: keep pictures of the maps of the largest lights, for a page */
     int             progress;     /* 1: say on standard error how far it is */
 } bake_options;
 

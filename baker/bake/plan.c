@@ -197,7 +197,7 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     plan->tile_px       = min_u32(side, TILE_MAX_PX);
     plan->baseline      = o->baseline;
     plan->budget_bytes  = o->memory_bytes;
-    plan->picture_bytes = o->pictures ? picture_bytes(plan) : 0;
+    plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, c, plan->tile_px);
     uint64_t held = memory_held_bytes(), left = memory_available_bytes();
     uint64_t machine = left < UINT64_MAX - held ? held + left : UINT64_MAX;

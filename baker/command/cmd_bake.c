@@ -1,7 +1,6 @@
 /* vxs bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
-#include <unistd.h>
 
 #include "baker/command/commands.h"
 #include "baker/options/bake_arguments.h"
@@ -13,7 +12,7 @@
 static vxs_result write_reports(const bake_arguments *a, const bake_page *page, const bake_report *report, message *m)
 {
     const bake_options *o = &a->o;
-    int   to_stdout = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(a->page_path);
+    int   to_stdout = is_standard_output(o->output_path) || is_standard_output(a->json_path) || is_standard_output(o->page_path);
     FILE *to        = report_stream(m, to_stdout); /* what goes to standard output stays alone there */
     vxs_result r;
 
@@ -23,8 +22,8 @@ static vxs_result write_reports(const bake_arguments *a, const bake_page *page, 
     }
     if (to) (m->verbose ? report_print : bake_summary_print)(to, o, report);
     if (a->json_path && (r = report_write_json(a->json_path, o, report, m)) != VXS_OK) return r;
-    if (!a->page_path) return VXS_OK;
-    return bake_page_write(a->page_path, page, o, report, m);
+    if (!o->page_path) return VXS_OK;
+    return bake_page_write(o->page_path, page, o, report, m);
 }
 
 static vxs_result run(void *command, message *m)
@@ -35,8 +34,7 @@ static vxs_result run(void *command, message *m)
     bake_observer   drawn  = {bake_page_look, &page};
     vxs_result      r      = bake_arguments_check(a, m);
     a->o.progress          = progress_wanted(m);
-    if (a->page_path && access(a->page_path, F_OK)) a->o.if_changed = 0; /* a page that is not there is made of a bake */
-    if (r == VXS_OK) r = bake(&a->o, a->page_path ? &drawn : NULL, &report, m);
+    if (r == VXS_OK) r = bake(&a->o, a->o.page_path ? &drawn : NULL, &report, m);
     if (r == VXS_OK) r = write_reports(a, &page, &report, m);
     bake_page_free(&page);
     bake_report_free(&report);

@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "baker/base/parallel.h"
 #include "baker/options/scene_rows.h"
@@ -35,8 +36,7 @@ static vxs_result check_map_sizes(bake_options *o, message *m)
 vxs_result bake_arguments_check(bake_arguments *a, message *m)
 {
     bake_options *o = &a->o;
-    o->pictures     = a->page_path != NULL;
-    vxs_result r    = check_map_sizes(o, m);
+    vxs_result    r = check_map_sizes(o, m);
     if (r != VXS_OK) return r;
     for (int axis = 0; axis < 3 && o->region_given; axis++)
         if (!(o->region_ws[axis] < o->region_ws[axis + 3]))
@@ -44,9 +44,10 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
                         o->region_ws[axis], o->region_ws[axis + 3], "xyz"[axis]);
     if (o->if_changed && (!o->output_path || is_standard_output(o->output_path)))
         return fail(m, VXS_E_ARGUMENT, "--if-changed needs -o OUT.vxs: there is no older asset on standard output");
-    if (o->if_changed && is_standard_output(a->page_path))
+    if (o->if_changed && is_standard_output(o->page_path))
         return fail(m, VXS_E_ARGUMENT, "--if-changed and --report - exclude each other: a page is made of a bake");
-    return VXS_OK;
+    if (o->page_path && access(o->page_path, F_OK)) o->if_changed = 0; /* one that is not there is made of a bake */
+    return o->if_changed ? VXS_OK : bake_check_outputs(o, m);
 }
 
 void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed)
@@ -56,8 +57,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         (bake_options){.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .zstd_level = 12, .threads = parallel_default_threads()};
     const option options[] = {
         {"SCENE", OPTION_INPUT, &a->o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
-        {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, 0, ".vxs", "OUT.vxs", "where the asset goes; - is standard output",
-         NULL},
+        {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, OUTPUT_CHECKED_BY_COMMAND, ".vxs", "OUT.vxs",
+         "where the asset goes; - is standard output", NULL},
         {"--if-changed", OPTION_SWITCH, &a->o.if_changed, 0, 0, NULL, NULL,
          "do nothing when OUT.vxs is sound, and was baked from the same scene, lights and options by this version", NULL},
         {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default all lights)",
@@ -82,7 +83,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "threads; never changes the bytes (default all processors)", NULL},
         {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
          "hold no more memory than this: 800M, 2G, or plain bytes (default as much as needed)", NULL},
-        {"--report", OPTION_OUTPUT, &a->page_path, 0, 0, ".html|.htm", "FILE.html",
+        {"--report", OPTION_OUTPUT, &a->o.page_path, 0, OUTPUT_CHECKED_BY_COMMAND, ".html|.htm", "FILE.html",
          "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
         {"--json", OPTION_OUTPUT, &a->json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},
         {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "for comparison with older work", NULL},

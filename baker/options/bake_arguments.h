@@ -9,7 +9,6 @@
 typedef struct bake_arguments {
     bake_options o;
     const char  *json_path; /* NULL: none */
-    const char  *page_path; /* --report; NULL: none */
 
     int maps; /* the choice of --maps, both of which are gl so far */
 
@@ -20,7 +19,7 @@ typedef struct bake_arguments {
 /* Defaults, and the table. name: "bake" or "plan"; output_needed: -o must be given. */
 void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed);
 
-/* What the table does not check; called when the line was parsed. Returns VXS_OK or VXS_E_ARGUMENT. */
+/* What the table does not check; called when the line was parsed. Returns VXS_OK, VXS_E_ARGUMENT, or what bake_check_outputs returns. */
 vxs_result bake_arguments_check(bake_arguments *a, message *m);
 
 #endif

@@ -88,7 +88,7 @@ vxs_result options_check_files(const command_line *c, message *m)
     for (const option *o = c->options; o < end && r == VXS_OK; o++)
         for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_input(o, input_of(o, n), &piped, m);
     for (const option *o = c->options; o < end && r == VXS_OK; o++)
-        if (output_of(o)) r = output_file_check(output_of(o), m);
+        if (output_of(o) && o->max != OUTPUT_CHECKED_BY_COMMAND) r = output_file_check(output_of(o), m);
     for (const option *o = c->options; o < end && r == VXS_OK; o++)
         for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_kind(c, o, input_of(o, n), m);
     for (const option *o = c->options; o < end && r == VXS_OK; o++)

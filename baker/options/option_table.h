@@ -26,12 +26,13 @@ typedef enum option_kind {
     OPTION_NAMED_F64,
     OPTION_INPUT,  /* const char *, borrowed from argv: a file that is read, of the kind (file_kind.h) that min is */
     OPTION_INPUTS, /* text_list, repeated: files that are read, of the kind that min is */
-    OPTION_OUTPUT, /* const char *, borrowed from argv: a file that is written, - is standard output; min 1: must be given */
+    OPTION_OUTPUT, /* const char *, borrowed from argv: a file that is written, - is standard output; min 1: must be given;
+                      max OUTPUT_CHECKED_BY_COMMAND: whether it can be written is not found out before the command runs */
     OPTION_HELP,   /* int: index of a format in `choices`; its value stands behind '=' alone, and is the first when there is none */
     OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
 } option_kind;
 
-enum { OPTION_NUMBERS_MAX = 32 };
+enum { OPTION_NUMBERS_MAX = 32, OUTPUT_CHECKED_BY_COMMAND = 1 };
 
 /* Values of an OPTION_U32S. */
 typedef struct number_list {

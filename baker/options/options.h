@@ -17,7 +17,8 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, int *help
 
 /* Declare every output that is given (baker/files/run_files.h), and find out before long work that it can be written, and is no input and
  * no other output, that standard input is read once at most, and that inputs are of their kinds; warn about names of outputs that say
- * something else than what is written. Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY or VXS_E_STRICT. */
+ * something else than what is written. Whether a row OUTPUT_CHECKED_BY_COMMAND can be written is not asked here.
+ * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY or VXS_E_STRICT. */
 vxs_result options_check_files(const command_line *c, message *m);
 
 /* Release what parsing put into lists. */

@@ -70,7 +70,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
     if (o->baseline != BASELINE_OFF)
         fprintf(to, "%-12s %7.1f ms    not part of the total: --baseline off leaves it out\n", "baseline",
                 1e3 * r->baseline_seconds);
-    if (o->pictures) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
+    if (o->page_path) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
     fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
     fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
 }

@@ -163,6 +163,29 @@ def test_read_only_files(vxs, files, command):
     assert (files / "old").read_bytes() != b"old" and (files / "old").stat().st_mode & 0o7777 == 0o444
 
 
+def test_what_is_up_to_date_may_be_read_only(vxs, files):
+    """bake --if-changed writes nothing then, and refuses what it would have to write before it looks at a triangle."""
+    options = ("level.gltf", "-o", "level.vxs", "--report", "level.html", *SMALL)
+    vxs("bake", *options)
+    (files / "level.vxs").chmod(0o444)
+    (files / "level.html").chmod(0o444)
+    os.link(files / "level.vxs", files / "another name")
+    before = state(files)
+    assert "read-only" in vxs("bake", *options, status=4).stderr
+    for command in ("bake", "plan"):
+        assert vxs(command, *options, "--if-changed").stdout.startswith("up to date ")
+        changed = vxs(command, *options, "--if-changed", "--region", "900,900,900,901,901,901", status=4)
+        assert one_error_line(changed) and "level.vxs: cannot write: it is read-only: --force" in changed.stderr
+    assert state(files) == before
+
+    (files / "another name").unlink()
+    (files / "level.vxs").chmod(0o644)
+    page = vxs("bake", *options, "--if-changed", "--level", "1", status=4).stderr
+    assert "level.html: cannot write: it is read-only: --force" in page and state(files)["level.html"] == before["level.html"]
+    vxs("bake", *options, "--if-changed", "--level", "1", "--force")
+    assert (files / "level.html").stat().st_mode & 0o7777 == 0o444 and state(files)["level.html"] != before["level.html"]
+
+
 @pytest.mark.parametrize("mode", [0o600, 0o664, 0o640, 0o755, 0o2755])
 def test_modes_are_kept(vxs, files, mode):
     (files / "a.vxs").write_bytes(b"old")

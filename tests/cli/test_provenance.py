@@ -586,9 +586,11 @@ def test_plan_says_so_too(vxs, scene, baked):
     plan = json.loads(vxs("plan", scene, "-o", baked, *SMALL, "--if-changed", "--json", "-").stdout)
     validator("plan").validate(plan)
     assert plan["unchanged"] is True
-    plan = json.loads(vxs("plan", scene, "-o", baked, "--resolution", 128, "--if-changed", "--json", "-").stdout)
-    validator("plan").validate(plan)
-    assert plan["unchanged"] is False
+    page = baked.with_suffix(".html")  # one that is not there is made of a bake
+    for options in (("--resolution", 128), (*SMALL, "--report", page)):
+        plan = json.loads(vxs("plan", scene, "-o", baked, *options, "--if-changed", "--json", "-").stdout)
+        validator("plan").validate(plan)
+        assert plan["unchanged"] is False
 
 
 def test_what_does_not_go_with_it(vxs, scene, tmp_path):
