@@ -35,7 +35,8 @@ packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev li
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
                   libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libjs-chart.js
 packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
-                  groff-base zsh fish cmake dpkg-dev
+                  groff-base zsh fish cmake
+packages.deb   := dpkg-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
 
@@ -144,7 +145,8 @@ $(objects): | packages # nothing is compiled before the headers are there
 endif
 
 # `make demo` compiles no tests, and needs none of their packages
-needed = $(packages.build) $(if $(filter check check-fast check-unit check-tsan bench packages,$(MAKECMDGOALS)),$(packages.test))
+tested = $(filter check check-fast check-unit check-tsan bench packages,$(MAKECMDGOALS))
+needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb))
 packages:
 ifneq ($(packages),skip)
 	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \

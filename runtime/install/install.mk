@@ -82,7 +82,7 @@ uninstall:
 
 # --- Debian packages: what is installed, parted ------------------------------------------------------------------------------------
 
-multiarch = $(shell dpkg-architecture -qDEB_HOST_MULTIARCH)
+multiarch = $(shell dpkg-architecture -qDEB_HOST_MULTIARCH 2>/dev/null)
 deb: all packages
 	@command -v dpkg-shlibdeps >/dev/null || { echo "make deb needs the package dpkg-dev" >&2; exit 1; }
 	$Q$(RM) -r $B/deb

@@ -53,7 +53,7 @@ def system(tmp_path):
     return run
 
 
-ALL = packages("build") + packages("test")
+ALL = packages("build") + packages("test") + packages("deb")
 
 
 def test_nothing_is_done_when_all_is_there(system):
@@ -99,6 +99,11 @@ def test_demo_needs_no_test_packages(system):
     assert status != 0 and log == "", "it goes on to compile, which this system cannot"
     status, _, log = system("check", "B=build/no-such-tree", here=packages("build"), status=100)
     assert status != 0 and "libcmocka-dev" in log
+
+
+def test_deb_installs_what_makes_packages(system):
+    _, _, log = system("deb", "B=build/no-such-tree", here=packages("build"), status=100)
+    assert log == "apt-get install -y --no-install-recommends dpkg-dev\n"
 
 
 @pytest.mark.parametrize("check, asan, status, last", [
