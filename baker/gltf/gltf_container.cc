@@ -30,7 +30,8 @@ bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, i
     size_t found = 0;
     try {
         if (!error && S_ISREG(status.st_mode))
-            l.need(std::min((size_t)status.st_size, limit), "a file, '" + std::string(path) + "'");
+            l.need(std::min((size_t)status.st_size, limit),
+                   strcmp(path, l.path) ? "the file '" + std::string(path) + "'" : "the file");
     } catch (...) {
         close(file);
         throw;

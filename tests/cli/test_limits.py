@@ -133,6 +133,19 @@ def test_a_small_file_that_unfolds(outside, tmp_path):
         assert refused(done) and counts in done.stderr and " left" in done.stderr and done.peak < 32 * MIB, done
 
 
+def test_files_are_counted_before_they_are_read(outside, tmp_path):
+    """The scene's own, and one beside it: each is named once."""
+    small_scene.write(tmp_path / "large.gltf")
+    gltf = json.loads((tmp_path / "large.gltf").read_text())
+    gltf["buffers"][0] = {"uri": "a.bin", "byteLength": 64 * MIB}
+    (tmp_path / "beside.gltf").write_text(json.dumps(gltf))
+    for file, scene, named in (("large.gltf", "large.gltf", "the file"), ("a.bin", "beside.gltf", f"the file '{tmp_path / 'a.bin'}'")):
+        with (tmp_path / file).open("ab") as f:
+            f.truncate(64 * MIB)
+        done = outside("bake", tmp_path / scene, "-o", tmp_path / "a.vxs", *SUN, "--memory", "32M")
+        assert refused(done) and f"'{tmp_path / scene}': {named}: this needs about " in done.stderr, done
+
+
 def test_memory_of_json_is_counted_before_it_is_read(outside, tmp_path):
     nodes = {"asset": {"version": "2.0"}, "nodes": [{"translation": [n, 0, 0]} for n in range(200000)]}
     (tmp_path / "nodes.gltf").write_text(json.dumps(nodes))
