@@ -7,7 +7,8 @@ const texels = sum(report.lights, texels_of), file = report.file_bytes;
 const lights = report.lights.map((light, index) => ({ ...light, index })).sort((a, b) => b.size.stored_bytes - a.size.stored_bytes);
 
 const picture_of = (light) => data.pictures.find((p) => p.light === light.index);
-const signed = (value) => significant(Math.abs(value) < 1e-6 ? 0 : value).replace("-", "\u2212");
+const minus = (text) => text.replace("-", "\u2212");
+const signed = (value) => minus(significant(Math.abs(value) < 1e-6 ? 0 : value));
 const vector_text = (v) => `(${v.map(signed).join(", ")})`;
 
 /* "sun, directional, which travels (−0.4, −0.9, −0.2), 60° above the horizon: 4096 x 4096 texels of 0.15 m" */
@@ -21,7 +22,7 @@ function light_text(light) {
 
 /* "closed auto, region 0,0,0,1,1,1, sun noon=0,-1,0": as `--json` has them. */
 function value_text(value) {
-    if (typeof value === "number") return signed(value);
+    if (typeof value === "number") return minus(significant(value, 9)); /* what was asked for, not what is near it */
     if (Array.isArray(value)) return value.map(value_text).join(",");
     if (value && typeof value === "object") return Object.entries(value).map(([name, v]) => `${name}=${value_text(v)}`).join(", ");
     return String(value);

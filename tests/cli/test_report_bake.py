@@ -98,12 +98,12 @@ def test_shadows_come_first(vxs, bake, folder, tmp_path):
 
 def test_says_how_it_was_made(bake, folder):
     os.utime(folder / "two.gltf", (0, 86400 * 365.25 * 30))
-    page, report, _ = bake(folder / "two.gltf", "--resolution", 256, "--region", "-1.5,-2,-3,4,5,6", "--level", 7)
-    assert f"{NASTY}, directional, which travels (0.707, \N{MINUS SIGN}0.707, 0), 45° above the horizon: 256 x 256 texels of" in page.text
-    assert "bulb, point: 6 maps of 256 x 256 texels of" in page.text
+    page, report, _ = bake(folder / "two.gltf", "--resolution", 1024, "--region", "-1.5,-2,-3,4,5,123.456", "--level", 7)
+    assert f"{NASTY}, directional, which travels (0.707, \N{MINUS SIGN}0.707, 0), 45° above the horizon: 1024 x 1024 texels of" in page.text
+    assert "bulb, point: 6 maps of 1024 x 1024 texels of" in page.text
     assert f"two.gltf, {report['casters']['triangles']} triangles, written 2000-01-01 12:00 UTC" in page.text
-    assert "region \N{MINUS SIGN}1.5,\N{MINUS SIGN}2,\N{MINUS SIGN}3,4,5,6" in page.text and "zstd level 7" in page.text and "exit auto" in page.text
-    assert "resolution 256" in page.text and "NaN" not in page.text and "[object" not in page.text
+    assert "region \N{MINUS SIGN}1.5,\N{MINUS SIGN}2,\N{MINUS SIGN}3,4,5,123.456" in page.text and "zstd level 7" in page.text and "exit auto" in page.text
+    assert "resolution 1024" in page.text and "NaN" not in page.text and "[object" not in page.text
     assert f"by vxs {report['vxs']}, OpenGL by {report['renderer']}" in page.text
 
 
