@@ -42,7 +42,8 @@ static uint32_t section_count(const vxs_contents *c, const vxs_section *s, uint6
 static void print_info(FILE *to, const char *path, const vxs_contents *c, const json_t *made, uint64_t file_bytes)
 {
     char a[32], b[32];
-    fprintf(to, "%s: .vxs version %u, %s, %u lights\n", path, c->version, size_text(a, file_bytes), c->light_count);
+    fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", path, c->version, size_text(a, file_bytes), c->light_count,
+            c->light_count == 1 ? "" : "s");
     if (made) provenance_print(to, made);
     if (!made && c->metadata)
         fprintf(to, "made by      unknown: vxs did not write the metadata, %s\n", size_text(a, c->metadata_bytes));

@@ -32,14 +32,13 @@ static void print_scene(FILE *to, const json_t *made)
     static const char *const prints[][2] = {
         {"geometry", "geometry"}, {"alpha_masks", "alpha masks"}, {"cameras", "cameras"}, {"lights", "lights"}};
     const json_t *input = json_object_get(made, "scene");
+    long long     read = integer_at(input, "triangles"), cast = integer_at(made, "triangles"), solids = integer_at(made, "solids");
     fprintf(to, "scene        ");
-    if (input) {
-        print_string(to, json_object_get(input, "name"));
-        fprintf(to, "%s%lld triangles; ", json_string_length(json_object_get(input, "name")) ? ": " : "",
-                integer_at(input, "triangles"));
-    }
-    fprintf(to, "%lld triangles cast shadows, %lld of them in %lld solids\nfingerprint  ", integer_at(made, "triangles"),
-            integer_at(made, "solid_triangles"), integer_at(made, "solids"));
+    if (input) print_string(to, json_object_get(input, "name"));
+    if (json_string_length(json_object_get(input, "name"))) fprintf(to, ": ");
+    if (input && read != cast) fprintf(to, "%lld triangles; ", read); /* what has no area casts no shadow */
+    fprintf(to, "%lld triangles cast shadows, %lld of them in %lld solid%s\nfingerprint  ", cast,
+            integer_at(made, "solid_triangles"), solids, solids == 1 ? "" : "s");
     for (size_t n = 0; input && n < sizeof prints / sizeof *prints; n++) {
         fprintf(to, "%s%s ", n ? ", " : "", prints[n][1]);
         print_string(to, json_object_get(input, prints[n][0]));
@@ -57,12 +56,12 @@ static void print_word(FILE *to, const json_t *options, const char *key, const c
     print_string(to, value);
 }
 
-/* How large a light's maps were to be: what the first has is said of all, unless it is the default; then what is not so. */
-static void print_size(FILE *to, const json_t *light, const json_t *first, uint32_t default_px)
+/* How large a light's maps were to be: what the first has is said of all; then what is not so. */
+static void print_size(FILE *to, const json_t *light, const json_t *first)
 {
     const char   *key  = json_object_get(light, "resolution_px") ? "resolution_px" : "texel_m";
     const json_t *size = json_object_get(light, key);
-    if (light == first ? json_integer_value(size) == default_px : json_equal(size, json_object_get(first, key))) return;
+    if (light != first && json_equal(size, json_object_get(first, key))) return;
     fprintf(to, strcmp(key, "texel_m") ? " --resolution " : " --texel ");
     if (light != first) {
         print_string(to, json_object_get(light, "name"));
@@ -105,7 +104,7 @@ static void print_options(FILE *to, const json_t *made)
     print_patterns(to, options, "exclude");
     print_patterns(to, options, "include");
     if (json_is_string(json_object_get(options, "skinned"))) print_word(to, options, "skinned", SKINNED_CHOICES, SKINNED_EXCLUDE);
-    json_array_foreach(lights, n, light) print_size(to, light, json_array_get(lights, 0), defaults.o.resolution);
+    json_array_foreach(lights, n, light) print_size(to, light, json_array_get(lights, 0));
     if (json_object_get(options, "region_m")) {
         fprintf(to, " --region ");
         print_numbers(to, json_object_get(options, "region_m"));

@@ -265,10 +265,22 @@ def test_info_of_what_was_left_alone(vxs, asset):
     m = made(vxs, asset)
     assert said == {
         "made by": [m["generator"]],
-        "scene": ["small: 24 triangles; 24 triangles cast shadows, 12 of them in 1 solids"],
+        "scene": ["small: 24 triangles cast shadows, 12 of them in 1 solid"],
         "fingerprint": [f"geometry {m['scene']['geometry']}, alpha masks {m['scene']['alpha_masks']}, "
                         f"cameras {m['scene']['cameras']}, lights {m['scene']['lights']}"],
         "options": ["--resolution 64"]}
+
+
+def test_info_of_a_default_and_of_what_casts_no_shadow(vxs, tmp_path):
+    vxs("scene", "stress", "--case", "zero-area-and-needles", "-o", tmp_path / "a.glb")
+    vxs("bake", tmp_path / "a.glb", "-o", tmp_path / "a.vxs")
+    said = vxs("info", tmp_path / "a.vxs").stdout
+    m, lights = made(vxs, tmp_path / "a.vxs"), info(vxs, tmp_path / "a.vxs")["lights"]
+    assert m["triangles"] < m["scene"]["triangles"] and m["solids"] == 2
+    assert lines(said)["scene"] == [f"zero-area-and-needles: {m['scene']['triangles']} triangles; {m['triangles']} triangles cast shadows, "
+                                    f"{m['solid_triangles']} of them in 2 solids"]
+    assert lines(said)["options"] == ["--resolution 4096"]
+    assert said.splitlines()[0].endswith(", 1 light") and len(lights) == 1
 
 
 def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
@@ -310,7 +322,7 @@ def test_files_of_older_versions(vxs, scene, asset, tmp_path):
     old = with_metadata(asset, tmp_path / "old.vxs", OLD)
     other = edited(scene, tmp_path / "other.gltf", move_a_vertex)
     assert lines(vxs("info", old).stdout) == {
-        "made by": ["vxs 0.1.0"], "scene": ["24 triangles cast shadows, 12 of them in 1 solids"],
+        "made by": ["vxs 0.1.0"], "scene": ["24 triangles cast shadows, 12 of them in 1 solid"],
         "fingerprint": ["none: no scene can be told from the one that was baked"], "options": [""]}
     assert made(vxs, old) == OLD
     assert vxs("compare", other, old, "--points", 100).stderr == ""
