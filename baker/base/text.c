@@ -37,6 +37,16 @@ char *one_line(char *text)
     return text;
 }
 
+void print_quoted(FILE *to, const char *text, const char *special)
+{
+    for (; *text; text++) {
+        if (*text == '\'')
+            fputs("'\\''", to);
+        else
+            fprintf(to, "%s%c", strchr(special, *text) ? "\\" : "", *text);
+    }
+}
+
 const char *size_text(char text[32], uint64_t bytes)
 {
     if (bytes < 10 * 1024)

@@ -6,6 +6,7 @@
 #include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Values of an option that may be repeated. */
 typedef struct text_list {
@@ -38,6 +39,9 @@ void list_item(char text[LIST_BYTES], const char *item);
 /* Make text that comes from a file fit to print, in place: control characters, which would break the line or speak to the terminal,
  * become '?'. Messages and progress lines do so themselves. Returns text. */
 char *one_line(char *text);
+
+/* What stands for a text between two single quotes of a shell; characters of `special` get a backslash before them. */
+void print_quoted(FILE *to, const char *text, const char *special);
 
 /* "12.3 MiB" into text. Returns text. */
 const char *size_text(char text[32], uint64_t bytes);

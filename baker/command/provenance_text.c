@@ -15,6 +15,20 @@ static void print_string(FILE *to, const json_t *string)
     fputs(one_line(text), to);
 }
 
+/* A name or a pattern of a file, as a shell reads it: it may hold blanks, and what a shell takes for its own. */
+static void print_argument(FILE *to, const json_t *string)
+{
+    char text[256];
+    snprintf(text, sizeof text, "%s", json_string_value(string));
+    if (!one_line(text)[strcspn(text, " \"#$&'()*;<>?[\\]`{|}~!")]) {
+        fputs(text, to);
+        return;
+    }
+    fputc('\'', to);
+    print_quoted(to, text, "");
+    fputc('\'', to);
+}
+
 static void print_numbers(FILE *to, const json_t *numbers)
 {
     json_t *number;
@@ -64,13 +78,13 @@ static void print_size(FILE *to, const json_t *light, const json_t *first)
     if (light != first && json_equal(size, json_object_get(first, key))) return;
     fprintf(to, strcmp(key, "texel_m") ? " --resolution " : " --texel ");
     if (light != first) {
-        print_string(to, json_object_get(light, "name"));
+        print_argument(to, json_object_get(light, "name"));
         fprintf(to, "=");
     }
     fprintf(to, "%.9g", json_number_value(size));
 }
 
-/* " --exclude Door* --exclude Glass" */
+/* " --exclude 'Door*' --exclude Glass" */
 static void print_patterns(FILE *to, const json_t *options, const char *key)
 {
     json_t *pattern;
@@ -79,7 +93,7 @@ static void print_patterns(FILE *to, const json_t *options, const char *key)
     {
         if (!json_is_string(pattern)) continue;
         fprintf(to, " --%s ", key);
-        print_string(to, pattern);
+        print_argument(to, pattern);
     }
 }
 
@@ -96,7 +110,7 @@ static void print_options(FILE *to, const json_t *made)
         if (json_is_true(json_object_get(light, "in_scene"))) continue;
         fprintf(to, " --sun ");
         if (strcmp(json_string_value(json_object_get(light, "name")), SUN_NAME)) {
-            print_string(to, json_object_get(light, "name"));
+            print_argument(to, json_object_get(light, "name"));
             fprintf(to, "=");
         }
         print_numbers(to, json_object_get(light, "direction"));

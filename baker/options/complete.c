@@ -49,17 +49,6 @@ static void print_words(const char *before, const char *words)
     }
 }
 
-/* A text within single quotes; `special` are characters that get a backslash. */
-static void print_quoted(const char *text, const char *special)
-{
-    for (; *text; text++) {
-        if (*text == '\'')
-            fputs("'\\''", stdout);
-        else
-            printf("%s%c", strchr(special, *text) ? "\\" : "", *text);
-    }
-}
-
 /* bash: arrays of what an option's value is, by the option's name, and of what an operand is, by its number --------------------- */
 
 static void bash_value(const command_line *c, const option *o, const char *key)
@@ -107,7 +96,7 @@ static void zsh_part(const command_line *c)
     char phrase[128];
     int  operands = 0;
     printf("_vxs_commands+=('%s:", c->name);
-    print_quoted(summary_phrase(phrase, c->summary), ":\\");
+    print_quoted(stdout, summary_phrase(phrase, c->summary), ":\\");
     printf("')\n_vxs_%s()\n{\n    _arguments -S", c->name);
     for (const option *o = c->options; o < c->options + c->option_count; o++) {
         if (!o->name) continue;
@@ -120,7 +109,7 @@ static void zsh_part(const command_line *c)
             zsh_value(o, o->name);
         } else {
             printf("%s%s%s[", is_list(o) ? "*" : "", o->name, is_switch(o) || o->name[1] != '-' ? "" : "=");
-            print_quoted(o->help, "[]:\\");
+            print_quoted(stdout, o->help, "[]:\\");
             printf("]");
             zsh_value(o, choices_of(o) ? o->name + 2 : o->value);
         }
@@ -147,14 +136,14 @@ static void fish_part(const command_line *c)
 {
     char phrase[128];
     printf("complete -c vxs -n __vxs_needs_command -a %s -d '", c->name);
-    print_quoted(summary_phrase(phrase, c->summary), "\\");
+    print_quoted(stdout, summary_phrase(phrase, c->summary), "\\");
     printf("'\n");
     for (const option *o = c->options; o < c->options + c->option_count; o++) {
         if (!o->name) continue;
         printf("complete -c vxs -n '__vxs_is %s'", c->name);
         if (!is_operand(o)) {
             printf(" -%c %s -d '", o->name[1] == '-' ? 'l' : 's', o->name + (o->name[1] == '-' ? 2 : 1));
-            print_quoted(o->help, "\\");
+            print_quoted(stdout, o->help, "\\");
             printf("'");
         }
         fish_value(o);

@@ -303,6 +303,19 @@ def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
     assert lines(vxs("info", tmp_path / "a.vxs").stdout)["left out"] == ["light sun: not asked for", "light bulb: not asked for"]
 
 
+def test_options_of_info_are_those_of_a_shell(vxs, scene, tmp_path):
+    """Names and patterns with blanks and quotes, and what a shell would look for among its files."""
+    odd = edited(scene, tmp_path / "odd.gltf",
+                 lambda gltf: gltf["extensions"]["KHR_lights_punctual"]["lights"][2].update(name="it's the $HOME of `bulbs`"))
+    given = ["--sun", "dusk & dawn=0,-1,0", "--exclude", "node:bul[!a]", "--include", "*", "--resolution", "64", "--resolution",
+             "it's the $HOME of `bulbs`=32"]
+    vxs("bake", odd, "-o", tmp_path / "a.vxs", "--light", "sun", "--light", given[-1][:-3], *given)
+    said = lines(vxs("info", tmp_path / "a.vxs").stdout)["options"][0]
+    read = subprocess.run(["sh", "-c", f"printf '%s\\n' {said}"], cwd="/", capture_output=True, text=True, check=True).stdout
+    assert read.splitlines() == given
+    assert "--include '*' --resolution 64 " in said
+
+
 # --- what others made ------------------------------------------------------------------------------------------------------------
 
 
