@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/base/box.h"
+#include "baker/base/text.h"
 #include "baker/base/vec3.h"
 
 /* scale ----------------------------------------------------------------------------------------------------------------------- */
@@ -45,8 +46,8 @@ void warn_about_scale(const casters *c, message *m)
     double across = box_diagonal(&all), height = all.max[1] - all.min[1];
     int    large = across > ACROSS_MAX_M || height > HEIGHT_MAX_M || (across > PLACE_MIN_M && parts_are_large(c));
     if (!large && !(across < ACROSS_MIN_M)) return;
-    warn(m, "the scene is %.3g x %.3g x %.3g m, %s: glTF is in metres; export it so, or scale its root nodes%s",
-         all.max[0] - all.min[0], height, all.max[2] - all.min[2],
+    warn(m, "the scene is %.15g x %.15g x %.15g m, %s: glTF is in metres; export it so, or scale its root nodes%s",
+         rounded(all.max[0] - all.min[0], 3), rounded(height, 3), rounded(all.max[2] - all.min[2], 3),
          large ? "as one in centimetres is" : "too small for anything to be in it", large ? " by 0.01" : "");
 }
 
@@ -91,6 +92,6 @@ void warn_about_region(const casters *c, const double region_ws[6], message *m)
     box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     warn(
         m,
-        "--region touches no caster: they lie from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m; give a box that meets them, or none",
+        "--region touches no caster: they lie from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m; give a box that meets them, or none",
         all.min[0], all.min[1], all.min[2], all.max[0], all.max[1], all.max[2]);
 }

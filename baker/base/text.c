@@ -58,6 +58,13 @@ const char *size_text(char text[32], uint64_t bytes)
     return text;
 }
 
+double rounded(double number, int digits)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.*g", digits, number);
+    return strtod(text, NULL);
+}
+
 const char *choice_word(char word[32], const char *choices, int index)
 {
     while (index-- > 0) choices += strcspn(choices, "|") + 1;

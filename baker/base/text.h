@@ -46,6 +46,9 @@ void print_quoted(FILE *to, const char *text, const char *special);
 /* "12.3 MiB" into text. Returns text. */
 const char *size_text(char text[32], uint64_t bytes);
 
+/* A number rounded to so many digits. Printed with %.15g it has no more of them, and no exponent where it is large: 12300, not 1.23e+04. */
+double rounded(double number, int digits);
+
 /* Word `index` of "auto|on|off" into word, cut to what fits. Returns word. */
 const char *choice_word(char word[32], const char *choices, int index);
 

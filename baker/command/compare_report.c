@@ -219,7 +219,8 @@ static void print_asset(FILE *to, const compare_report *r, const compared_asset 
     print_asset_head(to, a);
     fprintf(to, "casters      %zu triangles, %zu of solids (--closed %s)\n", a->triangle_count, a->solid_triangle_count,
             choice_word(closed, CLOSED_CHOICES, (int)a->closed));
-    if (a->bake_given) fprintf(to, "bake         %.3g s, peak memory %s\n", a->bake_seconds, size_text(memory, a->bake_peak_bytes));
+    if (a->bake_given)
+        fprintf(to, "bake         %.15g s, peak memory %s\n", rounded(a->bake_seconds, 3), size_text(memory, a->bake_peak_bytes));
     for (uint32_t n = 0; n < a->light_count; n++) print_light(to, r, &a->lights[n]->light, &a->results[n]);
     fprintf(to, "%llu of %llu points wrong: %.4f %%, unexplained: %llu; ", (unsigned long long)compare_wrong(&sum),
             (unsigned long long)sum.checked, 100 * wrong_share(&sum), (unsigned long long)sum.unexplained);
@@ -259,7 +260,7 @@ static void print_table(FILE *to, const compare_report *r, const message *m)
         fprintf(to, "%-12s", texels_text(text, a));
         fprintf(to, " %11s", size_text(text, a->file_bytes));
         fprintf(to, " %11s", size_text(text, a->memory_bytes));
-        snprintf(text, sizeof text, "%.3g s", a->bake_seconds);
+        snprintf(text, sizeof text, "%.15g s", rounded(a->bake_seconds, 3));
         fprintf(to, " %9s %6.1f ns", a->bake_given ? text : "-", 1e9 * lookup_seconds_of_all(a));
         for (int kind = 0; kind < kind_count(r); kind++) {
             compare_counts sum = total(a, kind, kind);

@@ -75,8 +75,8 @@ static void decide_exit(decision_list *l, const bake_plan *plan, const bake_opti
                s.blocks_not_peeled);
     } else {
         decide(l, "peeling", "everywhere",
-               "finding out which solids meet takes about %.2g s, and peeling all %llu blocks with solids no more than %.2g s",
-               plan->meeting_seconds, s.blocks_peeled, plan->peeling_seconds);
+               "finding out which solids meet takes about %.15g s, and peeling all %llu blocks with solids no more than %.15g s",
+               rounded(plan->meeting_seconds, 2), s.blocks_peeled, rounded(plan->peeling_seconds, 2));
     }
 }
 
@@ -91,8 +91,8 @@ static void decide_compression(decision_list *l, const bake_plan *plan, const ba
                o->compress == COMPRESS_CHOICE_BOTTOM_UP ? "bottom-up" : "top-down");
     else
         decide(l, "sub-DAG compression", plan->compress != COMPRESS_NONE ? "done" : "left out",
-               "it would take about %.2g s on %u threads and spare the merge, which finds the same, about %.2g s",
-               plan->compress_seconds, o->threads, plan->merge_seconds_spared);
+               "it would take about %.15g s on %u threads and spare the merge, which finds the same, about %.15g s",
+               rounded(plan->compress_seconds, 2), o->threads, rounded(plan->merge_seconds_spared, 2));
 }
 
 static void decide_memory(decision_list *l, const bake_plan *plan, const bake_options *o)
@@ -182,14 +182,20 @@ static void print_light(FILE *to, const plan_light *l)
     fprintf(to, "  tiles      %llu, left out without casters: %llu; %llu blocks to render, %llu of them to peel\n",
             (unsigned long long)l->tiles, (unsigned long long)l->tiles_empty, (unsigned long long)(l->blocks - l->blocks_empty),
             (unsigned long long)l->blocks_peeled);
-    fprintf(to, "  about      %.3g masks, %.3g nodes; %s in memory, %s on disk\n", l->masks, l->nodes,
+    fprintf(to, "  about      %.15g masks, %.15g nodes; %s in memory, %s on disk\n", rounded(l->masks, 3), rounded(l->nodes, 3),
             size_text(a, (uint64_t)l->memory_bytes), size_text(b, (uint64_t)l->stored_bytes));
+}
+
+void plan_print_estimate(FILE *to, const bake_plan *plan)
+{
+    char a[32], b[32], c[32];
+    fprintf(to, "estimate     %.15g s, %s of memory, a file of %s, %s when loaded\n", rounded(plan->total_seconds, 2),
+            size_text(a, plan->peak_bytes), size_text(b, plan->file_bytes), size_text(c, plan->memory_bytes));
 }
 
 void plan_print(FILE *to, const bake_options *o, const bake_report *report)
 {
     const bake_plan *plan = report->plan;
-    char             a[32], b[32], c[32];
     fprintf(to, "scene        %s\n", o->scene_path);
     report_print_casters(to, report);
     plan_print_decisions(to, plan, o, report);
@@ -199,8 +205,7 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
             char name[VXS_LIGHT_NAME_BYTES];
             fprintf(to, "light %s is left out: %s\n", one_line(strcpy(name, report->left_out[n].name)), report->left_out[n].why);
         }
-    fprintf(to, "estimate     %.2g s, %s of memory, a file of %s, %s when loaded\n", plan->total_seconds,
-            size_text(a, plan->peak_bytes), size_text(b, plan->file_bytes), size_text(c, plan->memory_bytes));
+    plan_print_estimate(to, plan);
 }
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */

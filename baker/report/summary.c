@@ -55,7 +55,7 @@ static void print_lights(FILE *to, const bake_plan *plan)
     fprintf(to, names.count == 1 ? "light        " : "lights       %zu: ", names.count);
     print_names(to, &names);
     if (names.count == 1 && one->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
-        fprintf(to, "; %u x %u texels of %.3g m\n", 1u << most, 1u << most, one->light.texel_metres);
+        fprintf(to, "; %u x %u texels of %.15g m\n", 1u << most, 1u << most, rounded(one->light.texel_metres, 3));
     else if (names.count == 1)
         fprintf(to, "; %u x %u texels%s\n", 1u << most, 1u << most, one->map_count > 1 ? ", six maps" : "");
     else if (least == most)
@@ -133,10 +133,8 @@ void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
 
 void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r)
 {
-    char a[32], b[32], c[32];
     print_scene(to, o, r);
     print_lights(to, r->plan);
     print_left_out(to, r);
-    fprintf(to, "estimate     %.2g s, %s of memory, a file of %s, %s when loaded\n", r->plan->total_seconds,
-            size_text(a, r->plan->peak_bytes), size_text(b, r->plan->file_bytes), size_text(c, r->plan->memory_bytes));
+    plan_print_estimate(to, r->plan);
 }

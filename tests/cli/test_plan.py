@@ -61,6 +61,12 @@ def test_says_what_and_why(vxs, folder):
     assert not list(folder.glob("*.vxs"))
 
 
+def test_large_numbers_are_written_out(vxs, folder):
+    """12300 nodes, and not 1.23e+04."""
+    text = vxs("plan", folder / "city.glb", "--verbose").stdout
+    assert re.search(r"^  about +\d{4,} masks, \d{5,} nodes;", text, re.MULTILINE) and "e+" not in text
+
+
 def test_nothing_is_written(vxs, folder, tmp_path):
     vxs("plan", folder / "apart.gltf", "-o", tmp_path / "a.vxs")
     assert not list(tmp_path.iterdir())
