@@ -235,15 +235,14 @@ static json_t *differences_of(const json_t *made, const vxs_contents *contents, 
     return differences;
 }
 
-vxs_result provenance_differences(json_t **differences, const vxs_contents *contents, const scene *s, message *m)
+vxs_result provenance_differences(json_t **differences, const json_t *made, const vxs_contents *contents, const scene *s,
+                                  message *m)
 {
     scene_fingerprint f;
-    json_t           *made;
     *differences = NULL;
     vxs_result r = scene_fingerprint_take(&f, s, m);
-    if (r != VXS_OK || (r = provenance_read(&made, contents, m)) != VXS_OK) return r;
+    if (r != VXS_OK) return r;
     *differences = differences_of(made, contents, s, &f);
-    json_decref(made);
     if (!json_memory_missing()) return VXS_OK;
     json_decref(*differences);
     *differences = NULL;

@@ -33,9 +33,11 @@ int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file
 
 /* What differs between a scene and the one that an asset was baked from: ["geometry", "light 'lamp': position, range"]. Lights that are
  * not in the asset make no difference, nor what the metadata does not tell.
+ * made         what provenance_read had of the contents
  * differences  [out] an array, empty when it is the same scene; NULL on failure; released with json_decref
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result provenance_differences(json_t **differences, const vxs_contents *contents, const scene *s, message *m);
+vxs_result provenance_differences(json_t **differences, const json_t *made, const vxs_contents *contents, const scene *s,
+                                  message *m);
 
 enum { PROVENANCE_TEXT_BYTES = 256 };
 

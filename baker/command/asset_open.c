@@ -82,16 +82,28 @@ static vxs_result add_patterns(text_list *list, const json_t *patterns, message 
     return VXS_OK;
 }
 
-vxs_result asset_scene_choice(const vxs_asset *asset, scene_choice *choice, json_t **made, message *m)
+vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message *m)
 {
-    vxs_result r = provenance_read(made, vxs_asset_contents(asset), m);
-    if (r != VXS_OK || choice->exclude.count || choice->include.count || choice->skinned_given) return r;
-    const json_t *options = json_object_get(*made, "options");
+    if (choice->exclude.count || choice->include.count || choice->skinned_given) return VXS_OK;
+    const json_t *options = json_object_get(made, "options");
     const char   *skinned = json_string_value(json_object_get(options, "skinned"));
     int           index   = skinned ? choice_index(SKINNED_CHOICES, skinned) : -1;
     if (index >= 0) choice->skinned = index;
-    r = add_patterns(&choice->exclude, json_object_get(options, "exclude"), m);
+    vxs_result r = add_patterns(&choice->exclude, json_object_get(options, "exclude"), m);
     return r == VXS_OK ? add_patterns(&choice->include, json_object_get(options, "include"), m) : r;
+}
+
+vxs_result asset_check_scene(const vxs_asset *asset, const json_t *made, const char *path, const scene *s, const char *scene_path,
+                             const char *consequence, message *m)
+{
+    char       differ[PROVENANCE_TEXT_BYTES];
+    json_t    *differences;
+    vxs_result r = provenance_differences(&differences, made, vxs_asset_contents(asset), s, m);
+    if (json_array_size(differences))
+        warn(m, "'%s' was baked from another scene than %s (differs: %s): %s; bake it anew", input_name(path),
+             input_name(scene_path), provenance_differences_text(differ, differences), consequence);
+    json_decref(differences);
+    return r == VXS_OK ? message_check(m) : r;
 }
 
 static vxs_result fail_no_such_light(const vxs_asset *asset, const char *path, const char *name, message *m)

@@ -21,10 +21,17 @@ vxs_result asset_open(vxs_asset **asset, const char *path, message *m);
 /* The size of an open file: its last section ends where it does. */
 uint64_t asset_file_bytes(const vxs_asset *asset);
 
-/* Where the command line does not say what of a scene casts, what was said when the asset was baked.
- * made  [out] holds the texts that choice has from now on; released with json_decref
+/* Where the command line does not say what of a scene casts, what was said when an asset was baked.
+ * made  its metadata (provenance_read), whose texts choice has from now on
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result asset_scene_choice(const vxs_asset *asset, scene_choice *choice, json_t **made, message *m);
+vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message *m);
+
+/* Warn where a scene is not the one that an asset was baked from: no fault of either, and rarely what is wanted.
+ * made         the asset's metadata
+ * consequence  "its shadows may not fit"
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
+vxs_result asset_check_scene(const vxs_asset *asset, const json_t *made, const char *path, const scene *s, const char *scene_path,
+                             const char *consequence, message *m);
 
 /* Choose lights of a file by name: all of them, in file order, when there is no name; else the named ones, in the order given.
  * path    for messages

@@ -19,8 +19,7 @@
 
 typedef struct compare_command {
     const char   *json_path;
-    scene_choice  choice;
-    json_t       *made; /* the first asset's metadata, whose texts choice may have; owned */
+    scene_choice  choice; /* may have texts of the first asset's metadata */
     text_list     asset_paths, light_names;
     number_list   filters_px;
     camera_choice camera;
@@ -66,15 +65,11 @@ static int number_member(const json_t *object, const char *key, double most, dou
 }
 
 /* Which components were solids when an asset was baked, as its metadata says; auto where it does not. */
-static vxs_result closed_of_asset(closed_mode *closed, const vxs_asset *asset, message *m)
+static closed_mode closed_of_asset(const json_t *made)
 {
-    json_t     *made;
-    vxs_result  r     = provenance_read(&made, vxs_asset_contents(asset), m);
     const char *text  = json_string_value(json_object_get(json_object_get(made, "options"), "closed"));
     int         index = text ? choice_index(CLOSED_CHOICES, text) : -1;
-    json_decref(made);
-    *closed = index < 0 ? CLOSED_AUTO : (closed_mode)index;
-    return r;
+    return index < 0 ? CLOSED_AUTO : (closed_mode)index;
 }
 
 /* What vxs bake --json wrote of an asset. */
@@ -110,12 +105,12 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     compared_asset *a = &c->report.assets[n];
     a->path           = c->asset_paths.items[n];
     vxs_result r      = asset_open(&a->asset, a->path, m);
-    if (r == VXS_OK) r = closed_of_asset(&a->closed, a->asset, m);
+    if (r == VXS_OK) r = provenance_read(&a->made, vxs_asset_contents(a->asset), m);
     if (r != VXS_OK) return r;
+    a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->made);
     if ((a->lights = calloc(VXS_LIGHTS_MAX, sizeof *a->lights)) == NULL)
         return fail(m, VXS_E_MEMORY, "out of memory for the lights of '%s'", a->path);
     if ((r = asset_choose_lights(a->asset, a->path, &c->light_names, a->lights, &a->light_count, m)) != VXS_OK) return r;
-    if (c->closed_given) a->closed = (closed_mode)c->closed;
 
     const vxs_contents *contents = vxs_asset_contents(a->asset);
     a->file_bytes                = asset_file_bytes(a->asset);
@@ -174,7 +169,7 @@ static vxs_result check_scene(compare_command *c, const scene *s, message *m)
         compared_asset *a = &c->report.assets[n];
         char            differ[PROVENANCE_TEXT_BYTES];
         if (a->scene_differences) continue;
-        r = provenance_differences(&a->scene_differences, vxs_asset_contents(a->asset), s, m);
+        r = provenance_differences(&a->scene_differences, a->made, vxs_asset_contents(a->asset), s, m);
         if (r == VXS_OK && json_array_size(a->scene_differences) && !c->other_scene)
             r = fail(
                 m, VXS_E_ARGUMENT,
@@ -224,7 +219,7 @@ static vxs_result compare_all(compare_command *c, message *m)
     vxs_result r;
     if ((r = check_options(c, m)) != VXS_OK) return r;
     if ((r = open_assets(c, m)) != VXS_OK) return r;
-    if ((r = asset_scene_choice(c->report.assets[0].asset, &c->choice, &c->made, m)) != VXS_OK) return r;
+    if ((r = asset_scene_choice(c->report.assets[0].made, &c->choice, m)) != VXS_OK) return r;
     if ((r = scene_load_gltf(&c->scene, c->report.scene_path, &c->choice, m)) != VXS_OK) return r;
     if ((r = check_scene(c, &c->scene, m)) != VXS_OK) return r;
     for (size_t n = 0; n < c->report.asset_count && r == VXS_OK; n++)
@@ -247,10 +242,10 @@ static vxs_result run(void *command, message *m)
         free(c->report.assets[n].results);
         free(c->report.assets[n].lights);
         json_decref(c->report.assets[n].scene_differences);
+        json_decref(c->report.assets[n].made);
     }
     free(c->report.assets);
     scene_free(&c->scene);
-    json_decref(c->made);
     return r;
 }
 

@@ -30,19 +30,6 @@ static vxs_result check_options(const picture_command *c, message *m)
     return r == VXS_OK ? camera_check(&c->camera, m) : r;
 }
 
-/* A picture of another scene shows shadows of what is not there: no fault of the file, and rarely what is wanted. */
-static vxs_result check_scene(const picture_command *c, const vxs_asset *asset, const scene *s, message *m)
-{
-    char       differ[PROVENANCE_TEXT_BYTES];
-    json_t    *differences;
-    vxs_result r = provenance_differences(&differences, vxs_asset_contents(asset), s, m);
-    if (json_array_size(differences))
-        warn(m, "'%s' was baked from another scene than %s (differs: %s): its shadows may not fit; bake it anew", c->asset_path,
-             c->scene_path, provenance_differences_text(differ, differences));
-    json_decref(differences);
-    return r == VXS_OK ? message_check(m) : r;
-}
-
 static vxs_result draw(picture_command *c, const truth *t, const casters *casting, const vxs_baked_light *const *lights,
                        uint32_t count, output_file *out, message *m)
 {
@@ -76,9 +63,11 @@ static vxs_result run(void *command, message *m)
     if ((r = check_options(c, m)) != VXS_OK) goto done;
     if ((r = asset_open(&asset, c->asset_path, m)) != VXS_OK) goto done;
     if ((r = asset_choose_lights(asset, c->asset_path, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
-    if ((r = asset_scene_choice(asset, &c->choice, &made, m)) != VXS_OK) goto done;
+    if ((r = provenance_read(&made, vxs_asset_contents(asset), m)) != VXS_OK) goto done;
+    if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
-    if ((r = check_scene(c, asset, &s, m)) != VXS_OK) goto done;
+    r = asset_check_scene(asset, made, c->asset_path, &s, c->scene_path, "its shadows may not fit", m);
+    if (r != VXS_OK) goto done;
     /* rays meet solids and sheets alike: nothing needs to be sorted */
     if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;

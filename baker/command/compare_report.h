@@ -13,6 +13,7 @@
 typedef struct compared_asset {
     const char *path;
     vxs_asset  *asset;
+    json_t     *made;                                 /* its metadata; owned; NULL: none that vxs wrote */
     closed_mode closed;                               /* which components are solids, as it was baked or as the command line says */
     size_t      triangle_count, solid_triangle_count; /* of the scene, so made */
     uint64_t    file_bytes, memory_bytes;             /* of the file; of the words that lookups read, all lights */
