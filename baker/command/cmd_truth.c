@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/bake/provenance.h"
 #include "baker/base/parallel.h"
 #include "baker/casters/casters.h"
 #include "baker/command/asset_open.h"
@@ -72,10 +73,12 @@ static vxs_result check_options(const truth_options *o, message *m)
     return filter_check(o->filter_px, m);
 }
 
-/* The asset, and the lights of it that are asked for. */
-static vxs_result open_like(const truth_options *o, vxs_asset **asset, traced_like *q, message *m)
+/* The asset, the lights of it that are asked for, and what of the scene casts as in its bake. */
+static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, message *m)
 {
     vxs_result r = asset_open(asset, o->like_path, m);
+    if (r == VXS_OK) r = provenance_read(made, vxs_asset_contents(*asset), m);
+    if (r == VXS_OK) r = asset_scene_choice(*made, &o->choice, m);
     if (r == VXS_OK) r = asset_choose_lights(*asset, o->like_path, &o->light_names, q->lights, &q->light_count, m);
     for (uint32_t n = 0; r == VXS_OK && n < q->light_count; n++) q->shapes[n] = baked_light_shape(&q->lights[n]->light);
     q->filter_px = (int)o->filter_px;
@@ -98,21 +101,24 @@ static vxs_result choose_lights(void *user, const scene *s, message *m)
 
 static vxs_result run(void *command, message *m)
 {
-    const truth_options *o = command;
+    truth_options       *o = command;
     vxs_result           r;
     scene                s      = {0};
     light_choice         lights = {0};
     casters              c      = {0};
     truth               *t      = NULL;
     vxs_asset           *asset  = NULL;
+    json_t              *made   = NULL;
     traced_like          like   = {0};
     light_question       q      = {o, &lights};
     scene_check          check  = {choose_lights, &q};
 
     if ((r = points_check_input("SCENE", o->scene_path, m)) != VXS_OK) goto done;
     if ((r = check_options(o, m)) != VXS_OK) goto done;
-    if (o->like_path && (r = open_like(o, &asset, &like, m)) != VXS_OK) goto done;
+    if (o->like_path && (r = open_like(o, &asset, &made, &like, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf_checked(&s, o->scene_path, &o->choice, o->like_path ? NULL : &check, m)) != VXS_OK) goto done;
+    if (o->like_path) r = asset_check_scene(asset, made, o->like_path, &s, o->scene_path, "it may answer otherwise", m);
+    if (r != VXS_OK) goto done;
     /* solids and sheets cast the same shadow: nothing needs to be sorted */
     if ((r = casters_from_scene(&c, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &c, o->threads, m)) != VXS_OK) goto done;
@@ -125,6 +131,7 @@ done:
     light_choice_free(&lights);
     scene_free(&s);
     vxs_asset_close(asset);
+    json_decref(made);
     return r;
 }
 

@@ -129,6 +129,9 @@ def test_a_bake_is_judged_with_the_same_options(vxs, whole, tmp_path):
     for picture, more in zip(pictures, [[], options, ["--include", "*"]]):
         vxs("picture", whole / "level.gltf", tmp_path / "a.vxs", "-o", picture, "--width", "64", "--height", "64", *more)
     assert pictures[0].read_bytes() == pictures[1].read_bytes() != pictures[2].read_bytes()
+    like = ["--like", tmp_path / "a.vxs"]
+    assert casting(vxs, whole / "level.gltf", *like) == EVERY - {"door_1", "pane"}
+    assert casting(vxs, whole / "level.gltf", *like, "--include", "*") == EVERY
 
 
 def test_plan_health_and_mend_leave_it_out(vxs, whole, tmp_path):

@@ -405,7 +405,7 @@ def test_no_metadata(vxs, scene, asset, tmp_path):
 
 
 @pytest.mark.parametrize("change, differs", CHANGES, ids=[f"{n}-{differs}" for n, (_, differs) in enumerate(CHANGES)])
-def test_compare_and_picture_name_what_differs(vxs, scene, asset, tmp_path, change, differs):
+def test_compare_picture_and_truth_name_what_differs(vxs, scene, asset, tmp_path, change, differs):
     other = edited(scene, tmp_path / "other.gltf", change)
     done = vxs("compare", other, asset, "--points", 100, "--json", tmp_path / "a.json", status=2)
     assert done.stdout == "" and not (tmp_path / "a.json").exists()
@@ -417,6 +417,10 @@ def test_compare_and_picture_name_what_differs(vxs, scene, asset, tmp_path, chan
     (tmp_path / "a.png").unlink()
     vxs(*draw, "--strict", status=1)
     assert not (tmp_path / "a.png").exists()
+    ask = ("truth", other, "--like", asset)
+    assert vxs(*ask, input="0 5 0").stderr == (f"vxs: warning: '{asset}' was baked from another scene than {other} (differs: {differs}): "
+                                               "it may answer otherwise; bake it anew\n")
+    assert vxs(*ask, "--strict", input="0 5 0", status=1).stdout == ""
 
 
 def test_compare_with_another_scene_on_purpose(vxs, scene, asset, tmp_path):
