@@ -182,18 +182,8 @@ done:
     return r;
 }
 
-typedef struct light_question {
-    const bake_options *o;
-    light_choice       *chosen;
-} light_question;
-
-/* Which lights are baked, and whether they can be: asked before a triangle is placed. */
-static vxs_result choose_lights(void *user, const scene *s, message *m)
+static vxs_result judge_lights(const light_choice *chosen, message *m)
 {
-    const light_question *q      = user;
-    light_choice         *chosen = q->chosen;
-    vxs_result            r      = lights_choose(s, &q->o->light_names, &q->o->suns, chosen, m);
-    if (r != VXS_OK) return r;
     if (chosen->count > VXS_LIGHTS_MAX)
         return fail(m, VXS_E_ARGUMENT,
                     "%zu lights to bake, and a file holds %u at most: choose some with --light NAME, in several bakes",
@@ -227,7 +217,7 @@ vxs_result bake_check_outputs(const bake_options *o, message *m)
 static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, bake_context *ctx)
 {
     light_choice   chosen   = {0};
-    light_question question = {o, &chosen};
+    light_question question = {&o->light_names, &o->suns, &chosen, judge_lights};
     message       *m        = ctx->message;
     uint64_t       bytes    = file_bytes(o->scene_path);
     vxs_result     r;
@@ -235,7 +225,7 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
     stage_begin(ctx, STAGE_LOAD);
     progress_say(o->progress, "reading %s", o->scene_path);
     memory_budget_set(o->memory_bytes);
-    scene_check check = {choose_lights, &question};
+    scene_check check = light_question_check(&question);
     if ((r = scene_load_gltf_checked(s, o->scene_path, &o->scene, &check, m)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
     if ((report->unchanged = is_unchanged(o, report, m))) goto done;

@@ -85,33 +85,25 @@ static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, 
     return r;
 }
 
-/* The lights that are asked about, before a triangle is placed. */
-typedef struct light_question {
-    const truth_options *o;
-    light_choice        *chosen;
-} light_question;
-
-static vxs_result choose_lights(void *user, const scene *s, message *m)
+static vxs_result judge_lights(const light_choice *chosen, message *m)
 {
-    const light_question *q = user;
-    vxs_result            r = lights_choose(s, &q->o->light_names, &q->o->suns, q->chosen, m);
-    if (r == VXS_OK) warn_about_suns(q->chosen, m);
-    return r;
+    warn_about_suns(chosen, m);
+    return VXS_OK;
 }
 
 static vxs_result run(void *command, message *m)
 {
-    truth_options       *o = command;
-    vxs_result           r;
-    scene                s      = {0};
-    light_choice         lights = {0};
-    casters              c      = {0};
-    truth               *t      = NULL;
-    vxs_asset           *asset  = NULL;
-    json_t              *made   = NULL;
-    traced_like          like   = {0};
-    light_question       q      = {o, &lights};
-    scene_check          check  = {choose_lights, &q};
+    truth_options *o = command;
+    vxs_result     r;
+    scene          s      = {0};
+    light_choice   lights = {0};
+    casters        c      = {0};
+    truth         *t      = NULL;
+    vxs_asset     *asset  = NULL;
+    json_t        *made   = NULL;
+    traced_like    like   = {0};
+    light_question q      = {&o->light_names, &o->suns, &lights, judge_lights};
+    scene_check    check  = light_question_check(&q);
 
     if ((r = points_check_input("SCENE", o->scene_path, m)) != VXS_OK) goto done;
     if ((r = check_options(o, m)) != VXS_OK) goto done;

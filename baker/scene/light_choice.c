@@ -102,6 +102,18 @@ vxs_result lights_choose(const scene *s, const text_list *names, const named_lis
     return r;
 }
 
+static vxs_result ask(void *user, const scene *s, message *m)
+{
+    const light_question *q = user;
+    vxs_result            r = lights_choose(s, q->names, q->suns, q->chosen, m);
+    return r == VXS_OK ? q->judge(q->chosen, m) : r;
+}
+
+scene_check light_question_check(light_question *q)
+{
+    return (scene_check){ask, q};
+}
+
 vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m)
 {
     char known[LIST_BYTES];

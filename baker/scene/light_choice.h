@@ -30,6 +30,17 @@ typedef struct light_choice {
  * sun of length zero, or whose name is none that a file can hold), VXS_E_MEMORY. */
 vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m);
 
+/* The same as a question to a scene before a triangle is placed. */
+typedef struct light_question {
+    const text_list  *names;
+    const named_list *suns;
+    light_choice     *chosen;                                    /* [out] */
+    vxs_result (*judge)(const light_choice *chosen, message *m); /* what a command has to say of them */
+} light_question;
+
+/* The check that asks it: for scene_load_gltf_checked, while the question lives. */
+scene_check light_question_check(light_question *q);
+
 /* Returns VXS_OK when every name that an option has a value for is that of a chosen light, or VXS_E_ARGUMENT.
  * option  "--resolution" */
 vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m);
