@@ -60,10 +60,16 @@ static size_t append_pair(const char **arguments, size_t count, const char *name
     return count + 2;
 }
 
+static size_t append_all(const char **arguments, size_t count, const char *name, const text_list *values)
+{
+    for (size_t n = 0; n < values->count; n++) count = append_pair(arguments, count, name, values->items[n]);
+    return count;
+}
+
 /* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
 static const char **arguments_of(const bench_options *o, const char *scene_path, const children *c, size_t index)
 {
-    size_t pairs = o->light_names.count + o->suns.count + 8, count = 0;
+    size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 8, count = 0;
     for (int n = 0; n < BENCH_SWEEPS; n++) pairs += o->sweep_value[n].count;
     const char **all = calloc(2 * pairs, sizeof *all);
     if (!all) return NULL;
@@ -71,8 +77,10 @@ static const char **arguments_of(const bench_options *o, const char *scene_path,
     count = append_pair(all, count, "--baseline", "off");
     count = append_pair(all, count, "--json", c->report);
     count = append_pair(all, count, "-o", c->asset);
-    for (size_t n = 0; n < o->light_names.count; n++) count = append_pair(all, count, "--light", o->light_names.items[n]);
-    for (size_t n = 0; n < o->suns.count; n++) count = append_pair(all, count, "--sun", o->suns.items[n]);
+    count = append_all(all, count, "--light", &o->light_names);
+    count = append_all(all, count, "--sun", &o->suns);
+    count = append_all(all, count, "--exclude", &o->exclude);
+    count = append_all(all, count, "--include", &o->include);
     count = append_pair(all, count, "--region", o->region);
     count = append_pair(all, count, "--scene", o->scene_name);
     for (int n = BENCH_SWEEPS; n-- > 0;) /* the last varies fastest */

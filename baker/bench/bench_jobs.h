@@ -9,13 +9,14 @@
 
 /* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
  * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
-enum { BENCH_SWEEPS = 9 };
+enum { BENCH_SWEEPS = 10 };
 
 typedef struct bench_options {
     text_list   scenes;
     const char *sweep_name[BENCH_SWEEPS];  /* "--resolution": the first varies slowest */
     text_list   sweep_value[BENCH_SWEEPS]; /* none: what bake does by default */
     text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
+    text_list   exclude, include;
     const char *region, *scene_name;
     uint32_t    filters_px[BENCH_FILTERS_MAX]; /* besides single taps: odd, above 1, none twice */
     uint32_t    filter_count;

@@ -8,12 +8,13 @@ import struct
 import pytest
 
 import small_scene
+from test_docs import validator
 
 # what floats over x = 0, 4, 8, ..., each a box: mesh, material
 THINGS = {"door_1": ("door", "wood"), "door_2": ("door", "wood"), "frame": ("window", "wood"), "pane": ("window", "glass"),
           "cape": ("cloth", None)}
 EVERY = set(THINGS)
-COMMANDS = ["bake", "plan", "truth", "compare", "picture", "health", "mend"]
+COMMANDS = ["bake", "plan", "truth", "compare", "bench", "picture", "health", "mend"]
 
 
 def level(path, skinned=False, extras={}, floating=True):
@@ -72,6 +73,7 @@ def command(name, path, folder):
     """A command line, with an asset and outputs where it needs them."""
     return {"bake": ["bake", path, "-o", folder / "new.vxs"], "plan": ["plan", path], "truth": ["truth", path],
             "compare": ["compare", path, folder / "a.vxs", "--points", "1000"],
+            "bench": ["bench", path, "-o", folder / "new.json", "--resolution", "64", "--runs", "1", "--points", "0"],
             "picture": ["picture", path, folder / "a.vxs", "-o", folder / "new.png", "--width", "16", "--height", "16"],
             "health": ["health", path], "mend": ["mend", path, "-o", folder / "new.glb"]}[name]
 
@@ -143,6 +145,17 @@ def test_plan_health_and_mend_leave_it_out(vxs, whole, tmp_path):
     assert casting(vxs, tmp_path / "m.glb") == EVERY - DOORS
 
 
+def test_bench_bakes_and_compares_what_casts(vxs, tmp_path):
+    path = level(tmp_path / "level.gltf", skinned=True)
+    result = json.loads(vxs("bench", path, "-o", "-", "--runs", 1, "--points", 1000, "--resolution", 128, "--skinned", "exclude", "--skinned",
+                            "rest", "--exclude", "mesh:door", "--include", "*").stdout)
+    validator("bench").validate(result)
+    cells = result["cells"]
+    assert [(c["triangles"], c["options"].get("skinned")) for c in cells] == [(36, None), (48, "rest")]
+    assert all(c["options"]["exclude"] == ["mesh:door"] and c["options"]["include"] == ["*"] for c in cells)
+    assert [e["unexplained"] for c in cells for e in c["errors"]] == [0] * 4
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_pattern_that_names_nothing_is_refused(vxs, whole, name):
     line = command(name, whole / "level.gltf", whole)
@@ -171,7 +184,7 @@ def test_nothing_left_says_which_options_did_it(vxs, whole, name):
     if name == "compare":
         line.append("--other-scene")
     stderr = vxs(*line, "--include", "node:doors", "--exclude", "wood", "--exclude", "mesh:*", status=5, input="").stderr
-    assert ("error: nothing casts a shadow: all that the scene has is excluded; 48 triangles: no --include names them; "
+    assert (": nothing casts a shadow: all that the scene has is excluded; 48 triangles: no --include names them; "
             "24 triangles: --exclude wood\n") in stderr
     assert sorted(whole.iterdir()) == before
 
