@@ -242,13 +242,14 @@ function error_chart({ name, points, filters, x_label, x_unit, x_of, y_label, y_
     /* one line a scene has labels, while there is room; with filters there is room for its ends */
     const labels = (l) => l.s.setting || l.s.file || scenes.length > 3 || l.filter !== filters[0] ? []
         : l.points.map((p, n) => many && n && n < l.points.length - 1 ? "" : String(p.cell.side));
-    const medians = (axis) => all.map((p) => p[axis].median);
-    return [figure({ name: `${name}-${points}`, title: title(range_text(medians("x"), x_unit.text), range_text(medians("y"), percent)),
-        height: 320, keys: [...scene_keys(), ...setting_keys(), ...file_keys()], caption }, () => line_chart(
+    const share = ({ cell, filter }) => y_of(error_of(cell, points, filter)); /* words tell what was found, not where it is drawn */
+    return [figure({ name: `${name}-${points}`,
+        title: title(range_text(all.map((p) => p.x.median), x_unit.text), range_text(all.map(share), percent)), height: 320,
+        keys: [...scene_keys(), ...setting_keys(), ...file_keys()], caption }, () => line_chart(
         lines.map((l) => dataset(l.s, l.points, { labels: labels(l) })),
         log_axis(x_label, x_unit, values_of(all, "x"), 0.1), log_axis(y_label, SHARE, values_of(all, "y")),
-        ({ s, cell, filter, x, y }) =>
-            `${series_name(s)}, ${cell.side} texels${many ? `, ${filter} x ${filter}` : ""}: ${x_unit.text(x)}, ${percent(y)}`))];
+        ({ s, cell, filter, x }) => `${series_name(s)}, ${cell.side} texels${many ? `, ${filter} x ${filter}` : ""}: `
+            + `${x_unit.text(x)}, ${percent(share({ cell, filter }))}`))];
 }
 
 /* No wrong answer has no place on a logarithmic axis: it is drawn where half an answer would be. */
