@@ -83,7 +83,8 @@ static vxs_result out_of_memory(const char *path, message *m)
 
 static vxs_result cannot_write(const output_file *f, int error, message *m)
 {
-    return fail(m, VXS_E_WRITE, "%s: cannot write: %s", f->name, strerror(error));
+    return fail(m, VXS_E_WRITE, "%s: cannot write: %s%s", f->name, strerror(error),
+                error == ENOENT ? ": its folder is not there" : "");
 }
 
 /* A name beside the target that no other process takes: its number is in it. NULL without memory. */

@@ -409,7 +409,7 @@ def test_scene_that_is_flat(vxs, bake, tmp_path):
 
 def test_outputs_that_cannot_be_written(fails, scene, tmp_path):
     (tmp_path / "folder").mkdir()
-    fails(4, "bake", scene, "-o", tmp_path / "nobody" / "a.vxs", *SMALL, says="No such file")
+    fails(4, "bake", scene, "-o", tmp_path / "nobody" / "a.vxs", *SMALL, says="its folder is not there")
     fails(4, "bake", scene, "-o", tmp_path / "folder", *SMALL, says="folder")
     fails(4, "bake", scene, "-o", "", *SMALL, says="empty")
     fails(4, "bake", scene, "-o", "/dev/full", *SMALL, says="No space left")
