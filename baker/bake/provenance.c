@@ -232,6 +232,10 @@ static json_t *differences_of(const json_t *made, const vxs_contents *contents, 
         if (!json_is_true(json_object_get(light, "in_scene"))) continue;
         if (is_baked(contents, json_string_value(json_object_get(light, "name")))) add_light_difference(differences, light, s);
     }
+    /* the name alone makes no difference, and where there is one it says which scene of a file is meant */
+    const char *name = json_string_value(json_object_get(was, "name"));
+    if (name && name[0] && json_array_size(differences) && strcmp(name, s->name))
+        json_array_insert_new(differences, 0, json_sprintf("name, which was '%s'", name));
     return differences;
 }
 

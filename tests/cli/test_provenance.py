@@ -389,7 +389,7 @@ def test_hostile_metadata_of_the_right_shape(vxs, scene, asset, tmp_path):
     assert "a?[31m???2J??ééé" in text and all(len(found) == 1 for found in lines(text).values())
     assert made(vxs, hostile)["generator"] == evil
     done = vxs("compare", scene, hostile, "--points", 10, status=2)
-    assert done.stderr.count("\n") == 1 and "(differs: geometry; alpha masks; cameras)" in done.stderr
+    assert done.stderr.count("\n") == 1 and "(differs: name, which was 'a?[31m???2J??ééé'; geometry; alpha masks; cameras)" in done.stderr
 
 
 def test_no_metadata(vxs, scene, asset, tmp_path):
@@ -456,6 +456,15 @@ def test_lights_that_were_not_baked_make_no_difference(vxs, scene, tmp_path):
         other = edited(scene, tmp_path / "other.gltf", change)
         assert vxs("compare", other, asset, "--points", 10).stderr == ""
         assert vxs("picture", other, asset, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
+
+
+def test_which_scene_of_a_file_it_was(vxs, scenes, tmp_path):
+    """Its name is said, for --scene; alone it is no difference."""
+    two = scenes / "real" / "camp_and_cave_two_scenes.glb"
+    vxs("bake", two, "-o", tmp_path / "a.vxs", *SMALL, "--sun", "0,-1,0", "--scene", "camp")
+    done = vxs("compare", two, tmp_path / "a.vxs", "--points", 100, status=2)
+    assert "(differs: name, which was 'camp'; geometry)" in done.stderr
+    assert vxs("compare", two, tmp_path / "a.vxs", "--points", 100, "--scene", "camp").stderr == ""
 
 
 def test_nor_do_lights_that_were_left_out(vxs, scene, tmp_path):
