@@ -156,6 +156,13 @@ function sheet_hint() {
         " names them, and ", code("vxs mend"), " closes what can be closed."];
 }
 
+/* What makes a light of this kind smaller. */
+function light_hint(light) {
+    if (light.kind === "spot") return ["A narrower cone or a shorter range reaches fewer casters."];
+    if (light.kind === "point") return ["A shorter range reaches fewer casters."];
+    return ["Its map may be smaller than others: ", code(`--resolution ${clean(light.name)}=${light.resolution_px / 2}`), "."];
+}
+
 function show_hints() {
     const half = Math.max(...lights.map((l) => l.resolution_px)) / 2, largest = lights[0];
     const hints = [
@@ -164,9 +171,9 @@ function show_hints() {
         options.reuse === "off" && [code("--reuse on"), " does not make again what equals its neighbour."],
         options.stop !== "final" && [code("--stop final"), " merges what is equal."],
         options.exit === "back" && [code("--exit auto"), " looks for the exit of the union where solids meet."],
-        lights.length > 1 && [`The largest light, ${clean(largest.name)}, takes ${percent(largest.size.stored_bytes / file)} of the file. `
-            + "A narrower cone or a shorter range reaches fewer casters."],
-        !options.region_m && [code("--region"), " bakes only the box that will be looked up; all of the scene still casts into it."],
+        lights.length > 1 && [`The largest light, ${clean(largest.name)}, takes ${percent(largest.size.stored_bytes / file)} of the file. `,
+            ...light_hint(largest)],
+        !options.region_m && lights.some((l) => l.kind === "directional") && [code("--region"), " bakes only the box that will be looked up; all of the scene still casts into it."],
         half >= 8 && ["Half the resolution, ", code(`--resolution ${half}`), ": shadows end in lines and surfaces, so a file is often "
             + "about half as large then. ", code("vxs plan"), " estimates it."],
         options.zstd_level < 19 && [code("--level 19"), " compresses harder, and takes longer to write."],

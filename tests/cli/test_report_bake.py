@@ -154,6 +154,16 @@ def test_many_lights(bake, folder):
     assert len(page.pictures) == 2 + 8 and "36 more lights are not pictured" in page.text and "10 smaller lights take" in page.text
 
 
+def test_hints_are_those_of_the_lights(bake, folder):
+    """A sun has no cone, and a lamp no region."""
+    page, _, _ = bake(folder / "many.gltf", "--resolution", 64)
+    hints = page.text.partition("What would make it smaller")[2].partition("Where the time goes")[0]
+    assert "A narrower cone or a shorter range" in hints and "--region" not in hints
+    page, _, _ = bake(folder / "one.gltf", "--sun", "noon=0,-1,0", "--sun", "dawn=1,-1,0", "--resolution", "noon=256", "--resolution", 64)
+    hints = page.text.partition("What would make it smaller")[2].partition("Where the time goes")[0]
+    assert "The largest light, noon, takes" in hints and "--resolution noon=128" in hints and "--region" in hints and "cone" not in hints
+
+
 def test_bytes_do_not_depend_on_the_page(vxs, bake, folder, tmp_path):
     for threads in (1, 3):
         _, _, asset = bake(folder / "two.gltf", "--resolution", 128, "--threads", threads)
