@@ -20,6 +20,7 @@ typedef struct vxs_light {
     uint32_t kind;                       /* VXS_LIGHT_KIND_* */
     uint32_t flags;                      /* VXS_LIGHT_BOUNDED (directional), VXS_LIGHT_CUBE (point; spot with a wide cone) */
     uint32_t levels;                     /* a map has 2^levels texels a side and 2^levels voxels in depth; 3..18 */
+    uint32_t coding;                     /* VXS_CODING_*: how its words hold its maps */
     double ls_from_ws[12];  /* rows of a 3 x 4 matrix from world metres. Directional: to texels u, v and voxels of depth; (0,0,0) is
                                   the corner of the map nearest the light. Spot and point: to metres about the light, x and y
                                   across its direction and z along it */
@@ -31,12 +32,6 @@ typedef struct vxs_light {
     double range_metres;    /* spot and point: metres from the light to where its volume ends; 0: no end; else 0 */
 } vxs_light;
 
-/* The DAG of a light's maps, as vxs_lookup.h walks it. */
-typedef struct vxs_dag {
-    const uint32_t *words; /* [word_count] */
-    uint32_t        word_count;
-} vxs_dag;
-
 /* How many nodes and masks the words of a DAG hold. */
 typedef struct vxs_dag_counts {
     uint32_t nodes[VXS_LEVELS_MAX];      /* by height: [0] slice nodes, [levels - 3] the roots */
@@ -44,14 +39,15 @@ typedef struct vxs_dag_counts {
     uint32_t masks;                      /* two words each */
 } vxs_dag_counts;
 
-/* A light with its DAG: what is looked up. */
+/* A light with the words of its maps, as its coding lays them out: what is looked up. */
 typedef struct vxs_baked_light {
-    vxs_light      light;
-    vxs_dag        dag;
-    vxs_dag_counts counts;
+    vxs_light       light;
+    const uint32_t *words; /* [word_count] */
+    uint32_t        word_count;
+    vxs_dag_counts  counts;
 } vxs_baked_light;
 
-/* How many maps a light has, and roots its DAG: 1, or 6. */
+/* How many maps a light has: 1, or 6. */
 static inline uint32_t vxs_light_map_count(const vxs_light *light)
 {
     return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
@@ -119,10 +115,10 @@ typedef struct vxs_dag_view {
     uint32_t        roots[VXS_CUBE_FACES]; /* indices into the top level, one for each map of the light */
 } vxs_dag_view;
 
-/* A light to be written. */
+/* A light to be written, in the coding that it names. */
 typedef struct vxs_write_light {
     vxs_light    light;
-    vxs_dag_view dag;
+    vxs_dag_view dag; /* VXS_CODING_DAG */
 } vxs_write_light;
 
 typedef struct vxs_write_desc {
@@ -139,7 +135,7 @@ typedef struct vxs_bytes {
 
 /* Encode a whole file in memory. Nodes that the root does not reach are left out; same input, same bytes for one zstd version.
  * out  [out] grown with realloc; zero it first, release with free(out->data).
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, or words; an empty,
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, coding, or words; an empty,
  * unterminated or repeated name; a DAG without as many levels, or without its roots), or zstd_level is out of range. A light's other
  * numbers are written as they are: vxs_read says whether they make sense.
  * The runtime library does not hold this function: games only read. */

@@ -59,6 +59,9 @@
 #define VXS_LIGHT_CUBE             2u /* flag: six maps, one for each face of a cube about the light */
 #define VXS_CUBE_FACES             6u
 
+/* How a light's words hold its maps; each is a section of vxs.md */
+#define VXS_CODING_DAG 1u /* a graph of nodes and masks, section 6 */
+
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u
 #define VXS_LIGHTS_MAX   1024u

@@ -16,11 +16,11 @@
  *
  * Shading languages have no pointers and no common way to a buffer: how a word is fetched is a macro of the includer.
  *
- *     vxs_word(dag, i)   word i of a light's DAG. C and C++: dag[i]. A shader defines it before this text; there dag is the word
- *                        where the light's DAG starts in a buffer or a texture of all lights' words:
+ *     vxs_word(dag, i)   word i of a light. C and C++: dag[i]. A shader defines it before this text; there dag is the word
+ *                        where the light's words start in a buffer or a texture of all lights' words:
  *                            #define vxs_word(dag, i) shadow_words[(dag) + (i)]
  *     vxs_popcount(x)    how many bits of x are set; the default is the language's own, or arithmetic where it has none
- *     VXS_DAG            type of dag: const uint32_t * in C and C++, uint in a shader
+ *     VXS_WORDS          type of dag: const uint32_t * in C and C++, uint in a shader
  *     VXS_HLSL           defined by the includer for compilers of HLSL that do not define __HLSL_VERSION
  *
  * GLSL 3.30 and later, ES 3.00 and later, and GLSL for Vulkan are told apart by what they predefine. The text declares structs and
@@ -47,8 +47,8 @@ typedef struct vxs_mask vxs_mask;
 #define VXS_FN   static inline
 #define VXS_U(x) ((vxs_u32)(x))
 #define VXS_I(x) ((vxs_i32)(x))
-#ifndef VXS_DAG
-#define VXS_DAG const uint32_t *
+#ifndef VXS_WORDS
+#define VXS_WORDS const uint32_t *
 #endif
 #ifndef vxs_word
 #define vxs_word(dag, i) (dag)[i]
@@ -66,8 +66,8 @@ precision highp int;
 #define VXS_FN
 #define VXS_U(x) uint(x)
 #define VXS_I(x) int(x)
-#ifndef VXS_DAG
-#define VXS_DAG uint
+#ifndef VXS_WORDS
+#define VXS_WORDS uint
 #endif
 #ifndef vxs_word
 #error vxs_word is not defined: see the head of vxs_lookup.h
@@ -101,7 +101,7 @@ VXS_FN vxs_u32 vxs_own(vxs_u32 states)
 }
 
 /* Where the root of map `face` of a light with six maps starts; the root of a light with one map is 0. */
-VXS_FN vxs_u32 vxs_face_root(VXS_DAG dag, vxs_u32 face)
+VXS_FN vxs_u32 vxs_face_root(VXS_WORDS dag, vxs_u32 face)
 {
     return vxs_word(dag, face);
 }
@@ -119,7 +119,7 @@ VXS_FN vxs_mask vxs_uniform_mask(vxs_u32 state)
  * dag     the light's words;   root  0, or vxs_face_root of the map
  * levels  the map has 2^levels texels a side, and as many voxels in depth
  * tile_x, tile_y  [0, 2^(levels-3));   k  [0, 2^levels) */
-VXS_FN vxs_mask vxs_slice(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k)
+VXS_FN vxs_mask vxs_slice(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 tile_x, vxs_u32 tile_y, vxs_u32 k)
 {
     vxs_u32 node = root;
     vxs_u32 states, state;
@@ -150,7 +150,7 @@ VXS_FN vxs_mask vxs_slice(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 til
 }
 
 /* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels). */
-VXS_FN vxs_u32 vxs_shadow(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
+VXS_FN vxs_u32 vxs_shadow(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
 {
     vxs_mask mask = vxs_slice(dag, root, levels, i >> 3, j >> 3, k);
     return (((j & 4u) != 0u ? mask.high : mask.low) >> ((i & 7u) + 8u * (j & 3u))) & 1u;
@@ -174,7 +174,7 @@ VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
 /* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
  * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
  * filter  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
-VXS_FN vxs_u32 vxs_shadow_count(VXS_DAG dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_i32 half_px = filter_px / 2;
     vxs_i32 side    = VXS_I(1) << levels;

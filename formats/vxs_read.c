@@ -279,7 +279,8 @@ static void read_light_records(reader *r, int section, const uint8_t *table, uin
         light->kind                     = vxs_load32(record + VXS_LIGHT_KIND);
         light->levels                   = vxs_load32(record + VXS_LIGHT_LEVELS);
         light->flags                    = vxs_load32(record + VXS_LIGHT_FLAGS);
-        r->out.lights[n].dag.word_count = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
+        light->coding                   = VXS_CODING_DAG;
+        r->out.lights[n].word_count = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
         for (int k = 0; k < 12; k++) light->ls_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);
         light->voxel_metres = vxs_load_f64(record + VXS_LIGHT_VOXEL_METRES);
@@ -443,10 +444,10 @@ static int decode_light(light_reader *lr)
 
     uint32_t mask_word = (uint32_t)lr->words;
     uint64_t total     = lr->words + (uint64_t)lr->baked->counts.masks * 2;
-    if (total != lr->baked->dag.word_count) return found(r, 406, lr->mask_section, 0), 0;
+    if (total != lr->baked->word_count) return found(r, 406, lr->mask_section, 0), 0;
     uint32_t *words = take(r, total, sizeof *words, lr->mask_section);
     if (!words) return 0;
-    lr->baked->dag.words                 = words;
+    lr->baked->words                 = words;
     words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
     for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
     for (uint32_t l = 0; l < lr->level_count; l++)
@@ -517,8 +518,8 @@ void vxs_contents_free(vxs_contents *c)
 {
     vxs_allocator *a = &c->allocator;
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_dag *dag = &c->lights[n].dag;
-        if (dag->words) a->free((void *)dag->words, (size_t)dag->word_count * sizeof *dag->words, a->user);
+        const vxs_baked_light *l = &c->lights[n];
+        if (l->words) a->free((void *)l->words, (size_t)l->word_count * sizeof *l->words, a->user);
     }
     if (c->lights) a->free(c->lights, c->light_count * sizeof *c->lights, a->user);
     if (c->sections) a->free(c->sections, c->section_count * sizeof *c->sections, a->user);

@@ -6,6 +6,7 @@
  *                                                    depth = log(z / near_metres) / voxel_metres, z away from the light
  *
  *     vxs_voxel_from_ws    the voxel of a point, moved off a surface along its normal, and whether the light reaches there
+ *     vxs_shadow_taps      how many taps of a filter on a voxel are in shadow, in whatever coding the light's words are
  *     vxs_lit_at_voxel     the lit fraction around a voxel
  *     vxs_lit              both: the lit fraction around a point
  *     vxs_ws_from_voxel    the point of map coordinates
@@ -74,7 +75,7 @@ struct vxs_light_constants {
     float     texel_metres, voxel_metres, near_metres, range_metres;
     float     cos_outer;
     uint      kind, flags, levels;
-    uint      dag, reserved_0, reserved_1, reserved_2;
+    uint      dag, coding, reserved_0, reserved_1;
 };
 #endif
 
@@ -254,30 +255,37 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
+/* How many of the filter_px x filter_px texels centred on (i, j) of a map are in shadow at depth k, [0, 2^levels). This is the one place
+ * that knows how a light's words hold its maps (its coding).
+ * coded  the light's words
+ * i, j   of the map where filter_px is 1, else as for vxs_shadow_count */
+VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+{
+    vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(coded, VXS_U(map));
+    if (filter_px == 1) return vxs_shadow(coded, root, levels, VXS_U(i), VXS_U(j), k);
+    return vxs_shadow_count(coded, root, levels, i, j, k, filter_px);
+}
+
 /* The lit fraction, 0 to 1, of filter_px x filter_px taps around a voxel of a map: a box PCF. In front of the map all is lit; what is
  * behind it is in the shadow of its last voxels. */
-VXS_FN vxs_real vxs_lit_at_voxel(VXS_DAG dag, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_i32 filter_px)
+VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_i32 filter_px)
 {
-    vxs_u32 levels = VXS_FIELD(light, levels), root = 0u, dark;
-    vxs_i32 last = (VXS_I(1) << levels) - 1;
+    vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1;
     if (voxel[2] < 0) return VXS_REAL(1.0);
-    vxs_u32 k = VXS_U(voxel[2] < last ? voxel[2] : last);
-    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(dag, VXS_U(map));
-    if (filter_px == 1)
-        dark = vxs_shadow(dag, root, levels, VXS_U(voxel[0]), VXS_U(voxel[1]), k);
-    else
-        dark = vxs_shadow_count(dag, root, levels, voxel[0], voxel[1], k, filter_px);
+    vxs_u32 k    = VXS_U(voxel[2] < last ? voxel[2] : last);
+    vxs_u32 dark = vxs_shadow_taps(coded, light, map, voxel[0], voxel[1], k, filter_px);
     vxs_u32 taps = VXS_U(filter_px * filter_px);
     return VXS_REAL(taps - dark) / VXS_REAL(taps);
 }
 
 /* The same around a point; VXS_OUTSIDE when it is outside the light's volume. Arguments as for vxs_voxel_from_ws. */
-VXS_FN vxs_real vxs_lit(VXS_DAG dag, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     vxs_int3 voxel;
     vxs_i32  map = vxs_voxel_from_ws(light, point_ws, normal_ws, filter_px, voxel);
     if (map < 0) return VXS_OUTSIDE;
-    return vxs_lit_at_voxel(dag, light, map, voxel, filter_px);
+    return vxs_lit_at_voxel(coded, light, map, voxel, filter_px);
 }
 
 /* voxel to world -------------------------------------------------------------------------------------------------------------- */

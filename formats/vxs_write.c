@@ -219,13 +219,13 @@ static vxs_result add_sections(sections *s, const vxs_write_desc *desc)
     return r;
 }
 
-/* Whether the format has room for a light and its DAG, beside those before it. */
+/* Whether the format has room for a light, beside those before it. */
 static int light_fits(const vxs_write_light *lights, uint32_t n)
 {
     const vxs_light    *light = &lights[n].light;
     const vxs_dag_view *dag   = &lights[n].dag;
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) return 0;
-    if (dag->level_count != light->levels - 2) return 0;
+    if (light->coding != VXS_CODING_DAG || dag->level_count != light->levels - 2) return 0;
     for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
         if (dag->roots[map] >= dag->count[dag->level_count - 1]) return 0;
     if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return 0;

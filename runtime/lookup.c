@@ -17,7 +17,7 @@ void vxs_point(const vxs_light *light, int map, const double coordinates[3], dou
 
 float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)
 {
-    return (float)vxs_lit(baked->dag.words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
+    return (float)vxs_lit(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
 }
 
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
@@ -27,7 +27,7 @@ void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, cons
         lit[n] = vxs_lookup(baked, points_ws + 3 * n, normals_ws ? normals_ws + 3 * n : NULL, filter_px);
 }
 
-vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t dag)
+vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t first_word)
 {
     vxs_light_constants c = {
         .texel_metres = (float)light->texel_metres,
@@ -38,7 +38,8 @@ vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double 
         .kind         = light->kind,
         .flags        = light->flags,
         .levels       = light->levels,
-        .dag          = dag,
+        .dag          = first_word,
+        .coding       = light->coding,
     };
     for (int row = 0; row < 3; row++) {
         const double *m         = light->ls_from_ws + 4 * row;

@@ -45,7 +45,7 @@ void vxs_asset_close(vxs_asset *asset);
 /* At least 1. */
 uint32_t vxs_asset_light_count(const vxs_asset *asset);
 
-/* Light `index` and its DAG, in file order; NULL when there are fewer. Valid until vxs_asset_close. */
+/* Light `index` and its words, in file order; NULL when there are fewer. Valid until vxs_asset_close. */
 const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
 
 /* The light of a name, or NULL. */
@@ -69,7 +69,7 @@ int vxs_voxel(const vxs_light *light, const double point_ws[3], const double nor
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3]);
 
 /* The lit fraction of filter_px x filter_px taps in light space around a point: a box PCF ([CPVS16] 5).
- * baked      a light with its DAG, as vxs_asset_light gives it
+ * baked      a light with its words, as vxs_asset_light gives it
  * point_ws   world space, metres, finite
  * normal_ws  NULL, or as for vxs_voxel
  * filter_px  odd, 1 (a single tap) to VXS_FILTER_MAX
@@ -95,15 +95,16 @@ typedef struct vxs_light_constants {
     uint32_t kind;           /* byte 68: VXS_LIGHT_KIND_* */
     uint32_t flags;          /* byte 72: VXS_LIGHT_BOUNDED, VXS_LIGHT_CUBE */
     uint32_t levels;         /* byte 76 */
-    uint32_t dag;            /* byte 80: the word where the light's DAG starts among the words of all lights */
-    uint32_t reserved[3];    /* byte 84: zero */
+    uint32_t dag;            /* byte 80: where the light's words start among those of all lights */
+    uint32_t coding;         /* byte 84: VXS_CODING_* */
+    uint32_t reserved[2];    /* byte 88: zero */
 } vxs_light_constants;       /* 96 bytes */
 
 /* The constants of a light, for positions that count from an origin.
- * origin_ws  metres; NULL: (0, 0, 0). A float has 24 bits, so that far from the world's origin only positions relative to something near,
- *            the camera say, are finer than texels. The matrix is moved there in double, and then rounded
- * dag        word where the light's DAG was put */
-vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t dag);
+ * origin_ws   metres; NULL: (0, 0, 0). A float has 24 bits, so that far from the world's origin only positions relative to something near,
+ *             the camera say, are finer than texels. The matrix is moved there in double, and then rounded
+ * first_word  where the light's words were put */
+vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t first_word);
 
 /* "out of memory" and the like; never NULL. */
 const char *vxs_result_text(vxs_result result);

@@ -14,10 +14,7 @@ vxs_result asset_encode(const bake_options *o, const dag *dags, const bake_repor
     char            *text   = provenance_text(report);
     vxs_result       r      = VXS_E_MEMORY;
     if (lights && text) {
-        for (uint32_t n = 0; n < report->light_count; n++) {
-            lights[n].light = report->lights[n].light;
-            lights[n].dag   = dag_view_of(&dags[n]);
-        }
+        for (uint32_t n = 0; n < report->light_count; n++) lights[n] = dag_to_write(&report->lights[n].light, &dags[n]);
         vxs_write_desc desc = {
             .lights = lights, .light_count = report->light_count, .metadata = text, .zstd_level = (int)o->zstd_level};
         r = vxs_write(out, &desc);
@@ -34,7 +31,7 @@ static void report_contents(const vxs_contents *c, bake_report *report)
         const vxs_dag_counts *counts = &c->lights[n].counts;
         light_report         *light  = &report->lights[n];
         light->light                 = c->lights[n].light;
-        light->memory_bytes          = (uint64_t)c->lights[n].dag.word_count * 4;
+        light->memory_bytes          = (uint64_t)c->lights[n].word_count * 4;
         for (uint32_t s = 0; s < c->section_count; s++) {
             const vxs_section *section = &c->sections[s];
             if (section->light != n) continue;

@@ -114,7 +114,7 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
 
     const vxs_contents *contents = vxs_asset_contents(a->asset);
     a->file_bytes                = asset_file_bytes(a->asset);
-    for (uint32_t l = 0; l < contents->light_count; l++) a->memory_bytes += (uint64_t)contents->lights[l].dag.word_count * 4;
+    for (uint32_t l = 0; l < contents->light_count; l++) a->memory_bytes += (uint64_t)contents->lights[l].word_count * 4;
     return n < c->bake_reports.count ? read_bake_report(a, c->bake_reports.items[n], m) : VXS_OK;
 }
 

@@ -51,7 +51,7 @@ static void print_info(FILE *to, const char *path, const vxs_contents *c, const 
         const vxs_light *l = &c->lights[n].light;
         char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
         fprintf(to, "light %s: %s, %s in memory\n", one_line(strcpy(name, l->name)), light_text(text, l),
-                size_text(a, (uint64_t)c->lights[n].dag.word_count * 4));
+                size_text(a, (uint64_t)c->lights[n].word_count * 4));
     }
     fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) {
@@ -77,7 +77,7 @@ static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, 
         json_t          *matrix = json_array(), *light = light_json(l);
         for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->ls_from_ws[k]));
         json_object_set_new(light, "ls_from_ws", matrix);
-        json_object_set_new(light, "memory_bytes", json_integer((json_int_t)c->lights[n].dag.word_count * 4));
+        json_object_set_new(light, "memory_bytes", json_integer((json_int_t)c->lights[n].word_count * 4));
         json_array_append_new(lights, light);
     }
     for (uint32_t n = 0; n < c->section_count; n++) {

@@ -81,13 +81,14 @@ uint64_t dag_node_count(const dag *d)
     return count;
 }
 
-vxs_dag_view dag_view_of(const dag *d)
+vxs_write_light dag_to_write(const vxs_light *light, const dag *d)
 {
-    vxs_dag_view v = {.level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count};
-    for (uint32_t map = 0; map < d->root_count; map++) v.roots[map] = d->roots[map] - REF_FIRST;
+    vxs_write_light w = {.light = *light, .dag = {.level_count = d->level_count, .masks = d->masks, .mask_count = d->mask_count}};
+    w.light.coding    = VXS_CODING_DAG;
+    for (uint32_t map = 0; map < d->root_count; map++) w.dag.roots[map] = d->roots[map] - REF_FIRST;
     for (uint32_t l = 0; l < d->level_count; l++) {
-        v.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
-        v.count[l] = d->level[l].count;
+        w.dag.nodes[l] = d->level[l].nodes ? d->level[l].nodes[0].child : NULL;
+        w.dag.count[l] = d->level[l].count;
     }
-    return v;
+    return w;
 }

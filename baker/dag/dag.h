@@ -64,8 +64,8 @@ uint64_t dag_node_hash(const dag *d, uint32_t level, const dag_node *node);
 /* Nodes of all levels, masks not counted. */
 uint64_t dag_node_count(const dag *d);
 
-/* A DAG whose roots are nodes, one for each map of a light, as it is written to a file; borrowed. */
-vxs_dag_view dag_view_of(const dag *d);
+/* A light as it is written to a file, by a DAG whose roots are nodes, one for each of its maps; the DAG is borrowed. */
+vxs_write_light dag_to_write(const vxs_light *light, const dag *d);
 
 /* Top-down insertion in z order ([CPVS16] 3, 3.2) of a tree's square: one root for each slab as deep as the square is wide, near to far.
  * tree   is used up: built anew before it is inserted again

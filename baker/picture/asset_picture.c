@@ -12,7 +12,7 @@ enum { FILTER_PX = 5, FOV_DEGREES = 35 };
 static int largest_first(const void *a, const void *b)
 {
     const vxs_baked_light *const *p = a, *const *q = b;
-    if ((*p)->dag.word_count != (*q)->dag.word_count) return (*p)->dag.word_count < (*q)->dag.word_count ? 1 : -1;
+    if ((*p)->word_count != (*q)->word_count) return (*p)->word_count < (*q)->word_count ? 1 : -1;
     return *p < *q ? -1 : 1;
 }
 

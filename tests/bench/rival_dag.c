@@ -35,7 +35,7 @@ static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *fi
     if ((r = dag_build_map(&merger, 0, &columns, &build, &stats, &ctx)) != VXS_OK) goto done;
     if ((r = dag_merger_finish(&merger, &d)) != VXS_OK) goto done;
 
-    vxs_write_light light = {.light = maps->light, .dag = dag_view_of(&d)};
+    vxs_write_light light = dag_to_write(&maps->light, &d);
     vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = RIVAL_ZSTD_LEVEL};
     r                     = vxs_write(file, &desc);
 done:
@@ -50,14 +50,14 @@ static vxs_result dag_open(const light_maps *maps, const void *options, const vx
     vxs_result r      = vxs_asset_open(&opened, file->data, file->size_bytes, NULL);
     (void)maps;
     (void)options;
-    if (r == VXS_OK) *asset = (rival_asset){opened, (uint64_t)vxs_asset_light(opened, 0)->dag.word_count * sizeof(uint32_t)};
+    if (r == VXS_OK) *asset = (rival_asset){opened, (uint64_t)vxs_asset_light(opened, 0)->word_count * sizeof(uint32_t)};
     return r;
 }
 
 static void dag_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
 {
     const vxs_baked_light *light = vxs_asset_light(state, 0);
-    const uint32_t        *words = light->dag.words, levels = light->light.levels;
+    const uint32_t        *words = light->words, levels = light->light.levels;
     for (size_t n = 0; n < count; n++)
         dark[n] = filter_px == 1 ? vxs_shadow(words, 0, levels, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k)
                                  : vxs_shadow_count(words, 0, levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);

@@ -56,10 +56,10 @@ int main(int argc, char **argv)
     if (argc != 2 || vxs_asset_open_file(&asset, argv[1], nullptr) != VXS_OK) return 1;
     const vxs_baked_light *sun  = vxs_asset_find_light(asset, "sun");
     const vxs_contents *contents = vxs_asset_contents(asset);
-    std::printf("%u %u %u ", contents->version, vxs_shadow(sun->dag.words, 0, sun->light.levels, 2, 2, 3),
-                vxs_shadow(sun->dag.words, 0, sun->light.levels, 2, 2, 2));
+    std::printf("%u %u %u ", contents->version, vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 3),
+                vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 2));
     const double point[3] = {2.5, 4.5, 2.5}, normal[3] = {0, 0, 0};
-    if (vxs_lit(sun->dag.words, &sun->light, point, normal, 1) != vxs_lookup(sun, point, nullptr, 1)) return 2;
+    if (vxs_lit(sun->words, &sun->light, point, normal, 1) != vxs_lookup(sun, point, nullptr, 1)) return 2;
     vxs_asset_close(asset);
     /* the layer below, by its own header */
     vxs_contents none = {};

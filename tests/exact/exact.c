@@ -212,7 +212,7 @@ static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, m
         }
         light_columns_free(&columns);
         if (r != VXS_OK) goto done;
-        lights[baked] = (vxs_write_light){.light = planned->light, .dag = dag_view_of(&dags[baked])};
+        lights[baked] = dag_to_write(&planned->light, &dags[baked]);
         baked++;
     }
     vxs_write_desc desc = {.lights = lights, .light_count = baked, .zstd_level = 1};
@@ -251,7 +251,7 @@ static vxs_result spoilt_asset(const world *w, const light_choice *chosen, fault
     spoil_desc     spoil = {w->gl, &w->c, &out.light, &y->bake, planted, y->seed};
     if ((r = light_fit(&out.light, &w->c, &fit, m)) != VXS_OK) goto done;
     if ((r = spoilt_dag(&spoil, &d, m)) != VXS_OK) goto done;
-    out.dag             = dag_view_of(&d);
+    out                 = dag_to_write(&out.light, &d);
     vxs_write_desc desc = {.lights = &out, .light_count = 1, .zstd_level = 1};
     if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(&y->asset, file.data, file.size_bytes, NULL)) != VXS_OK)
         fail(m, r, "the asset cannot be written and read back");
@@ -299,11 +299,11 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
     memset(files, 0, sizeof files);
     for (uint32_t y = 0; y < count; y++) {
         const vxs_baked_light *own   = vxs_asset_light(ways[y].asset, n);
-        uint32_t              *words = malloc((size_t)own->dag.word_count * sizeof *words);
+        uint32_t              *words = malloc((size_t)own->word_count * sizeof *words);
         files[y].words               = words;
         r                            = VXS_E_MEMORY;
         if (!words) goto done;
-        memcpy(words, own->dag.words, (size_t)own->dag.word_count * sizeof *words);
+        memcpy(words, own->words, (size_t)own->word_count * sizeof *words);
         if (o->fault == FAULT_WORD) spoil_word(words, &own->light);
         r = VXS_E_CORRUPT;
         if (!same_light(light, &own->light)) goto done;

@@ -115,6 +115,7 @@ static inline vxs_write_light dag_sample_light(const dag_sample *s, const char *
 {
     vxs_write_light l = {.light = {.kind         = VXS_LIGHT_KIND_DIRECTIONAL,
                                    .levels       = s->levels,
+                                   .coding       = VXS_CODING_DAG,
                                    .ls_from_ws   = {2, 0, 0, 2, 0, 0, 2, -4, 0, -1, 0, 10},
                                    .texel_metres = 0.5,
                                    .voxel_metres = 1,
@@ -132,6 +133,7 @@ static inline vxs_write_light dag_sample_lamp(const dag_sample *s, const char *n
     vxs_write_light l    = {.light = {.kind         = kind,
                                       .flags        = flags,
                                       .levels       = s->levels,
+                                      .coding       = VXS_CODING_DAG,
                                       .ls_from_ws   = {0, 0, 1, -3, 0, 1, 0, -2, -1, 0, 0, 1},
                                       .texel_metres = 2 / side,
                                       .voxel_metres = 2.772588722239781 / side, /* log(16) */

@@ -56,14 +56,14 @@ static vxs_result build(analytic *a, const build_options *o, int unify, uint32_t
 /* The file of a DAG. */
 static vxs_bytes file_of(const dag *d)
 {
-    vxs_write_light light = {.light = {.name         = "sun",
-                                       .kind         = VXS_LIGHT_KIND_DIRECTIONAL,
-                                       .levels       = d->level_count + 2,
-                                       .ls_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0},
-                                       .texel_metres = 1,
-                                       .voxel_metres = 1,
-                                       .direction_ws = {0, -1, 0}},
-                             .dag   = dag_view_of(d)};
+    const vxs_light sun   = {.name         = "sun",
+                             .kind         = VXS_LIGHT_KIND_DIRECTIONAL,
+                             .levels       = d->level_count + 2,
+                             .ls_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0},
+                             .texel_metres = 1,
+                             .voxel_metres = 1,
+                             .direction_ws = {0, -1, 0}};
+    vxs_write_light light = dag_to_write(&sun, d);
     vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = 1};
     vxs_bytes       file  = {0};
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
@@ -84,7 +84,7 @@ static int is_wrong(const analytic *a, const vxs_baked_light *light, uint32_t i,
 {
     double enter, exit;
     analytic_depths(a, i + 0.5, j + 0.5, &enter, &exit);
-    uint32_t dark = vxs_shadow(light->dag.words, 0, light->light.levels, i, j, k);
+    uint32_t dark = vxs_shadow(light->words, 0, light->light.levels, i, j, k);
     return dark ? k + 1.0 <= enter : k >= exit;
 }
 

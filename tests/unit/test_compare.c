@@ -42,7 +42,7 @@ static vxs_baked_light light_of(const uint32_t *words)
                        .texel_metres = 1,
                        .voxel_metres = 1,
                        .direction_ws = {0, -1, 0}};
-    return (vxs_baked_light){.light = light, .dag = {.words = words, .word_count = 1}};
+    return (vxs_baked_light){.light = light, .words = words, .word_count = 1};
 }
 
 static uint64_t pixels_of(const compare_options *o)
@@ -417,7 +417,7 @@ static vxs_baked_light bake_lamp(const vxs_light *l, const fault *f)
         uint32_t root = put_node(l, f, map, 0, 0, 0, side);
         if (maps > 1) dag[map] = root;
     }
-    return (vxs_baked_light){.light = *l, .dag = {.words = dag, .word_count = dag_words}};
+    return (vxs_baked_light){.light = *l, .words = dag, .word_count = dag_words};
 }
 
 static compare_result compared_lamp(vxs_light l, fault f, const double at[3], compare_options o)

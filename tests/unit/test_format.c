@@ -84,48 +84,48 @@ static uint32_t map_count(const vxs_baked_light *l)
 static uint32_t root_of(const vxs_baked_light *l, uint32_t map)
 {
     if (map_count(l) == 1) return 0;
-    assert_in_range(l->dag.words[map], 6, l->dag.word_count - 1);
-    assert_int_equal(vxs_face_root(l->dag.words, map), l->dag.words[map]);
-    return l->dag.words[map];
+    assert_in_range(l->words[map], 6, l->word_count - 1);
+    assert_int_equal(vxs_face_root(l->words, map), l->words[map]);
+    return l->words[map];
 }
 
 /* Every offset that a lookup could follow, checked without the reader's help. seen[w]: 1 + the level of the node at word w. */
 static void walk_node(const vxs_baked_light *l, uint8_t *seen, uint32_t at, uint32_t level)
 {
-    assert_true(at < l->dag.word_count);
+    assert_true(at < l->word_count);
     if (seen[at]) {
         assert_int_equal(seen[at], level + 1);
         return;
     }
     seen[at]        = (uint8_t)(level + 1);
-    uint32_t states = l->dag.words[at], offset = at;
+    uint32_t states = l->words[at], offset = at;
     assert_int_equal(states >> 16, 0);
     for (uint32_t c = 0, masks = 0; c < 8; c++) {
         uint32_t state = states >> (2 * c) & 3;
         if (state == VXS_CHILD_SAME) assert_true(level ? c >= 4 && (states >> (2 * c - 8) & 3) == VXS_CHILD_OWN : masks);
         masks = state >= VXS_CHILD_OWN;
         if (state != VXS_CHILD_OWN) continue;
-        assert_true(++offset < l->dag.word_count);
-        uint32_t child = l->dag.words[offset];
+        assert_true(++offset < l->word_count);
+        uint32_t child = l->words[offset];
         if (level)
             walk_node(l, seen, child, level - 1);
         else
-            assert_true(child % 2 == 0 && child < l->dag.word_count && child + 1 < l->dag.word_count);
+            assert_true(child % 2 == 0 && child < l->word_count && child + 1 < l->word_count);
     }
 }
 
 static void walk(const vxs_baked_light *l)
 {
-    uint8_t *seen = dag_sample_alloc(l->dag.word_count, 1);
+    uint8_t *seen = dag_sample_alloc(l->word_count, 1);
     assert_in_range(l->light.levels, VXS_LEVELS_MIN, VXS_LEVELS_MAX);
     for (uint32_t map = 0; map < map_count(l); map++) walk_node(l, seen, root_of(l, map), l->light.levels - 3);
     free(seen);
     uint32_t side = 1u << l->light.levels;
-    rng      r    = {l->dag.word_count};
+    rng      r    = {l->word_count};
     for (int n = 0; n < 16; n++) {
         uint32_t i = rng_below(&r, side), j = rng_below(&r, side), k = rng_below(&r, side),
                  root = root_of(l, (uint32_t)n % map_count(l));
-        assert_in_range(vxs_shadow(l->dag.words, root, l->light.levels, i, j, k), 0, 1);
+        assert_in_range(vxs_shadow(l->words, root, l->light.levels, i, j, k), 0, 1);
     }
 }
 
@@ -273,6 +273,7 @@ static vxs_bytes smallest_file(void)
                   .light = {.name         = "sun",
                             .kind         = VXS_LIGHT_KIND_DIRECTIONAL,
                             .levels       = 3,
+                            .coding       = VXS_CODING_DAG,
                             .ls_from_ws   = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 8},
                             .texel_metres = 1,
                             .voxel_metres = 1,
@@ -294,6 +295,7 @@ static vxs_bytes sample_file(void)
     static const uint32_t high_root[8] = {2, 2, 3, 0, 2, 1, 3, 1};
     static const uint32_t high[16]     = {2, 3, 0, 1, 2, 3, 2, 0, 3, 3, 3, 3, 1, 1, 1, 1};
     const vxs_light       common       = {.kind         = VXS_LIGHT_KIND_DIRECTIONAL,
+                                          .coding       = VXS_CODING_DAG,
                                           .ls_from_ws   = {2, 0, 0, 2, 0, 0, 2, -4, 0, -1, 0, 10},
                                           .texel_metres = 0.5,
                                           .voxel_metres = 1,
@@ -341,7 +343,7 @@ static void check_map(const vxs_baked_light *baked, uint32_t root, const dag_sam
     for (uint32_t k = 0; k < side; k++)
         for (uint32_t y = 0; y < tiles; y++)
             for (uint32_t x = 0; x < tiles; x++) {
-                vxs_mask mask = vxs_slice(baked->dag.words, root, baked->light.levels, x, y, k);
+                vxs_mask mask = vxs_slice(baked->words, root, baked->light.levels, x, y, k);
                 if ((mask.low | (uint64_t)mask.high << 32) != s->dense[x + tiles * (y + (size_t)tiles * k)])
                     fail_msg("tile %u %u, slice %u", x, y, k);
             }
@@ -349,7 +351,7 @@ static void check_map(const vxs_baked_light *baked, uint32_t root, const dag_sam
     for (uint32_t k = 0; k < side; k++)
         for (uint32_t j = 0; j < side; j++)
             for (uint32_t i = 0; i < side; i++)
-                if (vxs_shadow(baked->dag.words, root, baked->light.levels, i, j, k) != dag_sample_shadow(s, i, j, k))
+                if (vxs_shadow(baked->words, root, baked->light.levels, i, j, k) != dag_sample_shadow(s, i, j, k))
                     fail_msg("voxel %u %u %u", i, j, k);
 }
 
@@ -360,6 +362,7 @@ static void check_light(const vxs_baked_light *baked, const vxs_write_light *wan
     assert_int_equal(light->kind, wanted->light.kind);
     assert_int_equal(light->flags, wanted->light.flags);
     assert_int_equal(light->levels, wanted->light.levels);
+    assert_int_equal(light->coding, wanted->light.coding);
     assert_memory_equal(light->ls_from_ws, wanted->light.ls_from_ws, sizeof light->ls_from_ws);
     assert_memory_equal(light->direction_ws, wanted->light.direction_ws, sizeof light->direction_ws);
     assert_true(light->texel_metres == wanted->light.texel_metres && light->voxel_metres == wanted->light.voxel_metres);
@@ -471,9 +474,9 @@ static void test_unreachable_nodes_are_left_out(void **state)
     assert_int_equal(l->counts.nodes[0], 1);
     assert_int_equal(l->counts.masks, 2);
     assert_int_equal(l->counts.node_words[0], 3);
-    assert_int_equal(l->dag.word_count, 8); /* states, two offsets, padding, two masks */
+    assert_int_equal(l->word_count, 8); /* states, two offsets, padding, two masks */
     const uint32_t wanted[8] = {0x5ee0, 4, 6, 0, 1, 0, 2, 0};
-    assert_memory_equal(l->dag.words, wanted, sizeof wanted);
+    assert_memory_equal(l->words, wanted, sizeof wanted);
     vxs_contents_free(&contents);
     free(file.data);
 }
@@ -499,8 +502,8 @@ static void test_six_equal_roots(void **state)
     assert_int_equal(l->counts.nodes[0], 6);
     assert_int_equal(l->counts.node_words[0], 12);
     assert_int_equal(l->counts.masks, 1);
-    assert_int_equal(l->dag.word_count, 20);
-    assert_memory_equal(l->dag.words, wanted, sizeof wanted);
+    assert_int_equal(l->word_count, 20);
+    assert_memory_equal(l->words, wanted, sizeof wanted);
     vxs_contents_free(&contents);
     free(file.data);
 }
@@ -526,6 +529,7 @@ static void test_write_refuses(void **state)
     REFUSES(lights[1].light.levels = 5, lights[1].light.levels = 4);
     REFUSES(lights[1].light.levels = 2, lights[1].light.levels = 4);
     REFUSES(lights[1].light.levels = 19, lights[1].light.levels = 4);
+    REFUSES(lights[1].light.coding = 0, lights[1].light.coding = VXS_CODING_DAG);
     REFUSES(lights[1].dag.roots[0] = lights[1].dag.count[1], lights[1].dag.roots[0] = 0);
     lights[1].light.kind  = VXS_LIGHT_KIND_POINT;
     lights[1].light.flags = VXS_LIGHT_CUBE;

@@ -96,7 +96,7 @@ static void test_count_exhaustive(void **state)
                 for (int i = -10; i < SIDE + 10; i++) {
                     int      x0 = i - filter_px / 2 + PAD, x1 = x0 + filter_px, y0 = j - filter_px / 2 + PAD, y1 = y0 + filter_px;
                     uint32_t wanted = sum[y1][x1] - sum[y0][x1] - sum[y1][x0] + sum[y0][x0];
-                    if (vxs_shadow_count(light->dag.words, 0, light->light.levels, i, j, k, filter_px) != wanted)
+                    if (vxs_shadow_count(light->words, 0, light->light.levels, i, j, k, filter_px) != wanted)
                         fail_msg("texel %d %d, depth %u, filter %d", i, j, k, filter_px);
                 }
     }
@@ -128,10 +128,10 @@ static void test_lookups_random(void **state)
             int32_t  i = tricky_texel(&r, (int32_t)side), j = tricky_texel(&r, (int32_t)side);
             uint32_t k         = rng_below(&r, side);
             int32_t  filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-            assert_int_equal(vxs_shadow_count(light->dag.words, 0, levels, i, j, k, filter_px),
+            assert_int_equal(vxs_shadow_count(light->words, 0, levels, i, j, k, filter_px),
                              count_taps(&s.sample, i, j, k, filter_px));
             if (i < 0 || j < 0 || i >= (int32_t)side || j >= (int32_t)side) continue;
-            assert_int_equal(vxs_shadow(light->dag.words, 0, levels, (uint32_t)i, (uint32_t)j, k),
+            assert_int_equal(vxs_shadow(light->words, 0, levels, (uint32_t)i, (uint32_t)j, k),
                              dag_sample_shadow(&s.sample, (uint32_t)i, (uint32_t)j, k));
         }
         subject_free(&s);

@@ -182,11 +182,11 @@ static void put_words(drawing *d, const vxs_baked_light *const *lights, uint32_t
     uint32_t total = FIRST_WORD;
     for (uint32_t n = 0; n < count; n++) {
         first[n] = total;
-        total += lights[n]->dag.word_count;
+        total += lights[n]->word_count;
     }
     uint32_t  rows  = total / WORDS_WIDE + 1;
     uint32_t *words = dag_sample_alloc((size_t)rows * WORDS_WIDE, sizeof *words);
-    for (uint32_t n = 0; n < count; n++) memcpy(words + first[n], lights[n]->dag.words, lights[n]->dag.word_count * sizeof *words);
+    for (uint32_t n = 0; n < count; n++) memcpy(words + first[n], lights[n]->words, lights[n]->word_count * sizeof *words);
     bind_buffer(d, GL_SHADER_STORAGE_BUFFER, total * sizeof *words, words);
     if (d->words_texture) d->gl->DeleteTextures(1, &d->words_texture);
     d->gl->CreateTextures(GL_TEXTURE_2D, 1, &d->words_texture);
@@ -339,7 +339,7 @@ static void test_voxels(void **state)
         draw(&d, queries, answers);
         for (uint32_t n = 0; n < QUERIES; n++) {
             const query    *q     = &queries[n];
-            const uint32_t *words = lights[n % 3]->dag.words, levels = samples[n % 3].levels;
+            const uint32_t *words = lights[n % 3]->words, levels = samples[n % 3].levels;
             int32_t         last = (1 << levels) - 1, i = (int32_t)q->position[0], j = (int32_t)q->position[1];
             uint32_t        k = (uint32_t)q->position[2],
                      x        = (uint32_t)(i < 0      ? 0
@@ -501,13 +501,14 @@ static void test_constants(void **state)
     assert_int_equal(offsetof(vxs_light_constants, flags), 72);
     assert_int_equal(offsetof(vxs_light_constants, levels), 76);
     assert_int_equal(offsetof(vxs_light_constants, dag), 80);
-    assert_int_equal(offsetof(vxs_light_constants, reserved), 84);
+    assert_int_equal(offsetof(vxs_light_constants, coding), 84);
+    assert_int_equal(offsetof(vxs_light_constants, reserved), 88);
     assert_int_equal(sizeof(vxs_light_constants), 96);
     for (int n = 0; n < 12; n++) assert_true(c.ls_from_ws[n] == (float)light->ls_from_ws[n]);
     assert_true(c.texel_metres == (float)light->texel_metres && c.voxel_metres == (float)light->voxel_metres);
     assert_true(c.near_metres == (float)light->near_metres && c.range_metres == 0 && c.cos_outer == 0.75f);
-    assert_true(c.kind == VXS_LIGHT_KIND_SPOT && c.flags == 0 && c.levels == 6 && c.dag == 77);
-    assert_true(!c.reserved[0] && !c.reserved[1] && !c.reserved[2]);
+    assert_true(c.kind == VXS_LIGHT_KIND_SPOT && c.flags == 0 && c.levels == 6 && c.dag == 77 && c.coding == VXS_CODING_DAG);
+    assert_true(!c.reserved[0] && !c.reserved[1]);
     for (int row = 0; row < 3; row++) {
         const double *m = light->ls_from_ws + 4 * row;
         assert_memory_equal(moved.ls_from_ws + 4 * row, c.ls_from_ws + 4 * row, 3 * sizeof(float));
