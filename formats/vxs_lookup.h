@@ -26,7 +26,7 @@
  * GLSL 3.30 and later, ES 3.00 and later, and GLSL for Vulkan are told apart by what they predefine. The text declares structs and
  * functions only, and has no continued lines, which GLSL 3.30 lacks. In ES it sets highp for int and float from here on, because mediump
  * may be 16 bits.
- * Nothing here checks an offset: vxs_read.c does once, before a lookup may trust it.
+ * Nothing here checks an offset: vxs_read_dag.c does once, before a lookup may trust it.
  * Source: [CPVS16] 3 and 5; [Sintorn 2014] for PCF by popcount.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LOOKUP_H

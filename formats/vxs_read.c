@@ -1,8 +1,6 @@
-/* Reading a .vxs file: every check of formats/vxs.md section 8, then the words that a lookup walks.
+/* Reading a .vxs file: every check of formats/vxs.md section 8 on what all files have, and what codings read by (vxs_reader.h).
  *
- * The order of work: header, directory, checksums of all sections, light table, then for each light its levels from the root
- * down. A level is checked when it is decoded: references only ever name a child that was referred to before, or the next one,
- * so that a child lies in its level and levels only go down; no check is left for a lookup.
+ * The order of work: header, directory, checksums of all sections, light table, then for each light what its coding keeps.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>
@@ -10,27 +8,15 @@
 #include <zstd.h>
 
 #include "vxs_bytes.h"
-#include "vxs_file.h"
 #include "vxs_findings.h"
-#include "vxs_lookup.h"
 #include "vxs_memory.h"
+#include "vxs_reader.h"
 
 enum { HEADER = -1 };
 
-typedef struct reader {
-    const uint8_t *bytes;
-    uint64_t       size;
-    vxs_read_desc  desc;
-    vxs_allocator  allocator;
-    uint64_t       memory_left;
-    vxs_result     result; /* of the first finding */
-    vxs_contents   out;
-    ZSTD_DCtx     *zstd;
-} reader;
-
 /* findings -------------------------------------------------------------------------------------------------------------------- */
 
-static void found(reader *r, int number, int section, uint64_t offset)
+void vxs_found(vxs_reader *r, int number, int section, uint64_t offset)
 {
     static const struct {
         int         number;
@@ -49,18 +35,17 @@ static void found(reader *r, int number, int section, uint64_t offset)
 }
 
 /* Whether to go on: nothing was found, or everything is wanted. */
-static int go_on(const reader *r)
+static int go_on(const vxs_reader *r)
 {
     return r->result == VXS_OK || r->desc.find_all;
 }
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
 
-/* count elements of `size` bytes, within the limit; NULL (a finding, or VXS_E_MEMORY) otherwise. */
-static void *take(reader *r, uint64_t count, size_t size, int section)
+void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section)
 {
     if (count > r->memory_left / size) {
-        found(r, 211, section, 0);
+        vxs_found(r, 211, section, 0);
         return NULL;
     }
     void *memory = r->allocator.alloc(count ? count * size : 1, r->allocator.user);
@@ -69,7 +54,7 @@ static void *take(reader *r, uint64_t count, size_t size, int section)
     return memory;
 }
 
-static void give_back(reader *r, void *memory, uint64_t count, size_t size)
+void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size)
 {
     if (!memory) return;
     r->allocator.free(memory, count ? count * size : 1, r->allocator.user);
@@ -85,24 +70,24 @@ static int zeros(const uint8_t *p, size_t count)
     return 1;
 }
 
-static int check_header(reader *r)
+static int check_header(vxs_reader *r)
 {
     const uint8_t *h = r->bytes;
-    if (r->size < VXS_MAGIC_BYTES || memcmp(h, VXS_MAGIC, VXS_MAGIC_BYTES)) return found(r, r->size ? 102 : 101, HEADER, 0), 0;
-    if (r->size < VXS_HEADER_BYTES) return found(r, 101, HEADER, r->size), 0;
-    if (vxs_load32(h + VXS_HEADER_VERSION) != VXS_FORMAT_VERSION) return found(r, 103, HEADER, VXS_HEADER_VERSION), 0;
-    if (XXH64(h, VXS_HEADER_HASH, 0) != vxs_load64(h + VXS_HEADER_HASH)) return found(r, 104, HEADER, VXS_HEADER_HASH), 0;
+    if (r->size < VXS_MAGIC_BYTES || memcmp(h, VXS_MAGIC, VXS_MAGIC_BYTES)) return vxs_found(r, r->size ? 102 : 101, HEADER, 0), 0;
+    if (r->size < VXS_HEADER_BYTES) return vxs_found(r, 101, HEADER, r->size), 0;
+    if (vxs_load32(h + VXS_HEADER_VERSION) != VXS_FORMAT_VERSION) return vxs_found(r, 103, HEADER, VXS_HEADER_VERSION), 0;
+    if (XXH64(h, VXS_HEADER_HASH, 0) != vxs_load64(h + VXS_HEADER_HASH)) return vxs_found(r, 104, HEADER, VXS_HEADER_HASH), 0;
     if (!zeros(h + VXS_HEADER_RESERVED, VXS_HEADER_HASH - VXS_HEADER_RESERVED))
-        return found(r, 105, HEADER, VXS_HEADER_RESERVED), 0;
+        return vxs_found(r, 105, HEADER, VXS_HEADER_RESERVED), 0;
 
     uint64_t recorded = vxs_load64(h + VXS_HEADER_FILE_BYTES);
-    if (r->size != recorded) return found(r, r->size < recorded ? 106 : 107, HEADER, VXS_HEADER_FILE_BYTES), 0;
+    if (r->size != recorded) return vxs_found(r, r->size < recorded ? 106 : 107, HEADER, VXS_HEADER_FILE_BYTES), 0;
 
     uint32_t count = vxs_load32(h + VXS_HEADER_SECTION_COUNT);
     if (count < 1 || count > VXS_SECTIONS_MAX || VXS_HEADER_BYTES + (uint64_t)count * VXS_ENTRY_BYTES > r->size)
-        return found(r, 108, HEADER, VXS_HEADER_SECTION_COUNT), 0;
+        return vxs_found(r, 108, HEADER, VXS_HEADER_SECTION_COUNT), 0;
     if (XXH64(h + VXS_HEADER_BYTES, (size_t)count * VXS_ENTRY_BYTES, 0) != vxs_load64(h + VXS_HEADER_DIRECTORY_HASH))
-        return found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
+        return vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
     r->out.version       = VXS_FORMAT_VERSION;
     r->out.section_count = count;
     return 1;
@@ -110,7 +95,7 @@ static int check_header(reader *r)
 
 static int known_kind(uint32_t kind)
 {
-    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_LEVEL || kind == VXS_KIND_MASKS || kind == VXS_KIND_METADATA;
+    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || vxs_is_dag_section(kind);
 }
 
 static int same_section(const vxs_section *a, const vxs_section *b)
@@ -118,7 +103,7 @@ static int same_section(const vxs_section *a, const vxs_section *b)
     return a->kind == b->kind && a->light == b->light && a->level == b->level;
 }
 
-static int seen_before(const reader *r, uint32_t section)
+static int seen_before(const vxs_reader *r, uint32_t section)
 {
     for (uint32_t n = 0; n < section; n++)
         if (same_section(&r->out.sections[n], &r->out.sections[section])) return 1;
@@ -126,10 +111,10 @@ static int seen_before(const reader *r, uint32_t section)
 }
 
 /* Directory entries: in order, without gaps, to the end of the file; each checksum holds. */
-static int check_directory(reader *r)
+static int check_directory(vxs_reader *r)
 {
     uint32_t count  = r->out.section_count;
-    r->out.sections = take(r, count, sizeof *r->out.sections, HEADER);
+    r->out.sections = vxs_take(r, count, sizeof *r->out.sections, HEADER);
     if (!r->out.sections) return 0;
 
     uint64_t end = VXS_HEADER_BYTES + (uint64_t)count * VXS_ENTRY_BYTES;
@@ -147,31 +132,30 @@ static int check_directory(reader *r)
                 .hash           = vxs_load64(e + VXS_ENTRY_HASH),
         };
         r->out.sections[n] = s;
-        if (s.flags & ~VXS_SECTION_OPTIONAL) found(r, 201, (int)n, at + VXS_ENTRY_FLAGS);
-        if (!known_kind(s.kind) && !(s.flags & VXS_SECTION_OPTIONAL)) found(r, 205, (int)n, at + VXS_ENTRY_KIND);
-        if (s.offset_bytes != end) return found(r, 202, (int)n, at + VXS_ENTRY_OFFSET), 0;
-        if (s.stored_bytes > r->size - end) return found(r, 203, (int)n, at + VXS_ENTRY_STORED_BYTES), 0;
+        if (s.flags & ~VXS_SECTION_OPTIONAL) vxs_found(r, 201, (int)n, at + VXS_ENTRY_FLAGS);
+        if (!known_kind(s.kind) && !(s.flags & VXS_SECTION_OPTIONAL)) vxs_found(r, 205, (int)n, at + VXS_ENTRY_KIND);
+        if (s.offset_bytes != end) return vxs_found(r, 202, (int)n, at + VXS_ENTRY_OFFSET), 0;
+        if (s.stored_bytes > r->size - end) return vxs_found(r, 203, (int)n, at + VXS_ENTRY_STORED_BYTES), 0;
         end += s.stored_bytes;
-        if (XXH64(r->bytes + s.offset_bytes, s.stored_bytes, 0) != s.hash) found(r, 206, (int)n, s.offset_bytes);
-        if (known_kind(s.kind) && seen_before(r, n)) found(r, 208, (int)n, at);
+        if (XXH64(r->bytes + s.offset_bytes, s.stored_bytes, 0) != s.hash) vxs_found(r, 206, (int)n, s.offset_bytes);
+        if (known_kind(s.kind) && seen_before(r, n)) vxs_found(r, 208, (int)n, at);
         if (!go_on(r)) return 0;
     }
-    if (end != r->size) found(r, 204, HEADER, end);
+    if (end != r->size) vxs_found(r, 204, HEADER, end);
     return r->result == VXS_OK;
 }
 
-/* The index of a section, or -1: a finding. */
-static int find_section(reader *r, uint32_t kind, uint32_t light, uint32_t level)
+int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t level)
 {
     vxs_section wanted = {.kind = kind, .light = light, .level = level};
     for (uint32_t n = 0; n < r->out.section_count; n++)
         if (same_section(&r->out.sections[n], &wanted)) return (int)n;
-    found(r, 209, HEADER, VXS_HEADER_BYTES);
+    vxs_found(r, 209, HEADER, VXS_HEADER_BYTES);
     return -1;
 }
 
 /* Whether a section is one frame of the size that the directory says, as far as that is seen without inflating it; 0: a finding. */
-static int check_frame(reader *r, int section, size_t extra)
+static int check_frame(vxs_reader *r, int section, size_t extra)
 {
     const vxs_section *s    = &r->out.sections[section];
     const uint8_t     *from = r->bytes + s->offset_bytes;
@@ -179,22 +163,21 @@ static int check_frame(reader *r, int section, size_t extra)
     if (s->stored_bytes < 4 || vxs_load32(from) != ZSTD_MAGICNUMBER ||
         ZSTD_getFrameContentSize(from, s->stored_bytes) != s->inflated_bytes ||
         ZSTD_findFrameCompressedSize(from, s->stored_bytes) != s->stored_bytes || s->inflated_bytes > SIZE_MAX - extra)
-        return found(r, 207, section, s->offset_bytes), 0;
+        return vxs_found(r, 207, section, s->offset_bytes), 0;
     return 1;
 }
 
-/* The inflated bytes of a section and `extra` zeros behind them; NULL: a finding. */
-static uint8_t *inflate(reader *r, int section, size_t extra)
+uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra)
 {
     const vxs_section *s    = &r->out.sections[section];
     const uint8_t     *from = r->bytes + s->offset_bytes;
     if (!check_frame(r, section, extra)) return NULL;
-    uint8_t *to = take(r, s->inflated_bytes + extra, 1, section);
+    uint8_t *to = vxs_take(r, s->inflated_bytes + extra, 1, section);
     if (!to) return NULL;
     size_t size = ZSTD_decompressDCtx(r->zstd, to, s->inflated_bytes, from, s->stored_bytes);
     if (ZSTD_isError(size) || size != s->inflated_bytes) {
-        found(r, 207, section, s->offset_bytes);
-        give_back(r, to, s->inflated_bytes + extra, 1);
+        vxs_found(r, 207, section, s->offset_bytes);
+        vxs_give_back(r, to, s->inflated_bytes + extra, 1);
         return NULL;
     }
     memset(to + s->inflated_bytes, 0, extra);
@@ -238,48 +221,49 @@ static int flags_valid(const vxs_light *l)
     return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
 }
 
-static void check_light(reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
+static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
     const double *d = light->direction_ws;
-    if (!kind_known(light)) found(r, 302, section, at + VXS_LIGHT_KIND);
-    if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) found(r, 303, section, at + VXS_LIGHT_LEVELS);
-    if (!transform_valid(light->ls_from_ws)) found(r, 304, section, at + VXS_LIGHT_LS_FROM_WS);
+    if (!kind_known(light)) vxs_found(r, 302, section, at + VXS_LIGHT_KIND);
+    if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) vxs_found(r, 303, section, at + VXS_LIGHT_LEVELS);
+    if (!transform_valid(light->ls_from_ws)) vxs_found(r, 304, section, at + VXS_LIGHT_LS_FROM_WS);
     if (!measure_valid(light->texel_metres) || !measure_valid(light->voxel_metres) ||
         !(fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1.0) < 1e-6))
-        found(r, 305, section, at + VXS_LIGHT_TEXEL_METRES);
+        vxs_found(r, 305, section, at + VXS_LIGHT_TEXEL_METRES);
 
     const uint8_t *name = record + VXS_LIGHT_NAME;
     const uint8_t *end  = memchr(name, 0, VXS_LIGHT_NAME_BYTES);
     int            good = end && end != name && zeros(end, (size_t)(name + VXS_LIGHT_NAME_BYTES - end));
     for (const vxs_baked_light *other = r->out.lights; &other->light < light && good; other++)
         good = strcmp(other->light.name, light->name) != 0;
-    if (!good) found(r, 306, section, at + VXS_LIGHT_NAME);
+    if (!good) vxs_found(r, 306, section, at + VXS_LIGHT_NAME);
 
-    if (!reach_valid(light)) found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
-    if (!flags_valid(light)) found(r, 307, section, at + VXS_LIGHT_FLAGS);
-    if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED)) found(r, 307, section, at + VXS_LIGHT_RESERVED);
+    if (!reach_valid(light)) vxs_found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
+    if (!flags_valid(light)) vxs_found(r, 307, section, at + VXS_LIGHT_FLAGS);
+    if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED))
+        vxs_found(r, 307, section, at + VXS_LIGHT_RESERVED);
 }
 
-static void read_light_records(reader *r, int section, const uint8_t *table, uint64_t size)
+static void read_light_records(vxs_reader *r, int section, const uint8_t *table, uint64_t size)
 {
     uint32_t count = size >= VXS_LIGHTS_PREFIX_BYTES ? vxs_load32(table) : 0;
     if (count < 1 || count > VXS_LIGHTS_MAX || vxs_load32(table + 4) != VXS_LIGHT_BYTES ||
         size != VXS_LIGHTS_PREFIX_BYTES + (uint64_t)count * VXS_LIGHT_BYTES) {
-        found(r, 301, section, 0);
+        vxs_found(r, 301, section, 0);
         return;
     }
-    r->out.lights = take(r, count, sizeof *r->out.lights, section);
+    r->out.lights = vxs_take(r, count, sizeof *r->out.lights, section);
     if (!r->out.lights) return;
     memset(r->out.lights, 0, count * sizeof *r->out.lights);
     r->out.light_count = count;
     for (uint32_t n = 0; n < count && go_on(r); n++) {
-        uint64_t       at               = VXS_LIGHTS_PREFIX_BYTES + (uint64_t)n * VXS_LIGHT_BYTES;
-        const uint8_t *record           = table + at;
-        vxs_light     *light            = &r->out.lights[n].light;
-        light->kind                     = vxs_load32(record + VXS_LIGHT_KIND);
-        light->levels                   = vxs_load32(record + VXS_LIGHT_LEVELS);
-        light->flags                    = vxs_load32(record + VXS_LIGHT_FLAGS);
-        light->coding                   = VXS_CODING_DAG;
+        uint64_t       at           = VXS_LIGHTS_PREFIX_BYTES + (uint64_t)n * VXS_LIGHT_BYTES;
+        const uint8_t *record       = table + at;
+        vxs_light     *light        = &r->out.lights[n].light;
+        light->kind                 = vxs_load32(record + VXS_LIGHT_KIND);
+        light->levels               = vxs_load32(record + VXS_LIGHT_LEVELS);
+        light->flags                = vxs_load32(record + VXS_LIGHT_FLAGS);
+        light->coding               = VXS_CODING_DAG;
         r->out.lights[n].word_count = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
         for (int k = 0; k < 12; k++) light->ls_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);
@@ -293,182 +277,34 @@ static void read_light_records(reader *r, int section, const uint8_t *table, uin
     }
 }
 
-static void read_lights(reader *r)
+static void read_lights(vxs_reader *r)
 {
-    int section = find_section(r, VXS_KIND_LIGHTS, VXS_NO_LIGHT, 0);
+    int section = vxs_find_section(r, VXS_KIND_LIGHTS, VXS_NO_LIGHT, 0);
     if (section < 0) return;
-    uint8_t *table = inflate(r, section, VXS_LIGHTS_PREFIX_BYTES);
+    uint8_t *table = vxs_inflate(r, section, VXS_LIGHTS_PREFIX_BYTES);
     if (!table) return;
     uint64_t size = r->out.sections[section].inflated_bytes;
     read_light_records(r, section, table, size);
-    give_back(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
+    vxs_give_back(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
 }
 
 /* Sections of lights and levels that are not there would never be looked at: they are not allowed. */
-static void check_owners(reader *r)
+static void check_owners(vxs_reader *r)
 {
     for (uint32_t n = 0; n < r->out.section_count && go_on(r); n++) {
         const vxs_section *s = &r->out.sections[n];
         if (!known_kind(s->kind)) continue;
-        int of_light = s->kind == VXS_KIND_LEVEL || s->kind == VXS_KIND_MASKS;
-        int good     = of_light ? s->light < r->out.light_count : s->light == VXS_NO_LIGHT;
-        good         = good && s->level <= (s->kind == VXS_KIND_LEVEL ? r->out.lights[s->light].light.levels - VXS_LEVELS_MIN : 0);
-        if (!good) found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
+        int good = vxs_is_dag_section(s->kind)
+                       ? s->light < r->out.light_count && vxs_dag_has_section(&r->out.lights[s->light].light, s)
+                       : s->light == VXS_NO_LIGHT && s->level == 0;
+        if (!good) vxs_found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
     }
 }
 
-/* levels ---------------------------------------------------------------------------------------------------------------------- */
-
-/* A level while its light is decoded. */
-typedef struct level {
-    int       section;
-    uint8_t  *content; /* inflated: node count, states, references */
-    uint64_t  size;
-    uint32_t  count;
-    uint32_t *word; /* [count] where each node starts in the light's words */
-} level;
-
-typedef struct light_reader {
-    reader          *r;
-    vxs_baked_light *baked;
-    uint32_t         level_count;
-    level            level[VXS_LEVELS_MAX];
-    uint8_t         *masks;
-    int              mask_section;
-    uint64_t         words; /* used so far */
-    uint32_t         maps;
-} light_reader;
-
-static uint32_t level_states(const level *l, uint32_t node)
-{
-    return vxs_load16(l->content + 4 + (size_t)node * 2);
-}
-
-/* A child that repeats its neighbour nearer the light has one: an octree child z = 1 one that is its own, a slice any mask. */
-static int states_valid(uint32_t states, int slices)
-{
-    uint32_t same  = states & (states >> 1) & 0x5555u;
-    uint32_t masks = (states >> 1) & 0x5555u;
-    return slices ? !(same & ~(masks << 2)) : !(same & ~(vxs_own(states) << 8));
-}
-
-/* Inflate a level and lay out its nodes behind those of the level above. */
-static int lay_out_level(light_reader *lr, uint32_t index)
-{
-    reader *r  = lr->r;
-    level  *l  = &lr->level[index];
-    l->section = find_section(r, VXS_KIND_LEVEL, (uint32_t)(lr->baked - r->out.lights), index);
-    if (l->section < 0 || !(l->content = inflate(r, l->section, 4))) return 0;
-    l->size  = r->out.sections[l->section].inflated_bytes;
-    l->count = vxs_load32(l->content);
-    if (l->size < 4 || l->count > (l->size - 4) / 2) return found(r, 401, l->section, 0), 0;
-    if (!(l->word = take(r, l->count, sizeof *l->word, l->section))) return 0;
-    uint64_t start = lr->words;
-    for (uint32_t n = 0; n < l->count; n++) {
-        uint32_t states = level_states(l, n);
-        if (!states_valid(states, index == 0)) return found(r, 402, l->section, 4 + (uint64_t)n * 2), 0;
-        l->word[n] = (uint32_t)lr->words;
-        lr->words += 1 + vxs_popcount(vxs_own(states));
-        if (lr->words > UINT32_MAX) return found(r, 406, l->section, 0), 0;
-    }
-    lr->baked->counts.nodes[index]      = l->count;
-    lr->baked->counts.node_words[index] = (uint32_t)(lr->words - start);
-    return 1;
-}
-
-static int lay_out_masks(light_reader *lr)
-{
-    reader *r        = lr->r;
-    lr->mask_section = find_section(r, VXS_KIND_MASKS, (uint32_t)(lr->baked - r->out.lights), 0);
-    if (lr->mask_section < 0 || !(lr->masks = inflate(r, lr->mask_section, 0))) return 0;
-    uint64_t size = r->out.sections[lr->mask_section].inflated_bytes;
-    lr->words += lr->words & 1;
-    if (size % 8 || lr->words + size / 4 > UINT32_MAX) return found(r, 401, lr->mask_section, 0), 0;
-    lr->baked->counts.masks = (uint32_t)(size / 8);
-    return 1;
-}
-
-/* The next reference: 0 for a child not seen before, else how far back from the next new one. Returns 0 on a finding. */
-static int read_code(light_reader *lr, const level *l, uint64_t *at, uint32_t *code)
-{
-    uint64_t value = 0;
-    uint64_t start = *at;
-    for (unsigned shift = 0;; shift += 7) {
-        if (*at == l->size || shift > 28) return found(lr->r, shift > 28 ? 405 : 401, l->section, start), 0;
-        uint8_t byte = l->content[(*at)++];
-        value |= (uint64_t)(byte & 0x7f) << shift;
-        if (byte & 0x80) continue;
-        if ((!byte && shift) || value > UINT32_MAX) return found(lr->r, 405, l->section, start), 0;
-        *code = (uint32_t)value;
-        return 1;
-    }
-}
-
-/* Write a level's words: states and the offsets of the children below. */
-static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint32_t mask_word)
-{
-    const level *l     = &lr->level[index];
-    const level *below = index ? &lr->level[index - 1] : NULL;
-    uint32_t     room  = below ? below->count : lr->baked->counts.masks;
-    uint32_t     next  = 0;
-    uint64_t     at    = 4 + (uint64_t)l->count * 2;
-    for (uint32_t n = 0; n < l->count; n++) {
-        uint32_t  states = level_states(l, n);
-        uint32_t *word   = words + l->word[n];
-        *word++          = states;
-        for (uint32_t own = vxs_popcount(vxs_own(states)); own; own--) {
-            uint64_t start = at;
-            uint32_t code;
-            if (!read_code(lr, l, &at, &code)) return 0;
-            if (code > next) return found(lr->r, 403, l->section, start), 0;
-            uint32_t child = code ? next - code : next++;
-            if (child >= room) return found(lr->r, 404, l->section, start), 0;
-            *word++ = below ? below->word[child] : mask_word + 2 * child;
-        }
-    }
-    if (next != room) return found(lr->r, 404, below ? below->section : lr->mask_section, 0), 0;
-    if (at != l->size) return found(lr->r, 401, l->section, at), 0;
-    return 1;
-}
-
-static int decode_light(light_reader *lr)
-{
-    reader *r       = lr->r;
-    lr->level_count = lr->baked->light.levels - 2;
-    lr->maps        = vxs_light_map_count(&lr->baked->light);
-    lr->words       = lr->maps > 1 ? lr->maps : 0;
-    for (uint32_t l = lr->level_count; l-- > 0;)
-        if (!lay_out_level(lr, l)) return 0;
-    if (lr->level[lr->level_count - 1].count != lr->maps) return found(r, 404, lr->level[lr->level_count - 1].section, 0), 0;
-    if (!lay_out_masks(lr)) return 0;
-
-    uint32_t mask_word = (uint32_t)lr->words;
-    uint64_t total     = lr->words + (uint64_t)lr->baked->counts.masks * 2;
-    if (total != lr->baked->word_count) return found(r, 406, lr->mask_section, 0), 0;
-    uint32_t *words = take(r, total, sizeof *words, lr->mask_section);
-    if (!words) return 0;
-    lr->baked->words                 = words;
-    words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
-    for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
-    for (uint32_t l = 0; l < lr->level_count; l++)
-        if (!decode_level(lr, l, words, mask_word)) return 0;
-    for (uint32_t n = 0; n < 2 * lr->baked->counts.masks; n++) words[mask_word + n] = vxs_load32(lr->masks + (size_t)n * 4);
-    return 1;
-}
-
-static void read_light(reader *r, vxs_baked_light *baked)
-{
-    light_reader lr = {.r = r, .baked = baked};
-    decode_light(&lr);
-    for (uint32_t l = 0; l < lr.level_count; l++) {
-        give_back(r, lr.level[l].word, lr.level[l].count, sizeof *lr.level[l].word);
-        if (lr.level[l].content) give_back(r, lr.level[l].content, r->out.sections[lr.level[l].section].inflated_bytes + 4, 1);
-    }
-    if (lr.masks) give_back(r, lr.masks, r->out.sections[lr.mask_section].inflated_bytes, 1);
-}
+/* all of it -------------------------------------------------------------------------------------------------------------------- */
 
 /* There is one at most; what says that it belongs to a light was found before, and is not read. */
-static void read_metadata(reader *r)
+static void read_metadata(vxs_reader *r)
 {
     const vxs_section wanted = {.kind = VXS_KIND_METADATA, .light = VXS_NO_LIGHT};
     for (uint32_t n = 0; n < r->out.section_count; n++) {
@@ -477,12 +313,12 @@ static void read_metadata(reader *r)
             check_frame(r, (int)n, 1);
             continue;
         }
-        r->out.metadata       = (char *)inflate(r, (int)n, 1);
+        r->out.metadata       = (char *)vxs_inflate(r, (int)n, 1);
         r->out.metadata_bytes = r->out.sections[n].inflated_bytes;
     }
 }
 
-static void read_all(reader *r)
+static void read_all(vxs_reader *r)
 {
     if (!check_header(r) || !check_directory(r)) return;
     r->zstd = ZSTD_createDCtx();
@@ -493,13 +329,13 @@ static void read_all(reader *r)
     read_lights(r);
     if (r->result != VXS_OK) return;
     check_owners(r);
-    for (uint32_t n = 0; n < r->out.light_count && go_on(r); n++) read_light(r, &r->out.lights[n]);
+    for (uint32_t n = 0; n < r->out.light_count && go_on(r); n++) vxs_read_dag(r, &r->out.lights[n]);
     if (go_on(r)) read_metadata(r);
 }
 
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
 {
-    reader r = {.bytes = bytes, .size = size_bytes};
+    vxs_reader r = {.bytes = bytes, .size = size_bytes};
     if (desc) r.desc = *desc;
     r.allocator     = vxs_allocator_of(desc);
     r.memory_left   = vxs_memory_limit_of(desc, size_bytes);

@@ -1,0 +1,45 @@
+/* A file while it is read: what vxs_read.c gives the codings to read their sections by, and what they give it. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_READER_H
+#define VXS_READER_H
+
+#include <zstd.h>
+
+#include "vxs_file.h"
+
+typedef struct vxs_reader {
+    const uint8_t *bytes;
+    uint64_t       size;
+    vxs_read_desc  desc;
+    vxs_allocator  allocator;
+    uint64_t       memory_left;
+    vxs_result     result; /* of the first finding */
+    vxs_contents   out;
+    ZSTD_DCtx     *zstd;
+} vxs_reader;
+
+/* Tell of a finding (vxs_findings.h) at an offset of a section, as it is inflated. */
+void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
+
+/* count elements of `size` bytes, within the limit; NULL (a finding, or VXS_E_MEMORY) otherwise. */
+void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section);
+
+/* The same count and size. Accepts NULL. */
+void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size);
+
+/* The index of a section, or -1: a finding. */
+int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t level);
+
+/* The inflated bytes of a section and `extra` zeros behind them, to be given back; NULL: a finding. */
+uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra);
+
+/* vxs_read_dag.c ---------------------------------------------------------------------------------------------------------------- */
+
+/* Whether a kind of section is one of the DAG's; whether a light has that section. */
+int vxs_is_dag_section(uint32_t kind);
+int vxs_dag_has_section(const vxs_light *light, const vxs_section *s);
+
+/* Check the levels and masks of a light, and lay out its words, of which the light table has said how many there are. */
+void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
+
+#endif

@@ -1,0 +1,35 @@
+/* A file while it is written: what vxs_write.c gives the codings to write their sections by, and what they give it. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_WRITER_H
+#define VXS_WRITER_H
+
+#include <zstd.h>
+
+#include "vxs_file.h"
+
+/* The sections so far: directory entries and stored bytes, put together at the end. */
+typedef struct vxs_sections {
+    vxs_bytes  entries; /* VXS_ENTRY_BYTES each; offsets are filled in at the end */
+    vxs_bytes  stored;
+    ZSTD_CCtx *zstd;
+} vxs_sections;
+
+/* `size` more bytes at the end of `b`, or NULL without memory. */
+uint8_t *vxs_append(vxs_bytes *b, size_t size);
+
+/* One more section, with content that is yet to be compressed. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result vxs_add_section(vxs_sections *s, uint32_t kind, uint32_t flags, uint32_t light, uint32_t level,
+                           const vxs_bytes *content);
+
+/* vxs_write_dag.c ----------------------------------------------------------------------------------------------------------------- */
+
+/* Whether a DAG has the levels of a light, and a root for each of its maps. */
+int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light);
+
+/* Sections of light number `light`: the roots' level first, the masks last. A root is a node of its own for each map, even where two are
+ * equal.
+ * word_count  [out] what a reader will need
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when words cannot be counted in 32 bits. */
+vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count);
+
+#endif
