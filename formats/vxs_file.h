@@ -32,19 +32,22 @@ typedef struct vxs_light {
     double range_metres;    /* spot and point: metres from the light to where its volume ends; 0: no end; else 0 */
 } vxs_light;
 
-/* How many nodes and masks the words of a DAG hold. */
-typedef struct vxs_dag_counts {
-    uint32_t nodes[VXS_LEVELS_MAX];      /* by height: [0] slice nodes, [levels - 3] the roots */
-    uint32_t node_words[VXS_LEVELS_MAX]; /* words that they take */
-    uint32_t masks;                      /* two words each */
-} vxs_dag_counts;
+/* Things of one kind among the words of a light. Which kinds there are is its coding's: of a DAG, nodes of each size, and masks. */
+typedef struct vxs_part {
+    const char *kind;        /* "nodes", "masks" */
+    uint32_t    side_voxels; /* of each thing in the map: 8 a mask or a slice node, 16.. an octree node */
+    uint32_t    count;
+    uint64_t    memory_bytes; /* of the words that they take */
+    uint32_t    section;      /* of the file: where they are from */
+} vxs_part;
 
 /* A light with the words of its maps, as its coding lays them out: what is looked up. */
 typedef struct vxs_baked_light {
     vxs_light       light;
     const uint32_t *words; /* [word_count] */
     uint32_t        word_count;
-    vxs_dag_counts  counts;
+    uint32_t        part_count;
+    vxs_part        parts[VXS_LEVELS_MAX]; /* [part_count] of a DAG, the roots first, masks last */
 } vxs_baked_light;
 
 /* How many maps a light has: 1, or 6. */

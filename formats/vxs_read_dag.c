@@ -32,6 +32,7 @@ typedef struct light_reader {
     uint32_t         level_count;
     level            level[VXS_LEVELS_MAX];
     uint8_t         *masks;
+    uint32_t         mask_count;
     int              mask_section;
     uint64_t         words; /* used so far */
     uint32_t         maps;
@@ -48,6 +49,11 @@ static int states_valid(uint32_t states, int slices)
     uint32_t same  = states & (states >> 1) & 0x5555u;
     uint32_t masks = (states >> 1) & 0x5555u;
     return slices ? !(same & ~(masks << 2)) : !(same & ~(vxs_own(states) << 8));
+}
+
+static void add_part(light_reader *lr, const char *kind, uint32_t side_voxels, uint32_t count, uint64_t words, int section)
+{
+    lr->baked->parts[lr->baked->part_count++] = (vxs_part){kind, side_voxels, count, 4 * words, (uint32_t)section};
 }
 
 /* Inflate a level and lay out its nodes behind those of the level above. */
@@ -69,8 +75,7 @@ static int lay_out_level(light_reader *lr, uint32_t index)
         lr->words += 1 + vxs_popcount(vxs_own(states));
         if (lr->words > UINT32_MAX) return vxs_found(r, 406, l->section, 0), 0;
     }
-    lr->baked->counts.nodes[index]      = l->count;
-    lr->baked->counts.node_words[index] = (uint32_t)(lr->words - start);
+    add_part(lr, "nodes", 8u << index, l->count, lr->words - start, l->section);
     return 1;
 }
 
@@ -82,7 +87,8 @@ static int lay_out_masks(light_reader *lr)
     uint64_t size = r->out.sections[lr->mask_section].inflated_bytes;
     lr->words += lr->words & 1;
     if (size % 8 || lr->words + size / 4 > UINT32_MAX) return vxs_found(r, 401, lr->mask_section, 0), 0;
-    lr->baked->counts.masks = (uint32_t)(size / 8);
+    lr->mask_count = (uint32_t)(size / 8);
+    add_part(lr, "masks", 8, lr->mask_count, size / 4, lr->mask_section);
     return 1;
 }
 
@@ -107,7 +113,7 @@ static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint3
 {
     const level *l     = &lr->level[index];
     const level *below = index ? &lr->level[index - 1] : NULL;
-    uint32_t     room  = below ? below->count : lr->baked->counts.masks;
+    uint32_t     room  = below ? below->count : lr->mask_count;
     uint32_t     next  = 0;
     uint64_t     at    = 4 + (uint64_t)l->count * 2;
     for (uint32_t n = 0; n < l->count; n++) {
@@ -141,7 +147,7 @@ static int decode_light(light_reader *lr)
     if (!lay_out_masks(lr)) return 0;
 
     uint32_t mask_word = (uint32_t)lr->words;
-    uint64_t total     = lr->words + (uint64_t)lr->baked->counts.masks * 2;
+    uint64_t total     = lr->words + (uint64_t)lr->mask_count * 2;
     if (total != lr->baked->word_count) return vxs_found(r, 406, lr->mask_section, 0), 0;
     uint32_t *words = vxs_take(r, total, sizeof *words, lr->mask_section);
     if (!words) return 0;
@@ -150,7 +156,7 @@ static int decode_light(light_reader *lr)
     for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];
     for (uint32_t l = 0; l < lr->level_count; l++)
         if (!decode_level(lr, l, words, mask_word)) return 0;
-    for (uint32_t n = 0; n < 2 * lr->baked->counts.masks; n++) words[mask_word + n] = vxs_load32(lr->masks + (size_t)n * 4);
+    for (uint32_t n = 0; n < 2 * lr->mask_count; n++) words[mask_word + n] = vxs_load32(lr->masks + (size_t)n * 4);
     return 1;
 }
 

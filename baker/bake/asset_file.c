@@ -24,26 +24,19 @@ vxs_result asset_encode(const bake_options *o, const dag *dags, const bake_repor
     return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
 }
 
-/* Sizes by level, from the file as a reader sees it. */
+/* Sizes by part, from the file as a reader sees it. */
 static void report_contents(const vxs_contents *c, bake_report *report)
 {
     for (uint32_t n = 0; n < c->light_count; n++) {
-        const vxs_dag_counts *counts = &c->lights[n].counts;
-        light_report         *light  = &report->lights[n];
-        light->light                 = c->lights[n].light;
-        light->memory_bytes          = (uint64_t)c->lights[n].word_count * 4;
-        for (uint32_t s = 0; s < c->section_count; s++) {
-            const vxs_section *section = &c->sections[s];
-            if (section->light != n) continue;
-            int masks                          = section->kind == VXS_KIND_MASKS;
-            light->level[light->level_count++] = (level_report){
-                .side_voxels  = masks ? 0 : 8u << section->level,
-                .count        = masks ? counts->masks : counts->nodes[section->level],
-                .memory_bytes = masks ? (uint64_t)counts->masks * 8 : (uint64_t)counts->node_words[section->level] * 4,
-                .stored_bytes = section->stored_bytes,
-            };
-            light->stored_bytes += section->stored_bytes;
-        }
+        const vxs_baked_light *baked = &c->lights[n];
+        light_report          *light = &report->lights[n];
+        light->light                 = baked->light;
+        light->memory_bytes          = (uint64_t)baked->word_count * 4;
+        light->part_count            = baked->part_count;
+        for (uint32_t p = 0; p < baked->part_count; p++)
+            light->parts[p] = (part_report){baked->parts[p], c->sections[baked->parts[p].section].stored_bytes};
+        for (uint32_t s = 0; s < c->section_count; s++)
+            if (c->sections[s].light == n) light->stored_bytes += c->sections[s].stored_bytes;
     }
 }
 

@@ -7,24 +7,23 @@
 #include "baker/bake/plan.h"
 #include "baker/measure/context.h"
 
-/* A section of a light in the file: a level, or its masks. */
-typedef struct level_report {
-    uint32_t side_voxels; /* 16.. octree nodes, 8 slice nodes, 0 masks */
-    uint32_t count;
-    uint64_t memory_bytes, stored_bytes;
-} level_report;
+/* A part of a light, and what it takes in the file. */
+typedef struct part_report {
+    vxs_part part;
+    uint64_t stored_bytes;
+} part_report;
 
 typedef struct light_report {
-    vxs_light    light;
-    depth_stats  depth;
-    uint64_t     tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
-    uint64_t     mask_tiles, mask_runs;          /* 8 x 8 tiles that need masks; masks before merging */
-    uint64_t     inserted_nodes, inserted_masks; /* before compression */
-    uint64_t     memory_bytes, stored_bytes;
-    level_report level[VXS_LEVELS_MAX]; /* the root first, masks last */
-    uint32_t     level_count;
-    double       depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
-    double       depth_sample_share; /* of its texels that this was measured on */
+    vxs_light   light;
+    depth_stats depth;
+    uint64_t    tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
+    uint64_t    mask_tiles, mask_runs;          /* 8 x 8 tiles that need masks; masks before merging */
+    uint64_t    inserted_nodes, inserted_masks; /* before compression */
+    uint64_t    memory_bytes, stored_bytes;
+    part_report parts[VXS_LEVELS_MAX];
+    uint32_t    part_count;
+    double      depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
+    double      depth_sample_share; /* of its texels that this was measured on */
 } light_report;
 
 /* Of all its maps: texels, and the bytes of plain depth maps of 16 bits. */

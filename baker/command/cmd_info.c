@@ -12,31 +12,15 @@
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/options/options.h"
+#include "baker/report/report.h"
 
-static const char *section_name(uint32_t kind)
+/* What a section holds: a part of its light; of others the kind is all that there is to say. */
+static vxs_part section_part(const vxs_contents *c, uint32_t section)
 {
-    switch (kind) {
-    case VXS_KIND_LIGHTS: return "lights";
-    case VXS_KIND_LEVEL: return "nodes";
-    case VXS_KIND_MASKS: return "masks";
-    case VXS_KIND_METADATA: return "metadata";
-    default: return "unknown";
-    }
-}
-
-/* Nodes or masks of a section, and the words that they take; 0 for others. */
-static uint32_t section_count(const vxs_contents *c, const vxs_section *s, uint64_t *memory_bytes)
-{
-    *memory_bytes = 0;
-    if (s->kind == VXS_KIND_LEVEL) {
-        *memory_bytes = (uint64_t)c->lights[s->light].counts.node_words[s->level] * 4;
-        return c->lights[s->light].counts.nodes[s->level];
-    }
-    if (s->kind == VXS_KIND_MASKS) {
-        *memory_bytes = (uint64_t)c->lights[s->light].counts.masks * 8;
-        return c->lights[s->light].counts.masks;
-    }
-    return 0;
+    const vxs_section *s = &c->sections[section];
+    for (uint32_t n = 0; s->light < c->light_count && n < c->lights[s->light].part_count; n++)
+        if (c->lights[s->light].parts[n].section == section) return c->lights[s->light].parts[n];
+    return (vxs_part){.kind = s->kind == VXS_KIND_LIGHTS ? "lights" : s->kind == VXS_KIND_METADATA ? "metadata" : "unknown"};
 }
 
 static void print_info(FILE *to, const char *path, const vxs_contents *c, const json_t *made, uint64_t file_bytes)
@@ -55,17 +39,12 @@ static void print_info(FILE *to, const char *path, const vxs_contents *c, const 
     }
     fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) {
-        const vxs_section *s = &c->sections[n];
-        char               name[32], memory_text[32], light[VXS_LIGHT_NAME_BYTES];
-        uint64_t           memory;
-        uint32_t           count = section_count(c, s, &memory);
-        if (s->kind == VXS_KIND_LEVEL)
-            snprintf(name, sizeof name, "%u^3", 8u << s->level);
-        else
-            snprintf(name, sizeof name, "%s", section_name(s->kind));
-        fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", name,
-                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), count,
-                size_text(memory_text, memory), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
+        const vxs_section *s    = &c->sections[n];
+        vxs_part           part = section_part(c, n);
+        char               name[32], memory[32], light[VXS_LIGHT_NAME_BYTES];
+        fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &part),
+                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), part.count,
+                size_text(memory, part.memory_bytes), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
     }
 }
 
@@ -81,14 +60,13 @@ static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, 
         json_array_append_new(lights, light);
     }
     for (uint32_t n = 0; n < c->section_count; n++) {
-        const vxs_section *s = &c->sections[n];
-        uint64_t           memory;
-        uint32_t           count = section_count(c, s, &memory);
-        json_t            *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", section_name(s->kind), "offset_bytes",
-                                             (json_int_t)s->offset_bytes, "stored_bytes", (json_int_t)s->stored_bytes, "inflated_bytes",
-                                             (json_int_t)s->inflated_bytes, "memory_bytes", (json_int_t)memory, "count", (json_int_t)count);
+        const vxs_section *s    = &c->sections[n];
+        vxs_part           part = section_part(c, n);
+        json_t *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", part.kind, "offset_bytes", (json_int_t)s->offset_bytes,
+                                  "stored_bytes", (json_int_t)s->stored_bytes, "inflated_bytes", (json_int_t)s->inflated_bytes,
+                                  "memory_bytes", (json_int_t)part.memory_bytes, "count", (json_int_t)part.count);
         if (s->light < c->light_count) json_object_set_new(entry, "light", json_text(c->lights[s->light].light.name));
-        if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer((json_int_t)8 << s->level));
+        if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer(part.side_voxels));
         json_array_append_new(sections, entry);
     }
     json_t *root = json_pack("{s:o, s:i, s:I, s:o, s:o}", "file", json_text(path), "version", (int)c->version, "file_bytes",

@@ -12,6 +12,15 @@
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
+const char *part_name(char text[32], const vxs_part *part)
+{
+    if (strcmp(part->kind, "nodes"))
+        snprintf(text, 32, "%s", part->kind);
+    else
+        snprintf(text, 32, "%u^3", part->side_voxels);
+    return text;
+}
+
 static void print_light(FILE *to, const light_report *l)
 {
     char     a[32], b[32], c[32];
@@ -31,12 +40,9 @@ static void print_light(FILE *to, const light_report *l)
     fprintf(to, "  inserted   %llu nodes, %llu masks\n", (unsigned long long)l->inserted_nodes,
             (unsigned long long)l->inserted_masks);
     fprintf(to, "  %-12s %10s %12s %12s\n", "level", "count", "memory", "on disk");
-    for (uint32_t n = 0; n < l->level_count; n++) {
-        const level_report *v = &l->level[n];
-        char                what[32];
-        snprintf(what, sizeof what, v->side_voxels ? "%u^3" : "masks", v->side_voxels);
-        fprintf(to, "  %-12s %10u %12s %12s\n", what, v->count, size_text(a, v->memory_bytes), size_text(b, v->stored_bytes));
-    }
+    for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)
+        fprintf(to, "  %-12s %10u %12s %12s\n", part_name(c, &p->part), p->part.count, size_text(a, p->part.memory_bytes),
+                size_text(b, p->stored_bytes));
     fprintf(to, "  size       %s in memory, %s on disk: %.4g and %.4g bit/texel\n", size_text(a, l->memory_bytes),
             size_text(b, l->stored_bytes), 8.0 * (double)l->memory_bytes / light_texels(l),
             8.0 * (double)l->stored_bytes / light_texels(l));
@@ -77,17 +83,14 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
 
-static json_t *levels_json(const light_report *l)
+static json_t *parts_json(const light_report *l)
 {
-    json_t *levels = json_array();
-    for (uint32_t n = 0; n < l->level_count; n++) {
-        const level_report *v = &l->level[n];
-        json_array_append_new(levels,
-                              json_pack("{s:s, s:i, s:I, s:I, s:I}", "kind", v->side_voxels ? "nodes" : "masks", "side_voxels",
-                                        (int)(v->side_voxels ? v->side_voxels : 8), "count", (json_int_t)v->count, "memory_bytes",
-                                        (json_int_t)v->memory_bytes, "stored_bytes", (json_int_t)v->stored_bytes));
-    }
-    return levels;
+    json_t *parts = json_array();
+    for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)
+        json_array_append_new(parts, json_pack("{s:s, s:I, s:I, s:I, s:I}", "kind", p->part.kind, "side_voxels",
+                                               (json_int_t)p->part.side_voxels, "count", (json_int_t)p->part.count, "memory_bytes",
+                                               (json_int_t)p->part.memory_bytes, "stored_bytes", (json_int_t)p->stored_bytes));
+    return parts;
 }
 
 static const char *kind_text(const vxs_light *l)
@@ -108,7 +111,7 @@ static json_t *light_json(const light_report *l)
              "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
              "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max, "mask_tiles",
              (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
-             "inserted_masks", (json_int_t)l->inserted_masks, "levels", levels_json(l));
+             "inserted_masks", (json_int_t)l->inserted_masks, "levels", parts_json(l));
     json_t *size = json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
                              (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
                              "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes",

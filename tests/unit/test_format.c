@@ -454,6 +454,17 @@ static void test_round_trip_long_references(void **state)
     round_trip(77, 0, 1, &levels, 100000);
 }
 
+/* words: what they take of the light's */
+static void check_part(const vxs_baked_light *l, uint32_t index, const char *kind, uint32_t count, uint64_t words)
+{
+    assert_true(index < l->part_count);
+    assert_string_equal(l->parts[index].kind, kind);
+    assert_int_equal(l->parts[index].side_voxels, 8);
+    assert_int_equal(l->parts[index].count, count);
+    assert_int_equal(l->parts[index].memory_bytes, 4 * words);
+    assert_int_equal(l->parts[index].section, index); /* the first light's come first in the file */
+}
+
 static void test_unreachable_nodes_are_left_out(void **state)
 {
     (void)state;
@@ -471,9 +482,9 @@ static void test_unreachable_nodes_are_left_out(void **state)
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &(vxs_read_desc){.allocator = &allocator}), VXS_OK);
     const vxs_baked_light *l = contents.lights;
-    assert_int_equal(l->counts.nodes[0], 1);
-    assert_int_equal(l->counts.masks, 2);
-    assert_int_equal(l->counts.node_words[0], 3);
+    assert_int_equal(l->part_count, 2);
+    check_part(l, 0, "nodes", 1, 3);
+    check_part(l, 1, "masks", 2, 4);
     assert_int_equal(l->word_count, 8); /* states, two offsets, padding, two masks */
     const uint32_t wanted[8] = {0x5ee0, 4, 6, 0, 1, 0, 2, 0};
     assert_memory_equal(l->words, wanted, sizeof wanted);
@@ -499,9 +510,8 @@ static void test_six_equal_roots(void **state)
     const vxs_baked_light *l          = contents.lights;
     const uint32_t         wanted[20] = {6,      8,  10,     12, 14,     16, 0x55e0, 18, 0x55e0,      18,
                                          0x55e0, 18, 0x55e0, 18, 0x55e0, 18, 0x55e0, 18, 0x9abcdef0u, 0x12345678u};
-    assert_int_equal(l->counts.nodes[0], 6);
-    assert_int_equal(l->counts.node_words[0], 12);
-    assert_int_equal(l->counts.masks, 1);
+    check_part(l, 0, "nodes", 6, 12);
+    check_part(l, 1, "masks", 1, 2);
     assert_int_equal(l->word_count, 20);
     assert_memory_equal(l->words, wanted, sizeof wanted);
     vxs_contents_free(&contents);
