@@ -8,13 +8,13 @@
 #include "baker/files/output_file.h"
 #include "runtime/vxs.h"
 
-vxs_result asset_encode(const bake_options *o, const dag *dags, const bake_report *report, vxs_bytes *out, message *m)
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, const bake_report *report, vxs_bytes *out, message *m)
 {
     vxs_write_light *lights = calloc(report->light_count, sizeof *lights);
     char            *text   = provenance_text(report);
     vxs_result       r      = VXS_E_MEMORY;
     if (lights && text) {
-        for (uint32_t n = 0; n < report->light_count; n++) lights[n] = dag_to_write(&report->lights[n].light, &dags[n]);
+        for (uint32_t n = 0; n < report->light_count; n++) lights[n] = coded[n].written;
         vxs_write_desc desc = {
             .lights = lights, .light_count = report->light_count, .metadata = text, .zstd_level = (int)o->zstd_level};
         r = vxs_write(out, &desc);

@@ -1,15 +1,16 @@
-/* From the DAGs of lights to a file.
+/* From coded lights to a file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef ASSET_FILE_H
 #define ASSET_FILE_H
 
 #include "baker/bake/bake_report.h"
+#include "baker/bake/light_coder.h"
 
 /* Encode the lights of a report, in its order.
- * dags  [report->light_count]
- * out   [out] zero it first, release with free(out->data)
+ * coded  [report->light_count]
+ * out    [out] zero it first, release with free(out->data)
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for it. */
-vxs_result asset_encode(const bake_options *o, const dag *dags, const bake_report *report, vxs_bytes *out, message *m);
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, const bake_report *report, vxs_bytes *out, message *m);
 
 /* Read back what was encoded, as a game would, tell the report what it holds, and give it the name of the output. */
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m);

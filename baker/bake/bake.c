@@ -10,6 +10,7 @@
 
 #include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
+#include "baker/bake/dag_coder.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/provenance.h"
 #include "baker/bake/scene_warnings.h"
@@ -29,14 +30,8 @@ static uint64_t file_bytes(const char *path)
 
 /* pictures -------------------------------------------------------------------------------------------------------------------- */
 
-/* What lookups of a DAG read, nearly: enough to tell large lights from small ones before they are encoded. */
-static uint64_t dag_bytes(const dag *d)
-{
-    return 20 * dag_node_count(d) + 8 * (uint64_t)d->mask_count;
-}
-
 /* Keep a picture of a light when it is one of the largest so far; the picture of a smaller one is released for it. */
-static void keep_picture(bake_report *report, const dag *dags, light_picture *picture)
+static void keep_picture(bake_report *report, const coded_light *coded, light_picture *picture)
 {
     light_picture *least = &report->pictures[0];
     if (report->picture_count < PICTURES_MAX) {
@@ -44,8 +39,8 @@ static void keep_picture(bake_report *report, const dag *dags, light_picture *pi
         return;
     }
     for (uint32_t n = 1; n < PICTURES_MAX; n++)
-        if (dag_bytes(&dags[report->pictures[n].light]) < dag_bytes(&dags[least->light])) least = &report->pictures[n];
-    if (dag_bytes(&dags[picture->light]) <= dag_bytes(&dags[least->light])) {
+        if (coded[report->pictures[n].light].memory_bytes < coded[least->light].memory_bytes) least = &report->pictures[n];
+    if (coded[picture->light].memory_bytes <= coded[least->light].memory_bytes) {
         light_picture_free(picture);
         return;
     }
@@ -90,26 +85,27 @@ static vxs_result measure_baseline(light_columns *columns, uint32_t map_count, l
 
 /* picture  NULL: nobody wants one */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
-                               gl_context *gl, light_picture *picture, dag *out, light_report *light, bake_context *ctx)
+                               gl_context *gl, light_picture *picture, coded_light *out, light_report *light, bake_context *ctx)
 {
     light_columns columns;
-    build_options build = build_options_of(o, plan->compress);
-    build_stats   stats = {0};
+    dag_coder     coding = dag_coder_for(o, plan->compress, picture);
+    light_coder   coder  = dag_coder_seam(&coding);
     stage_begin(ctx, STAGE_GL);
     vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
         column_source source = light_columns_source(&columns);
-        r                    = bake_light(planned, &source, &build, o->stop == STOP_FINAL, picture, out, &stats, ctx);
+        r                    = bake_light(planned, &source, &coder, out, ctx);
     }
-    report_light(light, planned, &columns, &stats, plan->tile_px);
+    dag_coder_free(&coding);
+    report_light(light, planned, &columns, &coding.stats, plan->tile_px);
     if (r == VXS_OK && columns.wants_depths) r = measure_baseline(&columns, planned->map_count, light, ctx);
     light_columns_free(&columns);
     return r;
 }
 
 /* Bake the next light, and its picture where one is wanted. */
-static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, gl_context *gl, dag *dags,
+static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, gl_context *gl, coded_light *coded,
                             bake_report *report, bake_context *ctx)
 {
     uint32_t      baked   = report->light_count++;
@@ -118,9 +114,9 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     vxs_result    r       = VXS_OK;
     if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->message);
     if (r == VXS_OK)
-        r = bake_planned(o, report->plan, planned, c, gl, wanted ? &picture : NULL, &dags[baked], &report->lights[baked], ctx);
+        r = bake_planned(o, report->plan, planned, c, gl, wanted ? &picture : NULL, &coded[baked], &report->lights[baked], ctx);
     if (r == VXS_OK && wanted)
-        keep_picture(report, dags, &picture);
+        keep_picture(report, coded, &picture);
     else
         light_picture_free(&picture);
     return r;
@@ -138,7 +134,7 @@ static vxs_result check_address_space(const bake_options *o, const bake_plan *pl
                 size_text(needed, bytes), o->scene_path);
 }
 
-static vxs_result bake_lights(const bake_options *o, const casters *c, dag *dags, bake_report *report, bake_context *ctx)
+static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, bake_report *report, bake_context *ctx)
 {
     const bake_plan *plan = report->plan;
     gl_context      *gl   = NULL;
@@ -153,7 +149,7 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, dag *dags
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
-        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, dags, report, ctx);
+        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, coded, report, ctx);
     gl_context_destroy(gl);
     return r;
 }
@@ -161,24 +157,24 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, dag *dags
 /* All lights, and their file. */
 static vxs_result bake_file(const bake_options *o, const casters *c, vxs_bytes *file, bake_report *report, bake_context *ctx)
 {
-    size_t     count = report->plan->baked_count;
-    dag       *dags  = calloc(count, sizeof *dags);
-    vxs_result r     = VXS_E_MEMORY;
-    report->lights   = calloc(count, sizeof *report->lights);
-    if (!dags || !report->lights) {
+    size_t       count = report->plan->baked_count;
+    coded_light *coded = calloc(count, sizeof *coded);
+    vxs_result   r     = VXS_E_MEMORY;
+    report->lights     = calloc(count, sizeof *report->lights);
+    if (!coded || !report->lights) {
         fail(ctx->message, r, "out of memory for %zu lights", count);
         goto done;
     }
-    if ((r = bake_lights(o, c, dags, report, ctx)) != VXS_OK) goto done;
+    if ((r = bake_lights(o, c, coded, report, ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
     report->warning_count = ctx->message->warning_count - report->warnings_before;
-    if ((r = asset_encode(o, dags, report, file, ctx->message)) != VXS_OK) goto done;
+    if ((r = asset_encode(o, coded, report, file, ctx->message)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_within_memory(ctx);
 done:
-    for (size_t n = 0; n < count && dags; n++) dag_free(&dags[n]);
-    free(dags);
+    for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
+    free(coded);
     return r;
 }
 

@@ -29,6 +29,7 @@
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
 #include "baker/bake/bake_light.h"
+#include "baker/bake/dag_coder.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
@@ -193,34 +194,35 @@ static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, m
 {
     size_t           count  = plan->light_count;
     bake_context     ctx    = {.message = m, .threads = y->bake.threads};
-    build_options    build  = build_options_of(&y->bake, plan->compress);
     uint32_t         baked  = 0;
     vxs_write_light *lights = calloc(count, sizeof *lights);
-    dag             *dags   = calloc(count, sizeof *dags);
+    coded_light     *coded  = calloc(count, sizeof *coded);
     vxs_bytes        file   = {0};
     vxs_result       r      = VXS_E_MEMORY;
-    if (!lights || !dags) goto done;
+    if (!lights || !coded) goto done;
 
     for (size_t n = 0; n < count; n++) {
         const plan_light *planned = &plan->lights[n];
-        build_stats       stats   = {0};
+        dag_coder         coding  = dag_coder_for(&y->bake, plan->compress, NULL);
+        light_coder       coder   = dag_coder_seam(&coding);
         light_columns     columns;
         if (planned->left_out) continue;
         if ((r = light_columns_init(&columns, w->gl, &y->bake, plan, planned, &w->c, NULL, m)) == VXS_OK) {
             column_source source = light_columns_source(&columns);
-            r = bake_light(planned, &source, &build, y->bake.stop == STOP_FINAL, NULL, &dags[baked], &stats, &ctx);
+            r                    = bake_light(planned, &source, &coder, &coded[baked], &ctx);
         }
+        dag_coder_free(&coding);
         light_columns_free(&columns);
         if (r != VXS_OK) goto done;
-        lights[baked] = dag_to_write(&planned->light, &dags[baked]);
+        lights[baked] = coded[baked].written;
         baked++;
     }
     vxs_write_desc desc = {.lights = lights, .light_count = baked, .zstd_level = 1};
     if ((r = vxs_write(&file, &desc)) != VXS_OK || (r = vxs_asset_open(&y->asset, file.data, file.size_bytes, NULL)) != VXS_OK)
         fail(m, r, "the asset cannot be written and read back");
 done:
-    for (size_t n = 0; n < count && dags; n++) dag_free(&dags[n]);
-    free(dags);
+    for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
+    free(coded);
     free(lights);
     free(file.data);
     return r;

@@ -1,0 +1,30 @@
+/* A light's maps as a DAG: baker/dag/ behind the seam of light_coder.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DAG_CODER_H
+#define DAG_CODER_H
+
+#include "baker/bake/bake_options.h"
+#include "baker/bake/light_coder.h"
+#include "baker/bake/light_picture.h"
+
+typedef struct dag_coder {
+    build_options    build;
+    int              unify;   /* 1: one DAG without equal subtrees; 0: sub-DAGs side by side */
+    light_picture   *picture; /* NULL, or what gets the masks; borrowed */
+    const vxs_light *light;   /* NULL: not begun */
+    dag_merger       merger;
+    build_stats      stats; /* of all maps so far */
+    uint32_t         map;   /* that is added */
+} dag_coder;
+
+/* compress  the order that a plan has chosen
+ * picture   NULL, or what gets the masks; borrowed */
+dag_coder dag_coder_for(const bake_options *o, compress_order compress, light_picture *picture);
+
+/* Valid where c lies, until dag_coder_free. */
+light_coder dag_coder_seam(dag_coder *c);
+
+/* Accepts one that was not begun. */
+void dag_coder_free(dag_coder *c);
+
+#endif
