@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/vxs_format.h"
-#include "formats/vxs_lookup.h"
+#include "formats/vxs_space.h"
 
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "tests/exact/dag_runs.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16, EACH_VOXEL_MAX_VX = 64 };
 
@@ -20,17 +20,11 @@ typedef struct check {
     const check_desc *d;
     const depth_maps *maps;
     uint32_t          map;
-    uint32_t          levels;
     uint32_t          side_vx;
     uint32_t          i0, j0; /* first texel of the rendered tile in the map */
     uint64_t          seed;
     tally            *worker; /* [PARALLEL_THREADS_MAX * file_count] */
 } check;
-
-static uint32_t root_of(const check *c, const uint32_t *words)
-{
-    return c->d->light->flags & VXS_LIGHT_CUBE ? words[c->map] : 0;
-}
 
 /* A depth as it was sampled, in voxels: shares of the whole, or near / distance of a perspective map, negative, whose logarithm is
  * divided by a voxel's. */
@@ -45,9 +39,9 @@ static double voxels(const check *c, float depth)
 
 static void ask_voxel(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, uint32_t k)
 {
-    const uint32_t *words = c->d->files[file].words;
-    size_t          at    = (size_t)j * c->maps->side_px + i;
-    uint32_t        dark  = vxs_shadow(words, root_of(c, words), c->levels, c->i0 + i, c->j0 + j, k);
+    size_t   at = (size_t)j * c->maps->side_px + i;
+    int32_t  u = (int32_t)(c->i0 + i), v = (int32_t)(c->j0 + j);
+    uint32_t dark = vxs_shadow_taps(c->d->files[file].words, c->d->light, (int32_t)c->map, u, v, k, 1);
     t->voxels++;
     t->wrong_shadow += dark && (double)k + 1 <= voxels(c, c->maps->enter[at]);
     t->wrong_lit += !dark && (double)k >= voxels(c, c->maps->exit[at]);
@@ -79,7 +73,7 @@ static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t wo
     }
 }
 
-/* all voxels of 8 x 8 texels: the runs of equal slices that the file's nodes stand for
+/* all voxels of 8 x 8 texels, by runs of equal slices
  * ---------------------------------------------------------------- */
 
 /* The columns of an 8 x 8 tile in whole voxels: those that must be lit are [0, lit_end), those that must be dark [dark_begin, ...). */
@@ -88,76 +82,27 @@ typedef struct tile_columns {
     uint32_t lit_end_max, dark_begin_min;
 } tile_columns;
 
-typedef struct tile_walk {
-    const check        *c;
+typedef struct asked_tile {
     const tile_columns *columns;
-    const uint32_t     *words;
-    uint32_t            root, x, y; /* of the tile, in tiles of the map */
-    uint32_t            at_vx;      /* where the next run has to begin */
+    uint32_t            at_vx; /* where the next run has to begin */
     tally              *t;
-} tile_walk;
+} asked_tile;
 
-/* Voxels [begin, end) of the tile, which all have the texels `dark` in shadow. A lookup has to find the same at both ends. */
-static void ask_run(tile_walk *w, uint32_t begin, uint32_t end, uint64_t dark)
+static void ask_run(void *user, uint32_t begin, uint32_t end, uint64_t dark, int misread)
 {
-    int missed = begin != w->at_vx;
-    for (int last = 0; last < 2; last++) {
-        vxs_mask mask = vxs_slice(w->words, w->root, w->c->levels, w->x, w->y, last ? end - 1 : begin);
-        missed |= (mask.low | (uint64_t)mask.high << 32) != dark;
-    }
+    asked_tile *a            = user;
     /* most runs are all lit before every surface, or all dark behind: nothing can be wrong in them */
-    int may_be_wrong = (dark && begin < w->columns->lit_end_max) || (~dark && end > w->columns->dark_begin_min);
+    int         may_be_wrong = (dark && begin < a->columns->lit_end_max) || (~dark && end > a->columns->dark_begin_min);
     for (uint32_t n = 0; may_be_wrong && n < 64; n++) {
-        uint32_t lit_end = w->columns->lit_end[n], dark_begin = w->columns->dark_begin[n];
+        uint32_t lit_end = a->columns->lit_end[n], dark_begin = a->columns->dark_begin[n];
         if (dark >> n & 1)
-            w->t->wrong_shadow += lit_end <= begin ? 0 : min_u32(end, lit_end) - begin;
+            a->t->wrong_shadow += lit_end <= begin ? 0 : min_u32(end, lit_end) - begin;
         else
-            w->t->wrong_lit += dark_begin >= end ? 0 : end - (dark_begin > begin ? dark_begin : begin);
+            a->t->wrong_lit += dark_begin >= end ? 0 : end - (dark_begin > begin ? dark_begin : begin);
     }
-    w->at_vx = end;
-    w->t->misread += (uint64_t)missed;
-    w->t->voxels += (uint64_t)64 * (end - begin);
-}
-
-/* What child c of a node is (vxs_format.h). */
-static uint32_t state_of(const tile_walk *w, uint32_t node, uint32_t c)
-{
-    return w->words[node] >> 2 * c & 3;
-}
-
-/* The eight slices of a slice node, from depth k on. */
-static void ask_slices(tile_walk *w, uint32_t node, uint32_t k)
-{
-    uint32_t own  = 0;
-    uint64_t mask = 0; /* of the last slice that owns one */
-    for (uint32_t n = 0; n < 8; n++) {
-        uint32_t state = state_of(w, node, n);
-        if (state == VXS_CHILD_OWN) {
-            uint32_t at = w->words[node + ++own];
-            mask        = w->words[at] | (uint64_t)w->words[at + 1] << 32;
-        }
-        ask_run(w, k + n, k + n + 1, state == VXS_CHILD_LIT ? 0 : state == VXS_CHILD_SHADOW ? ~(uint64_t)0 : mask);
-    }
-}
-
-/* A node of 8 << level voxels a side, from depth k on: its two children along the column, the nearer first. */
-static void ask_node(tile_walk *w, uint32_t node, uint32_t level, uint32_t k)
-{
-    if (level == 0) {
-        ask_slices(w, node, k);
-        return;
-    }
-    uint32_t half = 4u << level;
-    uint32_t xy   = (w->x >> (level - 1) & 1) + 2 * (w->y >> (level - 1) & 1);
-    for (uint32_t n = 0; n < 2; n++) {
-        uint32_t child = state_of(w, node, xy + 4 * n) == VXS_CHILD_SAME ? xy : xy + 4 * n, own = 1;
-        uint32_t state = state_of(w, node, child);
-        for (uint32_t c = 0; c < child; c++) own += state_of(w, node, c) == VXS_CHILD_OWN;
-        if (state == VXS_CHILD_OWN)
-            ask_node(w, w->words[node + own], level - 1, k + n * half);
-        else
-            ask_run(w, k + n * half, k + (n + 1) * half, state == VXS_CHILD_SHADOW ? ~(uint64_t)0 : 0);
-    }
+    a->t->misread += misread || begin != a->at_vx;
+    a->t->voxels += (uint64_t)64 * (end - begin);
+    a->at_vx = end;
 }
 
 static void ask_tile(const check *c, uint32_t x, uint32_t y, uint32_t worker)
@@ -171,20 +116,14 @@ static void ask_tile(const check *c, uint32_t x, uint32_t y, uint32_t worker)
         columns.dark_begin_min = min_u32(columns.dark_begin_min, columns.dark_begin[n]);
     }
     for (uint32_t file = 0; file < c->d->file_count; file++) {
-        const uint32_t *words = c->d->files[file].words;
-        tile_walk       w     = {.c       = c,
-                                 .columns = &columns,
-                                 .words   = words,
-                                 .root    = root_of(c, words),
-                                 .x       = c->i0 / 8 + x,
-                                 .y       = c->j0 / 8 + y,
-                                 .t       = &c->worker[worker * c->d->file_count + file]};
-        ask_node(&w, w.root, c->levels - 3, 0);
-        w.t->misread += w.at_vx != c->side_vx;
-        w.t->columns += 64;
+        tally     *t = &c->worker[worker * c->d->file_count + file];
+        asked_tile a = {&columns, 0, t};
+        dag_runs(c->d->files[file].words, c->d->light, c->map, c->i0 / 8 + x, c->j0 / 8 + y, ask_run, &a);
+        t->misread += a.at_vx != c->side_vx;
+        t->columns += 64;
         for (uint32_t n = 0; c->side_vx <= EACH_VOXEL_MAX_VX && n < 64 * c->side_vx; n++)
-            ask_voxel(c, file, w.t, 8 * x + n % 8, 8 * y + n / 8 % 8, n / 64);
-        if (c->side_vx <= EACH_VOXEL_MAX_VX) w.t->voxels -= (uint64_t)64 * c->side_vx; /* asked twice, counted once */
+            ask_voxel(c, file, t, 8 * x + n % 8, 8 * y + n / 8 % 8, n / 64);
+        if (c->side_vx <= EACH_VOXEL_MAX_VX) t->voxels -= (uint64_t)64 * c->side_vx; /* asked twice, counted once */
     }
 }
 
@@ -244,7 +183,7 @@ vxs_result check_map(const check_desc *d, int map, message *m)
     uint32_t   tiles     = side / tile; /* a side */
     int        any       = all.solid_triangle_count != 0;
     double     voxel_log = d->light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : d->light->voxel_metres;
-    check      c         = {.d = d, .maps = &maps, .map = (uint32_t)map, .levels = d->light->levels, .side_vx = side};
+    check      c         = {.d = d, .maps = &maps, .map = (uint32_t)map, .side_vx = side};
     vxs_result r;
 
     all.solid_meets            = NULL; /* what a plan found out is not trusted: all solids are peeled */
