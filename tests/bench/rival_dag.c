@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
+#include "formats/vxs_space.h" /* before dag.h: vxs_lookup.h calls a light's words `dag` */
 #include "runtime/vxs.h"
 
 #include "baker/dag/build.h"
@@ -57,10 +57,8 @@ static vxs_result dag_open(const light_maps *maps, const void *options, const vx
 static void dag_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
 {
     const vxs_baked_light *light = vxs_asset_light(state, 0);
-    const uint32_t        *words = light->words, levels = light->light.levels;
     for (size_t n = 0; n < count; n++)
-        dark[n] = filter_px == 1 ? vxs_shadow(words, 0, levels, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k)
-                                 : vxs_shadow_count(words, 0, levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+        dark[n] = vxs_shadow_taps(light->words, &light->light, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
 }
 
 static void dag_close(void *state)
