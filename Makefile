@@ -79,7 +79,7 @@ rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o)
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o
 objects    = $B/baker/main.c.o $(baker.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
@@ -95,6 +95,7 @@ $B/baker.a: $(baker.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
+$B/tests/unit/test_lookup_blocks: $B/tests/unit/blocks_scalar.c.o
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o)
 $B/tests/bench/rivals: test_libs := -lz

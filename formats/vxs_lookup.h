@@ -47,6 +47,9 @@ typedef struct vxs_mask vxs_mask;
 #define VXS_FN   static inline
 #define VXS_U(x) ((vxs_u32)(x))
 #define VXS_I(x) ((vxs_i32)(x))
+#if !defined(VXS_WORDS) && !defined(vxs_word)
+#define VXS_WORDS_IN_MEMORY
+#endif
 #ifndef VXS_WORDS
 #define VXS_WORDS const uint32_t *
 #endif

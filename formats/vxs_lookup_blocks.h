@@ -1,0 +1,682 @@
+/* How a light of palette blocks is laid out, and how a lookup walks: one text for C99, C++, GLSL and HLSL, that stands on vxs_lookup.h.
+ *
+ * A map of 2^levels texels a side is cut into squares of 256 x 256 texels (nodes), blocks of 32 x 32 and tiles of 8 x 8:
+ *
+ *     top ------ node ----- block ----- tile ----- pattern
+ *     T x T      8 x 8      4 x 4       8 x 8      which texels are shadowed, for each depth of the tile
+ *     squares    blocks     tiles       texels
+ *
+ * Each of them is one depth for all that it covers, or something of its own; depths below the top are relative, so that equal shapes at
+ * different depths are one. Few different depths occur in a block: they are its palette, and rank, the number of them at or before the
+ * voxel's depth, is asked once. A tile has the set of those that it uses, and a pattern: a mask of shadowed texels for each of them but
+ * the last, behind which all are.
+ *
+ * Of a light's words, word 0 is the number of pages, word 1 where the common pool starts, 2 to 7 where the top of each map starts, and
+ * 8... where each page starts: 0, it is not here. Then
+ *
+ *     top         T x T entries of 2 words, rows, T = max(1, 2^(levels-8)); from 15 levels on T/8 x T/8 cells of 1 word, rows
+ *     cell        0x80000000 | depth, or the word where 8 x 8 entries start, rows
+ *     entry       0x80000000 | depth, 0, or page << 16 | offset of a node, base | min << 16 | max << 24
+ *     node        halves: mixed, 4; fresh, 4; slope, 2; flags; refs and bases of mixed blocks; depths of fresh blocks
+ *     block       mixed | fresh << 16, own | head << 16, a word for each mixed tile; then bytes: deltas of the palette, nibbles of
+ *                 fresh tiles; then words: bases of own tiles that are far
+ *     tile        half of a pool << 14 | the palette entries it uses, or base + 8192 if the pattern is own: has depths of its own
+ *     pattern     masks: a byte of states for each mask, then quadrants of 4 x 4 texels; or 0xff, 0, and a nibble for each texel
+ *     own         kind << 12 | shift << 8 | count, then: a palette and a pattern; bases and nibbles; or a depth of 1 to 3 bytes a texel
+ *
+ * The two pools, halves each, are the light's common one and the page's own. mixed has a bit for each block or tile that has something of
+ * its own; fresh, for each of the others whose depth is not that of the one before it among them. Texels of a tile are numbered quadrant by
+ * quadrant, rows within: (x, y) is bit (x & 3) + 4 (y & 3) + 16 (x >> 2) of the low word of a mask, or of the high word if y > 3.
+ *
+ * A page that is not here is answered from its entry. Where c = max(0, levels - 8), a voxel is lit when k >> c < min, shadowed when
+ * k >> c > max, which is exact; between them it is shadowed when 2 (k >> c) >= min + max + 1: the coarse answer.
+ *
+ * Macros are those of vxs_lookup.h; `blocks`, the words of a light, is what `dag` is there. In C and C++ by GCC and Clang, where words are
+ * an array in little-endian memory, bytes and halves are read as they lie, and compared sixteen at a time. VXS_SCALAR, defined by the
+ * includer, asks for what shaders do: word by word. Both agree bit for bit.
+ * Behind its last word the array has four more that may be read, whatever they hold. Nothing here checks an offset; loops end whatever
+ * the words are.
+ * Source: ours; [Sintorn 2014] for PCF by popcount.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_LOOKUP_BLOCKS_H
+#define VXS_LOOKUP_BLOCKS_H
+
+#ifndef VXS_LOOKUP_H /* a shader that cannot include has it already */
+#include "vxs_lookup.h"
+#endif
+
+#if defined(VXS_WORDS_IN_MEMORY) && !defined(VXS_SCALAR) && defined(__GNUC__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+#define VXS_VECTORS
+#include <string.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+#endif
+
+/* Functions that every lookup passes. A call would send their structs through memory, which is a fifth of the time. */
+#if defined(VXS_C) && defined(__GNUC__)
+#define VXS_INLINE VXS_FN __attribute__((always_inline))
+#else
+#define VXS_INLINE VXS_FN
+#endif
+
+/* What a node or a tile is, at a voxel's depth. Own patterns of kinds 3 to 6 are tiles of these kinds. */
+#define VXS_BLOCKS_LIT     0u
+#define VXS_BLOCKS_SHADOW  1u
+#define VXS_BLOCKS_MASKS   2u /* of a tile: masks; of a node: its blocks are to be asked */
+#define VXS_BLOCKS_NIBBLES 3u /* a base for each quadrant, a nibble for each texel */
+#define VXS_BLOCKS_RAW     4u /* 4, 5, 6: one, two, three bytes for each texel */
+
+#ifdef VXS_C
+typedef struct vxs_blocks_node  vxs_blocks_node;
+typedef struct vxs_blocks_block vxs_blocks_block;
+typedef struct vxs_blocks_tile  vxs_blocks_tile;
+typedef struct vxs_blocks_box   vxs_blocks_box;
+#endif
+
+struct vxs_blocks_node {
+    vxs_u32 kind;  /* VXS_BLOCKS_LIT, _SHADOW: all of its square is; else what follows */
+    vxs_u32 page;  /* word where its page starts */
+    vxs_u32 at;    /* word where it starts */
+    vxs_u32 slope; /* across | down << 16, signed: in 1/256 voxel a tile */
+    vxs_i32 k;     /* depth, relative to it */
+};
+
+/* One that is uniform is a block of one palette entry, which all of its tiles have. */
+struct vxs_blocks_block {
+    vxs_u32 page;    /* word where the page of its node starts */
+    vxs_u32 at;      /* word where it starts; 0 of a uniform one */
+    vxs_u32 mixed;   /* a bit for each tile that has a pattern */
+    vxs_u32 fresh;   /* for each other whose palette entry is not that of the one before it */
+    vxs_u32 own;     /* for each whose pattern has depths of its own */
+    vxs_u32 head;    /* palette entries - 1 | shift << 4 | width << 8 | far << 10 */
+    vxs_u32 palette; /* word where the deltas of its palette start */
+    vxs_i32 base;    /* its first depth, relative to the node */
+};
+
+struct vxs_blocks_tile {
+    vxs_u32 kind;  /* VXS_BLOCKS_ */
+    vxs_u32 pool;  /* word that the halves of its pool are counted from */
+    vxs_u32 at;    /* half where its states, nibbles or bytes start */
+    vxs_u32 count; /* masks: how many */
+    vxs_u32 bases; /* nibbles: a byte for each quadrant */
+    vxs_i32 k;     /* masks: which one; else depth: a texel is shadowed whose own is at most this */
+};
+
+/* Texels [x0, x1) x [y0, y1) of a map. */
+struct vxs_blocks_box {
+    vxs_i32 x0, x1, y0, y1;
+};
+
+/* halves, bytes, bits ---------------------------------------------------------------------------------------------------------------
+ * Counted from word `at` of a light; half 0 is the low half of it, byte 0 the low byte. */
+
+#ifdef VXS_VECTORS
+
+typedef uint8_t vxs_bytes16 __attribute__((vector_size(16)));
+
+VXS_FN const char *vxs_address(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
+{
+    return (const char *)(blocks + at) + byte_at;
+}
+
+VXS_FN vxs_u32 vxs_half(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at)
+{
+    uint16_t value;
+    memcpy(&value, vxs_address(blocks, at, 2u * half_at), sizeof value);
+    return value;
+}
+
+VXS_FN vxs_u32 vxs_byte(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
+{
+    return (uint8_t)*vxs_address(blocks, at, byte_at);
+}
+
+VXS_FN vxs_u32 vxs_four_bytes(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
+{
+    vxs_u32 value;
+    memcpy(&value, vxs_address(blocks, at, byte_at), sizeof value);
+    return value;
+}
+
+VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
+{
+#ifdef __POPCNT__
+    return (vxs_u32)__builtin_popcountll(low | (uint64_t)high << 32);
+#else
+    uint64_t x = low | (uint64_t)high << 32, ones = ~(uint64_t)0;
+    x -= (x >> 1) & (ones / 3);
+    x = (x & (ones / 5)) + ((x >> 2) & (ones / 5));
+    return (vxs_u32)((((x + (x >> 4)) & (ones / 17)) * (ones / 255)) >> 56);
+#endif
+}
+
+/* Bit n: byte n is all ones; bytes are all ones or zero. */
+VXS_FN vxs_u32 vxs_bits_of_bytes(vxs_bytes16 bytes)
+{
+#ifdef __SSE2__
+    return (vxs_u32)_mm_movemask_epi8((__m128i)bytes);
+#else
+    static const vxs_bytes16 bit  = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+    const uint64_t           ones = ~(uint64_t)0 / 255; /* in each byte; a product with it has their sum in the last */
+    uint64_t                 eight[2];
+    bytes &= bit;
+    memcpy(eight, &bytes, sizeof eight);
+    return (vxs_u32)((eight[0] * ones) >> 56 | ((eight[1] * ones) >> 56) << 8);
+#endif
+}
+
+VXS_FN vxs_u32 vxs_bytes_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 shift, vxs_u32 keep, vxs_u32 limit)
+{
+    vxs_bytes16 bytes, zero = {0};
+    memcpy(&bytes, vxs_address(blocks, at, byte_at), sizeof bytes);
+    bytes = (bytes >> (uint8_t)shift) & (zero + (uint8_t)keep);
+    return vxs_bits_of_bytes((vxs_bytes16)(bytes <= zero + (uint8_t)limit));
+}
+
+VXS_FN vxs_u32 vxs_deltas_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 count, vxs_u32 limit)
+{
+    vxs_bytes16 bytes, zero = {0};
+    memcpy(&bytes, vxs_address(blocks, at, byte_at), sizeof bytes);
+    bytes = (vxs_bytes16)(bytes <= zero + (uint8_t)(limit > 255u ? 255u : limit));
+    return (vxs_u32)__builtin_ctz(~(vxs_bits_of_bytes(bytes) & ((1u << count) - 1u)));
+}
+
+#else
+
+VXS_FN vxs_u32 vxs_half(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at)
+{
+    return (vxs_word(blocks, at + (half_at >> 1)) >> (16u * (half_at & 1u))) & 0xffffu;
+}
+
+VXS_FN vxs_u32 vxs_byte(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
+{
+    return (vxs_word(blocks, at + (byte_at >> 2)) >> (8u * (byte_at & 3u))) & 0xffu;
+}
+
+/* A word at any byte. */
+VXS_FN vxs_u32 vxs_four_bytes(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
+{
+    vxs_u32 first = at + (byte_at >> 2), bits = 8u * (byte_at & 3u), low = vxs_word(blocks, first);
+    return bits == 0u ? low : (low >> bits) | (vxs_word(blocks, first + 1u) << (32u - bits));
+}
+
+/* Bits in two words. */
+VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
+{
+    return vxs_popcount(low) + vxs_popcount(high);
+}
+
+/* Bits 0 to 3: which bytes of a word are at most `limit`, 0 to 255. Of each byte, the highest bit decides; else the others, by a
+ * difference that does not reach the next byte. */
+VXS_FN vxs_u32 vxs_four_at_most(vxs_u32 bytes, vxs_u32 limit)
+{
+    vxs_u32 limits = limit * 0x01010101u;
+    vxs_u32 others = (limits | 0x80808080u) - (bytes & 0x7f7f7f7fu);
+    vxs_u32 fit    = ((limits & ~bytes) | (~(limits ^ bytes) & others)) & 0x80808080u;
+    return ((fit >> 7) * 0x01020408u) >> 24;
+}
+
+/* Bits 0 to 15: which of 16 bytes, shifted right by 0 or 4 and cut to the bits of `keep`, are at most `limit`, 0 to 255. */
+VXS_FN vxs_u32 vxs_bytes_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 shift, vxs_u32 keep, vxs_u32 limit)
+{
+    vxs_u32 bits = 0u;
+    for (vxs_u32 n = 0u; n < 16u; n += 4u) {
+        vxs_u32 bytes = (vxs_four_bytes(blocks, at, byte_at + n) >> shift) & (keep * 0x01010101u);
+        bits |= vxs_four_at_most(bytes, limit) << n;
+    }
+    return bits;
+}
+
+/* How many of `count` bytes, up to 15, are at most `limit`. */
+VXS_FN vxs_u32 vxs_deltas_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 count, vxs_u32 limit)
+{
+    vxs_u32 bits = 0u;
+    for (vxs_u32 n = 0u; n < count; n += 4u)
+        bits |= vxs_four_at_most(vxs_four_bytes(blocks, at, byte_at + n), limit > 255u ? 255u : limit) << n;
+    return vxs_popcount(bits & ((1u << count) - 1u));
+}
+
+#endif
+
+/* The bits of the first `count` bytes of a word; any count. */
+VXS_FN vxs_u32 vxs_first_bytes(vxs_i32 count)
+{
+    return count >= 4 ? 0xffffffffu : count <= 0 ? 0u : (1u << VXS_U(8 * count)) - 1u;
+}
+
+/* How many depths of a palette are at or before k, which is relative to the first of them.
+ * at, half_at  where `count` deltas start, up to 31; width  0: bytes, 1: halves, 2: two halves each; shift  of deltas, to the left */
+VXS_FN vxs_u32 vxs_blocks_rank(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at, vxs_u32 width, vxs_u32 shift, vxs_u32 count, vxs_i32 k)
+{
+    if (k < 0) return 0u;
+    if (count == 0u) return 1u;
+    vxs_u32 limit = VXS_U(k) >> shift, rank = 1u;
+    if (width == 0u) return 1u + vxs_deltas_at_most(blocks, at, 2u * half_at, count, limit);
+    for (vxs_u32 n = 0u; n < count; n++) {
+        vxs_u32 delta = vxs_half(blocks, at, half_at + n * width);
+        if (width == 2u) delta |= vxs_half(blocks, at, half_at + 2u * n + 1u) << 16;
+        rank += delta <= limit ? 1u : 0u;
+    }
+    return rank;
+}
+
+/* top ------------------------------------------------------------------------------------------------------------------------------- */
+
+/* The word where the entry of a square of 256 x 256 texels is; or its cell, of which all has one depth. */
+VXS_FN vxs_u32 vxs_blocks_entry(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y)
+{
+    vxs_u32 top = vxs_word(blocks, 2u + map);
+    if (levels <= 8u) return top;
+    if (levels < 15u) return top + 2u * ((y << (levels - 8u)) + x);
+    vxs_u32 cell    = top + ((y >> 3) << (levels - 11u)) + (x >> 3);
+    vxs_u32 entries = vxs_word(blocks, cell);
+    return entries >= 0x80000000u ? cell : entries + 2u * (((y & 7u) << 3) + (x & 7u));
+}
+
+/* The node of a square of 256 x 256 texels, at depth k. */
+VXS_INLINE vxs_blocks_node vxs_blocks_find_node(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
+{
+    vxs_blocks_node node;
+    vxs_u32         entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
+    node.page  = 0u;
+    node.at    = 0u;
+    node.slope = 0u;
+    node.k     = k;
+    node.kind  = k >= VXS_I(place & 0x7fffffffu) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT;
+    if (place >= 0x80000000u) return node;
+
+    vxs_u32 bounds = vxs_word(blocks, entry + 1u), nearest = (bounds >> 16) & 0xffu, farthest = bounds >> 24;
+    vxs_u32 coarse = VXS_U(k) >> (levels > 8u ? levels - 8u : 0u);
+    node.page      = vxs_word(blocks, 8u + (place >> 16));
+    node.kind      = 2u * coarse > nearest + farthest ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT;
+    if (coarse < nearest || coarse > farthest || node.page == 0u) return node;
+
+    node.kind  = VXS_BLOCKS_MASKS;
+    node.at    = node.page + (place & 0xffffu);
+    node.slope = vxs_word(blocks, node.at + 4u);
+    node.k     = k - VXS_I((bounds & 0xffffu) << (levels > 16u ? levels - 16u : 0u));
+    return node;
+}
+
+/* Depth at a tile, x and y 0 to 31, with the slope of its node, which makes flat ground that is slanted uniform. */
+VXS_FN vxs_i32 vxs_blocks_tile_depth(vxs_blocks_node node, vxs_i32 x, vxs_i32 y)
+{
+    vxs_i32 across = VXS_I(node.slope << 16) >> 16, down = VXS_I(node.slope) >> 16;
+    return node.k + ((across * (across < 0 ? x - 31 : x) + down * (down < 0 ? y - 31 : y)) >> 8);
+}
+
+/* blocks ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* Bits in front of bit c of two words. */
+VXS_FN vxs_u32 vxs_blocks_before(vxs_u32 low, vxs_u32 high, vxs_u32 c)
+{
+    vxs_u32 before = (1u << (c & 31u)) - 1u;
+    return vxs_popcount_pair(low & (c < 32u ? before : 0xffffffffu), high & (c < 32u ? 0u : before));
+}
+
+/* Block c, which is uniform: its depth is that of the last fresh one at or before it. All ones: it is never shadowed, and its depth so
+ * great that no k reaches it, and so small that k less it is a number.
+ * wide  1 when depths are two halves each;   mixed  how many blocks of the node are */
+VXS_INLINE vxs_blocks_block vxs_blocks_uniform(VXS_WORDS blocks, vxs_blocks_node node, vxs_u32 c, vxs_u32 wide, vxs_u32 mixed)
+{
+    vxs_u32 low = vxs_word(blocks, node.at + 2u), high = vxs_word(blocks, node.at + 3u);
+    vxs_u32 nth   = vxs_blocks_before(low, high, c) + (((c < 32u ? low : high) >> (c & 31u)) & 1u) - 1u;
+    vxs_u32 at    = 11u + mixed * (2u + wide) + nth * (1u + wide);
+    vxs_u32 depth = vxs_half(blocks, node.at, at);
+    if (wide != 0u) depth |= vxs_half(blocks, node.at, at + 1u) << 16;
+
+    vxs_blocks_block block;
+    block.page    = node.page;
+    block.at      = 0u;
+    block.mixed   = 0u;
+    block.fresh   = 0u;
+    block.own     = 0u;
+    block.head    = 0u;
+    block.palette = 0u;
+    block.base    = VXS_I((wide == 0u && depth == 0xffffu ? 0x3fffffffu : depth) & 0x3fffffffu);
+    return block;
+}
+
+/* Block c, x + 8y, of a node. */
+VXS_INLINE vxs_blocks_block vxs_blocks_find_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_u32 c)
+{
+    vxs_u32 low = vxs_word(blocks, node.at), high = vxs_word(blocks, node.at + 1u);
+    vxs_u32 wide = vxs_half(blocks, node.at, 10u) & 1u, mixed = vxs_popcount_pair(low, high);
+    if ((((c < 32u ? low : high) >> (c & 31u)) & 1u) == 0u) return vxs_blocks_uniform(blocks, node, c, wide, mixed);
+
+    vxs_u32 nth = vxs_blocks_before(low, high, c), at = 11u + mixed + nth * (1u + wide);
+    vxs_u32 base = vxs_half(blocks, node.at, at);
+    if (wide != 0u) base |= vxs_half(blocks, node.at, at + 1u) << 16;
+
+    vxs_blocks_block block;
+    block.page    = node.page;
+    block.at      = node.page + vxs_half(blocks, node.at, 11u + nth);
+    block.mixed   = vxs_word(blocks, block.at) & 0xffffu;
+    block.fresh   = vxs_word(blocks, block.at) >> 16;
+    block.own     = vxs_word(blocks, block.at + 1u) & 0xffffu;
+    block.head    = vxs_word(blocks, block.at + 1u) >> 16;
+    block.palette = block.at + 2u + vxs_popcount(block.mixed);
+    block.base    = VXS_I(base);
+    return block;
+}
+
+/* How many entries of a block's palette are at or before k, which is relative to the node. */
+VXS_FN vxs_u32 vxs_blocks_block_rank(VXS_WORDS blocks, vxs_blocks_block block, vxs_i32 k)
+{
+    vxs_u32 width = (block.head >> 8) & 3u, shift = (block.head >> 4) & 15u;
+    return vxs_blocks_rank(blocks, block.palette, 0u, width, shift, block.head & 15u, k - block.base);
+}
+
+/* What all tiles of a block are from depth k, of which rank is the block's, to depth k_last: VXS_BLOCKS_LIT, _SHADOW; else _MASKS. */
+VXS_FN vxs_u32 vxs_blocks_block_kind(vxs_blocks_block block, vxs_u32 rank, vxs_i32 k_last)
+{
+    if (block.own != 0u) return VXS_BLOCKS_MASKS;
+    if (rank > (block.head & 15u)) return VXS_BLOCKS_SHADOW;
+    return k_last < block.base ? VXS_BLOCKS_LIT : VXS_BLOCKS_MASKS;
+}
+
+/* Bytes that the deltas of a block's palette take. */
+VXS_FN vxs_u32 vxs_blocks_palette_bytes(vxs_blocks_block block)
+{
+    return (block.head & 15u) << ((block.head >> 8) & 3u);
+}
+
+/* tiles ----------------------------------------------------------------------------------------------------------------------------- */
+
+VXS_FN vxs_blocks_tile vxs_blocks_tile_of(vxs_u32 kind, vxs_u32 pool, vxs_u32 at, vxs_u32 count, vxs_u32 bases, vxs_i32 k)
+{
+    vxs_blocks_tile tile;
+    tile.kind  = kind;
+    tile.pool  = pool;
+    tile.at    = at;
+    tile.count = count;
+    tile.bases = bases;
+    tile.k     = k;
+    return tile;
+}
+
+/* All of a tile: VXS_BLOCKS_LIT or _SHADOW. */
+VXS_FN vxs_blocks_tile vxs_blocks_whole(vxs_u32 kind)
+{
+    return vxs_blocks_tile_of(kind, 0u, 0u, 0u, 0u, 0);
+}
+
+/* Mask n of a pattern of `count` masks, which are kept as such, or as the index of each texel's depth. */
+VXS_FN vxs_blocks_tile vxs_blocks_pattern(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_u32 count, vxs_u32 n)
+{
+    if ((vxs_half(blocks, pool, at) & 0xffu) == 0xffu)
+        return vxs_blocks_tile_of(VXS_BLOCKS_NIBBLES, pool, at + 1u, 0u, 0u, VXS_I(n));
+    return vxs_blocks_tile_of(VXS_BLOCKS_MASKS, pool, at, count, 0u, VXS_I(n));
+}
+
+/* A tile whose pattern has depths of its own; k is relative to its base. */
+VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_i32 k)
+{
+    if (k < 0) return vxs_blocks_whole(VXS_BLOCKS_LIT);
+    vxs_u32 first = vxs_half(blocks, pool, at), kind = first >> 12, shift = (first >> 8) & 15u, count = (first - 1u) & 31u;
+    if (kind < VXS_BLOCKS_NIBBLES) {
+        vxs_u32 rank = vxs_blocks_rank(blocks, pool, at + 1u, kind, shift, count, k);
+        if (rank > count) return vxs_blocks_whole(VXS_BLOCKS_SHADOW);
+        return vxs_blocks_pattern(blocks, pool, at + 1u + (kind == 0u ? (count + 1u) >> 1 : kind * count), count, rank - 1u);
+    }
+    k >>= shift;
+    if (kind != VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k);
+    return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k);
+}
+
+/* Base of own tile t, relative to its block. low  14 bits of the tile's word */
+VXS_FN vxs_i32 vxs_blocks_own_base(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 low)
+{
+    if ((block.head & 0x400u) == 0u) return VXS_I(low) - 8192;
+    vxs_u32 bytes = vxs_blocks_palette_bytes(block) + ((vxs_popcount(block.fresh) + 1u) >> 1);
+    return VXS_I(vxs_word(blocks, block.palette + ((bytes + 3u) >> 2) + vxs_popcount(block.own & ((1u << t) - 1u))));
+}
+
+/* Palette entry of uniform tile t: that of the last fresh one at or before it. */
+VXS_FN vxs_u32 vxs_blocks_entry_of_tile(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t)
+{
+    if (block.at == 0u) return 0u;
+    vxs_u32 nth = vxs_popcount(block.fresh & ((2u << t) - 1u)) - 1u;
+    return (vxs_byte(blocks, block.palette, vxs_blocks_palette_bytes(block) + (nth >> 1)) >> (4u * (nth & 1u))) & 15u;
+}
+
+/* Tile t, x + 4y, of a block, at depth k relative to the node; rank is that of the block there. */
+VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 rank, vxs_i32 k)
+{
+    if (((block.mixed >> t) & 1u) == 0u)
+        return vxs_blocks_whole(rank > vxs_blocks_entry_of_tile(blocks, block, t) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);
+
+    vxs_u32 word = vxs_word(blocks, block.at + 2u + vxs_popcount(block.mixed & ((1u << t) - 1u)));
+    vxs_u32 pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page, at = (word >> 14) & 0x1ffffu, used = word & 0x3fffu;
+    if (((block.own >> t) & 1u) != 0u)
+        return vxs_blocks_own(blocks, pool, at, k - block.base - vxs_blocks_own_base(blocks, block, t, used));
+
+    vxs_u32 passed = used & ((1u << rank) - 1u);
+    if (passed == 0u || passed == used) return vxs_blocks_whole(passed != 0u ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);
+    return vxs_blocks_pattern(blocks, pool, at, vxs_popcount(used) - 1u, vxs_popcount(passed) - 1u);
+}
+
+/* patterns -------------------------------------------------------------------------------------------------------------------------- */
+
+/* 16 bits of quadrant c of a mask: none or all of its texels, or the half before number nth of its pattern. */
+VXS_FN vxs_u32 vxs_blocks_half(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 states, vxs_u32 c, vxs_u32 nth)
+{
+    vxs_u32 state = (states >> (2u * c)) & 3u, kept = 0u - (state >> 1);
+    return ((vxs_half(blocks, tile.pool, tile.at + ((tile.count + 1u) >> 1) + nth - 1u) & kept) | (0u - (state & ~kept))) & 0xffffu;
+}
+
+/* All quadrants of a mask. Its states, two bits for each, say none of the texels, all, a half, or again the last half of the quadrant.
+ * Halves lie quadrant by quadrant, in there mask by mask: those before a quadrant's own are counted, in four masks at once. A product with
+ * ones makes of each byte the sum of those up to it; its nibbles count quadrants 0 and 2, or 1 and 3. */
+VXS_INLINE vxs_mask vxs_blocks_quadrants(VXS_WORDS blocks, vxs_blocks_tile tile)
+{
+    vxs_u32 even = 0u, odd = 0u, even_upto = 0u, odd_upto = 0u, k = VXS_U(tile.k);
+    for (vxs_u32 n = 0u; n < tile.count; n += 4u) {
+        vxs_u32 rest = tile.count - n, skip = rest < 4u ? 4u - rest : 0u;
+        vxs_u32 states = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + n) << (8u * skip), halves = (states >> 1) & ~states;
+        vxs_u32 even_sums = (halves & 0x11111111u) * 0x01010101u, odd_sums = ((halves >> 2) & 0x11111111u) * 0x01010101u;
+        if (k - n < 4u) {
+            even_upto = even + ((even_sums >> (8u * (k - n + skip))) & 0xffu);
+            odd_upto  = odd + ((odd_sums >> (8u * (k - n + skip))) & 0xffu);
+        }
+        even += even_sums >> 24;
+        odd += odd_sums >> 24;
+    }
+    vxs_u32 states = vxs_byte(blocks, tile.pool, 2u * tile.at + k), first = even & 15u, second = first + (odd & 15u),
+            third = second + (even >> 4);
+    vxs_mask mask;
+    mask.low  = vxs_blocks_half(blocks, tile, states, 0u, even_upto & 15u);
+    mask.high = vxs_blocks_half(blocks, tile, states, 2u, second + (even_upto >> 4));
+    mask.low |= vxs_blocks_half(blocks, tile, states, 1u, first + (odd_upto & 15u)) << 16;
+    mask.high |= vxs_blocks_half(blocks, tile, states, 3u, third + (odd_upto >> 4)) << 16;
+    return mask;
+}
+
+/* Quadrant c of a mask. */
+VXS_INLINE vxs_u32 vxs_blocks_quadrant(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
+{
+    vxs_u32 states = vxs_byte(blocks, tile.pool, 2u * tile.at + VXS_U(tile.k)), nth = 0u;
+    vxs_u32 before = ((1u << (2u * c)) - 1u) * 0x01010101u, own = 0x01010101u << (2u * c);
+    if (((states >> (2u * c)) & 2u) == 0u) return (0u - ((states >> (2u * c)) & 1u)) & 0xffffu;
+    for (vxs_u32 n = 0u; n < tile.count; n += 4u) {
+        vxs_u32 some = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + n) & vxs_first_bytes(VXS_I(tile.count - n));
+        nth += vxs_popcount((some >> 1) & ~some & (before | (own & vxs_first_bytes(tile.k + 1 - VXS_I(n)))) & 0x55555555u);
+    }
+    return vxs_blocks_half(blocks, tile, states, c, nth);
+}
+
+/* Quadrant c of a tile of nibbles: bytes 0 to 15, or 16 to 31; of quadrants 2 and 3 the high nibbles. */
+VXS_FN vxs_u32 vxs_blocks_nibbles(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
+{
+    vxs_i32 limit = tile.k - VXS_I((tile.bases >> (8u * c)) & 0xffu);
+    if (limit < 0) return 0u;
+    return vxs_bytes_at_most(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u), 4u * (c >> 1), 15u, limit < 15 ? VXS_U(limit) : 15u);
+}
+
+/* A texel, z = 0 to 63, of a tile of raw depths. */
+VXS_FN vxs_u32 vxs_blocks_raw_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 z)
+{
+    vxs_u32 size  = tile.kind - 3u;
+    vxs_u32 depth = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + size * z) & vxs_first_bytes(VXS_I(size));
+    return VXS_I(depth) <= tile.k ? 1u : 0u;
+}
+
+/* Quadrant c of a tile of raw depths. */
+VXS_FN vxs_u32 vxs_blocks_raw(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
+{
+    if (tile.kind == VXS_BLOCKS_RAW)
+        return vxs_bytes_at_most(blocks, tile.pool, 2u * tile.at + 16u * c, 0u, 255u, tile.k < 255 ? VXS_U(tile.k) : 255u);
+    vxs_u32 bits = 0u;
+    for (vxs_u32 z = 0u; z < 16u; z++) bits |= vxs_blocks_raw_texel(blocks, tile, 16u * c + z) << z;
+    return bits;
+}
+
+/* A texel of a tile that is neither lit nor shadowed: c the quadrant, z its number in there. */
+VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    if (tile.kind == VXS_BLOCKS_MASKS) return (vxs_blocks_quadrant(blocks, tile, c) >> z) & 1u;
+    if (tile.kind >= VXS_BLOCKS_RAW) return vxs_blocks_raw_texel(blocks, tile, 16u * c + z);
+    vxs_u32 nibble = (vxs_byte(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u) + z) >> (4u * (c >> 1))) & 15u;
+    return VXS_I(nibble + ((tile.bases >> (8u * c)) & 0xffu)) <= tile.k ? 1u : 0u;
+}
+
+/* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
+VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
+{
+    vxs_mask mask;
+    if (tile.kind == VXS_BLOCKS_MASKS) return vxs_blocks_quadrants(blocks, tile);
+    mask.low  = 0u;
+    mask.high = 0u;
+    for (vxs_u32 c = 0u; c < 4u; c++) {
+        vxs_u32 bits = tile.kind == VXS_BLOCKS_NIBBLES ? vxs_blocks_nibbles(blocks, tile, c) : vxs_blocks_raw(blocks, tile, c);
+        if (c < 2u)
+            mask.low |= bits << (16u * c);
+        else
+            mask.high |= bits << (16u * c - 32u);
+    }
+    return mask;
+}
+
+/* lookups --------------------------------------------------------------------------------------------------------------------------- */
+
+/* 1 when voxel (i, j, k) is in shadow, else 0; each of i, j, k in [0, 2^levels).
+ * blocks  the words of the light;   map  0, or 0 to 5 of a light with six
+ * levels  the map has 2^levels texels a side, and as many voxels in depth: 3 to 18 */
+VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 i, vxs_u32 j, vxs_u32 k)
+{
+    vxs_blocks_node node = vxs_blocks_find_node(blocks, map, levels, i >> 8, j >> 8, VXS_I(k));
+    if (node.kind != VXS_BLOCKS_MASKS) return node.kind;
+
+    vxs_blocks_block block = vxs_blocks_find_block(blocks, node, ((i >> 5) & 7u) | (((j >> 5) & 7u) << 3));
+    vxs_i32          depth = vxs_blocks_tile_depth(node, VXS_I((i >> 3) & 31u), VXS_I((j >> 3) & 31u));
+    vxs_u32          rank  = vxs_blocks_block_rank(blocks, block, depth);
+    vxs_u32          kind  = vxs_blocks_block_kind(block, rank, depth);
+    if (kind != VXS_BLOCKS_MASKS) return kind;
+
+    vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, block, ((i >> 3) & 3u) | (((j >> 3) & 3u) << 2), rank, depth);
+    if (tile.kind < VXS_BLOCKS_MASKS) return tile.kind;
+    return vxs_blocks_texel(blocks, tile, ((i >> 2) & 1u) | (((j >> 2) & 1u) << 1), (i & 3u) | ((j & 3u) << 2));
+}
+
+VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* What of a box lies in the square at (x, y), counted from there. */
+VXS_FN vxs_blocks_box vxs_blocks_cut(vxs_blocks_box box, vxs_i32 x, vxs_i32 y, vxs_i32 side)
+{
+    box.x0 = vxs_clamp(box.x0 - x, 0, side);
+    box.x1 = vxs_clamp(box.x1 - x, 0, side);
+    box.y0 = vxs_clamp(box.y0 - y, 0, side);
+    box.y1 = vxs_clamp(box.y1 - y, 0, side);
+    return box;
+}
+
+VXS_FN vxs_u32 vxs_blocks_area(vxs_blocks_box box)
+{
+    return VXS_U((box.x1 - box.x0) * (box.y1 - box.y0));
+}
+
+/* Bits of a word of a mask in texel columns [x0, x1), 0 to 8, or in its rows [y0, y1), 0 to 4. */
+VXS_FN vxs_u32 vxs_blocks_columns(vxs_i32 x0, vxs_i32 x1)
+{
+    vxs_u32 row = (1u << VXS_U(x1)) - (1u << VXS_U(x0));
+    return ((row & 15u) | ((row >> 4) << 16)) * 0x1111u;
+}
+
+VXS_FN vxs_u32 vxs_blocks_rows(vxs_i32 y0, vxs_i32 y1)
+{
+    return ((1u << VXS_U(4 * y1)) - (1u << VXS_U(4 * y0))) * 0x10001u;
+}
+
+/* Shadowed texels of a tile in a box, which is cut to it. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_blocks_box box)
+{
+    if (tile.kind < VXS_BLOCKS_MASKS) return tile.kind * vxs_blocks_area(box);
+    vxs_mask mask    = vxs_blocks_mask(blocks, tile);
+    vxs_u32  columns = vxs_blocks_columns(box.x0, box.x1);
+    return vxs_popcount_pair(mask.low & columns & vxs_blocks_rows(vxs_clamp(box.y0, 0, 4), vxs_clamp(box.y1, 0, 4)),
+                             mask.high & columns & vxs_blocks_rows(vxs_clamp(box.y0 - 4, 0, 4), vxs_clamp(box.y1 - 4, 0, 4)));
+}
+
+/* Shadowed texels of block (x, y) of a node in a box, which is cut to it. Depth in a node grows as its slope does, to one corner of the
+ * box: from the least to the last depth of its tiles, all may be lit or shadowed. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_i32 x, vxs_i32 y, vxs_blocks_box box)
+{
+    vxs_blocks_block block  = vxs_blocks_find_block(blocks, node, VXS_U(x | (y << 3)));
+    vxs_i32          tile_x = 4 * x, tile_y = 4 * y; /* of the node */
+    vxs_i32          x0 = box.x0 >> 3, x1 = (box.x1 - 1) >> 3, y0 = box.y0 >> 3, y1 = (box.y1 - 1) >> 3;
+    vxs_u32 left = node.slope & 0x8000u, up = node.slope & 0x80000000u; /* where it grows to, if not to the right, or down */
+    vxs_i32 depth = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x1 : x0), tile_y + (up != 0u ? y1 : y0));
+    vxs_i32 last  = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x0 : x1), tile_y + (up != 0u ? y0 : y1));
+    vxs_u32 rank = vxs_blocks_block_rank(blocks, block, depth), count = 0u;
+    vxs_u32 kind = vxs_blocks_block_kind(block, rank, last);
+    if (kind != VXS_BLOCKS_MASKS) return kind * vxs_blocks_area(box);
+
+    for (vxs_i32 v = y0; v <= y1; v++)
+        for (vxs_i32 u = x0; u <= x1; u++) {
+            vxs_i32 tile_depth = vxs_blocks_tile_depth(node, tile_x + u, tile_y + v);
+            if (tile_depth != depth) rank = vxs_blocks_block_rank(blocks, block, tile_depth);
+            depth                = tile_depth;
+            vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, block, VXS_U(u | (v << 2)), rank, depth);
+            count += vxs_blocks_count_in_tile(blocks, tile, vxs_blocks_cut(box, 8 * u, 8 * v, 8));
+        }
+    return count;
+}
+
+/* Shadowed texels of the square of 256 x 256 texels at (x, y) of a map in a box, which is cut to it. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_square(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_box box,
+                                              vxs_i32 k)
+{
+    vxs_u32         count = 0u;
+    vxs_blocks_node node  = vxs_blocks_find_node(blocks, map, levels, VXS_U(x), VXS_U(y), k);
+    if (node.kind != VXS_BLOCKS_MASKS) return node.kind * vxs_blocks_area(box);
+    for (vxs_i32 v = box.y0 >> 5; v <= (box.y1 - 1) >> 5; v++)
+        for (vxs_i32 u = box.x0 >> 5; u <= (box.x1 - 1) >> 5; u++)
+            count += vxs_blocks_count_in_block(blocks, node, u, v, vxs_blocks_cut(box, 32 * u, 32 * v, 32));
+    return count;
+}
+
+/* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount. Other arguments as above.
+ * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
+ * filter  K, odd, 1 to VXS_FILTER_MAX.   Each of the at most nine tiles that the box touches is read once. */
+VXS_FN vxs_u32 vxs_blocks_shadow_count(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k,
+                                       vxs_i32 filter_px)
+{
+    vxs_i32        half_px = filter_px / 2;
+    vxs_u32        count   = 0u;
+    vxs_blocks_box box;
+    box.x0 = i - half_px;
+    box.x1 = i + half_px + 1;
+    box.y0 = j - half_px;
+    box.y1 = j + half_px + 1;
+    box    = vxs_blocks_cut(box, 0, 0, VXS_I(1) << levels);
+    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
+        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
+            count += vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut(box, 256 * x, 256 * y, 256), VXS_I(k));
+    return count;
+}
+
+#endif

@@ -1,0 +1,160 @@
+/* Lookups in palette blocks, by vectors and word by word, against the depths that the words were written from.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "formats/vxs_lookup_blocks.h" /* first: it needs nothing before it */
+
+#include "blocks_sample.h"
+#include "blocks_scalar.h"
+#include "formats/vxs_format.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static void check_voxel(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j, uint32_t k)
+{
+    uint32_t wanted = blocks_sample_shadow(s, map, i, j, k), found = vxs_blocks_shadow(s->words, map, s->levels, i, j, k);
+    uint32_t scalar = scalar_shadow(s->words, map, s->levels, i, j, k);
+    if (found != wanted || scalar != wanted)
+        fail_msg("levels %u, map %u, voxel %u %u %u: %u, scalar %u, expected %u", s->levels, map, i, j, k, found, scalar, wanted);
+}
+
+/* One tap at a time; what is outside the map is lit. */
+static void check_filter(const blocks_sample *s, uint32_t map, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+{
+    int32_t  side = 1 << s->levels, half_px = filter_px / 2;
+    uint32_t wanted = 0;
+    for (int32_t y = j - half_px; y <= j + half_px; y++)
+        for (int32_t x = i - half_px; x <= i + half_px; x++)
+            if (x >= 0 && y >= 0 && x < side && y < side) wanted += blocks_sample_shadow(s, map, (uint32_t)x, (uint32_t)y, k);
+    uint32_t found  = vxs_blocks_shadow_count(s->words, map, s->levels, i, j, k, filter_px);
+    uint32_t scalar = scalar_shadow_count(s->words, map, s->levels, i, j, k, filter_px);
+    if (found != wanted || scalar != wanted)
+        fail_msg("levels %u, map %u, texel %d %d, depth %u, filter %d: %u, scalar %u, expected %u", s->levels, map, i, j, k,
+                 filter_px, found, scalar, wanted);
+}
+
+/* A depth at which a texel's shadow begins, or near it, or anywhere; within the map. */
+static uint32_t tricky_depth(const blocks_sample *s, rng *r, uint32_t map, int32_t i, int32_t j)
+{
+    int32_t last = (1 << s->levels) - 1, x = i < 0 ? 0 : i < last ? i : last, y = j < 0 ? 0 : j < last ? j : last;
+    int32_t k = blocks_sample_depth(s, map, (uint32_t)x, (uint32_t)y) + rng_between(r, -2, 1);
+    if (!rng_below(r, 4)) k = (int32_t)rng_below(r, 1u << s->levels);
+    return (uint32_t)(k < 0 ? 0 : k < last ? k : last);
+}
+
+/* A texel near what may go wrong: borders of tiles, blocks, nodes and cells, corners of the map, just outside and far outside. */
+static int32_t tricky_texel(rng *r, int32_t side)
+{
+    switch (rng_below(r, 8)) {
+    case 0: return rng_between(r, -12, 12);
+    case 1: return side + rng_between(r, -12, 12);
+    case 2: return 8 * rng_between(r, 0, side / 8) + rng_between(r, -1, 1);
+    case 3: return 32 * rng_between(r, 0, side / 32) + rng_between(r, -9, 9);
+    case 4: return 256 * rng_between(r, 0, side / 256) + rng_between(r, -9, 9);
+    case 5: return rng_below(r, 16) ? rng_between(r, -side, 2 * side) : rng_below(r, 2) ? -(1 << 30) : 1 << 30;
+    default: return rng_between(r, 0, side - 1);
+    }
+}
+
+/* A texel of a square that has more than one depth, or near its border. */
+static void texel_of_square(const blocks_sample *s, rng *r, uint32_t map, int32_t *i, int32_t *j)
+{
+    uint32_t wide = s->squares_wide;
+    size_t   area = (size_t)wide * wide, from = rng_below(r, (uint32_t)area), n;
+    for (n = 0; n < area && s->map[map][(from + n) % area] >= 0; n++) {}
+    *i = (int32_t)((from + n) % area % wide) * BLOCKS_SQUARE_PX + rng_between(r, -9, BLOCKS_SQUARE_PX + 8);
+    *j = (int32_t)((from + n) % area / wide) * BLOCKS_SQUARE_PX + rng_between(r, -9, BLOCKS_SQUARE_PX + 8);
+}
+
+static void check_random(const blocks_sample *s, rng *r, int count)
+{
+    int32_t side = 1 << s->levels;
+    for (int n = 0; n < count; n++) {
+        uint32_t map = rng_below(r, s->map_count);
+        int32_t  i = tricky_texel(r, side), j = tricky_texel(r, side);
+        if (s->levels > 8 && rng_below(r, 4)) texel_of_square(s, r, map, &i, &j);
+        uint32_t k = tricky_depth(s, r, map, i, j);
+        check_filter(s, map, i, j, k, 1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2));
+        if (i >= 0 && j >= 0 && i < side && j < side) check_voxel(s, map, (uint32_t)i, (uint32_t)j, k);
+    }
+}
+
+/* Every texel of every square with more than one depth: the last lit voxel, the first shadowed one, and any. */
+static void check_squares(const blocks_sample *s, rng *r)
+{
+    uint32_t wide = s->squares_wide, side = 1u << s->levels, width = side < 256 ? side : 256;
+    for (uint32_t map = 0; map < s->map_count; map++)
+        for (size_t n = 0; n < (size_t)wide * wide; n++) {
+            if (s->map[map][n] >= 0) continue;
+            for (uint32_t y = 0; y < width; y++)
+                for (uint32_t x = 0; x < width; x++) {
+                    uint32_t i = (uint32_t)(n % wide) * 256 + x, j = (uint32_t)(n / wide) * 256 + y;
+                    uint32_t d = (uint32_t)blocks_sample_depth(s, map, i, j);
+                    if (d > 0) check_voxel(s, map, i, j, d - 1);
+                    if (d < side) check_voxel(s, map, i, j, d);
+                    check_voxel(s, map, i, j, rng_below(r, side));
+                }
+        }
+}
+
+/* Maps of all sizes, up to what is sparse: two maps of some, six of one, seeds that differ. */
+static void test_lookups(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t levels, maps, squares;
+    } cases[]         = {{3, 2, 2}, {4, 1, 1},   {5, 6, 6},   {6, 1, 1},   {7, 1, 1},  {8, 2, 2},
+                         {9, 2, 6}, {10, 1, 12}, {11, 1, 20}, {15, 1, 12}, {18, 2, 20}};
+    blocks_sample all = {0};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++)
+        for (uint64_t seed = 0; seed < (cases[n].levels < 9 ? 4 : 1); seed++) {
+            blocks_sample s;
+            rng           r = {100 * n + seed};
+            blocks_sample_init(&s, &r, cases[n].levels, cases[n].maps, cases[n].squares);
+            check_squares(&s, &r);
+            check_random(&s, &r, 10000);
+            for (int kind = 0; kind < 7; kind++) all.kinds[kind] += s.kinds[kind];
+            for (int kind = 0; kind < 4; kind++) all.states[kind] += s.states[kind];
+            for (int width = 0; width < 3; width++) all.widths[width] += s.widths[width];
+            all.images += s.images;
+            all.far += s.far;
+            all.wide += s.wide;
+            blocks_sample_free(&s);
+        }
+    for (int kind = 0; kind < 7; kind++) assert_in_range(all.kinds[kind], 100, UINT32_MAX);
+    for (int kind = 0; kind < 4; kind++) assert_in_range(all.states[kind], 100, UINT32_MAX);
+    for (int width = 0; width < 3; width++) assert_in_range(all.widths[width], 100, UINT32_MAX);
+    assert_in_range(all.images, 100, UINT32_MAX);
+    assert_in_range(all.far, 100, UINT32_MAX);
+    assert_in_range(all.wide, 2, UINT32_MAX);
+}
+
+/* Every page, one after the other, and all of them, are not there: what they hold is answered by their entries, all else as before. */
+static void test_absent_pages(void **state)
+{
+    (void)state;
+    blocks_sample s;
+    rng           r = {5};
+    blocks_sample_init(&s, &r, 10, 1, 14);
+    assert_true(s.page_count > 2);
+    for (uint32_t page = 0; page <= s.page_count; page++) {
+        uint32_t start                   = s.words[8 + page % s.page_count];
+        s.words[8 + page % s.page_count] = 0;
+        check_random(&s, &r, 10000);
+        if (page + 1 < s.page_count) s.words[8 + page % s.page_count] = start;
+    }
+    blocks_sample_free(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lookups),
+        cmocka_unit_test(test_absent_pages),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
