@@ -38,8 +38,8 @@ def glslang(tmp_path):
     return run
 
 
-def with_headers(text):
-    for name in HEADERS:
+def with_headers(text, names=HEADERS):
+    for name in names:
         assert text.count(f'#include "{name}"\n') == 1
         text = text.replace(f'#include "{name}"\n', header(name))
     return text
@@ -74,6 +74,27 @@ def test_shader_calls_every_function(glslang, shader):
     call = re.search(r"(return|lit =) vxs_lit\(.*\);", text)
     text = text.replace(call[0], f"{body} {call[0].rstrip(';')} + a; }}")
     glslang(text if shader.suffix == ".hlsl" else with_headers(text), shader.name, *options_of(shader.name))
+
+
+@pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
+def test_blocks_compile(glslang, shader):
+    """Lookups of the other coding, for a shader that knows its voxels."""
+    names = ("vxs_lookup.h", "vxs_lookup_blocks.h")
+    text = shader.read_text().partition('#include "vxs_lookup.h"\n')[0] + "".join(f'#include "{name}"\n' for name in names)
+    answer = "float(vxs_blocks_shadow_count(1u, 5u, 18u, -3, 6, 7u, 9) + vxs_blocks_shadow(1u, 0u, 8u, 5u, 6u, 7u))"
+    if shader.suffix == ".hlsl":
+        glslang(text + f"float main() : SV_Target {{ return {answer}; }}\n", shader.name, *options_of(shader.name))
+        return
+    out = "layout(location = 0) out" if "vulkan" in shader.name else "out"
+    glslang(with_headers(text, names) + f"{out} float dark;\nvoid main() {{ dark = {answer}; }}\n", shader.name,
+            *options_of(shader.name))
+
+
+def test_blocks_go_with_space(glslang):
+    """All three texts in one shader, in any order of the last two."""
+    body = "void main() { words[0] = vxs_blocks_shadow(1u, 0u, 8u, 5u, 6u, 7u) + uint(vxs_face_sign(0)); }\n"
+    for last in (("vxs_space.h", "vxs_lookup_blocks.h"), ("vxs_lookup_blocks.h", "vxs_space.h")):
+        glslang(WORDS + COMPUTE + WORD + "".join(map(header, ("vxs_lookup.h", *last))) + body, "all.comp")
 
 
 def test_lookup_header_alone(glslang):
@@ -162,4 +183,32 @@ def test_macros_of_the_includer(language, standard, tmp_path):
     (tmp_path / "floats").write_text(FLOATS)
     subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
                     f"-I{ROOT / 'formats'}", f"-I{ROOT / 'runtime'}", tmp_path / "floats", "-o", tmp_path / "run", "-lm"], check=True)
+    assert subprocess.run([tmp_path / "run"]).returncode == 0
+
+
+BLOCKS = """
+INCLUDER
+#include <stdint.h>
+static const uint32_t words[14] = {0, 0, 8, 0, 0, 0, 0, 0, 0x80000003, 0, 0, 0, 0, 0};
+#include "formats/vxs_lookup_blocks.h"
+int main(void)
+{
+    if (vxs_blocks_shadow(LIGHT, 0, 3, 1, 1, 2) != 0 || vxs_blocks_shadow(LIGHT, 0, 3, 1, 1, 3) != 1) return 1;
+    return vxs_blocks_shadow_count(LIGHT, 0, 3, 0, 7, 5, 9) == 25 ? 0 : 2;
+}
+"""
+MEMORY = "#define LIGHT words"
+INDEXED = """#define LIGHT 0
+#define VXS_WORDS uint32_t
+#define vxs_word(light, i) words[(light) + (i)]"""
+
+
+@pytest.mark.parametrize("includer", [MEMORY, MEMORY + "\n#define VXS_SCALAR", INDEXED], ids=["memory", "scalar", "indexed"])
+@pytest.mark.parametrize("language, standard", [("c", "c99"), ("c++", "c++11")])
+def test_blocks_in_c(language, standard, includer, tmp_path):
+    """By vectors, word by word, and with words that are fetched by the includer's own macro."""
+    compiler = os.environ.get("CC", "cc") if language == "c" else os.environ.get("CXX", "c++")
+    (tmp_path / "blocks").write_text(BLOCKS.replace("INCLUDER", includer))
+    subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
+                    tmp_path / "blocks", "-o", tmp_path / "run"], check=True)
     assert subprocess.run([tmp_path / "run"]).returncode == 0

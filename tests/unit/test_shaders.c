@@ -7,8 +7,10 @@
 #include <GL/osmesa.h>
 #include <stdio.h>
 
+#include "blocks_sample.h"
 #include "dag_sample.h"
 #include "formats/vxs_lookup.h"
+#include "formats/vxs_lookup_blocks.h"
 #include "random_lamp.h"
 #include "runtime/vxs.h"
 
@@ -79,15 +81,17 @@ static GLuint fragment_shader(const drawing *d, const char *dialect, const char 
     char *head = read_text("tests/shaders", dialect), *rest = cut(head, "#include \"vxs_lookup.h\"\n");
     char *own = cut(rest, "#include \"vxs_space.h\"\n"), *end = cut(own, "normal_ws, 9);");
     char *lookup = read_text("formats", "vxs_lookup.h"), *space = read_text("formats", "vxs_space.h");
+    char *blocks = read_text("formats", "vxs_lookup_blocks.h");
 
-    const char *with_body[4] = {head, lookup, space, body}, *whole[7] = {head, lookup, space, own, "normal_ws, ", filter_px, ");"};
+    const char *with_body[5] = {head, lookup, blocks, space, body}, *whole[7] = {head, lookup, space, own, "normal_ws, ", filter_px, ");"};
     GLuint      shader = d->gl->CreateShader(GL_FRAGMENT_SHADER);
     const char *all[8];
     memcpy(all, whole, sizeof whole);
     all[7] = end;
-    d->gl->ShaderSource(shader, body ? 4 : 8, body ? with_body : all, NULL);
+    d->gl->ShaderSource(shader, body ? 5 : 8, body ? with_body : all, NULL);
     free(head);
     free(lookup);
+    free(blocks);
     free(space);
     return shader;
 }
@@ -175,18 +179,29 @@ static void bind_buffer(const drawing *d, GLenum target, size_t size, const void
     if (target != GL_ARRAY_BUFFER) d->BindBufferBase(target, 0, buffer);
 }
 
+/* The words of a light. */
+typedef struct light_words {
+    const uint32_t *words;
+    size_t          count;
+} light_words;
+
+static light_words words_of(const vxs_baked_light *light)
+{
+    return (light_words){light->words, light->word_count};
+}
+
 /* The words of several lights behind each other, as a storage buffer and as a texture.
  * first  [out] [count] where each light's begin */
-static void put_words(drawing *d, const vxs_baked_light *const *lights, uint32_t count, uint32_t *first)
+static void put_words(drawing *d, const light_words *lights, uint32_t count, uint32_t *first)
 {
     uint32_t total = FIRST_WORD;
     for (uint32_t n = 0; n < count; n++) {
         first[n] = total;
-        total += lights[n]->word_count;
+        total += (uint32_t)lights[n].count;
     }
     uint32_t  rows  = total / WORDS_WIDE + 1;
     uint32_t *words = dag_sample_alloc((size_t)rows * WORDS_WIDE, sizeof *words);
-    for (uint32_t n = 0; n < count; n++) memcpy(words + first[n], lights[n]->words, lights[n]->word_count * sizeof *words);
+    for (uint32_t n = 0; n < count; n++) memcpy(words + first[n], lights[n].words, lights[n].count * sizeof *words);
     bind_buffer(d, GL_SHADER_STORAGE_BUFFER, total * sizeof *words, words);
     if (d->words_texture) d->gl->DeleteTextures(1, &d->words_texture);
     d->gl->CreateTextures(GL_TEXTURE_2D, 1, &d->words_texture);
@@ -317,6 +332,7 @@ static void test_voxels(void **state)
     dag_sample             samples[3];
     vxs_asset             *assets[3];
     const vxs_baked_light *lights[3];
+    light_words            words_of_all[3];
     uint32_t               first[3];
     drawing                d = drawing_make();
     rng                    r = {9};
@@ -326,8 +342,9 @@ static void test_voxels(void **state)
         vxs_write_light light = dag_sample_light(&samples[n], "sun");
         assets[n]             = open_light(&light);
         lights[n]             = vxs_asset_light(assets[n], 0);
+        words_of_all[n]       = words_of(lights[n]);
     }
-    put_words(&d, lights, 3, first);
+    put_words(&d, words_of_all, 3, first);
     for (uint32_t n = 0; n < QUERIES; n++) {
         uint32_t levels = samples[n % 3].levels;
         int32_t  side   = 1 << levels;
@@ -358,6 +375,75 @@ static void test_voxels(void **state)
         vxs_asset_close(assets[n]);
         dag_sample_free(&samples[n]);
     }
+}
+
+static int32_t held(int32_t x, int32_t last)
+{
+    return x < 0 ? 0 : x < last ? x : last;
+}
+
+/* As voxel_body; the number of the map is added to the levels, 32 for each. */
+static const char blocks_body[] =
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    uint light = uint(normal_ws.x), levels = uint(normal_ws.y) & 31u, map = uint(normal_ws.y) >> 5, last = (1u << levels) - 1u;\n"
+    "    int i = int(position_ws.x), j = int(position_ws.y);\n"
+    "    uint k = uint(position_ws.z), x = min(uint(max(i, 0)), last), y = min(uint(max(j, 0)), last);\n"
+    "    uint dark = vxs_blocks_shadow_count(light, map, levels, i, j, k, int(normal_ws.z));\n"
+    "    answer = float(2u * dark + vxs_blocks_shadow(light, map, levels, x, y, k));\n"
+    "}\n";
+
+/* A texel of a sample of blocks near squares with depths of their own, or anywhere; a depth near the texel's, or any. */
+static query blocks_query(rng *r, const blocks_sample *s, uint32_t first)
+{
+    int32_t  side = 1 << s->levels, last = side - 1, middle = s->levels > 8 && rng_below(r, 4);
+    uint32_t map = rng_below(r, s->map_count);
+    float    i = middle ? (float)(side / 2 + rng_between(r, -280, 280)) : tricky_texel(r, side);
+    float    j = middle ? (float)(side / 2 + rng_between(r, -280, 280)) : tricky_texel(r, side);
+    int32_t  k = blocks_sample_depth(s, map, (uint32_t)held((int32_t)i, last), (uint32_t)held((int32_t)j, last)) + rng_between(r, -2, 1);
+    if (!rng_below(r, 4)) k = rng_between(r, 0, last);
+    return (query){{i, j, (float)held(k, last)},
+                   {(float)first, (float)(s->levels + 32 * map), (float)(1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2))}};
+}
+
+static void test_blocks(void **state)
+{
+    enum { SAMPLES = 5 };
+    static const uint32_t levels[SAMPLES] = {3, 6, 8, 10, 15}, maps[SAMPLES] = {2, 6, 1, 1, 1}, squares[SAMPLES] = {2, 6, 1, 12, 6};
+    static query          queries[QUERIES];
+    static float          answers[QUERIES];
+    blocks_sample         samples[SAMPLES];
+    light_words           lights[SAMPLES];
+    uint32_t              first[SAMPLES], partly = 0;
+    drawing               d = drawing_make();
+    rng                   r = {10};
+    (void)state;
+    for (uint32_t n = 0; n < SAMPLES; n++) {
+        blocks_sample_init(&samples[n], &r, levels[n], maps[n], squares[n]);
+        if (levels[n] == 10) samples[n].words[8 + samples[n].page_count / 2] = 0; /* a page that is not there */
+        lights[n] = (light_words){samples[n].words, samples[n].word_count + BLOCKS_SPARE_WORDS};
+    }
+    put_words(&d, lights, SAMPLES, first);
+    for (uint32_t n = 0; n < QUERIES; n++) queries[n] = blocks_query(&r, &samples[n % SAMPLES], first[n % SAMPLES]);
+    for (int dialect = 0; dialect < DIALECTS; dialect++) {
+        use_program(&d, dialects[dialect], blocks_body, NULL);
+        draw(&d, queries, answers);
+        for (uint32_t n = 0; n < QUERIES; n++) {
+            const query         *q = &queries[n];
+            const blocks_sample *s = &samples[n % SAMPLES];
+            int32_t              last = (1 << s->levels) - 1, i = (int32_t)q->position[0], j = (int32_t)q->position[1];
+            uint32_t             k = (uint32_t)q->position[2], map = (uint32_t)q->normal[1] >> 5;
+            uint32_t             dark = vxs_blocks_shadow_count(s->words, map, s->levels, i, j, k, (int32_t)q->normal[2]);
+            uint32_t tap = vxs_blocks_shadow(s->words, map, s->levels, (uint32_t)held(i, last), (uint32_t)held(j, last), k);
+            if (answers[n] != (float)(2 * dark + tap)) fail_msg("%s, query %u: %g", dialects[dialect], n, (double)answers[n]);
+            partly += dark > 0 && (float)dark < q->normal[2] * q->normal[2];
+        }
+    }
+    assert_in_range(partly, DIALECTS * QUERIES / 10, DIALECTS * QUERIES);
+    gl_context_destroy(d.gl);
+    for (int n = 0; n < SAMPLES; n++) blocks_sample_free(&samples[n]);
 }
 
 /* Positions and normals about a light, most of them in its volume. */
@@ -424,7 +510,7 @@ static void test_positions(void **state)
                 if (kind >= LAMP_FIRST && (kind + width) % 3) light.light.range_metres = 6;
                 vxs_asset             *asset = open_light(&light);
                 const vxs_baked_light *baked = vxs_asset_light(asset, 0);
-                put_words(&d, &baked, 1, &first);
+                put_words(&d, (light_words[1]){words_of(baked)}, 1, &first);
                 vxs_light_constants c = vxs_light_constants_of(&baked->light, far > 0 ? origin : NULL, first);
                 bind_buffer(&d, GL_UNIFORM_BUFFER, sizeof c, &c);
                 fill_queries(&r, &baked->light, at, origin, queries);
@@ -520,6 +606,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_voxels),
+        cmocka_unit_test(test_blocks),
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_there_and_back),
         cmocka_unit_test(test_constants),
