@@ -46,8 +46,9 @@ done:
 
 static vxs_result dag_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
-    vxs_asset *opened = NULL;
-    vxs_result r      = vxs_asset_open(&opened, file->data, file->size_bytes, NULL);
+    const vxs_read_desc any_size = {.memory_limit_bytes = UINT64_MAX}; /* a file that was just made here */
+    vxs_asset          *opened   = NULL;
+    vxs_result          r        = vxs_asset_open(&opened, file->data, file->size_bytes, &any_size);
     (void)maps;
     (void)options;
     if (r == VXS_OK) *asset = (rival_asset){opened, (uint64_t)vxs_asset_light(opened, 0)->word_count * sizeof(uint32_t)};
