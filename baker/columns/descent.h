@@ -1,0 +1,45 @@
+/* From the top of a map down to squares that can be built: what every coding of columns begins with.
+ *
+ * A square whose bounds settle it is added as it is. What is left is fetched, in squares as wide as the source can give, and descended
+ * further, until a square is small enough to be built. Squares are built on all threads, a batch at once, and added in z order.
+ * Source: [CPVS16] 4.3, 6.1.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DESCENT_H
+#define DESCENT_H
+
+#include "baker/columns/columns.h"
+
+enum { DESCENT_BATCH = 64 }; /* squares that are in memory at once */
+
+/* What becomes of a square. */
+typedef enum descent_step {
+    DESCENT_SETTLED, /* nothing is left to do: it was added */
+    DESCENT_BUILD,   /* it is small enough, or as good as small; as DESCENT_SPLIT until it is fetched */
+    DESCENT_SPLIT,   /* on with its quarters */
+} descent_step;
+
+typedef struct descent {
+    void *user;
+
+    /* What to do with the square (i, j) of `level` of the map, by its bounds; one that is settled is added by this call.
+     * fetched  1: they are bounds of fetched columns, else what is known before. Returns VXS_OK, or what ends the descent. */
+    vxs_result (*look)(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j, int fetched,
+                       descent_step *step);
+
+    /* Build the square (i, j) of `level` of fetched columns, counted from where these start. From any thread, once for each slot,
+     * [0, DESCENT_BATCH), before it is added. */
+    vxs_result (*build)(void *user, uint32_t slot, const column_square *columns, uint32_t level, uint32_t i, uint32_t j);
+
+    /* Add what was built in a slot; level, i, j as look was given them. Called in z order, and not where building failed. */
+    vxs_result (*add)(void *user, uint32_t slot, uint32_t level, uint32_t i, uint32_t j);
+
+    /* Of a batch: before it is built; between building and adding; behind it. Stages of time belong there. May be NULL. */
+    void (*batch)(void *user, bake_context *ctx, int phase, uint32_t count);
+} descent;
+
+/* Descend a map.
+ * ctx  threads; a step of progress is done for each square of fetch_px
+ * Returns VXS_OK, or what a callback or the columns return; what was built and not added is the user's to release. */
+vxs_result descend(const descent *d, const column_map *columns, bake_context *ctx);
+
+#endif
