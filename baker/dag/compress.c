@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "baker/dag/dag.h"
-#include "baker/dag/ref_table.h"
+#include "baker/base/ref_table.h"
 
 /* Top-down --------------------------------------------------------------------------------------------------------------------
  *

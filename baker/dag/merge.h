@@ -10,7 +10,7 @@
 #define MERGE_H
 
 #include "baker/dag/dag.h"
-#include "baker/dag/ref_table.h"
+#include "baker/base/ref_table.h"
 
 typedef struct stack_run {
     uint32_t ref; /* to a node of the square's level */

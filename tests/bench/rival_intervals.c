@@ -38,7 +38,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "baker/dag/ref_table.h"
+#include "baker/base/ref_table.h"
 #include "tests/bench/rival.h"
 
 /* building --------------------------------------------------------------------------------------------------------------------- */

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "baker/bake/bake.h" /* before cmocka, whose fail() is a macro */
-#include "baker/dag/ref_table.h"
+#include "baker/base/ref_table.h"
 #include "baker/generate/generate.h"
 
 #include <cmocka.h>
