@@ -1,0 +1,30 @@
+/* Things that are kept once: what is equal to one that is there gets its number. Contents are compared wherever hashes meet.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef INTERN_H
+#define INTERN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "baker/base/ref_table.h"
+#include "formats/vxs_result.h"
+
+/* Zero it. */
+typedef struct intern {
+    uint8_t  *bytes; /* of all things, each aligned to 8 bytes */
+    size_t   *start; /* [count + 1] where each begins */
+    size_t    count, byte_capacity, start_capacity;
+    ref_table table;
+} intern;
+
+/* The number of a thing, [0, count): of an equal one, or a new one. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
+vxs_result intern_find(intern *t, const void *thing, size_t size_bytes, uint32_t *number);
+
+static inline void *intern_at(const intern *t, uint32_t number)
+{
+    return t->bytes + t->start[number];
+}
+
+void intern_free(intern *t);
+
+#endif

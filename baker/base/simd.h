@@ -1,0 +1,194 @@
+/* Vectors of eight signed halves, as much of them as the baker needs: SSE2 where there is one, else what the compiler makes of plain
+ * loops. Both give the same bits.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SIMD_H
+#define SIMD_H
+
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+typedef int16_t  i16x8 __attribute__((vector_size(16)));
+typedef int8_t   i8x8 __attribute__((vector_size(8)));
+typedef int32_t  i32x4 __attribute__((vector_size(16)));
+typedef uint32_t u32x4 __attribute__((vector_size(16)));
+
+static inline i16x8 i16x8_load(const int16_t *from)
+{
+    i16x8 v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline void i16x8_store(int16_t *to, i16x8 v)
+{
+    memcpy(to, &v, sizeof v);
+}
+
+static inline i16x8 i16x8_all(int16_t value)
+{
+    return (i16x8){value, value, value, value, value, value, value, value};
+}
+
+static inline i16x8 i16x8_select(i16x8 mask, i16x8 a, i16x8 b)
+{
+    return (a & mask) | (b & ~mask);
+}
+
+static inline i16x8 i16x8_max(i16x8 a, i16x8 b)
+{
+#ifdef __SSE2__
+    return (i16x8)_mm_max_epi16((__m128i)a, (__m128i)b);
+#else
+    return i16x8_select((i16x8)(a > b), a, b);
+#endif
+}
+
+static inline i16x8 i16x8_min(i16x8 a, i16x8 b)
+{
+#ifdef __SSE2__
+    return (i16x8)_mm_min_epi16((__m128i)a, (__m128i)b);
+#else
+    return i16x8_select((i16x8)(a < b), a, b);
+#endif
+}
+
+/* Sum and difference that stop at the ends of the range. */
+static inline i16x8 i16x8_adds(i16x8 a, i16x8 b)
+{
+#ifdef __SSE2__
+    return (i16x8)_mm_adds_epi16((__m128i)a, (__m128i)b);
+#else
+    i16x8 sum;
+    for (int n = 0; n < 8; n++) sum[n] = (int16_t)(a[n] + b[n] > 32767 ? 32767 : a[n] + b[n] < -32768 ? -32768 : a[n] + b[n]);
+    return sum;
+#endif
+}
+
+static inline i16x8 i16x8_subs(i16x8 a, i16x8 b)
+{
+#ifdef __SSE2__
+    return (i16x8)_mm_subs_epi16((__m128i)a, (__m128i)b);
+#else
+    i16x8 rest;
+    for (int n = 0; n < 8; n++) rest[n] = (int16_t)(a[n] - b[n] > 32767 ? 32767 : a[n] - b[n] < -32768 ? -32768 : a[n] - b[n]);
+    return rest;
+#endif
+}
+
+/* Whether any bit of a mask is set. */
+static inline int i16x8_any(i16x8 mask)
+{
+#ifdef __SSE2__
+    return _mm_movemask_epi8((__m128i)mask) != 0;
+#else
+    uint64_t half[2];
+    memcpy(half, &mask, sizeof half);
+    return (half[0] | half[1]) != 0;
+#endif
+}
+
+/* The signs of 16 elements as bits, `low` first. */
+static inline uint32_t i16x8_signs(i16x8 low, i16x8 high)
+{
+#ifdef __SSE2__
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)low, (__m128i)high));
+#else
+    uint32_t bits = 0;
+    for (int n = 0; n < 8; n++) bits |= (uint32_t)(low[n] < 0) << n | (uint32_t)(high[n] < 0) << (n + 8);
+    return bits;
+#endif
+}
+
+static inline int i16x8_greatest(i16x8 v)
+{
+    int16_t at[8];
+    i16x8_store(at, v);
+    int greatest = at[0];
+    for (int n = 1; n < 8; n++) greatest = at[n] > greatest ? at[n] : greatest;
+    return greatest;
+}
+
+static inline int i16x8_least(i16x8 v)
+{
+    int16_t at[8];
+    i16x8_store(at, v);
+    int least = at[0];
+    for (int n = 1; n < 8; n++) least = at[n] < least ? at[n] : least;
+    return least;
+}
+
+/* Which of 64 bytes are at most `limit`, as bits. */
+static inline uint64_t bytes_at_most(const uint8_t bytes[64], uint8_t limit)
+{
+    uint64_t bits = 0;
+#ifdef __SSE2__
+    const __m128i top = _mm_set1_epi8((char)limit);
+    for (int n = 0; n < 64; n += 16) {
+        __m128i v = _mm_loadu_si128((const __m128i *)(const void *)(bytes + n));
+        bits |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_cmpeq_epi8(_mm_max_epu8(v, top), top)) << n;
+    }
+#else
+    for (int n = 0; n < 64; n++) bits |= (uint64_t)(bytes[n] <= limit) << n;
+#endif
+    return bits;
+}
+
+static inline i32x4 i32x4_load(const void *from)
+{
+    i32x4 v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline i32x4 i32x4_all(int32_t value)
+{
+    return (i32x4){value, value, value, value};
+}
+
+static inline i32x4 i32x4_select(i32x4 mask, i32x4 a, i32x4 b)
+{
+    return (a & mask) | (b & ~mask);
+}
+
+static inline i32x4 i32x4_max(i32x4 a, i32x4 b)
+{
+    return i32x4_select((i32x4)(a > b), a, b);
+}
+
+static inline i32x4 i32x4_min(i32x4 a, i32x4 b)
+{
+    return i32x4_select((i32x4)(a < b), a, b);
+}
+
+static inline u32x4 u32x4_load(const uint32_t *from)
+{
+    u32x4 v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline u32x4 u32x4_all(uint32_t value)
+{
+    return (u32x4){value, value, value, value};
+}
+
+/* Which of 16 elements are zero, as bits, v[0] first. */
+static inline uint32_t u32x4_zeros(const u32x4 v[4])
+{
+#ifdef __SSE2__
+    const __m128i zero = _mm_setzero_si128();
+    __m128i       a    = _mm_packs_epi32(_mm_cmpeq_epi32((__m128i)v[0], zero), _mm_cmpeq_epi32((__m128i)v[1], zero));
+    __m128i       b    = _mm_packs_epi32(_mm_cmpeq_epi32((__m128i)v[2], zero), _mm_cmpeq_epi32((__m128i)v[3], zero));
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(a, b));
+#else
+    uint32_t bits = 0;
+    for (int n = 0; n < 16; n++) bits |= (uint32_t)(v[n / 4][n % 4] == 0) << n;
+    return bits;
+#endif
+}
+
+#endif

@@ -1,0 +1,181 @@
+/* From palette blocks to words; see block_words.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/blocks/block_words.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/z_order.h"
+#include "baker/blocks/block_layout.h"
+#include "baker/blocks/pattern_code.h"
+
+/* patterns -------------------------------------------------------------------------------------------------------------------- */
+
+/* kind  as block_words.common_kinds has it;   halves  [0] is free */
+static vxs_result add_code(layout *l, int own, uint32_t id, uint16_t *halves, uint32_t count, int kind)
+{
+    halves[0] = (uint16_t)(count | (uint32_t)kind << 8);
+    return intern_find(&l->codes[own], halves, (count + 1) * sizeof *halves, &l->code_of[own][id]);
+}
+
+static vxs_result encode_patterns(layout *l)
+{
+    uint16_t   halves[OWN_HALVES_MAX + 1];
+    vxs_result r  = VXS_OK;
+    l->code_of[0] = malloc((l->set->patterns.count + 1) * sizeof *l->code_of[0]);
+    l->code_of[1] = malloc((l->set->own.count + 1) * sizeof *l->code_of[1]);
+    if (!l->code_of[0] || !l->code_of[1]) return VXS_E_MEMORY;
+    for (int depths = 2; depths <= PALETTE_MAX; depths++) {
+        const pattern_class *c = &l->set->patterns.by_depths[depths];
+        for (size_t n = 0; n < c->count && r == VXS_OK; n++) {
+            mask_need needs[PALETTE_MAX - 1];
+            uint8_t   index[64];
+            pattern_needs(&l->set->patterns, depths, n, needs);
+            pattern_choose(needs, depths, index);
+            r = add_code(l, 0, c->ids[n], halves, pattern_encode(index, depths, halves + 1), depths);
+        }
+    }
+    for (uint32_t n = 0; n < l->set->own.count && r == VXS_OK; n++)
+        r = add_code(l, 1, n, halves, own_encode(l->set->own.patterns[n].depth, halves + 1), 0);
+    return r;
+}
+
+/* nodes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The depth that all others of a node are counted from, in steps. */
+static uint32_t node_base(const layout *l, const block_node *n)
+{
+    int32_t least = INT32_MAX;
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (((n->mixed >> b & 1) || (uint32_t)n->depth[b] < l->never) && n->depth[b] < least) least = n->depth[b];
+    return least == INT32_MAX ? 0 : min_u32((uint32_t)least >> l->base_shift, 0xffff);
+}
+
+static vxs_result shape_node(layout *l, node_place *to)
+{
+    const block_node *n = &l->set->nodes[to->node];
+    node_shape        shape;
+    memset(&shape, 0, sizeof shape);
+    to->base      = node_base(l, n);
+    shape.slope   = n->slope;
+    shape.mixed   = n->mixed;
+    uint32_t from = to->base << l->base_shift, never = l->never + (uint32_t)slope_shift_max(n->slope);
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        int mixed      = n->mixed >> b & 1;
+        shape.depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
+        shape.block[b] = mixed ? n->block[b] : 0;
+    }
+    return intern_find(&l->shapes, &shape, sizeof shape, &to->shape);
+}
+
+static int by_place(const void *a, const void *b, void *user)
+{
+    const block_node *nodes = user, *x = &nodes[((const node_place *)a)->node], *y = &nodes[((const node_place *)b)->node];
+    if (x->map != y->map) return x->map < y->map ? -1 : 1;
+    uint32_t xz = z_number((z_place){x->x, x->y}), yz = z_number((z_place){y->x, y->y});
+    return (xz > yz) - (xz < yz);
+}
+
+static vxs_result shape_nodes(layout *l)
+{
+    size_t     count = l->set->node_count;
+    vxs_result r     = VXS_OK;
+    l->nodes         = calloc(count + 1, sizeof *l->nodes);
+    if (!l->nodes) return VXS_E_MEMORY;
+    for (uint32_t n = 0; n < count; n++) l->nodes[n].node = n;
+    qsort_r(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) r = shape_node(l, &l->nodes[n]);
+    return r;
+}
+
+/* words ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Head, table of pages, tops, common patterns, pages. */
+static vxs_result assemble(layout *l, const uint32_t *pages, size_t page_words, const uint32_t *starts)
+{
+    size_t    top = HEAD_WORDS + l->page_count, common = top + l->top_count, common_words = (l->common_halves + 1) / 2;
+    size_t    page_start = common + common_words, all = page_start + page_words;
+    uint32_t *w = calloc(all + BLOCK_SPARE_WORDS, sizeof *w);
+    if (!w) return VXS_E_MEMORY;
+    w[0] = (uint32_t)l->page_count;
+    w[1] = (uint32_t)common;
+    for (uint32_t map = 0; map < l->map_count; map++) w[2 + map] = (uint32_t)top + l->top_start[map];
+    for (size_t p = 0; p < l->page_count; p++) w[HEAD_WORDS + p] = (uint32_t)page_start + starts[p];
+    memcpy(w + top, l->top, l->top_count * sizeof *w);
+    layout_write_common(l, w + common);
+    if (page_words) memcpy(w + page_start, pages, page_words * sizeof *w);
+    l->out->words               = w;
+    l->out->count               = (uint32_t)all;
+    l->out->common_kinds        = l->common_kinds;
+    l->out->common_count        = (uint32_t)l->common_count;
+    l->common_kinds             = NULL;
+    l->out->counts.pages        = (uint32_t)l->page_count;
+    l->out->counts.top_words    = (uint32_t)common;
+    l->out->counts.common_words = (uint32_t)common_words;
+    return VXS_OK;
+}
+
+static vxs_result make_scratch(layout *l)
+{
+    l->shape_at = calloc(l->shapes.count + 1, sizeof *l->shape_at);
+    l->block_at = calloc(l->set->blocks.count + 1, sizeof *l->block_at);
+    for (int own = 0; own < 2; own++) {
+        l->code_at[own] = calloc(l->codes[own].count + 1, sizeof *l->code_at[own]);
+        l->common[own]  = calloc(l->codes[own].count + 1, sizeof *l->common[own]);
+        if (!l->code_at[own] || !l->common[own]) return VXS_E_MEMORY;
+    }
+    return l->shape_at && l->block_at ? VXS_OK : VXS_E_MEMORY;
+}
+
+static void layout_free(layout *l)
+{
+    intern_free(&l->shapes);
+    for (int own = 0; own < 2; own++) {
+        intern_free(&l->codes[own]);
+        free(l->code_of[own]);
+        free(l->code_at[own]);
+        free(l->common[own]);
+    }
+    free(l->nodes);
+    free(l->common_kinds);
+    free(l->page_end);
+    free(l->shape_at);
+    free(l->block_at);
+    free(l->top);
+}
+
+vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count)
+{
+    layout     l     = {.set        = s,
+                        .levels     = levels,
+                        .map_count  = map_count,
+                        .never      = 1u << levels,
+                        .base_shift = levels > 16 ? levels - 16 : 0,
+                        .out        = out};
+    uint32_t  *pages = NULL, *starts = NULL;
+    size_t     page_words = 0;
+    vxs_result r;
+    memset(out, 0, sizeof *out);
+    if ((r = encode_patterns(&l)) != VXS_OK) goto done;
+    if ((r = shape_nodes(&l)) != VXS_OK) goto done;
+    if ((r = make_scratch(&l)) != VXS_OK) goto done;
+    if ((r = layout_cut_pages(&l)) != VXS_OK) goto done;
+    starts = malloc((l.page_count + 1) * sizeof *starts);
+    if (!starts) r = VXS_E_MEMORY;
+    if (r == VXS_OK) r = layout_write_pages(&l, &pages, &page_words, starts);
+    if (r == VXS_OK) r = layout_build_top(&l);
+    if (r == VXS_OK) r = assemble(&l, pages, page_words, starts);
+done:
+    free(pages);
+    free(starts);
+    layout_free(&l);
+    if (r != VXS_OK) memset(out, 0, sizeof *out);
+    return r;
+}
+
+void block_words_free(block_words *w)
+{
+    free(w->words);
+    free(w->common_kinds);
+    memset(w, 0, sizeof *w);
+}

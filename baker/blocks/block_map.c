@@ -1,0 +1,74 @@
+/* The palette blocks of a whole map; see block_build.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+
+#include "baker/base/z_order.h"
+#include "baker/blocks/block_build.h"
+#include "baker/columns/descent.h"
+
+enum { SQUARE_PX_MAX = 1024 };
+
+uint32_t block_square_side(uint32_t map_side_px)
+{
+    return min_u32(map_side_px, max_u32(NODE_PX, min_u32(map_side_px / 4, SQUARE_PX_MAX)));
+}
+
+typedef struct map_builder {
+    block_set *set;
+    uint32_t   map, square_level, depth_vx;
+    block_set  batch[DESCENT_BATCH];
+} map_builder;
+
+/* Before a fetch, only what would give each part of the square the same depth settles it: bounds may be looser than those after it. */
+static vxs_result look(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j, int fetched,
+                       descent_step *step)
+{
+    map_builder *b = user;
+    *step          = level == b->square_level ? DESCENT_BUILD : DESCENT_SPLIT;
+    if (fetched || (bounds->xmin < b->depth_vx && !bounds_alike(bounds))) return VXS_OK;
+    *step = DESCENT_SETTLED;
+    return block_set_add_uniform(b->set, &(uniform_square){b->map, level, i, j, uniform_depth(bounds, b->depth_vx)});
+}
+
+static vxs_result build_slot(void *user, uint32_t slot, const column_square *columns, uint32_t level, uint32_t i, uint32_t j)
+{
+    map_builder *b     = user;
+    uint32_t     nodes = max_u32((8u << level) / NODE_PX, 1);
+    vxs_result   r     = VXS_OK;
+    for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
+        z_place at = z_order(n);
+        r          = block_build_node(&b->batch[slot], columns, b->map, i * nodes + at.i, j * nodes + at.j);
+    }
+    return r;
+}
+
+static vxs_result add_slot(void *user, uint32_t slot, uint32_t level, uint32_t i, uint32_t j)
+{
+    map_builder *b = user;
+    (void)level;
+    (void)i;
+    (void)j;
+    return block_set_merge(b->set, &b->batch[slot]);
+}
+
+static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count)
+{
+    static const bake_stage stages[] = {STAGE_MASKS, STAGE_MERGE, STAGE_NONE};
+    (void)user;
+    (void)count;
+    stage_begin(ctx, stages[phase]);
+}
+
+vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns, bake_context *ctx)
+{
+    uint32_t side = block_square_side(columns->side_px);
+    if (columns->fetch_px < side) return VXS_E_ARGUMENT;
+    map_builder *b = calloc(1, sizeof *b);
+    if (!b) return VXS_E_MEMORY;
+    *b           = (map_builder){.set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
+    descent    d = {b, look, build_slot, add_slot, time_batch};
+    vxs_result r = descend(&d, columns, ctx);
+    for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);
+    free(b);
+    return r;
+}

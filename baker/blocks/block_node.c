@@ -1,0 +1,417 @@
+/* The palette blocks of a square of 256 x 256 texels; see block_build.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/simd.h"
+#include "baker/blocks/block_build.h"
+#include "baker/blocks/depth_axis.h"
+#include "baker/blocks/pierce.h"
+
+enum {
+    OWN_FROM        = 10, /* depths that a tile needs, from which on it has its own */
+    NODE_TILE_COUNT = NODE_TILES * NODE_TILES
+};
+
+/* A tile of the block in work, its slope added. */
+typedef struct tile_in {
+    tile_ranges ranges;            /* of texels, in the order of patterns; of a tile that is not uniform */
+    int16_t     low[64], high[64]; /* the same as codes of the block's axis */
+    int32_t     emax, xmin;        /* of all of them */
+    tile_kind   kind;
+    int         depths; /* that it needs; 0: not counted */
+} tile_in;
+
+typedef struct node_builder {
+    block_set           *set;
+    const column_square *columns;
+    uint32_t             tile_x, tile_y; /* where the node starts, in tiles of the columns */
+    block_node           node;
+    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles, without slope */
+    tile_in              tile[BLOCK_TILES];                            /* of the block in work */
+    depth_axis           axis;
+} node_builder;
+
+static int32_t min_i32(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static int32_t max_i32(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* A column that is lit to the end may be lit beyond. */
+static int32_t exit_depth(uint32_t x, uint32_t depth_vx)
+{
+    return x >= depth_vx ? FAR_DEPTH : (int32_t)x;
+}
+
+/* What all of a run of squares may have as their one depth. */
+typedef struct run_range {
+    int32_t low, high;
+} run_range;
+
+/* One more square joins the run, if there is a depth left for all. */
+static int run_takes(run_range *run, int32_t low, int32_t high)
+{
+    low  = max_i32(low, run->low);
+    high = min_i32(high, run->high);
+    if (low > high) return 0;
+    *run = (run_range){low, high};
+    return 1;
+}
+
+/* tiles ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The columns of a tile, its slope added. */
+static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint32_t tile_y, int32_t shift)
+{
+    column_tile columns;
+    vxs_result  r = b->columns->tile(b->columns->data, b->tile_x + tile_x, b->tile_y + tile_y, &columns);
+    if (r != VXS_OK) return r;
+    const i32x4 up = i32x4_all(shift), last = i32x4_all((int32_t)b->columns->depth_vx - 1), far = i32x4_all(FAR_DEPTH);
+    i32x4       emax = i32x4_all(INT32_MIN), xmin = i32x4_all(INT32_MAX);
+    for (int quad = 0; quad < 4; quad++)
+        for (int row = 0; row < 4; row++) {
+            int   from = 8 * (4 * (quad >> 1) + row) + 4 * (quad & 1), to = 16 * quad + 4 * row;
+            i32x4 e = i32x4_load(columns.e + from) + up, x = i32x4_load(columns.x + from);
+            x    = i32x4_select((i32x4)(x > last), far, x) + up; /* what is lit to the end may be lit beyond */
+            emax = i32x4_max(emax, e);
+            xmin = i32x4_min(xmin, x);
+            memcpy(t->ranges.low + to, &e, sizeof e);
+            memcpy(t->ranges.high + to, &x, sizeof x);
+        }
+    t->emax = max_i32(max_i32(emax[0], emax[1]), max_i32(emax[2], emax[3]));
+    t->xmin = min_i32(min_i32(xmin[0], xmin[1]), min_i32(xmin[2], xmin[3]));
+    return VXS_OK;
+}
+
+static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_y)
+{
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        tile_in *t = &b->tile[n];
+        uint32_t x = 4 * block_x + n % 4, y = 4 * block_y + n / 4, at = NODE_TILES * y + x;
+        int32_t  shift = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
+        t->emax        = b->emax[at] + shift;
+        t->xmin        = b->xmin[at] + shift;
+        t->depths      = 0;
+        if (t->emax > t->xmin) {
+            vxs_result r = fetch_tile(b, t, x, y, shift);
+            if (r != VXS_OK) return r;
+        }
+        t->kind = t->emax > t->xmin ? TILE_PATTERN : TILE_UNIFORM;
+    }
+    return VXS_OK;
+}
+
+/* All intervals of the block's tiles, for a scale of the depths that occur. */
+static void scale_by_depths(node_builder *b)
+{
+    int32_t low[INTERVALS_MAX], high[INTERVALS_MAX];
+    int     count = 0;
+    for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
+        memcpy(low + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *low);
+        memcpy(high + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *high);
+        count += of_tile;
+    }
+    axis_init_by_depths(&b->axis, low, high, count);
+}
+
+/* The scale on which the block's tiles are compared. */
+static void scale_block(node_builder *b)
+{
+    int32_t least_high = INT32_MAX, greatest_low = INT32_MIN;
+    for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        least_high   = min_i32(least_high, t->xmin);
+        greatest_low = max_i32(greatest_low, t->emax);
+    }
+    if (!axis_init(&b->axis, least_high, greatest_low)) scale_by_depths(b);
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_UNIFORM) continue;
+        axis_codes(&b->axis, t->ranges.low, t->low, 64);
+        axis_codes(&b->axis, t->ranges.high, t->high, 64);
+    }
+}
+
+static void add_tile(intervals *s, const tile_in *t)
+{
+    memcpy(s->low + s->count, t->low, sizeof t->low);
+    memcpy(s->high + s->count, t->high, sizeof t->high);
+    s->count += 64;
+}
+
+/* palettes -------------------------------------------------------------------------------------------------------------------- */
+
+/* How many depths each tile needs that has not its own yet. */
+static void count_depths(node_builder *b)
+{
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        intervals    s = {.count = 0};
+        pierce_group groups[64];
+        if (t->kind != TILE_PATTERN) continue;
+        add_tile(&s, t);
+        t->depths = pierce(&s, groups, 64);
+    }
+}
+
+/* Tiles that need so many depths get their own. Returns how many that were. */
+static int give_own_depths(node_builder *b, int from)
+{
+    int count = 0;
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind != TILE_PATTERN || t->depths < from) continue;
+        t->kind = TILE_OWN;
+        count++;
+    }
+    return count;
+}
+
+/* The palette is full: the tile that needs most depths gets its own. Uniform tiles alone may need more than there is room for. */
+static void give_one_own_depths(node_builder *b)
+{
+    tile_in *most = NULL;
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++)
+        if (t->kind != TILE_OWN && (!most || t->depths > most->depths)) most = t;
+    for (int n = 0; n < 64 && most->kind == TILE_UNIFORM; n++) {
+        most->ranges.low[n]  = most->emax;
+        most->ranges.high[n] = most->xmin;
+    }
+    most->kind = TILE_OWN;
+}
+
+/* The fewest depths for all tiles but those with their own; as many tiles get their own as it takes. */
+static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
+{
+    for (int counted = 0;;) {
+        intervals s = {.count = 0};
+        for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+            if (t->kind == TILE_PATTERN) add_tile(&s, t);
+            if (t->kind != TILE_UNIFORM) continue;
+            s.low[s.count]    = axis_code(&b->axis, t->emax);
+            s.high[s.count++] = axis_code(&b->axis, t->xmin);
+        }
+        if (!s.count) { /* all have their own: the palette is where their depths are counted from */
+            s.low[0]  = b->tile[0].low[0];
+            s.high[0] = b->tile[0].high[0];
+            s.count   = 1;
+        }
+        int count = pierce(&s, groups, PALETTE_MAX + 1);
+        if (count >= OWN_FROM && !counted) {
+            counted = 1;
+            count_depths(b);
+            if (give_own_depths(b, OWN_FROM)) continue;
+        }
+        if (count <= PALETTE_MAX) return count;
+        give_one_own_depths(b);
+    }
+}
+
+/* Of all numbers from low, 1 at least, to high the one that is a multiple of the highest power of two. */
+static int32_t roundest(int32_t low, int32_t high)
+{
+    int bit = 31 - __builtin_clz((uint32_t)((low - 1) ^ high));
+    return high >> bit << bit;
+}
+
+/* Depths within their groups, such that differences to the first are round. Returns the first. */
+static int32_t place(block *out, const depth_axis *axis, const pierce_group *groups, int count)
+{
+    int32_t low = axis_depth(axis, groups[0].low), high = axis_depth(axis, groups[0].high);
+    out->depths = (uint32_t)count;
+    for (int n = 1; n < count; n++) {
+        int32_t from = axis_depth(axis, groups[n].low), to = axis_depth(axis, groups[n].high);
+        out->depth[n] = roundest(from - high, to - low);
+        low           = max_i32(low, from - out->depth[n]);
+        high          = min_i32(high, to - out->depth[n]);
+    }
+    return low;
+}
+
+/* For each texel, the entries of the palette that it may have: those not before its low, and not behind its high. */
+static void palette_ranges(const tile_in *t, const int16_t *codes, int count, uint8_t low[64], uint8_t high[64])
+{
+    for (int n = 0; n < 64; n += 8) {
+        i16x8 l = i16x8_load(t->low + n), h = i16x8_load(t->high + n), from = i16x8_all(0), to = i16x8_all((int16_t)(count - 1));
+        for (int entry = 0; entry < count; entry++) {
+            i16x8 code = i16x8_all(codes[entry]);
+            from -= (i16x8)(l > code);
+            to += (i16x8)(code > h);
+        }
+        i8x8 from_bytes = __builtin_convertvector(from, i8x8), to_bytes = __builtin_convertvector(to, i8x8);
+        memcpy(low + n, &from_bytes, 8);
+        memcpy(high + n, &to_bytes, 8);
+    }
+}
+
+/* The fewest entries that a tile can do with, and what each mask between two of them needs.
+ * needs  [out] [entries - 1];   Returns the bits of the entries. */
+static uint32_t tile_needs(const uint8_t low[64], const uint8_t high[64], int count, mask_need *needs)
+{
+    uint64_t left = UINT64_MAX, ends[PALETTE_MAX], lit = 0;
+    uint32_t used  = 0;
+    int      masks = 0;
+    for (int entry = 0; entry < count && left; entry++) {
+        ends[entry] = bytes_at_most(high, (uint8_t)entry);
+        if (!(ends[entry] & left)) continue; /* all that have no entry yet may wait for the next one */
+        if (used) needs[masks++] = (mask_need){.dark = entry ? ends[entry - 1] : 0, .lit = lit};
+        used |= 1u << entry;
+        lit = ~bytes_at_most(low, (uint8_t)entry);
+        left &= lit;
+    }
+    return used;
+}
+
+/* The entries of the palette that a uniform tile may have. */
+static run_range tile_entries(const tile_in *t, const block *b, int32_t base)
+{
+    run_range may = {0, 0};
+    while (base + b->depth[may.low] < t->emax) may.low++;
+    for (may.high = may.low; may.high + 1 < (int)b->depths && base + b->depth[may.high + 1] <= t->xmin;) may.high++;
+    return may;
+}
+
+/* Entries for uniform tiles: as those before them where they may. */
+static void place_uniform(const node_builder *b, block *out, int32_t base)
+{
+    run_range run = {1, 0};
+    for (int n = 0, first = 0; n < BLOCK_TILES; n++) {
+        if (b->tile[n].kind != TILE_UNIFORM) continue;
+        run_range may = tile_entries(&b->tile[n], out, base);
+        if (!run_takes(&run, may.low, may.high)) {
+            run   = may;
+            first = n;
+        }
+        for (int m = first; m <= n; m++)
+            if (b->tile[m].kind == TILE_UNIFORM) out->tile[m].palette = (uint16_t)run.low;
+    }
+}
+
+/* The block in work, of fetched tiles.
+ * base  [out] the first depth of its palette */
+static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
+{
+    pierce_group groups[PALETTE_MAX + 1];
+    int16_t      codes[PALETTE_MAX];
+    block        out;
+    vxs_result   r = VXS_OK;
+    memset(&out, 0, sizeof out);
+    scale_block(b);
+    int count = block_groups(b, groups);
+    *base     = place(&out, &b->axis, groups, count);
+    for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, *base + out.depth[n]);
+    place_uniform(b, &out, *base);
+    for (int n = 0; n < BLOCK_TILES && r == VXS_OK; n++) {
+        const tile_in *t  = &b->tile[n];
+        block_tile    *to = &out.tile[n];
+        to->kind          = (uint16_t)t->kind;
+        if (t->kind == TILE_UNIFORM) continue;
+        b->set->tile_count++;
+        if (t->kind == TILE_OWN) {
+            r = own_find(&b->set->own, &t->ranges, &to->pattern, &to->base);
+            to->base -= *base;
+            continue;
+        }
+        uint8_t   low[64], high[64];
+        mask_need needs[PALETTE_MAX - 1];
+        palette_ranges(t, codes, count, low, high);
+        to->palette = (uint16_t)tile_needs(low, high, count, needs);
+        r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
+    }
+    return r == VXS_OK ? intern_find(&b->set->blocks, &out, sizeof out, id) : r;
+}
+
+/* nodes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The bounds of the node's tiles; beyond the columns, a tile may be anything. */
+static vxs_result bound_tiles(node_builder *b)
+{
+    uint32_t tiles = b->columns->side_px / 8;
+    for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
+        uint32_t      x = b->tile_x + n % NODE_TILES, y = b->tile_y + n / NODE_TILES;
+        column_bounds bounds;
+        b->emax[n] = 0;
+        b->xmin[n] = FAR_DEPTH;
+        if (x >= tiles || y >= tiles) continue;
+        vxs_result r = b->columns->bounds(b->columns->data, 0, x, y, &bounds);
+        if (r != VXS_OK) return r;
+        b->emax[n] = (int32_t)bounds.emax;
+        b->xmin[n] = exit_depth(bounds.xmin, b->columns->depth_vx);
+    }
+    return VXS_OK;
+}
+
+/* What a block of the node may have as its only depth. */
+static void bound_block(const node_builder *b, uint32_t block_x, uint32_t block_y, run_range *may)
+{
+    *may = (run_range){0, 2 * FAR_DEPTH};
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        uint32_t x = 4 * block_x + n % 4, y = 4 * block_y + n / 4, at = NODE_TILES * y + x;
+        int32_t  shift = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
+        may->low       = max_i32(may->low, b->emax[at] + shift);
+        may->high      = min_i32(may->high, b->xmin[at] + shift);
+    }
+}
+
+/* Blocks of one depth take that of the ones before them where they may. */
+static vxs_result build_blocks(node_builder *b)
+{
+    run_range run = {1, 0};
+    for (uint32_t n = 0, first = 0; n < NODE_BLOCKS; n++) {
+        run_range may;
+        bound_block(b, n % 8, n / 8, &may);
+        if (may.low > may.high) {
+            b->node.mixed |= 1ull << n;
+            vxs_result r = fetch_block(b, n % 8, n / 8);
+            if (r == VXS_OK) r = build_block(b, &b->node.block[n], &b->node.depth[n]);
+            if (r != VXS_OK) return r;
+            continue;
+        }
+        if (!run_takes(&run, may.low, may.high)) {
+            run   = may;
+            first = n;
+        }
+        for (uint32_t m = first; m <= n; m++)
+            if (!(b->node.mixed >> m & 1)) b->node.depth[m] = run.low;
+    }
+    return VXS_OK;
+}
+
+/* The slope that the last node of the set has. */
+static node_slope last_slope(const block_set *s)
+{
+    return s->node_count ? s->nodes[s->node_count - 1].slope : (node_slope){0, 0};
+}
+
+vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t map, uint32_t x, uint32_t y)
+{
+    uint32_t      level = square_level(min_u32(columns->side_px, NODE_PX));
+    column_bounds bounds;
+    vxs_result    r = columns->bounds(columns->data, level, x, y, &bounds);
+    if (r != VXS_OK) return r;
+    uint32_t map_x = columns->u_px / NODE_PX + x, map_y = columns->v_px / NODE_PX + y;
+    if (bounds.emax <= bounds.xmin)
+        return block_set_add_uniform(
+            s, &(uniform_square){map, square_level(NODE_PX), map_x, map_y, uniform_depth(&bounds, columns->depth_vx)});
+
+    node_builder *b = calloc(1, sizeof *b);
+    if (!b) return VXS_E_MEMORY;
+    b->set       = s;
+    b->columns   = columns;
+    b->tile_x    = NODE_TILES * x;
+    b->tile_y    = NODE_TILES * y;
+    b->node.map  = map;
+    b->node.x    = map_x;
+    b->node.y    = map_y;
+    b->node.emin = bounds.emin;
+    b->node.xmax = bounds.xmax;
+    if ((r = bound_tiles(b)) == VXS_OK) {
+        b->node.slope = slope_find(b->emax, b->xmin, last_slope(s));
+        r             = build_blocks(b);
+    }
+    if (r == VXS_OK) r = block_set_add_node(s, &b->node);
+    free(b);
+    return r;
+}

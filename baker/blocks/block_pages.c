@@ -1,0 +1,378 @@
+/* The pages of palette blocks; see block_layout.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/blocks/block_layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/array.h"
+
+enum {
+    NODE_HALVES = 11,  /* before the arrays of a node */
+    FAR_BASE    = 8192 /* bases of own tiles from here on have words of their own */
+};
+
+#define NODE_WIDE 1u
+#define BLOCK_FAR 0x400u
+#define COMMON    0x20000u
+
+/* nodes ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Blocks that begin a new run of a depth. */
+static uint64_t fresh_blocks(const node_shape *s)
+{
+    uint64_t fresh = 0;
+    int      last  = -1;
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        if (s->mixed >> b & 1) continue;
+        if (last < 0 || s->depth[b] != s->depth[last]) fresh |= 1ull << b;
+        last = b;
+    }
+    return fresh;
+}
+
+static int is_wide(const node_shape *s)
+{
+    int wide = 0;
+    for (int b = 0; b < NODE_BLOCKS; b++) wide |= s->depth[b] != NEVER && s->depth[b] > 0xfffe;
+    return wide;
+}
+
+static uint32_t shape_words(const node_shape *s)
+{
+    uint32_t mixed = (uint32_t)__builtin_popcountll(s->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(s));
+    return (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(s) ? 2 : 1) + 1) / 2;
+}
+
+/* blocks ---------------------------------------------------------------------------------------------------------------------- */
+
+/* What the parts of a block take. */
+typedef struct block_form {
+    uint32_t mixed, own, fresh; /* bits of tiles */
+    uint32_t width, shift, far; /* of deltas: 0 bytes, 1 halves, 2 words */
+    uint32_t words;
+} block_form;
+
+static block_form form_of(const block *b)
+{
+    block_form f    = {0};
+    uint32_t   bits = 0, last = NEVER, greatest = (uint32_t)b->depth[b->depths - 1];
+    for (uint32_t n = 1; n < b->depths; n++) bits |= (uint32_t)b->depth[n];
+    while (bits && f.shift < 15 && !(bits >> f.shift & 1)) f.shift++;
+    f.width = greatest >> f.shift <= 0xff ? 0 : greatest >> f.shift <= 0xffff ? 1 : 2;
+    if (f.width == 2) f.shift = 0;
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        const block_tile *t = &b->tile[n];
+        if (t->kind != TILE_UNIFORM) f.mixed |= 1u << n;
+        if (t->kind == TILE_OWN) {
+            f.own |= 1u << n;
+            f.far |= t->base < -FAR_BASE || t->base >= FAR_BASE;
+        }
+        if (t->kind == TILE_UNIFORM && t->palette != last) {
+            f.fresh |= 1u << n;
+            last = t->palette;
+        }
+    }
+    uint32_t bytes = ((b->depths - 1) << f.width) + ((uint32_t)__builtin_popcount(f.fresh) + 1) / 2;
+    f.words = 2 + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 + (f.far ? (uint32_t)__builtin_popcount(f.own) : 0);
+    return f;
+}
+
+/* pages ----------------------------------------------------------------------------------------------------------------------- */
+
+/* What a page would take with what it has and a node more. */
+typedef struct page_size {
+    uint32_t words, halves;
+} page_size;
+
+/* Whether a thing is not in the page yet; from now on it is, at `at`. */
+static int is_new(in_page *p, uint32_t stamp, uint32_t at)
+{
+    if (p->stamp == stamp) return 0;
+    *p = (in_page){stamp, at};
+    return 1;
+}
+
+/* Add a node's words, and those of blocks and patterns that the page has not yet, each at its place: patterns count from half 0. */
+static void add_to_page(layout *l, page_size *page, const node_place *n)
+{
+    const node_shape *shape = shape_of(l, n);
+    if (!is_new(&l->shape_at[n->shape], l->stamp, page->words)) return;
+    page->words += shape_words(shape);
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        if (!(shape->mixed >> b & 1) || !is_new(&l->block_at[shape->block[b]], l->stamp, page->words)) continue;
+        const block *of = block_at(l->set, shape->block[b]);
+        page->words += form_of(of).words;
+        for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
+            if (t->kind == TILE_UNIFORM) continue;
+            int      own  = t->kind == TILE_OWN;
+            uint32_t code = l->code_of[own][t->pattern], halves;
+            code_halves(l, own, code, &halves);
+            if (l->common[own][code] || !is_new(&l->code_at[own][code], l->stamp, page->halves)) continue;
+            page->halves += halves;
+        }
+    }
+}
+
+static int page_fits(const page_size *p)
+{
+    return p->words + (p->halves + 1) / 2 <= PAGE_WORDS_MAX;
+}
+
+/* Each page as full as it gets. */
+static vxs_result cut(layout *l)
+{
+    size_t    count = l->set->node_count;
+    page_size page  = {0, 0};
+    l->page_count   = 0;
+    l->stamp++;
+    for (uint32_t n = 0, first = 0; n < count; n++) {
+        add_to_page(l, &page, &l->nodes[n]);
+        if (n > first && !page_fits(&page)) {
+            /* this node begins the next page */
+            if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 2, sizeof *l->page_end)) return VXS_E_MEMORY;
+            l->page_end[l->page_count++] = first = n;
+            l->stamp++;
+            page = (page_size){0, 0};
+            add_to_page(l, &page, &l->nodes[n]);
+        }
+        l->nodes[n].page = (uint32_t)l->page_count;
+    }
+    if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
+    if (count) l->page_end[l->page_count++] = (uint32_t)count;
+    return VXS_OK;
+}
+
+/* common patterns ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct shared_code {
+    uint32_t pages, own, code;
+} shared_code;
+
+/* Most used first. */
+static int by_use(const void *a, const void *b)
+{
+    const shared_code *x = a, *y = b;
+    if (x->pages != y->pages) return x->pages > y->pages ? -1 : 1;
+    if (x->own != y->own) return x->own < y->own ? -1 : 1;
+    return (x->code > y->code) - (x->code < y->code);
+}
+
+/* In how many pages each pattern is. */
+static void count_pages(layout *l, uint32_t *pages[2])
+{
+    for (size_t p = 0, n = 0; p < l->page_count; p++) {
+        l->stamp++;
+        for (; n < l->page_end[p]; n++) {
+            const node_shape *shape = shape_of(l, &l->nodes[n]);
+            for (int b = 0; b < NODE_BLOCKS; b++) {
+                if (!(shape->mixed >> b & 1) || !is_new(&l->block_at[shape->block[b]], l->stamp, 0)) continue;
+                const block *of = block_at(l->set, shape->block[b]);
+                for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
+                    int      own  = t->kind == TILE_OWN;
+                    uint32_t code = t->kind == TILE_UNIFORM ? 0 : l->code_of[own][t->pattern];
+                    if (t->kind != TILE_UNIFORM && is_new(&l->code_at[own][code], l->stamp, 0)) pages[own][code]++;
+                }
+            }
+        }
+    }
+}
+
+/* One more pattern of the common pool, if there is room. */
+static vxs_result add_common(layout *l, const shared_code *c)
+{
+    uint32_t        count;
+    const uint16_t *halves = code_halves(l, (int)c->own, c->code, &count);
+    if (l->common_halves + count > POOL_HALVES_MAX) return VXS_OK;
+    if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) return VXS_E_MEMORY;
+    l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
+    l->common[c->own][c->code]         = 1 + l->common_halves;
+    l->common_halves += count;
+    return VXS_OK;
+}
+
+/* Patterns of several pages are kept once, as many as there is room for. */
+static vxs_result choose_common(layout *l)
+{
+    size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
+    uint32_t    *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
+    shared_code *shared   = malloc((all + 1) * sizeof *shared);
+    vxs_result   r        = pages[0] && pages[1] && shared ? VXS_OK : VXS_E_MEMORY;
+    if (r != VXS_OK) goto done;
+    count_pages(l, pages);
+    for (uint32_t own = 0; own < 2; own++)
+        for (uint32_t code = 0; code < l->codes[own].count; code++)
+            if (pages[own][code] > 1) shared[count++] = (shared_code){pages[own][code], own, code};
+    qsort(shared, count, sizeof *shared, by_use);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
+done:
+    free(pages[0]);
+    free(pages[1]);
+    free(shared);
+    return r;
+}
+
+vxs_result layout_cut_pages(layout *l)
+{
+    vxs_result r = cut(l);
+    if (r == VXS_OK && l->page_count > 1) {
+        r = choose_common(l);
+        if (r == VXS_OK) r = cut(l);
+    }
+    return r == VXS_OK && l->page_count > PAGES_MAX ? VXS_E_REFERENCES : r;
+}
+
+/* words ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Halves and bytes of words, from a place on. */
+typedef struct half_writer {
+    uint32_t *words;
+    uint32_t  at;
+} half_writer;
+
+static void put_half(half_writer *w, uint32_t half)
+{
+    w->words[w->at / 2] |= (half & 0xffff) << 16 * (w->at & 1);
+    w->at++;
+}
+
+static void put_wide(half_writer *w, uint32_t value, int wide)
+{
+    put_half(w, value);
+    if (wide) put_half(w, value >> 16);
+}
+
+static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t count)
+{
+    for (uint32_t n = 0; n < count; n++, at++) words[at / 4] |= (value >> 8 * n & 0xff) << 8 * (at & 3);
+}
+
+static void write_node(const layout *l, uint32_t *to, const node_shape *s)
+{
+    uint64_t    fresh = fresh_blocks(s);
+    int         wide  = is_wide(s);
+    half_writer w     = {to, 0};
+    for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(s->mixed >> 16 * n));
+    for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(fresh >> 16 * n));
+    put_half(&w, (uint32_t)s->slope.x);
+    put_half(&w, (uint32_t)s->slope.y);
+    put_half(&w, wide ? NODE_WIDE : 0);
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (s->mixed >> b & 1) put_half(&w, l->block_at[s->block[b]].at);
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (s->mixed >> b & 1) put_wide(&w, s->depth[b], wide);
+    for (int b = 0; b < NODE_BLOCKS; b++)
+        if (fresh >> b & 1) put_wide(&w, s->depth[b], wide);
+}
+
+/* pool  the half of the page where its patterns begin */
+static void write_block(const layout *l, uint32_t *to, const block *b, uint32_t pool)
+{
+    block_form f    = form_of(b);
+    uint32_t   word = 2, byte, nibbles = 0;
+    to[0] = f.mixed | f.fresh << 16;
+    to[1] = f.own | ((b->depths - 1) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
+    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_UNIFORM) continue;
+        int      own  = t->kind == TILE_OWN;
+        uint32_t code = l->code_of[own][t->pattern], common = l->common[own][code];
+        uint32_t ref = common ? COMMON | (common - 1) : pool + l->code_at[own][code].at;
+        to[word++]   = ref << 14 | (!own ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
+    }
+    byte = 4 * word;
+    for (uint32_t n = 1; n < b->depths; n++, byte += 1u << f.width)
+        put_bytes(to, byte, (uint32_t)b->depth[n] >> f.shift, 1u << f.width);
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        if (!(f.fresh >> n & 1)) continue;
+        put_bytes(to, byte + nibbles / 2, (uint32_t)b->tile[n].palette << 4 * (nibbles & 1), 1);
+        nibbles++;
+    }
+    word = (byte + (nibbles + 1) / 2 + 3) / 4;
+    for (const block_tile *t = b->tile; f.far && t < b->tile + BLOCK_TILES; t++)
+        if (t->kind == TILE_OWN) to[word++] = (uint32_t)t->base;
+}
+
+static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own, uint32_t code)
+{
+    uint32_t        count;
+    const uint16_t *halves = code_halves(l, own, code, &count);
+    half_writer     w      = {to, half};
+    for (uint32_t n = 0; n < count; n++) put_half(&w, halves[n]);
+}
+
+/* The patterns that a block is the first of its page to use. */
+static void write_block_patterns(layout *l, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
+{
+    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_UNIFORM) continue;
+        int      own  = t->kind == TILE_OWN;
+        uint32_t code = l->code_of[own][t->pattern], count;
+        if (l->common[own][code] || l->code_at[own][code].at != *next_half) continue;
+        code_halves(l, own, code, &count);
+        write_pattern(l, to, pool + *next_half, own, code);
+        *next_half += count;
+        own ? l->out->counts.own_patterns++ : l->out->counts.patterns++;
+    }
+}
+
+static void count_block(block_counts *c, const block_form *f)
+{
+    c->blocks++;
+    c->block_words += f->words;
+    c->tiles += (uint32_t)__builtin_popcount(f->mixed);
+    c->own_tiles += (uint32_t)__builtin_popcount(f->own);
+}
+
+/* Place and write what a page holds.   words  zeros;   Returns how many it takes. */
+static uint32_t write_page(layout *l, uint32_t page, uint32_t *words)
+{
+    uint32_t      first = page ? l->page_end[page - 1] : 0, end = l->page_end[page], next_word = 0, next_half = 0;
+    page_size     size = {0, 0};
+    block_counts *c    = &l->out->counts;
+    l->stamp++;
+    for (uint32_t n = first; n < end; n++) {
+        add_to_page(l, &size, &l->nodes[n]);
+        l->nodes[n].word = l->shape_at[l->nodes[n].shape].at;
+    }
+    uint32_t pool = 2 * size.words;
+    for (uint32_t n = first; n < end; n++) {
+        const node_shape *shape = shape_of(l, &l->nodes[n]);
+        if (l->nodes[n].word != next_word) continue;
+        write_node(l, words + next_word, shape);
+        next_word += shape_words(shape);
+        c->nodes++;
+        c->node_words += shape_words(shape);
+        for (int b = 0; b < NODE_BLOCKS; b++) {
+            if (!(shape->mixed >> b & 1) || l->block_at[shape->block[b]].at != next_word) continue;
+            const block *of   = block_at(l->set, shape->block[b]);
+            block_form   form = form_of(of);
+            write_block(l, words + next_word, of, pool);
+            write_block_patterns(l, words, of, pool, &next_half);
+            next_word += form.words;
+            count_block(c, &form);
+        }
+    }
+    c->pattern_words += (size.halves + 1) / 2;
+    return size.words + (size.halves + 1) / 2;
+}
+
+vxs_result layout_write_pages(layout *l, uint32_t **words, size_t *count, uint32_t *starts)
+{
+    size_t capacity = 0;
+    *count          = 0;
+    for (uint32_t page = 0; page < l->page_count; page++) {
+        if (!array_reserve(words, &capacity, *count + PAGE_WORDS_MAX, sizeof **words)) return VXS_E_MEMORY;
+        memset(*words + *count, 0, PAGE_WORDS_MAX * sizeof **words);
+        starts[page] = (uint32_t)*count;
+        *count += write_page(l, page, *words + *count);
+        if (*count > UINT32_MAX / 2) return VXS_E_REFERENCES;
+    }
+    return VXS_OK;
+}
+
+void layout_write_common(const layout *l, uint32_t *to)
+{
+    for (int own = 0; own < 2; own++)
+        for (uint32_t code = 0; code < l->codes[own].count; code++)
+            if (l->common[own][code]) write_pattern(l, to, l->common[own][code] - 1, own, code);
+}

@@ -1,0 +1,255 @@
+/* Patterns with depths of their own; see own_patterns.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/blocks/own_patterns.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/array.h"
+#include "baker/base/simd.h"
+#include "baker/blocks/pattern_code.h"
+#include "baker/blocks/patterns.h"
+#include "baker/blocks/pierce.h"
+
+enum { PROBES = 8, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* that depths in bytes take */ };
+
+/* Texels that are compared first, spread over the tile. */
+static const int probe_texel[PROBES] = {0, 22, 41, 63, 15, 28, 51, 37};
+
+typedef struct own_known {
+    int16_t  depth[64];
+    int16_t  probe[PROBES];
+    uint32_t id;
+} own_known;
+
+/* Ranges in halves, from `floor` on; nothing that could be chosen is lost. */
+typedef struct half_ranges {
+    int16_t low[64], high[64];
+    int32_t floor;
+} half_ranges;
+
+static int32_t least_high(const tile_ranges *t)
+{
+    int32_t least = t->high[0];
+    for (int n = 1; n < 64; n++) least = t->high[n] < least ? t->high[n] : least;
+    return least;
+}
+
+static int32_t greatest_low(const tile_ranges *t)
+{
+    int32_t greatest = t->low[0];
+    for (int n = 1; n < 64; n++) greatest = t->low[n] > greatest ? t->low[n] : greatest;
+    return greatest;
+}
+
+/* 0: the depths lie too far apart. */
+static int ranges_in_halves(half_ranges *h, const tile_ranges *t)
+{
+    h->floor = least_high(t) - MARGIN;
+    if (greatest_low(t) - h->floor > INT16_MAX - MARGIN) return 0;
+    for (int n = 0; n < 64; n++) {
+        int32_t low = t->low[n] - h->floor, high = t->high[n] - h->floor;
+        h->low[n]  = (int16_t)(low < 0 ? 0 : low);
+        h->high[n] = (int16_t)(high > INT16_MAX ? INT16_MAX : high);
+    }
+    return 1;
+}
+
+/* Whether there is a base at which all depths lie in their ranges. */
+static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
+{
+    i16x8 least = i16x8_all(0), most = i16x8_all(INT16_MAX);
+    for (int n = 0; n < 64; n += 8) {
+        i16x8 d = i16x8_load(depth + n);
+        least   = i16x8_max(least, i16x8_subs(i16x8_load(t->low + n), d));
+        most    = i16x8_min(most, i16x8_subs(i16x8_load(t->high + n), d));
+        if (i16x8_any((i16x8)(least > most))) return 0;
+    }
+    *base = i16x8_greatest(least);
+    return *base <= i16x8_least(most);
+}
+
+/* Whether a few texels rule a pattern out: each against what its neighbours in the vector leave of the base. */
+static int probes_differ(i16x8 low, i16x8 high, i16x8 depth)
+{
+    i16x8 least = i16x8_subs(low, depth), most = i16x8_subs(high, depth);
+    i16x8 a = __builtin_shuffle(most, (i16x8){4, 5, 6, 7, 0, 1, 2, 3});
+    i16x8 b = __builtin_shuffle(most, (i16x8){2, 3, 4, 5, 6, 7, 0, 1});
+    i16x8 c = __builtin_shuffle(most, (i16x8){6, 7, 0, 1, 2, 3, 4, 5});
+    return i16x8_any((i16x8)(least > i16x8_min(a, i16x8_min(b, c))));
+}
+
+/* Returns the place of a pattern that fits, or the count. */
+static size_t search(const own_set *s, const half_ranges *t, int *base)
+{
+    int16_t low[PROBES], high[PROBES];
+    for (int n = 0; n < PROBES; n++) {
+        low[n]  = t->low[probe_texel[n]];
+        high[n] = t->high[probe_texel[n]];
+    }
+    i16x8  l = i16x8_load(low), h = i16x8_load(high);
+    size_t stop = s->known_count > OWN_WINDOW ? s->known_count - OWN_WINDOW : 0;
+    for (size_t at = s->known_count; at-- > stop;)
+        if (!probes_differ(l, h, i16x8_load(s->known[at].probe)) && fits_at(t, s->known[at].depth, base)) return at;
+    return s->known_count;
+}
+
+/* Halfway to where searches begin. */
+static void move_up(own_set *s, size_t at)
+{
+    size_t    to  = at + (s->known_count - at) / 2;
+    own_known was = s->known[at];
+    s->known[at]  = s->known[to];
+    s->known[to]  = was;
+}
+
+/* choosing -------------------------------------------------------------------------------------------------------------------- */
+
+/* Where a texel is in a tile, row by row. */
+static int texel_at(int x, int y)
+{
+    return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
+}
+
+/* What the texels before say of one: a plane through three of them, or a line through two. */
+static int32_t predicted(int32_t d[8][8], int x, int y)
+{
+    if (x && y) return d[y][x - 1] + d[y - 1][x] - d[y - 1][x - 1];
+    if (x) return x > 1 ? 2 * d[0][x - 1] - d[0][x - 2] : d[0][0];
+    return y > 1 ? 2 * d[y - 1][0] - d[y - 2][0] : d[0][0];
+}
+
+/* Depths in bytes, in steps of 1 << shift, each as near to what is predicted as it may be. 0: they don't fit. */
+static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t *base)
+{
+    int32_t first = least_high(t), last = greatest_low(t), step = 1 << shift, d[8][8], least = 255;
+    if ((last - first + step - 1) >> shift > 255) return 0;
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) {
+            int     n   = texel_at(x, y);
+            int32_t low = t->low[n] <= first ? 0 : (t->low[n] - first + step - 1) >> shift, high = (t->high[n] - first) >> shift;
+            high = high > 255 ? 255 : high;
+            if (low > high) return 0;
+            int32_t near = x || y ? predicted(d, x, y) : (low + high) / 2;
+            d[y][x]      = near < low ? low : near > high ? high : near;
+            least        = d[y][x] < least ? d[y][x] : least;
+        }
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) p->depth[texel_at(x, y)] = (d[y][x] - least) << shift;
+    *base = first + (least << shift);
+    return 1;
+}
+
+/* As few different depths as there may be. */
+static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
+{
+    intervals    s = {.count = 64};
+    pierce_group groups[64];
+    uint8_t      low[64], high[64], index[64];
+    memcpy(s.low, t->low, sizeof t->low);
+    memcpy(s.high, t->high, sizeof t->high);
+    int count = pierce(&s, groups, 64);
+    for (int n = 0; n < 64; n++) {
+        int from = 0, to = count - 1;
+        while (groups[from].low < t->low[n]) from++;
+        while (groups[to].low > t->high[n]) to--;
+        low[n]  = (uint8_t)from;
+        high[n] = (uint8_t)to;
+    }
+    pattern_choose_within(low, high, index);
+    for (int n = 0; n < 64; n++) p->depth[n] = groups[index[n]].low - groups[0].low;
+    *base = t->floor + groups[0].low;
+}
+
+/* Depths far apart: each as near to the first as it may be. */
+static void choose_any(own_pattern *p, const tile_ranges *t, int32_t *base)
+{
+    *base = least_high(t);
+    for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
+}
+
+/* The least depth becomes 0. */
+static void count_from_least(own_pattern *p, int32_t *base)
+{
+    int32_t least = p->depth[0];
+    for (int n = 1; n < 64; n++) least = p->depth[n] < least ? p->depth[n] : least;
+    for (int n = 0; n < 64; n++) p->depth[n] -= least;
+    *base += least;
+}
+
+/* Depths that take few halves: as few as there may be, or bytes. */
+static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+{
+    uint16_t    code[OWN_HALVES_MAX];
+    own_pattern bytes;
+    int32_t     base_of_bytes;
+    if (halves)
+        choose_few(p, halves, base);
+    else
+        choose_any(p, t, base);
+    count_from_least(p, base);
+    uint32_t halves_of_few = own_encode(p->depth, code);
+    for (int shift = 0; shift < SHIFTS && halves_of_few > BYTES_HALVES_MIN; shift++) {
+        if (!choose_bytes(&bytes, t, shift, &base_of_bytes)) continue;
+        if (own_encode(bytes.depth, code) >= halves_of_few) return;
+        memcpy(p->depth, bytes.depth, sizeof p->depth);
+        *base = base_of_bytes;
+        return;
+    }
+}
+
+/* The pattern stands for one more tile. */
+static void narrow(own_pattern *p, const tile_ranges *t, int32_t base)
+{
+    for (int n = 0; n < 64; n++) {
+        int32_t low = t->low[n] - base, high = t->high[n] - base;
+        p->may.low[n]  = low > p->may.low[n] ? low : p->may.low[n];
+        p->may.high[n] = high < p->may.high[n] ? high : p->may.high[n];
+    }
+}
+
+static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
+{
+    if (!array_reserve(&s->known, &s->known_capacity, s->known_count + 1, sizeof *s->known)) return VXS_E_MEMORY;
+    own_known *k = &s->known[s->known_count++];
+    k->id        = id;
+    for (int n = 0; n < 64; n++) k->depth[n] = (int16_t)p->depth[n];
+    for (int n = 0; n < PROBES; n++) k->probe[n] = k->depth[probe_texel[n]];
+    return VXS_OK;
+}
+
+static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, uint32_t *id, int32_t *base)
+{
+    if (!array_reserve(&s->patterns, &s->pattern_capacity, s->count + 1, sizeof *s->patterns)) return VXS_E_MEMORY;
+    own_pattern *p = &s->patterns[s->count];
+    choose(p, t, halves, base);
+    for (int n = 0; n < 64; n++) {
+        p->may.low[n]  = t->low[n] - *base;
+        p->may.high[n] = t->high[n] - *base;
+    }
+    *id = (uint32_t)s->count;
+    if (halves && remember(s, p, *id) != VXS_OK) return VXS_E_MEMORY;
+    s->count++;
+    return VXS_OK;
+}
+
+vxs_result own_find(own_set *s, const tile_ranges *t, uint32_t *id, int32_t *base)
+{
+    half_ranges halves;
+    int         at_half;
+    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, id, base);
+    size_t at = search(s, &halves, &at_half);
+    if (at == s->known_count) return add(s, t, &halves, id, base);
+    *id   = s->known[at].id;
+    *base = halves.floor + at_half;
+    narrow(&s->patterns[*id], t, *base);
+    move_up(s, at);
+    return VXS_OK;
+}
+
+void own_set_free(own_set *s)
+{
+    free(s->patterns);
+    free(s->known);
+    memset(s, 0, sizeof *s);
+}

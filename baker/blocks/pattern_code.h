@@ -1,0 +1,17 @@
+/* Patterns as lookups read them: halves (formats/vxs.md, "Patterns").
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PATTERN_CODE_H
+#define PATTERN_CODE_H
+
+#include <stdint.h>
+
+enum { PATTERN_HALVES_MAX = 17, OWN_HALVES_MAX = 97, OWN_DEPTHS_MAX = 16 };
+
+/* index  [64] the depth of each texel, [0, depths);   depths  [2, OWN_DEPTHS_MAX];   halves  [out] [PATTERN_HALVES_MAX]
+ * Returns how many halves it takes. */
+uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves);
+
+/* depth  [64] each [0, 2^24);   halves  [out] [OWN_HALVES_MAX]. Returns how many it takes, in the form that takes fewest. */
+uint32_t own_encode(const int32_t depth[64], uint16_t *halves);
+
+#endif

@@ -1,0 +1,32 @@
+/* The fewest points that pierce all of many intervals: the depths that an area of a map cannot do without.
+ *
+ * A column may have any depth of an interval [e, x]. Sorted by x, the first interval needs a point at its x at the latest, and a point
+ * there pierces every interval that begins at or before it; what is left is the same question again. Each point may then be moved to
+ * anywhere between the last of the e of what it pierces, and that x.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PIERCE_H
+#define PIERCE_H
+
+#include <stdint.h>
+
+enum { INTERVALS_MAX = 1024 + 16 };
+
+/* Intervals [low, high], both 0..32767. Zero the count. */
+typedef struct intervals {
+    int16_t low[INTERVALS_MAX + 8], high[INTERVALS_MAX + 8];
+    int     count;
+} intervals;
+
+/* Where one point may lie. */
+typedef struct pierce_group {
+    int16_t low, high;
+} pierce_group;
+
+/* The points that pierce a set, ascending; the set is used up.
+ * s       at least one interval
+ * groups  [most]
+ * most    the search ends there
+ * Returns their number. */
+int pierce(intervals *s, pierce_group *groups, int most);
+
+#endif

@@ -1,0 +1,403 @@
+/* Palette blocks from columns (baker/blocks/): every column of random maps against the contract, deep maps of 262144 texels, formulas, the
+ * same words at any number of threads and any size of fetched squares, pages, and failing calls.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/vxs_lookup_blocks.h"
+
+#include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
+#include "baker/base/simd.h"
+#include "baker/blocks/block_build.h"
+#include "baker/blocks/block_words.h"
+#include "baker/blocks/pattern_code.h"
+#include "baker/blocks/pierce.h"
+#include "tests/columns/analytic.h"
+
+#include <cmocka.h>
+
+#include "tests/unit/random_maps.h"
+
+/* a map with depth maps in one place of it ------------------------------------------------------------------------------------ */
+
+/* Depth maps as a part of a larger map that has nothing else. */
+typedef struct islet {
+    depth_maps *maps;
+    uint32_t    side_px, fetch_px, u_px, v_px; /* of the map, and where the maps lie in it: a multiple of their side */
+    uint32_t    fetched_u, fetched_v;
+} islet;
+
+static vxs_result islet_bounds_at(const islet *s, uint32_t u, uint32_t v, uint32_t side, column_bounds *out)
+{
+    uint32_t      maps_side = s->maps->side_px;
+    column_square maps      = depth_maps_square(s->maps);
+    if (u >= s->u_px + maps_side || v >= s->v_px + maps_side || u + side <= s->u_px || v + side <= s->v_px) {
+        *out = bounds_empty(s->side_px);
+        return VXS_OK;
+    }
+    if (side <= maps_side) return maps.bounds(maps.data, square_level(side), (u - s->u_px) / side, (v - s->v_px) / side, out);
+    maps.bounds(maps.data, square_level(maps_side), 0, 0, out);
+    out->emax = out->xmax = s->side_px;
+    return VXS_OK;
+}
+
+static vxs_result islet_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
+{
+    return islet_bounds_at(data, i * (8u << level), j * (8u << level), 8u << level, out);
+}
+
+static vxs_result islet_square_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
+{
+    const islet *s = data;
+    return islet_bounds_at(s, s->fetched_u + i * (8u << level), s->fetched_v + j * (8u << level), 8u << level, out);
+}
+
+static vxs_result islet_tile(void *data, uint32_t i, uint32_t j, column_tile *out)
+{
+    const islet  *s = data;
+    uint32_t      u = s->fetched_u + 8 * i - s->u_px, v = s->fetched_v + 8 * j - s->v_px;
+    column_square maps = depth_maps_square(s->maps);
+    if (u < s->maps->side_px && v < s->maps->side_px) return maps.tile(maps.data, u / 8, v / 8, out);
+    for (int n = 0; n < 64; n++) out->e[n] = out->x[n] = s->side_px;
+    return VXS_OK;
+}
+
+static vxs_result islet_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
+{
+    islet   *s    = data;
+    uint32_t side = 8u << level;
+    (void)ctx;
+    s->fetched_u = i * side;
+    s->fetched_v = j * side;
+    *out         = (column_square){s, side, s->side_px, i * side, j * side, islet_square_bounds, islet_tile};
+    return VXS_OK;
+}
+
+static void islet_release(void *data, column_square *square)
+{
+    (void)data;
+    memset(square, 0, sizeof *square);
+}
+
+static void islet_close(void *data)
+{
+    (void)data;
+}
+
+static column_map islet_map(islet *s)
+{
+    return (column_map){s, s->side_px, s->side_px, s->fetch_px, islet_bounds, islet_fetch, islet_release, islet_close};
+}
+
+/* building -------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
+{
+    message      m   = {.quiet = 1};
+    bake_context ctx = {.message = &m, .threads = threads};
+    block_set    set = {0};
+    vxs_result   r   = VXS_OK;
+    memset(out, 0, sizeof *out);
+    for (uint32_t map = 0; map < map_count && r == VXS_OK; map++) r = block_build_map(&set, map, &maps[map], &ctx);
+    if (r == VXS_OK) r = block_words_lay_out(out, &set, log2_u32(maps[0].side_px), map_count);
+    block_set_free(&set);
+    message_free(&m);
+    return r;
+}
+
+static depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kind, uint64_t seed)
+{
+    depth_maps d;
+    message    m = {.quiet = 1};
+    rng        r = {seed};
+    assert_int_equal(depth_maps_init(&d, side, depth, 0, 1, &m), VXS_OK);
+    fill_maps(&d, kind, &r);
+    depth_maps_reduce(&d, 1);
+    return d;
+}
+
+/* Every column of the maps: beside both of its depths, at both ends, and somewhere between.
+ * u, v  where the maps lie in map `map` of 2^levels texels */
+static void assert_columns(const block_words *w, uint32_t map, uint32_t levels, const depth_maps *d, uint32_t u, uint32_t v)
+{
+    rng      r     = {5};
+    uint64_t wrong = 0;
+    for (uint32_t j = 0; j < d->side_px; j++)
+        for (uint32_t i = 0; i < d->side_px; i++) {
+            size_t   n    = (size_t)j * d->side_px + i;
+            uint32_t last = d->depth_vx - 1, enter = (uint32_t)(d->enter[n] * (float)last),
+                     exit = (uint32_t)(d->exit[n] * (float)last);
+            uint32_t at[] = {0, enter - 1, enter, enter + 1, exit - 1, exit, exit + 1, rng_below(&r, last), last};
+            for (int k = 0; k < 9; k++) {
+                if (at[k] > last) continue;
+                int want = wanted(d, i, j, at[k]), got = (int)vxs_blocks_shadow(w->words, map, levels, u + i, v + j, at[k]);
+                wrong += want >= 0 && want != got;
+            }
+        }
+    assert_int_equal(wrong, 0);
+}
+
+static void every_kind_of_map(void **state)
+{
+    (void)state;
+    for (uint32_t side = 8; side <= 512; side *= 2)
+        for (map_kind kind = 0; kind < MAP_KINDS; kind++) {
+            depth_maps  d = random_maps(side, side, kind, side + kind);
+            column_map  m = depth_maps_map(&d);
+            block_words w;
+            assert_int_equal(build_words(&w, &m, 1, 1 + kind % 3), VXS_OK);
+            assert_columns(&w, 0, log2_u32(side), &d, 0, 0);
+            block_words_free(&w);
+            depth_maps_free(&d);
+        }
+}
+
+/* Depths of 512 to 262144 voxels in maps as wide, of which one square has anything. */
+static void deep_maps(void **state)
+{
+    (void)state;
+    for (uint32_t levels = 9; levels <= 18; levels += levels < 14 ? 5 : 1)
+        for (map_kind kind = 0; kind < MAP_KINDS; kind++) {
+            uint32_t    side = 1u << levels;
+            depth_maps  d    = random_maps(256, side, kind, levels * 100 + kind);
+            islet       s    = {.maps = &d, .side_px = side, .fetch_px = min_u32(side, 2048), .u_px = side / 2, .v_px = side - 256};
+            column_map  m    = islet_map(&s);
+            block_words w;
+            assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+            assert_columns(&w, 0, levels, &d, s.u_px, s.v_px);
+            for (uint32_t k = 0; k < side; k += side / 8) { /* nothing casts beside it */
+                assert_int_equal(vxs_blocks_shadow(w.words, 0, levels, s.u_px - 1, s.v_px, k), 0);
+                assert_int_equal(vxs_blocks_shadow(w.words, 0, levels, 0, 0, k), 0);
+            }
+            block_words_free(&w);
+            depth_maps_free(&d);
+        }
+}
+
+/* The same words, whatever is done at once. */
+static void threads_and_fetches(void **state)
+{
+    const map_kind kinds[] = {MAPS_NOISE, MAPS_BOXES, MAPS_CLIFF};
+    const uint32_t side    = 1024;
+    (void)state;
+    for (size_t n = 0; n < sizeof kinds / sizeof *kinds; n++) {
+        depth_maps  d = random_maps(side, side, kinds[n], 7);
+        column_map  m = depth_maps_map(&d);
+        block_words once, again;
+        assert_int_equal(build_words(&once, &m, 1, 1), VXS_OK);
+        for (uint32_t fetch = block_square_side(side); fetch <= side; fetch *= 2) {
+            islet      s    = {.maps = &d, .side_px = side, .fetch_px = fetch};
+            column_map part = islet_map(&s);
+            assert_int_equal(build_words(&again, &part, 1, 3), VXS_OK);
+            assert_int_equal(once.count, again.count);
+            assert_memory_equal(once.words, again.words, once.count * sizeof *once.words);
+            block_words_free(&again);
+        }
+        block_words_free(&once);
+        depth_maps_free(&d);
+    }
+}
+
+/* Six maps share pages and patterns; equal maps cost little more than one. */
+static void six_maps(void **state)
+{
+    (void)state;
+    depth_maps  d[6];
+    column_map  m[6];
+    block_words one, six;
+    for (int map = 0; map < 6; map++) {
+        d[map] = random_maps(512, 512, MAPS_BOXES, map % 2);
+        m[map] = depth_maps_map(&d[map]);
+    }
+    assert_int_equal(build_words(&one, m, 2, 2), VXS_OK);
+    assert_int_equal(build_words(&six, m, 6, 2), VXS_OK);
+    for (uint32_t map = 0; map < 6; map++) assert_columns(&six, map, 9, &d[map], 0, 0);
+    assert_true(six.count < one.count + 100);
+    block_words_free(&one);
+    block_words_free(&six);
+    for (int map = 0; map < 6; map++) depth_maps_free(&d[map]);
+}
+
+/* Pages hold what they may, and no more; patterns of several pages are kept once. */
+static void pages_are_cut(void **state)
+{
+    (void)state;
+    depth_maps  d = random_maps(2048, 2048, MAPS_NOISE, 3);
+    column_map  m = depth_maps_map(&d);
+    block_words w;
+    for (uint32_t n = 0; n < 2048 * 1024; n++)
+        d.exit[n] = d.enter[n] = d.enter[n % (2048 * 64)]; /* repeated, so that there is a lot to share */
+    depth_maps_reduce(&d, 1);
+    assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+    assert_true(w.counts.pages > 4 && w.counts.common_words > 1000 && w.counts.common_words <= POOL_HALVES_MAX / 2);
+    for (uint32_t p = 0; p < w.counts.pages; p++) {
+        uint32_t end = p + 1 < w.counts.pages ? w.words[8 + p + 1] : w.count;
+        assert_true(end > w.words[8 + p] && end - w.words[8 + p] <= PAGE_WORDS_MAX);
+    }
+    assert_columns(&w, 0, 11, &d, 0, 0);
+    block_words_free(&w);
+    depth_maps_free(&d);
+}
+
+/* formulas -------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result build_analytic(block_words *w, analytic *a, uint32_t threads)
+{
+    message       m      = {.quiet = 1};
+    bake_context  ctx    = {.message = &m, .threads = threads};
+    column_source source = analytic_source(a);
+    column_map    map;
+    vxs_result    r = source.open(source.data, 0, &map, &ctx);
+    memset(w, 0, sizeof *w);
+    if (r != VXS_OK) return r;
+    r = build_words(w, &map, 1, threads);
+    map.close(map.data);
+    assert_int_equal(atomic_load(&a->open), 0);
+    return r;
+}
+
+/* Columns of a map of 262144 texels, at and around the depths of a shape. */
+static void shapes_of_formulas(void **state)
+{
+    (void)state;
+    for (uint32_t side = 4096; side <= 1u << 18; side *= 8)
+        for (analytic_kind kind = 0; kind < ANALYTIC_KINDS; kind++) {
+            if (kind == ANALYTIC_PLANES && side > 4096) continue; /* detail everywhere */
+            analytic    a = analytic_shape(kind, side);
+            block_words w;
+            rng         r     = {1};
+            uint64_t    wrong = 0, in_shape = 0;
+            a.fetch_px = 1024;
+            assert_int_equal(build_analytic(&w, &a, 2), VXS_OK);
+            for (int n = 0; n < 200000; n++) {
+                uint32_t i = rng_below(&r, side), j = rng_below(&r, side);
+                double   enter, exit;
+                analytic_depths(&a, i + 0.5, j + 0.5, &enter, &exit);
+                in_shape += enter < side;
+                uint32_t at[] = {(uint32_t)enter - 1, (uint32_t)enter, (uint32_t)exit, (uint32_t)exit + 1, rng_below(&r, side)};
+                for (int k = 0; k < 5; k++) {
+                    if (at[k] >= side) continue;
+                    uint32_t dark = vxs_blocks_shadow(w.words, 0, log2_u32(side), i, j, at[k]);
+                    wrong += dark ? at[k] + 1.0 <= enter : at[k] >= exit;
+                }
+            }
+            assert_int_equal(wrong, 0);
+            assert_true(in_shape > 10000);
+            block_words_free(&w);
+        }
+}
+
+/* Each call of a source fails once, with one and with three threads: its result comes back, and all that was taken is given back. */
+static void failing_calls(void **state)
+{
+    (void)state;
+    for (uint32_t threads = 1; threads <= 3; threads += 2) {
+        analytic    a = analytic_shape(ANALYTIC_SPHERE, 512);
+        block_words w;
+        assert_int_equal(build_analytic(&w, &a, threads), VXS_OK);
+        block_words_free(&w);
+        uint64_t calls = atomic_load(&a.calls);
+        for (uint64_t n = 1; n <= calls; n += 1 + calls / 100) {
+            atomic_store(&a.calls, 0);
+            a.fail_at = n;
+            a.failure = VXS_E_GL;
+            assert_int_equal(build_analytic(&w, &a, threads), VXS_E_GL);
+            assert_null(w.words);
+        }
+    }
+}
+
+/* pieces ---------------------------------------------------------------------------------------------------------------------- */
+
+/* The fewest points by trying: intervals sorted by where they end, one after the other. */
+static int fewest_points(const int16_t *low, const int16_t *high, int count)
+{
+    int points = 0;
+    for (int last = -1;;) {
+        int next = INT32_MAX;
+        for (int n = 0; n < count; n++)
+            if (low[n] > last && high[n] < next) next = high[n];
+        if (next == INT32_MAX) return points;
+        points++;
+        last = next;
+    }
+}
+
+static void piercing(void **state)
+{
+    (void)state;
+    rng r = {1};
+    for (int round = 0; round < 3000; round++) {
+        intervals    s = {.count = 1 + (int)rng_below(&r, round % 2 ? 40 : 1040)};
+        int16_t      low[1040], high[1040];
+        pierce_group groups[1040];
+        int          count = s.count, range = 1 + (int)rng_below(&r, 32767);
+        for (int n = 0; n < count; n++) {
+            int a = (int)rng_below(&r, (uint32_t)range), b = (int)rng_below(&r, (uint32_t)(range / (1 + round % 50)) + 1);
+            low[n] = s.low[n] = (int16_t)a;
+            high[n] = s.high[n] = (int16_t)(a + b > range ? range : a + b);
+        }
+        int points = pierce(&s, groups, 1040);
+        assert_int_equal(points, fewest_points(low, high, count));
+        for (int n = 0; n < count; n++) { /* each interval holds all of some group */
+            int in = 0;
+            for (int g = 0; g < points; g++) in |= low[n] <= groups[g].low && groups[g].high <= high[n];
+            assert_true(in);
+        }
+    }
+}
+
+/* A texel's depth in a pattern that tiles have agreed on is one that each of them allows. */
+static void patterns_agree(void **state)
+{
+    (void)state;
+    enum { TILES = 3000 };
+    static uint8_t  low[TILES][64], high[TILES][64];
+    static uint32_t id[TILES];
+    rng             r   = {1};
+    pattern_set     set = {0};
+    for (int depths = 2; depths <= PALETTE_MAX; depths += 4) {
+        for (int t = 0; t < TILES; t++) {
+            mask_need needs[PALETTE_MAX - 1];
+            int       edge = (int)rng_below(&r, 64), slack = (int)rng_below(&r, (uint32_t)depths);
+            for (int n = 0; n < 64; n++) {
+                int at     = n < edge ? 0 : depths - 1;
+                low[t][n]  = (uint8_t)(at - slack < 0 ? 0 : at - slack);
+                high[t][n] = (uint8_t)(at + slack > depths - 1 ? depths - 1 : at + slack);
+            }
+            for (int mask = 0; mask < depths - 1; mask++) {
+                needs[mask] = (mask_need){0, 0};
+                for (int n = 0; n < 64; n++) {
+                    needs[mask].dark |= (uint64_t)(high[t][n] <= mask) << n;
+                    needs[mask].lit |= (uint64_t)(low[t][n] > mask) << n;
+                }
+            }
+            assert_int_equal(pattern_find(&set, depths, needs, &id[t]), VXS_OK);
+        }
+        const pattern_class *c = &set.by_depths[depths];
+        assert_true(c->count < TILES / 4);
+        for (size_t place = 0; place < c->count; place++) {
+            mask_need needs[PALETTE_MAX - 1];
+            uint8_t   index[64];
+            pattern_needs(&set, depths, place, needs);
+            pattern_choose(needs, depths, index);
+            for (int t = 0; t < TILES; t++)
+                for (int n = 0; n < 64 && id[t] == c->ids[place]; n++) assert_in_range(index[n], low[t][n], high[t][n]);
+        }
+    }
+    pattern_set_free(&set);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(piercing),      cmocka_unit_test(patterns_agree),      cmocka_unit_test(every_kind_of_map),
+        cmocka_unit_test(deep_maps),     cmocka_unit_test(threads_and_fetches), cmocka_unit_test(six_maps),
+        cmocka_unit_test(pages_are_cut), cmocka_unit_test(shapes_of_formulas),  cmocka_unit_test(failing_calls),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
