@@ -392,12 +392,46 @@ static void patterns_agree(void **state)
     pattern_set_free(&set);
 }
 
+/* The depths of an own pattern suit each tile that has it, and so does all that is left of its ranges: at any base, near and far apart. */
+static void own_patterns_agree(void **state)
+{
+    (void)state;
+    enum { TILES = 2000, SHAPES = 20 };
+    static tile_ranges tiles[TILES];
+    static uint32_t    id[TILES];
+    static int32_t     base[TILES];
+    rng                r = {1};
+    for (int32_t step = 1; step <= 1 << 16; step *= 16) {
+        own_set set = {0};
+        for (int t = 0; t < TILES; t++) {
+            rng     shape = {1 + rng_below(&r, SHAPES)};
+            int32_t away = (int32_t)rng_below(&r, 1 << 18), slack = (int32_t)rng_below(&r, 9) * step;
+            for (int n = 0; n < 64; n++) {
+                int32_t depth    = away + (int32_t)rng_below(&shape, 64) * step;
+                tiles[t].low[n]  = depth - (int32_t)rng_below(&r, (uint32_t)slack + 1);
+                tiles[t].high[n] = depth + (int32_t)rng_below(&r, (uint32_t)slack + 1);
+            }
+            assert_int_equal(own_find(&set, &tiles[t], &id[t], &base[t]), VXS_OK);
+        }
+        if (step < 256) assert_true(set.count < TILES / 2);
+        for (int t = 0; t < TILES; t++) {
+            const own_pattern *p = &set.patterns[id[t]];
+            for (int n = 0; n < 64; n++) {
+                assert_true(base[t] + p->depth[n] >= tiles[t].low[n] && base[t] + p->depth[n] <= tiles[t].high[n]);
+                assert_true(base[t] + p->may.low[n] >= tiles[t].low[n] && base[t] + p->may.high[n] <= tiles[t].high[n]);
+            }
+        }
+        own_set_free(&set);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(piercing),      cmocka_unit_test(patterns_agree),      cmocka_unit_test(every_kind_of_map),
-        cmocka_unit_test(deep_maps),     cmocka_unit_test(threads_and_fetches), cmocka_unit_test(six_maps),
-        cmocka_unit_test(pages_are_cut), cmocka_unit_test(shapes_of_formulas),  cmocka_unit_test(failing_calls),
+        cmocka_unit_test(piercing),          cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),
+        cmocka_unit_test(every_kind_of_map), cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches),
+        cmocka_unit_test(six_maps),          cmocka_unit_test(pages_are_cut),      cmocka_unit_test(shapes_of_formulas),
+        cmocka_unit_test(failing_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
