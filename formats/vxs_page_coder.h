@@ -1,0 +1,212 @@
+/* The entropy coder of pages: symbols to 16-bit words and back. Internal to vxs_page_*.c. Not installed.
+ *
+ * Two rANS states (Duda 2013) are used in turn, so that the processor works on two symbols at once: a state is a 32-bit number
+ * of at least 2^16, odds are parts of 2^15, and a state that falls below 2^16 takes in one word. The encoder works backwards, so that
+ * the decoder meets the words in the order in which they lie. A symbol is one of sixteen, a nibble, or plain bits. Odds of nibbles
+ * learn as they go: they are kept as sums, from[s] is what lies before symbol s, and a symbol pulls all sums towards those of a
+ * distribution that has only it: a subtraction, shift and addition for each of two vectors of eight.
+ *
+ * A file that includes this says which of both it is: PAGE_ENCODING 0 or 1. A function code_*(c, odds, value) of the encoder
+ * codes `value` and returns it; of the decoder, it returns what was coded, whatever `value`.
+ * With SSE2 and without, bytes are the same.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_CODER_H
+#define VXS_PAGE_CODER_H
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "vxs_bytes.h"
+
+#ifdef __SSE2__
+#define PAGE_SSE2
+#include <emmintrin.h>
+#endif
+
+#ifdef __GNUC__
+#define PAGE_INLINE       static inline __attribute__((always_inline))
+#define page_first_bit(x) ((uint32_t)__builtin_ctz(x))
+#define page_last_bit(x)  (31 - (uint32_t)__builtin_clz(x))
+#else
+#define PAGE_INLINE static inline
+static inline uint32_t page_first_bit(uint32_t x)
+{
+    uint32_t n = 0;
+    while (!(x >> n & 1)) n++;
+    return n;
+}
+static inline uint32_t page_last_bit(uint32_t x)
+{
+    uint32_t n = 31;
+    while (!(x >> n & 1)) n--;
+    return n;
+}
+#endif
+
+enum { ODDS_BITS = 15, ODDS_ONE = 1 << ODDS_BITS, STATE_LEAST = 1 << 16 };
+
+/* odds ------------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct nibble_odds {
+    _Alignas(16) uint16_t from[16]; /* from[0] is 0; ascending */
+    uint16_t seen;
+} nibble_odds;
+
+/* Shifts by which odds learn, after so many symbols: quickly at first. */
+static const uint8_t nibble_rate[161] = {
+    1, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 6,
+    6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6,
+    6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6,
+    6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 7};
+
+/* What sums move towards, for each symbol: every other symbol keeps odds of at least 1. */
+#define TOWARDS(s, i) ((i) <= (s) ? (i) : ODDS_ONE - 16 + (i))
+#define TOWARDS_ROW(s)                                                                                                             \
+    {                                                                                                                              \
+        TOWARDS(s, 0), TOWARDS(s, 1), TOWARDS(s, 2), TOWARDS(s, 3), TOWARDS(s, 4), TOWARDS(s, 5), TOWARDS(s, 6), TOWARDS(s, 7),    \
+            TOWARDS(s, 8), TOWARDS(s, 9), TOWARDS(s, 10), TOWARDS(s, 11), TOWARDS(s, 12), TOWARDS(s, 13), TOWARDS(s, 14),          \
+            TOWARDS(s, 15)                                                                                                         \
+    }
+static const _Alignas(16) uint16_t nibble_towards[16][16] = {
+    TOWARDS_ROW(0),  TOWARDS_ROW(1),  TOWARDS_ROW(2),  TOWARDS_ROW(3),  TOWARDS_ROW(4),  TOWARDS_ROW(5),
+    TOWARDS_ROW(6),  TOWARDS_ROW(7),  TOWARDS_ROW(8),  TOWARDS_ROW(9),  TOWARDS_ROW(10), TOWARDS_ROW(11),
+    TOWARDS_ROW(12), TOWARDS_ROW(13), TOWARDS_ROW(14), TOWARDS_ROW(15),
+};
+
+/* The symbol whose part of the odds holds `at`, 0..ODDS_ONE - 1. */
+PAGE_INLINE uint32_t nibble_at_plain(const nibble_odds *odds, uint32_t at)
+{
+    uint32_t count = 0;
+    for (int n = 0; n < 16; n++) count += odds->from[n] <= at;
+    return count - 1;
+}
+
+PAGE_INLINE void nibble_learn_plain(nibble_odds *odds, uint32_t symbol, uint32_t rate)
+{
+    for (int n = 0; n < 16; n++) odds->from[n] = (uint16_t)(odds->from[n] + ((nibble_towards[symbol][n] - odds->from[n]) >> rate));
+}
+
+#ifdef PAGE_SSE2
+
+PAGE_INLINE uint32_t nibble_at(const nibble_odds *odds, uint32_t at)
+{
+    const __m128i *from = (const __m128i *)odds->from, all = _mm_set1_epi16((int16_t)at);
+    __m128i behind = _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(from), all), _mm_cmpgt_epi16(_mm_load_si128(from + 1), all));
+    return page_first_bit((uint32_t)_mm_movemask_epi8(behind) | 0x10000) - 1;
+}
+
+PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
+{
+    const __m128i *to = (const __m128i *)nibble_towards[symbol], shift = _mm_cvtsi32_si128((int)rate);
+    __m128i       *from = (__m128i *)odds->from;
+    __m128i        low = _mm_load_si128(from), high = _mm_load_si128(from + 1);
+    _mm_store_si128(from, _mm_add_epi16(low, _mm_sra_epi16(_mm_sub_epi16(_mm_load_si128(to), low), shift)));
+    _mm_store_si128(from + 1, _mm_add_epi16(high, _mm_sra_epi16(_mm_sub_epi16(_mm_load_si128(to + 1), high), shift)));
+}
+
+#else
+
+PAGE_INLINE uint32_t nibble_at(const nibble_odds *odds, uint32_t at)
+{
+    return nibble_at_plain(odds, at);
+}
+
+PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
+{
+    nibble_learn_plain(odds, symbol, rate);
+}
+
+#endif
+
+/* Sums of odds in proportion to weights, whose sum is 2^32 at most, each at least 1; seen: as if so many symbols had been met. */
+static void nibble_start(nibble_odds *odds, const uint32_t weight[16], uint32_t seen)
+{
+    uint64_t all = 0, before = 0;
+    for (uint32_t n = 0; n < 16; n++) all += weight[n];
+    for (uint32_t n = 0; n < 16; n++) {
+        odds->from[n] = (uint16_t)(n + before * (ODDS_ONE - 16) / all);
+        before += weight[n];
+    }
+    odds->seen = (uint16_t)seen;
+}
+
+/* symbols ---------------------------------------------------------------------------------------------------------------------- */
+
+#ifndef PAGE_ENCODING
+#error PAGE_ENCODING is not defined: 0 or 1
+#elif PAGE_ENCODING
+
+/* A symbol to be coded: where its part of the odds starts, and how much it is. They are coded when all are known, last one first. */
+typedef struct coder {
+    uint32_t *parts; /* from << 16 | size */
+    size_t    count, capacity;
+    int       no_memory;
+} coder;
+
+static void code_part(coder *c, uint32_t from, uint32_t size)
+{
+    if (c->count == c->capacity) {
+        size_t    capacity = c->capacity ? 2 * c->capacity : 1 << 16;
+        uint32_t *grown    = realloc(c->parts, capacity * sizeof *grown);
+        if (!grown) {
+            c->no_memory = 1;
+            return;
+        }
+        c->parts    = grown;
+        c->capacity = capacity;
+    }
+    c->parts[c->count++] = from << 16 | size;
+}
+
+#else
+
+typedef struct coder {
+    uint32_t       now, next; /* the state of the next symbol, and of the one after it */
+    const uint8_t *in,
+        *end; /* words yet to be read; end: both states lie there, so that a word may be looked at before it is needed */
+} coder;
+
+/* The symbol of odds from..from + size - 1 was met. */
+PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
+{
+    uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from;
+    uint32_t more  = state << 16 | vxs_load16(c->in);
+    int      small = state < STATE_LEAST;
+    c->in += 2 * (small & (c->in < c->end));
+    c->now  = c->next;
+    c->next = small ? more : state;
+}
+
+#endif
+
+PAGE_INLINE uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
+{
+#if !PAGE_ENCODING
+    value = nibble_at(odds, c->now & (ODDS_ONE - 1));
+#endif
+    uint32_t from = odds->from[value], to = value < 15 ? odds->from[value + 1] : ODDS_ONE;
+#if PAGE_ENCODING
+    code_part(c, from, to - from);
+#else
+    decode_part(c, from, to - from);
+#endif
+    nibble_learn(odds, value, nibble_rate[odds->seen]);
+    odds->seen += odds->seen < 160;
+    return value;
+}
+
+/* bits, 0..12, that are all alike. */
+PAGE_INLINE uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
+{
+    uint32_t shift = ODDS_BITS - bits;
+#if PAGE_ENCODING
+    code_part(c, value << shift, 1u << shift);
+#else
+    value = (c->now & (ODDS_ONE - 1)) >> shift;
+    decode_part(c, value << shift, 1u << shift);
+#endif
+    return value;
+}
+
+#endif

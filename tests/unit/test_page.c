@@ -1,0 +1,513 @@
+/* Pages and the resident part, to bytes and back (formats/vxs_page.h): the same words for all that the layout allows, and from bytes
+ * that are damaged never words that a lookup could leave. The decoder is compiled a second time without SIMD: both must agree.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "page_sample.h"
+
+#include <cmocka.h>
+
+size_t     plain_scratch_bytes(void);
+void       plain_scratch_init(vxs_page_scratch *scratch);
+uint32_t   plain_word_count(const uint8_t *bytes, size_t size_bytes);
+vxs_result plain_decode(uint32_t *words, const uint8_t *bytes, size_t size_bytes, const vxs_page_node *nodes, uint32_t node_count,
+                        const vxs_common *common, vxs_page_scratch *scratch);
+vxs_result plain_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes, size_t size_bytes);
+vxs_result plain_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size_bytes,
+                                 vxs_page_scratch *scratch);
+
+#undef __SSE2__
+#define vxs_page_scratch_bytes plain_scratch_bytes
+#define vxs_page_scratch_init  plain_scratch_init
+#define vxs_page_word_count    plain_word_count
+#define vxs_page_decode        plain_decode
+#define vxs_resident_sizes_of  plain_sizes_of
+#define vxs_resident_decode    plain_resident_decode
+#include "formats/vxs_page_decode.c"
+#undef vxs_page_scratch_bytes
+#undef vxs_page_scratch_init
+#undef vxs_page_word_count
+#undef vxs_page_decode
+#undef vxs_resident_sizes_of
+#undef vxs_resident_decode
+
+static sample_page       page; /* large */
+static sample_common     common;
+static vxs_page_scratch *scratch;
+
+static int make_scratch(void **state)
+{
+    (void)state;
+    scratch = malloc(vxs_page_scratch_bytes());
+    if (scratch) vxs_page_scratch_init(scratch);
+    return !scratch;
+}
+
+static int free_scratch(void **state)
+{
+    (void)state;
+    free(scratch);
+    return 0;
+}
+
+/* Bytes and words without room behind them, so that a sanitizer sees what goes beyond; NULL, with the result, if they are refused. */
+static uint32_t *decode(const uint8_t *bytes, size_t size, uint32_t *word_count, vxs_result *result)
+{
+    uint8_t *exact = malloc(size ? size : 1);
+    memcpy(exact, bytes, size);
+    *word_count     = vxs_page_word_count(exact, size);
+    uint32_t *words = malloc(*word_count ? *word_count * sizeof *words : 1);
+    *result         = vxs_page_decode(words, exact, size, page.nodes, page.node_count, &common.common, scratch);
+    free(exact);
+    if (*result == VXS_OK) return words;
+    free(words);
+    return NULL;
+}
+
+static vxs_bytes encoded(void)
+{
+    vxs_bytes bytes = {0};
+    assert_int_equal(vxs_page_encode(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    return bytes;
+}
+
+static void check_round_trip(void)
+{
+    vxs_bytes  bytes = encoded();
+    uint32_t   count;
+    vxs_result result;
+    uint32_t  *words = decode(bytes.data, bytes.size_bytes, &count, &result);
+    assert_int_equal(result, VXS_OK);
+    assert_int_equal(count, page.word_count);
+    assert_memory_equal(words, page.words, count * sizeof *words);
+    assert_true(check_page(words, count, page.nodes, page.node_count, &common.common));
+
+    memset(words, 0xa5, count * sizeof *words);
+    assert_int_equal(plain_decode(words, bytes.data, bytes.size_bytes, page.nodes, page.node_count, &common.common, scratch),
+                     VXS_OK);
+    assert_memory_equal(words, page.words, count * sizeof *words);
+    free(words);
+    free(bytes.data);
+}
+
+static void pages_come_back(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 300; seed++) {
+        rng r = rng_split(seed, 1);
+        assert_int_equal(sample_common_make(&r, &common, seed % 3 ? rng_below(&r, SAMPLE_COMMON_MAX) : 0), VXS_OK);
+        sample_page_make(&r, &page, &common, 1 + (uint32_t)seed % 20);
+        check_round_trip();
+    }
+}
+
+static void pages_come_back_up_to_the_last_word(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 6; seed++) {
+        rng r = rng_split(seed, 2);
+        assert_int_equal(sample_common_make(&r, &common, SAMPLE_COMMON_MAX), VXS_OK);
+        sample_page_make(&r, &page, &common, 0);
+        assert_int_equal(page.word_count, VXS_PAGE_WORDS_MAX);
+        check_round_trip();
+    }
+}
+
+/* What a page is coded to knows nothing of the pages that the scratch served before. */
+static void a_page_is_coded_alone(void **state)
+{
+    (void)state;
+    rng r = rng_split(7, 3);
+    assert_int_equal(sample_common_make(&r, &common, 20), VXS_OK);
+    sample_page_make(&r, &page, &common, 5);
+    vxs_bytes first = encoded(), second = {0};
+    assert_int_equal(vxs_page_encode(&second, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    assert_int_equal(first.size_bytes, second.size_bytes);
+    assert_memory_equal(first.data, second.data, first.size_bytes);
+    /* appended, not overwritten */
+    assert_int_equal(vxs_page_encode(&second, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    assert_int_equal(second.size_bytes, 2 * first.size_bytes);
+    assert_memory_equal(first.data, second.data + first.size_bytes, first.size_bytes);
+    free(first.data);
+    free(second.data);
+}
+
+/* damage ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Whatever comes out may be looked up. Returns whether anything did. */
+static int check_damaged(const uint8_t *bytes, size_t size)
+{
+    uint32_t   count;
+    vxs_result result;
+    uint32_t  *words = decode(bytes, size, &count, &result);
+    if (words) assert_true(check_page(words, count, page.nodes, page.node_count, &common.common));
+    assert_true(result == VXS_OK || result == VXS_E_TRUNCATED || result == VXS_E_CORRUPT);
+    free(words);
+    return result == VXS_OK;
+}
+
+static void small_page(uint64_t seed)
+{
+    rng r = rng_split(seed, 4);
+    assert_int_equal(sample_common_make(&r, &common, 12), VXS_OK);
+    sample_page_make(&r, &page, &common, 1 + (uint32_t)seed % 3);
+}
+
+static void prefixes_are_refused(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 40; seed++) {
+        small_page(seed);
+        vxs_bytes bytes = encoded();
+        for (size_t size = 0; size < bytes.size_bytes; size++) assert_false(check_damaged(bytes.data, size));
+        free(bytes.data);
+    }
+}
+
+static void flipped_bits_do_no_harm(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 40; seed++) {
+        small_page(seed);
+        vxs_bytes bytes = encoded();
+        size_t    step  = 1 + bytes.size_bytes / 200;
+        for (size_t bit = seed % step; bit < 8 * bytes.size_bytes; bit += step) {
+            bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+            check_damaged(bytes.data, bytes.size_bytes);
+            bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+        }
+        free(bytes.data);
+    }
+}
+
+static void random_bytes_do_no_harm(void **state)
+{
+    (void)state;
+    uint8_t bytes[600];
+    for (uint64_t seed = 0; seed < 8000; seed++) {
+        rng r = rng_split(seed, 5);
+        if (seed % 400 == 0) small_page(seed / 400);
+        size_t size = rng_below(&r, sizeof bytes + 1);
+        for (size_t n = 0; n < size; n++) bytes[n] = (uint8_t)rng_u32(&r);
+        check_damaged(bytes, size);
+    }
+}
+
+/* The coder's symbols, as an encoder that is free to break every rule would choose them: random words of the coder behind a good head, so
+ * that what is decoded goes on for long. */
+static void random_symbols_do_no_harm(void **state)
+{
+    (void)state;
+    static uint8_t bytes[40000];
+    for (uint64_t seed = 0; seed < 400; seed++) {
+        rng r = rng_split(seed, 6);
+        if (seed % 20 == 0) small_page(seed / 20);
+        for (size_t n = 0; n < sizeof bytes; n++) bytes[n] = seed % 2 ? (uint8_t)rng_u32(&r) : (uint8_t)(rng_u32(&r) & rng_u32(&r));
+        memset(bytes, 0xff, 4);
+        check_damaged(bytes, sizeof bytes);
+    }
+}
+
+/* Words that are no page in canonical order are refused, not coded to something else. */
+static void changed_words_are_refused_or_come_back(void **state)
+{
+    (void)state;
+    size_t refused = 0, tried = 0;
+    for (uint64_t seed = 0; seed < 60; seed++) {
+        small_page(seed);
+        rng r = rng_split(seed, 7);
+        for (int n = 0; n < 60; n++) {
+            uint32_t at = rng_below(&r, page.word_count), bit = rng_below(&r, 32), was = page.words[at];
+            page.words[at] ^= 1u << bit;
+            vxs_bytes  bytes  = {0};
+            vxs_result result = vxs_page_encode(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common);
+            tried++;
+            if (result == VXS_OK) {
+                uint32_t  count;
+                uint32_t *words = decode(bytes.data, bytes.size_bytes, &count, &result);
+                assert_int_equal(result, VXS_OK);
+                assert_memory_equal(words, page.words, page.word_count * sizeof *words);
+                free(words);
+            } else {
+                assert_int_equal(result, VXS_E_ARGUMENT);
+                assert_int_equal(bytes.size_bytes, 0);
+                refused++;
+            }
+            free(bytes.data);
+            page.words[at] = was;
+        }
+    }
+    assert_true(refused > tried / 10);
+    vxs_bytes none = {0};
+    assert_int_equal(vxs_page_encode(&none, page.words, page.word_count, page.nodes, 0, &common.common), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_page_encode(&none, page.words, 0, page.nodes, page.node_count, &common.common), VXS_E_ARGUMENT);
+    page.nodes[0].offset = 1;
+    assert_int_equal(vxs_page_encode(&none, page.words, page.word_count, page.nodes, page.node_count, &common.common),
+                     VXS_E_ARGUMENT);
+    free(none.data);
+}
+
+/* A page whose nodes are not where the top says is refused. */
+static void nodes_must_be_where_the_top_says(void **state)
+{
+    (void)state;
+    small_page(2);
+    assert_true(page.node_count > 1);
+    vxs_bytes bytes = encoded();
+    page.nodes[1].offset++;
+    assert_false(check_damaged(bytes.data, bytes.size_bytes));
+    page.nodes[1].offset--;
+    page.node_count--;
+    assert_false(check_damaged(bytes.data, bytes.size_bytes));
+    page.node_count++;
+    assert_true(check_damaged(bytes.data, bytes.size_bytes));
+    free(bytes.data);
+}
+
+/* the resident part ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct light_sample {
+    uint32_t      *words, word_count, page_count, node_count;
+    uint32_t       levels, map_count;
+    vxs_page_node *nodes;
+    uint32_t      *page_first;
+} light_sample;
+
+static uint32_t of_even_bits(uint32_t n)
+{
+    uint32_t x = 0;
+    for (uint32_t b = 0; b < 16; b++) x |= (n >> 2 * b & 1) << b;
+    return x;
+}
+
+/* A random entry at words[at]: a depth, a new node, or one met before. */
+static void random_entry(rng *r, light_sample *l, uint32_t at, uint32_t map, uint32_t x, uint32_t y)
+{
+    uint32_t *w = l->words + at, kind = rng_below(r, 4);
+    if (kind == 0 || (kind == 3 && !l->node_count)) {
+        w[0] = 0x80000000u | (rng_below(r, 2) ? rng_below(r, 4) : rng_below(r, (1 << 18) + 1));
+        return;
+    }
+    if (kind == 3)
+        w[0] = l->words[l->nodes[rng_below(r, l->node_count)].base]; /* the word that named it, for now */
+    else {
+        int      first  = !l->page_count || !rng_below(r, 40) || (l->words[l->nodes[l->node_count - 1].base] & 0xffff) > 60000;
+        uint32_t offset = first ? 0 : (l->words[l->nodes[l->node_count - 1].base] & 0xffff) + 1 + rng_below(r, 500);
+        if (first) l->page_first[l->page_count++] = l->node_count;
+        l->nodes[l->node_count++] = (vxs_page_node){offset, x, y, map, (int32_t)at};
+        w[0]                      = (l->page_count - 1) << 16 | offset;
+    }
+    w[1] = rng_below(r, 2) ? rng_u32(r) : rng_below(r, 100) | 0x40200000;
+}
+
+/* page words of the light are put in when their number is known: tops are made in words of their own first */
+static void light_make(rng *r, light_sample *l, uint32_t levels, uint32_t map_count)
+{
+    uint32_t side = levels <= 8 ? 1 : 1u << (levels - 8), cells = side / 8, at = 0, top[6];
+    *l            = (light_sample){.levels = levels, .map_count = map_count};
+    uint32_t most = map_count * (levels < 15 ? 2 * side * side : cells * cells * 129);
+    l->words      = calloc(most + 1, 4);
+    l->nodes      = calloc(most + 1, sizeof *l->nodes);
+    l->page_first = calloc(most + 1, 4);
+    for (uint32_t map = 0; map < map_count; map++) {
+        top[map] = at;
+        at += levels < 15 ? 2 * side * side : cells * cells;
+        for (uint32_t n = 0; levels < 15 && n < side * side; n++) {
+            uint32_t x = of_even_bits(n), y = of_even_bits(n >> 1);
+            random_entry(r, l, top[map] + 2 * (y * side + x), map, x, y);
+        }
+        for (uint32_t n = 0; levels >= 15 && n < cells * cells; n++) {
+            uint32_t x = of_even_bits(n), y = of_even_bits(n >> 1), cell = top[map] + y * cells + x;
+            if (rng_below(r, 3)) {
+                l->words[cell] = 0x80000000u | rng_below(r, 5);
+                continue;
+            }
+            l->words[cell] = at;
+            for (uint32_t k = 0; k < 64; k++) {
+                uint32_t ex = of_even_bits(k), ey = of_even_bits(k >> 1);
+                random_entry(r, l, at + 2 * (8 * ey + ex), map, 8 * x + ex, 8 * y + ey);
+            }
+            at += 128;
+        }
+    }
+    /* lay it out */
+    uint32_t  head = 8 + l->page_count, pool = (common.common.half_count + 1) / 2;
+    uint32_t *all = calloc(head + at + pool, 4);
+    memcpy(all + head, l->words, 4 * at);
+    memcpy(all + head + at, common.words, 4 * pool);
+    for (uint32_t map = 0; map < map_count; map++) {
+        all[2 + map] = head + top[map];
+        for (uint32_t n = 0; levels >= 15 && n < cells * cells; n++)
+            if (!(all[head + top[map] + n] & 0x80000000u)) all[head + top[map] + n] += head;
+    }
+    for (uint32_t n = 0; n < l->node_count; n++)
+        l->nodes[n].base = (int32_t)(l->words[l->nodes[n].base + 1] & 0xffff) << (levels > 16 ? levels - 16 : 0);
+    all[0] = l->page_count;
+    all[1] = head + at;
+    free(l->words);
+    l->words                     = all;
+    l->word_count                = head + at + pool;
+    l->page_first[l->page_count] = l->node_count;
+}
+
+static void light_free(light_sample *l)
+{
+    free(l->words);
+    free(l->nodes);
+    free(l->page_first);
+}
+
+static vxs_result resident_decode(vxs_resident *o, vxs_resident_sizes *sizes, const light_sample *l, const uint8_t *bytes,
+                                  size_t size, int plain)
+{
+    uint8_t *exact = malloc(size ? size : 1);
+    memcpy(exact, bytes, size);
+    *o                = (vxs_resident){0};
+    vxs_result result = vxs_resident_sizes_of(sizes, exact, size);
+    if (result == VXS_OK && sizes->word_count < 4 * l->word_count) {
+        o->words      = malloc(sizes->word_count * 4);
+        o->nodes      = malloc(sizes->node_count * sizeof *o->nodes + 1);
+        o->page_first = malloc((sizes->page_count + 1) * 4);
+        o->patterns   = malloc(sizes->pattern_count * sizeof *o->patterns + 1);
+        result        = (plain ? plain_resident_decode : vxs_resident_decode)(o, l->levels, l->map_count, exact, size, scratch);
+    } else if (result == VXS_OK)
+        result = VXS_E_CORRUPT;
+    free(exact);
+    return result;
+}
+
+static void resident_free(vxs_resident *o)
+{
+    free(o->words);
+    free(o->nodes);
+    free(o->page_first);
+    free(o->patterns);
+}
+
+/* Every entry names a depth, or a node of the list. */
+static void check_tops(const vxs_resident *o, const vxs_resident_sizes *sizes, const light_sample *l)
+{
+    uint32_t side = l->levels <= 8 ? 1 : 1u << (l->levels - 8);
+    assert_true(o->words[0] == sizes->page_count && o->words[1] <= sizes->word_count);
+    for (uint32_t map = 0; map < l->map_count; map++)
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                uint32_t top = o->words[2 + map], at = top + 2 * (y * side + x);
+                if (l->levels >= 15) {
+                    at = top + y / 8 * (side / 8) + x / 8;
+                    assert_true(at < o->words[1]);
+                    if (o->words[at] & 0x80000000u) continue;
+                    at = o->words[at] + 2 * (y % 8 * 8 + x % 8);
+                }
+                assert_true(at + 1 < o->words[1]);
+                uint32_t entry = o->words[at], page_index = entry >> 16, met = 0;
+                if (entry & 0x80000000u) {
+                    assert_true((entry & 0x7fffffff) <= 1 << 18 && !o->words[at + 1]);
+                    continue;
+                }
+                assert_true(page_index < sizes->page_count);
+                for (uint32_t n = o->page_first[page_index]; n < o->page_first[page_index + 1]; n++)
+                    met |= o->nodes[n].offset == (entry & 0xffff);
+                assert_true(met);
+            }
+}
+
+static void resident_parts_come_back(void **state)
+{
+    (void)state;
+    static const uint32_t levels[] = {3, 8, 9, 11, 13, 14, 15, 16, 17};
+    for (uint64_t seed = 0; seed < 36; seed++) {
+        rng          r = rng_split(seed, 8);
+        light_sample l;
+        vxs_bytes    bytes = {0};
+        assert_int_equal(sample_common_make(&r, &common, (uint32_t)seed % SAMPLE_COMMON_MAX), VXS_OK);
+        light_make(&r, &l, levels[seed % 9], seed % 4 == 1 ? 6 : 1);
+        assert_int_equal(vxs_resident_encode(&bytes, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+        for (int plain = 0; plain < 2; plain++) {
+            vxs_resident       o;
+            vxs_resident_sizes sizes;
+            assert_int_equal(resident_decode(&o, &sizes, &l, bytes.data, bytes.size_bytes, plain), VXS_OK);
+            assert_int_equal(sizes.word_count, l.word_count);
+            assert_int_equal(sizes.node_count, l.node_count);
+            assert_int_equal(sizes.page_count, l.page_count);
+            assert_memory_equal(o.words, l.words, 4 * l.word_count);
+            assert_memory_equal(o.nodes, l.nodes, l.node_count * sizeof *l.nodes);
+            assert_memory_equal(o.page_first, l.page_first, 4 * (l.page_count + 1));
+            assert_memory_equal(o.common.first, common.common.first, sizeof common.common.first);
+            assert_memory_equal(o.patterns, common.patterns, sizes.pattern_count * sizeof *o.patterns);
+            assert_int_equal(o.common.half_count, common.common.half_count);
+            assert_ptr_equal(o.common.words, o.words + l.words[1]);
+            if (l.levels < 15) check_tops(&o, &sizes, &l);
+            resident_free(&o);
+        }
+        if (l.page_count) {
+            l.words[8]     = 1; /* a page that is there is not told */
+            vxs_bytes same = {0};
+            assert_int_equal(vxs_resident_encode(&same, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+            assert_int_equal(same.size_bytes, bytes.size_bytes);
+            assert_memory_equal(same.data, bytes.data, same.size_bytes);
+            free(same.data);
+        }
+        free(bytes.data);
+        light_free(&l);
+    }
+}
+
+static void damaged_resident_parts_do_no_harm(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 12; seed++) {
+        rng          r = rng_split(seed, 9);
+        light_sample l;
+        vxs_bytes    bytes = {0};
+        assert_int_equal(sample_common_make(&r, &common, 10), VXS_OK);
+        light_make(&r, &l, seed % 3 == 2 ? 15 : 10, 1);
+        assert_int_equal(vxs_resident_encode(&bytes, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+        size_t step = 1 + bytes.size_bytes / 150;
+        for (size_t n = 0; n < bytes.size_bytes / step + 8 * bytes.size_bytes / step; n++) {
+            size_t             bit = n * step, size = bytes.size_bytes;
+            vxs_resident       o;
+            vxs_resident_sizes sizes;
+            if (n < bytes.size_bytes / step)
+                size = n * step; /* a prefix */
+            else {
+                bit = (n - bytes.size_bytes / step) * step;
+                bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+            }
+            vxs_result result = resident_decode(&o, &sizes, &l, bytes.data, size, 0);
+            assert_true(result == VXS_OK || result == VXS_E_TRUNCATED || result == VXS_E_CORRUPT);
+            if (result == VXS_OK) check_tops(&o, &sizes, &l);
+            resident_free(&o);
+            if (size == bytes.size_bytes) bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+        }
+        l.words[1]++;
+        vxs_bytes none = {0};
+        assert_int_equal(vxs_resident_encode(&none, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_E_ARGUMENT);
+        free(none.data);
+        free(bytes.data);
+        light_free(&l);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pages_come_back),
+        cmocka_unit_test(pages_come_back_up_to_the_last_word),
+        cmocka_unit_test(a_page_is_coded_alone),
+        cmocka_unit_test(prefixes_are_refused),
+        cmocka_unit_test(flipped_bits_do_no_harm),
+        cmocka_unit_test(random_bytes_do_no_harm),
+        cmocka_unit_test(random_symbols_do_no_harm),
+        cmocka_unit_test(changed_words_are_refused_or_come_back),
+        cmocka_unit_test(nodes_must_be_where_the_top_says),
+        cmocka_unit_test(resident_parts_come_back),
+        cmocka_unit_test(damaged_resident_parts_do_no_harm),
+    };
+    return cmocka_run_group_tests(tests, make_scratch, free_scratch);
+}
