@@ -108,6 +108,7 @@ static vxs_result assemble(layout *l, const uint32_t *pages, size_t page_words, 
     l->out->count               = (uint32_t)all;
     l->out->common_kinds        = l->common_kinds;
     l->out->common_count        = (uint32_t)l->common_count;
+    l->out->common_halves       = l->common_halves;
     l->common_kinds             = NULL;
     l->out->counts.pages        = (uint32_t)l->page_count;
     l->out->counts.top_words    = (uint32_t)common;

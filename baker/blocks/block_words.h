@@ -17,7 +17,7 @@ typedef struct block_words {
     uint32_t *words; /* [count + BLOCK_SPARE_WORDS] the last of them 0 */
     uint32_t  count;
     uint8_t  *common_kinds; /* [common_count] of patterns as they lie in the common pool: how many depths; 0: they have their own */
-    uint32_t  common_count;
+    uint32_t  common_count, common_halves;
     block_counts counts;
 } block_words;
 

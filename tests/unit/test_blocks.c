@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "formats/vxs_lookup_blocks.h"
+#include "formats/vxs_page.h"
 
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/simd.h"
@@ -141,6 +142,53 @@ static void assert_columns(const block_words *w, uint32_t map, uint32_t levels, 
     assert_int_equal(wrong, 0);
 }
 
+/* The words as bytes, and back: what the baker lays out is in the order that the coder of pages wants.
+ * Returns how many bytes they are. */
+static size_t assert_coded(const block_words *w, uint32_t levels, uint32_t map_count)
+{
+    uint32_t           pages = w->counts.pages, common_start = w->words[1], resident_words = pages ? w->words[8] : w->count;
+    vxs_page_scratch  *scratch = malloc(vxs_page_scratch_bytes());
+    vxs_pattern       *known   = calloc(w->common_count + 1, sizeof *known);
+    vxs_bytes          bytes   = {0};
+    vxs_common         common;
+    vxs_resident_sizes sizes;
+    vxs_page_scratch_init(scratch);
+    assert_int_equal(vxs_common_index(&common, known, w->common_kinds, w->common_count, w->words + common_start, w->common_halves),
+                     VXS_OK);
+    assert_int_equal(vxs_resident_encode(&bytes, w->words, resident_words, levels, map_count, &common), VXS_OK);
+    assert_int_equal(vxs_resident_sizes_of(&sizes, bytes.data, bytes.size_bytes), VXS_OK);
+    assert_true(sizes.word_count == resident_words && sizes.page_count == pages);
+
+    vxs_resident back = {.words      = calloc(resident_words, 4),
+                         .nodes      = calloc(sizes.node_count + 1, sizeof *back.nodes),
+                         .page_first = calloc(pages + 1, sizeof *back.page_first),
+                         .patterns   = calloc(sizes.pattern_count + 1, sizeof *back.patterns)};
+    assert_int_equal(vxs_resident_decode(&back, levels, map_count, bytes.data, bytes.size_bytes, scratch), VXS_OK);
+    memcpy(back.words + 8, w->words + 8, pages * sizeof *w->words); /* where pages start is not coded */
+    assert_memory_equal(back.words, w->words, resident_words * sizeof *w->words);
+    for (uint32_t p = 0; p < pages; p++) {
+        uint32_t             start = w->words[8 + p], count = (p + 1 < pages ? w->words[9 + p] : w->count) - start;
+        const vxs_page_node *nodes      = back.nodes + back.page_first[p];
+        uint32_t             node_count = back.page_first[p + 1] - back.page_first[p], *words = malloc(count * sizeof *words);
+        size_t               from = bytes.size_bytes;
+        assert_int_equal(vxs_page_encode(&bytes, w->words + start, count, nodes, node_count, &back.common), VXS_OK);
+        assert_int_equal(vxs_page_word_count(bytes.data + from, bytes.size_bytes - from), count);
+        assert_int_equal(
+            vxs_page_decode(words, bytes.data + from, bytes.size_bytes - from, nodes, node_count, &back.common, scratch), VXS_OK);
+        assert_memory_equal(words, w->words + start, count * sizeof *words);
+        free(words);
+    }
+    size_t size = bytes.size_bytes;
+    free(back.words);
+    free(back.nodes);
+    free(back.page_first);
+    free(back.patterns);
+    free(bytes.data);
+    free(known);
+    free(scratch);
+    return size;
+}
+
 static void every_kind_of_map(void **state)
 {
     (void)state;
@@ -151,6 +199,7 @@ static void every_kind_of_map(void **state)
             block_words w;
             assert_int_equal(build_words(&w, &m, 1, 1 + kind % 3), VXS_OK);
             assert_columns(&w, 0, log2_u32(side), &d, 0, 0);
+            assert_coded(&w, log2_u32(side), 1);
             block_words_free(&w);
             depth_maps_free(&d);
         }
@@ -169,6 +218,7 @@ static void deep_maps(void **state)
             block_words w;
             assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
             assert_columns(&w, 0, levels, &d, s.u_px, s.v_px);
+            assert_coded(&w, levels, 1);
             for (uint32_t k = 0; k < side; k += side / 8) { /* nothing casts beside it */
                 assert_int_equal(vxs_blocks_shadow(w.words, 0, levels, s.u_px - 1, s.v_px, k), 0);
                 assert_int_equal(vxs_blocks_shadow(w.words, 0, levels, 0, 0, k), 0);
@@ -217,6 +267,7 @@ static void six_maps(void **state)
     assert_int_equal(build_words(&six, m, 6, 2), VXS_OK);
     for (uint32_t map = 0; map < 6; map++) assert_columns(&six, map, 9, &d[map], 0, 0);
     assert_true(six.count < one.count + 100);
+    assert_coded(&six, 9, 6);
     block_words_free(&one);
     block_words_free(&six);
     for (int map = 0; map < 6; map++) depth_maps_free(&d[map]);
@@ -239,6 +290,7 @@ static void pages_are_cut(void **state)
         assert_true(end > w.words[8 + p] && end - w.words[8 + p] <= PAGE_WORDS_MAX);
     }
     assert_columns(&w, 0, 11, &d, 0, 0);
+    assert_coded(&w, 11, 1);
     block_words_free(&w);
     depth_maps_free(&d);
 }
