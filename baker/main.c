@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "baker/base/nearest.h"
 #include "baker/base/version.h"
@@ -37,6 +38,14 @@ static int print_help(const char *format_word)
     return status ? status : command_end(&m, VXS_OK);
 }
 
+/* The list of commands is the error, and goes where errors go. */
+static int no_command(void)
+{
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    print_help("text");
+    return exit_status(VXS_E_ARGUMENT);
+}
+
 static int unknown_command(const char *name)
 {
     message m    = {0};
@@ -54,7 +63,7 @@ int main(int argc, char **argv)
     process_begin();
 
     const char *name = argc >= 2 ? argv[1] : "";
-    if (argc < 2) return command_end(&m, fail(&m, VXS_E_ARGUMENT, "no command given: vxs --help lists the commands"));
+    if (argc < 2) return no_command();
     if (!strcmp(name, "help") && argc > 3)
         return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs help COMMAND", argv[3]));
     if (!strcmp(name, "help") && argc == 3 && argv[2][0] != '-') { /* vxs help bake is vxs bake --help */

@@ -271,7 +271,6 @@ def test_wrong_options(fails, scene, tmp_path, options, says):
 
 
 def test_wrong_command_lines(fails, scene):
-    fails(2, says="no command")
     fails(2, "toast", says="unknown command 'toast'")
     fails(2, "bake", scene, says="-o OUT.vxs")
     fails(2, "bake", "-o", "a.vxs", says="SCENE is missing")

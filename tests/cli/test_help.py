@@ -39,6 +39,11 @@ def test_help_lists_the_commands(vxs):
     assert max(map(len, text.splitlines())) <= 80
 
 
+def test_no_command_lists_the_commands(vxs):
+    done = vxs(status=2)
+    assert (done.stdout, done.stderr) == ("", vxs("--help").stdout)
+
+
 def read_some(terminal):
     """Nothing in the end, when the other side is closed."""
     try:
