@@ -39,19 +39,11 @@ static void set_shape(json_t *object, const light_shape *l)
     if (l->kind == LIGHT_SPOT) json_object_set_new(object, "outer_rad", number_json(l->outer_rad));
 }
 
-/* A light of the scene lends the choice its very name; another comes from the command line. */
-static int is_of_scene(const scene *s, const chosen_light *light)
-{
-    for (size_t n = 0; n < s->light_count; n++)
-        if (s->lights[n].name == light->name) return 1;
-    return 0;
-}
-
-static json_t *light_json(const bake_options *o, const scene *s, const chosen_light *light)
+static json_t *light_json(const bake_options *o, const chosen_light *light)
 {
     double   texel_metres;
     uint32_t side   = light_resolution(o, light->name, &texel_metres);
-    json_t  *object = json_pack("{s:o, s:b}", "name", json_text(light->name), "in_scene", is_of_scene(s, light));
+    json_t  *object = json_pack("{s:o, s:b}", "name", json_text(light->name), "in_scene", !light->is_option);
     set_shape(object, &light->shape);
     if (side)
         json_object_set_new(object, "resolution_px", json_integer(side));
@@ -73,7 +65,7 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const scene
     vxs_result r = scene_fingerprint_take(&f, s, m);
     if (r != VXS_OK) return r;
     json_t *lights = json_array();
-    for (size_t n = 0; n < chosen->count; n++) json_array_append_new(lights, light_json(o, s, &chosen->lights[n]));
+    for (size_t n = 0; n < chosen->count; n++) json_array_append_new(lights, light_json(o, &chosen->lights[n]));
     *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(s, &f), "lights", lights,
                         "options", bake_choices_json(o));
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");

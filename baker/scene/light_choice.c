@@ -10,9 +10,9 @@
 #include "baker/base/vec3.h"
 #include "formats/vxs_format.h"
 
-static void add(light_choice *chosen, const char *name, const light_shape *shape)
+static void add(light_choice *chosen, chosen_light light)
 {
-    chosen->lights[chosen->count++] = (chosen_light){name, *shape};
+    chosen->lights[chosen->count++] = light;
 }
 
 static const chosen_light *find(const light_choice *lights, const char *name)
@@ -46,7 +46,7 @@ static int is_utf8(const char *text)
 static vxs_result add_all(const scene *s, const named_list *suns, light_choice *all, message *m)
 {
     for (size_t i = 0; i < s->light_count; i++)
-        if (!named_find(suns, s->lights[i].name)) add(all, s->lights[i].name, &s->lights[i].shape);
+        if (!named_find(suns, s->lights[i].name)) add(all, (chosen_light){s->lights[i].name, s->lights[i].shape, 0});
     for (const named_value *sun = suns->items; sun < suns->items + suns->count; sun++) {
         light_shape   shape  = {.kind = LIGHT_DIRECTIONAL};
         const double *v      = sun->numbers;
@@ -57,7 +57,7 @@ static vxs_result add_all(const scene *s, const named_list *suns, light_choice *
             return fail(m, VXS_E_ARGUMENT, "--sun %s: the name has %zu bytes, expected 1 to %d", sun->name, length,
                         VXS_LIGHT_NAME_BYTES - 1);
         if (!is_utf8(sun->name)) return fail(m, VXS_E_ARGUMENT, "--sun %s: expected a name in UTF-8", sun->name);
-        add(all, sun->name, &shape);
+        add(all, (chosen_light){sun->name, shape, 1});
     }
     return VXS_OK;
 }
@@ -68,7 +68,7 @@ static vxs_result add_named(const light_choice *all, const char *name, light_cho
     char                known[LIST_BYTES];
     if (find(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
     if (light) {
-        add(chosen, light->name, &light->shape);
+        add(chosen, *light);
         return VXS_OK;
     }
     if (!all->count) return fail(m, VXS_E_ARGUMENT, "--light %s: the scene has no lights; --sun X,Y,Z gives one", name);
@@ -82,9 +82,8 @@ static vxs_result choose(const light_choice *all, const text_list *names, const 
         if (r != VXS_OK) return r;
     }
     for (size_t i = all->count - suns->count; i < all->count; i++)
-        if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i].name, &all->lights[i].shape);
-    for (size_t i = 0; i < all->count && !names->count && !suns->count; i++)
-        add(chosen, all->lights[i].name, &all->lights[i].shape);
+        if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i]);
+    for (size_t i = 0; i < all->count && !names->count && !suns->count; i++) add(chosen, all->lights[i]);
     return chosen->count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "the scene has no light: --sun X,Y,Z gives one");
 }
 

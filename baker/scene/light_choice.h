@@ -12,6 +12,7 @@
 typedef struct chosen_light {
     const char *name; /* the scene's, or that of --sun; borrowed */
     light_shape shape;
+    int         is_option; /* nonzero: --sun gives it, not the scene */
 } chosen_light;
 
 typedef struct light_choice {

@@ -3,6 +3,7 @@
 #include "baker/scene/light_warnings.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -50,14 +51,22 @@ static int same_but_for_case(const char *a, const char *b)
     return !strcasecmp(a, b) && strcmp(a, b) != 0;
 }
 
+/* Two lights are one. What the command line gives is easier left out than what the scene has. */
+static void warn_about_twins(const chosen_light *first, const chosen_light *second, message *m)
+{
+    const chosen_light *option      = second->is_option ? second : first->is_option ? first : NULL;
+    char                remedy[128] = "take one out of the scene, or choose with --light";
+    if (option) snprintf(remedy, sizeof remedy, "leave out '%s', which --sun gives", option->name);
+    warn(m, "lights '%s' and '%s' are one %s light, there twice: %s", first->name, second->name, light_kind_name(first->shape.kind),
+         remedy);
+}
+
 /* The first light before `light` for which a question is answered by yes is named; one is enough. */
 static void warn_about_pairs(const light_choice *chosen, const chosen_light *light, message *m)
 {
     const chosen_light *other = chosen->lights;
     while (other < light && !shapes_alike(&other->shape, &light->shape)) other++;
-    if (other < light)
-        warn(m, "lights '%s' and '%s' are one %s light, there twice: take one out of the scene, or choose with --light",
-             other->name, light->name, light_kind_name(light->shape.kind));
+    if (other < light) warn_about_twins(other, light, m);
 
     other = chosen->lights;
     while (other < light && !same_but_for_case(other->name, light->name)) other++;

@@ -95,6 +95,18 @@ def test_a_light_twice(said, tmp_path, first, second, kind):
     assert said(path, "--light", "b") == []
 
 
+@pytest.mark.parametrize("options, pair, left_out", [
+    (("--sun", "0,-2,0", "--sun", "noon=0,-1,0"), ("sun", "noon"), "noon"),
+    (("--light", "sun", "--sun", "noon=0,-1,0"), ("sun", "noon"), "noon"),
+    (("--light", "noon", "--light", "sun", "--sun", "noon=0,-1,0"), ("noon", "sun"), "noon"),
+])
+def test_a_light_twice_by_options(said, scene, options, pair, left_out):
+    """What is on the command line is taken from there."""
+    first, second = pair
+    assert said(scene, *options) == [f"lights '{first}' and '{second}' are one directional light, there twice: "
+                                     f"leave out '{left_out}', which --sun gives"]
+
+
 def test_names_that_differ_in_case_only(said, tmp_path):
     lights = (("Sun", "directional", NOON), ("moon", "directional", MORNING), ("sun", "directional", (-1, -1, 0)))
     path = small_scene.write(tmp_path / "case.gltf", lights=lights)
