@@ -33,7 +33,8 @@ int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(
     int        help_shown;
     vxs_result r = options_parse(c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = options_check_files(c, &m);
-    if (r == VXS_OK && !help_shown && (r = run(command, &m)) == VXS_OK) r = message_check(&m);
+    if (r == VXS_OK && !help_shown && (r = run(command, &m)) == VXS_OK && (r = message_check(&m)) == VXS_OK)
+        options_warn_of_names(c, &m);
     options_free(c);
     run_files_free(&files);
     return command_end(&m, r);

@@ -57,26 +57,44 @@ static vxs_result check_kind(const command_line *c, const option *o, const char 
                 c->name, c->synopsis);
 }
 
-/* An extension says what is in a file. Names without one say nothing, devices and pipes have their own. */
+/* The extension of an output's name, when it is not that of what is written. Names without one say nothing, devices and pipes have their
+ * own.   lower  [out] its beginning, in lower case
+ * Returns NULL when there is none such. */
+static const char *other_extension(const option *output, char lower[16])
+{
+    const char *path = output_of(output), *slash = path ? strrchr(path, '/') : NULL, *name = slash ? slash + 1 : path;
+    const char *dot    = path ? strrchr(name, '.') : NULL;
+    size_t      length = dot && dot > name ? strlen(dot) : 0;
+    struct stat status;
+    if (!length || !strcmp(dot, ".") || (!stat(path, &status) && !S_ISREG(status.st_mode))) return NULL;
+    snprintf(lower, 16, "%s", dot);
+    for (char *c = lower; *c; c++) *c = (char)tolower((unsigned char)*c);
+    return choice_index(output->choices, lower) < 0 ? dot : NULL;
+}
+
+static int is_known(const char *extension)
+{
+    return choice_index(".vxs|.gltf|.glb|.json|.html|.htm|.png", extension) >= 0; /* what vxs reads or writes */
+}
+
 static vxs_result check_extension(const option *output, message *m)
 {
-    static const char kinds[] = ".vxs|.gltf|.glb|.json|.html|.htm|.png"; /* what vxs reads or writes */
-    const char       *path = output_of(output), *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char       *dot = strrchr(name, '.');
-    char              extension[16], written[32];
-    size_t            length = dot && dot > name ? strlen(dot) : 0;
-    struct stat       status;
-    if (!length || !strcmp(dot, ".") || (!stat(path, &status) && !S_ISREG(status.st_mode))) return VXS_OK;
-    for (size_t n = 0; n <= length && n < sizeof extension; n++) extension[n] = (char)tolower((unsigned char)dot[n]);
-    extension[sizeof extension - 1] = '\0';
-    if (choice_index(output->choices, extension) >= 0) return VXS_OK;
+    char        lower[16], written[32];
+    const char *other = other_extension(output, lower);
+    if (!other || !is_known(lower)) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "%s %s: '%s' is the extension of other files: what is written is %s", output->name,
+                output_of(output), other, choice_word(written, output->choices, 0));
+}
 
-    choice_word(written, output->choices, 0);
-    if (choice_index(kinds, extension) >= 0)
-        return fail(m, VXS_E_ARGUMENT, "%s %s: '%s' is the extension of other files: what is written is %s", output->name, path,
-                    dot, written);
-    warn(m, "%s %s: what is written is %s, and '%s' does not say so: rename it", output->name, path, written, dot);
-    return VXS_OK;
+void options_warn_of_names(const command_line *c, message *m)
+{
+    for (const option *o = c->options; o < c->options + c->option_count; o++) {
+        char        lower[16], written[32];
+        const char *other = other_extension(o, lower);
+        if (other && !is_known(lower))
+            warn(m, "%s %s: what is written is %s, and '%s' does not say so: rename it", o->name, output_of(o),
+                 choice_word(written, o->choices, 0), other);
+    }
 }
 
 vxs_result options_check_files(const command_line *c, message *m)
@@ -91,7 +109,7 @@ vxs_result options_check_files(const command_line *c, message *m)
         if (output_of(o) && o->max != OUTPUT_CHECKED_BY_COMMAND) r = output_file_check(output_of(o), m);
     for (const option *o = c->options; o < end && r == VXS_OK; o++)
         for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_kind(c, o, input_of(o, n), m);
-    for (const option *o = c->options; o < end && r == VXS_OK; o++)
-        if (output_of(o)) r = check_extension(o, m);
+    for (const option *o = c->options; o < end && r == VXS_OK; o++) r = check_extension(o, m);
+    if (r == VXS_OK && m->strict) options_warn_of_names(c, m);
     return r == VXS_OK ? message_check(m) : r;
 }

@@ -16,10 +16,13 @@
 vxs_result options_parse(const command_line *c, int argc, char **argv, int *help_shown, message *m);
 
 /* Declare every output that is given (baker/files/run_files.h), and find out before long work that it can be written, and is no input and
- * no other output, that standard input is read once at most, and that inputs are of their kinds; warn about names of outputs that say
- * something else than what is written. Whether a row OUTPUT_CHECKED_BY_COMMAND can be written is not asked here.
+ * no other output, that standard input is read once at most, that inputs are of their kinds, and outputs not named like other files. Whether
+ * a row OUTPUT_CHECKED_BY_COMMAND can be written is not asked here. Where warnings are errors, those of options_warn_of_names come now.
  * Returns VXS_OK, VXS_E_ARGUMENT, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY or VXS_E_STRICT. */
 vxs_result options_check_files(const command_line *c, message *m);
+
+/* Warn about names of outputs that do not say what is written. Called when the command has done its work: of what is refused no name matters. */
+void options_warn_of_names(const command_line *c, message *m);
 
 /* Release what parsing put into lists. */
 void options_free(const command_line *c);
