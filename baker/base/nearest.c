@@ -2,8 +2,15 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/base/nearest.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
+
+/* Words of other cases are the same here. */
+static int same(char a, char b)
+{
+    return tolower((unsigned char)a) == tolower((unsigned char)b);
+}
 
 static int least(int a, int b)
 {
@@ -21,8 +28,9 @@ static int distance(const char *a, size_t a_length, const char *b, size_t b_leng
         const int *above = rows[(i + 2) % 3], *above_that = rows[(i + 1) % 3];
         row[0] = (int)i;
         for (size_t j = 1; j <= b_length; j++) {
-            row[j] = least(least(above[j], row[j - 1]) + 1, above[j - 1] + (a[i - 1] != b[j - 1]));
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = least(row[j], above_that[j - 2] + 1);
+            row[j] = least(least(above[j], row[j - 1]) + 1, above[j - 1] + !same(a[i - 1], b[j - 1]));
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+                row[j] = least(row[j], above_that[j - 2] + 1);
         }
     }
     return rows[a_length % 3][b_length];

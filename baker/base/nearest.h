@@ -17,7 +17,7 @@ typedef struct nearest {
 } nearest;
 
 /* A candidate counts when not more than a third of the longer word's letters, and 3 at most, are other ones, missing, too many, or changed
- * places with their neighbours. */
+ * places with their neighbours. Case does not matter. */
 void nearest_try(nearest *n, const char *word, size_t length);
 
 /* The same for all words of "auto|on|off". */

@@ -4,9 +4,11 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/bake/provenance.h"
 #include "baker/base/array.h"
+#include "baker/base/nearest.h"
 #include "baker/files/input_file.h"
 #include "formats/vxs_memory.h"
 
@@ -108,9 +110,15 @@ vxs_result asset_check_scene(const vxs_asset *asset, const json_t *made, const c
 
 static vxs_result fail_no_such_light(const vxs_asset *asset, const char *path, const char *name, message *m)
 {
-    char known[LIST_BYTES] = "";
-    for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) list_item(known, vxs_asset_light(asset, n)->light.name);
-    return fail(m, VXS_E_ARGUMENT, "--light %s: '%s' has no light of that name; it has %s", name, path, known);
+    nearest near              = {.typed = name};
+    char    known[LIST_BYTES] = "", meant[64];
+    for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) {
+        const char *light = vxs_asset_light(asset, n)->light.name;
+        list_item(known, light);
+        nearest_try(&near, light, strlen(light));
+    }
+    return fail(m, VXS_E_ARGUMENT, "--light %s: '%s' has no light of that name; it has %s%s", name, path, known,
+                nearest_text(meant, &near));
 }
 
 vxs_result asset_choose_lights(const vxs_asset *asset, const char *path, const text_list *names, const vxs_baked_light **lights,

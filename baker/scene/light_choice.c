@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/nearest.h"
 #include "baker/base/vec3.h"
 #include "formats/vxs_format.h"
 
@@ -32,6 +33,13 @@ static const char *list_lights(const light_choice *lights, char text[LIST_BYTES]
         list_item(text, item);
     }
     return text;
+}
+
+static const char *meant_light(const light_choice *lights, const char *name, char text[64])
+{
+    nearest near = {.typed = name};
+    for (size_t i = 0; i < lights->count; i++) nearest_try(&near, lights->lights[i].name, strlen(lights->lights[i].name));
+    return nearest_text(text, &near);
 }
 
 /* As JSON has to be: what is no UTF-8 is no string there. */
@@ -65,14 +73,15 @@ static vxs_result add_all(const scene *s, const named_list *suns, light_choice *
 static vxs_result add_named(const light_choice *all, const char *name, light_choice *chosen, message *m)
 {
     const chosen_light *light = find(all, name);
-    char                known[LIST_BYTES];
+    char                known[LIST_BYTES], meant[64];
     if (find(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
     if (light) {
         add(chosen, *light);
         return VXS_OK;
     }
     if (!all->count) return fail(m, VXS_E_ARGUMENT, "--light %s: the scene has no lights; --sun X,Y,Z gives one", name);
-    return fail(m, VXS_E_ARGUMENT, "--light %s: no such light; there are %s", name, list_lights(all, known));
+    return fail(m, VXS_E_ARGUMENT, "--light %s: no such light; there are %s%s", name, list_lights(all, known),
+                meant_light(all, name, meant));
 }
 
 static vxs_result choose(const light_choice *all, const text_list *names, const named_list *suns, light_choice *chosen, message *m)
@@ -115,11 +124,11 @@ scene_check light_question_check(light_question *q)
 
 vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m)
 {
-    char known[LIST_BYTES];
+    char known[LIST_BYTES], meant[64];
     for (const named_value *v = values->items; v < values->items + values->count; v++)
         if (v->name && !find(chosen, v->name))
-            return fail(m, VXS_E_ARGUMENT, "%s %s=%.10g: no light of that name is baked, but %s", option, v->name, v->numbers[0],
-                        list_lights(chosen, known));
+            return fail(m, VXS_E_ARGUMENT, "%s %s=%.10g: no light of that name is baked, but %s%s", option, v->name, v->numbers[0],
+                        list_lights(chosen, known), meant_light(chosen, v->name, meant));
     return VXS_OK;
 }
 

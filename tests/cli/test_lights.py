@@ -94,8 +94,9 @@ def test_suns_stand_in_the_report(bake):
     (("--sun", "noon="), "expected 3 numbers"),
     (("--sun", "noon=0,0,0"), "--sun noon=0,0,0: expected a direction"),
     (("--sun", "x" * 64 + "=0,-1,0"), "the name has 64 bytes, expected 1 to 63"),
-    (("--sun", "noon=0,-1,0", "--light", "nono"), "--light nono: no such light; there are sun (directional), spot (spot), lamp (point), "
-     "noon (directional)"),
+    (("--sun", "noon=0,-1,0", "--light", "dusk"), "--light dusk: no such light; there are sun (directional), spot (spot), lamp (point), "
+     "noon (directional)\n"),
+    (("--light", "Sun"), "--light Sun: no such light; there are sun (directional), spot (spot), lamp (point): did you mean 'sun'?\n"),
 ])
 def test_wrong_suns(vxs, fails, folder, options, says):
     fails(says, *options)
@@ -157,7 +158,8 @@ def test_sizes_stand_in_the_report(bake):
     (("--texel", "sun=0"), "--texel sun=0: expected a number from"),
     (("--texel", "sun=0.0001"), "at least --texel sun="),
     (("--texel", "0.0001", "--light", "spot"), "at least --texel spot="),
-    (("--resolution", "son=64"), "--resolution son=64: no light of that name is baked, but sun (directional), spot (spot)"),
+    (("--resolution", "son=64"), "--resolution son=64: no light of that name is baked, but sun (directional), spot (spot), lamp (point): "
+     "did you mean 'sun'?"),
     (("--texel", "son=0.5"), "--texel son=0.5: no light of that name is baked"),
     (("--light", "lamp", "--resolution", "sun=64"), "--resolution sun=64: no light of that name is baked, but lamp (point)"),
 ])
@@ -209,6 +211,7 @@ def test_lights_that_a_file_lacks(vxs, folder, assets, tmp_path, command):
              "picture": (folder / "small.gltf", assets[1], "-o", tmp_path / "a.png")}[command]
     said = vxs(command, *files, "--light", "spot", input="", status=2).stderr
     assert said == f"vxs: error: --light spot: '{assets[1]}' has no light of that name; it has lamp, sun\n"
+    assert ": did you mean 'lamp'?\n" in vxs(command, *files, "--light", "lmap", input="", status=2).stderr
     assert "--light sun is given twice" in vxs(command, *files, "--light", "sun", "--light", "sun", input="", status=2).stderr
     assert not list(tmp_path.iterdir())
 

@@ -31,6 +31,9 @@ static void each_edit_is_one(void **state)
     is_meant("--resolutoin", "--threads|--resolution|--region", MEANT("--resolution"));
     is_meant("atuo", "auto|on|off", MEANT("auto"));
     is_meant("bake", "bake", MEANT("bake"));
+    is_meant("BAKE", "rake|bake", MEANT("bake")); /* in other letters */
+    is_meant("sUn", "moon|SUN", MEANT("SUN"));
+    is_meant("BKAE", "bake", MEANT("bake"));
 }
 
 static void far_words_are_not_meant(void **state)

@@ -297,7 +297,7 @@ static void several_suns_are_chosen(void **state)
     assert_string_equal(choose(&lit_scene, (const char *[]){"lamp", "noon"}, 2, &two_suns, VXS_OK), "lamp noon sun");
     assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, &two_suns, VXS_E_ARGUMENT),
                         "--light son: no such light; there are lamp (spot), moon (directional), noon (directional), "
-                        "sun (directional)");
+                        "sun (directional): did you mean 'sun'?");
 }
 
 /* The error for a sun of this name, or "". */
@@ -345,8 +345,9 @@ static void wrong_choices_are_explained(void **state)
     assert_string_equal(choose(&dark_scene, NULL, 0, &no_suns, VXS_OK), "lamp");
     assert_string_equal(choose(&empty, NULL, 0, &no_suns, VXS_E_NO_LIGHT), "the scene has no light: --sun X,Y,Z gives one");
     assert_string_equal(choose(&lit_scene, NULL, 0, &zero, VXS_E_ARGUMENT), "--sun sun=0,0,0: expected a direction, not zero");
-    assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, &no_suns, VXS_E_ARGUMENT),
-                        "--light son: no such light; there are lamp (spot), moon (directional), sun (directional)");
+    assert_string_equal(
+        choose(&lit_scene, (const char *[]){"son"}, 1, &no_suns, VXS_E_ARGUMENT),
+        "--light son: no such light; there are lamp (spot), moon (directional), sun (directional): did you mean 'sun'?");
     assert_string_equal(choose(&empty, (const char *[]){"son"}, 1, &no_suns, VXS_E_ARGUMENT),
                         "--light son: the scene has no lights; --sun X,Y,Z gives one");
     assert_string_equal(choose(&lit_scene, (const char *[]){"lamp"}, 1, &one_sun, VXS_OK), "lamp sun");
