@@ -46,23 +46,30 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
 
 /* Options -------------------------------------------------------------------------------------------------------------------- */
 
-/* The keys of the options that are not the same in all cells, but for the resolution, which always is said.
- * Returns the next one from `key` on (NULL: from the first), or NULL. A key that the first cell has not is not found. */
-static const char *varying_option(const json_t *result, const char *key)
+/* The options that are not the same in all cells, but for the resolution, which always is said: as keys of an object, which the caller
+ * releases. */
+static json_t *varying_options(const json_t *result)
 {
-    const json_t *cells = json_at(result, "cells"), *cell;
-    json_t       *first = json_at(json_array_get(cells, 0), "options");
-    void         *at    = key ? json_object_iter_next(first, json_object_iter_at(first, key)) : json_object_iter(first);
+    const json_t *cells   = json_at(result, "cells"), *cell;
+    json_t       *varying = json_object(), *value;
+    const char   *name;
+    void         *next;
     size_t        n;
-    for (; at; at = json_object_iter_next(first, at)) {
-        const char *name = json_object_iter_key(at);
-        if (!strcmp(name, "resolution_px")) continue;
-        json_array_foreach(cells, n, cell)
-        {
-            if (!json_equal(json_object_iter_value(at), json_object_get(json_at(cell, "options"), name))) return name;
-        }
+    json_array_foreach(cells, n, cell) json_object_update_missing(varying, json_at(cell, "options"));
+    json_object_del(varying, "resolution_px");
+    json_object_foreach_safe(varying, next, name, value)
+    {
+        size_t alike = 0;
+        json_array_foreach(cells, n, cell) alike += json_equal(value, json_object_get(json_at(cell, "options"), name)) != 0;
+        if (alike == json_array_size(cells)) json_object_del(varying, name);
     }
-    return NULL;
+    return varying;
+}
+
+/* What an option is where a cell does not name it. */
+static const char *unnamed_text(const char *name)
+{
+    return strcmp(name, "skinned") ? "-" : "exclude";
 }
 
 static const char *option_text(char text[64], const json_t *cell, const char *name)
@@ -70,17 +77,21 @@ static const char *option_text(char text[64], const json_t *cell, const char *na
     const json_t *value = json_object_get(json_at(cell, "options"), name);
     char         *other =
         value && !json_is_string(value) ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9)) : NULL;
-    snprintf(text, 64, "%s", other ? other : value && json_is_string(value) ? json_string_value(value) : "-");
+    snprintf(text, 64, "%s", other ? other : value && json_is_string(value) ? json_string_value(value) : unnamed_text(name));
     free(other);
     return text;
 }
 
 const char *bench_cell_name(char *text, size_t size, const json_t *result, const json_t *cell)
 {
-    char   value[64];
+    char          value[64];
+    const char   *name;
+    const json_t *any;
+    json_t       *varying = varying_options(result);
     size_t end = (size_t)snprintf(text, size, "%s, %s texels", text_at(cell, "scene"), option_text(value, cell, "resolution_px"));
-    for (const char *name = NULL; end < size && (name = varying_option(result, name));)
-        end += (size_t)snprintf(text + end, size - end, ", %s %s", name, option_text(value, cell, name));
+    json_object_foreach(varying, name, any) if (end < size) end +=
+        (size_t)snprintf(text + end, size - end, ", %s %s", name, option_text(value, cell, name));
+    json_decref(varying);
     return one_line(text);
 }
 
@@ -188,11 +199,14 @@ static void add_figures(json_t *t, const json_t *cell, int is_head)
 /* is_head: what the columns are called, in place of what the cell has in them. */
 static void add_row(json_t *t, const json_t *result, const json_t *cell, int is_head)
 {
-    char text[64];
+    char          text[64];
+    const char   *name;
+    const json_t *any;
+    json_t       *varying = varying_options(result);
     table_add(t, "%s", is_head ? "scene" : text_at(cell, "scene"));
     table_add(t, "%s", is_head ? "texels" : option_text(text, cell, "resolution_px"));
-    for (const char *name = NULL; (name = varying_option(result, name));)
-        table_add(t, "%s", is_head ? name : option_text(text, cell, name));
+    json_object_foreach(varying, name, any) table_add(t, "%s", is_head ? name : option_text(text, cell, name));
+    json_decref(varying);
     add_figures(t, cell, is_head);
 }
 

@@ -18,7 +18,8 @@ const files = data.files.map(({ path, bench }, n) => {
     const before = data.files.slice(0, n).filter((f) => f.path === path).length;
     return { bench, label: clean(before ? `${path} (${before + 1})` : others.length > 1 ? path : base_name(path)) };
 });
-const cells = files.flatMap(({ bench }, file) => bench.cells.map((cell) => ({ ...cell, file, side: cell.options.resolution_px })));
+const cells = files.flatMap(({ bench }, file) => bench.cells.map((cell) => (
+    { ...cell, file, side: cell.options.resolution_px, options: { skinned: "exclude", ...cell.options } })));
 
 /* A scene that is there with several lights first, or several suns, is named with them. */
 function scene_label(cell) {

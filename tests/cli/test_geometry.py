@@ -156,6 +156,15 @@ def test_bench_bakes_and_compares_what_casts(vxs, tmp_path):
     assert [e["unexplained"] for c in cells for e in c["errors"]] == [0] * 4
 
 
+@pytest.mark.parametrize("order", [("exclude", "rest"), ("rest", "exclude")])
+def test_bench_names_cells_by_what_is_skinned(vxs, tmp_path, order):
+    path = level(tmp_path / "level.gltf", skinned=True)
+    text = vxs("bench", path, "-o", tmp_path / "b.json", "--runs", 1, "--points", 0, "--resolution", 128, "--skinned", order[0], "--skinned",
+               order[1]).stdout
+    table = [line.split() for line in text.splitlines() if line.startswith(("scene ", "level.gltf "))]
+    assert [row[2] for row in table] == ["skinned", *order]
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_pattern_that_names_nothing_is_refused(vxs, whole, name):
     line = command(name, whole / "level.gltf", whole)
