@@ -37,6 +37,21 @@ char *one_line(char *text)
     return text;
 }
 
+static int is_within_letter(char c)
+{
+    return (c & 0xc0) == 0x80;
+}
+
+const char *shorten(char *text, size_t bytes, const char *whole)
+{
+    size_t length = strlen(whole), kept = bytes - strlen("..."), head = (kept + 1) / 2, tail = kept / 2;
+    if (length <= bytes) return strcpy(text, whole);
+    while (head && is_within_letter(whole[head])) head--;
+    while (is_within_letter(whole[length - tail])) tail--;
+    snprintf(text, bytes + 1, "%.*s...%s", (int)head, whole, whole + length - tail);
+    return text;
+}
+
 void print_quoted(FILE *to, const char *text, const char *special)
 {
     for (; *text; text++) {

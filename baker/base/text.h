@@ -40,6 +40,11 @@ void list_item(char text[LIST_BYTES], const char *item);
  * become '?'. Messages and progress lines do so themselves. Returns text. */
 char *one_line(char *text);
 
+/* A text with what is more than `bytes`, at least 3, left out of its middle: "SM_Wal...te_04". No letter of UTF-8 is cut in two.
+ * text  [bytes + 1] out
+ * Returns text. */
+const char *shorten(char *text, size_t bytes, const char *whole);
+
 /* What stands for a text between two single quotes of a shell; characters of `special` get a backslash before them. */
 void print_quoted(FILE *to, const char *text, const char *special);
 

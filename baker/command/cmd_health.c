@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/text.h"
 #include "baker/command/commands.h"
 #include "baker/command/part_text.h"
 #include "baker/files/json_file.h"
@@ -13,7 +14,7 @@
 #include "baker/options/options.h"
 #include "baker/options/scene_rows.h"
 
-enum { ROWS = 30, NAMES = 6 };
+enum { ROWS = 30, NAMES = 3, COLUMNS = 100, FROM_MIN = 24 };
 
 typedef struct health_command {
     const char  *path, *json_path;
@@ -28,42 +29,51 @@ static void show_progress(const char *what)
     progress_say(1, "examining %s", what);
 }
 
-/* What a component is, in a word or two. */
+/* What a component is, in a word or two. A one-sided one without boundary edges is closed. */
 static const char *shape_name(const component_health *k)
 {
-    if (!k->orientable) return k->closed ? "one-sided, closed" : "one-sided";
-    if (!k->closed) return k->oriented ? "open" : "open, mixed winding";
-    return k->oriented ? "closed" : "mixed winding";
+    if (!k->orientable) return "one-sided";
+    if (!k->closed) return k->oriented ? "open" : "open, mixed";
+    return k->oriented ? "closed" : "mixed";
 }
 
 /* Columns: what is counted along edges, at vertices, of triangles. */
 static void print_head(FILE *to)
 {
-    fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "", "", "", "", "boundary", "", "edges of",
-            "turned", "pinched", "self-", "zero", "", "volume", "centre");
-    fprintf(to, "%7s  %-12s %-19s %9s %8s %6s %8s %7s %8s %7s %5s %8s %11s  %s\n", "number", "kind", "shape", "triangles", "edges",
-            "holes", ">2 faces", "edges", "vertices", "crossed", "area", "repeated", "m3",
-            "m; solids that it meets; where it is from");
+    static const char line[] = "%7s  %-12s %-11s %9s %8s %5s %5s %6s %8s %7s %4s %6s\n";
+    fprintf(to, line, "", "", "", "", "boundary", "", "edges", "turned", "pinched", "self-", "zero", "re-");
+    fprintf(to, line, "number", "kind", "shape", "triangles", "edges", "holes", "of >2", "edges", "vertices", "crossed", "area",
+            "peated");
 }
 
 static void print_counts(FILE *to, const component_health *k)
 {
-    static const int widths[HEALTH_COUNTS] = {9, 0, 0, 8, 6, 8, 7, 8, 7, 5, 8}; /* 0: vertices and edges have no column */
+    static const int widths[HEALTH_COUNTS] = {9, 0, 0, 8, 5, 5, 6, 8, 7, 4, 6}; /* 0: vertices and edges have no column */
     for (int n = 0; n < HEALTH_COUNTS; n++)
         if (widths[n]) fprintf(to, " %*llu", widths[n], (unsigned long long)k->counts[n]);
-    fprintf(to, " %11.4g", k->volume_m3);
+    fputc('\n', to);
+}
+
+/* Where a component is, which solids it meets, and where it is from, in one line. */
+static void print_place(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
+{
+    char from[PART_TEXT_BYTES], shown[COLUMNS + 1];
+    int  used = fprintf(to, "%9s", "");
+    if (k->volume_m3 != 0) used += fprintf(to, "%.4g m3 at ", k->volume_m3);
+    used += fprintf(to, "(%.4g, %.4g, %.4g)", (k->box_ws.min[0] + k->box_ws.max[0]) / 2, (k->box_ws.min[1] + k->box_ws.max[1]) / 2,
+                    (k->box_ws.min[2] + k->box_ws.max[2]) / 2);
+    for (uint64_t i = 0; i < k->meets && i < NAMES; i++)
+        used += fprintf(to, "%s%u", i ? ", " : "; meets ", h->met[k->meets_first + i]);
+    if (k->meets > NAMES) used += fprintf(to, " and %llu more", (unsigned long long)(k->meets - NAMES));
+    part_text(from, s, &c->parts_of[k - h->components]);
+    fprintf(to, "; %s\n", shorten(shown, used + 2 + FROM_MIN < COLUMNS ? (size_t)(COLUMNS - used - 2) : FROM_MIN, from));
 }
 
 static void print_row(FILE *to, const scene *s, const casters *c, const mesh_health *h, const component_health *k)
 {
-    char from[PART_TEXT_BYTES];
-    fprintf(to, "%7zu  %-12s %-19s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
+    fprintf(to, "%7zu  %-12s %-11s", (size_t)(k - h->components), component_kind_name(k->kind), shape_name(k));
     print_counts(to, k);
-    fprintf(to, "  (%.4g, %.4g, %.4g)", (k->box_ws.min[0] + k->box_ws.max[0]) / 2, (k->box_ws.min[1] + k->box_ws.max[1]) / 2,
-            (k->box_ws.min[2] + k->box_ws.max[2]) / 2);
-    for (uint64_t i = 0; i < k->meets && i < NAMES; i++) fprintf(to, "%s%u", i ? ", " : "; ", h->met[k->meets_first + i]);
-    if (k->meets > NAMES) fprintf(to, " and %llu more", (unsigned long long)(k->meets - NAMES));
-    fprintf(to, "; %s\n", part_text(from, s, &c->parts_of[k - h->components]));
+    print_place(to, s, c, h, k);
 }
 
 /* Pointers to components are ordered: what cannot be solid first, then other faults; the largest first, by number. */
@@ -101,15 +111,15 @@ static vxs_result print_health(FILE *to, const health_command *c, const scene *s
     qsort(order, h->count, sizeof *order, worst_first);
 
     print_summary(to, casting, h);
-    print_head(to);
-    size_t rows = c->all || faulty + 1 <= ROWS ? (c->all ? h->count : faulty) : ROWS;
+    size_t rows = c->all ? h->count : faulty + 1 <= ROWS ? faulty : ROWS;
+    if (rows) print_head(to);
     for (size_t i = 0; i < rows; i++) print_row(to, s, casting, h, order[i]);
-    if (faulty > rows) fprintf(to, "%7s  %zu more with faults: --all lists them\n", "", faulty - rows);
+    if (rows) fprintf(to, "%7s  %-12s %-11s", "total", "", "");
+    if (rows) print_counts(to, &h->total);
+    if (faulty > rows) fprintf(to, "%zu more with faults: --all lists them\n", faulty - rows);
     if (!c->all && faulty < h->count)
-        fprintf(to, "%7s  %zu without a fault, %zu of which meet others: --all lists them\n", "", h->count - faulty, sound_meet);
-    fprintf(to, "%7s  %-12s %-19s", "total", "", "");
-    print_counts(to, &h->total);
-    fprintf(to, "  %llu pairs of solids meet\n", (unsigned long long)(h->total.meets / 2));
+        fprintf(to, "%zu without a fault, %zu of which meet others: --all lists them\n", h->count - faulty, sound_meet);
+    fprintf(to, "%llu pairs of solids meet\n", (unsigned long long)(h->total.meets / 2));
     if (h->gave_up) fprintf(to, "too many intersections: not all are counted\n");
     free(order);
     return VXS_OK;

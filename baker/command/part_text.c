@@ -12,12 +12,9 @@ enum { NAME_BYTES = 60 };
 /* "node 3 'lamp'", "mesh 2" */
 static size_t append(char *text, size_t used, const char *kind, uint32_t number, const char *name)
 {
-    size_t length = strlen(name);
-    int    is_cut = length > NAME_BYTES;
-    for (length = is_cut ? NAME_BYTES : length; is_cut && length && (name[length] & 0xc0) == 0x80;)
-        length--; /* not within a letter */
+    char shown[NAME_BYTES + 1];
     used += (size_t)snprintf(text + used, PART_TEXT_BYTES - used, "%s%s %u", used ? ", " : "", kind, number);
-    if (length) used += (size_t)snprintf(text + used, PART_TEXT_BYTES - used, " '%.*s%s'", (int)length, name, is_cut ? "..." : "");
+    if (*name) used += (size_t)snprintf(text + used, PART_TEXT_BYTES - used, " '%s'", shorten(shown, NAME_BYTES, name));
     return used;
 }
 

@@ -9,7 +9,7 @@
 
 enum { PART_TEXT_BYTES = 512 };
 
-/* "node 3 'lamp', mesh 2, material 1 'steel' and 2 more". Long names are cut.
+/* "node 3 'lamp', mesh 2, material 1 'steel' and 2 more". Long names are cut in the middle.
  * text  [PART_TEXT_BYTES] out
  * Returns text. */
 const char *part_text(char *text, const scene *s, const part_span *span);

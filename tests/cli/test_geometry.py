@@ -299,8 +299,8 @@ def test_health_names_every_row(vxs, whole):
     assert found == [[0, "earth", 0, "soil", None, None, 1], [2, "door_1", 1, "door", 0, "wood", 1], [3, "door_2", 1, "door", 0, "wood", 1],
                      [4, "window", 2, "window", 0, "wood", 1], [4, "window", 2, "window", 1, "glass", 1], [5, "cape", 3, "cloth", None, None, 1]]
     text = vxs("health", whole / "level.gltf", "--all").stdout
-    assert re.search(r"^ +3 .*; node 4 'window', mesh 2 'window', material 0 'wood'$", text, re.MULTILINE)
-    assert re.search(r"^ +5 .*; node 5 'cape', mesh 3 'cloth'$", text, re.MULTILINE)
+    assert re.search(r"^ +3 .*\n.*; node 4 'window', mesh 2 'window', material 0 'wood'$", text, re.MULTILINE)
+    assert re.search(r"^ +5 .*\n.*; node 5 'cape', mesh 3 'cloth'$", text, re.MULTILINE)
 
 
 def test_components_of_several_parts_name_the_first(vxs, tmp_path):
@@ -320,7 +320,7 @@ def test_names_are_fit_to_print(vxs, tmp_path):
         gltf["meshes"][1]["name"] = "é" * 100
     path = renamed(level(tmp_path / "level.gltf"), rename)
     text = vxs("health", path, "--all").stdout
-    assert f"; node 2 '?[31mred?', mesh 1 '{'é' * 30}...', material 0 'wood'\n" in text and "\x1b" not in text
+    assert re.search(r"; node 2 '\?\[31mred\?', mesh 1 'é+\.\.\.é+', material 0 'wood'\n", text) and "\x1b" not in text
     assert "\x1b" not in vxs("truth", path, "--exclude", "node:\x1b", status=2, input="").stderr
     assert "--exclude node:?[31m*\n" in vxs("plan", path, "--exclude", "node:\x1b[[]31m*", "--verbose").stdout.replace("[[]", "[")
 
@@ -340,7 +340,7 @@ def test_real_faults_come_first(vxs, tmp_path):
     text = vxs("health", path).stdout
     assert rows(text) == [2] and "2 without a fault, 2 of which meet others: --all lists them" in text and "1 pairs of solids meet" in text
     text = vxs("health", path, "--all").stdout
-    assert rows(text) == [2, 0, 1] and "; 1; node 0, mesh 0, material 0\n" in text
+    assert rows(text) == [2, 0, 1] and "; meets 1; node 0, mesh 0, material 0\n" in text
     report = json.loads(vxs("health", path, "--json", "-").stdout)["health"]
     assert [(c["faults"], c["meets"]) for c in report["components"]] == [(0, [1]), (0, [0]), (2, [])]
 

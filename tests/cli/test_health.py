@@ -71,7 +71,8 @@ def test_sound_scene(vxs, tmp_path):
     assert [ground["min_m"], ground["max_m"]] == [list(map(float, c)) for c in small_scene.GROUND]
     assert ground["vertices"] == 8 and ground["edges"] == 18 and ground["meets"] == []
     text = vxs("health", path).stdout
-    assert "24 triangles in 2 components" in text and "2 without a fault" in text
+    assert text.splitlines() == ["24 triangles in 2 components", "  solid                2 components        24 triangles",
+                                 "2 without a fault, 0 of which meet others: --all lists them", "0 pairs of solids meet"]
 
 
 def test_faults(vxs, tmp_path):
@@ -81,7 +82,7 @@ def test_faults(vxs, tmp_path):
     crossing = small_scene.write(tmp_path / "crossing.gltf", boxes=(small_scene.GROUND, ((-1, -0.5, -1), (1, 3, 1)), ((5, 0, 5), (6, 1, 6))))
     report = health(vxs, crossing)["health"]
     assert [c["meets"] for c in report["components"]] == [[1, 2], [0], [0]] and report["total"]["pairs_that_meet"] == 2
-    assert "; 1, 2; node 0, mesh 0, material 0\n" in vxs("health", crossing, "--all").stdout
+    assert "; meets 1, 2; node 0, mesh 0, material 0\n" in vxs("health", crossing, "--all").stdout
     forced = health(vxs, crossing, "--closed", "off")["health"]
     assert [c["kind"] for c in forced["components"]] == ["forced"] * 3 and forced["total"]["pairs_that_meet"] == 0
 
@@ -94,6 +95,24 @@ def test_long_scenes_are_cut(vxs, tmp_path):
     assert len(re.findall(r"^ +\d+  open ", vxs("health", path, "--all").stdout, re.MULTILINE)) == 40
 
 
+def test_rows_fit_into_100_columns(vxs, tmp_path):
+    """Names are cut in the middle, between letters; those that fit are whole."""
+    path = small_scene.write(tmp_path / "scene.gltf", boxes=[((3 * i, 0, 0), (3 * i + 4, 1, 1)) for i in range(12)])
+    gltf = json.loads(path.read_text())
+    for letter, length in [(letter, length) for letter in "x\u00e4\u4e2d\U0001f600" for length in (4, 10, 17, 18, 19, 20)]:
+        gltf["nodes"][0]["name"] = name = letter * length
+        gltf["meshes"][0]["name"] = "wall " + name
+        path.write_text(json.dumps(gltf))
+        rows = vxs("health", path, "--all").stdout.splitlines()
+        assert max(map(len, rows)) <= 100 and "\ufffd" not in "".join(rows)
+        places = [row.partition("node ")[2] for row in rows if "; node 0 " in row]
+        whole = f"0 '{name}', mesh 0 'wall {name}', material 0"
+        for place in places:
+            head, _, tail = place.partition("...")
+            assert place == whole or (whole.startswith(head) and whole.endswith(tail) and len(head) > 5 < len(tail))
+        assert len(places) == 12 and (whole in places or len(whole.encode()) > 45)
+
+
 def test_errors(vxs, tmp_path):
     assert "no triangles" in vxs("health", small_scene.write(tmp_path / "empty.gltf", boxes=()), status=5).stderr
     assert "error" in vxs("health", tmp_path / "nobody.gltf", status=3).stderr
@@ -103,4 +122,4 @@ def test_errors(vxs, tmp_path):
     vxs("health", path, "--scene", "other", status=2)
     done = vxs("health", path, "--json", "-")
     json.loads(done.stdout)
-    assert "total" in done.stderr
+    assert "without a fault" in done.stderr
