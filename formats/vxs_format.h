@@ -60,7 +60,8 @@
 #define VXS_CUBE_FACES             6u
 
 /* How a light's words hold its maps; each is a section of vxs.md */
-#define VXS_CODING_DAG 1u /* a graph of nodes and masks, section 6 */
+#define VXS_CODING_DAG    1u /* a graph of nodes and masks, section 6 */
+#define VXS_CODING_BLOCKS 2u /* palette blocks */
 
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u

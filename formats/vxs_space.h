@@ -11,9 +11,9 @@
  *     vxs_lit              both: the lit fraction around a point
  *     vxs_ws_from_voxel    the point of map coordinates
  *
- * A shader hands its compiler its own head (#version, the words, vxs_word), the text of vxs_lookup.h, this text, and its body. Its
- * lights are vxs_light_constants, which vxs_light_constants_of (runtime/vxs.h) fills. Macros of the includer, beside those of
- * vxs_lookup.h:
+ * A shader hands its compiler its own head (#version, the words, vxs_word), the texts of vxs_lookup.h and vxs_lookup_blocks.h, this text,
+ * and its body. A shader whose lights are all DAGs may leave vxs_lookup_blocks.h out. Its lights are vxs_light_constants, which
+ * vxs_light_constants_of (runtime/vxs.h) fills. Macros of the includer, beside those of vxs_lookup.h:
  *
  *     vxs_real             the scalar; C and C++: double. Shaders: float
  *     VXS_REAL_MIN         a point nearer to the light than this counts as so near; C and C++: DBL_MIN. Shaders: 1e-30
@@ -36,6 +36,7 @@
 #include <math.h>
 
 #include "vxs_file.h"
+#include "vxs_lookup_blocks.h"
 #ifndef vxs_real
 #define vxs_real     double
 #define VXS_REAL_MIN DBL_MIN
@@ -84,6 +85,7 @@ struct vxs_light_constants {
 #define VXS_LIGHT_KIND_POINT       3u
 #define VXS_LIGHT_BOUNDED          1u
 #define VXS_LIGHT_CUBE             2u
+#define VXS_CODING_BLOCKS          2u
 #define VXS_OUTSIDE                (-1.0f)
 
 /* A step along a normal that is shorter than this, in voxels, is rounding noise. Floats need as much. */
@@ -256,12 +258,18 @@ VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, cons
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
 /* How many of the filter_px x filter_px texels centred on (i, j) of a map are in shadow at depth k, [0, 2^levels). This is the one place
- * that knows how a light's words hold its maps (its coding).
+ * that knows how a light's words hold its maps (its coding). Without vxs_lookup_blocks.h all are taken for DAGs.
  * coded  the light's words
  * i, j   of the map where filter_px is 1, else as for vxs_shadow_count */
 VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
+#ifdef VXS_LOOKUP_BLOCKS_H
+    if (VXS_FIELD(light, coding) == VXS_CODING_BLOCKS) {
+        if (filter_px == 1) return vxs_blocks_shadow(coded, VXS_U(map), levels, VXS_U(i), VXS_U(j), k);
+        return vxs_blocks_shadow_count(coded, VXS_U(map), levels, i, j, k, filter_px);
+    }
+#endif
     if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(coded, VXS_U(map));
     if (filter_px == 1) return vxs_shadow(coded, root, levels, VXS_U(i), VXS_U(j), k);
     return vxs_shadow_count(coded, root, levels, i, j, k, filter_px);

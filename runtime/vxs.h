@@ -8,7 +8,7 @@
  *
  * The library allocates in open only, never prints, never exits, and keeps no global state. An open asset is read-only: any
  * number of threads may look it up at once. For lookups on a GPU upload a light's words and vxs_light_constants_of, and hand the shader
- * the texts of vxs_lookup.h and vxs_space.h (docs/runtime.md).
+ * the texts of vxs_lookup.h, vxs_lookup_blocks.h and vxs_space.h (docs/runtime.md).
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_H
 #define VXS_H

@@ -23,7 +23,7 @@ DOCUMENTS = ["README.md", "LICENSE", "LICENSE.MIT", "LICENSE.GPL-3.0", "formats/
 INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}", f"lib/libvxs.so.{VERSION}", "lib/pkgconfig/vxs.pc",
              "lib/cmake/vxs/vxsConfig.cmake", "lib/cmake/vxs/vxsConfigVersion.cmake",
              *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
-                                             "vxs_space")),
+                                             "vxs_lookup_blocks", "vxs_space")),
              "share/man/man1/vxs.1", *(f"share/man/man1/vxs-{command}.1" for command in COMMANDS),
              "share/bash-completion/completions/vxs", "share/zsh/site-functions/_vxs", "share/fish/vendor_completions.d/vxs.fish",
              *(f"share/doc/vxs/{name}" for name in DOCUMENTS)}

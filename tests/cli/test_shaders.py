@@ -11,7 +11,7 @@ import pytest
 
 from conftest import ROOT
 
-HEADERS = ("vxs_lookup.h", "vxs_space.h")
+HEADERS = ("vxs_lookup.h", "vxs_lookup_blocks.h", "vxs_space.h")
 SHADERS = sorted((ROOT / "tests" / "shaders").iterdir())
 WORDS = "#version 430 core\nlayout(std430, binding = 0) buffer shadow_words { uint words[]; };\n"
 WORD = "#define vxs_word(dag, i) words[(dag) + (i)]\n"
@@ -77,24 +77,16 @@ def test_shader_calls_every_function(glslang, shader):
 
 
 @pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
-def test_blocks_compile(glslang, shader):
-    """Lookups of the other coding, for a shader that knows its voxels."""
-    names = ("vxs_lookup.h", "vxs_lookup_blocks.h")
-    text = shader.read_text().partition('#include "vxs_lookup.h"\n')[0] + "".join(f'#include "{name}"\n' for name in names)
-    answer = "float(vxs_blocks_shadow_count(1u, 5u, 18u, -3, 6, 7u, 9) + vxs_blocks_shadow(1u, 0u, 8u, 5u, 6u, 7u))"
-    if shader.suffix == ".hlsl":
-        glslang(text + f"float main() : SV_Target {{ return {answer}; }}\n", shader.name, *options_of(shader.name))
-        return
-    out = "layout(location = 0) out" if "vulkan" in shader.name else "out"
-    glslang(with_headers(text, names) + f"{out} float dark;\nvoid main() {{ dark = {answer}; }}\n", shader.name,
-            *options_of(shader.name))
+def test_shader_of_dags_alone(glslang, shader):
+    text = shader.read_text().replace('#include "vxs_lookup_blocks.h"\n', "")
+    glslang(text if shader.suffix == ".hlsl" else with_headers(text, ("vxs_lookup.h", "vxs_space.h")), shader.name, *options_of(shader.name))
 
 
-def test_blocks_go_with_space(glslang):
-    """All three texts in one shader, in any order of the last two."""
-    body = "void main() { words[0] = vxs_blocks_shadow(1u, 0u, 8u, 5u, 6u, 7u) + uint(vxs_face_sign(0)); }\n"
-    for last in (("vxs_space.h", "vxs_lookup_blocks.h"), ("vxs_lookup_blocks.h", "vxs_space.h")):
-        glslang(WORDS + COMPUTE + WORD + "".join(map(header, ("vxs_lookup.h", *last))) + body, "all.comp")
+def test_blocks_headers_alone(glslang):
+    """For a shader that knows its voxels."""
+    glslang(WORDS + COMPUTE + WORD + header("vxs_lookup.h") + header("vxs_lookup_blocks.h") +
+            "void main() { words[0] = vxs_blocks_shadow(1u, 0u, 8u, 5u, 6u, 7u) + vxs_blocks_shadow_count(1u, 5u, 18u, -3, 6, 7u, 9); }\n",
+            "blocks.comp")
 
 
 def test_lookup_header_alone(glslang):

@@ -3,6 +3,7 @@ ByteAddressBuffer words : register(t0);
 #define vxs_word(dag, i) words.Load(4u * ((dag) + (i)))
 
 #include "vxs_lookup.h"
+#include "vxs_lookup_blocks.h"
 #include "vxs_space.h"
 
 cbuffer shadow_light : register(b0) { vxs_light_constants light; };

@@ -5,6 +5,7 @@ layout(std430, binding = 0) readonly buffer shadow_words { uint words[]; };
 #define vxs_word(dag, i) words[(dag) + (i)]
 
 #include "vxs_lookup.h"
+#include "vxs_lookup_blocks.h"
 #include "vxs_space.h"
 
 layout(std140, binding = 0) uniform shadow_light { vxs_light_constants light; };
