@@ -21,7 +21,7 @@
 
 #include <cmocka.h>
 
-#include "tests/unit/random_maps.h"
+#include "tests/unit/blocks_built.h"
 
 /* a map with depth maps in one place of it ------------------------------------------------------------------------------------ */
 
@@ -94,32 +94,7 @@ static column_map islet_map(islet *s)
     return (column_map){s, s->side_px, s->side_px, s->fetch_px, islet_bounds, islet_fetch, islet_release, islet_close};
 }
 
-/* building -------------------------------------------------------------------------------------------------------------------- */
-
-static vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
-{
-    message      m   = {.quiet = 1};
-    bake_context ctx = {.message = &m, .threads = threads};
-    block_set    set = {0};
-    vxs_result   r   = VXS_OK;
-    memset(out, 0, sizeof *out);
-    for (uint32_t map = 0; map < map_count && r == VXS_OK; map++) r = block_build_map(&set, map, &maps[map], &ctx);
-    if (r == VXS_OK) r = block_words_lay_out(out, &set, log2_u32(maps[0].side_px), map_count);
-    block_set_free(&set);
-    message_free(&m);
-    return r;
-}
-
-static depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kind, uint64_t seed)
-{
-    depth_maps d;
-    message    m = {.quiet = 1};
-    rng        r = {seed};
-    assert_int_equal(depth_maps_init(&d, side, depth, 0, 1, &m), VXS_OK);
-    fill_maps(&d, kind, &r);
-    depth_maps_reduce(&d, 1);
-    return d;
-}
+/* a light of depth maps ---------------------------------------------------------------------------------------------------------- */
 
 /* Every column of the maps: beside both of its depths, at both ends, and somewhere between.
  * u, v  where the maps lie in map `map` of 2^levels texels */
@@ -296,21 +271,6 @@ static void pages_are_cut(void **state)
 }
 
 /* formulas -------------------------------------------------------------------------------------------------------------------- */
-
-static vxs_result build_analytic(block_words *w, analytic *a, uint32_t threads)
-{
-    message       m      = {.quiet = 1};
-    bake_context  ctx    = {.message = &m, .threads = threads};
-    column_source source = analytic_source(a);
-    column_map    map;
-    vxs_result    r = source.open(source.data, 0, &map, &ctx);
-    memset(w, 0, sizeof *w);
-    if (r != VXS_OK) return r;
-    r = build_words(w, &map, 1, threads);
-    map.close(map.data);
-    assert_int_equal(atomic_load(&a->open), 0);
-    return r;
-}
 
 /* Columns of a map of 262144 texels, at and around the depths of a shape. */
 static void shapes_of_formulas(void **state)
