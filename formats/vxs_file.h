@@ -32,10 +32,11 @@ typedef struct vxs_light {
     double range_metres;    /* spot and point: metres from the light to where its volume ends; 0: no end; else 0 */
 } vxs_light;
 
-/* Things of one kind among the words of a light. Which kinds there are is its coding's: of a DAG, nodes of each size, and masks. */
+/* Things of one kind among the words of a light. Which kinds there are is its coding's: of a DAG, nodes of each size, and masks; of
+ * palette blocks, maps (where their nodes are), patterns of several pages, and pages, which hold the rest. */
 typedef struct vxs_part {
-    const char *kind;        /* "nodes", "masks" */
-    uint32_t    side_voxels; /* of each thing in the map: 8 a mask or a slice node, 16.. an octree node */
+    const char *kind;        /* "nodes", "masks"; "tops", "patterns", "pages" */
+    uint32_t    side_voxels; /* of each thing in the map: 8 a mask, a slice node or a pattern, 16.. an octree node; 0: it varies */
     uint32_t    count;
     uint64_t    memory_bytes; /* of the words that they take */
     uint32_t    section;      /* of the file: where they are from */
@@ -44,7 +45,7 @@ typedef struct vxs_part {
 /* A light with the words of its maps, as its coding lays them out: what is looked up. */
 typedef struct vxs_baked_light {
     vxs_light       light;
-    const uint32_t *words; /* [word_count] */
+    const uint32_t *words; /* [word_count]; of palette blocks, VXS_BLOCKS_SPARE_WORDS more behind them, zeros */
     uint32_t        word_count;
     uint32_t        part_count;
     vxs_part        parts[VXS_LEVELS_MAX]; /* [part_count] of a DAG, the roots first, masks last */
@@ -118,10 +119,20 @@ typedef struct vxs_dag_view {
     uint32_t        roots[VXS_CUBE_FACES]; /* indices into the top level, one for each map of the light */
 } vxs_dag_view;
 
+/* Palette blocks to be written: words in canonical order (formats/vxs.md section 13). */
+typedef struct vxs_blocks_view {
+    const uint32_t *words; /* [word_count] */
+    uint32_t        word_count;
+    const uint8_t  *common_kinds; /* [common_count] of each pattern of the common pool, as they lie: how many depths of a palette it
+                                     parts, 2..14, or 0: it has its own */
+    uint32_t        common_count;
+} vxs_blocks_view;
+
 /* A light to be written, in the coding that it names. */
 typedef struct vxs_write_light {
-    vxs_light    light;
-    vxs_dag_view dag; /* VXS_CODING_DAG */
+    vxs_light       light;
+    vxs_dag_view    dag;    /* VXS_CODING_DAG */
+    vxs_blocks_view blocks; /* VXS_CODING_BLOCKS */
 } vxs_write_light;
 
 typedef struct vxs_write_desc {
@@ -136,11 +147,12 @@ typedef struct vxs_bytes {
     size_t   size_bytes, capacity_bytes;
 } vxs_bytes;
 
-/* Encode a whole file in memory. Nodes that the root does not reach are left out; same input, same bytes for one zstd version.
+/* Encode a whole file in memory, of version 1 when all lights are DAGs. Nodes of a DAG that the root does not reach are left out; same
+ * input, same bytes for one zstd version.
  * out  [out] grown with realloc; zero it first, release with free(out->data).
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, coding, or words; an empty,
- * unterminated or repeated name; a DAG without as many levels, or without its roots), or zstd_level is out of range. A light's other
- * numbers are written as they are: vxs_read says whether they make sense.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, coding, or words; an
+ * empty, unterminated or repeated name; a DAG without as many levels, or without its roots; blocks that are not in canonical order), or
+ * zstd_level is out of range. A light's other numbers are written as they are: vxs_read says whether they make sense.
  * The runtime library does not hold this function: games only read. */
 vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc);
 

@@ -26,6 +26,7 @@
     X(209, VXS_E_CORRUPT,   "a section is missing")                                                    \
     X(210, VXS_E_CORRUPT,   "a section belongs to a light or a level that is not there")               \
     X(211, VXS_E_MEMORY,    "the file needs more memory than the limit allows")                        \
+    X(212, VXS_E_CORRUPT,   "a section is not stored in the way of its kind")                          \
     X(301, VXS_E_CORRUPT,   "the light table has a size that its count does not give")                 \
     X(302, VXS_E_VERSION,   "a light has a kind that this reader does not know")                       \
     X(303, VXS_E_CORRUPT,   "a light's number of levels is out of range")                              \
@@ -34,12 +35,17 @@
     X(306, VXS_E_CORRUPT,   "a light's name is empty, not terminated or not unique")                   \
     X(307, VXS_E_CORRUPT,   "reserved bytes or undefined flags of a light are not zero")               \
     X(308, VXS_E_CORRUPT,   "a light's near distance, cone or range is not one of its kind")           \
+    X(309, VXS_E_VERSION,   "a light has a coding that this reader does not know")                     \
     X(401, VXS_E_CORRUPT,   "a level has a size that its node count does not give")                    \
     X(402, VXS_E_CORRUPT,   "a node repeats a neighbour that is not there")                            \
     X(403, VXS_E_CORRUPT,   "a node refers to a child beyond those seen so far")                       \
     X(404, VXS_E_CORRUPT,   "a level or the masks hold other nodes than are referred to")              \
     X(405, VXS_E_CORRUPT,   "a reference is not written in the shortest form")                         \
-    X(406, VXS_E_CORRUPT,   "a light's word count is not that of its levels")
+    X(406, VXS_E_CORRUPT,   "a light's word count is not that of its sections")                        \
+    X(501, VXS_E_CORRUPT,   "a light's resident part breaks a rule of its layout")                     \
+    X(502, VXS_E_CORRUPT,   "a light's pages have a size that their table does not give")              \
+    X(503, VXS_E_CORRUPT,   "the checksum of a page does not match")                                   \
+    X(504, VXS_E_CORRUPT,   "a page breaks a rule of its layout")
 /* clang-format on */
 
 #endif

@@ -4,7 +4,8 @@
 #ifndef VXS_FORMAT_H
 #define VXS_FORMAT_H
 
-#define VXS_FORMAT_VERSION 1
+#define VXS_FORMAT_VERSION        2 /* the latest; a file has the first that has all that is in it */
+#define VXS_FORMAT_VERSION_BLOCKS 2 /* the first with codings, and with sections that are stored as they are */
 
 /* vxs.md section 3: header */
 #define VXS_MAGIC                 "\x8fVXS\r\n\x1a\n"
@@ -31,8 +32,11 @@
 #define VXS_KIND_LIGHTS      0x5448474cu /* "LGHT" */
 #define VXS_KIND_LEVEL       0x4c56454cu /* "LEVL" */
 #define VXS_KIND_MASKS       0x4b53414du /* "MASK" */
+#define VXS_KIND_RESIDENT    0x54445352u /* "RSDT" */
+#define VXS_KIND_PAGES       0x45474150u /* "PAGE" */
 #define VXS_KIND_METADATA    0x4154454du /* "META" */
 #define VXS_SECTION_OPTIONAL 1u          /* entry flag: a reader that does not know the kind skips the section */
+#define VXS_SECTION_STORED   2u          /* entry flag: the stored bytes are the content, and no frame; from version 2 on */
 #define VXS_NO_LIGHT         0xffffffffu /* entry belongs to the file, not to one light */
 
 /* vxs.md section 5: lights */
@@ -49,7 +53,8 @@
 #define VXS_LIGHT_NEAR_METRES      152
 #define VXS_LIGHT_COS_OUTER        160
 #define VXS_LIGHT_RANGE_METRES     168
-#define VXS_LIGHT_RESERVED         176
+#define VXS_LIGHT_CODING           176 /* from version 2 on; before, all are DAGs, and there are zeros */
+#define VXS_LIGHT_RESERVED         180
 #define VXS_LIGHT_NAME             192
 #define VXS_LIGHT_NAME_BYTES       64
 #define VXS_LIGHT_KIND_DIRECTIONAL 1u
@@ -61,7 +66,15 @@
 
 /* How a light's words hold its maps; each is a section of vxs.md */
 #define VXS_CODING_DAG    1u /* a graph of nodes and masks, section 6 */
-#define VXS_CODING_BLOCKS 2u /* palette blocks */
+#define VXS_CODING_BLOCKS 2u /* palette blocks, section 13 */
+
+/* vxs.md section 14: the pages of palette blocks */
+#define VXS_PAGES_PREFIX_BYTES 8
+#define VXS_PAGE_BYTES         16
+#define VXS_PAGE_STORED_BYTES  0
+#define VXS_PAGE_WORD_COUNT    4
+#define VXS_PAGE_HASH          8
+#define VXS_BLOCKS_SPARE_WORDS 4u /* zeros behind the words of a light, which lookups may read */
 
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u

@@ -75,7 +75,8 @@ static int check_header(vxs_reader *r)
     const uint8_t *h = r->bytes;
     if (r->size < VXS_MAGIC_BYTES || memcmp(h, VXS_MAGIC, VXS_MAGIC_BYTES)) return vxs_found(r, r->size ? 102 : 101, HEADER, 0), 0;
     if (r->size < VXS_HEADER_BYTES) return vxs_found(r, 101, HEADER, r->size), 0;
-    if (vxs_load32(h + VXS_HEADER_VERSION) != VXS_FORMAT_VERSION) return vxs_found(r, 103, HEADER, VXS_HEADER_VERSION), 0;
+    uint32_t version = vxs_load32(h + VXS_HEADER_VERSION);
+    if (version < 1 || version > VXS_FORMAT_VERSION) return vxs_found(r, 103, HEADER, VXS_HEADER_VERSION), 0;
     if (XXH64(h, VXS_HEADER_HASH, 0) != vxs_load64(h + VXS_HEADER_HASH)) return vxs_found(r, 104, HEADER, VXS_HEADER_HASH), 0;
     if (!zeros(h + VXS_HEADER_RESERVED, VXS_HEADER_HASH - VXS_HEADER_RESERVED))
         return vxs_found(r, 105, HEADER, VXS_HEADER_RESERVED), 0;
@@ -88,14 +89,28 @@ static int check_header(vxs_reader *r)
         return vxs_found(r, 108, HEADER, VXS_HEADER_SECTION_COUNT), 0;
     if (XXH64(h + VXS_HEADER_BYTES, (size_t)count * VXS_ENTRY_BYTES, 0) != vxs_load64(h + VXS_HEADER_DIRECTORY_HASH))
         return vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
-    r->out.version       = VXS_FORMAT_VERSION;
+    r->out.version       = version;
     r->out.section_count = count;
     return 1;
 }
 
-static int known_kind(uint32_t kind)
+static int has_blocks(const vxs_reader *r)
 {
-    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || vxs_is_dag_section(kind);
+    return r->out.version >= VXS_FORMAT_VERSION_BLOCKS;
+}
+
+static int known_kind(const vxs_reader *r, uint32_t kind)
+{
+    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || vxs_is_dag_section(kind) ||
+           (has_blocks(r) && vxs_is_blocks_section(kind));
+}
+
+/* What is stored as it is says its size twice. Of a kind that is known, it is known whether it is. */
+static int storage_valid(const vxs_reader *r, const vxs_section *s)
+{
+    int stored = (s->flags & VXS_SECTION_STORED) != 0;
+    if (stored && s->stored_bytes != s->inflated_bytes) return 0;
+    return !known_kind(r, s->kind) || stored == vxs_is_blocks_section(s->kind);
 }
 
 static int same_section(const vxs_section *a, const vxs_section *b)
@@ -117,7 +132,8 @@ static int check_directory(vxs_reader *r)
     r->out.sections = vxs_take(r, count, sizeof *r->out.sections, HEADER);
     if (!r->out.sections) return 0;
 
-    uint64_t end = VXS_HEADER_BYTES + (uint64_t)count * VXS_ENTRY_BYTES;
+    uint32_t defined = VXS_SECTION_OPTIONAL | (has_blocks(r) ? VXS_SECTION_STORED : 0);
+    uint64_t end     = VXS_HEADER_BYTES + (uint64_t)count * VXS_ENTRY_BYTES;
     for (uint32_t n = 0; n < count; n++) {
         const uint8_t *e  = r->bytes + VXS_HEADER_BYTES + (size_t)n * VXS_ENTRY_BYTES;
         uint64_t       at = (uint64_t)(e - r->bytes);
@@ -132,13 +148,14 @@ static int check_directory(vxs_reader *r)
                 .hash           = vxs_load64(e + VXS_ENTRY_HASH),
         };
         r->out.sections[n] = s;
-        if (s.flags & ~VXS_SECTION_OPTIONAL) vxs_found(r, 201, (int)n, at + VXS_ENTRY_FLAGS);
-        if (!known_kind(s.kind) && !(s.flags & VXS_SECTION_OPTIONAL)) vxs_found(r, 205, (int)n, at + VXS_ENTRY_KIND);
+        if (s.flags & ~defined) vxs_found(r, 201, (int)n, at + VXS_ENTRY_FLAGS);
+        if (!known_kind(r, s.kind) && !(s.flags & VXS_SECTION_OPTIONAL)) vxs_found(r, 205, (int)n, at + VXS_ENTRY_KIND);
         if (s.offset_bytes != end) return vxs_found(r, 202, (int)n, at + VXS_ENTRY_OFFSET), 0;
         if (s.stored_bytes > r->size - end) return vxs_found(r, 203, (int)n, at + VXS_ENTRY_STORED_BYTES), 0;
         end += s.stored_bytes;
         if (XXH64(r->bytes + s.offset_bytes, s.stored_bytes, 0) != s.hash) vxs_found(r, 206, (int)n, s.offset_bytes);
-        if (known_kind(s.kind) && seen_before(r, n)) vxs_found(r, 208, (int)n, at);
+        if (has_blocks(r) && !storage_valid(r, &s)) vxs_found(r, 212, (int)n, at + VXS_ENTRY_FLAGS);
+        if (known_kind(r, s.kind) && seen_before(r, n)) vxs_found(r, 208, (int)n, at);
         if (!go_on(r)) return 0;
     }
     if (end != r->size) vxs_found(r, 204, HEADER, end);
@@ -240,6 +257,8 @@ static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *re
 
     if (!reach_valid(light)) vxs_found(r, 308, section, at + VXS_LIGHT_NEAR_METRES);
     if (!flags_valid(light)) vxs_found(r, 307, section, at + VXS_LIGHT_FLAGS);
+    if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) vxs_found(r, 309, section, at + VXS_LIGHT_CODING);
+    if (!has_blocks(r) && vxs_load32(record + VXS_LIGHT_CODING)) vxs_found(r, 307, section, at + VXS_LIGHT_CODING);
     if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED))
         vxs_found(r, 307, section, at + VXS_LIGHT_RESERVED);
 }
@@ -263,7 +282,7 @@ static void read_light_records(vxs_reader *r, int section, const uint8_t *table,
         light->kind                 = vxs_load32(record + VXS_LIGHT_KIND);
         light->levels               = vxs_load32(record + VXS_LIGHT_LEVELS);
         light->flags                = vxs_load32(record + VXS_LIGHT_FLAGS);
-        light->coding               = VXS_CODING_DAG;
+        light->coding               = has_blocks(r) ? vxs_load32(record + VXS_LIGHT_CODING) : VXS_CODING_DAG;
         r->out.lights[n].word_count = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
         for (int k = 0; k < 12; k++) light->ls_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);
@@ -288,16 +307,24 @@ static void read_lights(vxs_reader *r)
     vxs_give_back(r, table, size + VXS_LIGHTS_PREFIX_BYTES, 1);
 }
 
+/* Whether a section of a known kind belongs to what it says, and that to its kind. */
+static int owner_valid(const vxs_reader *r, const vxs_section *s)
+{
+    int dag = vxs_is_dag_section(s->kind);
+    if (!dag && !vxs_is_blocks_section(s->kind)) return s->light == VXS_NO_LIGHT && s->level == 0;
+    if (s->light >= r->out.light_count) return 0;
+    const vxs_light *light = &r->out.lights[s->light].light;
+    if (light->coding != (dag ? VXS_CODING_DAG : VXS_CODING_BLOCKS)) return 0;
+    return dag ? vxs_dag_has_section(light, s) : s->level == 0;
+}
+
 /* Sections of lights and levels that are not there would never be looked at: they are not allowed. */
 static void check_owners(vxs_reader *r)
 {
     for (uint32_t n = 0; n < r->out.section_count && go_on(r); n++) {
         const vxs_section *s = &r->out.sections[n];
-        if (!known_kind(s->kind)) continue;
-        int good = vxs_is_dag_section(s->kind)
-                       ? s->light < r->out.light_count && vxs_dag_has_section(&r->out.lights[s->light].light, s)
-                       : s->light == VXS_NO_LIGHT && s->level == 0;
-        if (!good) vxs_found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
+        if (known_kind(r, s->kind) && !owner_valid(r, s))
+            vxs_found(r, 210, (int)n, VXS_HEADER_BYTES + (uint64_t)n * VXS_ENTRY_BYTES);
     }
 }
 
@@ -329,7 +356,13 @@ static void read_all(vxs_reader *r)
     read_lights(r);
     if (r->result != VXS_OK) return;
     check_owners(r);
-    for (uint32_t n = 0; n < r->out.light_count && go_on(r); n++) vxs_read_dag(r, &r->out.lights[n]);
+    for (uint32_t n = 0; n < r->out.light_count && go_on(r); n++) {
+        vxs_baked_light *baked = &r->out.lights[n];
+        if (baked->light.coding == VXS_CODING_BLOCKS)
+            vxs_read_blocks(r, baked);
+        else
+            vxs_read_dag(r, baked);
+    }
     if (go_on(r)) read_metadata(r);
 }
 
@@ -355,7 +388,8 @@ void vxs_contents_free(vxs_contents *c)
     vxs_allocator *a = &c->allocator;
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_baked_light *l = &c->lights[n];
-        if (l->words) a->free((void *)l->words, (size_t)l->word_count * sizeof *l->words, a->user);
+        uint64_t words           = l->word_count + (uint64_t)(l->light.coding == VXS_CODING_BLOCKS ? VXS_BLOCKS_SPARE_WORDS : 0);
+        if (l->words) a->free((void *)l->words, words * sizeof *l->words, a->user);
     }
     if (c->lights) a->free(c->lights, c->light_count * sizeof *c->lights, a->user);
     if (c->sections) a->free(c->sections, c->section_count * sizeof *c->sections, a->user);

@@ -33,6 +33,12 @@ int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t leve
 /* The inflated bytes of a section and `extra` zeros behind them, to be given back; NULL: a finding. */
 uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra);
 
+/* The bytes of a section of a kind that is stored as it is: those of the file. */
+static inline const uint8_t *vxs_stored_bytes(const vxs_reader *r, int section)
+{
+    return r->bytes + r->out.sections[section].offset_bytes;
+}
+
 /* vxs_read_dag.c ---------------------------------------------------------------------------------------------------------------- */
 
 /* Whether a kind of section is one of the DAG's; whether a light has that section. */
@@ -41,5 +47,11 @@ int vxs_dag_has_section(const vxs_light *light, const vxs_section *s);
 
 /* Check the levels and masks of a light, and lay out its words, of which the light table has said how many there are. */
 void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
+
+/* vxs_read_blocks.c ------------------------------------------------------------------------------------------------------------- */
+
+/* The same for palette blocks. Their sections are stored as they are. */
+int  vxs_is_blocks_section(uint32_t kind);
+void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked);
 
 #endif

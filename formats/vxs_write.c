@@ -26,29 +26,46 @@ uint8_t *vxs_append(vxs_bytes *b, size_t size)
     return at;
 }
 
+/* The entry of a section whose bytes were appended from `start` on. */
+static vxs_result add_entry(vxs_sections *s, const vxs_section *section, size_t start)
+{
+    uint8_t *entry  = vxs_append(&s->entries, VXS_ENTRY_BYTES);
+    size_t   stored = s->stored.size_bytes - start;
+    if (!entry) return VXS_E_MEMORY;
+    vxs_store32(entry + VXS_ENTRY_KIND, section->kind);
+    vxs_store32(entry + VXS_ENTRY_FLAGS, section->flags);
+    vxs_store32(entry + VXS_ENTRY_LIGHT, section->light);
+    vxs_store32(entry + VXS_ENTRY_LEVEL, section->level);
+    vxs_store64(entry + VXS_ENTRY_STORED_BYTES, stored);
+    vxs_store64(entry + VXS_ENTRY_INFLATED_BYTES, section->inflated_bytes);
+    vxs_store64(entry + VXS_ENTRY_HASH, XXH64(s->stored.data + start, stored, 0));
+    return VXS_OK;
+}
+
 vxs_result vxs_add_section(vxs_sections *s, uint32_t kind, uint32_t flags, uint32_t light, uint32_t level, const vxs_bytes *content)
 {
     size_t   bound = ZSTD_compressBound(content->size_bytes);
     size_t   start = s->stored.size_bytes;
     uint8_t *to    = vxs_append(&s->stored, bound);
-    uint8_t *entry = vxs_append(&s->entries, VXS_ENTRY_BYTES);
-    if (!to || !entry) return VXS_E_MEMORY;
+    if (!to) return VXS_E_MEMORY;
 
     size_t stored = ZSTD_compress2(s->zstd, to, bound, content->data, content->size_bytes);
     if (ZSTD_isError(stored)) return VXS_E_MEMORY;
     s->stored.size_bytes = start + stored;
-
-    vxs_store32(entry + VXS_ENTRY_KIND, kind);
-    vxs_store32(entry + VXS_ENTRY_FLAGS, flags);
-    vxs_store32(entry + VXS_ENTRY_LIGHT, light);
-    vxs_store32(entry + VXS_ENTRY_LEVEL, level);
-    vxs_store64(entry + VXS_ENTRY_STORED_BYTES, stored);
-    vxs_store64(entry + VXS_ENTRY_INFLATED_BYTES, content->size_bytes);
-    vxs_store64(entry + VXS_ENTRY_HASH, XXH64(to, stored, 0));
-    return VXS_OK;
+    return add_entry(s, &(vxs_section){kind, flags, light, level, .inflated_bytes = content->size_bytes}, start);
 }
 
-static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t word_count)
+vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const vxs_bytes *content)
+{
+    size_t   start = s->stored.size_bytes;
+    uint8_t *to    = vxs_append(&s->stored, content->size_bytes);
+    if (!to) return VXS_E_MEMORY;
+    memcpy(to, content->data, content->size_bytes);
+    return add_entry(s, &(vxs_section){kind, VXS_SECTION_STORED, light, .inflated_bytes = content->size_bytes}, start);
+}
+
+/* coding  as a file of its version says it */
+static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t word_count, uint32_t coding)
 {
     memset(at, 0, VXS_LIGHT_BYTES);
     vxs_store32(at + VXS_LIGHT_KIND, light->kind);
@@ -62,6 +79,7 @@ static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t wo
     vxs_store_f64(at + VXS_LIGHT_NEAR_METRES, light->near_metres);
     vxs_store_f64(at + VXS_LIGHT_COS_OUTER, light->cos_outer);
     vxs_store_f64(at + VXS_LIGHT_RANGE_METRES, light->range_metres);
+    vxs_store32(at + VXS_LIGHT_CODING, coding);
     memcpy(at + VXS_LIGHT_NAME, light->name, strlen(light->name));
 }
 
@@ -85,12 +103,22 @@ static vxs_result assemble(vxs_bytes *out, const vxs_sections *s)
 
     memset(header, 0, VXS_HEADER_BYTES);
     memcpy(header, VXS_MAGIC, VXS_MAGIC_BYTES);
-    vxs_store32(header + VXS_HEADER_VERSION, VXS_FORMAT_VERSION);
+    vxs_store32(header + VXS_HEADER_VERSION, s->version);
     vxs_store32(header + VXS_HEADER_SECTION_COUNT, section_count);
     vxs_store64(header + VXS_HEADER_FILE_BYTES, total);
     vxs_store64(header + VXS_HEADER_DIRECTORY_HASH, XXH64(entries, s->entries.size_bytes, 0));
     vxs_store64(header + VXS_HEADER_HASH, XXH64(header, VXS_HEADER_HASH, 0));
     return VXS_OK;
+}
+
+/* The sections of light n, and what its record says of its words. */
+static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t n, uint8_t *record)
+{
+    uint32_t   words = l->blocks.word_count;
+    vxs_result r     = l->light.coding == VXS_CODING_BLOCKS ? vxs_write_blocks(s, &l->blocks, &l->light, n)
+                                                            : vxs_write_dag(s, &l->dag, vxs_light_map_count(&l->light), n, &words);
+    encode_light_record(record, &l->light, words, s->version >= VXS_FORMAT_VERSION_BLOCKS ? l->light.coding : 0);
+    return r;
 }
 
 static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
@@ -102,11 +130,8 @@ static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
     if (!at) return VXS_E_MEMORY;
     vxs_store32(at, desc->light_count);
     vxs_store32(at + 4, VXS_LIGHT_BYTES);
-    for (uint32_t n = 0; n < desc->light_count && r == VXS_OK; n++) {
-        uint32_t words = 0;
-        r              = vxs_write_dag(s, &desc->lights[n].dag, vxs_light_map_count(&desc->lights[n].light), n, &words);
-        encode_light_record(table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES, &desc->lights[n].light, words);
-    }
+    for (uint32_t n = 0; n < desc->light_count && r == VXS_OK; n++)
+        r = add_light(s, &desc->lights[n], n, table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_LIGHTS, 0, VXS_NO_LIGHT, 0, &table);
     free(table.data);
     if (r == VXS_OK && desc->metadata) {
@@ -121,10 +146,19 @@ static int light_fits(const vxs_write_light *lights, uint32_t n)
 {
     const vxs_light *light = &lights[n].light;
     if (light->levels < VXS_LEVELS_MIN || light->levels > VXS_LEVELS_MAX) return 0;
-    if (light->coding != VXS_CODING_DAG || !vxs_dag_fits(&lights[n].dag, light)) return 0;
+    if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) return 0;
+    if (light->coding == VXS_CODING_DAG && !vxs_dag_fits(&lights[n].dag, light)) return 0;
     if (!light->name[0] || !memchr(light->name, 0, sizeof light->name)) return 0;
     for (uint32_t other = 0; other < n; other++)
         if (!strcmp(lights[other].light.name, light->name)) return 0;
+    return 1;
+}
+
+/* The first version that has all codings that there are. */
+static uint32_t version_of(const vxs_write_desc *desc)
+{
+    for (uint32_t n = 0; n < desc->light_count; n++)
+        if (desc->lights[n].light.coding == VXS_CODING_BLOCKS) return VXS_FORMAT_VERSION_BLOCKS;
     return 1;
 }
 
@@ -134,7 +168,7 @@ vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc)
     if (desc->zstd_level < 1 || desc->zstd_level > 19) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < desc->light_count; n++)
         if (!light_fits(desc->lights, n)) return VXS_E_ARGUMENT;
-    vxs_sections s = {.zstd = ZSTD_createCCtx()};
+    vxs_sections s = {.zstd = ZSTD_createCCtx(), .version = version_of(desc)};
     vxs_result   r = VXS_E_MEMORY;
     if (!s.zstd || ZSTD_isError(ZSTD_CCtx_setParameter(s.zstd, ZSTD_c_compressionLevel, desc->zstd_level))) goto done;
     if ((r = add_sections(&s, desc)) != VXS_OK) goto done;

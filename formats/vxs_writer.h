@@ -12,6 +12,7 @@ typedef struct vxs_sections {
     vxs_bytes  entries; /* VXS_ENTRY_BYTES each; offsets are filled in at the end */
     vxs_bytes  stored;
     ZSTD_CCtx *zstd;
+    uint32_t   version; /* of the file */
 } vxs_sections;
 
 /* `size` more bytes at the end of `b`, or NULL without memory. */
@@ -20,6 +21,9 @@ uint8_t *vxs_append(vxs_bytes *b, size_t size);
 /* One more section, with content that is yet to be compressed. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result vxs_add_section(vxs_sections *s, uint32_t kind, uint32_t flags, uint32_t light, uint32_t level,
                            const vxs_bytes *content);
+
+/* One more section of a light, whose content is stored as it is. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const vxs_bytes *content);
 
 /* vxs_write_dag.c ----------------------------------------------------------------------------------------------------------------- */
 
@@ -31,5 +35,11 @@ int vxs_dag_fits(const vxs_dag_view *view, const vxs_light *light);
  * word_count  [out] what a reader will need
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when words cannot be counted in 32 bits. */
 vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t maps, uint32_t light, uint32_t *word_count);
+
+/* vxs_write_blocks.c -------------------------------------------------------------------------------------------------------------- */
+
+/* Sections of light number `number`: its resident part, then its pages.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when its words are not in canonical order, or its common patterns are others. */
+vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
 
 #endif

@@ -57,7 +57,7 @@ def dump_bytes(text):
 
 
 @pytest.mark.parametrize("number, prefix, size", [(3, "HEADER", "HEADER_BYTES"), (4, "ENTRY", "ENTRY_BYTES"),
-                                                  (5, "LIGHT", "LIGHT_BYTES")])
+                                                  (5, "LIGHT", "LIGHT_BYTES"), (14, "PAGE", "PAGE_BYTES")])
 def test_fields(number, prefix, size):
     fields, end = tables(section(number))[0], 0
     defined = macros()
@@ -75,7 +75,7 @@ def test_fields(number, prefix, size):
     for name in spec.keys() - {"VXS_HEADER_MAGIC"}:
         assert defined[name] == spec[name], name
     # and nothing is defined that the spec does not have, but sizes and values
-    others = {"VXS_HEADER_BYTES", "VXS_ENTRY_BYTES", "VXS_LIGHT_BYTES", "VXS_LIGHT_NAME_BYTES", "VXS_LIGHT_KIND_DIRECTIONAL",
+    others = {"VXS_HEADER_BYTES", "VXS_ENTRY_BYTES", "VXS_LIGHT_BYTES", "VXS_PAGE_BYTES", "VXS_LIGHT_NAME_BYTES", "VXS_LIGHT_KIND_DIRECTIONAL",
               "VXS_LIGHT_KIND_SPOT", "VXS_LIGHT_KIND_POINT", "VXS_LIGHT_BOUNDED", "VXS_LIGHT_CUBE"}
     assert {name for name in defined if name.startswith(f"VXS_{prefix}_")} - others == spec.keys() - {"VXS_HEADER_MAGIC"}
 
@@ -88,14 +88,18 @@ def test_sizes_in_prose():
     assert defined["VXS_LIGHTS_PREFIX_BYTES"] == 8 and defined["VXS_MAGIC_BYTES"] == 8
     assert defined["VXS_LIGHT_NAME_BYTES"] == int(next(f for f in tables(section(5))[0] if f["name"] == "name")["size"])
     assert defined["VXS_NO_LIGHT"] == 0xffffffff and "`ffffffff`: none" in section(4)
-    assert defined["VXS_SECTION_OPTIONAL"] == 1 and defined["VXS_LIGHT_BOUNDED"] == 1
+    assert f"size of an entry, {defined['VXS_PAGE_BYTES']};" in section(14) and defined["VXS_PAGES_PREFIX_BYTES"] == 8
+    assert defined["VXS_BLOCKS_SPARE_WORDS"] == 4 and "a reader keeps four\nmore" in section(13)
+    assert defined["VXS_SECTION_OPTIONAL"] == 1 and defined["VXS_SECTION_STORED"] == 2 and defined["VXS_LIGHT_BOUNDED"] == 1
     assert defined["VXS_LIGHT_CUBE"] == 2 and defined["VXS_CUBE_FACES"] == 6
     kinds = [defined["VXS_LIGHT_KIND_" + kind] for kind in ("DIRECTIONAL", "SPOT", "POINT")]
     assert kinds == [1, 2, 3] and "| 1: directional; 2: spot; 3: point |" in section(5)
+    assert [defined["VXS_CODING_" + coding] for coding in ("DAG", "BLOCKS")] == [1, 2] and "1: a DAG; 2: palette blocks." in section(5)
+    assert defined["VXS_FORMAT_VERSION_BLOCKS"] == 2
 
 
 def test_kinds():
-    names = {"LGHT": "LIGHTS", "LEVL": "LEVEL", "MASK": "MASKS", "META": "METADATA"}
+    names = {"LGHT": "LIGHTS", "LEVL": "LEVEL", "MASK": "MASKS", "RSDT": "RESIDENT", "PAGE": "PAGES", "META": "METADATA"}
     kinds = tables(section(4))[1]
     assert [kind["kind"].strip("`") for kind in kinds] == list(names)
     for kind in kinds:
@@ -132,7 +136,7 @@ def test_findings():
 def test_citations():
     """Where a source names a section of the spec, there is one, and it is on what the source says."""
     titles = {int(n): title.lower() for n, title in re.findall(r"^## (\d+)\. (.*)$", SPEC, re.M)}
-    assert list(titles) == list(range(1, 13))
+    assert list(titles) == list(range(1, 15))
     cited = 0
     for path in itertools.chain.from_iterable(ROOT.glob(f"{folder}/*.[ch]") for folder in ("formats", "runtime", "baker")):
         for first, last, topic in re.findall(r"vxs\.md sections? (\d+)(?: to (\d+))?(?:: (\w+))?", path.read_text()):
@@ -332,7 +336,7 @@ def test_golden_files_are_valid(vxs, name):
 @pytest.mark.parametrize("change, number", [
     (lambda data: data[:40], 101),
     (lambda data: b"glTF" + data[4:], 102),
-    (lambda data: data[:8] + b"\2" + data[9:], 103),
+    (lambda data: data[:8] + b"\3" + data[9:], 103),
     (lambda data: data[:-1], 106),
     (lambda data: data + b"\0", 107),
     (lambda data: data[:-1] + b"\0", 206),

@@ -1,0 +1,115 @@
+/* Writing a light of palette blocks: its resident part and its pages; formats/vxs.md section 14.
+ * SPDX-License-Identifier: MIT */
+#include <stdlib.h>
+#include <xxhash.h>
+
+#include "vxs_bytes.h"
+#include "vxs_page.h"
+#include "vxs_writer.h"
+
+enum { PAGE_COUNT_WORD = 0, COMMON_WORD = 1, FIRST_PAGE_WORD = 8 };
+
+/* Where page n starts in the words; for n = their number, where the last one ends. */
+static uint32_t page_start(const vxs_blocks_view *view, uint32_t n)
+{
+    return n < view->words[PAGE_COUNT_WORD] ? view->words[FIRST_PAGE_WORD + n] : view->word_count;
+}
+
+/* Whether the words are a resident part, then pages one behind the other. */
+static int in_order(const vxs_blocks_view *view)
+{
+    if (view->word_count < FIRST_PAGE_WORD || view->words[PAGE_COUNT_WORD] > VXS_PAGES_MAX) return 0;
+    uint32_t count = view->words[PAGE_COUNT_WORD], head = FIRST_PAGE_WORD + count;
+    if (view->word_count < head || page_start(view, 0) < head) return 0;
+    for (uint32_t n = 0; n < count; n++) {
+        uint32_t start = page_start(view, n), end = page_start(view, n + 1);
+        if (end <= start || end > view->word_count || end - start > VXS_PAGE_WORDS_MAX) return 0;
+    }
+    return view->words[COMMON_WORD] >= head && view->words[COMMON_WORD] <= page_start(view, 0);
+}
+
+/* The common pool, from where it starts to the first page; its last half may be none of it. */
+static vxs_result index_common(vxs_common *common, vxs_pattern *patterns, const vxs_blocks_view *view)
+{
+    const uint32_t *words  = view->words + view->words[COMMON_WORD];
+    uint32_t        halves = 2 * (page_start(view, 0) - view->words[COMMON_WORD]);
+    vxs_result      r      = vxs_common_index(common, patterns, view->common_kinds, view->common_count, words, halves);
+    if (r == VXS_OK || !halves) return r;
+    return vxs_common_index(common, patterns, view->common_kinds, view->common_count, words, halves - 1);
+}
+
+/* What a reader will know of a light before its pages: decoded from the bytes that it will have. */
+typedef struct known_resident {
+    vxs_resident      resident;
+    vxs_page_scratch *scratch;
+} known_resident;
+
+static vxs_result know_resident(known_resident *k, const vxs_bytes *bytes, const vxs_light *light)
+{
+    vxs_resident_sizes sizes;
+    vxs_resident      *to = &k->resident;
+    if (vxs_resident_sizes_of(&sizes, bytes->data, bytes->size_bytes) != VXS_OK) return VXS_E_ARGUMENT;
+    to->words      = malloc((size_t)sizes.word_count * sizeof *to->words);
+    to->nodes      = malloc(((size_t)sizes.node_count + 1) * sizeof *to->nodes);
+    to->page_first = malloc(((size_t)sizes.page_count + 1) * sizeof *to->page_first);
+    to->patterns   = malloc(((size_t)sizes.pattern_count + 1) * sizeof *to->patterns);
+    k->scratch     = malloc(vxs_page_scratch_bytes());
+    if (!to->words || !to->nodes || !to->page_first || !to->patterns || !k->scratch) return VXS_E_MEMORY;
+    vxs_page_scratch_init(k->scratch);
+    return vxs_resident_decode(to, light->levels, vxs_light_map_count(light), bytes->data, bytes->size_bytes, k->scratch) == VXS_OK
+               ? VXS_OK
+               : VXS_E_ARGUMENT;
+}
+
+static void forget_resident(known_resident *k)
+{
+    free(k->resident.words);
+    free(k->resident.nodes);
+    free(k->resident.page_first);
+    free(k->resident.patterns);
+    free(k->scratch);
+}
+
+/* The content of a section of pages: their table, then their bytes. */
+static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident)
+{
+    uint32_t   count = view->words[PAGE_COUNT_WORD];
+    vxs_result r     = VXS_OK;
+    uint8_t   *head  = vxs_append(content, VXS_PAGES_PREFIX_BYTES + (size_t)count * VXS_PAGE_BYTES);
+    if (!head) return VXS_E_MEMORY;
+    vxs_store32(head, count);
+    vxs_store32(head + 4, VXS_PAGE_BYTES);
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
+        uint32_t start = page_start(view, n), words = page_start(view, n + 1) - start, first = resident->page_first[n];
+        size_t   at = content->size_bytes;
+        r = vxs_page_encode(content, view->words + start, words, resident->nodes + first, resident->page_first[n + 1] - first,
+                            &resident->common);
+        size_t   size  = content->size_bytes - at;
+        uint8_t *entry = content->data + VXS_PAGES_PREFIX_BYTES + (size_t)n * VXS_PAGE_BYTES;
+        vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)size);
+        vxs_store32(entry + VXS_PAGE_WORD_COUNT, words);
+        vxs_store64(entry + VXS_PAGE_HASH, XXH64(content->data + at, size, 0));
+    }
+    return r;
+}
+
+vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number)
+{
+    if (!in_order(view)) return VXS_E_ARGUMENT;
+    vxs_bytes      resident = {0}, pages = {0};
+    known_resident known = {0};
+    vxs_common     common;
+    vxs_pattern   *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
+    vxs_result     r        = patterns ? index_common(&common, patterns, view) : VXS_E_MEMORY;
+    if (r == VXS_OK)
+        r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_light_map_count(light), &common);
+    if (r == VXS_OK) r = know_resident(&known, &resident, light);
+    if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident);
+    if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &resident);
+    if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
+    forget_resident(&known);
+    free(patterns);
+    free(resident.data);
+    free(pages.data);
+    return r;
+}
