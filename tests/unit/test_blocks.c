@@ -15,6 +15,7 @@
 #include "baker/base/simd.h"
 #include "baker/blocks/block_build.h"
 #include "baker/blocks/block_words.h"
+#include "baker/blocks/depth_axis.h"
 #include "baker/blocks/pattern_code.h"
 #include "baker/blocks/pierce.h"
 #include "tests/columns/analytic.h"
@@ -206,12 +207,13 @@ static void deep_maps(void **state)
 /* The same words, whatever is done at once. */
 static void threads_and_fetches(void **state)
 {
-    const map_kind kinds[] = {MAPS_NOISE, MAPS_BOXES, MAPS_CLIFF};
-    const uint32_t side    = 1024;
+    const map_kind kinds[] = {MAPS_NOISE, MAPS_BOXES, MAPS_CLIFF, MAPS_BOXES};
+    const uint32_t sides[] = {1024, 1024, 1024, 2048};
     (void)state;
     for (size_t n = 0; n < sizeof kinds / sizeof *kinds; n++) {
-        depth_maps  d = random_maps(side, side, kinds[n], 7);
-        column_map  m = depth_maps_map(&d);
+        uint32_t    side = sides[n];
+        depth_maps  d    = random_maps(side, side, kinds[n], 7);
+        column_map  m    = depth_maps_map(&d);
         block_words once, again;
         assert_int_equal(build_words(&once, &m, 1, 1), VXS_OK);
         for (uint32_t fetch = block_square_side(side); fetch <= side; fetch *= 2) {
@@ -256,9 +258,10 @@ static void pages_are_cut(void **state)
     column_map  m = depth_maps_map(&d);
     block_words w;
     for (uint32_t n = 0; n < 2048 * 1024; n++)
-        d.exit[n] = d.enter[n] = d.enter[n % (2048 * 64)]; /* repeated, so that there is a lot to share */
+        d.exit[n] = d.enter[n] = d.enter[n % (2048 * 256)]; /* repeated, so that there is a lot to share */
     depth_maps_reduce(&d, 1);
     assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+    print_message("pages %u common %u\n", w.counts.pages, w.counts.common_words);
     assert_true(w.counts.pages > 4 && w.counts.common_words > 1000 && w.counts.common_words <= POOL_HALVES_MAX / 2);
     for (uint32_t p = 0; p < w.counts.pages; p++) {
         uint32_t end = p + 1 < w.counts.pages ? w.words[8 + p + 1] : w.count;
@@ -266,6 +269,30 @@ static void pages_are_cut(void **state)
     }
     assert_columns(&w, 0, 11, &d, 0, 0);
     assert_coded(&w, 11, 1);
+    block_words_free(&w);
+    depth_maps_free(&d);
+}
+
+/* The same tiles of many depths in many squares, each at a depth of its own: one pattern serves them all. */
+static void repeated_at_other_depths(void **state)
+{
+    (void)state;
+    const uint32_t side = 1024, period = 64;
+    depth_maps     d = random_maps(side, side, MAPS_EMPTY, 1);
+    column_map     m = depth_maps_map(&d);
+    block_words    w;
+    rng            r = {3};
+    uint32_t       depth[64 * 64];
+    for (uint32_t n = 0; n < period * period; n++) depth[n] = rng_below(&r, 200);
+    for (uint32_t j = 0; j < side; j++)
+        for (uint32_t i = 0; i < side; i++) {
+            uint32_t at           = depth[j % period * period + i % period] + 3 * (i / period) + 40 * (j / period);
+            d.enter[j * side + i] = d.exit[j * side + i] = (float)at / (float)side;
+        }
+    depth_maps_reduce(&d, 1);
+    assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+    assert_int_equal(w.counts.own_patterns, 64); /* tiles of a period */
+    assert_columns(&w, 0, 10, &d, 0, 0);
     block_words_free(&w);
     depth_maps_free(&d);
 }
@@ -363,6 +390,33 @@ static void piercing(void **state)
     }
 }
 
+/* Codes are in the order of depths, and equal only where depths are, whichever the scale. */
+static void axes_keep_order(void **state)
+{
+    (void)state;
+    rng r = {1};
+    for (int round = 0; round < 200; round++) {
+        depth_axis a;
+        int32_t    low[100], high[100], range = round % 2 ? 1 << 18 : 20000, greatest_low = 0, least_high = INT32_MAX;
+        for (int n = 0; n < 100; n++) {
+            low[n]       = (int32_t)rng_below(&r, (uint32_t)range);
+            high[n]      = low[n] + (int32_t)rng_below(&r, 1000);
+            greatest_low = low[n] > greatest_low ? low[n] : greatest_low;
+            least_high   = high[n] < least_high ? high[n] : least_high;
+        }
+        int linear = axis_init(&a, least_high, greatest_low);
+        assert_int_equal(linear, !(round % 2));
+        if (!linear) axis_init_by_depths(&a, low, high, 100);
+        for (int n = 0; n < 5000; n++) {
+            int32_t in = rng_below(&r, 2) ? low[n % 100] : high[n % 100], other = in + (int32_t)rng_below(&r, 41) - 20;
+            int16_t x = axis_code(&a, in), y = axis_code(&a, other);
+            if (linear && (x == 0 || x == INT16_MAX || y == 0 || y == INT16_MAX)) continue; /* clamped */
+            assert_int_equal((x > y) - (x < y), (in > other) - (in < other));
+            assert_int_equal(axis_depth(&a, x), in);
+        }
+    }
+}
+
 /* A texel's depth in a pattern that tiles have agreed on is one that each of them allows. */
 static void patterns_agree(void **state)
 {
@@ -440,10 +494,10 @@ static void own_patterns_agree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(piercing),          cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),
-        cmocka_unit_test(every_kind_of_map), cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches),
-        cmocka_unit_test(six_maps),          cmocka_unit_test(pages_are_cut),      cmocka_unit_test(shapes_of_formulas),
-        cmocka_unit_test(failing_calls),
+        cmocka_unit_test(piercing),           cmocka_unit_test(axes_keep_order),     cmocka_unit_test(repeated_at_other_depths),
+        cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),      cmocka_unit_test(every_kind_of_map),
+        cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches), cmocka_unit_test(six_maps),
+        cmocka_unit_test(pages_are_cut),      cmocka_unit_test(shapes_of_formulas),  cmocka_unit_test(failing_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
