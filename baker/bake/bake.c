@@ -10,7 +10,7 @@
 
 #include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
-#include "baker/bake/dag_coder.h"
+#include "baker/bake/chosen_coder.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/provenance.h"
 #include "baker/bake/scene_warnings.h"
@@ -88,17 +88,17 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
                                gl_context *gl, light_picture *picture, coded_light *out, light_report *light, bake_context *ctx)
 {
     light_columns columns;
-    dag_coder     coding = dag_coder_for(o, plan->compress, picture);
-    light_coder   coder  = dag_coder_seam(&coding);
+    chosen_coder  coding;
+    chosen_coder_init(&coding, o, plan->compress, picture);
     stage_begin(ctx, STAGE_GL);
     vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
         column_source source = light_columns_source(&columns);
-        r                    = bake_light(planned, &source, &coder, out, ctx);
+        r                    = bake_light(planned, &source, &coding.coder, out, ctx);
     }
-    dag_coder_free(&coding);
-    report_light(light, planned, &columns, &coding.stats, plan->tile_px);
+    report_light(light, planned, &columns, coding.stats, plan->tile_px);
+    chosen_coder_free(&coding);
     if (r == VXS_OK && columns.wants_depths) r = measure_baseline(&columns, planned->map_count, light, ctx);
     light_columns_free(&columns);
     return r;

@@ -16,6 +16,7 @@ json_t *bake_choices_json(const bake_options *o)
     const double *b      = o->region_ws;
     set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
     set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
+    if (o->coding != CODING_DAG) set_word(object, "coding", CODING_CHOICES, (int)o->coding);
     set_word(object, "rule", RULE_CHOICES, (int)o->rule);
     set_word(object, "stop", STOP_CHOICES, (int)o->stop);
     if (o->stop == STOP_INSERT) set_word(object, "reuse", REUSE_CHOICES, o->reuse); /* compression finds the same */
@@ -68,6 +69,7 @@ json_t *bake_options_json(const bake_options *o)
 {
     json_t *object = bake_choices_json(o);
     set_lights(object, o);
+    set_word(object, "coding", CODING_CHOICES, (int)o->coding);
     set_word(object, "reuse", REUSE_CHOICES, o->reuse);
     set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
     set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);

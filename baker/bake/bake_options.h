@@ -19,12 +19,16 @@ typedef enum stop_stage {
     STOP_FINAL    /* merged into one DAG without equal subtrees */
 } stop_stage;
 
+/* How the words of a light hold its maps, in the order of VXS_CODING_DAG and after. */
+typedef enum coding_choice { CODING_DAG, CODING_BLOCKS } coding_choice;
+
 /* Order of sub-DAG compression; auto: top-down, where the plan says that it pays. */
 typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, COMPRESS_CHOICE_BOTTOM_UP } compress_choice;
 
 typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
 
 /* The words of the options below, in the order of their enums. */
+#define CODING_CHOICES   "dag|blocks"
 #define EXIT_CHOICES     "auto|peel|back"
 #define RULE_CHOICES     "greedy|shadow"
 #define REUSE_CHOICES    "off|on"
@@ -47,6 +51,7 @@ typedef struct bake_options {
     double          region_ws[6]; /* min xyz, max xyz */
     closed_mode     closed;
     exit_mode       exit;
+    coding_choice   coding;
     mask_rule       rule;
     int             reuse;
     compress_choice compress;

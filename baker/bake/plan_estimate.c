@@ -68,17 +68,19 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     l->seconds[STAGE_WRITE]   = 3.7e-8 * (l->nodes + l->masks);
 }
 
-static void estimate_bytes(plan_light *l)
+/* Palette blocks take shares of what the DAG would (docs/measurements.md). */
+static void estimate_bytes(plan_light *l, coding_choice coding)
 {
-    l->memory_bytes = 8 * l->masks + 15.5 * l->nodes;
-    l->stored_bytes = 3.9 * (l->masks + l->nodes) + 600;
+    int blocks      = coding == CODING_BLOCKS;
+    l->memory_bytes = (8 * l->masks + 15.5 * l->nodes) * (blocks ? 0.28 : 1);
+    l->stored_bytes = 3.9 * (l->masks + l->nodes) * (blocks ? 0.35 : 1) + 600;
 }
 
 void plan_estimate_light(plan_light *l, const bake_options *o)
 {
     estimate_counts(l);
     estimate_seconds(l, o);
-    estimate_bytes(l);
+    estimate_bytes(l, o->coding);
 }
 
 /* the scene ------------------------------------------------------------------------------------------------------------------- */

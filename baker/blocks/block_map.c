@@ -15,7 +15,7 @@ uint32_t block_square_side(uint32_t map_side_px)
 
 typedef struct map_builder {
     block_set *set;
-    uint32_t   map, square_level, depth_vx;
+    uint32_t   map, square_level, depth_vx, fetch_px;
     block_set  batch[DESCENT_BATCH];
 } map_builder;
 
@@ -25,7 +25,11 @@ static vxs_result look(void *user, const column_bounds *bounds, uint32_t level, 
 {
     map_builder *b = user;
     *step          = level == b->square_level ? DESCENT_BUILD : DESCENT_SPLIT;
-    if (fetched || (bounds->xmin < b->depth_vx && !bounds_alike(bounds))) return VXS_OK;
+    if (fetched) return VXS_OK;
+    if (bounds->xmin < b->depth_vx && !bounds_alike(bounds)) {
+        b->set->squares_fetched += 8u << level <= b->fetch_px;
+        return VXS_OK;
+    }
     *step = DESCENT_SETTLED;
     return block_set_add_uniform(b->set, &(uniform_square){b->map, level, i, j, uniform_depth(bounds, b->depth_vx)});
 }
@@ -65,7 +69,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (columns->fetch_px < side) return VXS_E_ARGUMENT;
     map_builder *b = calloc(1, sizeof *b);
     if (!b) return VXS_E_MEMORY;
-    *b           = (map_builder){.set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
+    *b           = (map_builder){.set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx, .fetch_px = columns->fetch_px};
     descent    d = {b, look, build_slot, add_slot, time_batch};
     vxs_result r = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);

@@ -67,7 +67,8 @@ typedef struct block_set {
     intern          blocks;
     pattern_set     patterns;
     own_set         own;
-    uint64_t        tile_count; /* tiles with a pattern */
+    uint64_t        tile_count;      /* tiles with a pattern */
+    uint64_t        squares_fetched; /* of columns */
 } block_set;
 
 static inline block *block_at(const block_set *s, uint32_t id)

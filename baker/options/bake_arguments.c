@@ -38,6 +38,9 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);
     if (r != VXS_OK) return r;
+    if (o->coding != CODING_DAG &&
+        (o->rule != MASK_RULE_GREEDY || !o->reuse || o->compress != COMPRESS_CHOICE_AUTO || o->stop != STOP_FINAL))
+        return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
     for (int axis = 0; axis < 3 && o->region_given; axis++)
         if (!(o->region_ws[axis] < o->region_ws[axis + 3]))
             return fail(m, VXS_E_ARGUMENT, "--region: the minimum must be less than the maximum, but is %g and %g on axis %c",
@@ -78,6 +81,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},
         {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
+        {"--coding", OPTION_CHOICE, &a->o.coding, 0, 0, CODING_CHOICES, NULL,
+         "how maps are kept: a DAG, or palette blocks, smaller and quicker to look up (default dag)", NULL},
         {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
          "threads; never changes the bytes (default all processors)", NULL},

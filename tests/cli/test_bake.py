@@ -259,6 +259,9 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--compress", "sideways"), "top-down|bottom-up"),
     (("--stop", "early"), "insert|partial|final"),
     (("--baseline", "some"), "sample|full|off"),
+    (("--coding", "octree"), "dag|blocks"),
+    (("--coding", "blocks", "--stop", "insert"), "need --coding dag"),
+    (("--coding", "blocks", "--rule", "shadow"), "need --coding dag"),
     (("--scene", "other"), "small"),
     (("--scene", "1"), "small"),
     (("--frobnicate",), "unknown option"),
@@ -365,7 +368,7 @@ def test_baseline(bake, city):
 
 @pytest.mark.parametrize("options", [
     ("--maps", "gl"), ("--exit", "back"), ("--closed", "off"), ("--rule", "shadow"), ("--reuse", "off"),
-    ("--compress", "bottom-up"), ("--stop", "insert"), ("--stop", "partial"), ("--level", 1), ("--scene", "small"), ("--scene", 0),
+    ("--compress", "bottom-up"), ("--stop", "insert"), ("--stop", "partial"), ("--level", 1), ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
 ])
 def test_no_option_changes_an_answer(vxs, bake, scene, options):
     points = [(x / 2, y, z / 2) for x in range(-9, 10, 3) for y in (0.5, 4) for z in range(-9, 10, 3)]

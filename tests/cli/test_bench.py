@@ -164,14 +164,14 @@ def test_options_reach_the_bake(bench):
     """Each of them changes what is measured, or stands in the cell."""
     plain = bench(*QUICK)[0]["cells"][0]
     assert plain["errors"] == plain["lookups"] == []
-    assert plain["options"] == {"resolution_px": 64, "rule": "greedy", "stop": "final", "exit": "auto", "closed": "auto",
+    assert plain["options"] == {"resolution_px": 64, "rule": "greedy", "stop": "final", "exit": "auto", "closed": "auto", "coding": "dag",
                                 "reuse": "on", "compress": "auto", "threads": len(os.sched_getaffinity(0)), "zstd_level": 12}
     given = {"--rule": "shadow", "--stop": "insert", "--exit": "back", "--closed": "off", "--reuse": "off",
              "--compress": "top-down", "--threads": 3, "--level": 1}
     other = bench(*QUICK, "--sun", "-0.5,-1,0.25", "--region", "-8,-1,-8,8,4,8", "--scene", "small",
                   *[word for pair in given.items() for word in pair])[0]["cells"][0]
     expected = {{"--level": "zstd_level"}.get(name, name[2:]): value for name, value in given.items()}
-    expected |= {"resolution_px": 64, "sun": {"sun": [-0.5, -1, 0.25]}, "region_m": [-8, -1, -8, 8, 4, 8], "scene": "small"}
+    expected |= {"coding": "dag", "resolution_px": 64, "sun": {"sun": [-0.5, -1, 0.25]}, "region_m": [-8, -1, -8, 8, 4, 8], "scene": "small"}
     assert other["options"] == expected
     assert other["solid_triangles"] == 0 and other["lights"] == 1 and other["size"]["nodes"] != plain["size"]["nodes"]
     assert other["size"]["nodes"] >= other["size"]["inserted_nodes"], "stopped after insertion: nothing is compressed"

@@ -15,6 +15,7 @@ SCENES = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "sce
 SUNS = ["0.3,-1,0.2", "-1,-0.25,0.6"]
 RULES = ["greedy", "shadow"]
 STOPS = ["insert", "partial", "final"]
+CODINGS = ["dag", "blocks"]
 GENERATED = ["city", "landscape"]
 
 # spots of 1, 60, 120 and 179 degrees, the last of six maps, one that ends, and a point light; in shares of the scene's box
@@ -100,7 +101,7 @@ def assert_complete_lamps(found, resolution):
 @pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")
 @pytest.mark.parametrize("name", SHARED)
 def test_every_voxel_of_every_scene(exact, scene, name):
-    assert_complete(exact(scene(name), sun=SUNS), 512)
+    assert_complete(exact(scene(name), sun=SUNS, coding=CODINGS), 512)
 
 
 @pytest.mark.parametrize("name", sorted(REFUSED))
@@ -121,42 +122,42 @@ def test_every_voxel_without_reuse_and_compressed_either_way(exact, scene, name)
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_whatever_is_solid(exact, scene, name):
-    assert_complete(exact(scene(name), "--sun", SUNS[1], closed=["on", "off"], exit=["peel", "back"]), 512)
+    assert_complete(exact(scene(name), "--sun", SUNS[1], closed=["on", "off"], exit=["peel", "back"], coding=CODINGS), 512)
 
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_of_suns_along_an_axis(exact, scene, name):
-    assert_complete(exact(scene(name), "--resolution", 256, sun=["0,-1,0", "1,0,0", "0,0.001,-1"]), 256)
+    assert_complete(exact(scene(name), "--resolution", 256, sun=["0,-1,0", "1,0,0", "0,0.001,-1"], coding=CODINGS), 256)
 
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_every_voxel_at_every_resolution(exact, scene, name):
     for resolution in [8, 16, 32, 64, 128, 1024]:
-        assert_complete(exact(scene(name), sun=SUNS, resolution=[resolution]), resolution)
+        assert_complete(exact(scene(name), sun=SUNS, resolution=[resolution], coding=CODINGS), resolution)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FINE)
 def test_a_million_columns_at_4096(exact, scene, name):
-    counts, = exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", 1000000)
-    assert counts["columns"] == 1000000 and counts["voxels"] > 20000000
+    for counts in exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", 1000000, coding=CODINGS):
+        assert counts["columns"] == 1000000 and counts["voxels"] > 20000000
 
 
 @pytest.mark.slow
 def test_several_map_tiles(exact, scene):
     """8192 texels are four tiles that are rendered one by one."""
-    counts, = exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000)
-    assert counts["columns"] == 1000000
+    for counts in exact(scene("city"), "--sun", SUNS[1], "--resolution", 8192, "--columns", 1000000, coding=CODINGS):
+        assert counts["columns"] == 1000000
 
 
 @pytest.mark.parametrize("name", GENERATED + SHARED)
 def test_every_voxel_of_lamps_in_every_scene(exact, scene, name):
-    assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 128), 128)
+    assert_complete_lamps(exact(scene(name), *LAMPS, "--resolution", 128, coding=CODINGS), 128)
 
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_of_fine_lamps(exact, scene, name):
-    assert_complete_lamps(exact(scene(name), *LAMPS), 512)
+    assert_complete_lamps(exact(scene(name), *LAMPS, coding=CODINGS), 512)
 
 
 @pytest.mark.slow
@@ -169,16 +170,16 @@ def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, nam
 @pytest.mark.slow
 @pytest.mark.parametrize("resolution", [8, 16, 32, 64, 1024])
 def test_every_voxel_of_lamps_at_every_resolution(exact, scene, resolution):
-    assert_complete_lamps(exact(scene("city"), *LAMPS, "--resolution", resolution), resolution)
+    assert_complete_lamps(exact(scene("city"), *LAMPS, "--resolution", resolution, coding=CODINGS), resolution)
 
 
 @pytest.mark.slow
 def test_columns_of_fine_lamps(exact, scene):
     """8192 texels are four map tiles."""
-    counts, = exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", 400000)
-    assert counts["maps"] == 1 and counts["columns"] == 400000
-    counts, = exact(scene("city"), *LAMPS[-2:], "--resolution", 2048, "--columns", 200000)
-    assert counts["maps"] == 6
+    for counts in exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", 400000, coding=CODINGS):
+        assert counts["maps"] == 1 and counts["columns"] == 400000
+    for counts in exact(scene("city"), *LAMPS[-2:], "--resolution", 2048, "--columns", 200000, coding=CODINGS):
+        assert counts["maps"] == 6
 
 
 def test_lamps_that_reach_nothing(exact, scene):

@@ -262,6 +262,22 @@ def test_failing_allocation_of_bake(faulty, scene, asset, tmp_path, source, ever
     assert statuses[6] >= (5 if source else 30 if every else len(places) // 2)
 
 
+@pytest.mark.slow
+def test_failing_allocation_of_palette_blocks(faulty, vxs, scene, tmp_path):
+    out = tmp_path / "a.vxs"
+    bake = ("bake", scene, "-o", out, *SMALL, "--coding", "blocks")
+    vxs(*bake)
+    asset, (calls, places) = out.read_bytes(), faulty.places("alloc", *bake)
+    statuses = collections.Counter()
+    for n in sorted({calls, *places}):
+        out.write_bytes(OLD)
+        done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bake)
+        check_fault(done, out, asset, {6})
+        assert not done.returncode or b"out of memory" in done.stderr
+        statuses[done.returncode] += 1
+    assert statuses[6] >= len(places) // 2
+
+
 @pytest.mark.parametrize("kind", ["picture", "forest"])
 @pytest.mark.parametrize("source", ["", "libpng"], ids=["vxs", "png"])
 def test_failing_allocation_of_an_image(faulty, scene, asset, tmp_path, kind, source):

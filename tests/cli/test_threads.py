@@ -42,11 +42,12 @@ def scene(request, run, tmp_path_factory):
     return path, resolution
 
 
-def test_bake(run, scene, tmp_path):
+@pytest.mark.parametrize("coding", ["dag", "blocks"])
+def test_bake(run, scene, tmp_path, coding):
     path, resolution = scene
     out = {}
     for threads in (1, 2, 8):
-        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, "--baseline", "off")
+        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, "--baseline", "off", "--coding", coding)
         out[threads] = (tmp_path / "a.vxs").read_bytes()
     assert out[1] == out[2] == out[8]
 

@@ -11,7 +11,7 @@
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
-#include "tests/exact/dag_runs.h"
+#include "tests/exact/coded_runs.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16, EACH_VOXEL_MAX_VX = 64 };
 
@@ -41,7 +41,7 @@ static void ask_voxel(const check *c, uint32_t file, tally *t, uint32_t i, uint3
 {
     size_t   at = (size_t)j * c->maps->side_px + i;
     int32_t  u = (int32_t)(c->i0 + i), v = (int32_t)(c->j0 + j);
-    uint32_t dark = vxs_shadow_taps(c->d->files[file].words, c->d->light, (int32_t)c->map, u, v, k, 1);
+    uint32_t dark = vxs_shadow_taps(c->d->files[file].words, c->d->files[file].light, (int32_t)c->map, u, v, k, 1);
     t->voxels++;
     t->wrong_shadow += dark && (double)k + 1 <= voxels(c, c->maps->enter[at]);
     t->wrong_lit += !dark && (double)k >= voxels(c, c->maps->exit[at]);
@@ -118,7 +118,7 @@ static void ask_tile(const check *c, uint32_t x, uint32_t y, uint32_t worker)
     for (uint32_t file = 0; file < c->d->file_count; file++) {
         tally     *t = &c->worker[worker * c->d->file_count + file];
         asked_tile a = {&columns, 0, t};
-        dag_runs(c->d->files[file].words, c->d->light, c->map, c->i0 / 8 + x, c->j0 / 8 + y, ask_run, &a);
+        coded_runs(c->d->files[file].words, c->d->files[file].light, c->map, c->i0 / 8 + x, c->j0 / 8 + y, ask_run, &a);
         t->misread += a.at_vx != c->side_vx;
         t->columns += 64;
         for (uint32_t n = 0; c->side_vx <= EACH_VOXEL_MAX_VX && n < 64 * c->side_vx; n++)

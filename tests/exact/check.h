@@ -16,8 +16,9 @@ typedef struct tally {
 
 /* The light in one file, and what was found of it. */
 typedef struct checked_file {
-    const uint32_t *words;
-    tally           sum; /* added to */
+    const uint32_t  *words;
+    const vxs_light *light; /* as in the others, but for its coding */
+    tally            sum;   /* added to */
 } checked_file;
 
 typedef struct check_desc {

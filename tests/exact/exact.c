@@ -8,9 +8,9 @@
  *     exact SCENE [--sun X,Y,Z]... [--resolution N]... [--columns all|COUNT] [bake's options]... [--fault NAME]
  *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
- * --sun, --resolution, --closed, --exit, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
+ * --sun, --resolution, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
  * compared. The scene is read once; casters are found once for each --closed; and maps are rendered once for all files that differ in
- * rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
+ * coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
  * others by its stages.
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
  * others.
@@ -29,7 +29,7 @@
 #include "formats/vxs_lookup.h" /* before dag.h: a lookup calls its light's words `dag` */
 
 #include "baker/bake/bake_light.h"
-#include "baker/bake/dag_coder.h"
+#include "baker/bake/chosen_coder.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
@@ -42,7 +42,7 @@
 #include "tests/exact/spoil.h"
 
 /* Options of bake of which several values may be asked for. */
-enum choice { CHOICE_CLOSED, CHOICE_EXIT, CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP, CHOICES };
+enum choice { CHOICE_CLOSED, CHOICE_EXIT, CHOICE_CODING, CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP, CHOICES };
 
 static const struct {
     const char *option, *words;
@@ -50,6 +50,7 @@ static const struct {
 } choices[CHOICES] = {
     [CHOICE_CLOSED]   = {"--closed", CLOSED_CHOICES, CLOSED_AUTO},
     [CHOICE_EXIT]     = {"--exit", EXIT_CHOICES, EXIT_AUTO},
+    [CHOICE_CODING]   = {"--coding", CODING_CHOICES, CODING_DAG},
     [CHOICE_RULE]     = {"--rule", RULE_CHOICES, MASK_RULE_GREEDY},
     [CHOICE_REUSE]    = {"--reuse", REUSE_CHOICES, 1},
     [CHOICE_COMPRESS] = {"--compress", COMPRESS_CHOICES, COMPRESS_CHOICE_AUTO},
@@ -203,15 +204,15 @@ static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, m
 
     for (size_t n = 0; n < count; n++) {
         const plan_light *planned = &plan->lights[n];
-        dag_coder         coding  = dag_coder_for(&y->bake, plan->compress, NULL);
-        light_coder       coder   = dag_coder_seam(&coding);
+        chosen_coder      coding;
         light_columns     columns;
         if (planned->left_out) continue;
+        chosen_coder_init(&coding, &y->bake, plan->compress, NULL);
         if ((r = light_columns_init(&columns, w->gl, &y->bake, plan, planned, &w->c, NULL, m)) == VXS_OK) {
             column_source source = light_columns_source(&columns);
-            r                    = bake_light(planned, &source, &coder, &coded[baked], &ctx);
+            r                    = bake_light(planned, &source, &coding.coder, &coded[baked], &ctx);
         }
-        dag_coder_free(&coding);
+        chosen_coder_free(&coding);
         light_columns_free(&columns);
         if (r != VXS_OK) goto done;
         lights[baked] = coded[baked].written;
@@ -301,8 +302,10 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
     memset(files, 0, sizeof files);
     for (uint32_t y = 0; y < count; y++) {
         const vxs_baked_light *own   = vxs_asset_light(ways[y].asset, n);
-        uint32_t              *words = malloc((size_t)own->word_count * sizeof *words);
+        size_t                 bytes = ((size_t)own->word_count + VXS_BLOCKS_SPARE_WORDS) * sizeof *own->words;
+        uint32_t              *words = calloc(1, bytes);
         files[y].words               = words;
+        files[y].light               = &own->light;
         r                            = VXS_E_MEMORY;
         if (!words) goto done;
         memcpy(words, own->words, (size_t)own->word_count * sizeof *words);
@@ -349,25 +352,27 @@ static int print_result(const exact_options *o, const way *y)
 /* all combinations
  * ------------------------------------------------------------------------------------------------------------ */
 
-/* The combinations that share maps: they differ in rule, reuse, compress, stop and seed. */
+/* The combinations that share maps: they differ in coding, rule, reuse, compress, stop and seed. */
 static uint32_t ways_of(const exact_options *o, const bake_options *bake, way *ways)
 {
-    static const int inner[] = {CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP};
-    size_t           count   = o->seeds.count;
-    for (int n = 0; n < 4; n++) count *= o->value_count[inner[n]];
+    static const int inner[] = {CHOICE_CODING, CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP};
+    enum { INNER = sizeof inner / sizeof *inner };
+    size_t count = o->seeds.count;
+    for (int n = 0; n < INNER; n++) count *= o->value_count[inner[n]];
     if (count > WAYS_MAX) return 0;
     for (size_t y = 0; y < count; y++) {
         size_t at = y;
-        int    chosen[4];
-        for (int n = 0; n < 4; n++) {
+        int    chosen[INNER];
+        for (int n = 0; n < INNER; n++) {
             chosen[n] = o->value[inner[n]][at % o->value_count[inner[n]]];
             at /= o->value_count[inner[n]];
         }
         ways[y]               = (way){.bake = *bake, .seed = o->seeds.items[at]};
-        ways[y].bake.rule     = (mask_rule)chosen[0];
-        ways[y].bake.reuse    = chosen[1];
-        ways[y].bake.compress = (compress_choice)chosen[2];
-        ways[y].bake.stop     = (stop_stage)chosen[3];
+        ways[y].bake.coding   = (coding_choice)chosen[0];
+        ways[y].bake.rule     = (mask_rule)chosen[1];
+        ways[y].bake.reuse    = chosen[2];
+        ways[y].bake.compress = (compress_choice)chosen[3];
+        ways[y].bake.stop     = (stop_stage)chosen[4];
     }
     return (uint32_t)count;
 }

@@ -1,0 +1,22 @@
+/* A light's maps as palette blocks: baker/blocks/ behind the seam of light_coder.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BLOCKS_CODER_H
+#define BLOCKS_CODER_H
+
+#include "baker/bake/light_coder.h"
+#include "baker/blocks/blocks.h"
+#include "baker/dag/build.h"
+
+typedef struct blocks_coder {
+    const vxs_light *light; /* NULL: not begun */
+    block_set        set;
+    build_stats      stats; /* tiles and squares */
+} blocks_coder;
+
+/* Valid where c lies, which is zeroed, until blocks_coder_free. */
+light_coder blocks_coder_seam(blocks_coder *c);
+
+/* Accepts a zeroed object. */
+void blocks_coder_free(blocks_coder *c);
+
+#endif
