@@ -2,7 +2,7 @@
  * and hashed again. Without that, no more than a file's first 64 bytes would ever be looked at.
  *
  * Some changes are blind (libFuzzer's own), some know what a record or a level is. word_count is made right again most of the time,
- * because it is compared before levels are decoded.
+ * because it is compared before levels are decoded; so are checksums of pages.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <string.h>
@@ -12,6 +12,7 @@
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_format.h"
 #include "formats/vxs_lookup.h"
+#include "formats/vxs_page.h"
 #include "fuzz.h"
 
 enum { PARTS_MAX = 64, CONTENT_MAX = 1 << 16 };
@@ -24,7 +25,7 @@ typedef struct part {
 
 typedef struct parts {
     part     part[PARTS_MAX];
-    uint32_t count;
+    uint32_t count, version;
 } parts;
 
 /* chance ----------------------------------------------------------------------------------------------------------------------- */
@@ -59,17 +60,23 @@ static int take_apart(parts *p, const uint8_t *data, size_t size)
 {
     *p = (parts){0};
     if (size < VXS_HEADER_BYTES) return 0;
+    p->version     = vxs_load32(data + VXS_HEADER_VERSION);
     uint32_t count = vxs_load32(data + VXS_HEADER_SECTION_COUNT);
     if (count > PARTS_MAX || size < VXS_HEADER_BYTES + (size_t)count * VXS_ENTRY_BYTES) return 0;
     for (uint32_t n = 0; n < count; n++) {
         const uint8_t *e      = data + VXS_HEADER_BYTES + n * VXS_ENTRY_BYTES;
         uint64_t       offset = vxs_load64(e + VXS_ENTRY_OFFSET), stored = vxs_load64(e + VXS_ENTRY_STORED_BYTES);
         if (offset > size || stored > size - offset) return parts_free(p), 0;
-        part *to        = add_part(p);
-        to->kind        = vxs_load32(e + VXS_ENTRY_KIND);
-        to->flags       = vxs_load32(e + VXS_ENTRY_FLAGS);
-        to->light       = vxs_load32(e + VXS_ENTRY_LIGHT);
-        to->level       = vxs_load32(e + VXS_ENTRY_LEVEL);
+        part *to  = add_part(p);
+        to->kind  = vxs_load32(e + VXS_ENTRY_KIND);
+        to->flags = vxs_load32(e + VXS_ENTRY_FLAGS);
+        to->light = vxs_load32(e + VXS_ENTRY_LIGHT);
+        to->level = vxs_load32(e + VXS_ENTRY_LEVEL);
+        if (to->flags & VXS_SECTION_STORED) {
+            to->size = stored < CONTENT_MAX ? stored : CONTENT_MAX;
+            memcpy(to->content, data + offset, to->size);
+            continue;
+        }
         size_t inflated = ZSTD_decompress(to->content, CONTENT_MAX, data + offset, stored);
         to->size        = ZSTD_isError(inflated) ? 0 : inflated;
     }
@@ -84,6 +91,18 @@ static void seal(uint8_t *data, size_t size)
     vxs_store64(data + VXS_HEADER_HASH, XXH64(data, VXS_HEADER_HASH, 0));
 }
 
+/* Store a section. Returns its size, or 0 when there is no room. */
+static size_t store(uint8_t *to, size_t room, const part *from)
+{
+    if (from->flags & VXS_SECTION_STORED) {
+        if (from->size > room) return 0;
+        memcpy(to, from->content, from->size);
+        return from->size;
+    }
+    size_t stored = ZSTD_compress(to, room, from->content, from->size, 1);
+    return ZSTD_isError(stored) ? 0 : stored;
+}
+
 /* The size of the file, or 0 when there is no room. */
 static size_t put_together(const parts *p, uint8_t *data, size_t size_max)
 {
@@ -93,8 +112,8 @@ static size_t put_together(const parts *p, uint8_t *data, size_t size_max)
     for (uint32_t n = 0; n < p->count; n++) {
         const part *from   = &p->part[n];
         uint8_t    *e      = data + VXS_HEADER_BYTES + n * VXS_ENTRY_BYTES;
-        size_t      stored = ZSTD_compress(data + at, size_max - at, from->content, from->size, 1);
-        if (ZSTD_isError(stored)) return 0;
+        size_t      stored = store(data + at, size_max - at, from);
+        if (!stored && from->size) return 0;
         vxs_store32(e + VXS_ENTRY_KIND, from->kind);
         vxs_store32(e + VXS_ENTRY_FLAGS, from->flags);
         vxs_store32(e + VXS_ENTRY_LIGHT, from->light);
@@ -106,7 +125,7 @@ static size_t put_together(const parts *p, uint8_t *data, size_t size_max)
         at += stored;
     }
     memcpy(data, VXS_MAGIC, VXS_MAGIC_BYTES);
-    vxs_store32(data + VXS_HEADER_VERSION, VXS_FORMAT_VERSION);
+    vxs_store32(data + VXS_HEADER_VERSION, p->version);
     vxs_store32(data + VXS_HEADER_SECTION_COUNT, p->count);
     vxs_store64(data + VXS_HEADER_FILE_BYTES, at);
     seal(data, at);
@@ -134,12 +153,37 @@ static uint8_t *light_record(parts *p, uint32_t light)
     return find_part(p, VXS_KIND_LIGHTS, VXS_NO_LIGHT, 0)->content + VXS_LIGHTS_PREFIX_BYTES + (size_t)light * VXS_LIGHT_BYTES;
 }
 
-/* Make each word_count what the light's levels and masks are now. */
+/* Make each page of a section what its bytes are now: its checksum and its words; the last one ends where the section does.
+ * Returns the words of all. */
+static uint64_t count_pages(part *pages)
+{
+    uint32_t count = pages->size >= VXS_PAGES_PREFIX_BYTES ? vxs_load32(pages->content) : 0;
+    uint64_t words = 0, at = VXS_PAGES_PREFIX_BYTES + (uint64_t)count * VXS_PAGE_BYTES;
+    for (uint32_t n = 0; n < count && at <= pages->size; n++) {
+        uint8_t *entry = pages->content + VXS_PAGES_PREFIX_BYTES + (size_t)n * VXS_PAGE_BYTES;
+        uint64_t size  = n + 1 < count ? vxs_load32(entry + VXS_PAGE_STORED_BYTES) : pages->size - at;
+        if (size > pages->size - at) break;
+        vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)size);
+        vxs_store32(entry + VXS_PAGE_WORD_COUNT, vxs_page_word_count(pages->content + at, size));
+        vxs_store64(entry + VXS_PAGE_HASH, XXH64(pages->content + at, size, 0));
+        words += vxs_load32(entry + VXS_PAGE_WORD_COUNT);
+        at += size;
+    }
+    return words;
+}
+
+/* Make each word_count what the light's sections are now. */
 static void count_words(parts *p)
 {
     for (uint32_t light = 0; light < light_count(p); light++) {
-        uint8_t *record = light_record(p, light);
-        uint64_t words  = vxs_load32(record + VXS_LIGHT_FLAGS) & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 0;
+        uint8_t *record   = light_record(p, light);
+        part    *resident = find_part(p, VXS_KIND_RESIDENT, light, 0), *pages = find_part(p, VXS_KIND_PAGES, light, 0);
+        if (resident && pages) {
+            uint64_t all = (resident->size >= 4 ? vxs_load32(resident->content) : 0) + count_pages(pages);
+            vxs_store32(record + VXS_LIGHT_WORD_COUNT, (uint32_t)all);
+            continue;
+        }
+        uint64_t words = vxs_load32(record + VXS_LIGHT_FLAGS) & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 0;
         for (uint32_t level = 0; level < VXS_LEVELS_MAX; level++) {
             part    *l     = find_part(p, VXS_KIND_LEVEL, light, level);
             uint32_t count = l && l->size >= 4 ? vxs_load32(l->content) : 0;
@@ -168,9 +212,11 @@ static void change_light(parts *p)
 {
     if (!light_count(p)) return;
     uint8_t *record = light_record(p, random_below(light_count(p)));
-    uint32_t field  = random_below(5);
+    uint32_t field  = random_below(6);
     if (field < 4)
         vxs_store32(record + 4 * field, numbers[random_below(NUMBERS)]);
+    else if (field == 4)
+        vxs_store32(record + VXS_LIGHT_CODING, numbers[random_below(NUMBERS)]);
     else
         vxs_store_f64(record + VXS_LIGHT_LS_FROM_WS + 8 * random_below(20), reals[random_below(REALS)]);
 }

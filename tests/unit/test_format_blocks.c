@@ -148,12 +148,15 @@ static void round_trip(block_words *w, uint32_t levels, uint32_t map_count, uint
     vxs_bytes       file = file_of(&light, 1), again = file_of(&light, 1);
     assert_int_equal(file.size_bytes, again.size_bytes);
     assert_memory_equal(file.data, again.data, file.size_bytes);
-    vxs_asset *asset;
-    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+    alloc_fail    a         = {0}; /* whose memory is not zero before */
+    vxs_allocator allocator = alloc_fail_allocator(&a);
+    vxs_asset    *asset;
+    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, &(vxs_read_desc){.allocator = &allocator}), VXS_OK);
     assert_int_equal(vxs_asset_contents(asset)->version, 2);
     check_words(vxs_asset_light(asset, 0), w);
     check_lookups(vxs_asset_light(asset, 0), w, seed);
     vxs_asset_close(asset);
+    assert_true(!a.live_bytes && !a.wrong_sizes);
     free(file.data);
     free(again.data);
     block_words_free(w);
