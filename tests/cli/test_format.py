@@ -75,8 +75,8 @@ def test_fields(number, prefix, size):
     for name in spec.keys() - {"VXS_HEADER_MAGIC"}:
         assert defined[name] == spec[name], name
     # and nothing is defined that the spec does not have, but sizes and values
-    others = {"VXS_HEADER_BYTES", "VXS_ENTRY_BYTES", "VXS_LIGHT_BYTES", "VXS_PAGE_BYTES", "VXS_LIGHT_NAME_BYTES", "VXS_LIGHT_KIND_DIRECTIONAL",
-              "VXS_LIGHT_KIND_SPOT", "VXS_LIGHT_KIND_POINT", "VXS_LIGHT_BOUNDED", "VXS_LIGHT_CUBE"}
+    others = {"VXS_HEADER_BYTES", "VXS_ENTRY_BYTES", "VXS_LIGHT_BYTES", "VXS_PAGE_BYTES", "VXS_LIGHT_NAME_BYTES",
+              "VXS_LIGHT_KIND_DIRECTIONAL", "VXS_LIGHT_KIND_SPOT", "VXS_LIGHT_KIND_POINT", "VXS_LIGHT_BOUNDED", "VXS_LIGHT_CUBE"}
     assert {name for name in defined if name.startswith(f"VXS_{prefix}_")} - others == spec.keys() - {"VXS_HEADER_MAGIC"}
 
 
@@ -276,6 +276,117 @@ class Light:
         return (len(taps) - dark) / len(taps)
 
 
+def ones(x):
+    return bin(x).count("1")
+
+
+def signed(x, bits):
+    return x - (x >> bits - 1 << bits)
+
+
+class BlocksLight(Light):
+    """A light of palette blocks, looked up by section 13 to the letter. Its words are what libvxs makes of its sections."""
+
+    def __init__(self, record, words):
+        super().__init__(record, words, None)
+
+    def decode(self, words, _):
+        assert len(words) == self.word_count
+        self.words = words
+
+    def half(self, word, n):
+        return self.words[word + n // 2] >> 16 * (n % 2) & 0xffff
+
+    def byte(self, word, n):
+        return self.words[word + n // 4] >> 8 * (n % 4) & 0xff
+
+    def number(self, word, at, size):
+        return sum(self.byte(word, at + n) << 8 * n for n in range(size))
+
+    def entry(self, face, x, y):
+        top, across = self.words[2 + face], max(1, 2 ** self.levels // 256)
+        if self.levels < 15:
+            return top + 2 * (y * across + x)
+        cell = top + y // 8 * (across // 8) + x // 8
+        return cell if self.words[cell] >> 31 else self.words[cell] + 2 * (y % 8 * 8 + x % 8)
+
+    def shadow(self, i, j, k, face=None):
+        at = self.entry(face or 0, i // 256, j // 256)
+        place = self.words[at]
+        if place >> 31:
+            return int(k >= place & 0x7fffffff)
+        bounds, c, s = self.words[at + 1], max(0, self.levels - 8), max(0, self.levels - 16)
+        if k >> c < bounds >> 16 & 255 or k >> c > bounds >> 24:
+            return int(k >> c > bounds >> 24)
+        page = self.words[8 + (place >> 16)]
+        return self.node_shadow(page, page + (place & 0xffff), i % 256, j % 256, k - ((bounds & 0xffff) << s))
+
+    def node_shadow(self, page, node, i, j, k):
+        mixed, fresh = (sum(self.half(node, first + n) << 16 * n for n in range(4)) for first in (0, 4))
+        nx, ny = (signed(self.half(node, n), 16) for n in (8, 9))
+        size, m = 4 if self.half(node, 10) & 1 else 2, ones(mixed)
+        slope = lambda n, tile: n * (tile - 31) if n < 0 else n * tile
+        k += slope(nx, i // 8) + slope(ny, j // 8) >> 8
+        number = lambda n: self.number(node, 2 * (11 + m) + size * n, size)
+        c = i // 32 + 8 * (j // 32)
+        if not mixed >> c & 1:
+            depth = number(m + ones(fresh & (2 << c) - 1) - 1)
+            return int(depth != 256 ** size - 1 and k >= depth)
+        n = ones(mixed & (1 << c) - 1)
+        return self.block_shadow(page, page + self.half(node, 11 + n), i % 32, j % 32, k - number(n))
+
+    def block_shadow(self, page, block, i, j, k):
+        word0, word1 = self.words[block:block + 2]
+        mixed, fresh, own, q, shift = word0 & 0xffff, word0 >> 16, word1 & 0xffff, (word1 >> 16 & 15) + 1, word1 >> 20 & 15
+        size, far = 1 << (word1 >> 24 & 3), word1 >> 26 & 1
+        deltas = 4 * (2 + ones(mixed))
+        nibbles = deltas + size * (q - 1)
+        palette = [0] + [self.number(block, deltas + size * n, size) << shift for n in range(q - 1)]
+        rank, t = sum(depth <= k for depth in palette), i // 8 + 4 * (j // 8)
+        if not mixed >> t & 1:
+            n = ones(fresh & (2 << t) - 1) - 1
+            return int(rank > (self.byte(block, nibbles + n // 2) >> 4 * (n % 2) & 15))
+        tile = self.words[block + 2 + ones(mixed & (1 << t) - 1)]
+        pool, at, low = self.words[1] if tile >> 31 else page, tile >> 14 & 0x1ffff, tile & 0x3fff
+        z = 16 * (i % 8 // 4 + 2 * (j % 8 // 4)) + 4 * (j % 4) + i % 4
+        if not own >> t & 1:
+            return self.mask(pool, at, ones(low), ones(low & (1 << rank) - 1), z)
+        base = low - 8192
+        if far:
+            base = signed(self.words[block + (nibbles + (ones(fresh) + 1) // 2 + 3) // 4 + ones(own & (1 << t) - 1)], 32)
+        return self.own_shadow(pool, at, z, k - base)
+
+    def own_shadow(self, pool, at, z, k):
+        head = self.half(pool, at)
+        kind, shift, p, then = head >> 12, head >> 8 & 15, head & 0xff, 2 * (at + 1)
+        if k < 0:
+            return 0
+        if kind < 3:
+            size = 1 << kind
+            deltas = [0] + [self.number(pool, then + size * n, size) << shift for n in range(p - 1)]
+            return self.mask(pool, at + 1 + (size * (p - 1) + 1) // 2, p, sum(delta <= k for delta in deltas), z)
+        if kind == 3:
+            return int((self.byte(pool, then + z // 16) + self.nibble(pool, then + 4, z)) << shift <= k)
+        return int(self.number(pool, then + (kind - 3) * z, kind - 3) << shift <= k)
+
+    def nibble(self, pool, at, z):
+        return self.byte(pool, at + z % 32) >> 4 * (z // 32) & 15
+
+    def mask(self, pool, at, p, run, z):
+        """Whether texel z of a pattern of p depths is shadow once `run` of them are reached."""
+        if run in (0, p):
+            return int(run == p)
+        if self.byte(pool, 2 * at) == 0xff:
+            return int(self.nibble(pool, 2 * at + 2, z) <= run - 1)
+        following, last = at + p // 2, None
+        for c, n in itertools.product(range(4), range(p - 1)):
+            state = self.byte(pool, 2 * at + n) >> 2 * c & 3
+            if state == 2:
+                last, following = self.half(pool, following), following + 1
+            if (c, n) == (z // 16, run - 1):
+                return state if state < 2 else last >> z % 16 & 1
+
+
 def read(path, libraries):
     inflate, xxh64 = libraries
     data = path.read_bytes()
@@ -322,6 +433,57 @@ def test_reader_from_the_spec_answers_like_the_command(vxs, libraries, name, fil
             assert (answer == "out") == (wanted is None) and (wanted is None or abs(float(answer) - wanted) < 1e-6), (point, line)
             kinds.add(wanted)
     assert {None, 0, 1} <= kinds and (len(kinds) > 6) == (filter_px > 1)
+
+
+def words_by_libvxs(library, path, light):
+    """The words of a light: vxs_baked_light has a record of 240 bytes, the address of its words, and their number."""
+    library, asset = ctypes.CDLL(str(library)), ctypes.c_void_p()
+    library.vxs_asset_light.restype = ctypes.c_void_p
+    assert library.vxs_asset_open_file(ctypes.byref(asset), str(path).encode(), None) == 0
+    baked = library.vxs_asset_light(asset, light)
+    address, count = struct.unpack("<QI", ctypes.string_at(baked + 240, 12))
+    words = list(struct.unpack(f"<{count}I", ctypes.string_at(address, 4 * count)))
+    library.vxs_asset_close(asset)
+    return words
+
+
+def edges_of(light, dice, count):
+    """Points in the voxels where the shadow of random texels begins, and before it; of a sun of tests/unit/dag_sample.h."""
+    for _ in range(count):
+        i, j, low, high = dice.randrange(1 << light.levels), dice.randrange(1 << light.levels), 0, (1 << light.levels) - 1
+        while low < high:
+            middle = (low + high) // 2
+            low, high = (low, middle) if light.shadow(i, j, middle) else (middle + 1, high)
+        for k in (low - 1, low):
+            yield (i + 0.5 - 2) / 2, 10 - (k + 0.5), (j + 0.5 + 4) / 2
+
+
+@pytest.mark.parametrize("filter_px", [1, 5])
+def test_lookup_of_blocks_from_the_spec_answers_like_the_command(vxs, vxs_path, libraries, tmp_path, filter_px):
+    path, program = tmp_path / "blocks.vxs", vxs_path.parent / "tests" / "unit" / "test_format_blocks"
+    if not program.exists() or vxs_path.parent.name in ("asan", "tsan"):
+        pytest.skip("no unit tests, or libvxs.so needs a sanitizer")
+    subprocess.run([program], env=os.environ | {"VXS_BLOCKS_OUT": str(path)}, check=True)
+    data, (inflate, _) = path.read_bytes(), libraries
+    version, count = struct.unpack_from("<2I", data, 8)
+    entries = list(struct.iter_unpack("<4s3I4Q", data[64:64 + 48 * count]))
+    assert version == 2 and [entry[0] for entry in entries] == [b"RSDT", b"PAGE"] * 6 + [b"LGHT"]
+    offset, stored, inflated = entries[-1][4:7]
+    table, library = inflate(data[offset:offset + stored], inflated), vxs_path.parent / "libvxs.so"
+    lights = [BlocksLight(table[8 + 256 * n:8 + 256 * (n + 1)], words_by_libvxs(library, path, n)) for n in range(6)]
+
+    dice, kinds = random.Random(1), set()
+    points = [point for light in lights[:5] for point in edges_of(light, dice, 1000 if filter_px == 1 else 50)]
+    points += [tuple(dice.uniform(-10, 10) for _ in range(3)) for _ in range(1000 if filter_px == 1 else 100)]
+    done = vxs("query", path, "--filter", filter_px, input="".join("%r %r %r\n" % point for point in points))
+    for point, line in zip(points, done.stdout.splitlines(), strict=True):
+        for light, answer in zip(lights, line.split(), strict=True):
+            wanted = light.answer(point, filter_px)
+            assert (answer == "out") == (wanted is None), (light.name, point)
+            assert wanted is None or abs(float(answer) - wanted) < 1e-6, (light.name, point, line)
+            kinds.add((light.name, wanted))
+    assert {(light.name, wanted) for light in lights for wanted in (0, 1)} <= kinds or filter_px > 1
+    assert len(kinds) > 40 or filter_px == 1
 
 
 # the command ----------------------------------------------------------------------------------------------------------------

@@ -1,8 +1,11 @@
 /* Lights of palette blocks in .vxs files, version 2 of the format: words that are written are read back and looked up, beside DAGs, and
  * bytes that break a rule of formats/vxs.md are refused with their finding. Damaged pages are tests/unit/test_page.c's; here they come
  * in files whose checksums hold.
+ * VXS_BLOCKS_OUT=FILE writes a file with lights of palette blocks instead.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
+
+#include <stdio.h>
 
 #include "alloc_fail.h"
 #include "baker/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
@@ -741,8 +744,49 @@ static void test_every_finding_was_produced(void **state)
 #undef WAS_PRODUCED
 }
 
+/* Words of a plate that is slanted both ways, with a step in it: thick enough for one depth a block, once its slope is added. */
+static block_words words_of_slope(void)
+{
+    enum { SIDE = 512 };
+    depth_maps  d = random_maps(SIDE, SIDE, MAPS_EMPTY, 0);
+    column_map  m = depth_maps_map(&d);
+    block_words w;
+    for (uint32_t n = 0; n < SIDE * SIDE; n++) {
+        double depth = 0.5 + 0.4 * (n % SIDE) / SIDE - 0.3 * (n / SIDE) / SIDE - (n % SIDE < 100 ? 0.1 : 0);
+        set_texel(&d, n, depth, depth + 8.0 / SIDE);
+    }
+    depth_maps_reduce(&d, 1);
+    assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+    depth_maps_free(&d);
+    return w;
+}
+
+/* Suns with a bit of all, and a lamp. */
+static int write_file(const char *path)
+{
+    enum { LIGHTS = 6 };
+    static const char *names[LIGHTS]  = {"noise", "boxes", "cliff", "slope", "sphere", "lamp"};
+    const uint32_t     levels[LIGHTS] = {10, 9, 9, 9, 15, 5};
+    block_words        w[LIGHTS]      = {words_of_pages(), words_of_maps(9, 1, MAPS_BOXES, 3), words_of_maps(9, 1, MAPS_CLIFF, 4),
+                                         words_of_slope()};
+    vxs_write_light    lights[LIGHTS];
+    analytic           sphere = analytic_shape(ANALYTIC_SPHERE, 1u << 15);
+    sphere.fetch_px           = 1024;
+    assert_int_equal(build_analytic(&w[4], &sphere, 2), VXS_OK);
+    w[5] = words_of_maps(5, 6, MAPS_NOISE, 5);
+    for (int n = 0; n < LIGHTS; n++) lights[n] = blocks_light(&w[n], levels[n], n == 5 ? 6 : 1, names[n]);
+    vxs_bytes file = file_of(lights, LIGHTS);
+    FILE     *to   = fopen(path, "wb");
+    int       good = to && fwrite(file.data, 1, file.size_bytes, to) == file.size_bytes;
+    if (to && fclose(to)) good = 0;
+    free(file.data);
+    for (int n = 0; n < LIGHTS; n++) block_words_free(&w[n]);
+    return good ? 0 : 1;
+}
+
 int main(void)
 {
+    if (getenv("VXS_BLOCKS_OUT")) return write_file(getenv("VXS_BLOCKS_OUT"));
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_round_trip_of_pages),
