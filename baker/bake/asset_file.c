@@ -33,8 +33,11 @@ static void report_contents(const vxs_contents *c, bake_report *report)
         light->light                 = baked->light;
         light->memory_bytes          = (uint64_t)baked->word_count * 4;
         light->part_count            = baked->part_count;
-        for (uint32_t p = 0; p < baked->part_count; p++)
-            light->parts[p] = (part_report){baked->parts[p], c->sections[baked->parts[p].section].stored_bytes};
+        for (uint32_t p = 0; p < baked->part_count; p++) {
+            /* a section that holds several parts is counted with the first */
+            int is_first    = !p || baked->parts[p].section != baked->parts[p - 1].section;
+            light->parts[p] = (part_report){baked->parts[p], is_first ? c->sections[baked->parts[p].section].stored_bytes : 0};
+        }
         for (uint32_t s = 0; s < c->section_count; s++)
             if (c->sections[s].light == n) light->stored_bytes += c->sections[s].stored_bytes;
     }
