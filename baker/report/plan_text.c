@@ -132,8 +132,9 @@ static decision_list decisions_of(const bake_plan *plan, const bake_options *o, 
     snprintf(choice, sizeof choice, "%llu of %llu", s.tiles - s.tiles_empty, s.tiles);
     decide(&l, "tiles", choice, "%llu that no caster may touch are left out: they are lit", s.tiles_empty);
     decide_memory(&l, plan, o);
-    decide_compression(&l, plan, o);
-    decide(&l, "file", "levels and masks of each light", "no depth maps, no names or materials of the scene, no empty section");
+    if (o->coding == CODING_DAG) decide_compression(&l, plan, o);
+    decide(&l, "file", o->coding == CODING_DAG ? "levels and masks of each light" : "tops, patterns and pages of each light",
+           "no depth maps, no names or materials of the scene, no empty section");
     return l;
 }
 

@@ -21,6 +21,19 @@ const char *part_name(char text[32], const vxs_part *part)
     return text;
 }
 
+/* What a coding found in the columns. */
+static void print_found(FILE *to, const light_report *l)
+{
+    if (l->light.coding != VXS_CODING_DAG) {
+        fprintf(to, "  patterns   %llu tiles of 8 x 8 need one\n", (unsigned long long)l->mask_tiles);
+        return;
+    }
+    fprintf(to, "  masks      %llu tiles of 8 x 8 need %llu masks\n", (unsigned long long)l->mask_tiles,
+            (unsigned long long)l->mask_runs);
+    fprintf(to, "  inserted   %llu nodes, %llu masks\n", (unsigned long long)l->inserted_nodes,
+            (unsigned long long)l->inserted_masks);
+}
+
 static void print_light(FILE *to, const light_report *l)
 {
     char     a[32], b[32], c[32];
@@ -35,10 +48,7 @@ static void print_light(FILE *to, const light_report *l)
     fprintf(to, "  peeling    in %llu blocks, %llu passes, at most %u for a block; not needed in %llu blocks with solids\n",
             (unsigned long long)l->depth.blocks_peeled, (unsigned long long)l->depth.peel_passes, l->depth.peel_passes_max,
             (unsigned long long)l->depth.blocks_not_peeled);
-    fprintf(to, "  masks      %llu tiles of 8 x 8 need %llu masks\n", (unsigned long long)l->mask_tiles,
-            (unsigned long long)l->mask_runs);
-    fprintf(to, "  inserted   %llu nodes, %llu masks\n", (unsigned long long)l->inserted_nodes,
-            (unsigned long long)l->inserted_masks);
+    print_found(to, l);
     fprintf(to, "  %-12s %10s %12s %12s\n", "level", "count", "memory", "on disk");
     for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)
         fprintf(to, "  %-12s %10u %12s %12s\n", part_name(c, &p->part), p->part.count, size_text(a, p->part.memory_bytes),
