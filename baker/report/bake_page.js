@@ -69,11 +69,13 @@ function show_shadows() {
             el("figcaption", {}, `The scene in its shadows${few}, looked up in the file. All else is traced.`)), ...(seen ? [seen] : []))];
 }
 
-/* Sums over all lights, the finest level first. */
+const is_dag = options.coding !== "blocks";
+
+/* Sums over all lights, the finest level first; of palette blocks, by kind. */
 function sum_levels() {
     const levels = [];
     for (const level of report.lights.flatMap((light) => light.levels)) {
-        const n = level.kind === "masks" ? 0 : Math.log2(level.side_voxels);
+        const n = !is_dag ? ["pages", "patterns", "tops"].indexOf(level.kind) : level.kind === "masks" ? 0 : Math.log2(level.side_voxels);
         levels[n] ??= { n, kind: level.kind, count: 0, stored_bytes: 0, memory_bytes: 0 };
         for (const figure of ["count", "stored_bytes", "memory_bytes"]) levels[n][figure] += level[figure];
     }
@@ -83,18 +85,25 @@ function sum_levels() {
 function show_levels() {
     const levels = sum_levels(), head = file - sum(levels, (l) => l.stored_bytes);
     const of_kind = (kind) => sum(levels, (l) => l.kind === kind ? l.count : 0);
-    const parts = levels.map((l) => ({ name: level_name(l.n), size: l.stored_bytes, colour: level_colour(l.n),
+    const parts = levels.map((l) => ({ name: is_dag ? level_name(l.n) : l.kind, size: l.stored_bytes, colour: level_colour(l.n),
         count: count(l.count), memory: bytes(l.memory_bytes) }));
     parts.push({ name: "head", size: head, colour: HEAD_COLOUR, count: "", memory: "" });
     const piece = ({ name, size, colour }) => el("i", { style: `width: ${100 * size / file}%; background: ${colour}`,
         title: `${name}: ${bytes(size)}, ${percent(size / file)}` });
     const row = ({ name, size, colour, count, memory }) =>
         [text(name), count, bytes(size), bar(size / file, `background: ${colour}`), percent(size / file), memory];
-    show(el("h2", {}, "Where the bytes go"),
-        el("div", { class: "stack" }, ...parts.map(piece)),
-        soft("The file from its finest level to its coarsest. Masks say of 8 x 8 texels at one depth which are dark; nodes of n³ voxels "
+    show(el("h2", {}, "Where the bytes go"), el("div", { class: "stack" }, ...parts.map(piece)));
+    const parts_table = (head) => table([head, "count", "on disk", "share of the file", "", "in memory"], parts.map(row));
+    if (!is_dag) {
+        show(soft("Tops say for 256 x 256 texels at once whether they have one depth, or where to look; that, and patterns that several pages "
+                + "use, is one part of the file. Pages hold the rest, and can be read one by one."), parts_table("part"),
+            el("p", {}, `${count(sum(lights, (l) => l.mask_tiles))} of ${count(texels / 64)} tiles of 8 x 8 texels need patterns, because no `
+                + "single depth parts them into light and shadow."));
+        return;
+    }
+    show(soft("The file from its finest level to its coarsest. Masks say of 8 x 8 texels at one depth which are dark; nodes of n³ voxels "
             + "say where which masks and smaller nodes lie. Equal ones are stored once."),
-        table(["level", "count", "on disk", "share of the file", "", "in memory"], parts.map(row)),
+        parts_table("level"),
         el("p", {}, `${count(sum(lights, (l) => l.mask_tiles))} of ${count(texels / 64)} tiles of 8 x 8 texels need masks, because no `
             + `single depth parts them into light and shadow; they need ${count(sum(lights, (l) => l.mask_runs))}, of which `
             + `${count(of_kind("masks"))} differ and are stored. Of ${count(sum(lights, (l) => l.inserted_nodes))} nodes `
@@ -103,10 +112,10 @@ function show_levels() {
 
 function show_lights() {
     const rest = lights.slice(LIGHTS_SHOWN), heads = ["light", "kind", "maps", "texels a side", "of a texel", "on disk",
-        "share of the file", "in memory", "bit/texel", "tiles with masks", "masks needed"];
+        "share of the file", "in memory", "bit/texel", ...(is_dag ? ["tiles with masks", "masks needed"] : ["tiles with patterns"])];
     const row = ({ size, ...l }) => [text(clean(l.name)), text(l.kind), count(l.maps), String(l.resolution_px),
         `${significant(l.texel_m)} m`, bytes(size.stored_bytes), bar(size.stored_bytes / file), bytes(size.memory_bytes),
-        size.stored_bit_per_texel.toFixed(3), count(l.mask_tiles), count(l.mask_runs)];
+        size.stored_bit_per_texel.toFixed(3), count(l.mask_tiles), ...(is_dag ? [count(l.mask_runs)] : [])];
     show(el("h3", {}, "By light"), table(heads, lights.slice(0, LIGHTS_SHOWN).map(row)));
     if (rest.length) show(soft(`${rest.length} smaller lights take ${bytes(sum(rest, (l) => l.size.stored_bytes))} together.`));
 }
@@ -124,11 +133,12 @@ function faces_text([x, y, z]) {
 }
 
 function show_pictures() {
-    show(el("h2", {}, "What the light sees, and where it takes masks"),
+    if (is_dag) show(el("h2", {}, "What the light sees, and where it takes masks"),
         el("p", {}, "On the left the map's depths, as the light sees them: near is light, no caster is blank. On the right the same "
             + "place, coloured where shadows take masks: there, and in the nodes above them, the bytes go. Edges of shadows, leaves, "
             + "grass and wires show; so do sheets, whose every slope is an edge."),
         key(["masks that an 8 x 8 tile needs:"], ...data.mask_colours.map(([name, colour]) => [swatch(colour), name])));
+    else show(el("h2", {}, "What the light sees"), soft("The map's depths: near is light, no caster is blank."));
     for (const light of lights) {
         const picture = picture_of(light), side = light.resolution_px;
         if (!picture) continue;
@@ -137,9 +147,9 @@ function show_pictures() {
             el("img", { src, alt, class: picture.side_px < 512 ? "few" : "" }));
         show(el("h3", {}, `${clean(light.name)}: ${size}`), el("div", { class: "pairs" },
             figure("Depths", picture.depths, "depth map, near surfaces light"),
-            figure("Masks", picture.masks, "the same place: how many masks its tiles need")));
+            ...(is_dag ? [figure("Masks", picture.masks, "the same place: how many masks its tiles need")] : [])));
         if (light.maps > 1) show(soft(faces_text(picture.axes)));
-        if (picture.mask_tiles > 1)
+        if (is_dag && picture.mask_tiles > 1)
             show(soft(`A pixel stands for ${picture.mask_tiles} tiles: the one that needs most of them counts.`));
     }
     if (data.pictures.length < lights.length) show(soft(`${lights.length - data.pictures.length} more lights are not pictured.`));
@@ -176,7 +186,8 @@ function show_hints() {
         !options.region_m && lights.some((l) => l.kind === "directional") && [code("--region"), " bakes only the box that will be looked up; all of the scene still casts into it."],
         half >= 8 && ["Half the resolution, ", code(`--resolution ${half}`), ": shadows end in lines and surfaces, so a file is often "
             + "about half as large then. ", code("vxs plan"), " estimates it."],
-        options.zstd_level < 19 && [code("--level 19"), " compresses harder, and takes longer to write."],
+        is_dag && [code("--coding blocks"), " keeps maps in about a third of the bytes, and a quarter of the memory."],
+        is_dag && options.zstd_level < 19 && [code("--level 19"), " compresses harder, and takes longer to write."],
     ];
     show(el("h2", {}, "What would make it smaller"), list(hints.filter(Boolean)));
 }
