@@ -95,7 +95,7 @@ static vxs_result assemble(layout *l, const uint32_t *pages, size_t page_words, 
 {
     size_t    top = HEAD_WORDS + l->page_count, common = top + l->top_count, common_words = (l->common_halves + 1) / 2;
     size_t    page_start = common + common_words, all = page_start + page_words;
-    uint32_t *w = calloc(all + BLOCK_SPARE_WORDS, sizeof *w);
+    uint32_t *w = calloc(all + VXS_BLOCKS_SPARE_WORDS, sizeof *w);
     if (!w) return VXS_E_MEMORY;
     w[0] = (uint32_t)l->page_count;
     w[1] = (uint32_t)common;

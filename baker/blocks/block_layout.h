@@ -6,11 +6,11 @@
 
 #include "baker/blocks/block_words.h"
 #include "formats/vxs_format.h"
+#include "formats/vxs_page.h"
 
 enum {
-    HEAD_WORDS  = 8,  /* before the table of pages */
-    CELL_LEVELS = 15, /* maps of so many levels have cells above the entries of the top */
-    PAGES_MAX   = 32767
+    HEAD_WORDS  = 8, /* before the table of pages */
+    CELL_LEVELS = 15 /* maps of so many levels have cells above the entries of the top */
 };
 
 /* The square has one depth: a bit of cells and entries of the top, and the depth in the others. */

@@ -69,7 +69,8 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (columns->fetch_px < side) return VXS_E_ARGUMENT;
     map_builder *b = calloc(1, sizeof *b);
     if (!b) return VXS_E_MEMORY;
-    *b           = (map_builder){.set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx, .fetch_px = columns->fetch_px};
+    *b = (map_builder){
+        .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx, .fetch_px = columns->fetch_px};
     descent    d = {b, look, build_slot, add_slot, time_batch};
     vxs_result r = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);

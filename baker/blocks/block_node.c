@@ -32,16 +32,6 @@ typedef struct node_builder {
     depth_axis           axis;
 } node_builder;
 
-static int32_t min_i32(int32_t a, int32_t b)
-{
-    return a < b ? a : b;
-}
-
-static int32_t max_i32(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
-}
-
 /* A column that is lit to the end may be lit beyond. */
 static int32_t exit_depth(uint32_t x, uint32_t depth_vx)
 {

@@ -116,7 +116,7 @@ static void add_to_page(layout *l, page_size *page, const node_place *n)
 
 static int page_fits(const page_size *p)
 {
-    return p->words + (p->halves + 1) / 2 <= PAGE_WORDS_MAX;
+    return p->words + (p->halves + 1) / 2 <= VXS_PAGE_WORDS_MAX;
 }
 
 /* Each page as full as it gets. */
@@ -183,7 +183,7 @@ static vxs_result add_common(layout *l, const shared_code *c)
 {
     uint32_t        count;
     const uint16_t *halves = code_halves(l, (int)c->own, c->code, &count);
-    if (l->common_halves + count > POOL_HALVES_MAX) return VXS_OK;
+    if (l->common_halves + count > VXS_COMMON_HALVES_MAX) return VXS_OK;
     if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) return VXS_E_MEMORY;
     l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
     l->common[c->own][c->code]         = 1 + l->common_halves;
@@ -219,7 +219,7 @@ vxs_result layout_cut_pages(layout *l)
         r = choose_common(l);
         if (r == VXS_OK) r = cut(l);
     }
-    return r == VXS_OK && l->page_count > PAGES_MAX ? VXS_E_REFERENCES : r;
+    return r == VXS_OK && l->page_count > VXS_PAGES_MAX ? VXS_E_REFERENCES : r;
 }
 
 /* words ----------------------------------------------------------------------------------------------------------------------- */
@@ -361,8 +361,8 @@ vxs_result layout_write_pages(layout *l, uint32_t **words, size_t *count, uint32
     size_t capacity = 0;
     *count          = 0;
     for (uint32_t page = 0; page < l->page_count; page++) {
-        if (!array_reserve(words, &capacity, *count + PAGE_WORDS_MAX, sizeof **words)) return VXS_E_MEMORY;
-        memset(*words + *count, 0, PAGE_WORDS_MAX * sizeof **words);
+        if (!array_reserve(words, &capacity, *count + VXS_PAGE_WORDS_MAX, sizeof **words)) return VXS_E_MEMORY;
+        memset(*words + *count, 0, VXS_PAGE_WORDS_MAX * sizeof **words);
         starts[page] = (uint32_t)*count;
         *count += write_page(l, page, *words + *count);
         if (*count > UINT32_MAX / 2) return VXS_E_REFERENCES;

@@ -5,8 +5,6 @@
 
 #include "baker/blocks/blocks.h"
 
-enum { PAGE_WORDS_MAX = 65536, POOL_HALVES_MAX = 1 << 17, BLOCK_SPARE_WORDS = 4 };
-
 /* What the words of a light hold. */
 typedef struct block_counts {
     uint32_t pages, nodes, blocks, tiles, own_tiles, patterns, own_patterns;  /* after equal ones have become one in their page */
@@ -14,7 +12,7 @@ typedef struct block_counts {
 } block_counts;
 
 typedef struct block_words {
-    uint32_t *words; /* [count + BLOCK_SPARE_WORDS] the last of them 0 */
+    uint32_t *words; /* [count + VXS_BLOCKS_SPARE_WORDS] the last of them 0 */
     uint32_t  count;
     uint8_t  *common_kinds; /* [common_count] of patterns as they lie in the common pool: how many depths; 0: they have their own */
     uint32_t  common_count, common_halves;

@@ -105,12 +105,6 @@ static void move_up(own_set *s, size_t at)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-/* Where a texel is in a tile, row by row. */
-static int texel_at(int x, int y)
-{
-    return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
-}
-
 /* What the texels before say of one: a plane through three of them, or a line through two. */
 static int32_t predicted(int32_t d[8][8], int x, int y)
 {
@@ -126,7 +120,7 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
     if ((last - first + step - 1) >> shift > 255) return 0;
     for (int y = 0; y < 8; y++)
         for (int x = 0; x < 8; x++) {
-            int     n   = texel_at(x, y);
+            int     n   = pattern_texel(x, y);
             int32_t low = t->low[n] <= first ? 0 : (t->low[n] - first + step - 1) >> shift, high = (t->high[n] - first) >> shift;
             high = high > 255 ? 255 : high;
             if (low > high) return 0;
@@ -135,7 +129,7 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
             least        = d[y][x] < least ? d[y][x] : least;
         }
     for (int y = 0; y < 8; y++)
-        for (int x = 0; x < 8; x++) p->depth[texel_at(x, y)] = (d[y][x] - least) << shift;
+        for (int x = 0; x < 8; x++) p->depth[pattern_texel(x, y)] = (d[y][x] - least) << shift;
     *base = first + (least << shift);
     return 1;
 }

@@ -166,12 +166,6 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-/* Where texel (x, y) is. */
-static int texel_bit(int x, int y)
-{
-    return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
-}
-
 /* The fewest depths that a quadrant can do with, by piercing its ranges from the front: each texel gets one, and the bits of those used
  * are returned. */
 static uint64_t choose_in_quadrant(const uint8_t *low, const uint8_t *high, uint8_t *index)
@@ -200,12 +194,12 @@ static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uin
     static const int beside[4][2] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};
     for (int y = 0; y < 8; y++)
         for (int x = 0; x < 8; x++) {
-            int n = texel_bit(x, y);
+            int n = pattern_texel(x, y);
             if (low[n] == high[n]) continue;
             for (int b = 0; b < 4; b++) {
                 int from_x = x + beside[b][0], from_y = y + beside[b][1];
                 if (from_x < 0 || from_x > 7 || from_y < 0) continue;
-                int other = index[texel_bit(from_x, from_y)];
+                int other = index[pattern_texel(from_x, from_y)];
                 if (other < low[n] || other > high[n] || !(used[n >> 4] >> other & 1)) continue;
                 index[n] = (uint8_t)other;
                 break;

@@ -20,6 +20,12 @@ enum {
     PATTERN_WINDOW = 2048 /* patterns with as many depths that a tile is compared with */
 };
 
+/* Where texel (x, y) of a tile is among its 64. */
+static inline int pattern_texel(int x, int y)
+{
+    return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
+}
+
 /* What one mask of a pattern needs. */
 typedef struct mask_need {
     uint64_t dark, lit;

@@ -17,6 +17,7 @@
  * has a cell of its own there, and stays more than a metre, which is as far as wall clutter sticks out, away from every box
  * of its lot but the one that it is fixed to.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/integer.h"
 #include "baker/generate/generate.h"
 
 #include <assert.h>
@@ -84,16 +85,6 @@ typedef struct block {
 
 static const frame turns[] = {{0, 0, 4, 3, 5},   {0, 0, 3, 4, 5},   {0, 0, 12, 5, 13}, {0, 0, 5, 12, 13},
                               {0, 0, 15, 8, 17}, {0, 0, 24, 7, 25}, {0, 0, 21, 20, 29}};
-
-static int32_t max_i32(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
-}
-
-static int32_t min_i32(int32_t a, int32_t b)
-{
-    return a < b ? a : b;
-}
 
 /* The boxes as triangles. */
 

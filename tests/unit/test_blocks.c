@@ -262,10 +262,10 @@ static void pages_are_cut(void **state)
     depth_maps_reduce(&d, 1);
     assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
     print_message("pages %u common %u\n", w.counts.pages, w.counts.common_words);
-    assert_true(w.counts.pages > 4 && w.counts.common_words > 1000 && w.counts.common_words <= POOL_HALVES_MAX / 2);
+    assert_true(w.counts.pages > 4 && w.counts.common_words > 1000 && w.counts.common_words <= VXS_COMMON_HALVES_MAX / 2);
     for (uint32_t p = 0; p < w.counts.pages; p++) {
         uint32_t end = p + 1 < w.counts.pages ? w.words[8 + p + 1] : w.count;
-        assert_true(end > w.words[8 + p] && end - w.words[8 + p] <= PAGE_WORDS_MAX);
+        assert_true(end > w.words[8 + p] && end - w.words[8 + p] <= VXS_PAGE_WORDS_MAX);
     }
     assert_columns(&w, 0, 11, &d, 0, 0);
     assert_coded(&w, 11, 1);
