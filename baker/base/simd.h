@@ -91,18 +91,6 @@ static inline int i16x8_any(i16x8 mask)
 #endif
 }
 
-/* The signs of 16 elements as bits, `low` first. */
-static inline uint32_t i16x8_signs(i16x8 low, i16x8 high)
-{
-#ifdef __SSE2__
-    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)low, (__m128i)high));
-#else
-    uint32_t bits = 0;
-    for (int n = 0; n < 8; n++) bits |= (uint32_t)(low[n] < 0) << n | (uint32_t)(high[n] < 0) << (n + 8);
-    return bits;
-#endif
-}
-
 static inline int i16x8_greatest(i16x8 v)
 {
     int16_t at[8];

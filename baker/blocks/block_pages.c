@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/blocks/pattern_code.h"
 
 enum {
     NODE_HALVES = 11,  /* before the arrays of a node */
@@ -58,7 +59,7 @@ static block_form form_of(const block *b)
     block_form f    = {0};
     uint32_t   bits = 0, last = NEVER, greatest = (uint32_t)b->depth[b->depths - 1];
     for (uint32_t n = 1; n < b->depths; n++) bits |= (uint32_t)b->depth[n];
-    while (bits && f.shift < 15 && !(bits >> f.shift & 1)) f.shift++;
+    f.shift = common_shift(bits);
     f.width = greatest >> f.shift <= 0xff ? 0 : greatest >> f.shift <= 0xffff ? 1 : 2;
     if (f.width == 2) f.shift = 0;
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {

@@ -15,7 +15,6 @@
 #include "baker/columns/columns.h"
 
 enum {
-    BLOCK_PX    = 32,
     BLOCK_TILES = 16,
     NODE_BLOCKS = 64,
     FAR_DEPTH   = 1 << 20 /* where a column may be lit for ever */

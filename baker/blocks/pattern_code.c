@@ -131,12 +131,11 @@ uint32_t own_encode(const int32_t depth[64], uint16_t *halves)
 {
     uint16_t other[OWN_HALVES_MAX];
     int32_t  bits = 0, greatest = 0;
-    int      shift = 0;
     for (int n = 0; n < 64; n++) {
         bits |= depth[n];
         greatest = depth[n] > greatest ? depth[n] : greatest;
     }
-    while (bits && shift < 15 && !(bits >> shift & 1)) shift++;
+    int      shift   = (int)common_shift((uint32_t)bits);
     uint32_t count   = encode_raw(depth, shift, greatest, halves);
     uint32_t nibbles = encode_nibbles(depth, shift, other);
     if (nibbles && nibbles < count) memcpy(halves, other, (count = nibbles) * sizeof *other);

@@ -7,6 +7,14 @@
 
 enum { PATTERN_HALVES_MAX = 17, OWN_HALVES_MAX = 97, OWN_DEPTHS_MAX = 16 };
 
+/* How far depths, whose bits are or-ed together, may be shifted without a loss: 15 at most. */
+static inline uint32_t common_shift(uint32_t bits)
+{
+    uint32_t shift = 0;
+    while (bits && shift < 15 && !(bits >> shift & 1)) shift++;
+    return shift;
+}
+
 /* index  [64] the depth of each texel, [0, depths);   depths  [2, OWN_DEPTHS_MAX];   halves  [out] [PATTERN_HALVES_MAX]
  * Returns how many halves it takes. */
 uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves);

@@ -107,7 +107,5 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first
         best   = s;
     }
     node_slope whole = {best.x * (1 << steps), best.y * (1 << steps)};
-    return within_range((node_slope){whole.x >> steps, whole.y >> steps}) && abs(whole.x) <= SLOPE_MAX && abs(whole.y) <= SLOPE_MAX
-               ? whole
-               : (node_slope){0, 0};
+    return abs(whole.x) <= SLOPE_MAX && abs(whole.y) <= SLOPE_MAX ? whole : (node_slope){0, 0};
 }
