@@ -1,4 +1,4 @@
-/* Vectors of eight signed halves, as much of them as the baker needs: SSE2 where there is one, else what the compiler makes of plain
+/* Vectors of 16 bytes, as much of them as the baker needs: SSE2 where there is one, else what the compiler makes of plain
  * loops. Both give the same bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SIMD_H
@@ -14,6 +14,7 @@
 typedef int16_t  i16x8 __attribute__((vector_size(16)));
 typedef int8_t   i8x8 __attribute__((vector_size(8)));
 typedef int32_t  i32x4 __attribute__((vector_size(16)));
+typedef float    f32x4 __attribute__((vector_size(16)));
 typedef uint32_t u32x4 __attribute__((vector_size(16)));
 
 static inline i16x8 i16x8_load(const int16_t *from)
@@ -152,6 +153,37 @@ static inline i32x4 i32x4_min(i32x4 a, i32x4 b)
     return i32x4_select((i32x4)(a < b), a, b);
 }
 
+static inline f32x4 f32x4_load(const float *from)
+{
+    f32x4 v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline f32x4 f32x4_all(float value)
+{
+    return (f32x4){value, value, value, value};
+}
+
+/* Of numbers; what NaN gives is open. */
+static inline f32x4 f32x4_max(f32x4 a, f32x4 b)
+{
+#ifdef __SSE2__
+    return (f32x4)_mm_max_ps((__m128)a, (__m128)b);
+#else
+    return (f32x4)i32x4_select((i32x4)(a > b), (i32x4)a, (i32x4)b);
+#endif
+}
+
+static inline f32x4 f32x4_min(f32x4 a, f32x4 b)
+{
+#ifdef __SSE2__
+    return (f32x4)_mm_min_ps((__m128)a, (__m128)b);
+#else
+    return (f32x4)i32x4_select((i32x4)(a < b), (i32x4)a, (i32x4)b);
+#endif
+}
+
 static inline u32x4 u32x4_load(const uint32_t *from)
 {
     u32x4 v;
@@ -162,6 +194,16 @@ static inline u32x4 u32x4_load(const uint32_t *from)
 static inline u32x4 u32x4_all(uint32_t value)
 {
     return (u32x4){value, value, value, value};
+}
+
+/* Which elements of a mask are set. */
+static inline uint32_t i32x4_bits(i32x4 mask)
+{
+#ifdef __SSE2__
+    return (uint32_t)_mm_movemask_ps((__m128)mask);
+#else
+    return (uint32_t)((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
 }
 
 /* Which of 16 elements are zero, as bits, v[0] first. */

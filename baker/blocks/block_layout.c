@@ -36,7 +36,7 @@ static vxs_result encode_patterns(layout *l)
         }
     }
     for (uint32_t n = 0; n < l->set->own.count && r == VXS_OK; n++)
-        r = add_code(l, 1, n, halves, own_encode(l->set->own.patterns[n].depth, halves + 1), 0);
+        r = add_code(l, 1, n, halves, own_pattern_encode(&l->set->own.patterns[n], halves + 1), 0);
     return r;
 }
 

@@ -10,7 +10,9 @@
 
 enum {
     OWN_FROM        = 10, /* depths that a tile needs, from which on it has its own */
-    NODE_TILE_COUNT = NODE_TILES * NODE_TILES
+    NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
+    PLANE_LEAST     = -(1 << 25), /* so that a plane's least depth, from any block's base on, can be written */
+    PLANE_MOST      = (1 << 26) + (1 << 22)
 };
 
 /* A tile of the block in work, its slope added. */
@@ -19,6 +21,7 @@ typedef struct tile_in {
     int16_t     low[64], high[64]; /* the same as codes of the block's axis */
     int32_t     emax, xmin;        /* of all of them */
     tile_kind   kind;
+    int32_t     shift;  /* the slope that was added */
     int         depths; /* that it needs; 0: not counted */
 } tile_in;
 
@@ -86,6 +89,7 @@ static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_
         int32_t  shift = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
         t->emax        = b->emax[at] + shift;
         t->xmin        = b->xmin[at] + shift;
+        t->shift       = shift;
         t->depths      = 0;
         if (t->emax > t->xmin) {
             vxs_result r = fetch_tile(b, t, x, y, shift);
@@ -102,6 +106,7 @@ static void scale_by_depths(node_builder *b)
     int32_t low[INTERVALS_MAX], high[INTERVALS_MAX];
     int     count = 0;
     for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_PLANE) continue;
         int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
         memcpy(low + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *low);
         memcpy(high + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *high);
@@ -115,12 +120,14 @@ static void scale_block(node_builder *b)
 {
     int32_t least_high = INT32_MAX, greatest_low = INT32_MIN;
     for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_PLANE) continue;
         least_high   = min_i32(least_high, t->xmin);
         greatest_low = max_i32(greatest_low, t->emax);
     }
-    if (!axis_init(&b->axis, least_high, greatest_low)) scale_by_depths(b);
+    /* the first is behind the second where all that is not on a plane is uniform, and alike */
+    if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) scale_by_depths(b);
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_UNIFORM) continue;
+        if (t->kind != TILE_PATTERN) continue;
         axis_codes(&b->axis, t->ranges.low, t->low, 64);
         axis_codes(&b->axis, t->ranges.high, t->high, 64);
     }
@@ -164,7 +171,7 @@ static void give_one_own_depths(node_builder *b)
 {
     tile_in *most = NULL;
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++)
-        if (t->kind != TILE_OWN && (!most || t->depths > most->depths)) most = t;
+        if ((t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) && (!most || t->depths > most->depths)) most = t;
     for (int n = 0; n < 64 && most->kind == TILE_UNIFORM; n++) {
         most->ranges.low[n]  = most->emax;
         most->ranges.high[n] = most->xmin;
@@ -184,8 +191,10 @@ static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
             s.high[s.count++] = axis_code(&b->axis, t->xmin);
         }
         if (!s.count) { /* all have their own: the palette is where their depths are counted from */
-            s.low[0]  = b->tile[0].low[0];
-            s.high[0] = b->tile[0].high[0];
+            const tile_in *first = b->tile;
+            while (first->kind == TILE_PLANE) first++;
+            s.low[0]  = first->low[0];
+            s.high[0] = first->high[0];
             s.count   = 1;
         }
         int count = pierce(&s, groups, PALETTE_MAX + 1);
@@ -279,25 +288,80 @@ static void place_uniform(const node_builder *b, block *out, int32_t base)
     }
 }
 
+/* The tiles that lie on a plane are left out of what follows.
+ * p  [out] the plane, in voxels of the map
+ * Returns the bits of those tiles. */
+static uint32_t find_plane(node_builder *b, plane *p)
+{
+    plane_ranges ranges[BLOCK_TILES];
+    uint32_t     mixed = 0;
+    int32_t      from  = INT32_MAX;
+    for (uint32_t n = 0; n < BLOCK_TILES; n++)
+        if (b->tile[n].kind == TILE_PATTERN) from = min_i32(from, b->tile[n].xmin - b->tile[n].shift);
+    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
+        const tile_in *t = &b->tile[n];
+        if (t->kind != TILE_PATTERN || t->emax - t->shift - from >= PLANE_FREE / PLANE_ONE) continue;
+        mixed |= 1u << n;
+        plane_ranges_of(&ranges[n], &t->ranges, from + t->shift);
+        ranges[n].x = 8 * (int32_t)(n % 4);
+        ranges[n].y = 8 * (int32_t)(n / 4);
+    }
+    *p          = (plane){0, 0, 0};
+    uint32_t on = mixed ? plane_of_block(p, ranges, mixed, b->set->recent) : 0;
+    if (on) p->least += from * PLANE_ONE;
+    if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
+    if (!on) *p = (plane){0, 0, 0};
+    for (uint32_t n = 0; n < BLOCK_TILES; n++)
+        if (on >> n & 1) b->tile[n].kind = TILE_PLANE;
+    b->set->tile_count += (uint32_t)__builtin_popcount(on);
+    return on;
+}
+
+/* Tiles that lie on planes of their own take those: three halves, which serve at any depth. */
+static void give_planes(node_builder *b)
+{
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        uint16_t halves[OWN_PLANE_HALVES];
+        int32_t  depth[64], base;
+        if (t->kind == TILE_PATTERN && own_plane(&t->ranges, halves, depth, &base)) t->kind = TILE_OWN;
+    }
+}
+
+/* The palette of what does not lie on a plane.
+ * codes  [out] of its depths;   Returns the first of them. */
+static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
+{
+    pierce_group groups[PALETTE_MAX + 1];
+    scale_block(b);
+    int     count = block_groups(b, groups);
+    int32_t base  = place(out, &b->axis, groups, count);
+    for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, base + out->depth[n]);
+    place_uniform(b, out, base);
+    return base;
+}
+
 /* The block in work, of fetched tiles.
  * base  [out] the first depth of its palette */
 static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
 {
-    pierce_group groups[PALETTE_MAX + 1];
-    int16_t      codes[PALETTE_MAX];
-    block        out;
-    vxs_result   r = VXS_OK;
+    int16_t    codes[PALETTE_MAX];
+    block      out;
+    vxs_result r = VXS_OK;
     memset(&out, 0, sizeof out);
-    scale_block(b);
-    int count = block_groups(b, groups);
-    *base     = place(&out, &b->axis, groups, count);
-    for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, *base + out.depth[n]);
-    place_uniform(b, &out, *base);
+    uint32_t on = find_plane(b, &out.plane);
+    give_planes(b);
+    if (on == 0xffff) {
+        out.depths = 1;
+        *base      = max_i32(out.plane.least >> 8, 0);
+    } else
+        *base = build_palette(b, &out, codes);
+    if (on) out.plane.least -= *base * PLANE_ONE;
+    int count = (int)out.depths;
     for (int n = 0; n < BLOCK_TILES && r == VXS_OK; n++) {
         const tile_in *t  = &b->tile[n];
         block_tile    *to = &out.tile[n];
         to->kind          = (uint16_t)t->kind;
-        if (t->kind == TILE_UNIFORM) continue;
+        if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
         b->set->tile_count++;
         if (t->kind == TILE_OWN) {
             r = own_find(&b->set->own, &t->ranges, &to->pattern, &to->base);

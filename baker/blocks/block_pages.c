@@ -9,7 +9,8 @@
 #include "baker/blocks/pattern_code.h"
 
 enum {
-    NODE_HALVES = 11,  /* before the arrays of a node */
+    NODE_HALVES = 11, /* before the arrays of a node */
+    PLANE_WORDS = 2,
     FAR_BASE    = 8192 /* bases of own tiles from here on have words of their own */
 };
 
@@ -49,10 +50,15 @@ static uint32_t shape_words(const node_shape *s)
 
 /* What the parts of a block take. */
 typedef struct block_form {
-    uint32_t mixed, own, fresh; /* bits of tiles */
-    uint32_t width, shift, far; /* of deltas: 0 bytes, 1 halves, 2 words */
+    uint32_t mixed, own, plane, fresh; /* bits of tiles */
+    uint32_t width, shift, far;        /* of deltas: 0 bytes, 1 halves, 2 words */
     uint32_t words;
 } block_form;
+
+static int has_pattern(const block_tile *t)
+{
+    return t->kind == TILE_PATTERN || t->kind == TILE_OWN;
+}
 
 static block_form form_of(const block *b)
 {
@@ -64,7 +70,8 @@ static block_form form_of(const block *b)
     if (f.width == 2) f.shift = 0;
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         const block_tile *t = &b->tile[n];
-        if (t->kind != TILE_UNIFORM) f.mixed |= 1u << n;
+        if (has_pattern(t)) f.mixed |= 1u << n;
+        if (t->kind == TILE_PLANE) f.plane |= 1u << n;
         if (t->kind == TILE_OWN) {
             f.own |= 1u << n;
             f.far |= t->base < -FAR_BASE || t->base >= FAR_BASE;
@@ -75,7 +82,8 @@ static block_form form_of(const block *b)
         }
     }
     uint32_t bytes = ((b->depths - 1) << f.width) + ((uint32_t)__builtin_popcount(f.fresh) + 1) / 2;
-    f.words = 2 + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 + (f.far ? (uint32_t)__builtin_popcount(f.own) : 0);
+    f.words        = 2 + (f.plane ? PLANE_WORDS : 0) + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 +
+              (f.far ? (uint32_t)__builtin_popcount(f.own) : 0);
     return f;
 }
 
@@ -105,7 +113,7 @@ static void add_to_page(layout *l, page_size *page, const node_place *n)
         const block *of = block_at(l->set, shape->block[b]);
         page->words += form_of(of).words;
         for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
-            if (t->kind == TILE_UNIFORM) continue;
+            if (!has_pattern(t)) continue;
             int      own  = t->kind == TILE_OWN;
             uint32_t code = l->code_of[own][t->pattern], halves;
             code_halves(l, own, code, &halves);
@@ -171,8 +179,8 @@ static void count_pages(layout *l, uint32_t *pages[2])
                 const block *of = block_at(l->set, shape->block[b]);
                 for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
                     int      own  = t->kind == TILE_OWN;
-                    uint32_t code = t->kind == TILE_UNIFORM ? 0 : l->code_of[own][t->pattern];
-                    if (t->kind != TILE_UNIFORM && is_new(&l->code_at[own][code], l->stamp, 0)) pages[own][code]++;
+                    uint32_t code = has_pattern(t) ? l->code_of[own][t->pattern] : 0;
+                    if (has_pattern(t) && is_new(&l->code_at[own][code], l->stamp, 0)) pages[own][code]++;
                 }
             }
         }
@@ -272,9 +280,14 @@ static void write_block(const layout *l, uint32_t *to, const block *b, uint32_t 
     block_form f    = form_of(b);
     uint32_t   word = 2, byte, nibbles = 0;
     to[0] = f.mixed | f.fresh << 16;
-    to[1] = f.own | ((b->depths - 1) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
+    to[1] = f.own | f.plane | ((b->depths - 1) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
+    if (f.plane) {
+        int shift  = plane_shift(&b->plane);
+        to[word++] = ((uint32_t)(b->plane.across >> shift) & 0xffff) | (uint32_t)(b->plane.down >> shift) << 16;
+        to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
+    }
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_UNIFORM) continue;
+        if (!has_pattern(t)) continue;
         int      own  = t->kind == TILE_OWN;
         uint32_t code = l->code_of[own][t->pattern], common = l->common[own][code];
         uint32_t ref = common ? COMMON | (common - 1) : pool + l->code_at[own][code].at;
@@ -305,7 +318,7 @@ static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own,
 static void write_block_patterns(layout *l, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
 {
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_UNIFORM) continue;
+        if (!has_pattern(t)) continue;
         int      own  = t->kind == TILE_OWN;
         uint32_t code = l->code_of[own][t->pattern], count;
         if (l->common[own][code] || l->code_at[own][code].at != *next_half) continue;

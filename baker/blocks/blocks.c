@@ -39,7 +39,7 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
         }
     }
     for (size_t n = 0; n < from->own.count; n++) {
-        vxs_result r = own_find(&s->own, &from->own.patterns[n].may, &ids->own[n], &ids->own_base[n]);
+        vxs_result r = own_adopt(&s->own, &from->own.patterns[n], &ids->own[n], &ids->own_base[n]);
         if (r != VXS_OK) return r;
     }
     return VXS_OK;
@@ -51,7 +51,8 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
         block *b = block_at(from, n);
         for (block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
             if (t->kind == TILE_OWN) t->base += ids->own_base[t->pattern];
-            if (t->kind != TILE_UNIFORM) t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];
+            if (t->kind == TILE_PATTERN || t->kind == TILE_OWN)
+                t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];
         }
         vxs_result r = intern_find(&s->blocks, b, sizeof *b, &block_ids[n]);
         if (r != VXS_OK) return r;

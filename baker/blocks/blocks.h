@@ -11,6 +11,7 @@
 #include "baker/base/intern.h"
 #include "baker/blocks/own_patterns.h"
 #include "baker/blocks/patterns.h"
+#include "baker/blocks/plane.h"
 #include "baker/blocks/slope.h"
 #include "baker/columns/columns.h"
 
@@ -20,7 +21,7 @@ enum {
     FAR_DEPTH   = 1 << 20 /* where a column may be lit for ever */
 };
 
-typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_OWN } tile_kind;
+typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_OWN, TILE_PLANE } tile_kind;
 
 /* Tiles of one kind with equal fields are equal; unused fields are 0. */
 typedef struct block_tile {
@@ -33,6 +34,7 @@ typedef struct block_tile {
 typedef struct block {
     uint32_t   depths;             /* [1, PALETTE_MAX] entries of the palette */
     int32_t    depth[PALETTE_MAX]; /* [depths] ascending from 0 */
+    plane      plane;              /* of those that lie on it, relative to the block's base, without the node's slope */
     block_tile tile[BLOCK_TILES];  /* rows */
 } block;
 
@@ -66,8 +68,9 @@ typedef struct block_set {
     intern          blocks;
     pattern_set     patterns;
     own_set         own;
-    uint64_t        tile_count;      /* tiles with a pattern */
-    uint64_t        squares_fetched; /* of columns */
+    plane           recent[PLANES_RECENT]; /* slopes of blocks */
+    uint64_t        tile_count;            /* tiles with a pattern */
+    uint64_t        squares_fetched;       /* of columns */
 } block_set;
 
 static inline block *block_at(const block_set *s, uint32_t id)

@@ -171,8 +171,8 @@ static void count_from_least(own_pattern *p, int32_t *base)
     *base += least;
 }
 
-/* Depths that take few halves: as few as there may be, or bytes. */
-static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+/* Depths that take few halves: as few as there may be, or bytes. Returns how many it takes. */
+static uint32_t choose_depths(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
 {
     uint16_t    code[OWN_HALVES_MAX];
     own_pattern bytes;
@@ -182,14 +182,47 @@ static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halv
     else
         choose_any(p, t, base);
     count_from_least(p, base);
+    p->plane_halves        = 0;
     uint32_t halves_of_few = own_encode(p->depth, code);
     for (int shift = 0; shift < SHIFTS && halves_of_few > BYTES_HALVES_MIN; shift++) {
         if (!choose_bytes(&bytes, t, shift, &base_of_bytes)) continue;
-        if (own_encode(bytes.depth, code) >= halves_of_few) return;
+        uint32_t count = own_encode(bytes.depth, code);
+        if (count >= halves_of_few) break;
         memcpy(p->depth, bytes.depth, sizeof p->depth);
         *base = base_of_bytes;
-        return;
+        return count;
     }
+    return halves_of_few;
+}
+
+/* Whether a search can compare all depths. */
+static int in_halves(const int32_t depth[64])
+{
+    for (int n = 0; n < 64; n++)
+        if (depth[n] > INT16_MAX) return 0;
+    return 1;
+}
+
+/* A plane, or depths, or two planes if they take less. */
+static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+{
+    own_pattern planes;
+    int32_t     base_of_planes;
+    p->plane_halves = own_plane(t, p->planes, p->depth, base);
+    if (p->plane_halves && (!halves || in_halves(p->depth))) return;
+    uint32_t count = choose_depths(p, t, halves, base);
+    if (count <= OWN_PAIR_HALVES) return;
+    planes.plane_halves = own_plane_pair(t, count - 1, planes.planes, planes.depth, &base_of_planes);
+    if (!planes.plane_halves || (halves && !in_halves(planes.depth))) return;
+    *p    = planes;
+    *base = base_of_planes;
+}
+
+uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves)
+{
+    if (!p->plane_halves) return own_encode(p->depth, halves);
+    memcpy(halves, p->planes, p->plane_halves * sizeof *halves);
+    return p->plane_halves;
 }
 
 /* The pattern stands for one more tile. */
@@ -212,11 +245,17 @@ static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
     return VXS_OK;
 }
 
-static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, uint32_t *id, int32_t *base)
+/* A pattern that none known fits.   like  what it is; NULL: it is chosen */
+static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, const own_pattern *like, uint32_t *id,
+                      int32_t *base)
 {
     if (!array_reserve(&s->patterns, &s->pattern_capacity, s->count + 1, sizeof *s->patterns)) return VXS_E_MEMORY;
     own_pattern *p = &s->patterns[s->count];
-    choose(p, t, halves, base);
+    *base          = 0;
+    if (like)
+        *p = *like;
+    else
+        choose(p, t, halves, base);
     for (int n = 0; n < 64; n++) {
         p->may.low[n]  = t->low[n] - *base;
         p->may.high[n] = t->high[n] - *base;
@@ -227,18 +266,28 @@ static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halve
     return VXS_OK;
 }
 
-vxs_result own_find(own_set *s, const tile_ranges *t, uint32_t *id, int32_t *base)
+static vxs_result find(own_set *s, const tile_ranges *t, const own_pattern *like, uint32_t *id, int32_t *base)
 {
     half_ranges halves;
     int         at_half;
-    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, id, base);
+    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, like, id, base);
     size_t at = search(s, &halves, &at_half);
-    if (at == s->known_count) return add(s, t, &halves, id, base);
+    if (at == s->known_count) return add(s, t, &halves, like, id, base);
     *id   = s->known[at].id;
     *base = halves.floor + at_half;
     narrow(&s->patterns[*id], t, *base);
     move_up(s, at);
     return VXS_OK;
+}
+
+vxs_result own_find(own_set *s, const tile_ranges *t, uint32_t *id, int32_t *base)
+{
+    return find(s, t, NULL, id, base);
+}
+
+vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base)
+{
+    return find(s, &p->may, p, id, base);
 }
 
 void own_set_free(own_set *s)

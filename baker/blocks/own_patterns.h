@@ -6,18 +6,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "baker/blocks/own_planes.h"
 #include "formats/vxs_result.h"
 
 enum { OWN_WINDOW = 1024 }; /* patterns that a tile is compared with */
 
-/* Where the columns of 64 texels let the shadow begin: [low, high], texels in the order of patterns.h. */
-typedef struct tile_ranges {
-    int32_t low[64], high[64];
-} tile_ranges;
-
 typedef struct own_pattern {
-    int32_t     depth[64]; /* of which the least is 0 */
+    int32_t     depth[64]; /* none below 0 */
     tile_ranges may;       /* what all tiles that have it allow, from their bases on */
+    uint32_t    plane_halves;
+    uint16_t    planes[OWN_PLANES_HALVES_MAX]; /* [plane_halves] the pattern, if it is planes */
 } own_pattern;
 
 /* Zero it. */
@@ -30,10 +28,16 @@ typedef struct own_set {
     size_t            known_count, known_capacity;
 } own_set;
 
-/* A pattern that fits, or a new one: depths that follow their neighbours as far as they may.
+/* A pattern that fits, or a new one: planes, or depths that follow their neighbours as far as they may.
  * id    [out];   base  [out] what is added to its depths
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result own_find(own_set *s, const tile_ranges *t, uint32_t *id, int32_t *base);
+
+/* The same for what all tiles of a pattern of another set allow; where none fits, the pattern itself. */
+vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base);
+
+/* How many halves a pattern takes.   halves  [out] [OWN_HALVES_MAX] */
+uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves);
 
 void own_set_free(own_set *s);
 

@@ -1,0 +1,342 @@
+/* Planes through ranges; see plane.h.
+ *
+ * A plane is moved towards the texel that it misses by most in front, away from the one that it misses by most behind: its slope along the
+ * line between them changes by as much as there is no room, and a little. Where some plane passes with room, this meets one soon.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/blocks/plane.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/base/simd.h"
+#include "baker/blocks/patterns.h"
+
+enum {
+    MOVES     = 10,                /* of a plane, until it is given up */
+    ROOM      = PLANE_ONE - 1,     /* that is looked for: with it one of the depths in reach is a whole voxel */
+    SLOPE_END = PLANE_FREE / 64,   /* so that depths in an area of 32 x 32 texels are exact */
+    NEAR      = 3 * PLANE_ONE / 2, /* texels that may yet join a plane */
+    WINDOW    = 3                  /* side of the areas that pairs of planes start from */
+};
+
+int plane_shift(const plane *p)
+{
+    int shift = 0;
+    while (abs(p->across) >> shift > 32767 || abs(p->down) >> shift > 32767) shift++;
+    return shift;
+}
+
+/* Which depths at texel (0, 0) of the area are right for all texels. */
+typedef struct plane_room {
+    float low, high;
+} plane_room;
+
+/* Depths at a row of four texels. */
+static inline f32x4 row_depths(const plane *p, const plane_ranges *t, int n, f32x4 across)
+{
+    return across + f32x4_all((float)(p->across * (t->x + 4 * (n >> 2 & 1)) + p->down * (t->y + 4 * (n >> 3) + (n & 3))));
+}
+
+static inline f32x4 row_across(const plane *p)
+{
+    return (f32x4){0, (float)p->across, (float)(2 * p->across), (float)(3 * p->across)};
+}
+
+static plane_room room_of(const plane *p, const plane_ranges *const *tiles, int count)
+{
+    const f32x4 across = row_across(p);
+    f32x4       low = f32x4_all(-PLANE_FREE), high = f32x4_all(PLANE_FREE);
+    for (int n = 0; n < count; n++)
+        for (int row = 0; row < 16; row++) {
+            f32x4 at = row_depths(p, tiles[n], row, across);
+            low      = f32x4_max(low, f32x4_load(tiles[n]->low + 4 * row) - at);
+            high     = f32x4_min(high, f32x4_load(tiles[n]->high + 4 * row) - at);
+        }
+    return (plane_room){fmaxf(fmaxf(low[0], low[1]), fmaxf(low[2], low[3])),
+                        fminf(fminf(high[0], high[1]), fminf(high[2], high[3]))};
+}
+
+typedef struct texel_place {
+    int32_t x, y;
+} texel_place;
+
+/* Where the room ends, in front or behind: the first texel that leaves no more. */
+static texel_place bounding_texel(const plane *p, const plane_ranges *const *tiles, int count, float end, int behind)
+{
+    const f32x4 across = row_across(p), ends = f32x4_all(end);
+    for (int n = 0; n < count; n++) {
+        const float *ranges = behind ? tiles[n]->high : tiles[n]->low;
+        for (int row = 0; row < 16; row++) {
+            uint32_t hit = i32x4_bits((i32x4)(f32x4_load(ranges + 4 * row) - row_depths(p, tiles[n], row, across) == ends));
+            if (!hit) continue;
+            return (texel_place){tiles[n]->x + 4 * (row >> 2 & 1) + __builtin_ctz(hit), tiles[n]->y + 4 * (row >> 3) + (row & 3)};
+        }
+    }
+    return (texel_place){0, 0};
+}
+
+static int32_t rounded_quotient(int64_t a, int64_t b)
+{
+    return (int32_t)((a + (a < 0 ? -b : b) / 2) / b);
+}
+
+/* 0: the texels are one, or the plane gets too steep. */
+static int move(plane *p, const plane_room *room, const plane_ranges *const *tiles, int count)
+{
+    texel_place a = bounding_texel(p, tiles, count, room->low, 0), b = bounding_texel(p, tiles, count, room->high, 1);
+    int32_t     x = a.x - b.x, y = a.y - b.y, square = x * x + y * y;
+    if (!square) return 0;
+    int64_t lacking = (int64_t)(room->low - room->high) + ROOM;
+    lacking += lacking / 16 + 8;
+    int64_t across = p->across + (int64_t)rounded_quotient(lacking * x, square);
+    int64_t down   = p->down + (int64_t)rounded_quotient(lacking * y, square);
+    if (across > SLOPE_END || across < -SLOPE_END || down > SLOPE_END || down < -SLOPE_END) return 0;
+    p->across = (int32_t)across;
+    p->down   = (int32_t)down;
+    return 1;
+}
+
+/* Of all numbers from low to high, low being less, a multiple of the highest power of two up to PLANE_ONE. */
+static int32_t roundest(int32_t low, int32_t high)
+{
+    for (int32_t step = PLANE_ONE; step > 1; step /= 2)
+        if ((high & -step) >= low) return high & -step;
+    return high;
+}
+
+int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
+{
+    plane_room room = room_of(p, tiles, count);
+    if (room.low > room.high) return 0;
+    int32_t corner = (p->across < 0 ? p->across * (side - 1) : 0) + (p->down < 0 ? p->down * (side - 1) : 0);
+    p->least       = roundest((int32_t)room.low + corner, (int32_t)room.high + corner);
+    return 1;
+}
+
+int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
+{
+    plane best      = *p;
+    float best_room = -1;
+    for (int n = 0; n < MOVES; n++) {
+        plane_room room = room_of(p, tiles, count);
+        if (room.high - room.low > best_room) {
+            best_room = room.high - room.low;
+            best      = *p;
+        }
+        if (best_room >= ROOM || !move(p, &room, tiles, count)) break;
+    }
+    if (best_room < 0) return 0;
+    int32_t one = 1 << plane_shift(&best);
+    p->across   = (best.across + one / 2) & -one;
+    p->down     = (best.down + one / 2) & -one;
+    return 1 << plane_shift(p) == one && plane_place(p, tiles, count, side);
+}
+
+int plane_may_fit(const plane_ranges *t)
+{
+    static const int8_t lines[][6] = {{0, 0, 3, 3, 6, 6}, {1, 1, 4, 4, 7, 7}, {7, 0, 4, 3, 1, 6}, {6, 1, 3, 4, 0, 7},
+                                      {0, 0, 3, 0, 6, 0}, {1, 0, 4, 0, 7, 0}, {0, 7, 3, 7, 6, 7}, {1, 7, 4, 7, 7, 7},
+                                      {0, 0, 0, 3, 0, 6}, {0, 1, 0, 4, 0, 7}, {7, 0, 7, 3, 7, 6}, {7, 1, 7, 4, 7, 7},
+                                      {0, 3, 3, 3, 6, 3}, {3, 0, 3, 3, 3, 6}};
+    for (unsigned n = 0; n < sizeof lines / sizeof *lines; n++) {
+        const int8_t *l = lines[n];
+        int           a = pattern_texel(l[0], l[1]), between = pattern_texel(l[2], l[3]), b = pattern_texel(l[4], l[5]);
+        if (t->low[a] + t->low[b] > 2 * t->high[between] || t->high[a] + t->high[b] < 2 * t->low[between]) return 0;
+    }
+    return 1;
+}
+
+plane plane_start(const plane_ranges *t)
+{
+    int first = pattern_texel(0, 0), right = pattern_texel(7, 0), bottom = pattern_texel(0, 7);
+    return (plane){(int32_t)(t->low[right] - t->low[first]) / 7, (int32_t)(t->low[bottom] - t->low[first]) / 7, 0};
+}
+
+/* parts of tiles -------------------------------------------------------------------------------------------------------------- */
+
+int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels)
+{
+    plane_ranges        part = *t;
+    const plane_ranges *tile = &part;
+    for (uint64_t rest = ~texels; rest; rest &= rest - 1) {
+        part.low[__builtin_ctzll(rest)]  = -PLANE_FREE;
+        part.high[__builtin_ctzll(rest)] = PLANE_FREE;
+    }
+    return plane_fit(p, &tile, 1, 8);
+}
+
+uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
+{
+    const f32x4 across = row_across(p);
+    int32_t     first  = p->least - (p->across < 0 ? 7 * p->across : 0) - (p->down < 0 ? 7 * p->down : 0);
+    uint64_t    texels = 0;
+    for (int row = 0; row < 16; row++) {
+        f32x4 at = row_depths(p, t, row, across) + (float)first;
+        i32x4 in = (i32x4)(f32x4_load(t->low + 4 * row) <= at + (float)margin) &
+                   (i32x4)(f32x4_load(t->high + 4 * row) >= at - (float)margin);
+        texels |= (uint64_t)i32x4_bits(in) << 4 * row;
+    }
+    return texels;
+}
+
+/* Slopes between a texel and its neighbours, as a start for a set of texels. */
+static plane start_of_texels(const plane_ranges *t, uint64_t texels)
+{
+    for (int y = 0; y < 7; y++)
+        for (int x = 0; x < 7; x++) {
+            int at = pattern_texel(x, y), right = pattern_texel(x + 1, y), below = pattern_texel(x, y + 1);
+            if (texels >> at & texels >> right & texels >> below & 1)
+                return (plane){(int32_t)(t->low[right] - t->low[at]), (int32_t)(t->low[below] - t->low[at]), 0};
+        }
+    return (plane){0, 0, 0};
+}
+
+static uint64_t window_texels(int x, int y)
+{
+    uint64_t texels = 0;
+    for (int v = y; v < y + WINDOW; v++)
+        for (int u = x; u < x + WINDOW; u++) texels |= 1ull << pattern_texel(u, v);
+    return texels;
+}
+
+/* A plane through a window, and as many texels beside it as join one by one. Returns them; 0: no plane. */
+static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
+{
+    *p = start_of_texels(t, window);
+    if (!plane_fit_texels(p, t, window)) return 0;
+    uint64_t on = plane_texels(p, t, 0);
+    for (int n = 0; n < 3; n++) {
+        plane    next = *p;
+        uint64_t near = plane_texels(p, t, NEAR);
+        if (near == on || !plane_fit_texels(&next, t, near)) break;
+        *p = next;
+        on = plane_texels(p, t, 0);
+    }
+    return on;
+}
+
+int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
+{
+    static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}, {2, 2}, {0, 2}, {5, 2}, {2, 0}, {2, 5}};
+    uint64_t            tried       = 0;
+    for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
+        uint64_t texels = window_texels(window[n][0], window[n][1]);
+        if ((texels & tried) == texels) continue; /* a plane through it left a rest that no plane passes through */
+        uint64_t on = grow(&pair[0], t, texels);
+        tried |= on;
+        *second = ~on;
+        if (!on) continue;
+        if (!*second) return 1;
+        pair[1] = start_of_texels(t, *second);
+        if (plane_fit_texels(&pair[1], t, *second)) return 1;
+    }
+    return 0;
+}
+
+/* blocks ---------------------------------------------------------------------------------------------------------------------- */
+
+enum { BLOCK_PX = 32, SEEDS = 3, TILES_MIN = 3 /* on a plane: what it takes is paid for by so many */ };
+
+static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, int move_it)
+{
+    const plane_ranges *list[16];
+    int                 count = 0;
+    for (uint32_t rest = on; rest; rest &= rest - 1) list[count++] = &tiles[__builtin_ctz(rest)];
+    return (move_it ? plane_fit(p, list, count, BLOCK_PX) : plane_place(p, list, count, BLOCK_PX)) ? on : 0;
+}
+
+/* The tiles that one plane with these slopes passes through at one depth, as many as may be; or such that it comes near, about a depth. */
+static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
+{
+    plane_room rooms[16];
+    uint32_t   most = 0;
+    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+        int                 n    = __builtin_ctz(rest);
+        const plane_ranges *tile = &tiles[n];
+        plane_room          room = room_of(p, &tile, 1);
+        rooms[n]                 = room;
+        if (room.low > room.high) mixed ^= 1u << n;
+    }
+    for (uint32_t at = mixed; at; at &= at - 1) {
+        uint32_t on = 0;
+        for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+            int n = __builtin_ctz(rest), of = __builtin_ctz(at);
+            if (rooms[n].low <= rooms[of].low && rooms[of].low <= rooms[n].high) on |= 1u << n;
+        }
+        if (__builtin_popcount(on) > __builtin_popcount(most)) most = on;
+    }
+    return most;
+}
+
+/* Tiles that a plane through the block comes near to. */
+static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
+{
+    int32_t  first = p->least - (p->across < 0 ? (BLOCK_PX - 1) * p->across : 0) - (p->down < 0 ? (BLOCK_PX - 1) * p->down : 0);
+    uint32_t near  = 0;
+    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+        int                 n    = __builtin_ctz(rest);
+        const plane_ranges *tile = &tiles[n];
+        plane_room          room = room_of(p, &tile, 1);
+        if (room.low - NEAR <= (float)first && (float)first <= room.high + NEAR) near |= 1u << n;
+    }
+    return near;
+}
+
+/* From one tile to all that its plane passes through. */
+static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mixed, int seed)
+{
+    uint32_t on = 1u << seed;
+    *p          = plane_start(&tiles[seed]);
+    if (!plane_may_fit(&tiles[seed]) || !fit_tiles(p, tiles, on, 1)) return 0;
+    for (int n = 0; n < 4; n++) {
+        plane    next = *p;
+        uint32_t near = tiles_near(p, tiles, mixed) | on;
+        if (near == on) break;
+        if (!fit_tiles(&next, tiles, near, 1)) {
+            /* some of them are not on it: those beside what is */
+            uint32_t beside = (on << 1 & 0xeeee) | (on >> 1 & 0x7777) | on << 4 | on >> 4;
+            near            = (near & beside) | on;
+            next            = *p;
+            if (near == on || !fit_tiles(&next, tiles, near, 1)) break;
+        }
+        *p = next;
+        on = near;
+    }
+    uint32_t most = tiles_on_slopes(p, tiles, mixed);
+    return __builtin_popcount(most) >= __builtin_popcount(on) ? fit_tiles(p, tiles, most, 0) : on;
+}
+
+static void remember(plane recent[PLANES_RECENT], plane p)
+{
+    int n = 0;
+    while (n < PLANES_RECENT - 1 && (recent[n].across != p.across || recent[n].down != p.down)) n++;
+    for (; n > 0; n--) recent[n] = recent[n - 1];
+    recent[0] = p;
+}
+
+uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, plane recent[PLANES_RECENT])
+{
+    uint32_t best = 0, tried = 0;
+    if (__builtin_popcount(mixed) < TILES_MIN) return 0;
+    for (int n = 0; n < PLANES_RECENT && best != mixed; n++) {
+        uint32_t on = tiles_on_slopes(&recent[n], tiles, mixed);
+        if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
+        best = on;
+        *p   = recent[n];
+    }
+    if (best) fit_tiles(p, tiles, best, 0);
+    for (int seeds = 0; seeds < SEEDS && 2 * __builtin_popcount(best) < __builtin_popcount(mixed); seeds++) {
+        plane    next;
+        uint32_t left = mixed & ~tried & ~best;
+        if (!left) break;
+        int      seed = __builtin_ctz(left);
+        uint32_t on   = tiles_about(&next, tiles, mixed, seed);
+        tried |= 1u << seed | on;
+        if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
+        best = on;
+        *p   = next;
+    }
+    if (__builtin_popcount(best) < TILES_MIN) return 0;
+    remember(recent, *p);
+    return best;
+}

@@ -1,0 +1,13 @@
+/* Where the columns of a tile let the shadow begin.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef TILE_RANGES_H
+#define TILE_RANGES_H
+
+#include <stdint.h>
+
+/* [low, high] of 64 texels, in the order of patterns.h, in voxels. */
+typedef struct tile_ranges {
+    int32_t low[64], high[64];
+} tile_ranges;
+
+#endif
