@@ -9,7 +9,7 @@
  * Each of them is one depth for all that it covers, or something of its own; depths below the top are relative, so that equal shapes at
  * different depths are one. Few different depths occur in a block: they are its palette, and rank, the number of them at or before the
  * voxel's depth, is asked once. A tile has the set of those that it uses, and a pattern: a mask of shadowed texels for each of them but
- * the last, behind which all are.
+ * the last, behind which all are. Slanted sheets are planes: of a block, for as many of its tiles as lie on it, or of a pattern.
  *
  * Of a light's words, word 0 is the number of pages, word 1 where the common pool starts, 2 to 7 where the top of each map starts, and
  * 8... where each page starts: 0, it is not here. Then
@@ -18,15 +18,18 @@
  *     cell        0x80000000 | depth, or the word where 8 x 8 entries start, rows
  *     entry       0x80000000 | depth, 0, or page << 16 | offset of a node, base | min << 16 | max << 24
  *     node        halves: mixed, 4; fresh, 4; slope, 2; flags; refs and bases of mixed blocks; depths of fresh blocks
- *     block       mixed | fresh << 16, own | head << 16, a word for each mixed tile; then bytes: deltas of the palette, nibbles of
- *                 fresh tiles; then words: bases of own tiles that are far
+ *     block       mixed | fresh << 16, own | head << 16, two words of a plane if a tile lies on it, a word for each mixed tile; then bytes:
+ *                 deltas of the palette, nibbles of fresh tiles; then words: bases of mixed own tiles that are far
  *     tile        half of a pool << 14 | the palette entries it uses, or base + 8192 if the pattern is own: has depths of its own
+ *     plane       slopes, 2; shift, 4 bits; depth, 28, in 1/256 voxel
  *     pattern     masks: a byte of states for each mask, then quadrants of 4 x 4 texels; or 0xff, 0, and a nibble for each texel
- *     own         kind << 12 | shift << 8 | count, then: a palette and a pattern; bases and nibbles; or a depth of 1 to 3 bytes a texel
+ *     own         kind << 12 | shift << 8 | count, then: a palette and a pattern; bases and nibbles; a depth of 1 to 3 bytes a texel; slopes
+ *                 of a plane; or slopes of two planes, how much deeper the second is, and for kind 10 a mask of the texels on that one
  *
  * The two pools, halves each, are the light's common one and the page's own. mixed has a bit for each block or tile that has something of
- * its own; fresh, for each of the others whose depth is not that of the one before it among them. Texels of a tile are numbered quadrant by
- * quadrant, rows within: (x, y) is bit (x & 3) + 4 (y & 3) + 16 (x >> 2) of the low word of a mask, or of the high word if y > 3.
+ * its own; fresh, for each of the others whose depth is not that of the one before it among them; own, for each mixed tile whose pattern has
+ * depths of its own, and for each other that lies on the block's plane. Texels of a tile are numbered quadrant by quadrant, rows within:
+ * (x, y) is bit (x & 3) + 4 (y & 3) + 16 (x >> 2) of the low word of a mask, or of the high word if y > 3.
  *
  * A page that is not here is answered from its entry. Where c = max(0, levels - 8), a voxel is lit when k >> c < min, shadowed when
  * k >> c > max, which is exact; between them it is shadowed when 2 (k >> c) >= min + max + 1: the coarse answer.
@@ -60,12 +63,16 @@
 #define VXS_INLINE VXS_FN
 #endif
 
-/* What a node or a tile is, at a voxel's depth. Own patterns of kinds 3 to 6 are tiles of these kinds. */
+/* What a node or a tile is, at a voxel's depth. Own patterns of kinds 3 to 10 are tiles of these kinds. */
 #define VXS_BLOCKS_LIT     0u
 #define VXS_BLOCKS_SHADOW  1u
 #define VXS_BLOCKS_MASKS   2u /* of a tile: masks; of a node: its blocks are to be asked */
 #define VXS_BLOCKS_NIBBLES 3u /* a base for each quadrant, a nibble for each texel */
 #define VXS_BLOCKS_RAW     4u /* 4, 5, 6: one, two, three bytes for each texel */
+#define VXS_BLOCKS_PLANE   7u
+#define VXS_BLOCKS_NEARER  8u  /* two planes: of each texel the depth that is less */
+#define VXS_BLOCKS_FARTHER 9u  /* or greater */
+#define VXS_BLOCKS_EITHER  10u /* or that of the plane which a mask names */
 
 #ifdef VXS_C
 typedef struct vxs_blocks_node  vxs_blocks_node;
@@ -88,7 +95,7 @@ struct vxs_blocks_block {
     vxs_u32 at;      /* word where it starts; 0 of a uniform one */
     vxs_u32 mixed;   /* a bit for each tile that has a pattern */
     vxs_u32 fresh;   /* for each other whose palette entry is not that of the one before it */
-    vxs_u32 own;     /* for each whose pattern has depths of its own */
+    vxs_u32 own;     /* for each whose pattern has depths of its own, or that lies on the plane */
     vxs_u32 head;    /* palette entries - 1 | shift << 4 | width << 8 | far << 10 */
     vxs_u32 palette; /* word where the deltas of its palette start */
     vxs_i32 base;    /* its first depth, relative to the node */
@@ -97,10 +104,10 @@ struct vxs_blocks_block {
 struct vxs_blocks_tile {
     vxs_u32 kind;  /* VXS_BLOCKS_ */
     vxs_u32 pool;  /* word that the halves of its pool are counted from */
-    vxs_u32 at;    /* half where its states, nibbles or bytes start */
-    vxs_u32 count; /* masks: how many */
-    vxs_u32 bases; /* nibbles: a byte for each quadrant */
-    vxs_i32 k;     /* masks: which one; else depth: a texel is shadowed whose own is at most this */
+    vxs_u32 at;    /* half where its states, nibbles or bytes start; of two planes, where their pattern does */
+    vxs_u32 count; /* masks: how many; a plane: how much deeper it is a texel across, in 1/256 voxel */
+    vxs_u32 bases; /* nibbles: a byte for each quadrant; a plane: how much deeper it is a texel down */
+    vxs_i32 k;     /* masks: which one; else depth, of planes in 1/256 voxel: a texel is shadowed whose own is at most this */
 };
 
 /* Texels [x0, x1) x [y0, y1) of a map. */
@@ -108,12 +115,19 @@ struct vxs_blocks_box {
     vxs_i32 x0, x1, y0, y1;
 };
 
+VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
 /* halves, bytes, bits ---------------------------------------------------------------------------------------------------------------
  * Counted from word `at` of a light; half 0 is the low half of it, byte 0 the low byte. */
 
 #ifdef VXS_VECTORS
 
-typedef uint8_t vxs_bytes16 __attribute__((vector_size(16)));
+typedef uint8_t  vxs_bytes16 __attribute__((vector_size(16)));
+typedef int32_t  vxs_lanes4 __attribute__((vector_size(16)));
+typedef uint32_t vxs_words4 __attribute__((vector_size(16)));
 
 VXS_FN const char *vxs_address(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
 {
@@ -356,7 +370,7 @@ VXS_INLINE vxs_blocks_block vxs_blocks_find_block(VXS_WORDS blocks, vxs_blocks_n
     block.fresh   = vxs_word(blocks, block.at) >> 16;
     block.own     = vxs_word(blocks, block.at + 1u) & 0xffffu;
     block.head    = vxs_word(blocks, block.at + 1u) >> 16;
-    block.palette = block.at + 2u + vxs_popcount(block.mixed);
+    block.palette = block.at + ((block.own & ~block.mixed) != 0u ? 4u : 2u) + vxs_popcount(block.mixed);
     block.base    = VXS_I(base);
     return block;
 }
@@ -410,6 +424,22 @@ VXS_FN vxs_blocks_tile vxs_blocks_pattern(VXS_WORDS blocks, vxs_u32 pool, vxs_u3
     return vxs_blocks_tile_of(VXS_BLOCKS_MASKS, pool, at, count, 0u, VXS_I(n));
 }
 
+/* What depths of planes, in 1/256 voxel, are at or before k: up to that much. Planes are less than 2^22 voxels deep. */
+VXS_FN vxs_i32 vxs_blocks_limit(vxs_i32 k)
+{
+    return 256 * vxs_clamp(k, -4194304, 4194304) + 255;
+}
+
+/* A tile that is on a plane, from texel (x, y) of a square of last + 1 texels a side on, whose least depth is 0. Unsigned, because words may
+ * hold slopes and shifts of which sums are too great.
+ * slopes  across | down << 16, signed: in (1 << shift) / 256 voxel a texel;   limit  shadowed is what is at most so deep */
+VXS_FN vxs_blocks_tile vxs_blocks_plane(vxs_u32 slopes, vxs_u32 shift, vxs_u32 last, vxs_u32 x, vxs_u32 y, vxs_i32 limit)
+{
+    vxs_u32 across = VXS_U(VXS_I(slopes << 16) >> 16) << shift, down = VXS_U(VXS_I(slopes) >> 16) << shift;
+    vxs_u32 first = across * ((slopes & 0x8000u) != 0u ? x - last : x) + down * (slopes >= 0x80000000u ? y - last : y);
+    return vxs_blocks_tile_of(VXS_BLOCKS_PLANE, 0u, 0u, across, down, VXS_I(VXS_U(limit) - first));
+}
+
 /* A tile whose pattern has depths of its own; k is relative to its base. */
 VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at, vxs_i32 k)
 {
@@ -420,17 +450,20 @@ VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at
         if (rank > count) return vxs_blocks_whole(VXS_BLOCKS_SHADOW);
         return vxs_blocks_pattern(blocks, pool, at + 1u + (kind == 0u ? (count + 1u) >> 1 : kind * count), count, rank - 1u);
     }
+    if (kind == VXS_BLOCKS_PLANE)
+        return vxs_blocks_plane(vxs_four_bytes(blocks, pool, 2u * at + 2u), shift, 7u, 0u, 0u, vxs_blocks_limit(k));
+    if (kind > VXS_BLOCKS_PLANE) return vxs_blocks_tile_of(kind, pool, at, 0u, 0u, vxs_blocks_limit(k));
     k >>= shift;
     if (kind != VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k);
     return vxs_blocks_tile_of(kind, pool, at + 3u, 0u, vxs_four_bytes(blocks, pool, 2u * at + 2u), k);
 }
 
-/* Base of own tile t, relative to its block. low  14 bits of the tile's word */
+/* Base of own tile t, which is mixed, relative to its block. low  14 bits of the tile's word */
 VXS_FN vxs_i32 vxs_blocks_own_base(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 low)
 {
     if ((block.head & 0x400u) == 0u) return VXS_I(low) - 8192;
     vxs_u32 bytes = vxs_blocks_palette_bytes(block) + ((vxs_popcount(block.fresh) + 1u) >> 1);
-    return VXS_I(vxs_word(blocks, block.palette + ((bytes + 3u) >> 2) + vxs_popcount(block.own & ((1u << t) - 1u))));
+    return VXS_I(vxs_word(blocks, block.palette + ((bytes + 3u) >> 2) + vxs_popcount(block.own & block.mixed & ((1u << t) - 1u))));
 }
 
 /* Palette entry of uniform tile t: that of the last fresh one at or before it. */
@@ -441,13 +474,25 @@ VXS_FN vxs_u32 vxs_blocks_entry_of_tile(VXS_WORDS blocks, vxs_blocks_block block
     return (vxs_byte(blocks, block.palette, vxs_blocks_palette_bytes(block) + (nth >> 1)) >> (4u * (nth & 1u))) & 15u;
 }
 
-/* Tile t, x + 4y, of a block, at depth k relative to the node; rank is that of the block there. */
-VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_u32 rank, vxs_i32 k)
+/* Tile t, x + 4y, of a block, which lies on its plane.
+ * k  depth relative to the block, without the slope of its node: the plane has it in its own */
+VXS_FN vxs_blocks_tile vxs_blocks_on_plane(VXS_WORDS blocks, vxs_blocks_block block, vxs_u32 t, vxs_i32 k)
 {
-    if (((block.mixed >> t) & 1u) == 0u)
-        return vxs_blocks_whole(rank > vxs_blocks_entry_of_tile(blocks, block, t) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);
+    vxs_u32 slopes = vxs_word(blocks, block.at + 2u), depth = vxs_word(blocks, block.at + 3u);
+    vxs_i32 limit = vxs_blocks_limit(k) - (VXS_I(depth) >> 4);
+    return vxs_blocks_plane(slopes, depth & 15u, 31u, 8u * (t & 3u), 8u * (t >> 2), limit);
+}
 
-    vxs_u32 word = vxs_word(blocks, block.at + 2u + vxs_popcount(block.mixed & ((1u << t) - 1u)));
+/* Tile t, x + 4y, of a block of a node, at depth k relative to the node; rank is that of the block there. */
+VXS_INLINE vxs_blocks_tile vxs_blocks_find_tile(VXS_WORDS blocks, vxs_blocks_node node, vxs_blocks_block block, vxs_u32 t,
+                                                vxs_u32 rank, vxs_i32 k)
+{
+    if (((block.mixed >> t) & 1u) == 0u) {
+        if (((block.own >> t) & 1u) != 0u) return vxs_blocks_on_plane(blocks, block, t, node.k - block.base);
+        return vxs_blocks_whole(rank > vxs_blocks_entry_of_tile(blocks, block, t) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT);
+    }
+
+    vxs_u32 word = vxs_word(blocks, block.palette - vxs_popcount(block.mixed >> t));
     vxs_u32 pool = word >= 0x80000000u ? vxs_word(blocks, 1u) : block.page, at = (word >> 14) & 0x1ffffu, used = word & 0x3fffu;
     if (((block.own >> t) & 1u) != 0u)
         return vxs_blocks_own(blocks, pool, at, k - block.base - vxs_blocks_own_base(blocks, block, t, used));
@@ -532,10 +577,92 @@ VXS_FN vxs_u32 vxs_blocks_raw(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
     return bits;
 }
 
+/* All texels of a tile on a plane, row by row. */
+#ifdef VXS_VECTORS
+VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
+{
+    const vxs_words4 zero = {0}, columns = {0, 1, 2, 3};
+    const vxs_lanes4 limit = (vxs_lanes4)(zero + (vxs_u32)tile.k);
+    vxs_words4       left = columns * (zero + tile.count), right = left + 4u * tile.count, words[2];
+    for (int half = 0; half < 2; half++) {
+        vxs_words4 bits = {1, 2, 4, 8};
+        words[half]     = zero;
+        for (int row = 0; row < 4; row++) {
+            words[half] |= (vxs_words4)((vxs_lanes4)left <= limit) & bits;
+            words[half] |= (vxs_words4)((vxs_lanes4)right <= limit) & (bits << 16);
+            left += tile.bases;
+            right += tile.bases;
+            bits <<= 4;
+        }
+    }
+    vxs_mask mask;
+    mask.low  = words[0][0] | words[0][1] | words[0][2] | words[0][3];
+    mask.high = words[1][0] | words[1][1] | words[1][2] | words[1][3];
+    return mask;
+}
+#else
+VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
+{
+    vxs_mask mask;
+    mask.low  = 0u;
+    mask.high = 0u;
+    for (vxs_u32 z = 0u; z < 32u; z++) {
+        vxs_u32 x = ((z >> 2) & 4u) | (z & 3u), y = (z >> 2) & 3u, depth = tile.count * x + tile.bases * y;
+        mask.low |= (VXS_I(depth) <= tile.k ? 1u : 0u) << z;
+        mask.high |= (VXS_I(depth + 4u * tile.bases) <= tile.k ? 1u : 0u) << z;
+    }
+    return mask;
+}
+#endif
+
+/* Plane 0 or 1 of a tile that has two. */
+VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 which)
+{
+    vxs_u32 first = vxs_half(blocks, tile.pool, tile.at), shift = (first >> 8) & 15u;
+    vxs_u32 deeper = which == 0u ? 0u : vxs_half(blocks, tile.pool, tile.at + 5u) << (8u + (first & 7u));
+    vxs_u32 slopes = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 2u + 4u * which);
+    return vxs_blocks_plane(slopes, shift, 7u, 0u, 0u, VXS_I(VXS_U(tile.k) - deeper));
+}
+
+/* Bits of a tile of two planes, from those of each, and from those of the mask that says which are of the second. */
+VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_u32 of_second)
+{
+    if (kind == VXS_BLOCKS_NEARER) return first | second;
+    if (kind == VXS_BLOCKS_FARTHER) return first & second;
+    return (first & ~of_second) | (second & of_second);
+}
+
+/* All texels of a tile of two planes. */
+VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
+{
+    vxs_mask first  = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u));
+    vxs_mask second = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 1u));
+    first.low       = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
+    first.high      = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
+    return first;
+}
+
+/* Texel z of quadrant c of a tile on a plane. */
+VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    vxs_u32 x = 4u * (c & 1u) + (z & 3u), y = 4u * (c >> 1) + (z >> 2);
+    return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
+}
+
+/* Texel z of quadrant c of a tile of two planes. */
+VXS_FN vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    vxs_u32 first  = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 0u), c, z);
+    vxs_u32 second = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 1u), c, z);
+    return vxs_blocks_join(tile.kind, first, second, vxs_half(blocks, tile.pool, tile.at + 6u + c) >> z) & 1u;
+}
+
 /* A texel of a tile that is neither lit nor shadowed: c the quadrant, z its number in there. */
 VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
 {
     if (tile.kind == VXS_BLOCKS_MASKS) return (vxs_blocks_quadrant(blocks, tile, c) >> z) & 1u;
+    if (tile.kind == VXS_BLOCKS_PLANE) return vxs_blocks_plane_texel(tile, c, z);
+    if (tile.kind > VXS_BLOCKS_PLANE) return vxs_blocks_two_planes_texel(blocks, tile, c, z);
     if (tile.kind >= VXS_BLOCKS_RAW) return vxs_blocks_raw_texel(blocks, tile, 16u * c + z);
     vxs_u32 nibble = (vxs_byte(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u) + z) >> (4u * (c >> 1))) & 15u;
     return VXS_I(nibble + ((tile.bases >> (8u * c)) & 0xffu)) <= tile.k ? 1u : 0u;
@@ -546,6 +673,8 @@ VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_mask mask;
     if (tile.kind == VXS_BLOCKS_MASKS) return vxs_blocks_quadrants(blocks, tile);
+    if (tile.kind == VXS_BLOCKS_PLANE) return vxs_blocks_plane_mask(tile);
+    if (tile.kind > VXS_BLOCKS_PLANE) return vxs_blocks_two_planes(blocks, tile);
     mask.low  = 0u;
     mask.high = 0u;
     for (vxs_u32 c = 0u; c < 4u; c++) {
@@ -574,14 +703,9 @@ VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, 
     vxs_u32          kind  = vxs_blocks_block_kind(block, rank, depth);
     if (kind != VXS_BLOCKS_MASKS) return kind;
 
-    vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, block, ((i >> 3) & 3u) | (((j >> 3) & 3u) << 2), rank, depth);
+    vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, node, block, ((i >> 3) & 3u) | (((j >> 3) & 3u) << 2), rank, depth);
     if (tile.kind < VXS_BLOCKS_MASKS) return tile.kind;
     return vxs_blocks_texel(blocks, tile, ((i >> 2) & 1u) | (((j >> 2) & 1u) << 1), (i & 3u) | ((j & 3u) << 2));
-}
-
-VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
-{
-    return x < low ? low : x > high ? high : x;
 }
 
 /* What of a box lies in the square at (x, y), counted from there. */
@@ -640,7 +764,7 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node n
             vxs_i32 tile_depth = vxs_blocks_tile_depth(node, tile_x + u, tile_y + v);
             if (tile_depth != depth) rank = vxs_blocks_block_rank(blocks, block, tile_depth);
             depth                = tile_depth;
-            vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, block, VXS_U(u | (v << 2)), rank, depth);
+            vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, node, block, VXS_U(u | (v << 2)), rank, depth);
             count += vxs_blocks_count_in_tile(blocks, tile, vxs_blocks_cut(box, 8 * u, 8 * v, 8));
         }
     return count;

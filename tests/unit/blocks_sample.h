@@ -19,6 +19,7 @@ enum {
     BLOCKS_SPARE_WORDS  = 4,
     BLOCKS_COMMON_MAX   = 1 << 17,
     BLOCKS_PAGE_FULL_AT = 24000, /* halves; a node has 110000 at most */
+    BLOCKS_KINDS        = 11,    /* of patterns with depths of their own */
 };
 
 /* Halves, and words as two of them. */
@@ -42,7 +43,7 @@ typedef struct blocks_sample {
     uint32_t       page_count;
     uint32_t      *words; /* with BLOCKS_SPARE_WORDS zeros behind */
     size_t         word_count;
-    uint32_t       kinds[7], widths[3], states[4], images, far, wide; /* how many of each variant there are */
+    uint32_t       kinds[BLOCKS_KINDS], widths[3], states[4], images, planes, far, wide; /* how many of each variant there are */
 } blocks_sample;
 
 static inline void *blocks_alloc(size_t count, size_t size)
@@ -144,6 +145,92 @@ static inline void put_deltas(half_list *list, const depth_set *set, uint32_t wi
     if (!width) put_bytes(list, bytes, set->count - 1);
 }
 
+/* planes, formats/vxs.md sections 13.2 and 13.3: what they say of depths, at any texel -------------------------------------------------- */
+
+typedef struct plane_slopes {
+    int32_t across, down; /* 16 bits each */
+} plane_slopes;
+
+/* Of a square of last + 1 texels. */
+static inline int64_t slopes_at(plane_slopes s, int32_t last, int32_t x, int32_t y)
+{
+    return (int64_t)s.across * (s.across < 0 ? x - last : x) + (int64_t)s.down * (s.down < 0 ? y - last : y);
+}
+
+/* The plane of a block, of a map's depths. */
+typedef struct block_plane {
+    plane_slopes slopes;
+    uint32_t     shift, tiles; /* a bit for each tile that is on it */
+    int64_t      depth;        /* 1/256 voxel */
+} block_plane;
+
+static inline int32_t block_plane_at(const block_plane *p, int32_t x, int32_t y)
+{
+    return (int32_t)((p->depth + slopes_at(p->slopes, 31, x, y) * ((int64_t)1 << p->shift)) >> 8);
+}
+
+/* A tile's pattern of one plane or two. */
+typedef struct tile_planes {
+    uint32_t     kind, shift; /* kind 0: the tile has none */
+    plane_slopes slopes[2];
+    uint32_t     deeper, deeper_shift; /* the second is */
+    uint64_t     of_second;
+    int32_t      base; /* a depth of the map, without the slope of the node */
+} tile_planes;
+
+static inline int32_t tile_planes_at(const tile_planes *p, int32_t x, int32_t y)
+{
+    int64_t  first  = (slopes_at(p->slopes[0], 7, x, y) << p->shift) / 256;
+    int64_t  second = (slopes_at(p->slopes[1], 7, x, y) << p->shift) / 256 + ((int64_t)p->deeper << p->deeper_shift);
+    uint32_t z      = (uint32_t)(16 * (x / 4 + 2 * (y / 4)) + 4 * (y % 4) + x % 4);
+    switch (p->kind) {
+    case 7: return (int32_t)first;
+    case 8: return (int32_t)(first < second ? first : second);
+    case 9: return (int32_t)(first > second ? first : second);
+    default: return (int32_t)(p->of_second >> z & 1 ? second : first);
+    }
+}
+
+/* Those of a square: of blocks and tiles, rows. */
+typedef struct square_planes {
+    block_plane block[64];
+    tile_planes tile[1024];
+} square_planes;
+
+static inline plane_slopes random_slopes(rng *r)
+{
+    static const int32_t steeps[] = {3, 40, 300, 4000, 32767};
+    int32_t              steep    = steeps[rng_below(r, 5)];
+    plane_slopes         s        = {rng_between(r, -steep - 1, steep), rng_between(r, -steep - 1, steep)};
+    if (!rng_below(r, 6)) *(rng_below(r, 2) ? &s.across : &s.down) = 0;
+    return s;
+}
+
+/* near  a depth that it has, or about that, or far away */
+static inline block_plane random_block_plane(rng *r, int32_t near)
+{
+    block_plane p    = {.slopes = random_slopes(r), .shift = rng_below(r, 2) ? rng_below(r, 9) : 0};
+    int32_t     last = block_plane_at(&p, p.slopes.across < 0 ? 0 : 31, p.slopes.down < 0 ? 0 : 31);
+    p.tiles          = rng_below(r, 2) ? 0xffff : rng_u32(r) & 0xffff;
+    p.depth          = 256 * (int64_t)near + rng_between(r, 0, 255);
+    if (rng_below(r, 2)) p.depth -= 256 * rng_between(r, 0, last < 1 << 17 ? last : 1 << 17);
+    return p;
+}
+
+static inline tile_planes random_tile_planes(rng *r, int32_t base)
+{
+    static const uint32_t deepers[] = {2, 20, 300, 65535};
+    tile_planes           p         = {.kind = 7 + rng_below(r, 4), .base = base};
+    p.shift                         = rng_below(r, 2) ? rng_below(r, 9) : 0;
+    p.slopes[0]                     = random_slopes(r);
+    if (p.kind == 7) return p;
+    p.slopes[1]    = random_slopes(r);
+    p.deeper       = rng_below(r, deepers[rng_below(r, 4)] + 1);
+    p.deeper_shift = rng_below(r, 2) ? rng_below(r, 6) : 0;
+    p.of_second    = (uint64_t)rng_u32(r) << 32 | rng_u32(r);
+    return p;
+}
+
 /* patterns ------------------------------------------------------------------------------------------------------------------------- */
 
 /* A nibble for each texel: z < 32 in the low half of byte z, others in the high half of byte z - 32. */
@@ -227,19 +314,45 @@ static inline void put_own(blocks_sample *s, rng *r, half_list *list, const int3
     }
 }
 
+static inline void put_slopes(half_list *list, plane_slopes s)
+{
+    put_half(list, (uint32_t)s.across);
+    put_half(list, (uint32_t)s.down);
+}
+
+static inline void put_planes(blocks_sample *s, half_list *list, const tile_planes *p)
+{
+    s->kinds[p->kind]++;
+    put_half(list, p->kind << 12 | p->shift << 8 | p->deeper_shift);
+    put_slopes(list, p->slopes[0]);
+    if (p->kind == 7) return;
+    put_slopes(list, p->slopes[1]);
+    put_half(list, p->deeper);
+    for (int n = 0; n < 4 && p->kind == 10; n++) put_half(list, (uint32_t)(p->of_second >> 16 * n));
+}
+
 /* blocks --------------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct block_plan {
-    int32_t   depths[16][64]; /* of texels, relative to the node, slope added */
-    int32_t   least[16];
-    depth_set palette;
-    uint32_t  uniform, own; /* a bit for each tile */
-    int       far;
-    int32_t   own_base[16]; /* relative to the block */
+    int32_t            depths[16][64]; /* of texels, relative to the node, slope added */
+    int32_t            least[16];
+    depth_set          palette;
+    uint32_t           uniform, own; /* a bit for each tile */
+    int                far;
+    int32_t            own_base[16]; /* relative to the block */
+    block_plane        plane;        /* the block has: of depths relative to the node, without its slope */
+    const tile_planes *planes[16];   /* NULL, or the tile has those */
+    int32_t            base[16];     /* of those, relative to the node, slope added */
 } block_plan;
+
+static inline int32_t held_depth(int32_t depth, int32_t last)
+{
+    return depth < 0 ? 0 : depth < last ? depth : last;
+}
 
 static inline void plan_tiles(block_plan *b, rng *r)
 {
+    uint32_t planes = b->plane.tiles;
     for (int t = 0; t < 16; t++) {
         int32_t low = b->depths[t][0], high = low;
         for (int z = 1; z < 64; z++) {
@@ -247,19 +360,25 @@ static inline void plan_tiles(block_plan *b, rng *r)
             high = b->depths[t][z] > high ? b->depths[t][z] : high;
         }
         b->least[t] = low;
-        b->uniform |= (uint32_t)(low == high) << t;
+        if (b->planes[t])
+            b->own |= 1u << t;
+        else if (!(planes >> t & 1))
+            b->uniform |= (uint32_t)(low == high) << t;
     }
+    planes |= b->own;
     for (int t = 0; t < 16; t++)
         if ((b->uniform >> t & 1) && (!rng_below(r, 16) || !depth_set_join(&b->palette, b->depths[t]))) b->own |= 1u << t;
     for (int t = 0; t < 16; t++)
-        if (!(b->uniform >> t & 1) && (!rng_below(r, 5) || !depth_set_join(&b->palette, b->depths[t]))) b->own |= 1u << t;
+        if (!((b->uniform | planes) >> t & 1) && (!rng_below(r, 5) || !depth_set_join(&b->palette, b->depths[t])))
+            b->own |= 1u << t;
     b->uniform &= ~b->own;
     if (!b->palette.count || (b->palette.count < BLOCKS_PALETTE_MAX && !rng_below(r, 8))) /* an entry that nobody uses */
-        depth_set_add(&b->palette, (int32_t)rng_below(r, (uint32_t)b->least[rng_below(r, 16)] + 1));
+        depth_set_add(&b->palette, rng_between(r, 0, held_depth(b->least[rng_below(r, 16)], 1 << 18)));
 
     b->far = !rng_below(r, 8);
     for (int t = 0; t < 16; t++) {
-        b->own_base[t] = b->least[t] - b->palette.depth[0] - (int32_t)(rng_below(r, 4) ? 0 : rng_below(r, 20));
+        int32_t least  = b->planes[t] ? b->base[t] : b->least[t] - (int32_t)(rng_below(r, 4) ? 0 : rng_below(r, 20));
+        b->own_base[t] = least - b->palette.depth[0];
         b->far |= (b->own >> t & 1) && (b->own_base[t] < -8192 || b->own_base[t] > 8191);
     }
 }
@@ -271,7 +390,10 @@ static inline uint32_t put_tile(blocks_sample *s, rng *r, const block_plan *b, i
     half_list *pool   = common ? &s->common : page;
     uint32_t   at     = (uint32_t)pool->count | (common ? 0x20000u : 0);
     if (b->own >> t & 1) {
-        put_own(s, r, pool, b->depths[t], b->palette.depth[0] + b->own_base[t]);
+        if (b->planes[t])
+            put_planes(s, pool, b->planes[t]);
+        else
+            put_own(s, r, pool, b->depths[t], b->palette.depth[0] + b->own_base[t]);
         return at << 14 | (b->far ? 0 : (uint32_t)(b->own_base[t] + 8192));
     }
     uint32_t used = 0;
@@ -288,10 +410,20 @@ static inline uint32_t put_tile(blocks_sample *s, rng *r, const block_plan *b, i
     return at << 14 | used;
 }
 
+/* The plane of a block whose base is that. */
+static inline void put_plane(blocks_sample *s, half_list *page, const block_plane *p, int32_t base)
+{
+    int64_t depth = p->depth - 256 * (int64_t)base;
+    if (depth < -(1 << 27) || depth >= 1 << 27) abort();
+    s->planes++;
+    put_slopes(page, p->slopes);
+    put_word(page, p->shift | (uint32_t)depth << 4);
+}
+
 /* Write a block with its patterns. Returns the word of the page where it starts. */
 static inline uint32_t put_block(blocks_sample *s, rng *r, block_plan *b, half_list *page)
 {
-    uint32_t  words[16], mixed = 0xffff & ~b->uniform, fresh = 0, nibbles = 0;
+    uint32_t  words[16], planes = b->plane.tiles, mixed = 0xffff & ~(b->uniform | planes), fresh = 0, nibbles = 0;
     uint8_t   bytes[128] = {0};
     depth_set last       = {{-1}, 0};
     for (int t = 0; t < 16; t++)
@@ -308,14 +440,15 @@ static inline uint32_t put_block(blocks_sample *s, rng *r, block_plan *b, half_l
     for (uint32_t n = 1; n < b->palette.count; n++)
         for (uint32_t byte = 0; byte < 1u << width; byte++) bytes[size++] = (uint8_t)(deltas[n] >> shift >> 8 * byte);
     for (int t = 0; t < 16; t++) {
-        if (mixed >> t & 1 || last.depth[0] == b->depths[t][0]) continue;
+        if ((mixed | planes) >> t & 1 || last.depth[0] == b->depths[t][0]) continue;
         last.depth[0] = b->depths[t][0];
         fresh |= 1u << t;
         bytes[size + nibbles / 2] |= (uint8_t)(depth_set_index(&b->palette, last.depth[0]) << 4 * (nibbles & 1));
         nibbles++;
     }
     put_word(page, mixed | fresh << 16);
-    put_word(page, b->own | (b->palette.count - 1) << 16 | shift << 20 | width << 24 | (uint32_t)b->far << 26);
+    put_word(page, b->own | planes | (b->palette.count - 1) << 16 | shift << 20 | width << 24 | (uint32_t)b->far << 26);
+    if (planes) put_plane(s, page, &b->plane, from[0]);
     for (int t = 0; t < 16; t++)
         if (mixed >> t & 1) put_word(page, words[t]);
     put_bytes(page, bytes, size + (nibbles + 1) / 2);
@@ -337,11 +470,21 @@ static inline int32_t slope_at(node_slope n, int32_t x, int32_t y)
 }
 
 /* Block c of a square as the node sees it. Returns its depth when it has one, BLOCKS_NEVER among them; else -1. */
-static inline int32_t plan_block(const blocks_sample *s, block_plan *b, const int32_t *depth, int c, node_slope n, int32_t base)
+static inline int32_t plan_block(const blocks_sample *s, block_plan *b, const int32_t *depth, const square_planes *planes, int c,
+                                 node_slope n, int32_t base)
 {
     int32_t first = -1;
-    int     alike = 1, never = 1;
+    int     alike = 1, never = 1, plain = 1;
     memset(b, 0, sizeof *b);
+    b->plane = planes->block[c];
+    b->plane.depth -= 256 * (int64_t)base;
+    for (int t = 0; t < 16; t++) {
+        int32_t            x = c % 8 * 4 + t % 4, y = c / 8 * 4 + t / 4;
+        const tile_planes *own = &planes->tile[32 * y + x];
+        if (own->kind) b->planes[t] = own;
+        b->base[t] = own->base - base + slope_at(n, x, y);
+        plain &= !own->kind && !(b->plane.tiles >> t & 1);
+    }
     for (int y = 0; y < 32; y++)
         for (int x = 0; x < 32; x++) {
             int     i = c % 8 * 32 + x, j = c / 8 * 32 + y;
@@ -351,18 +494,19 @@ static inline int32_t plan_block(const blocks_sample *s, block_plan *b, const in
             alike &= here == first;
             never &= d >= 1 << s->levels;
         }
-    return never ? BLOCKS_NEVER : alike ? first : -1;
+    return !plain ? -1 : never ? BLOCKS_NEVER : alike ? first : -1;
 }
 
 /* Write a square as a node. Returns the word of the page where it starts. */
-static inline uint32_t put_node(blocks_sample *s, rng *r, const int32_t *depth, node_slope n, int32_t base, half_list *page)
+static inline uint32_t put_node(blocks_sample *s, rng *r, const int32_t *depth, const square_planes *planes, node_slope n,
+                                int32_t base, half_list *page)
 {
     uint64_t mixed = 0, fresh  = 0;
     uint32_t refs[64], wide    = !rng_below(r, 4);
     int32_t  numbers[64], last = -1;
     for (int c = 0; c < 64; c++) {
         static block_plan b;
-        numbers[c] = plan_block(s, &b, depth, c, n, base);
+        numbers[c] = plan_block(s, &b, depth, planes, c, n, base);
         if (numbers[c] >= 0 && rng_below(r, 16)) {
             if (numbers[c] != last) fresh |= (uint64_t)1 << c;
             last = numbers[c];
@@ -425,8 +569,9 @@ static inline void random_tile(rng *r, int32_t *depth, const int32_t *levels, ui
     }
 }
 
-/* Depths of a square in [0, side]: blocks of a few levels, slanted by -n. */
-static inline void random_square(rng *r, int32_t *depth, node_slope n, int32_t side)
+/* Depths of a square in [0, side]: blocks of a few levels, slanted by -n. Those on planes may be anything.
+ * planes  [out] zeroed */
+static inline void random_square(rng *r, int32_t *depth, square_planes *planes, node_slope n, int32_t side)
 {
     int32_t ground = (int32_t)rng_below(r, (uint32_t)side + 1), step = 1 << rng_below(r, 10);
     for (int c = 0; c < 64; c++) {
@@ -434,12 +579,21 @@ static inline void random_square(rng *r, int32_t *depth, node_slope n, int32_t s
         uint32_t kind = rng_below(r, 10), count = kind < 4 ? 1 : 1 + rng_below(r, rng_below(r, 2) ? 4 : 20);
         for (uint32_t l = 0; l < count; l++) levels[l] = count == 1 ? ground : ground + step * rng_between(r, -12, 12);
         if (kind == 9) levels[0] = 2 * side + 4096;
+        block_plane *plane = &planes->block[c];
+        if (!rng_below(r, 4)) *plane = random_block_plane(r, levels[0]);
         for (int t = 0; t < 16; t++) {
-            int32_t x = c % 8 * 4 + t % 4, y = c / 8 * 4 + t / 4, *at = depth + 8 * BLOCKS_SQUARE_PX * y + 8 * x;
+            int32_t      x = c % 8 * 4 + t % 4, y = c / 8 * 4 + t / 4, *at = depth + 8 * BLOCKS_SQUARE_PX * y + 8 * x;
+            tile_planes *own = &planes->tile[32 * y + x];
             random_tile(r, at, levels, count, kind < 4 || kind == 9 ? 0 : side);
+            if (!(plane->tiles >> t & 1) && !rng_below(r, 8)) *own = random_tile_planes(r, *at - slope_at(n, x, y));
             for (int z = 0; z < 64; z++) {
-                int32_t *d = at + BLOCKS_SQUARE_PX * (z / 8) + z % 8, slanted = *d - slope_at(n, x, y);
-                *d = slanted < 0 ? 0 : slanted > side ? side : slanted;
+                int32_t *d = at + BLOCKS_SQUARE_PX * (z / 8) + z % 8;
+                if (plane->tiles >> t & 1)
+                    *d = block_plane_at(plane, t % 4 * 8 + z % 8, t / 4 * 8 + z / 8);
+                else if (own->kind)
+                    *d = own->base + tile_planes_at(own, z % 8, z / 8);
+                else
+                    *d = held_depth(*d - slope_at(n, x, y), side);
             }
         }
     }
@@ -456,7 +610,7 @@ static inline void square_bounds(const int32_t *depth, int32_t *low, int32_t *hi
 
 static inline uint32_t coarse_depth(const blocks_sample *s, int32_t depth)
 {
-    uint32_t coarse = (uint32_t)depth >> (s->levels > 8 ? s->levels - 8 : 0);
+    uint32_t coarse = (uint32_t)held_depth(depth, 1 << s->levels) >> (s->levels > 8 ? s->levels - 8 : 0);
     return coarse < 255 ? coarse : 255;
 }
 
@@ -481,15 +635,17 @@ static inline uint32_t blocks_sample_square(blocks_sample *s, rng *r)
         square_bounds(q->depth, &low, &high);
     } else {
         if (s->pages[s->page_count - 1].count > rng_below(r, BLOCKS_PAGE_FULL_AT)) s->page_count++;
-        node_slope n = random_slope(r);
-        random_square(r, q->depth, n, side);
+        square_planes *planes = blocks_alloc(1, sizeof *planes);
+        node_slope     n      = random_slope(r);
+        random_square(r, q->depth, planes, n, side);
         if (!rng_below(r, 5)) n = rng_below(r, 2) ? random_slope(r) : (node_slope){0, 0}; /* one that does not fit */
         square_bounds(q->depth, &low, &high);
-        q->base = (uint32_t)low >> up;
+        q->base = (uint32_t)held_depth(low, side) >> up;
         if (rng_below(r, 2)) q->base = rng_below(r, q->base + 1);
         if (q->base > 0xffff) q->base = 0xffff;
         q->page   = s->page_count - 1;
-        q->offset = put_node(s, r, q->depth, n, (int32_t)(q->base << up), s->pages + q->page);
+        q->offset = put_node(s, r, q->depth, planes, n, (int32_t)(q->base << up), s->pages + q->page);
+        free(planes);
     }
     q->min = coarse_depth(s, low);
     q->max = coarse_depth(s, high);
@@ -614,7 +770,7 @@ static inline void blocks_sample_free(blocks_sample *s)
 static inline int32_t blocks_sample_depth(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j)
 {
     int32_t square = s->map[map][(i >> 8) + (size_t)s->squares_wide * (j >> 8)];
-    return square >= 0 ? square : s->squares[~square].depth[(i & 255) + BLOCKS_SQUARE_PX * (j & 255)];
+    return square >= 0 ? square : held_depth(s->squares[~square].depth[(i & 255) + BLOCKS_SQUARE_PX * (j & 255)], 1 << s->levels);
 }
 
 /* 1 for shadow; by the bounds of the square where its page is not there. */

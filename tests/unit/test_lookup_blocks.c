@@ -117,18 +117,20 @@ static void test_lookups(void **state)
             blocks_sample_init(&s, &r, cases[n].levels, cases[n].maps, cases[n].squares);
             check_squares(&s, &r);
             check_random(&s, &r, 10000);
-            for (int kind = 0; kind < 7; kind++) all.kinds[kind] += s.kinds[kind];
+            for (int kind = 0; kind < BLOCKS_KINDS; kind++) all.kinds[kind] += s.kinds[kind];
             for (int kind = 0; kind < 4; kind++) all.states[kind] += s.states[kind];
             for (int width = 0; width < 3; width++) all.widths[width] += s.widths[width];
             all.images += s.images;
+            all.planes += s.planes;
             all.far += s.far;
             all.wide += s.wide;
             blocks_sample_free(&s);
         }
-    for (int kind = 0; kind < 7; kind++) assert_in_range(all.kinds[kind], 100, UINT32_MAX);
+    for (int kind = 0; kind < BLOCKS_KINDS; kind++) assert_in_range(all.kinds[kind], 100, UINT32_MAX);
     for (int kind = 0; kind < 4; kind++) assert_in_range(all.states[kind], 100, UINT32_MAX);
     for (int width = 0; width < 3; width++) assert_in_range(all.widths[width], 100, UINT32_MAX);
     assert_in_range(all.images, 100, UINT32_MAX);
+    assert_in_range(all.planes, 100, UINT32_MAX);
     assert_in_range(all.far, 100, UINT32_MAX);
     assert_in_range(all.wide, 2, UINT32_MAX);
 }
