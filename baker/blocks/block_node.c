@@ -127,7 +127,7 @@ static void scale_block(node_builder *b)
     /* the first is behind the second where all that is not on a plane is uniform, and alike */
     if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) scale_by_depths(b);
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind != TILE_PATTERN) continue;
+        if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
         axis_codes(&b->axis, t->ranges.low, t->low, 64);
         axis_codes(&b->axis, t->ranges.high, t->high, 64);
     }

@@ -5,7 +5,16 @@
 #include "baker/base/integer.h"
 #include "baker/blocks/patterns.h"
 
-enum { ONE_PLANE = 7, NEARER, FARTHER, BY_MASK, FAR_SHIFT_MAX = 5 };
+enum {
+    ONE_PLANE = 7,
+    NEARER,
+    FARTHER,
+    BY_MASK,
+    FAR_SHIFT_MAX = 5,
+    PLANE_PART    = PLANE_ONE / 4, /* least depths are so many parts of a voxel */
+    FIRST_PARTS   = 3,             /* bits where they are */
+    SECOND_PARTS  = 5
+};
 
 /* What is so far away that any plane may pass it; where none may, what was found is not right, and is not taken. */
 enum { FAR_VX = PLANE_FREE / PLANE_ONE };
@@ -31,6 +40,19 @@ static uint16_t slope_half(int32_t slope, int shift)
     return (uint16_t)(slope >> shift);
 }
 
+/* The plane comes nearer by all whole voxels of its least depth. Returns those. */
+static int32_t whole_voxels(plane *p)
+{
+    int32_t whole = p->least >> 8;
+    p->least -= whole * PLANE_ONE;
+    return whole;
+}
+
+static int parts(const plane *p)
+{
+    return p->least / PLANE_PART;
+}
+
 /* Whether each depth lies in its range. */
 static int all_fit(const tile_ranges *t, const int32_t depth[64], int32_t base)
 {
@@ -47,14 +69,13 @@ uint32_t own_plane(const tile_ranges *t, uint16_t *halves, int32_t depth[64], in
     plane_ranges_of(&ranges, t, from);
     if (!plane_may_fit(&ranges)) return 0;
     plane p = plane_start(&ranges);
-    if (!plane_fit(&p, &tile, 1, 8) || p.least % PLANE_ONE) return 0;
-    *base   = from + p.least / PLANE_ONE;
-    p.least = 0;
+    if (!plane_fit(&p, &tile, 1, 8) || p.least % PLANE_PART) return 0;
+    *base = from + whole_voxels(&p);
     for (int y = 0; y < 8; y++)
         for (int x = 0; x < 8; x++) depth[pattern_texel(x, y)] = plane_depth(&p, 8, x, y);
     if (!all_fit(t, depth, *base)) return 0;
     int shift = plane_shift(&p);
-    halves[0] = (uint16_t)(ONE_PLANE << 12 | shift << 8);
+    halves[0] = (uint16_t)(ONE_PLANE << 12 | shift << 8 | parts(&p) << FIRST_PARTS);
     halves[1] = slope_half(p.across, shift);
     halves[2] = slope_half(p.down, shift);
     return OWN_PLANE_HALVES;
@@ -63,16 +84,17 @@ uint32_t own_plane(const tile_ranges *t, uint16_t *halves, int32_t depth[64], in
 /* Two planes as they are written: from the nearer one on, with slopes in the same steps. */
 typedef struct plane_pair {
     plane    p[2];
-    uint64_t second;
+    uint64_t second; /* texels of the second one */
     int      shift;
-    uint32_t far, far_shift; /* the second one's least depth: far << far_shift */
+    int32_t  base;
+    uint32_t far, far_shift; /* the second one's least depth, without its parts: far << far_shift */
 } plane_pair;
 
 /* 0: they cannot be written. */
 static int prepare_pair(plane_pair *pair)
 {
     plane *p = pair->p;
-    if (p[0].least % PLANE_ONE || p[1].least % PLANE_ONE) return 0;
+    if (p[0].least % PLANE_PART || p[1].least % PLANE_PART) return 0;
     if (p[1].least < p[0].least) {
         plane was    = p[0];
         p[0]         = p[1];
@@ -81,50 +103,63 @@ static int prepare_pair(plane_pair *pair)
     }
     pair->shift = max_i32(plane_shift(&p[0]), plane_shift(&p[1]));
     for (int n = 0; n < 2; n++) {
-        p[n].across = p[n].across >> pair->shift << pair->shift;
-        p[n].down   = p[n].down >> pair->shift << pair->shift;
+        p[n].across = p[n].across & -(1 << pair->shift);
+        p[n].down   = p[n].down & -(1 << pair->shift);
     }
-    uint32_t far = (uint32_t)(p[1].least - p[0].least) / PLANE_ONE;
+    pair->base   = whole_voxels(&p[0]);
+    uint32_t far = (uint32_t)(whole_voxels(&p[1]) - pair->base);
     for (pair->far_shift = 0; far >> pair->far_shift > 0xffff;) pair->far_shift++;
-    pair->far  = (far + (1u << pair->far_shift) - 1) >> pair->far_shift;
-    p[1].least = (int32_t)(pair->far << pair->far_shift) * PLANE_ONE;
-    p[0].least = 0;
-    return pair->far <= 0xffff && pair->far_shift <= FAR_SHIFT_MAX;
+    pair->far = far >> pair->far_shift;
+    return pair->far_shift <= FAR_SHIFT_MAX;
 }
 
 static void depths_of_pair(const plane_pair *pair, int kind, int32_t depth[64])
 {
+    const plane *first = &pair->p[0], *second = &pair->p[1];
+    int32_t      far = (int32_t)(pair->far << pair->far_shift);
     for (int y = 0; y < 8; y++)
         for (int x = 0; x < 8; x++) {
             int     n = pattern_texel(x, y);
-            int32_t a = plane_depth(&pair->p[0], 8, x, y), b = plane_depth(&pair->p[1], 8, x, y);
+            int32_t a = plane_depth(first, 8, x, y), b = far + plane_depth(second, 8, x, y);
             depth[n] = kind == NEARER ? min_i32(a, b) : kind == FARTHER ? max_i32(a, b) : pair->second >> n & 1 ? b : a;
         }
+}
+
+/* Returns how many halves, or 0: there is a texel that it does not suit. */
+static uint32_t encode_pair(plane_pair pair, int kind, const tile_ranges *t, int32_t from, uint16_t *halves, int32_t depth[64], int32_t *base)
+{
+    if (!prepare_pair(&pair)) return 0;
+    *base = from + pair.base;
+    depths_of_pair(&pair, kind, depth);
+    if (!all_fit(t, depth, *base)) return 0;
+    halves[0] = (uint16_t)((uint32_t)kind << 12 | (uint32_t)pair.shift << 8 | pair.far_shift);
+    halves[0] |= (uint16_t)(parts(&pair.p[0]) << FIRST_PARTS | parts(&pair.p[1]) << SECOND_PARTS);
+    for (int n = 0; n < 2; n++) {
+        halves[1 + 2 * n] = slope_half(pair.p[n].across, pair.shift);
+        halves[2 + 2 * n] = slope_half(pair.p[n].down, pair.shift);
+    }
+    halves[5] = (uint16_t)pair.far;
+    if (kind != BY_MASK) return OWN_PAIR_HALVES;
+    for (int n = 0; n < 4; n++) halves[OWN_PAIR_HALVES + n] = (uint16_t)(pair.second >> 16 * n);
+    return OWN_PLANES_HALVES_MAX;
 }
 
 uint32_t own_plane_pair(const tile_ranges *t, uint32_t most, uint16_t *halves, int32_t depth[64], int32_t *base)
 {
     plane_ranges ranges = {.x = 0};
-    plane_pair   pair;
+    plane_pair   found;
     int32_t      from = least_high(t);
     plane_ranges_of(&ranges, t, from);
-    if (!plane_fit_pair(pair.p, &pair.second, &ranges)) return 0;
-    if (!pair.second) pair.p[1] = pair.p[0];
-    *base = from + min_i32(pair.p[0].least, pair.p[1].least) / PLANE_ONE;
-    if (!prepare_pair(&pair)) return 0;
-    for (int kind = NEARER; kind <= BY_MASK; kind++) {
-        uint32_t count = kind == BY_MASK ? OWN_PLANES_HALVES_MAX : OWN_PAIR_HALVES;
-        if (count > most) return 0;
-        depths_of_pair(&pair, kind, depth);
-        if (!all_fit(t, depth, *base)) continue;
-        halves[0] = (uint16_t)((uint32_t)kind << 12 | (uint32_t)pair.shift << 8 | pair.far_shift);
-        for (int n = 0; n < 2; n++) {
-            halves[1 + 2 * n] = slope_half(pair.p[n].across, pair.shift);
-            halves[2 + 2 * n] = slope_half(pair.p[n].down, pair.shift);
-        }
-        halves[5] = (uint16_t)pair.far;
-        for (uint32_t n = OWN_PAIR_HALVES; n < count; n++) halves[n] = (uint16_t)(pair.second >> 16 * (n - OWN_PAIR_HALVES));
-        return count;
+    if (!plane_fit_pair(found.p, &found.second, &ranges)) return 0;
+    if (!found.second) found.p[1] = found.p[0];
+    for (int kind = NEARER; kind <= FARTHER; kind++) {
+        /* where they meet, each lies beyond the other's texels: no mask is needed */
+        plane_pair   pair   = found;
+        plane_others others = kind == NEARER ? OTHERS_BEHIND : OTHERS_BEFORE;
+        if (!plane_fit_texels(&pair.p[0], &ranges, ~pair.second, others)) continue;
+        if (!plane_fit_texels(&pair.p[1], &ranges, pair.second, others)) continue;
+        uint32_t count = encode_pair(pair, kind, t, from, halves, depth, base);
+        if (count) return count;
     }
-    return 0;
+    return most < OWN_PLANES_HALVES_MAX ? 0 : encode_pair(found, BY_MASK, t, from, halves, depth, base);
 }

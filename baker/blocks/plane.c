@@ -154,13 +154,14 @@ plane plane_start(const plane_ranges *t)
 
 /* parts of tiles -------------------------------------------------------------------------------------------------------------- */
 
-int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels)
+int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others)
 {
     plane_ranges        part = *t;
     const plane_ranges *tile = &part;
     for (uint64_t rest = ~texels; rest; rest &= rest - 1) {
-        part.low[__builtin_ctzll(rest)]  = -PLANE_FREE;
-        part.high[__builtin_ctzll(rest)] = PLANE_FREE;
+        int n = __builtin_ctzll(rest);
+        if (others != OTHERS_BEHIND) part.low[n] = -PLANE_FREE;
+        if (others != OTHERS_BEFORE) part.high[n] = PLANE_FREE;
     }
     return plane_fit(p, &tile, 1, 8);
 }
@@ -203,14 +204,21 @@ static uint64_t window_texels(int x, int y)
 static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
 {
     *p = start_of_texels(t, window);
-    if (!plane_fit_texels(p, t, window)) return 0;
+    if (!plane_fit_texels(p, t, window, OTHERS_ANYWHERE)) return 0;
     uint64_t on = plane_texels(p, t, 0);
-    for (int n = 0; n < 3; n++) {
+    for (int n = 0; n < 4; n++) {
         plane    next = *p;
         uint64_t near = plane_texels(p, t, NEAR);
-        if (near == on || !plane_fit_texels(&next, t, near)) break;
+        if (near == on) break;
+        if (!plane_fit_texels(&next, t, near, OTHERS_ANYWHERE)) {
+            /* some of them are on another: what is on this one says better where it goes */
+            next = *p;
+            if (!plane_fit_texels(&next, t, on, OTHERS_ANYWHERE)) break;
+        }
+        uint64_t now = plane_texels(&next, t, 0);
+        if (__builtin_popcountll(now) <= __builtin_popcountll(on)) break;
         *p = next;
-        on = plane_texels(p, t, 0);
+        on = now;
     }
     return on;
 }
@@ -228,7 +236,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
         if (!on) continue;
         if (!*second) return 1;
         pair[1] = start_of_texels(t, *second);
-        if (plane_fit_texels(&pair[1], t, *second)) return 1;
+        if (plane_fit_texels(&pair[1], t, *second, OTHERS_ANYWHERE)) return 1;
     }
     return 0;
 }

@@ -45,8 +45,11 @@ int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t sid
 /* The same without a move of slopes that can be written already: only the depth is found. */
 int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
 
+/* Where a plane may pass the texels that are not its own. */
+typedef enum plane_others { OTHERS_ANYWHERE, OTHERS_BEHIND, OTHERS_BEFORE } plane_others;
+
 /* The same as plane_fit for texels of one tile of 8 x 8, whose bits are set. */
-int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels);
+int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others);
 
 /* Texels of a tile of 8 x 8 whose ranges, each `margin` wider, the plane passes through. */
 uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin);

@@ -21,6 +21,7 @@ typedef enum map_kind {
     MAPS_INSIDE, /* e and x within one voxel: nothing but that voxel is free */
     MAPS_STEPS,  /* few depths, on voxel boundaries: ties */
     MAPS_CLIFF,  /* half of each tile far in front of the other: everything between is parted by one mask */
+    MAPS_FACETS, /* slanted sheets that meet and end before one another, some steep: what meshes look like */
     MAP_KINDS
 } map_kind;
 
@@ -52,12 +53,33 @@ static inline void fill_boxes(depth_maps *d, rng *r)
     }
 }
 
+/* Of a sheet, e and x are the same; each is there for a rectangle. */
+static inline void fill_facets(depth_maps *d, rng *r)
+{
+    uint32_t side = d->side_px;
+    for (size_t n = 0; n < (size_t)side * side; n++) set_texel(d, n, 1, 1);
+    for (int sheet = 0; sheet < 16; sheet++) {
+        double steep = sheet % 4 ? 1 : 16, e = random_unit(r), a = (random_unit(r) - 0.5) * steep,
+               b    = (random_unit(r) - 0.5) * steep;
+        uint32_t u0 = rng_below(r, side), v0 = rng_below(r, side), u1 = u0 + side / 4, v1 = v0 + side / 2;
+        for (uint32_t v = v0; v < v1 && v < side; v++)
+            for (uint32_t u = u0; u < u1 && u < side; u++) {
+                double at = e + (a * (u - u0) + b * (v - v0)) / side;
+                if (at >= 0 && at < d->enter[v * side + u]) set_texel(d, v * side + u, at, at);
+            }
+    }
+}
+
 static inline void fill_maps(depth_maps *d, map_kind kind, rng *r)
 {
     uint32_t side = d->side_px, depth = d->depth_vx;
     double   a = random_unit(r) - 0.5, b = random_unit(r) - 0.5, thick = random_unit(r) * 0.3;
     if (kind == MAPS_BOXES) {
         fill_boxes(d, r);
+        return;
+    }
+    if (kind == MAPS_FACETS) {
+        fill_facets(d, r);
         return;
     }
     for (size_t n = 0; n < (size_t)side * side; n++) {

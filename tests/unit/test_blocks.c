@@ -491,12 +491,103 @@ static void own_patterns_agree(void **state)
     }
 }
 
+/* A sheet's ranges: the voxel that it is in, or the one behind. */
+static tile_ranges sheet_ranges(double across, double down, double least)
+{
+    tile_ranges t;
+    for (int y = 0; y < 8; y++)
+        for (int x = 0; x < 8; x++) {
+            int n     = pattern_texel(x, y);
+            t.low[n]  = (int32_t)floor(least + across * x + down * y);
+            t.high[n] = t.low[n] + 1;
+        }
+    return t;
+}
+
+/* Any sheet is a plane of three halves, and the same one however deep it lies. */
+static void sheets_are_planes(void **state)
+{
+    (void)state;
+    rng      r   = {1};
+    own_set  set = {0};
+    uint32_t id, first, same = 0;
+    int32_t  base;
+    uint16_t halves[OWN_HALVES_MAX];
+    for (int round = 0; round < 3000; round++) {
+        double      steep = round % 3 ? 2 : 200, across = (random_unit(&r) - 0.5) * steep, down = (random_unit(&r) - 0.5) * steep;
+        tile_ranges t = sheet_ranges(across, down, 5000 + random_unit(&r));
+        assert_int_equal(own_find(&set, &t, &id, &base), VXS_OK);
+        assert_int_equal(own_pattern_encode(&set.patterns[id], halves), OWN_PLANE_HALVES);
+        for (int n = 0; n < 64; n++) assert_in_range(base + set.patterns[id].depth[n], t.low[n], t.high[n]);
+        first = id;
+        t     = sheet_ranges(across, down, 9000 + random_unit(&r));
+        assert_int_equal(own_find(&set, &t, &id, &base), VXS_OK);
+        same += id == first;
+    }
+    print_message("same %u\n", same);    own_set_free(&set);
+}
+
+/* Two sheets, of which one ends before the other, or that meet, take what two planes take. */
+static void two_sheets_are_two_planes(void **state)
+{
+    (void)state;
+    rng      r        = {2};
+    own_set  set      = {0};
+    uint32_t found[4] = {0}, id;
+    int32_t  base;
+    uint16_t halves[OWN_HALVES_MAX];
+    for (int round = 0; round < 3000; round++) {
+        double      edge_x = random_unit(&r) - 0.5, edge_y = random_unit(&r) - 0.5;
+        tile_ranges a = sheet_ranges(random_unit(&r) * 8, random_unit(&r) * 8, 1000 + 3000 * (round % 3 == 2));
+        tile_ranges b = sheet_ranges(-random_unit(&r) * 8, random_unit(&r) * 8, 1030), t = a;
+        for (int y = 0; y < 8; y++)
+            for (int x = 0; x < 8; x++) {
+                int n      = pattern_texel(x, y);
+                int second = round % 3 == 0   ? b.low[n] < a.low[n]
+                             : round % 3 == 1 ? b.low[n] > a.low[n]
+                                              : edge_x * (x - 3) > edge_y * (y - 3);
+                if (!second) continue;
+                t.low[n]  = b.low[n];
+                t.high[n] = b.high[n];
+            }
+        assert_int_equal(own_find(&set, &t, &id, &base), VXS_OK);
+        for (int n = 0; n < 64; n++) assert_in_range(base + set.patterns[id].depth[n], t.low[n], t.high[n]);
+        uint32_t count = own_pattern_encode(&set.patterns[id], halves);
+        found[count == OWN_PLANE_HALVES ? 0 : count == OWN_PAIR_HALVES ? 1 : count == OWN_PLANES_HALVES_MAX ? 2 : 3]++;
+        if (count == OWN_PAIR_HALVES) assert_true(halves[0] >> 12 == 8 || halves[0] >> 12 == 9);
+    }
+    print_message("found %u %u %u %u\n", found[0], found[1], found[2], found[3]);
+    assert_true(found[1] > 1500 && found[2] > 700 && found[3] < 300);
+    own_set_free(&set);
+}
+
+/* A slanted sheet over a whole map is a few words for each block, on whatever slope it lies. */
+static void sheet_over_a_map(void **state)
+{
+    (void)state;
+    const uint32_t side = 512;
+    for (int steep = 0; steep < 2; steep++) {
+        depth_maps  d = random_maps(side, side, MAPS_EMPTY, 1);
+        column_map  m = depth_maps_map(&d);
+        block_words w;
+        for (uint32_t n = 0; n < side * side; n++)
+            d.enter[n] = d.exit[n] = (float)fmin(side, (steep ? 7.3 * (n % side) : 0.613 * (n % side)) + 0.131 * (n / side)) / (float)side;
+        depth_maps_reduce(&d, 1);
+        assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+        assert_columns(&w, 0, 9, &d, 0, 0);
+        assert_true(w.count < 16 * 16 * 6);
+        block_words_free(&w);
+        depth_maps_free(&d);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(piercing),           cmocka_unit_test(axes_keep_order),     cmocka_unit_test(repeated_at_other_depths),
         cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),      cmocka_unit_test(every_kind_of_map),
         cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches), cmocka_unit_test(six_maps),
+        cmocka_unit_test(sheets_are_planes),  cmocka_unit_test(sheet_over_a_map),    cmocka_unit_test(two_sheets_are_two_planes),
         cmocka_unit_test(pages_are_cut),      cmocka_unit_test(shapes_of_formulas),  cmocka_unit_test(failing_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
