@@ -1,0 +1,128 @@
+/* Depths of the texels above what comes next, `above`, and on its left, `left`: by them all that is alike is found. They are relative to
+ * the node, and modulo 2^16: they only choose odds and predict, so that a depth that does not fit costs bytes, no more.
+ * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_BORDERS_H
+#define VXS_PAGE_BORDERS_H
+
+#include "vxs_page_walk.h"
+
+/* Whether depths at p are not all one. */
+PAGE_INLINE uint32_t varied(const int16_t *p, uint32_t count)
+{
+#ifdef PAGE_SSE2
+    __m128i first = _mm_set1_epi16(p[0]), same = _mm_cmpeq_epi16(first, _mm_loadu_si128((const __m128i *)p));
+    for (uint32_t n = 8; n < count; n += 8)
+        same = _mm_and_si128(same, _mm_cmpeq_epi16(first, _mm_loadu_si128((const __m128i *)(p + n))));
+    return _mm_movemask_epi8(same) != 0xffff;
+#else
+    uint32_t other = 0;
+    for (uint32_t n = 1; n < count; n++) other |= (uint32_t)(p[n] != p[0]);
+    return other;
+#endif
+}
+
+/* Which of 16 depths are `depth`. */
+PAGE_INLINE uint32_t equal_depths(const int16_t *palette, int16_t depth)
+{
+#ifdef PAGE_SSE2
+    __m128i all = _mm_set1_epi16(depth);
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(_mm_cmpeq_epi16(all, _mm_load_si128((const __m128i *)palette)),
+                                                       _mm_cmpeq_epi16(all, _mm_load_si128((const __m128i *)palette + 1))));
+#else
+    uint32_t equal = 0;
+    for (uint32_t n = 0; n < 16; n++) equal |= (uint32_t)(palette[n] == depth) << n;
+    return equal;
+#endif
+}
+
+/* Which depths of a palette eight texels have. */
+PAGE_INLINE uint32_t depths_met(const int16_t *palette, uint32_t entries, const int16_t *texels)
+{
+    uint32_t met = 0;
+#ifdef PAGE_SSE2
+    __m128i low = _mm_load_si128((const __m128i *)palette), high = _mm_load_si128((const __m128i *)palette + 1),
+            a = _mm_setzero_si128(), b = a;
+    for (uint32_t n = 0; n < 8; n++) {
+        __m128i texel = _mm_set1_epi16(texels[n]);
+        a             = _mm_or_si128(a, _mm_cmpeq_epi16(low, texel));
+        b             = _mm_or_si128(b, _mm_cmpeq_epi16(high, texel));
+    }
+    met = (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(a, b)) & ((1u << entries) - 1);
+#else
+    for (uint32_t n = 0; n < entries; n++) {
+        uint32_t equal = 0;
+        for (uint32_t k = 0; k < 8; k++) equal |= (uint32_t)(texels[k] == palette[n]);
+        met |= equal << n;
+    }
+#endif
+    return met;
+}
+
+/* The least depth on the left of a square and above it, INT16_MAX: there is none. NEVER is none. */
+static int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+{
+    int32_t least = INT16_MAX;
+    for (uint32_t k = 0; k < side_px; k++) {
+        int32_t l = w->left[y0 + k], a = w->above[8 + x0 + k];
+        if (l < least && l != (int16_t)NEVER) least = l;
+        if (a < least && a != (int16_t)NEVER) least = a;
+    }
+    return least;
+}
+
+/* What a tile leaves for those on its right and below.
+ * depth  of its pattern, by index */
+static void draw_pattern(walk *w, uint64_t border, const int16_t *depth, uint32_t x0, uint32_t y0)
+{
+    int16_t *above = w->above + 8 + x0, *left = w->left + y0;
+    for (uint32_t n = 0; n < TILE_PX; n++) {
+        above[n] = depth[border >> 4 * n & 15];
+        left[n]  = depth[border >> (32 + 4 * n) & 15];
+    }
+}
+
+PAGE_INLINE void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px, int16_t depth)
+{
+    for (uint32_t n = 0; n < side_px; n++) w->above[8 + x0 + n] = w->left[y0 + n] = depth;
+}
+
+/* What the node's slope adds to the depths of a tile; never negative. */
+PAGE_INLINE int32_t slope_shift(int32_t nx, int32_t ny, int32_t tx, int32_t ty)
+{
+    return ((nx < 0 ? nx * (tx - 31) : nx * tx) + (ny < 0 ? ny * (ty - 31) : ny * ty)) >> 8;
+}
+
+/* The depths about a node: those of its neighbours in the page, or its base. */
+static void open_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny)
+{
+    const vxs_page_scratch *s  = w->s;
+    const uint32_t         *up = s->below_of[n->x % COLUMNS_KEPT], *side = s->right_of[n->y % COLUMNS_KEPT];
+    int                     above = up[0] == n->map + 1 && up[1] == n->x && up[2] + 1 == n->y,
+        left                      = side[0] == n->map + 1 && side[1] + 1 == n->x && side[2] == n->y;
+    for (uint32_t k = 0; k < NODE_PX; k++) {
+        int32_t a = s->below[n->x % COLUMNS_KEPT][k], l = s->right[n->y % COLUMNS_KEPT][k], t = (int32_t)(k >> 3);
+        w->above[8 + k] = (int16_t)(!above ? 0 : a == (int16_t)NEVER ? a : a - n->base + slope_shift(nx, ny, t, 0));
+        w->left[k]      = (int16_t)(!left ? 0 : l == (int16_t)NEVER ? l : l - n->base + slope_shift(nx, ny, 0, t));
+    }
+    for (uint32_t k = 0; k < 8; k++) {
+        w->above[k]               = w->above[8];
+        w->above[8 + NODE_PX + k] = w->above[7 + NODE_PX];
+    }
+}
+
+static void close_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny)
+{
+    vxs_page_scratch *s  = w->s;
+    uint32_t         *up = s->below_of[n->x % COLUMNS_KEPT], *side = s->right_of[n->y % COLUMNS_KEPT];
+    up[0] = side[0] = n->map + 1;
+    up[1] = side[1] = n->x;
+    up[2] = side[2] = n->y;
+    for (uint32_t k = 0; k < NODE_PX; k++) {
+        int32_t a = w->above[8 + k], l = w->left[k], t = (int32_t)(k >> 3);
+        s->below[n->x % COLUMNS_KEPT][k] = (int16_t)(a == (int16_t)NEVER ? a : a + n->base - slope_shift(nx, ny, t, 31));
+        s->right[n->y % COLUMNS_KEPT][k] = (int16_t)(l == (int16_t)NEVER ? l : l + n->base - slope_shift(nx, ny, 31, t));
+    }
+}
+
+#endif

@@ -1,0 +1,82 @@
+/* The odds of a page: what is coded in which contexts, and what they start from.
+ * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_ODDS_H
+#define VXS_PAGE_ODDS_H
+
+#include "vxs_page.h"
+#include "vxs_page_numbers.h"
+
+/* Of nibble_odds and nothing else. */
+typedef struct page_odds {
+    /* nodes */
+    nibble_odds node_mixed[64], depth_like[8];
+    nibble_odds wide, same_slope, no_slope;
+    signed_odds slope, depth;
+    number_odds high, fresh_count;
+    /* blocks */
+    number_odds block;
+    signed_odds base;
+    nibble_odds entries[4], delta_form[2], delta_shift, delta_width;
+    number_odds delta[16][2], delta_wide;
+    nibble_odds round[12], own_round[12];
+    nibble_odds block_mixed[5][64], index[5][3];
+    /* tiles */
+    nibble_odds used[4][256]; /* [entries left of four, 0: all] */
+    number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
+    signed_odds own_base;
+    /* patterns */
+    nibble_odds differs[2][2][128], other[4][5][3], far;
+    nibble_odds own_kind, own_shift, own_count, residual[3][6];
+    number_odds own_delta, raw_far, raw_base;
+} page_odds;
+
+/* Nibbles whose bits are 1 independently, bit n with odds chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)] of 256. */
+static void start_mask(nibble_odds *odds, uint32_t states, const uint8_t chance[4], uint32_t bits)
+{
+    uint32_t weight[16];
+    for (uint32_t mask = 0; mask < 16; mask++) {
+        weight[mask] = 1;
+        for (uint32_t n = 0; n < 4; n++) {
+            uint32_t one = n < bits ? chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)] : 0;
+            weight[mask] *= mask >> n & 1 ? one : 256 - one;
+        }
+    }
+    nibble_start(odds, weight, 5);
+}
+
+/* Which of four texels differ from those above; bits 0..4 of k: texels above differ from those on their left; 5: the texel on the left
+ * of the four does from the one above it. */
+static void start_differs(nibble_odds *odds, uint32_t k)
+{
+    uint32_t weight[16];
+    for (uint32_t mask = 0; mask < 16; mask++) {
+        uint32_t left = k >> 5 & 1;
+        weight[mask]  = 1;
+        for (uint32_t n = 0; n < 4; n++) {
+            uint32_t one = left ? 128 : k >> n & 3 ? 77 : 10;
+            left         = mask >> n & 1;
+            weight[mask] *= left ? one : 256 - one;
+        }
+    }
+    nibble_start(odds, weight, 5);
+}
+
+static void start_odds(page_odds *odds)
+{
+    static const uint8_t used[4] = {38, 64, 128, 218}, mixed[4] = {51, 179};
+    uint32_t             even[16];
+    for (uint32_t n = 0; n < 16; n++) even[n] = 1;
+    nibble_start((nibble_odds *)odds, even, 0);
+    for (size_t n = 1; n < sizeof *odds / sizeof(nibble_odds); n++) ((nibble_odds *)odds)[n] = *(nibble_odds *)odds;
+    for (uint32_t k = 0; k < 64; k++) {
+        start_mask(&odds->node_mixed[k], k & 15, mixed, 4);
+        for (uint32_t q = 0; q < 5; q++) odds->block_mixed[q][k] = odds->node_mixed[k];
+    }
+    for (uint32_t left = 0; left < 4; left++)
+        for (uint32_t k = 0; k < 256; k++) start_mask(&odds->used[left][k], k, used, left ? left : 4);
+    for (uint32_t kind = 0; kind < 4; kind++)
+        for (uint32_t k = 0; k < 128; k++) start_differs(&odds->differs[kind >> 1][kind & 1][k], k);
+}
+
+#endif

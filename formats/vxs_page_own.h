@@ -1,0 +1,187 @@
+/* Patterns with depths of their own.
+ * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_OWN_H
+#define VXS_PAGE_OWN_H
+
+#include "vxs_page_patterns.h"
+
+/* Where texel (x, y) lies, quadrant by quadrant. */
+PAGE_INLINE uint32_t texel_at(uint32_t x, uint32_t y)
+{
+    return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
+}
+
+/* Palette of an own pattern whose first half is `head`; deltas start at a half. */
+static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, uint32_t n)
+{
+    uint32_t kind = head >> 12, shift = head >> 8 & 15;
+    if (kind == OWN_BYTES) return get_byte(words, 2 * half + n) << shift;
+    if (kind == OWN_HALVES) return get_half(words, half + n) << shift;
+    return (get_half(words, half + 2 * n) | get_half(words, half + 2 * n + 1) << 16) << shift;
+}
+
+static uint32_t own_delta_halves(uint32_t kind, uint32_t deltas)
+{
+    return kind == OWN_BYTES ? (deltas + 1) / 2 : kind == OWN_HALVES ? deltas : 2 * deltas;
+}
+
+/* Of patterns that are no palette. */
+static const uint32_t raw_halves[OWN_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96};
+
+/* Depth of texel z of a raw pattern, before the shift. */
+static uint32_t raw_depth(const uint32_t *words, uint32_t half, uint32_t kind, uint32_t z)
+{
+    uint32_t byte = 2 * half + 2;
+    if (kind == OWN_NIBBLES) return get_byte(words, byte + z / 16) + (get_byte(words, byte + 4 + (z & 31)) >> (z >> 5) * 4 & 15);
+    if (kind == OWN_RAW1) return get_byte(words, byte + z);
+    if (kind == OWN_RAW2) return get_half(words, half + 1 + z);
+    return get_byte(words, byte + 3 * z) | get_byte(words, byte + 3 * z + 1) << 8 | get_byte(words, byte + 3 * z + 2) << 16;
+}
+
+/* What an own tile leaves. base: of the tile, in the node. */
+static void draw_own(walk *w, const uint32_t *words, const vxs_pattern *pattern, uint32_t half, int32_t base, uint32_t x0,
+                     uint32_t y0)
+{
+    uint32_t head = get_half(words, half), kind = head >> 12;
+    if (kind <= OWN_WORDS) {
+        int16_t  depth[DEPTHS_MAX];
+        uint32_t depths = head & 0xff;
+        depth[0]        = (int16_t)base;
+        for (uint32_t n = 0; n + 1 < depths; n++) depth[n + 1] = (int16_t)(base + (int32_t)own_delta(words, half + 1, head, n));
+        draw_pattern(w, pattern->border, depth, x0, y0);
+        return;
+    }
+    for (uint32_t n = 0; n < TILE_PX; n++) {
+        uint32_t shift       = head >> 8 & 15;
+        w->above[8 + x0 + n] = (int16_t)(base + (int32_t)(raw_depth(words, half, kind, texel_at(n, 7)) << shift));
+        w->left[y0 + n]      = (int16_t)(base + (int32_t)(raw_depth(words, half, kind, texel_at(7, n)) << shift));
+    }
+}
+
+/* A palette and the pattern over it. from: the half of the source where the pattern starts. */
+static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base, uint32_t x0, uint32_t y0, uint64_t *border)
+{
+    coder     *c    = &w->c;
+    page_odds *odds = w->odds;
+    uint32_t   head = source_half(w, from), shift = code_nibble(c, &odds->own_shift, head >> 8 & 15);
+    uint32_t   depths = code_nibble(c, &odds->own_count, (head - 2) & 15) + 2, half = w->half, last = 0;
+    uint32_t   halves = own_delta_halves(kind, depths - 1), end = kind == OWN_BYTES    ? 1 << 8
+                                                                  : kind == OWN_HALVES ? 1 << 16
+                                                                                       : DEPTH_END;
+    int16_t    depth[DEPTHS_MAX] = {(int16_t)base};
+    if (depths > DEPTHS_MAX || 1 + halves > 2 * w->word_count - half) return 0;
+    put_half(w->words, half, head = kind << 12 | shift << 8 | depths);
+    for (uint32_t n = 0; n + 1 < depths; n++) {
+        uint32_t delta = 0;
+        if (PAGE_ENCODING) {
+            uint32_t at = from + 1 + (kind == OWN_BYTES ? n / 2 : kind == OWN_HALVES ? n : 2 * n);
+            delta       = kind == OWN_BYTES    ? source_half(w, at) >> 8 * (n & 1) & 255
+                          : kind == OWN_HALVES ? source_half(w, at)
+                                               : source_half(w, at) | source_half(w, at + 1) << 16;
+            if (delta <= last || delta >= end) return 0;
+        }
+        delta = code_step(c, &odds->own_delta, odds->own_round, last, delta - last - 1);
+        if (delta >= end - 1 - last || (uint64_t)(last + delta + 1) << shift >= DEPTH_END) return 0;
+        last += delta + 1;
+        depth[n + 1] = (int16_t)(base + (int32_t)(last << shift));
+        if (kind == OWN_BYTES)
+            put_byte(w->words, 2 * half + 2 + n, last);
+        else if (kind == OWN_HALVES)
+            put_half(w->words, half + 1 + n, last);
+        else {
+            put_half(w->words, half + 1 + 2 * n, last);
+            put_half(w->words, half + 2 + 2 * n, last >> 16);
+        }
+    }
+    w->half += 1 + halves;
+    _Alignas(16) uint8_t index[64];
+    if (PAGE_ENCODING && !read_source(w, from + 1 + halves, depths, index)) return 0;
+    if (!code_image(w, depth, depths, x0, y0, index) || !put_pattern(w, index, depths)) return 0;
+    *border = border_of(index);
+    return 1;
+}
+
+/* What a depth of a raw pattern is likely to be, by those on its left and above; where it has none, by what is beside the tile.
+ * d  of [8][8] */
+PAGE_INLINE int32_t raw_like(const walk *w, const uint32_t *d, uint32_t x, uint32_t y, int32_t base, uint32_t shift, uint32_t x0,
+                             uint32_t y0)
+{
+    const int16_t *above = w->above + 8 + x0 + x, *left = w->left + y0 + y;
+    if (x && y) return (int32_t)(d[-1] + d[-8] - d[-9]);
+    if (x) return (int32_t)d[-1] + ((int16_t)(above[0] - above[-1]) >> shift);
+    if (y) return (int32_t)d[-8] + ((int16_t)(left[0] - left[-1]) >> shift);
+    return (int16_t)((left[0] < above[0] ? left[0] : above[0]) - base) >> shift;
+}
+
+/* 64 depths as they are. explicit_bases: the four bases of OWN_NIBBLES are not the least depths of their quadrants. */
+static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t from, int32_t base_depth, uint32_t x0, uint32_t y0)
+{
+    coder     *c    = &w->c;
+    page_odds *odds = w->odds;
+    uint32_t   half = w->half, shift = code_nibble(c, &odds->own_shift, source_half(w, from) >> 8 & 15);
+    uint32_t   depth[8][8], base[4] = {~0u, ~0u, ~0u, ~0u}, last = 0;
+    uint32_t   end = kind == OWN_NIBBLES ? 255 + 16 : kind == OWN_RAW1 ? 1 << 8 : kind == OWN_RAW2 ? 1 << 16 : 1 << 24;
+    if (raw_halves[kind] > 2 * w->word_count - half) return 0;
+    for (uint32_t y = 0; y < 8; y++)
+        for (uint32_t x = 0; x < 8; x++) {
+            uint32_t z = texel_at(x, y), *d = &depth[y][x];
+            int32_t  like = raw_like(w, d, x, y, base_depth, shift, x0, y0);
+            like          = like < 0 ? 0 : like >= (int32_t)end ? (int32_t)end - 1 : like;
+
+            int32_t  off    = PAGE_ENCODING ? (int32_t)raw_depth(w->source, from, kind, z) - like : 0;
+            uint32_t zigzag = off < 0 ? 2 * (uint32_t)-off - 1 : 2 * (uint32_t)off;
+            uint32_t symbol = code_nibble(c, &odds->residual[x || y ? x && y : 2][last], zigzag < 15 ? zigzag : 15);
+            zigzag          = symbol < 15 ? symbol : 15 + code_number(c, &odds->raw_far, zigzag - 15);
+            if (zigzag >= 2u * DEPTH_END) return 0;
+            last = (2 * last + zigzag + 1) / 4;
+            last = last > 5 ? 5 : last;
+
+            int32_t here = zigzag & 1 ? like - (int32_t)((zigzag + 1) / 2) : like + (int32_t)(zigzag / 2);
+            if (here < 0 || here >= (int32_t)end || (uint64_t)here << shift >= DEPTH_END) return 0;
+            *d = (uint32_t)here;
+            if (base[z / 16] > *d) base[z / 16] = *d;
+        }
+    put_half(w->words, half, kind << 12 | shift << 8);
+    for (uint32_t n = 0; n < 4 && kind == OWN_NIBBLES; n++) {
+        if (explicit_bases) base[n] = code_number(c, &odds->raw_base, source_half(w, from + 1 + n / 2) >> 8 * (n & 1) & 255);
+        if (base[n] > 255) return 0;
+        put_byte(w->words, 2 * half + 2 + n, base[n]);
+    }
+    for (uint32_t z = 0; z < 64; z++) {
+        uint32_t d = depth[(z >> 5) * 4 + (z >> 2 & 3)][(z >> 4 & 1) * 4 + (z & 3)], byte = 2 * half + 2;
+        if (kind == OWN_NIBBLES) {
+            d -= base[z / 16];
+            if (d > 15) return 0;
+            put_byte(w->words, byte + 4 + (z & 31), d << (z >> 5) * 4);
+        } else if (kind == OWN_RAW1)
+            put_byte(w->words, byte + z, d);
+        else if (kind == OWN_RAW2)
+            put_half(w->words, half + 1 + z, d);
+        else
+            for (uint32_t n = 0; n < 3; n++) put_byte(w->words, byte + 3 * z + n, d >> 8 * n);
+    }
+    w->half += raw_halves[kind];
+    return 1;
+}
+
+/* A new own pattern. */
+static int code_own(walk *w, uint32_t from, int32_t base, uint32_t x0, uint32_t y0, uint64_t *border)
+{
+    uint32_t kind = source_half(w, from) >> 12;
+    if (PAGE_ENCODING) {
+        if (kind >= OWN_KINDS || (kind >= OWN_NIBBLES && from + raw_halves[kind] > 2 * w->word_count)) return 0;
+        for (uint32_t c = 0, bases = kind == OWN_NIBBLES; c < 4 && bases; c++) {
+            uint32_t least = 0, first = get_byte(w->source, 2 * from + 2 + c);
+            for (uint32_t z = 16 * c; z < 16 * c + 16; z++) least |= raw_depth(w->source, from, OWN_NIBBLES, z) == first;
+            if (!least) kind = OWN_KINDS;
+        }
+    }
+    kind    = code_nibble(&w->c, &w->odds->own_kind, kind);
+    *border = 0;
+    if (kind > OWN_KINDS) return 0;
+    if (kind <= OWN_WORDS) return code_own_palette(w, kind, from, base, x0, y0, border);
+    return kind == OWN_KINDS ? code_own_raw(w, OWN_NIBBLES, 1, from, base, x0, y0) : code_own_raw(w, kind, 0, from, base, x0, y0);
+}
+
+#endif

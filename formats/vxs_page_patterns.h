@@ -1,0 +1,184 @@
+/* Patterns: which depth of a few each texel of a tile has.
+ * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_PATTERNS_H
+#define VXS_PAGE_PATTERNS_H
+
+#include "vxs_page_borders.h"
+
+/* Indices of depths of a pattern of `depths` depths whose states, or image, start at a half. Whoever calls knows that it is whole.
+ * index  [64] quadrant by quadrant */
+static void read_pattern(const uint32_t *words, uint32_t half, uint32_t depths, uint8_t *index)
+{
+    if (get_byte(words, 2 * half) == 0xff) {
+        for (uint32_t z = 0; z < 64; z++) index[z] = get_byte(words, 2 * half + 2 + (z & 31)) >> (z >> 5) * 4 & 15;
+        return;
+    }
+    uint32_t own = half + depths / 2;
+    memset(index, 0, 64);
+    for (uint32_t c = 0; c < 4; c++) {
+        uint32_t last = 0;
+        for (uint32_t n = 0; n + 1 < depths; n++) {
+            uint32_t state = get_byte(words, 2 * half + n) >> 2 * c & 3;
+            if (state == 2) last = get_half(words, own++);
+            uint32_t mask = state < 2 ? 0 - state : last;
+            for (uint32_t z = 0; z < 16; z++) index[16 * c + z] += !(mask >> z & 1);
+        }
+    }
+}
+
+/* A pattern of the source, of which nothing is known. 0: it is none. */
+static int read_source(const walk *w, uint32_t half, uint32_t depths, uint8_t *index)
+{
+    uint32_t copy[(DEPTHS_MAX / 2 + 4 * DEPTHS_MAX) / 2] = {0}, none = 0;
+    for (uint32_t n = 0; n < DEPTHS_MAX / 2 + 4 * DEPTHS_MAX; n++) put_half(copy, n, source_half(w, half + n));
+    read_pattern(copy, 0, depths, index);
+    for (uint32_t z = 0; z < 64; z++) none |= index[z] >= depths;
+    return !none;
+}
+
+/* Nibbles of what lies in the last row, and in the last column, of 64 bytes, quadrant by quadrant. */
+static uint64_t border_of(const uint8_t *index)
+{
+    uint32_t row = 0, column = 0;
+    for (uint32_t n = 0; n < 4; n++) {
+        row |= (uint32_t)index[32 + 12 + n] << 4 * n | (uint32_t)index[48 + 12 + n] << (16 + 4 * n);
+        column |= (uint32_t)index[16 + 4 * n + 3] << 4 * n | (uint32_t)index[48 + 4 * n + 3] << (16 + 4 * n);
+    }
+    return row | (uint64_t)column << 32;
+}
+
+/* Lay out a pattern at w->half, as masks or as an image, whichever is shorter. 0: there is no room. */
+static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
+{
+    uint8_t  state[DEPTHS_MAX] = {0};
+    uint16_t own[4 * DEPTHS_MAX + 1];
+    uint32_t owns = 0;
+    for (uint32_t c = 0; c < 4; c++) {
+        uint32_t last = 0x10000;
+        for (uint32_t n = 0; n + 1 < depths; n++) {
+            uint32_t mask = 0;
+#ifdef PAGE_SSE2
+            mask = (uint32_t)_mm_movemask_epi8(
+                _mm_cmpgt_epi8(_mm_set1_epi8((char)(n + 1)), _mm_load_si128((const __m128i *)(index + 16 * c))));
+#else
+            for (uint32_t z = 0; z < 16; z++) mask |= (uint32_t)(index[16 * c + z] <= n) << z;
+#endif
+            uint32_t s = mask == 0 ? 0 : mask == 0xffff ? 1 : mask == last ? 3 : 2;
+            own[owns]  = (uint16_t)mask;
+            owns += s == 2;
+            last = s == 2 ? mask : last;
+            state[n] |= (uint8_t)(s << 2 * c);
+        }
+    }
+    uint32_t states = depths / 2, size = states + owns, image = size > INDEX_HALVES;
+    if (image) size = INDEX_HALVES;
+    if (size > 2 * w->word_count - w->half) return 0;
+    if (image) {
+        put_half(w->words, w->half, 0xff);
+        for (uint32_t n = 0; n < 32; n++) put_byte(w->words, 2 * w->half + 2 + n, index[n] | (uint32_t)index[n + 32] << 4);
+    } else {
+        for (uint32_t n = 0; n < states; n++) put_half(w->words, w->half + n, state[2 * n] | (uint32_t)state[2 * n + 1] << 8);
+        for (uint32_t n = 0; n < owns; n++) put_half(w->words, w->half + states + n, own[n]);
+    }
+    w->half += size;
+    return 1;
+}
+
+/* Indices of the depths that the texels about a tile have, among those of its pattern; row[0] and row[1] are left of the corner.
+ * depth  [depths] ascending
+ * row    [16] from two texels left of the tile
+ * column [8] */
+static void border_indices(const walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0, uint8_t *row,
+                           uint8_t *column)
+{
+    const int16_t *above = w->above + 8 + x0 - 2, *left = w->left + y0;
+#ifdef PAGE_SSE2
+    const __m128i zero = _mm_set1_epi16(depth[0]);
+    __m128i       a = _mm_sub_epi16(_mm_loadu_si128((const __m128i *)above), zero), n = _mm_setzero_si128(), m = n;
+    __m128i       b = _mm_sub_epi16(_mm_loadu_si128((const __m128i *)(above + 8)), zero);
+    __m128i       c = _mm_sub_epi16(_mm_loadu_si128((const __m128i *)left), zero);
+    for (uint32_t k = 0; k + 1 < depths; k++) {
+        uint32_t between = (uint32_t)(uint16_t)(depth[k] - depth[0]) + (uint16_t)(depth[k + 1] - depth[0]);
+        __m128i  t       = _mm_set1_epi16((int16_t)(between >> 1));
+        n                = _mm_sub_epi8(n, _mm_packs_epi16(_mm_cmpgt_epi16(a, t), _mm_cmpgt_epi16(b, t)));
+        m                = _mm_sub_epi8(m, _mm_packs_epi16(_mm_cmpgt_epi16(c, t), _mm_setzero_si128()));
+    }
+    _mm_storeu_si128((__m128i *)row, n);
+    _mm_storel_epi64((__m128i *)column, m);
+#else
+    memset(row, 0, 16);
+    memset(column, 0, 8);
+    for (uint32_t k = 0; k + 1 < depths; k++) {
+        uint32_t between = (uint32_t)(uint16_t)(depth[k] - depth[0]) + (uint16_t)(depth[k + 1] - depth[0]);
+        int16_t t = (int16_t)(between >> 1);
+        for (int n = 0; n < 16; n++) row[n] += (int16_t)(above[n] - depth[0]) > t;
+        for (int n = 0; n < 8; n++) column[n] += (int16_t)(left[n] - depth[0]) > t;
+    }
+#endif
+}
+
+/* Which of eight bytes below 128 are not 0. */
+PAGE_INLINE uint32_t bytes_set(uint64_t x)
+{
+    x = (x + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101;
+    return (uint32_t)(x * 0x0102040810204080 >> 56);
+}
+
+/* A texel that differs from N, the one above it; W is on its left, NE on the right of N. */
+PAGE_INLINE uint32_t code_other(coder *c, page_odds *odds, uint32_t depths, uint32_t value, uint32_t W, uint32_t N, uint32_t NE)
+{
+    uint32_t like = W == N ? NE != N : NE == N ? 2 : NE == W ? 3 : 4, end = N == 0 ? 0 : N + 1 == depths ? 2 : 1, symbol = 0;
+    if (PAGE_ENCODING) {
+        uint32_t step = value > N ? 2 * (value - N) : 1 + 2 * (N - value);
+        symbol        = value == W ? 0 : value == NE ? 1 : step < 15 ? step : 15;
+    }
+    symbol = code_nibble(c, &odds->other[depths < 4 ? 0 : depths < 6 ? 1 : depths < 9 ? 2 : 3][like][end], symbol);
+    if (symbol == 15) return code_nibble(c, &odds->far, value);
+    return symbol == 0 ? W : symbol == 1 ? NE : symbol & 1 ? N - (symbol >> 1) : N + (symbol >> 1);
+}
+
+/* The indices of a pattern's texels, row by row: four texels at once say which differ from the texel above, and those that do say
+ * what they are. 0: an index is none. */
+static int code_image(walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0, uint8_t *index)
+{
+    uint8_t border[16], left[8];
+    border_indices(w, depth, depths, x0, y0, border, left);
+    coder      c    = w->c; /* a copy may live in registers */
+    page_odds *odds = w->odds;
+    uint64_t   last = vxs_load64(border + 2), before = last; /* the row above, and the one above that: a byte a texel */
+    uint32_t   corner = border[1], right = border[10];
+    for (uint32_t y = 0; y < 8; y++) {
+        uint32_t beside = bytes_set(last ^ (last << 8 | corner)) | (uint32_t)(right != last >> 56) << 8,
+                 was    = bytes_set(last ^ before);
+        uint32_t W = left[y], side = W != corner, half[2];
+        for (uint32_t h = 0; h < 2; h++) {
+            uint32_t k = (beside >> 4 * h & 31) | side << 5 | (uint32_t)((was >> 4 * h & 15) != 0) << 6, differs = 0;
+            uint32_t above = (uint32_t)(last >> 32 * h), now = above, value = 0;
+            uint8_t *texels = index + 32 * (y >> 2) + 16 * h + 4 * (y & 3);
+            if (PAGE_ENCODING) differs = bytes_set(above ^ (value = vxs_load32(texels)));
+            differs = code_nibble(&c, &odds->differs[depths > 2][y != 0][k], differs);
+            side    = differs >> 3;
+            if (depths == 2)
+                now ^= differs * 0x00204081 & 0x01010101;
+            else
+                for (; differs; differs &= differs - 1) {
+                    uint32_t x = page_first_bit(differs), at = 8 * x, N = above >> at & 255;
+                    uint32_t NE  = x < 3 ? above >> (at + 8) & 255 : h ? right : (uint32_t)(last >> 32) & 255;
+                    uint32_t got = code_other(&c, odds, depths, value >> at & 255, x ? now >> (at - 8) & 255 : W, N, NE);
+                    if (got >= depths) return 0;
+                    now ^= (N ^ got) << at;
+                }
+            vxs_store32(texels, half[h] = now);
+            W = now >> 24;
+        }
+        before = last;
+        last   = half[0] | (uint64_t)half[1] << 32;
+        corner = left[y];
+        right  = W; /* nothing is known on the right of the tile */
+    }
+    w->c = c;
+    return 1;
+}
+
+#endif

@@ -1,0 +1,94 @@
+/* A page while it is walked: the words being laid out, what was met so far, and the source that the encoder reads.
+ * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_WALK_H
+#define VXS_PAGE_WALK_H
+
+#include "vxs_page_odds.h"
+
+enum {
+    NODE_PX      = 256,
+    BLOCK_PX     = 32,
+    TILE_PX      = 8,
+    NODE_HALVES  = 11, /* before its lists */
+    PALETTE_MAX  = 14,
+    DEPTHS_MAX   = 16,      /* of a pattern of its own */
+    DEPTH_END    = 1 << 24, /* no depth or base is as far: sums stay within 32 bits */
+    NEVER        = 0xffff,  /* a uniform depth that is never reached */
+    REF_COMMON   = 0x20000,
+    OWN_ZERO     = 8192, /* base of an own tile 0, in the low bits of its word */
+    KIND_OWN     = 0,
+    INDEX_HALVES = 17, /* of a pattern as an image of indices */
+    LIST_CHUNK   = 256,
+    COLUMNS_KEPT = 64, /* columns of squares whose last borders are kept */
+};
+
+/* Kinds of a pattern with depths of its own, bits 12..15 of its first half. */
+enum { OWN_BYTES, OWN_HALVES, OWN_WORDS, OWN_NIBBLES, OWN_RAW1, OWN_RAW2, OWN_RAW3, OWN_KINDS };
+
+struct vxs_page_scratch {
+    page_odds   start, odds;                                                /* of every page; of this one, as they learn */
+    int16_t     below[COLUMNS_KEPT][NODE_PX], right[COLUMNS_KEPT][NODE_PX]; /* of the last node in a column or row of squares */
+    uint32_t    below_of[COLUMNS_KEPT][3], right_of[COLUMNS_KEPT][3];       /* map + 1, x, y; map + 1 = 0: none */
+    uint16_t    chunk[VXS_PATTERN_KINDS][VXS_PAGE_WORDS_MAX / LIST_CHUNK];  /* where the lists of patterns lie */
+    vxs_pattern pattern[VXS_PAGE_WORDS_MAX + VXS_PATTERN_KINDS * LIST_CHUNK];
+    uint16_t    block[VXS_PAGE_WORDS_MAX / 2]; /* words where blocks start */
+};
+
+PAGE_INLINE uint32_t get_half(const uint32_t *words, uint32_t half)
+{
+    return words[half >> 1] >> 16 * (half & 1) & 0xffff;
+}
+
+/* Over zeros. */
+PAGE_INLINE void put_half(uint32_t *words, uint32_t half, uint32_t value)
+{
+    words[half >> 1] |= (value & 0xffff) << 16 * (half & 1);
+}
+
+PAGE_INLINE uint32_t get_byte(const uint32_t *words, uint32_t byte)
+{
+    return words[byte >> 2] >> 8 * (byte & 3) & 0xff;
+}
+
+PAGE_INLINE void put_byte(uint32_t *words, uint32_t byte, uint32_t value)
+{
+    words[byte >> 2] |= (value & 0xff) << 8 * (byte & 3);
+}
+
+PAGE_INLINE uint32_t count_bits(uint32_t x)
+{
+    x -= x >> 1 & 0x55555555;
+    x = (x & 0x33333333) + (x >> 2 & 0x33333333);
+    return ((x + (x >> 4)) & 0x0f0f0f0f) * 0x01010101 >> 24;
+}
+
+/* A page while it is walked. */
+typedef struct walk {
+    coder             c;
+    page_odds        *odds;
+    vxs_page_scratch *s;
+    uint32_t         *words; /* [word_count] being laid out */
+    uint32_t          word_count, node_words;
+    uint32_t          word, half; /* where the next record, and the next pattern go */
+    const vxs_common *common;
+    uint32_t          patterns[VXS_PATTERN_KINDS], chunks, blocks; /* how many are in the lists */
+    int32_t           slope_x, slope_y;                            /* of the last node */
+    const uint32_t   *source;                                   /* [word_count] of the encoder, like the next two: what is coded */
+    uint32_t         *pattern_rank;                             /* [2^18] by ref: where in its list, + 1; 0: not yet met */
+    uint32_t         *block_rank;                               /* [65536] by word */
+    _Alignas(16) int16_t above[8 + NODE_PX + 8], left[NODE_PX]; /* [8 + x], [y] */
+} walk;
+
+/* Of the source, which may be anything: beyond its words are zeros. The decoder has none. */
+PAGE_INLINE uint32_t source_word(const walk *w, uint32_t word)
+{
+    return PAGE_ENCODING && word < w->word_count ? w->source[word] : 0;
+}
+
+PAGE_INLINE uint32_t source_half(const walk *w, uint32_t half)
+{
+    return source_word(w, half >> 1) >> 16 * (half & 1) & 0xffff;
+}
+
+#endif
