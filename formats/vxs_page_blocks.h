@@ -12,7 +12,7 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
     uint32_t   head = source_word(w, b->from + 1) >> 16, last = 0;
-    b->entries = code_nibble(c, &odds->entries[b->class], head & 15) + 1;
+    b->entries = code_nibble(c, &odds->entries[b->plane.tiles ? 4 : b->class], head & 15) + 1;
     if (b->entries > PALETTE_MAX) return 0;
     b->class       = b->entries <= 2 ? b->entries - 1 : b->entries < 5 ? 2 : b->entries < 9 ? 3 : 4;
     uint32_t shift = head >> 4 & 15, width = head >> 8 & 3, far = head >> 10 & 1;
@@ -35,7 +35,7 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
     for (uint32_t n = 0; n + 1 < b->entries; n++) {
         uint32_t value = 0;
         if (PAGE_ENCODING) {
-            uint32_t at = b->from + 2 + count_bits(source_word(w, b->from) & 0xffff), byte = n << width;
+            uint32_t at = b->from_tiles + count_bits(source_word(w, b->from) & 0xffff), byte = n << width;
             value = source_word(w, at + byte / 4) >> 8 * (byte & 3) & (width == 0 ? 0xff : width == 1 ? 0xffff : ~0u);
             if (value <= last || value >= end) return 0;
         }
@@ -47,49 +47,82 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
     return 1;
 }
 
-/* A new block at w->word. base: in the node; from: word of the source. */
-static int code_block(walk *w, int32_t base, uint32_t from, uint32_t x0, uint32_t y0)
+/* Tiles of a row that are on the plane, and those that are mixed. */
+static int code_row(walk *w, block *b, uint32_t y, uint32_t x0, uint32_t y0, uint32_t *on, uint32_t *mixed)
 {
-    block    b = {.base  = base,
-                  .word  = w->word,
-                  .from  = from,
-                  .class = varied(w->left + y0, BLOCK_PX) | varied(w->above + 8 + x0, BLOCK_PX) << 1};
-    uint32_t form, delta[PALETTE_MAX], last = 16;
-    if (!code_palette(w, &b, &form, delta)) return 0;
+    uint32_t shape = source_word(w, b->from), own = source_word(w, b->from + 1);
+    *on = b->plane.tiles
+              ? code_nibble(&w->c, &w->odds->row_on_plane[y ? b->on >> 4 * (y - 1) & 15 : 16], (own & ~shape) >> 4 * y & 15)
+              : 0;
+    if (*on == 15) return 1;
+    const int16_t *above = w->above + 8 + x0;
+    uint32_t       k     = varied(w->left + y0, TILE_PX) << 4 | (uint32_t)(w->left[y0] != above[0]) << 5;
+    for (uint32_t x = 0; x < 4; x++) k |= varied(above + 8 * x, TILE_PX) << x;
+    *mixed = code_nibble(&w->c, &w->odds->block_mixed[b->class][k], shape >> 4 * y & 15);
+    return !(*on & *mixed);
+}
+
+/* What is not on a plane of all tiles. */
+static int code_tiles(walk *w, block *b, uint32_t x0, uint32_t y0)
+{
+    uint32_t last = 16;
     for (uint32_t y = 0; y < 4; y++) {
-        const int16_t *above = w->above + 8 + x0;
-        uint32_t       k     = varied(w->left + y0 + 8 * y, TILE_PX) << 4 | (uint32_t)(w->left[y0 + 8 * y] != above[0]) << 5;
-        for (uint32_t x = 0; x < 4; x++) k |= varied(above + 8 * x, TILE_PX) << x;
-        uint32_t row = code_nibble(&w->c, &w->odds->block_mixed[b.class][k], source_word(w, from) >> 4 * y & 15);
-        b.mixed |= row << 4 * y;
-        if (2 + count_bits(b.mixed) > w->node_words - b.word) return 0;
+        uint32_t on, mixed = 0, y1 = y0 + 8 * y;
+        if (!code_row(w, b, y, x0, y1, &on, &mixed)) return 0;
+        b->on |= on << 4 * y;
+        b->mixed |= mixed << 4 * y;
+        if (count_bits(b->mixed) > w->node_words - b->tiles) return 0;
         for (uint32_t x = 0; x < 4; x++) {
-            uint32_t t = x + 4 * y;
-            if (!(row >> x & 1 ? code_mixed_tile(w, &b, t, x0 + 8 * x, y0 + 8 * y)
-                               : code_uniform_tile(w, &b, t, x0 + 8 * x, y0 + 8 * y, &last)))
+            uint32_t t = x + 4 * y, x1 = x0 + 8 * x;
+            if (on >> x & 1)
+                draw_sheet(w, sheet_from(b->sheet, 8 * (int32_t)x, 8 * (int32_t)y), x1, y1);
+            else if (!(mixed >> x & 1 ? code_mixed_tile(w, b, t, x1, y1) : code_uniform_tile(w, b, t, x1, y1, &last)))
                 return 0;
         }
     }
-    uint32_t width = form >> 8 & 3, at = b.word + 2 + b.mixed_count, byte = 4 * at, owns = b.far ? count_bits(b.own) : 0;
-    uint32_t bytes = ((b.entries - 1) << width) + (b.fresh_count + 1) / 2;
-    if (2 + b.mixed_count + (bytes + 3) / 4 + owns > w->node_words - b.word) return 0;
-    w->words[b.word]     = b.mixed | b.fresh << 16;
-    w->words[b.word + 1] = b.own | form << 16;
-    for (uint32_t n = 0; n + 1 < b.entries; n++)
+    return !b->plane.tiles || b->on;
+}
+
+/* A new block at w->word, whose base and plane are known. */
+static int code_block(walk *w, block *b, uint32_t x0, uint32_t y0)
+{
+    uint32_t form = 0, delta[PALETTE_MAX];
+    b->class      = varied(w->left + y0, BLOCK_PX) | varied(w->above + 8 + x0, BLOCK_PX) << 1;
+    b->entries    = 1;
+    b->tiles      = b->word + (b->plane.tiles ? 4 : 2);
+    b->from_tiles = b->from + (b->plane.tiles ? 4 : 2);
+    if (b->tiles > w->node_words) return 0;
+    if (b->plane.tiles == ON_ALL) {
+        b->on = 0xffff;
+        for (uint32_t t = 0; t < 16; t++)
+            draw_sheet(w, sheet_from(b->sheet, 8 * (int32_t)(t & 3), 8 * (int32_t)(t >> 2)), x0 + 8 * (t & 3), y0 + 8 * (t >> 2));
+    } else if (!code_palette(w, b, &form, delta) || !code_tiles(w, b, x0, y0))
+        return 0;
+    uint32_t width = form >> 8 & 3, at = b->tiles + b->mixed_count, byte = 4 * at, owns = b->far ? count_bits(b->own) : 0;
+    uint32_t bytes = ((b->entries - 1) << width) + (b->fresh_count + 1) / 2;
+    if (b->mixed_count + (bytes + 3) / 4 + owns > w->node_words - b->tiles) return 0;
+    w->words[b->word]     = b->mixed | b->fresh << 16;
+    w->words[b->word + 1] = b->own | b->on | form << 16;
+    if (b->plane.tiles) {
+        w->words[b->word + 2] = (uint16_t)b->plane.plane.a | (uint32_t)b->plane.plane.b << 16;
+        w->words[b->word + 3] = b->plane.plane.shift | (uint32_t)b->plane.c << 4;
+    }
+    for (uint32_t n = 0; n + 1 < b->entries; n++)
         for (uint32_t k = 0; k < 1u << width; k++) put_byte(w->words, byte++, delta[n] >> 8 * k);
-    for (uint32_t n = 0; n < b.fresh_count; n += 2) put_byte(w->words, byte++, b.index >> 4 * n & 0xff);
+    for (uint32_t n = 0; n < b->fresh_count; n += 2) put_byte(w->words, byte++, b->index >> 4 * n & 0xff);
     at += (bytes + 3) / 4;
-    for (uint32_t n = 0; n < owns; n++) w->words[at++] = (uint32_t)b.own_base[n];
+    for (uint32_t n = 0; n < owns; n++) w->words[at++] = (uint32_t)b->own_base[n];
     w->word = at;
     return 1;
 }
 
 /* The borders of a block that was met before: of its last row and its last column of tiles. */
-static void draw_block(walk *w, uint32_t word, int32_t base, uint32_t x0, uint32_t y0)
+static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole, uint32_t x0, uint32_t y0)
 {
     const uint32_t *words = w->words;
     uint32_t        shape = words[word], head = words[word + 1], mixed = shape & 0xffff, entries = (head >> 16 & 15) + 1;
-    uint32_t        shift = head >> 20 & 15, width = head >> 24 & 3, byte = 4 * (word + 2 + count_bits(mixed)),
+    uint32_t        on = head & ~mixed & 0xffff, tiles = word + head_words(mixed, head);
+    uint32_t        shift = head >> 20 & 15, width = head >> 24 & 3, byte = 4 * (tiles + count_bits(mixed)),
              index_byte = byte + ((entries - 1) << width);
     int16_t depth[16]   = {(int16_t)base};
     for (uint32_t n = 0; n + 1 < entries; n++) {
@@ -100,13 +133,17 @@ static void draw_block(walk *w, uint32_t word, int32_t base, uint32_t x0, uint32
     for (uint32_t t = 0; t < 16; t++) {
         uint32_t x = x0 + 8 * (t & 3), y = y0 + 8 * (t >> 2);
         if ((t & 3) != 3 && t < 12) continue;
+        if (on >> t & 1) {
+            draw_sheet(w, sheet_from(*whole, (int32_t)(x - x0), (int32_t)(y - y0)), x, y);
+            continue;
+        }
         if (!(mixed >> t & 1)) {
             uint32_t nth = count_bits(shape >> 16 & ((2u << t) - 1)) - 1;
             draw_uniform(w, x, y, TILE_PX, depth[get_byte(words, index_byte + nth / 2) >> 4 * (nth & 1) & 15]);
             continue;
         }
-        uint32_t tile = words[word + 2 + count_bits(mixed & ((1u << t) - 1))], ref = tile >> 14, half = ref & (REF_COMMON - 1);
-        const uint32_t      *pool = ref & REF_COMMON ? w->common->words : words;
+        uint32_t        tile = words[tiles + count_bits(mixed & ((1u << t) - 1))], ref = tile >> 14, half = ref & (REF_COMMON - 1);
+        const uint32_t *pool = ref & REF_COMMON ? w->common->words : words;
         _Alignas(16) uint8_t index[64];
         vxs_pattern          pattern = {0};
         if (!(head >> t & 1)) {
@@ -120,7 +157,7 @@ static void draw_block(walk *w, uint32_t word, int32_t base, uint32_t x0, uint32
         int32_t own = (int32_t)(tile & 0x3fff) - OWN_ZERO;
         if (head >> 26 & 1) {
             uint32_t bytes = ((entries - 1) << width) + (count_bits(shape >> 16) + 1) / 2;
-            own            = (int32_t)words[byte / 4 + (bytes + 3) / 4 + count_bits(head & ((1u << t) - 1))];
+            own            = (int32_t)words[byte / 4 + (bytes + 3) / 4 + count_bits(head & mixed & ((1u << t) - 1))];
         }
         uint32_t first = get_half(pool, half), depths = first & 0xff;
         if (first >> 12 <= OWN_WORDS) {
@@ -131,27 +168,9 @@ static void draw_block(walk *w, uint32_t word, int32_t base, uint32_t x0, uint32
     }
 }
 
-/* A mixed block of a node: its base, and where it is. */
-static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *ref, uint32_t *base)
+/* A block that was met before, by its place in the list, above 0: what is used moves half the way to the front. Returns its word. */
+static uint32_t use_block(walk *w, uint32_t place)
 {
-    int32_t  like  = least_border_depth(w, x0, y0, BLOCK_PX), off;
-    uint32_t place = 0, high = 0;
-    if (like == INT16_MAX) like = 0;
-    if (PAGE_ENCODING) place = w->block_rank[*ref];
-    place = code_number(&w->c, &w->odds->block, place);
-    off   = code_signed(&w->c, &w->odds->base, (int16_t)(*base - (uint32_t)like));
-    if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
-    if (high >= DEPTH_END >> 16) return 0;
-    *base = ((uint32_t)(like + off) & 0xffff) | high << 16;
-    if (!place) {
-        uint32_t word = w->word, from = *ref;
-        *ref = word;
-        if (w->blocks == VXS_PAGE_WORDS_MAX / 2 || word + 2 > w->node_words) return 0;
-        w->s->block[w->blocks++] = (uint16_t)word;
-        if (PAGE_ENCODING) w->block_rank[word] = w->blocks;
-        return code_block(w, (int32_t)*base, from, x0, y0);
-    }
-    if (place > w->blocks) return 0;
     uint16_t *list = w->s->block, *from = list + place - 1, *to = list + (place - 1) / 2, other = *to;
     *to   = *from;
     *from = other;
@@ -159,7 +178,46 @@ static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *
         w->block_rank[*from] = (uint32_t)(from - list) + 1;
         w->block_rank[*to]   = (uint32_t)(to - list) + 1;
     }
-    draw_block(w, *ref = *to, (int32_t)*base, x0, y0);
+    return *to;
+}
+
+/* Base of a block: by the plane of a block that is all plane, or was met before, or by the least depth beside it. */
+static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t x0, uint32_t y0, uint32_t *base)
+{
+    uint32_t by_plane = p->tiles == ON_NONE ? 0 : met ? 2 : p->tiles == ON_ALL, high = 0;
+    int32_t  like = by_plane == 2 ? base_by_plane(w, p, x0, y0)
+                    : by_plane    ? (int32_t)p->least >> 8
+                                  : least_border_depth(w, x0, y0, BLOCK_PX);
+    if (!by_plane && like == INT16_MAX) like = 0;
+    uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane], (int16_t)(*base - (uint32_t)like));
+    if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
+    *base = (((uint32_t)like + off) & 0xffff) | high << 16;
+    return high < DEPTH_END >> 16;
+}
+
+/* A mixed block of a node: its base, and where it is. */
+static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *ref, uint32_t *base)
+{
+    uint32_t place = code_number(&w->c, &w->odds->block, PAGE_ENCODING ? w->block_rank[*ref] : 0), word = w->word;
+    block    b = {.from = *ref, .word = word};
+    if (place > w->blocks) return 0;
+    if (place) {
+        *ref = word = use_block(w, place);
+        read_block_plane(&b.plane, w->words + word);
+    } else {
+        *ref = word;
+        if (w->blocks == VXS_PAGE_WORDS_MAX / 2 || word + 2 > w->node_words) return 0;
+        w->s->block[w->blocks++] = (uint16_t)word;
+        if (PAGE_ENCODING) w->block_rank[word] = w->blocks;
+        if (!code_block_plane(w, &b.plane, b.from, *base, x0, y0)) return 0;
+    }
+    if (!code_base(w, &b.plane, place > 0, wide, x0, y0, base)) return 0;
+    if (!place) b.plane.c = signed_28(b.plane.least - (*base << 8));
+    b.base  = (int32_t)*base;
+    b.sheet = sheet_of(&b.plane.plane, (*base << 8) + (uint32_t)b.plane.c, BLOCK_PX, OF_BLOCK);
+    if (b.plane.tiles != ON_NONE) w->last_plane = b.sheet;
+    if (!place) return code_block(w, &b, x0, y0);
+    draw_block(w, word, b.base, &b.sheet, x0, y0);
     return 1;
 }
 

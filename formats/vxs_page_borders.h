@@ -71,6 +71,13 @@ static int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint3
     return least;
 }
 
+/* What lies beside a square is no plane. */
+PAGE_INLINE void leave_no_sheet(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+{
+    for (uint32_t n = 0; n < side_px / TILE_PX; n++)
+        w->sheet_above[x0 / TILE_PX + n].known = w->sheet_left[y0 / TILE_PX + n].known = 0;
+}
+
 /* What a tile leaves for those on its right and below.
  * depth  of its pattern, by index */
 static void draw_pattern(walk *w, uint64_t border, const int16_t *depth, uint32_t x0, uint32_t y0)
@@ -80,11 +87,13 @@ static void draw_pattern(walk *w, uint64_t border, const int16_t *depth, uint32_
         above[n] = depth[border >> 4 * n & 15];
         left[n]  = depth[border >> (32 + 4 * n) & 15];
     }
+    leave_no_sheet(w, x0, y0, TILE_PX);
 }
 
 PAGE_INLINE void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px, int16_t depth)
 {
     for (uint32_t n = 0; n < side_px; n++) w->above[8 + x0 + n] = w->left[y0 + n] = depth;
+    leave_no_sheet(w, x0, y0, side_px);
 }
 
 /* What the node's slope adds to the depths of a tile; never negative. */
@@ -109,6 +118,7 @@ static void open_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny
         w->above[k]               = w->above[8];
         w->above[8 + NODE_PX + k] = w->above[7 + NODE_PX];
     }
+    leave_no_sheet(w, 0, 0, NODE_PX);
 }
 
 static void close_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny)

@@ -52,9 +52,10 @@ static uint32_t node_words_of(const walk *w, const vxs_page_node *nodes, uint32_
         uint32_t from = 2 * nodes[n].offset, mixed_count = 0;
         for (uint32_t k = 0; k < 4; k++) mixed_count += count_bits(source_half(w, from + k));
         for (uint32_t m = 0; m < mixed_count; m++) {
-            uint32_t at = source_half(w, from + NODE_HALVES + m), tiles = count_bits(source_word(w, at) & 0xffff);
-            for (uint32_t t = 0; t < tiles; t++) {
-                uint32_t ref = source_word(w, at + 2 + t) >> 14;
+            uint32_t at = source_half(w, from + NODE_HALVES + m), mixed = source_word(w, at) & 0xffff;
+            uint32_t tiles = at + head_words(mixed, source_word(w, at + 1));
+            for (uint32_t t = 0; t < count_bits(mixed); t++) {
+                uint32_t ref = source_word(w, tiles + t) >> 14;
                 if (ref < least) least = ref;
             }
         }
@@ -170,7 +171,7 @@ vxs_result vxs_common_index(vxs_common *common, vxs_pattern *patterns, const uin
         if (kinds[n] == KIND_OWN) {
             if (head >> 12 >= OWN_KINDS) return VXS_E_ARGUMENT;
             depths = head >> 12 <= OWN_WORDS ? head & 0xff : 0;
-            size   = head >> 12 <= OWN_WORDS ? 1 + own_delta_halves(head >> 12, depths - 1) : raw_halves[head >> 12];
+            size   = head >> 12 <= OWN_WORDS ? 1 + own_delta_halves(head >> 12, depths - 1) : own_halves[head >> 12];
         }
         if (depths > DEPTHS_MAX || depths == 1) return VXS_E_ARGUMENT;
         if (depths) {

@@ -56,19 +56,35 @@ static uint32_t find_common(const vxs_common *common, uint32_t kind, uint32_t re
     return low - common->first[kind];
 }
 
+/* Words of the pool that a pattern lies in. */
+PAGE_INLINE const uint32_t *pool_of(const walk *w, const vxs_pattern *pattern)
+{
+    return pattern->ref & REF_COMMON ? w->common->words : w->words;
+}
+
+/* A pattern that is known: of the common pool, or met before. NULL: there is none.
+ * place  as of find_pattern, above 0 */
+static const vxs_pattern *code_known(walk *w, uint32_t kind, uint32_t place, uint32_t ref)
+{
+    if (place >= 2) return place - 2 < w->patterns[kind] ? use_pattern(w, kind, place - 2) : NULL;
+    uint32_t n = code_number(&w->c, &w->odds->common[kind], PAGE_ENCODING ? find_common(w->common, kind, ref) : 0);
+    if (n >= w->common->first[kind + 1] - w->common->first[kind]) return NULL;
+    return add_pattern(w, w->common->patterns[w->common->first[kind] + n]);
+}
+
 /* The pattern of a tile; NULL: not a page.
- * depth  [kind] of a pattern over the palette
+ * depth  [kind] of a pattern over the palette; NULL: it has depths of its own
  * ref    of the source
- * base   of an own pattern */
-static const vxs_pattern *code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t ref, int32_t base, uint32_t x0,
+ * base   of a pattern with depths of its own, which is coded, too */
+static const vxs_pattern *code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t ref, own_base *base, uint32_t x0,
                                        uint32_t y0)
 {
     uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, ref) : 0);
-    if (place >= 2) return place - 2 < w->patterns[kind] ? use_pattern(w, kind, place - 2) : NULL;
-    if (place == 1) {
-        uint32_t n = code_number(&w->c, &w->odds->common[kind], PAGE_ENCODING ? find_common(w->common, kind, ref) : 0);
-        if (n >= w->common->first[kind + 1] - w->common->first[kind]) return NULL;
-        return add_pattern(w, w->common->patterns[w->common->first[kind] + n]);
+    if (place) {
+        const vxs_pattern *known = code_known(w, kind, place, ref);
+        return known && (kind != KIND_OWN || code_base_of(w, base, pool_of(w, known), known->ref & (REF_COMMON - 1), x0, y0))
+                   ? known
+                   : NULL;
     }
     vxs_pattern new = {.ref = w->half, .kind = kind};
     if (kind == KIND_OWN) return code_own(w, ref, base, x0, y0, &new.border) ? add_pattern(w, new) : NULL;

@@ -6,7 +6,7 @@
 
 #include "vxs_page_coder.h"
 
-enum { SIGNED_MOST = (1 << 26) - 1 }; /* of numbers with a sign */
+enum { SIGNED_MOST = (1 << 28) - 1 }; /* of numbers with a sign */
 
 typedef struct number_odds {
     nibble_odds size, top[15];

@@ -7,6 +7,11 @@
 #include "vxs_page.h"
 #include "vxs_page_numbers.h"
 
+typedef struct plane_odds {
+    nibble_odds shift;
+    signed_odds a, b;
+} plane_odds;
+
 /* Of nibble_odds and nothing else. */
 typedef struct page_odds {
     /* nodes */
@@ -16,19 +21,25 @@ typedef struct page_odds {
     number_odds high, fresh_count;
     /* blocks */
     number_odds block;
-    signed_odds base;
-    nibble_odds entries[4], delta_form[2], delta_shift, delta_width;
+    signed_odds base[3];
+    nibble_odds entries[5], delta_form[2], delta_shift, delta_width;
     number_odds delta[16][2], delta_wide;
     nibble_odds round[12], own_round[12];
     nibble_odds block_mixed[5][64], index[5][3];
+    nibble_odds on_plane[9], plane_like[9], row_on_plane[17];
+    plane_odds  block_plane;
+    signed_odds plane_least[2];
     /* tiles */
     nibble_odds used[4][256]; /* [entries left of four, 0: all] */
     number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
-    signed_odds own_base;
+    signed_odds own_base[3];
     /* patterns */
     nibble_odds differs[2][2][128], other[4][5][3], far;
-    nibble_odds own_kind, own_shift, own_count, residual[3][6];
+    nibble_odds own_kind[3], own_shift, own_count, residual[3][6];
     number_odds own_delta, raw_far, raw_base;
+    plane_odds  own_plane[3];
+    nibble_odds far_shift;
+    number_odds far_plane;
 } page_odds;
 
 /* Nibbles whose bits are 1 independently, bit n with odds chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)] of 256. */

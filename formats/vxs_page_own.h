@@ -4,13 +4,7 @@
 #ifndef VXS_PAGE_OWN_H
 #define VXS_PAGE_OWN_H
 
-#include "vxs_page_patterns.h"
-
-/* Where texel (x, y) lies, quadrant by quadrant. */
-PAGE_INLINE uint32_t texel_at(uint32_t x, uint32_t y)
-{
-    return ((x >> 2) + 2 * (y >> 2)) * 16 + (y & 3) * 4 + (x & 3);
-}
+#include "vxs_page_own_planes.h"
 
 /* Palette of an own pattern whose first half is `head`; deltas start at a half. */
 static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, uint32_t n)
@@ -25,9 +19,6 @@ static uint32_t own_delta_halves(uint32_t kind, uint32_t deltas)
 {
     return kind == OWN_BYTES ? (deltas + 1) / 2 : kind == OWN_HALVES ? deltas : 2 * deltas;
 }
-
-/* Of patterns that are no palette. */
-static const uint32_t raw_halves[OWN_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96};
 
 /* Depth of texel z of a raw pattern, before the shift. */
 static uint32_t raw_depth(const uint32_t *words, uint32_t half, uint32_t kind, uint32_t z)
@@ -52,6 +43,12 @@ static void draw_own(walk *w, const uint32_t *words, const vxs_pattern *pattern,
         draw_pattern(w, pattern->border, depth, x0, y0);
         return;
     }
+    if (kind >= OWN_PLANE) {
+        own_planes planes = read_own_planes(words, half);
+        draw_own_planes(w, &planes, base, x0, y0);
+        return;
+    }
+    leave_no_sheet(w, x0, y0, TILE_PX);
     for (uint32_t n = 0; n < TILE_PX; n++) {
         uint32_t shift       = head >> 8 & 15;
         w->above[8 + x0 + n] = (int16_t)(base + (int32_t)(raw_depth(words, half, kind, texel_at(n, 7)) << shift));
@@ -122,7 +119,7 @@ static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t fro
     uint32_t   half = w->half, shift = code_nibble(c, &odds->own_shift, source_half(w, from) >> 8 & 15);
     uint32_t   depth[8][8], base[4] = {~0u, ~0u, ~0u, ~0u}, last = 0;
     uint32_t   end = kind == OWN_NIBBLES ? 255 + 16 : kind == OWN_RAW1 ? 1 << 8 : kind == OWN_RAW2 ? 1 << 16 : 1 << 24;
-    if (raw_halves[kind] > 2 * w->word_count - half) return 0;
+    if (own_halves[kind] > 2 * w->word_count - half) return 0;
     for (uint32_t y = 0; y < 8; y++)
         for (uint32_t x = 0; x < 8; x++) {
             uint32_t z = texel_at(x, y), *d = &depth[y][x];
@@ -161,27 +158,40 @@ static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t fro
         else
             for (uint32_t n = 0; n < 3; n++) put_byte(w->words, byte + 3 * z + n, d >> 8 * n);
     }
-    w->half += raw_halves[kind];
+    w->half += own_halves[kind];
     return 1;
 }
 
-/* A new own pattern. */
-static int code_own(walk *w, uint32_t from, int32_t base, uint32_t x0, uint32_t y0, uint64_t *border)
+/* The base of a tile whose pattern is known. */
+static int code_base_of(walk *w, own_base *base, const uint32_t *words, uint32_t half, uint32_t x0, uint32_t y0)
+{
+    if (get_half(words, half) >> 12 < OWN_PLANE) return code_own_base(w, base, NULL, x0, y0);
+    own_planes p = read_own_planes(words, half);
+    return code_own_base(w, base, &p, x0, y0);
+}
+
+/* A new own pattern. base: of the tile; NULL in the common pool: it is 0. */
+static int code_own(walk *w, uint32_t from, own_base *base, uint32_t x0, uint32_t y0, uint64_t *border)
 {
     uint32_t kind = source_half(w, from) >> 12;
     if (PAGE_ENCODING) {
-        if (kind >= OWN_KINDS || (kind >= OWN_NIBBLES && from + raw_halves[kind] > 2 * w->word_count)) return 0;
+        if (kind >= OWN_KINDS) return 0;
+        if (kind >= OWN_NIBBLES && kind < OWN_PLANE && from + own_halves[kind] > 2 * w->word_count) return 0;
         for (uint32_t c = 0, bases = kind == OWN_NIBBLES; c < 4 && bases; c++) {
             uint32_t least = 0, first = get_byte(w->source, 2 * from + 2 + c);
             for (uint32_t z = 16 * c; z < 16 * c + 16; z++) least |= raw_depth(w->source, from, OWN_NIBBLES, z) == first;
             if (!least) kind = OWN_KINDS;
         }
     }
-    kind    = code_nibble(&w->c, &w->odds->own_kind, kind);
-    *border = 0;
+    uint32_t beside = (w->sheet_left[y0 / TILE_PX].known != 0) + (w->sheet_above[x0 / TILE_PX].known != 0);
+    kind            = code_nibble(&w->c, &w->odds->own_kind[beside], kind);
+    *border         = 0;
     if (kind > OWN_KINDS) return 0;
-    if (kind <= OWN_WORDS) return code_own_palette(w, kind, from, base, x0, y0, border);
-    return kind == OWN_KINDS ? code_own_raw(w, OWN_NIBBLES, 1, from, base, x0, y0) : code_own_raw(w, kind, 0, from, base, x0, y0);
+    if (kind >= OWN_PLANE && kind < OWN_KINDS) return code_own_planes(w, kind, from, base, x0, y0);
+    if (base && !code_own_base(w, base, NULL, x0, y0)) return 0;
+    int32_t depth = base ? base->block + base->value : 0;
+    if (kind <= OWN_WORDS) return code_own_palette(w, kind, from, depth, x0, y0, border);
+    return kind == OWN_KINDS ? code_own_raw(w, OWN_NIBBLES, 1, from, depth, x0, y0) : code_own_raw(w, kind, 0, from, depth, x0, y0);
 }
 
 #endif

@@ -139,11 +139,10 @@ PAGE_INLINE uint32_t code_other(coder *c, page_odds *odds, uint32_t depths, uint
 }
 
 /* The indices of a pattern's texels, row by row: four texels at once say which differ from the texel above, and those that do say
- * what they are. 0: an index is none. */
-static int code_image(walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0, uint8_t *index)
+ * what they are. 0: an index is none.
+ * border, left  indices beside the tile, as of border_indices */
+static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uint32_t depths, uint8_t *index)
 {
-    uint8_t border[16], left[8];
-    border_indices(w, depth, depths, x0, y0, border, left);
     coder      c    = w->c; /* a copy may live in registers */
     page_odds *odds = w->odds;
     uint64_t   last = vxs_load64(border + 2), before = last; /* the row above, and the one above that: a byte a texel */
@@ -179,6 +178,13 @@ static int code_image(walk *w, const int16_t *depth, uint32_t depths, uint32_t x
     }
     w->c = c;
     return 1;
+}
+
+static int code_image(walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0, uint8_t *index)
+{
+    uint8_t border[16], left[8];
+    border_indices(w, depth, depths, x0, y0, border, left);
+    return code_indices(w, border, left, depths, index);
 }
 
 #endif

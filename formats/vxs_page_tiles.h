@@ -4,20 +4,24 @@
 #ifndef VXS_PAGE_TILES_H
 #define VXS_PAGE_TILES_H
 
+#include "vxs_page_block_planes.h"
 #include "vxs_page_lists.h"
 
 /* A block while it is coded. */
 typedef struct block {
-    _Alignas(16) int16_t depth[16]; /* of the palette, in the node */
-    uint32_t entries, class;        /* of the palette; a rough measure of how many, 0..4 */
-    uint32_t mixed, fresh, own;
-    uint64_t index; /* of fresh tiles, a nibble each */
-    uint32_t fresh_count, mixed_count, far;
-    int32_t  base;
-    int32_t  own_base[16];
-    uint32_t word;     /* where it goes */
-    uint32_t from;     /* where it is in the source */
-    uint16_t used[16]; /* palette entries that each tile uses */
+    _Alignas(16) int16_t depth[16];    /* of the palette, in the node */
+    uint32_t    entries, class;        /* of the palette; a rough measure of how many, 0..4 */
+    uint32_t    mixed, fresh, own, on; /* on: tiles on the plane */
+    uint32_t    tiles, from_tiles;     /* where the words of tiles are; in the source */
+    uint64_t    index;                 /* of fresh tiles, a nibble each */
+    uint32_t    fresh_count, mixed_count, far;
+    int32_t     base;
+    int32_t     own_base[16];
+    block_plane plane;
+    sheet       sheet;    /* the plane, in the node */
+    uint32_t    word;     /* where it goes */
+    uint32_t    from;     /* where it is in the source */
+    uint16_t    used[16]; /* palette entries that each tile uses */
 } block;
 
 static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t y0, uint32_t *last)
@@ -32,7 +36,7 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
             uint32_t shape = source_word(w, b->from), mixed = count_bits(shape & 0xffff),
                      nth  = count_bits(shape >> 16 & ((2u << t) - 1)) - 1;
             uint32_t byte = ((b->entries - 1) << (source_word(w, b->from + 1) >> 24 & 3)) + (nth & 15) / 2;
-            index         = source_word(w, b->from + 2 + mixed + byte / 4) >> (8 * (byte & 3) + 4 * (nth & 1)) & 15;
+            index         = source_word(w, b->from_tiles + mixed + byte / 4) >> (8 * (byte & 3) + 4 * (nth & 1)) & 15;
             index         = index == left ? 0 : index == above ? 1 : index < b->entries ? index + 2 : 0;
         }
         uint32_t like = left == none ? above != none : above == none ? 2 : left == above ? 3 : 4;
@@ -72,7 +76,7 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
     uint32_t word = 0, used = 0, low;
     if (PAGE_ENCODING) {
         uint32_t before = count_bits(source_word(w, b->from) & ((1u << t) - 1));
-        word            = source_word(w, b->from + 2 + before);
+        word            = source_word(w, b->from_tiles + before);
         if (!(source_word(w, b->from + 1) >> t & 1)) used = word & ((1u << b->entries) - 1);
     }
     if (b->entries > 1) used = code_used(w, b, t, used, x0, y0);
@@ -82,33 +86,28 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
         int16_t  depth[DEPTHS_MAX];
         uint32_t kind = 0;
         for (uint32_t bits = used; bits; bits &= bits - 1) depth[kind++] = b->depth[page_first_bit(bits)];
-        if (kind < 2 || !(pattern = code_pattern(w, kind, depth, word >> 14, 0, x0, y0))) return 0;
+        if (kind < 2 || !(pattern = code_pattern(w, kind, depth, word >> 14, NULL, x0, y0))) return 0;
         draw_pattern(w, pattern->border, depth, x0, y0);
         low = used;
     } else {
-        int32_t base = 0;
+        own_base base = {b->base, 0, b->far};
         if (PAGE_ENCODING) {
             if (b->far) {
                 uint32_t shape = source_word(w, b->from), mixed = count_bits(shape & 0xffff);
                 uint32_t bytes = ((b->entries - 1) << (source_word(w, b->from + 1) >> 24 & 3)) + (count_bits(shape >> 16) + 1) / 2;
-                base           = (int32_t)source_word(w, b->from + 2 + mixed + (bytes + 3) / 4 + count_bits(b->own));
+                base.value     = (int32_t)source_word(w, b->from_tiles + mixed + (bytes + 3) / 4 + count_bits(b->own));
             } else
-                base = (int32_t)(word & 0x3fff) - OWN_ZERO;
-            if (base <= -DEPTH_END || base >= DEPTH_END) return 0;
+                base.value = (int32_t)(word & 0x3fff) - OWN_ZERO;
+            if (base.value <= -DEPTH_END || base.value >= DEPTH_END) return 0;
         }
-        int32_t like = least_border_depth(w, x0, y0, TILE_PX);
-        like         = like == INT16_MAX ? 0 : (int16_t)(like - b->base);
-        base         = like + code_signed(&w->c, &w->odds->own_base, base - like);
-        if (b->far ? base <= -DEPTH_END || base >= DEPTH_END : base < -OWN_ZERO || base >= OWN_ZERO) return 0;
-        if (!(pattern = code_pattern(w, KIND_OWN, NULL, word >> 14, b->base + base, x0, y0))) return 0;
-        const uint32_t *words = pattern->ref & REF_COMMON ? w->common->words : w->words;
-        draw_own(w, words, pattern, pattern->ref & (REF_COMMON - 1), b->base + base, x0, y0);
-        b->own_base[count_bits(b->own)] = base;
+        if (!(pattern = code_pattern(w, KIND_OWN, NULL, word >> 14, &base, x0, y0))) return 0;
+        draw_own(w, pool_of(w, pattern), pattern, pattern->ref & (REF_COMMON - 1), b->base + base.value, x0, y0);
+        b->own_base[count_bits(b->own)] = base.value;
         b->own |= 1u << t;
-        low = b->far ? 0 : (uint32_t)(base + OWN_ZERO);
+        low = b->far ? 0 : (uint32_t)(base.value + OWN_ZERO);
     }
-    b->used[t]                               = (uint16_t)used;
-    w->words[b->word + 2 + b->mixed_count++] = pattern->ref << 14 | low;
+    b->used[t]                            = (uint16_t)used;
+    w->words[b->tiles + b->mixed_count++] = pattern->ref << 14 | low;
     return 1;
 }
 

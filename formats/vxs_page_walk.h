@@ -24,7 +24,20 @@ enum {
 };
 
 /* Kinds of a pattern with depths of its own, bits 12..15 of its first half. */
-enum { OWN_BYTES, OWN_HALVES, OWN_WORDS, OWN_NIBBLES, OWN_RAW1, OWN_RAW2, OWN_RAW3, OWN_KINDS };
+enum {
+    OWN_BYTES,
+    OWN_HALVES,
+    OWN_WORDS,
+    OWN_NIBBLES,
+    OWN_RAW1,
+    OWN_RAW2,
+    OWN_RAW3,
+    OWN_PLANE,
+    OWN_NEARER,
+    OWN_FARTHER,
+    OWN_MASK,
+    OWN_KINDS,
+};
 
 struct vxs_page_scratch {
     page_odds   start, odds;                                                /* of every page; of this one, as they learn */
@@ -63,6 +76,23 @@ PAGE_INLINE uint32_t count_bits(uint32_t x)
     return ((x + (x >> 4)) & 0x0f0f0f0f) * 0x01010101 >> 24;
 }
 
+/* Words of a block's record before those of its tiles: two more when tiles lie on a plane. */
+PAGE_INLINE uint32_t head_words(uint32_t mixed, uint32_t own)
+{
+    return own & ~mixed & 0xffff ? 4 : 2;
+}
+
+/* Whose plane it is. */
+enum { NO_SHEET, OF_PATTERN, OF_BLOCK };
+
+/* A plane where a tile lies on it, in 1/256 voxel: how much deeper it is a texel on, and a texel down; how deep its texel (0, 0) is in the
+ * node without its slope, modulo 2^32. */
+typedef struct sheet {
+    int32_t  x, y;
+    uint32_t at;
+    uint8_t  shift, known; /* known: NO_SHEET.. */
+} sheet;
+
 /* A page while it is walked. */
 typedef struct walk {
     coder             c;
@@ -72,11 +102,12 @@ typedef struct walk {
     uint32_t          word_count, node_words;
     uint32_t          word, half; /* where the next record, and the next pattern go */
     const vxs_common *common;
-    uint32_t          patterns[VXS_PATTERN_KINDS], chunks, blocks; /* how many are in the lists */
-    int32_t           slope_x, slope_y;                            /* of the last node */
-    const uint32_t   *source;                                   /* [word_count] of the encoder, like the next two: what is coded */
-    uint32_t         *pattern_rank;                             /* [2^18] by ref: where in its list, + 1; 0: not yet met */
-    uint32_t         *block_rank;                               /* [65536] by word */
+    uint32_t          patterns[VXS_PATTERN_KINDS], chunks, blocks;                             /* how many are in the lists */
+    int32_t           slope_x, slope_y;                                                        /* of the last node */
+    sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_own; /* of a block, of a pattern */
+    const uint32_t *source;                                     /* [word_count] of the encoder, like the next two: what is coded */
+    uint32_t       *pattern_rank;                               /* [2^18] by ref: where in its list, + 1; 0: not yet met */
+    uint32_t       *block_rank;                                 /* [65536] by word */
     _Alignas(16) int16_t above[8 + NODE_PX + 8], left[NODE_PX]; /* [8 + x], [y] */
 } walk;
 

@@ -233,7 +233,7 @@ static int code_common_pattern(resident_walk *r, vxs_pattern *pattern)
     walk                *w                 = &r->w;
     _Alignas(16) uint8_t index[64];
     uint32_t             half = w->half;
-    if (pattern->kind == KIND_OWN) return code_own(w, half, 0, 0, 0, &pattern->border);
+    if (pattern->kind == KIND_OWN) return code_own(w, half, NULL, 0, 0, &pattern->border);
     if (PAGE_ENCODING && !read_source(w, half, pattern->kind, index)) return 0;
     if (!code_image(w, depth, pattern->kind, 0, 0, index) || !put_pattern(w, index, pattern->kind)) return 0;
     pattern->border = border_of(index);

@@ -28,6 +28,7 @@ typedef struct sample_page {
     sample_pattern known[256]; /* patterns that may be used again */
     uint32_t       known_count;
     uint32_t       fix[VXS_PAGE_WORDS_MAX], fix_count; /* words of tiles whose pattern is of this page */
+    uint32_t       plane[2];                           /* of the last block that had one */
 } sample_page;
 
 typedef struct sample_common {
@@ -95,10 +96,32 @@ static inline void sample_masks(sample_pattern *p, const uint8_t *index, uint32_
     p->halves += states + owns;
 }
 
+/* How steep a plane is, along one side. */
+static inline uint16_t sample_step(rng *r)
+{
+    return (uint16_t)(rng_below(r, 8) ? rng_below(r, 200) - 100 : rng_u32(r));
+}
+
+/* One plane, or two. */
+static inline void sample_own_planes(rng *r, sample_pattern *p, uint32_t kind)
+{
+    p->half[0] = (uint16_t)(kind << 12 | rng_below(r, 9) << 8 | (kind > 7 ? rng_below(r, 6) : 0));
+    p->halves  = kind == 7 ? 3 : kind < 10 ? 6 : 10;
+    for (uint32_t n = 1; n < (kind == 7 ? 3 : 5); n++) p->half[n] = sample_step(r);
+    if (kind == 7) return;
+    p->half[5] = (uint16_t)sample_number(r, 1 << 16);
+    for (uint32_t n = 6; n < p->halves; n++) p->half[n] = (uint16_t)(rng_below(r, 2) ? 0xff00 : rng_u32(r));
+}
+
 static inline void sample_own(rng *r, sample_pattern *p)
 {
-    uint32_t kind = rng_below(r, 7), shift = rng_below(r, 3) ? 0 : rng_below(r, kind < 2 || kind == 3 || kind == 4 ? 8 : 1);
-    uint8_t  index[64], *bytes             = (uint8_t *)(p->half + 1);
+    uint32_t kind = rng_below(r, 11);
+    if (kind >= 7) {
+        sample_own_planes(r, p, kind);
+        return;
+    }
+    uint32_t shift = rng_below(r, 3) ? 0 : rng_below(r, kind < 2 || kind == 3 || kind == 4 ? 8 : 1);
+    uint8_t  index[64], *bytes = (uint8_t *)(p->half + 1);
     p->half[0] = (uint16_t)(kind << 12 | shift << 8);
     p->halves  = 1;
     if (kind < 3) {
@@ -191,17 +214,32 @@ static inline uint32_t sample_ref(rng *r, sample_page *p, const sample_common *c
     return new.ref;
 }
 
+/* The plane of a block: any, or as the last one of the page, or as steep. */
+static inline void sample_plane(rng *r, sample_page *p, uint32_t *words)
+{
+    if (rng_below(r, 4)) p->plane[1] = rng_below(r, 9) | (rng_below(r, 2) ? rng_below(r, 256) << 4 : rng_u32(r) & ~15u);
+    if (rng_below(r, 2)) p->plane[0] = sample_step(r) | (uint32_t)sample_step(r) << 16;
+    words[0] = p->plane[0];
+    words[1] = p->plane[1];
+}
+
 static inline void sample_block(rng *r, sample_page *p, const sample_common *c)
 {
     uint32_t *w = p->words + p->word_count, q = 1 + rng_below(r, 14), shift = rng_below(r, 2) ? 0 : rng_below(r, 6);
     uint32_t width = rng_below(r, 4) ? 0 : rng_below(r, 3), far = !rng_below(r, 8), mixed = rng_u32(r) & 0xffff, own = 0, fresh = 0;
+    uint32_t at = 2, on = rng_below(r, 3) ? 0 : rng_u32(r) & 0xffff; /* where words of tiles are; which tiles are on a plane */
     uint32_t delta = 0, last = 16, count = 0, tiles = 0;
     uint8_t  nibbles[16];
     int32_t  base[16];
     if (width == 2) shift = 0;
     if (!rng_below(r, 8)) mixed = 0;
+    if (!rng_below(r, 8)) mixed = 0, on = 0xffff;
+    if (on == 0xffff && rng_below(r, 2)) q = 1, shift = width = far = 0; /* nothing but the plane */
+    on &= ~mixed;
+    if (on) sample_plane(r, p, w + at), at += 2;
     p->blocks[p->block_count++] = (uint16_t)p->word_count;
     for (uint32_t t = 0; t < 16; t++) {
+        if (on >> t & 1) continue;
         if (!(mixed >> t & 1)) {
             uint32_t n = rng_below(r, 2) && last < 16 ? last : rng_below(r, q);
             if (n != last) fresh |= 1u << t, nibbles[count++] = (uint8_t)(last = n);
@@ -221,18 +259,18 @@ static inline void sample_block(rng *r, sample_page *p, const sample_common *c)
             own |= 1u << t;
             low = far ? 0 : (uint32_t)(b + 8192);
         }
-        if (!(ref & REF_OF_COMMON)) p->fix[p->fix_count++] = p->word_count + 2 + tiles;
-        w[2 + tiles++] = ref << 14 | low;
+        if (!(ref & REF_OF_COMMON)) p->fix[p->fix_count++] = p->word_count + at + tiles;
+        w[at + tiles++] = ref << 14 | low;
     }
     w[0]           = mixed | fresh << 16;
-    w[1]           = own | (q - 1) << 16 | shift << 20 | width << 24 | far << 26;
-    uint8_t *bytes = (uint8_t *)(w + 2 + tiles);
+    w[1]           = own | on | (q - 1) << 16 | shift << 20 | width << 24 | far << 26;
+    uint8_t *bytes = (uint8_t *)(w + at + tiles);
     for (uint32_t n = 0; n + 1 < q; n++) {
         delta += 1 + sample_number(r, width == 0 ? 18 : width == 1 ? 4000 : 18000);
         for (uint32_t b = 0; b < 1u << width; b++) *bytes++ = (uint8_t)(delta >> 8 * b);
     }
     for (uint32_t n = 0; n < count; n += 2) *bytes++ = (uint8_t)(nibbles[n] | (n + 1 < count ? nibbles[n + 1] << 4 : 0));
-    p->word_count += 2 + tiles + (((q - 1) << width) + (count + 1) / 2 + 3) / 4;
+    p->word_count += at + tiles + (((q - 1) << width) + (count + 1) / 2 + 3) / 4;
     for (uint32_t n = 0; far && n < count_ones(own); n++) p->words[p->word_count++] = (uint32_t)base[n];
 }
 
@@ -357,11 +395,12 @@ static inline void check_masks(checked_words w, uint32_t half, uint32_t depths, 
 static inline void check_own(checked_words w, uint32_t half, int *good)
 {
     uint32_t head = checked_half(w, half, good), kind = head >> 12, depths = head & 0xff, last = 0;
-    if (kind > 6) *good = 0;
     if (kind >= 3) {
-        static const uint32_t halves[] = {18, 32, 64, 96};
-        if (kind <= 6) checked_half(w, half + halves[kind - 3], good);
-        if (depths) *good = 0;
+        static const uint32_t ends[] = {18, 32, 64, 96, 2, 5, 5, 9};
+        if (kind > 10 || (kind > 7 ? depths > 5 : depths) || (kind > 6 && (head >> 8 & 15) > 8))
+            *good = 0;
+        else
+            checked_half(w, half + ends[kind - 3], good);
         return;
     }
     if (depths < 2 || depths > 16) {
@@ -381,13 +420,14 @@ static inline void check_own(checked_words w, uint32_t half, int *good)
 static inline void check_block(checked_words page, checked_words common, uint32_t word, int *good)
 {
     uint32_t half = 2 * word, mixed = checked_half(page, half, good), fresh = checked_half(page, half + 1, good);
-    uint32_t own = checked_half(page, half + 2, good), head = checked_half(page, half + 3, good);
+    uint32_t own = checked_half(page, half + 2, good), head = checked_half(page, half + 3, good), on = own & ~mixed;
     uint32_t q = (head & 15) + 1, shift = head >> 4 & 15, width = head >> 8 & 3, far = head >> 10 & 1, last = 0,
              tiles = count_ones(mixed);
-    if ((mixed & fresh) || (own & ~mixed) || q > 14 || width > 2 || (width == 2 && shift) || head >> 11) *good = 0;
-    if (mixed != 0xffff && !(fresh & (~mixed & (mixed + 1)))) *good = 0; /* the first uniform tile is fresh */
+    if (((mixed | on) & fresh) || q > 14 || width > 2 || (width == 2 && shift) || head >> 11) *good = 0;
+    if ((mixed | on) != 0xffff && !(fresh & (~(mixed | on) & ((mixed | on) + 1)))) *good = 0; /* the first uniform tile is fresh */
+    if (on && (checked_half(page, half + 6, good) & 15) > 8) *good = 0;
     if (!*good) return;
-    uint32_t byte = 4 * (word + 2 + tiles), indices = byte + ((q - 1) << width);
+    uint32_t at = on ? 4 : 2, byte = 4 * (word + at + tiles), indices = byte + ((q - 1) << width);
     for (uint32_t n = 0; n + 1 < q; n++) {
         uint32_t delta = 0;
         for (uint32_t b = 0; b < 1u << width; b++) delta |= checked_byte(page, byte + (n << width) + b, good) << 8 * b;
@@ -397,11 +437,12 @@ static inline void check_block(checked_words page, checked_words common, uint32_
     for (uint32_t n = 0; n < count_ones(fresh); n++)
         if ((checked_byte(page, indices + n / 2, good) >> 4 * (n & 1) & 15) >= q) *good = 0;
     uint32_t nth = 0, end = (indices + (count_ones(fresh) + 1) / 2 + 3) / 4;
-    if (far && own) checked_half(page, 2 * (end + count_ones(own)) - 1, good);
+    if (on) checked_half(page, half + 2 * at - 1, good);
+    if (far && own & mixed) checked_half(page, 2 * (end + count_ones(own & mixed)) - 1, good);
     for (uint32_t t = 0; t < 16; t++) {
         if (!(mixed >> t & 1)) continue;
-        uint32_t      tile = checked_half(page, half + 4 + 2 * nth, good) | checked_half(page, half + 5 + 2 * nth, good) << 16;
-        uint32_t      ref = tile >> 14, low = tile & 0x3fff;
+        uint32_t tile = checked_half(page, half + 2 * (at + nth), good) | checked_half(page, half + 2 * (at + nth) + 1, good) << 16;
+        uint32_t ref = tile >> 14, low = tile & 0x3fff;
         checked_words w = ref & REF_OF_COMMON ? common : page;
         nth++;
         if (own >> t & 1)

@@ -1,0 +1,111 @@
+/* Planes: of blocks, and of patterns with depths of their own. How steep one is, is told by those beside it; where it lies, so that it meets
+ * its borders.
+ * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_PAGE_PLANES_H
+#define VXS_PAGE_PLANES_H
+
+#include "vxs_page_borders.h"
+
+enum { PLANE_SHIFT_MAX = 8 };
+
+/* A plane as it is stored: a and b, in (1 << shift) / 256 voxel. */
+typedef struct plane {
+    int32_t  a, b;
+    uint32_t shift;
+} plane;
+
+/* Of a square whose least depth is `least`, in 1/256 voxel. known: whose plane it is. */
+PAGE_INLINE sheet sheet_of(const plane *p, uint32_t least, int32_t side_px, uint32_t known)
+{
+    int32_t x = p->a * (1 << p->shift), y = p->b * (1 << p->shift), last = side_px - 1;
+    return (sheet){x, y, least - (uint32_t)((x < 0 ? x * last : 0) + (y < 0 ? y * last : 0)), (uint8_t)p->shift, (uint8_t)known};
+}
+
+/* The same plane, from another texel on. */
+PAGE_INLINE sheet sheet_from(sheet s, int32_t x, int32_t y)
+{
+    s.at += (uint32_t)(s.x * x + s.y * y);
+    return s;
+}
+
+PAGE_INLINE int16_t sheet_depth(sheet s, int32_t x, int32_t y)
+{
+    return (int16_t)(sheet_from(s, x, y).at >> 8);
+}
+
+/* What the node's slope adds to the depths of a tile. */
+PAGE_INLINE int32_t tile_slope(const walk *w, uint32_t tx, uint32_t ty)
+{
+    return slope_shift(w->slope_x, w->slope_y, (int32_t)tx, (int32_t)ty);
+}
+
+/* The middle one of some numbers; 0: there are none. */
+static int32_t middle_of(int32_t *said, uint32_t count)
+{
+    for (uint32_t n = 1; n < count; n++) {
+        int32_t  one = said[n];
+        uint32_t to  = n;
+        for (; to && said[to - 1] > one; to--) said[to] = said[to - 1];
+        said[to] = one;
+    }
+    return count ? said[count / 2] : 0;
+}
+
+/* Depth of a texel above a square, and of one on its left, without the node's slope; what lies beyond the node has the slope of the
+ * node's own tiles (open_borders). 0: it is never reached. */
+PAGE_INLINE int depth_above(const walk *w, uint32_t x, uint32_t y, int32_t *depth)
+{
+    *depth = w->above[8 + x] - tile_slope(w, x / TILE_PX, y ? y / TILE_PX - 1 : 0);
+    return w->above[8 + x] != (int16_t)NEVER;
+}
+
+PAGE_INLINE int depth_left(const walk *w, uint32_t x, uint32_t y, int32_t *depth)
+{
+    *depth = w->left[y] - tile_slope(w, x ? x / TILE_PX - 1 : 0, y / TILE_PX);
+    return w->left[y] != (int16_t)NEVER;
+}
+
+/* How deep texel (0, 0) of a block is, if its plane meets what lies beside it. s: its steps. */
+static uint32_t meet_block(const walk *w, const sheet *s, uint32_t x0, uint32_t y0)
+{
+    int32_t  said[2 * TILE_PX], depth;
+    uint32_t count = 0;
+    for (int32_t k = 2; k < BLOCK_PX; k += 4) {
+        if (depth_above(w, x0 + k, y0, &depth)) said[count++] = depth * 256 + 128 - s->x * k + s->y;
+        if (depth_left(w, x0, y0 + k, &depth)) said[count++] = depth * 256 + 128 - s->y * k + s->x;
+    }
+    return (uint32_t)middle_of(said, count);
+}
+
+/* What a tile of a block's plane leaves. s: from the tile's texel (0, 0) on. */
+static void draw_sheet(walk *w, sheet s, uint32_t x0, uint32_t y0)
+{
+    int16_t *above = w->above + 8 + x0, *left = w->left + y0;
+    int32_t  slope = tile_slope(w, x0 / TILE_PX, y0 / TILE_PX);
+    for (int32_t n = 0; n < TILE_PX; n++) {
+        above[n] = (int16_t)(sheet_depth(s, n, TILE_PX - 1) + slope);
+        left[n]  = (int16_t)(sheet_depth(s, TILE_PX - 1, n) + slope);
+    }
+    w->sheet_above[x0 / TILE_PX] = w->sheet_left[y0 / TILE_PX] = s;
+}
+
+/* a and b, beside a plane that is about as steep. */
+static int code_steps(walk *w, plane_odds *odds, plane *p, sheet like)
+{
+    int32_t half = (1 << p->shift) / 2, a = (like.x + half) >> p->shift, b = (like.y + half) >> p->shift;
+    p->a = a + code_signed(&w->c, &odds->a, p->a - a);
+    p->b = b + code_signed(&w->c, &odds->b, p->b - b);
+    return p->a == (int16_t)p->a && p->b == (int16_t)p->b;
+}
+
+/* What is about as steep as a tile: the planes on its left and above it, or the last one. */
+static sheet steps_beside(const walk *w, uint32_t x0, uint32_t y0, const sheet *last)
+{
+    const sheet *left = &w->sheet_left[y0 / TILE_PX], *above = &w->sheet_above[x0 / TILE_PX];
+    if (!left->known) return above->known ? *above : *last;
+    if (!above->known) return *left;
+    return (sheet){.x = (left->x + above->x) >> 1, .y = (left->y + above->y) >> 1};
+}
+
+#endif
