@@ -430,6 +430,12 @@ VXS_FN vxs_i32 vxs_blocks_limit(vxs_i32 k)
     return 256 * vxs_clamp(k, -4194304, 4194304) + 255;
 }
 
+/* Where plane `which` of a pattern begins in its first voxel, in 1/256 voxel.   first  the pattern's first half */
+VXS_FN vxs_i32 vxs_blocks_quarters(vxs_u32 first, vxs_u32 which)
+{
+    return VXS_I(((first >> (3u + 2u * which)) & 3u) << 6);
+}
+
 /* A tile that is on a plane, from texel (x, y) of a square of last + 1 texels a side on, whose least depth is 0. Unsigned, because words may
  * hold slopes and shifts of which sums are too great.
  * slopes  across | down << 16, signed: in (1 << shift) / 256 voxel a texel;   limit  shadowed is what is at most so deep */
@@ -451,7 +457,8 @@ VXS_FN vxs_blocks_tile vxs_blocks_own(VXS_WORDS blocks, vxs_u32 pool, vxs_u32 at
         return vxs_blocks_pattern(blocks, pool, at + 1u + (kind == 0u ? (count + 1u) >> 1 : kind * count), count, rank - 1u);
     }
     if (kind == VXS_BLOCKS_PLANE)
-        return vxs_blocks_plane(vxs_four_bytes(blocks, pool, 2u * at + 2u), shift, 7u, 0u, 0u, vxs_blocks_limit(k));
+        return vxs_blocks_plane(vxs_four_bytes(blocks, pool, 2u * at + 2u), shift, 7u, 0u, 0u,
+                                vxs_blocks_limit(k) - vxs_blocks_quarters(first, 0u));
     if (kind > VXS_BLOCKS_PLANE) return vxs_blocks_tile_of(kind, pool, at, 0u, 0u, vxs_blocks_limit(k));
     k >>= shift;
     if (kind != VXS_BLOCKS_NIBBLES) return vxs_blocks_tile_of(kind, pool, at + 1u, 0u, 0u, k);
@@ -621,7 +628,7 @@ VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile ti
     vxs_u32 first = vxs_half(blocks, tile.pool, tile.at), shift = (first >> 8) & 15u;
     vxs_u32 deeper = which == 0u ? 0u : vxs_half(blocks, tile.pool, tile.at + 5u) << (8u + (first & 7u));
     vxs_u32 slopes = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 2u + 4u * which);
-    return vxs_blocks_plane(slopes, shift, 7u, 0u, 0u, VXS_I(VXS_U(tile.k) - deeper));
+    return vxs_blocks_plane(slopes, shift, 7u, 0u, 0u, VXS_I(VXS_U(tile.k) - deeper) - vxs_blocks_quarters(first, which));
 }
 
 /* Bits of a tile of two planes, from those of each, and from those of the mask that says which are of the second. */

@@ -38,7 +38,7 @@ typedef struct page_odds {
     nibble_odds own_kind[3], own_shift, own_count, residual[3][6];
     number_odds own_delta, raw_far, raw_base;
     plane_odds  own_plane[3];
-    nibble_odds far_shift;
+    nibble_odds far_shift, quarters[2];
     number_odds far_plane;
 } page_odds;
 

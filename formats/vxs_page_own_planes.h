@@ -7,7 +7,7 @@
 #include "vxs_page_patterns.h"
 #include "vxs_page_planes.h"
 
-enum { FAR_SHIFT_MAX = 5 };
+enum { FAR_SHIFT_MAX = 5, QUARTER = 64 /* of a voxel, in 1/256: planes of patterns begin at one */ };
 
 /* Depths are those from the pattern's base on. */
 typedef struct own_planes {
@@ -37,7 +37,7 @@ static own_planes read_own_planes(const uint32_t *words, uint32_t half)
     own_planes p = {.kind = head >> 12};
     for (uint32_t n = 0; n < (p.kind == OWN_PLANE ? 1u : 2u); n++) {
         plane    one   = {(int16_t)get_half(words, half + 1 + 2 * n), (int16_t)get_half(words, half + 2 + 2 * n), shift};
-        uint32_t least = n ? get_half(words, half + 5) << (head & 15) << 8 : 0;
+        uint32_t least = (n ? get_half(words, half + 5) << (head & 7) << 8 : 0) + (head >> (3 + 2 * n) & 3) * QUARTER;
         p.s[n]         = sheet_of(&one, least, TILE_PX, OF_PATTERN);
     }
     for (uint32_t n = 0; n < 4 && p.kind == OWN_MASK; n++) p.mask |= (uint64_t)get_half(words, half + 6 + n) << 16 * n;
@@ -132,6 +132,8 @@ static int code_own_planes(walk *w, uint32_t kind, uint32_t from, own_base *base
     uint32_t   half = w->half, head = source_half(w, from), two = kind != OWN_PLANE;
     sheet      like  = steps_beside(w, x0, y0, &w->last_own);
     uint32_t   shift = code_nibble(c, &odds->own_plane[two].shift, head >> 8 & 15), far_shift = 0;
+    uint32_t   quarters = code_nibble(c, &odds->quarters[two], head >> 3 & 15);
+    if (!two && quarters > 3) return 0;
     if (shift > PLANE_SHIFT_MAX || own_halves[kind] > 2 * w->word_count - half) return 0;
     for (uint32_t n = 0; n <= two; n++) {
         plane p = {(int16_t)source_half(w, from + 1 + 2 * n), (int16_t)source_half(w, from + 2 + 2 * n), shift};
@@ -141,12 +143,12 @@ static int code_own_planes(walk *w, uint32_t kind, uint32_t from, own_base *base
     }
     if (two) {
         uint32_t far;
-        far_shift = code_nibble(c, &odds->far_shift, head & 15);
+        far_shift = code_nibble(c, &odds->far_shift, head & 7);
         far       = code_number(c, &odds->far_plane, source_half(w, from + 5));
         if (far_shift > FAR_SHIFT_MAX || far > 0xffff) return 0;
         put_half(w->words, half + 5, far);
     }
-    put_half(w->words, half, kind << 12 | shift << 8 | far_shift);
+    put_half(w->words, half, kind << 12 | shift << 8 | quarters << 3 | far_shift);
     own_planes p = read_own_planes(w->words, half);
     if (base && !code_own_base(w, base, &p, x0, y0)) return 0;
     if (kind == OWN_MASK && !code_own_mask(w, &p, from + 6, base ? base->block + base->value : 0, x0, y0)) return 0;
