@@ -21,6 +21,7 @@ enum { FAR_VX = PLANE_FREE / PLANE_ONE };
 
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from)
 {
+    to->quadrants = 15;
     for (int n = 0; n < 64; n++) {
         int32_t low = t->low[n] - from, high = t->high[n] - from;
         to->low[n]  = (float)(max_i32(min_i32(low, FAR_VX), -FAR_VX) * PLANE_ONE);

@@ -5,7 +5,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/blocks/plane.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #include "baker/base/simd.h"
@@ -31,29 +30,36 @@ typedef struct plane_room {
     float low, high;
 } plane_room;
 
-/* Depths at a row of four texels. */
-static inline f32x4 row_depths(const plane *p, const plane_ranges *t, int n, f32x4 across)
-{
-    return across + f32x4_all((float)(p->across * (t->x + 4 * (n >> 2 & 1)) + p->down * (t->y + 4 * (n >> 3) + (n & 3))));
-}
+/* Depths at the rows of a quadrant: the first one, and how much deeper each other is than the one before. */
+typedef struct quadrant_depths {
+    f32x4 first, down;
+} quadrant_depths;
 
-static inline f32x4 row_across(const plane *p)
+static inline quadrant_depths depths_at(const plane *p, const plane_ranges *t, int q)
 {
-    return (f32x4){0, (float)p->across, (float)(2 * p->across), (float)(3 * p->across)};
+    const f32x4 across = {0, (float)p->across, (float)(2 * p->across), (float)(3 * p->across)};
+    return (quadrant_depths){across + f32x4_all((float)(p->across * (t->x + 4 * (q & 1)) + p->down * (t->y + 4 * (q >> 1)))),
+                             f32x4_all((float)p->down)};
 }
 
 static plane_room room_of(const plane *p, const plane_ranges *const *tiles, int count)
 {
-    const f32x4 across = row_across(p);
-    f32x4       low = f32x4_all(-PLANE_FREE), high = f32x4_all(PLANE_FREE);
+    f32x4 low = f32x4_all(-PLANE_FREE), high = f32x4_all(PLANE_FREE);
     for (int n = 0; n < count; n++)
-        for (int row = 0; row < 16; row++) {
-            f32x4 at = row_depths(p, tiles[n], row, across);
-            low      = f32x4_max(low, f32x4_load(tiles[n]->low + 4 * row) - at);
-            high     = f32x4_min(high, f32x4_load(tiles[n]->high + 4 * row) - at);
+        for (int q = 0; q < 4; q++) {
+            if (!(tiles[n]->quadrants >> q & 1)) continue;
+            quadrant_depths at = depths_at(p, tiles[n], q);
+            for (int row = 16 * q; row < 16 * q + 16; row += 4, at.first += at.down) {
+                low  = f32x4_max(low, f32x4_load(tiles[n]->low + row) - at.first);
+                high = f32x4_min(high, f32x4_load(tiles[n]->high + row) - at.first);
+            }
         }
-    return (plane_room){fmaxf(fmaxf(low[0], low[1]), fmaxf(low[2], low[3])),
-                        fminf(fminf(high[0], high[1]), fminf(high[2], high[3]))};
+    plane_room room = {low[0], high[0]};
+    for (int lane = 1; lane < 4; lane++) {
+        room.low  = low[lane] > room.low ? low[lane] : room.low;
+        room.high = high[lane] < room.high ? high[lane] : room.high;
+    }
+    return room;
 }
 
 typedef struct texel_place {
@@ -63,15 +69,16 @@ typedef struct texel_place {
 /* Where the room ends, in front or behind: the first texel that leaves no more. */
 static texel_place bounding_texel(const plane *p, const plane_ranges *const *tiles, int count, float end, int behind)
 {
-    const f32x4 across = row_across(p), ends = f32x4_all(end);
-    for (int n = 0; n < count; n++) {
-        const float *ranges = behind ? tiles[n]->high : tiles[n]->low;
-        for (int row = 0; row < 16; row++) {
-            uint32_t hit = i32x4_bits((i32x4)(f32x4_load(ranges + 4 * row) - row_depths(p, tiles[n], row, across) == ends));
-            if (!hit) continue;
-            return (texel_place){tiles[n]->x + 4 * (row >> 2 & 1) + __builtin_ctz(hit), tiles[n]->y + 4 * (row >> 3) + (row & 3)};
+    for (int n = 0; n < count; n++)
+        for (int q = 0; q < 4; q++) {
+            if (!(tiles[n]->quadrants >> q & 1)) continue;
+            const float    *ranges = (behind ? tiles[n]->high : tiles[n]->low) + 16 * q;
+            quadrant_depths at     = depths_at(p, tiles[n], q);
+            for (int row = 0; row < 4; row++, at.first += at.down) {
+                uint32_t hit = i32x4_bits((i32x4)(f32x4_load(ranges + 4 * row) - at.first == f32x4_all(end)));
+                if (hit) return (texel_place){tiles[n]->x + 4 * (q & 1) + __builtin_ctz(hit), tiles[n]->y + 4 * (q >> 1) + row};
+            }
         }
-    }
     return (texel_place){0, 0};
 }
 
@@ -158,6 +165,8 @@ int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_oth
 {
     plane_ranges        part = *t;
     const plane_ranges *tile = &part;
+    for (int q = 0; q < 4 && others == OTHERS_ANYWHERE; q++)
+        if (!(texels >> 16 * q & 0xffff)) part.quadrants &= ~(1u << q);
     for (uint64_t rest = ~texels; rest; rest &= rest - 1) {
         int n = __builtin_ctzll(rest);
         if (others != OTHERS_BEHIND) part.low[n] = -PLANE_FREE;
@@ -168,14 +177,14 @@ int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_oth
 
 uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
 {
-    const f32x4 across = row_across(p);
-    int32_t     first  = p->least - (p->across < 0 ? 7 * p->across : 0) - (p->down < 0 ? 7 * p->down : 0);
-    uint64_t    texels = 0;
-    for (int row = 0; row < 16; row++) {
-        f32x4 at = row_depths(p, t, row, across) + (float)first;
-        i32x4 in = (i32x4)(f32x4_load(t->low + 4 * row) <= at + (float)margin) &
-                   (i32x4)(f32x4_load(t->high + 4 * row) >= at - (float)margin);
-        texels |= (uint64_t)i32x4_bits(in) << 4 * row;
+    float    first  = (float)(p->least - (p->across < 0 ? 7 * p->across : 0) - (p->down < 0 ? 7 * p->down : 0));
+    uint64_t texels = 0;
+    for (int q = 0; q < 4; q++) {
+        quadrant_depths at = depths_at(p, t, q);
+        for (int row = 16 * q; row < 16 * q + 16; row += 4, at.first += at.down) {
+            f32x4 low = f32x4_load(t->low + row) - (float)margin, high = f32x4_load(t->high + row) + (float)margin;
+            texels |= (uint64_t)i32x4_bits((i32x4)(low <= at.first + first) & (i32x4)(high >= at.first + first)) << row;
+        }
     }
     return texels;
 }

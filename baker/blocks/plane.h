@@ -20,8 +20,9 @@ typedef struct plane {
 
 /* The ranges of a tile's texels, in the order of patterns.h, in parts of a voxel, whole numbers within +-PLANE_FREE; and where its first texel is in the area of the plane. */
 typedef struct plane_ranges {
-    float   low[64], high[64];
-    int32_t x, y;
+    float    low[64], high[64];
+    int32_t  x, y;
+    uint32_t quadrants; /* bits of those in which a texel bounds planes */
 } plane_ranges;
 
 /* How far slopes are shifted so that they fit into halves. */
