@@ -180,6 +180,19 @@ VXS_FN vxs_u32 vxs_bits_of_bytes(vxs_bytes16 bytes)
 #endif
 }
 
+/* Bit 4 y + x: lane x of row y, of four, is all ones; lanes are all ones or zero. */
+VXS_FN vxs_u32 vxs_bits_of_rows(const vxs_lanes4 *rows)
+{
+#ifdef __SSE2__
+    const __m128i *row = (const __m128i *)rows;
+    return vxs_bits_of_bytes((vxs_bytes16)_mm_packs_epi16(_mm_packs_epi32(row[0], row[1]), _mm_packs_epi32(row[2], row[3])));
+#else
+    static const vxs_lanes4 bit  = {1, 2, 4, 8};
+    vxs_lanes4              bits = (rows[0] & bit) | (rows[1] & (bit << 4)) | (rows[2] & (bit << 8)) | (rows[3] & (bit << 12));
+    return (vxs_u32)(bits[0] | bits[1] | bits[2] | bits[3]);
+#endif
+}
+
 VXS_FN vxs_u32 vxs_bytes_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 shift, vxs_u32 keep, vxs_u32 limit)
 {
     vxs_bytes16 bytes, zero = {0};
@@ -584,43 +597,38 @@ VXS_FN vxs_u32 vxs_blocks_raw(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
     return bits;
 }
 
-/* All texels of a tile on a plane, row by row. */
+/* Texel z of quadrant c of a tile on a plane. */
+VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+{
+    vxs_u32 x = 4u * (c & 1u) + (z & 3u), y = 4u * (c >> 1) + (z >> 2);
+    return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
+}
+
+/* Quadrant c of a tile on a plane. */
+VXS_FN vxs_u32 vxs_blocks_plane_quadrant(vxs_blocks_tile tile, vxs_u32 c)
+{
 #ifdef VXS_VECTORS
-VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
-{
-    const vxs_words4 zero = {0}, columns = {0, 1, 2, 3};
+    const vxs_words4 zero = {0}, columns = {0u, tile.count, 2u * tile.count, 3u * tile.count};
     const vxs_lanes4 limit = (vxs_lanes4)(zero + (vxs_u32)tile.k);
-    vxs_words4       left = columns * (zero + tile.count), right = left + 4u * tile.count, words[2];
-    for (int half = 0; half < 2; half++) {
-        vxs_words4 bits = {1, 2, 4, 8};
-        words[half]     = zero;
-        for (int row = 0; row < 4; row++) {
-            words[half] |= (vxs_words4)((vxs_lanes4)left <= limit) & bits;
-            words[half] |= (vxs_words4)((vxs_lanes4)right <= limit) & (bits << 16);
-            left += tile.bases;
-            right += tile.bases;
-            bits <<= 4;
-        }
-    }
-    vxs_mask mask;
-    mask.low  = words[0][0] | words[0][1] | words[0][2] | words[0][3];
-    mask.high = words[1][0] | words[1][1] | words[1][2] | words[1][3];
-    return mask;
-}
+    vxs_words4       row   = columns + (4u * (c & 1u) * tile.count + 4u * (c >> 1) * tile.bases);
+    vxs_lanes4       rows[4];
+    for (int y = 0; y < 4; y++, row += tile.bases) rows[y] = (vxs_lanes4)row <= limit;
+    return vxs_bits_of_rows(rows);
 #else
+    vxs_u32 bits = 0u;
+    for (vxs_u32 z = 0u; z < 16u; z++) bits |= vxs_blocks_plane_texel(tile, c, z) << z;
+    return bits;
+#endif
+}
+
+/* All texels of a tile on a plane. */
 VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
 {
     vxs_mask mask;
-    mask.low  = 0u;
-    mask.high = 0u;
-    for (vxs_u32 z = 0u; z < 32u; z++) {
-        vxs_u32 x = ((z >> 2) & 4u) | (z & 3u), y = (z >> 2) & 3u, depth = tile.count * x + tile.bases * y;
-        mask.low |= (VXS_I(depth) <= tile.k ? 1u : 0u) << z;
-        mask.high |= (VXS_I(depth + 4u * tile.bases) <= tile.k ? 1u : 0u) << z;
-    }
+    mask.low  = vxs_blocks_plane_quadrant(tile, 0u) | (vxs_blocks_plane_quadrant(tile, 1u) << 16);
+    mask.high = vxs_blocks_plane_quadrant(tile, 2u) | (vxs_blocks_plane_quadrant(tile, 3u) << 16);
     return mask;
 }
-#endif
 
 /* Plane 0 or 1 of a tile that has two. */
 VXS_FN vxs_blocks_tile vxs_blocks_one_plane(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 which)
@@ -647,13 +655,6 @@ VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
     first.low       = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
     first.high      = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
     return first;
-}
-
-/* Texel z of quadrant c of a tile on a plane. */
-VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
-{
-    vxs_u32 x = 4u * (c & 1u) + (z & 3u), y = 4u * (c >> 1) + (z >> 2);
-    return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
 }
 
 /* Texel z of quadrant c of a tile of two planes. */
