@@ -206,14 +206,14 @@ static inline plane_slopes random_slopes(rng *r)
     return s;
 }
 
-/* near  a depth that it has, or about that, or far away */
-static inline block_plane random_block_plane(rng *r, int32_t near)
+/* near  its first depth, or one up to `most` voxels behind it */
+static inline block_plane random_block_plane(rng *r, int32_t near, int32_t most)
 {
     block_plane p    = {.slopes = random_slopes(r), .shift = rng_below(r, 2) ? rng_below(r, 9) : 0};
     int32_t     last = block_plane_at(&p, p.slopes.across < 0 ? 0 : 31, p.slopes.down < 0 ? 0 : 31);
     p.tiles          = rng_below(r, 2) ? 0xffff : rng_u32(r) & 0xffff;
     p.depth          = 256 * (int64_t)near + rng_between(r, 0, 255);
-    if (rng_below(r, 2)) p.depth -= 256 * rng_between(r, 0, last < 1 << 17 ? last : 1 << 17);
+    if (rng_below(r, 2)) p.depth -= 256 * rng_between(r, 0, last < most ? last : most);
     return p;
 }
 
@@ -580,7 +580,7 @@ static inline void random_square(rng *r, int32_t *depth, square_planes *planes, 
         for (uint32_t l = 0; l < count; l++) levels[l] = count == 1 ? ground : ground + step * rng_between(r, -12, 12);
         if (kind == 9) levels[0] = 2 * side + 4096;
         block_plane *plane = &planes->block[c];
-        if (!rng_below(r, 4)) *plane = random_block_plane(r, levels[0]);
+        if (!rng_below(r, 4)) *plane = random_block_plane(r, levels[0], side / 2);
         for (int t = 0; t < 16; t++) {
             int32_t      x = c % 8 * 4 + t % 4, y = c / 8 * 4 + t / 4, *at = depth + 8 * BLOCKS_SQUARE_PX * y + 8 * x;
             tile_planes *own = &planes->tile[32 * y + x];

@@ -152,11 +152,146 @@ static void test_absent_pages(void **state)
     blocks_sample_free(&s);
 }
 
+/* far bases ------------------------------------------------------------------------------------------------------------------------ */
+
+enum { FAR_PAGE = 11, FAR_BLOCK = 8, FAR_PATTERN = 15, FAR_WORDS = 24 }; /* block and pattern: words of the page */
+
+/* A map of 256 x 256 texels. One block of it has something: a tile on its plane, one with planes of its own, and others at its base. */
+typedef struct far_block {
+    node_slope  slope;
+    uint32_t    plane_tile, own_tile;
+    block_plane plane; /* of depths relative to the block */
+    tile_planes own;   /* its base is relative to the block */
+    int64_t     base;
+    uint32_t    words[FAR_PAGE + FAR_WORDS + BLOCKS_SPARE_WORDS];
+} far_block;
+
+/* Where shadow begins, formats/vxs.md section 13.2. */
+static int64_t far_depth(const far_block *b, int32_t i, int32_t j)
+{
+    if (i > 31 || j > 31) return INT64_MAX;
+    uint32_t t     = (uint32_t)(i / 8 + j / 8 * 4);
+    int64_t  depth = b->base - slope_at(b->slope, i / 8, j / 8);
+    if (t == b->plane_tile) return b->base + block_plane_at(&b->plane, i, j);
+    return t == b->own_tile ? depth + b->own.base + tile_planes_at(&b->own, i % 8, j % 8) : depth;
+}
+
+/* A number of any length, up to 29 bits. */
+static int32_t far_number(rng *r)
+{
+    int32_t limit = 1 << rng_below(r, 30);
+    return rng_between(r, -limit, limit - 1);
+}
+
+/* Of any texel of tile t. */
+static int64_t far_depth_in(const far_block *b, rng *r, uint32_t t)
+{
+    return far_depth(b, (int32_t)(t % 4 * 8 + rng_below(r, 8)), (int32_t)(t / 4 * 8 + rng_below(r, 8)));
+}
+
+/* Bases are any numbers, or those by which a texel of one of the two tiles has its depth in the map. */
+static void far_plan(far_block *b, rng *r)
+{
+    b->slope       = random_slope(r);
+    b->plane_tile  = rng_below(r, 16);
+    b->own_tile    = (b->plane_tile + 1 + rng_below(r, 15)) % 16;
+    b->plane       = random_block_plane(r, 0, 0);
+    b->plane.depth = far_number(r) / 4;
+    b->own         = random_tile_planes(r, far_number(r));
+    b->base        = far_number(r);
+    if (rng_below(r, 2)) b->base += rng_below(r, 256) - far_depth_in(b, r, b->plane_tile);
+    if (rng_below(r, 2)) b->own.base += (int32_t)(rng_below(r, 256) - far_depth_in(b, r, b->own_tile));
+}
+
+static void far_write(far_block *b)
+{
+    half_list     page     = {0};
+    blocks_sample count    = {0};
+    uint32_t      others   = 0xffff & ~(1u << b->plane_tile | 1u << b->own_tile);
+    uint32_t      halves[] = {1, 0, 0, 0, 2, 0, 0, 0, (uint32_t)b->slope.x, (uint32_t)b->slope.y, 1, FAR_BLOCK};
+    for (size_t n = 0; n < sizeof halves / sizeof *halves; n++) put_half(&page, halves[n]);
+    put_word(&page, (uint32_t)b->base);
+    put_word(&page, 0xffffffff);
+    put_word(&page, 1u << b->own_tile | (others & -others) << 16);
+    put_word(&page, 1u << b->own_tile | 1u << b->plane_tile | 1u << 26);
+    put_plane(&count, &page, &b->plane, 0);
+    put_word(&page, 2 * FAR_PATTERN << 14);
+    put_word(&page, 0);
+    put_word(&page, (uint32_t)b->own.base);
+    put_planes(&count, &page, &b->own);
+    pad_to_word(&page);
+    memset(b->words, 0, sizeof b->words);
+    memcpy(b->words, (uint32_t[FAR_PAGE]){1, FAR_PAGE, 9, 0, 0, 0, 0, 0, FAR_PAGE, 0, 255u << 24}, FAR_PAGE * sizeof *b->words);
+    for (size_t n = 0; n < page.count / 2; n++) b->words[FAR_PAGE + n] = page.data[2 * n] | (uint32_t)page.data[2 * n + 1] << 16;
+    free(page.data);
+}
+
+static uint32_t far_count(const far_block *b, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
+{
+    uint32_t dark = 0;
+    for (int32_t y = j - filter_px / 2; y <= j + filter_px / 2; y++)
+        for (int32_t x = i - filter_px / 2; x <= i + filter_px / 2; x++)
+            dark += x >= 0 && y >= 0 && (int64_t)k >= far_depth(b, x, y);
+    return dark;
+}
+
+/* Depths far from those of the map, where a difference of both times 256 is no number. */
+static void test_far_bases(void **state)
+{
+    rng      r      = {7};
+    uint32_t partly = 0;
+    (void)state;
+    for (int round = 0; round < 4000; round++) {
+        far_block b;
+        far_plan(&b, &r);
+        far_write(&b);
+        for (int n = 0; n < 200; n++) {
+            int32_t i = rng_between(&r, 0, 35), j = rng_between(&r, 0, 35),
+                    filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            uint32_t k = rng_below(&r, 256), tap = far_count(&b, i, j, k, 1), dark = far_count(&b, i, j, k, filter_px);
+            assert_int_equal(vxs_blocks_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k), tap);
+            assert_int_equal(scalar_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k), tap);
+            assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, filter_px), dark);
+            assert_int_equal(scalar_shadow_count(b.words, 0, 8, i, j, k, filter_px), dark);
+            partly += dark > 0 && dark < (uint32_t)(filter_px * filter_px);
+        }
+    }
+    assert_in_range(partly, 100000, UINT32_MAX);
+}
+
+/* Planes that no file has, steeper and deeper than 32 bits hold: vectors and words say the same, and nothing that is signed overflows. */
+static void test_bad_planes(void **state)
+{
+    rng r = {8};
+    (void)state;
+    for (int round = 0; round < 4000; round++) {
+        far_block b;
+        far_plan(&b, &r);
+        far_write(&b);
+        for (uint32_t n = 0; n < 8; n++) { /* the block's plane, and the pattern */
+            uint32_t *word = b.words + FAR_PAGE + (n < 2 ? FAR_BLOCK + 2 + n : FAR_PATTERN + n - 2);
+            if (rng_below(&r, 2)) *word = rng_u32(&r);
+            if (n == 2) *word |= 0x8000; /* kinds 8 to 15 */
+        }
+        for (int n = 0; n < 200; n++) {
+            int32_t i = rng_between(&r, 0, 35), j = rng_between(&r, 0, 35),
+                    filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+            uint32_t k        = rng_below(&r, 256);
+            assert_int_equal(vxs_blocks_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k),
+                             scalar_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k));
+            assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, filter_px),
+                             scalar_shadow_count(b.words, 0, 8, i, j, k, filter_px));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lookups),
         cmocka_unit_test(test_absent_pages),
+        cmocka_unit_test(test_far_bases),
+        cmocka_unit_test(test_bad_planes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -525,7 +525,7 @@ static void test_positions(void **state)
                 check_answers(baked, origin, queries, filter_px, answers, dialects[dialect], &sum);
                 assert_true(sum.asked > QUERIES * 6 / 10);
                 assert_true(sum.outside > QUERIES / 50 || (kind == LAMP_FIRST + POINT && light.light.range_metres == 0));
-                assert_true(sum.partly > (width ? QUERIES / 12 : -1));
+                assert_true(sum.partly > (width ? QUERIES / 20 : -1));
                 vxs_asset_close(asset);
                 dag_sample_free(&sample);
                 blocks_sample_free(&blocks);
