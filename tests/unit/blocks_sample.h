@@ -173,16 +173,18 @@ static inline int32_t block_plane_at(const block_plane *p, int32_t x, int32_t y)
 typedef struct tile_planes {
     uint32_t     kind, shift; /* kind 0: the tile has none */
     plane_slopes slopes[2];
-    uint32_t     deeper, deeper_shift; /* the second is */
+    uint32_t     quarters[2];          /* of a voxel, that each is deeper */
+    uint32_t     deeper, deeper_shift; /* the second is, in voxels */
     uint64_t     of_second;
     int32_t      base; /* a depth of the map, without the slope of the node */
 } tile_planes;
 
 static inline int32_t tile_planes_at(const tile_planes *p, int32_t x, int32_t y)
 {
-    int64_t  first  = (slopes_at(p->slopes[0], 7, x, y) << p->shift) / 256;
-    int64_t  second = (slopes_at(p->slopes[1], 7, x, y) << p->shift) / 256 + ((int64_t)p->deeper << p->deeper_shift);
+    int64_t  first  = (64 * p->quarters[0] + (slopes_at(p->slopes[0], 7, x, y) << p->shift)) / 256;
+    int64_t  second = (64 * p->quarters[1] + (slopes_at(p->slopes[1], 7, x, y) << p->shift)) / 256;
     uint32_t z      = (uint32_t)(16 * (x / 4 + 2 * (y / 4)) + 4 * (y % 4) + x % 4);
+    second += (int64_t)p->deeper << p->deeper_shift;
     switch (p->kind) {
     case 7: return (int32_t)first;
     case 8: return (int32_t)(first < second ? first : second);
@@ -223,7 +225,9 @@ static inline tile_planes random_tile_planes(rng *r, int32_t base)
     tile_planes           p         = {.kind = 7 + rng_below(r, 4), .base = base};
     p.shift                         = rng_below(r, 2) ? rng_below(r, 9) : 0;
     p.slopes[0]                     = random_slopes(r);
+    p.quarters[0]                   = rng_below(r, 4);
     if (p.kind == 7) return p;
+    p.quarters[1]  = rng_below(r, 4);
     p.slopes[1]    = random_slopes(r);
     p.deeper       = rng_below(r, deepers[rng_below(r, 4)] + 1);
     p.deeper_shift = rng_below(r, 2) ? rng_below(r, 6) : 0;
@@ -323,7 +327,7 @@ static inline void put_slopes(half_list *list, plane_slopes s)
 static inline void put_planes(blocks_sample *s, half_list *list, const tile_planes *p)
 {
     s->kinds[p->kind]++;
-    put_half(list, p->kind << 12 | p->shift << 8 | p->deeper_shift);
+    put_half(list, p->kind << 12 | p->shift << 8 | p->quarters[1] << 5 | p->quarters[0] << 3 | p->deeper_shift);
     put_slopes(list, p->slopes[0]);
     if (p->kind == 7) return;
     put_slopes(list, p->slopes[1]);

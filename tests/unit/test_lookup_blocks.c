@@ -140,7 +140,7 @@ static void test_absent_pages(void **state)
 {
     (void)state;
     blocks_sample s;
-    rng           r = {5};
+    rng           r = {6};
     blocks_sample_init(&s, &r, 10, 1, 14);
     assert_true(s.page_count > 2);
     for (uint32_t page = 0; page <= s.page_count; page++) {
