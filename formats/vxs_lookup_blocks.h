@@ -56,11 +56,14 @@
 #endif
 #endif
 
-/* Functions that every lookup passes. A call would send their structs through memory, which is a fifth of the time. */
+/* Functions that every lookup passes: a call would send their structs through memory, which is a fifth of the time. And those that few
+ * lookups pass: inlined, they would take registers from the others. */
 #if defined(VXS_C) && defined(__GNUC__)
 #define VXS_INLINE VXS_FN __attribute__((always_inline))
+#define VXS_APART  static __attribute__((noinline, unused))
 #else
 #define VXS_INLINE VXS_FN
+#define VXS_APART  VXS_FN
 #endif
 
 /* What a node or a tile is, at a voxel's depth. Own patterns of kinds 3 to 10 are tiles of these kinds. */
@@ -648,7 +651,7 @@ VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_
 }
 
 /* All texels of a tile of two planes. */
-VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
+VXS_APART vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_mask first  = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u));
     vxs_mask second = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 1u));
@@ -658,7 +661,7 @@ VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
 }
 
 /* Texel z of quadrant c of a tile of two planes. */
-VXS_FN vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
+VXS_APART vxs_u32 vxs_blocks_two_planes_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
 {
     vxs_u32 first  = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 0u), c, z);
     vxs_u32 second = vxs_blocks_plane_texel(vxs_blocks_one_plane(blocks, tile, 1u), c, z);
