@@ -64,16 +64,26 @@ typedef struct vxs_allocator {
     void *user;
 } vxs_allocator;
 
+/* Threads of the caller's, to which work is given that falls into tasks. No library here starts a thread of its own accord. */
+typedef struct vxs_parallel {
+    /* Call task(work, n) once for each n from 0 to count - 1, on any threads, in any order, at once or not, and return when all have
+     * returned and what they wrote is seen. No task waits for another. A loop over n will do. */
+    void (*run)(void *user, uint32_t count, void (*task)(void *work, uint32_t n), void *work);
+    void    *user;
+    uint32_t threads; /* that are worth having: count is never more. 0, 1, or no run: the caller's thread does all */
+} vxs_parallel;
+
 /* Called for each thing that is wrong: a number of vxs_findings.h, its text, and where (section is -1 for header and directory). */
 typedef void vxs_finding_fn(void *user, int number, const char *text, int section, uint64_t offset_bytes);
 
 typedef struct vxs_read_desc {
-    const vxs_allocator *allocator;     /* NULL: malloc and free; copied, but its functions must outlive what was read */
-    uint64_t        memory_limit_bytes; /* 0: 256 times the file, but 64 MiB at least. More is refused before it is allocated */
-    vxs_finding_fn *finding;            /* NULL: nobody asks */
-    void           *finding_user;
-    int             find_all; /* 1: go on after a finding where that makes sense, to report the others too */
-    int             metadata; /* 1: inflate the metadata, too. 0: no lookup needs it, so it is left as it lies in the file */
+    const vxs_allocator *allocator;         /* NULL: malloc and free; copied, but its functions must outlive what was read */
+    uint64_t            memory_limit_bytes; /* 0: 256 times the file, but 64 MiB at least. More is refused before it is allocated */
+    vxs_finding_fn     *finding;            /* NULL: nobody asks */
+    void               *finding_user;
+    int                 find_all; /* 1: go on after a finding where that makes sense, to report the others too */
+    int                 metadata; /* 1: inflate the metadata, too. 0: no lookup needs it, so it is left as it lies in the file */
+    const vxs_parallel *parallel; /* NULL: the caller's thread does all. What is read, and what is found, does not depend on it */
 } vxs_read_desc;
 
 typedef struct vxs_section {
@@ -99,7 +109,8 @@ typedef struct vxs_contents {
  * contents  [out] written only when VXS_OK is returned
  * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT: the first finding's result; VXS_E_MEMORY.
  * Bad bytes never abort, and cost no more memory than the limit; zstd's own working memory (some 160 KiB) comes from malloc and is
- * not counted. Threads: none shared. */
+ * not counted. Threads: none shared; those of desc->parallel decode the pages of palette blocks, and need some 1.5 MiB each, within the
+ * limit: with less, fewer of them are used. Allocator and findings are called by the caller's thread alone. */
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
 /* Accepts a zeroed object. */
@@ -140,6 +151,7 @@ typedef struct vxs_write_desc {
     uint32_t               light_count;
     const char            *metadata;   /* JSON text, NUL-terminated; NULL: none */
     int                    zstd_level; /* 1..19 */
+    const vxs_parallel    *parallel;   /* NULL: the caller's thread does all. What is written does not depend on it */
 } vxs_write_desc;
 
 typedef struct vxs_bytes {

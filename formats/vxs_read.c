@@ -42,15 +42,22 @@ static int go_on(const vxs_reader *r)
 
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
 
+void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size)
+{
+    if (count > r->memory_left / size) return NULL;
+    void *memory = r->allocator.alloc(count ? count * size : 1, r->allocator.user);
+    if (memory) r->memory_left -= count * size;
+    return memory;
+}
+
 void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section)
 {
     if (count > r->memory_left / size) {
         vxs_found(r, 211, section, 0);
         return NULL;
     }
-    void *memory = r->allocator.alloc(count ? count * size : 1, r->allocator.user);
+    void *memory = vxs_take_spare(r, count, size);
     if (!memory && r->result == VXS_OK) r->result = VXS_E_MEMORY;
-    if (memory) r->memory_left -= count * size;
     return memory;
 }
 

@@ -2,7 +2,8 @@
  * section 13 has them.
  *
  * What both say of their sizes is added up, and held against the light's record and the limit, before anything is decoded. Decoding is
- * the check of the rest (vxs_page.h).
+ * the check of the rest (vxs_page.h). Once the resident part is known, pages are decoded by as many tasks as there are threads, and memory
+ * for what each of them needs; what was wrong is told afterwards, in the order of pages.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 #include <xxhash.h>
@@ -10,6 +11,7 @@
 #include "vxs_bytes.h"
 #include "vxs_page.h"
 #include "vxs_reader.h"
+#include "vxs_tasks.h"
 
 enum { SCRATCH_ALIGN = 16, FIRST_PAGE_WORD = 8 };
 
@@ -25,10 +27,18 @@ typedef struct blocks_reader {
     int                resident_section, pages_section;
     vxs_resident_sizes sizes;
     vxs_resident       resident;
-    uint32_t          *words; /* [word_count + VXS_BLOCKS_SPARE_WORDS] */
-    uint8_t           *scratch_memory;
-    vxs_page_scratch  *scratch;
+    uint32_t          *words;                         /* [word_count + VXS_BLOCKS_SPARE_WORDS] */
+    uint8_t           *scratch_memory[VXS_TASKS_MAX]; /* [task_count] */
+    uint32_t           task_count;
+    uint16_t          *wrong; /* [page_count] the number of what was found; 0: nothing */
+    vxs_items          pages;
 } blocks_reader;
+
+/* A page, and where it is. */
+typedef struct page_place {
+    uint32_t page, start; /* start: of its words, among the light's */
+    uint64_t at;          /* its bytes, in the section */
+} page_place;
 
 static const uint8_t *page_entry(const blocks_reader *b, uint32_t page)
 {
@@ -63,22 +73,34 @@ static int check_sizes(blocks_reader *b)
     return 1;
 }
 
+static size_t scratch_bytes(void)
+{
+    return vxs_page_scratch_bytes() + SCRATCH_ALIGN;
+}
+
+static vxs_page_scratch *scratch_of(const blocks_reader *b, uint32_t task)
+{
+    uint8_t *memory = b->scratch_memory[task];
+    return (vxs_page_scratch *)(memory + SCRATCH_ALIGN - (uintptr_t)memory % SCRATCH_ALIGN);
+}
+
 static int take_memory(blocks_reader *b)
 {
     vxs_reader               *r       = b->r;
     const vxs_resident_sizes *s       = &b->sizes;
     vxs_resident             *to      = &b->resident;
     int                       section = b->resident_section;
+    uint32_t                  wanted  = vxs_task_count(r->desc.parallel, s->page_count);
     b->words = vxs_take(r, b->baked->word_count + (uint64_t)VXS_BLOCKS_SPARE_WORDS, sizeof *b->words, b->pages_section);
     if (!b->words) return 0;
     b->baked->words = b->words; /* given back with the light, whatever happens */
     if (!(to->nodes = vxs_take(r, s->node_count, sizeof *to->nodes, section))) return 0;
     if (!(to->page_first = vxs_take(r, s->page_count + (uint64_t)1, sizeof *to->page_first, section))) return 0;
     if (!(to->patterns = vxs_take(r, s->pattern_count, sizeof *to->patterns, section))) return 0;
-    if (!(b->scratch_memory = vxs_take(r, vxs_page_scratch_bytes() + SCRATCH_ALIGN, 1, section))) return 0;
-    b->scratch = (vxs_page_scratch *)(b->scratch_memory + SCRATCH_ALIGN - (uintptr_t)b->scratch_memory % SCRATCH_ALIGN);
-    to->words  = b->words;
-    vxs_page_scratch_init(b->scratch);
+    if (!(b->wrong = vxs_take(r, s->page_count, sizeof *b->wrong, section))) return 0;
+    if (!(b->scratch_memory[b->task_count++] = vxs_take(r, scratch_bytes(), 1, section))) return 0;
+    while (b->task_count < wanted && (b->scratch_memory[b->task_count] = vxs_take_spare(r, scratch_bytes(), 1))) b->task_count++;
+    to->words = b->words;
     return 1;
 }
 
@@ -88,32 +110,61 @@ static void give_memory_back(blocks_reader *b)
     vxs_give_back(b->r, from->nodes, b->sizes.node_count, sizeof *from->nodes);
     vxs_give_back(b->r, from->page_first, b->sizes.page_count + (uint64_t)1, sizeof *from->page_first);
     vxs_give_back(b->r, from->patterns, b->sizes.pattern_count, sizeof *from->patterns);
-    vxs_give_back(b->r, b->scratch_memory, vxs_page_scratch_bytes() + SCRATCH_ALIGN, 1);
+    vxs_give_back(b->r, b->wrong, b->sizes.page_count, sizeof *b->wrong);
+    for (uint32_t n = 0; n < b->task_count; n++) vxs_give_back(b->r, b->scratch_memory[n], scratch_bytes(), 1);
 }
 
-/* Page `page`: its bytes are at `at` of the section, its words go to `start`. */
-static int decode_page(blocks_reader *b, uint32_t page, uint64_t at, uint32_t start)
+static page_place first_page(const blocks_reader *b)
 {
-    const uint8_t       *entry = page_entry(b, page), *bytes = vxs_stored_bytes(b->r, b->pages_section) + at;
-    uint32_t             size = vxs_load32(entry + VXS_PAGE_STORED_BYTES), first = b->resident.page_first[page];
+    return (page_place){0, b->sizes.word_count, VXS_PAGES_PREFIX_BYTES + (uint64_t)b->sizes.page_count * VXS_PAGE_BYTES};
+}
+
+static void next_page(const blocks_reader *b, page_place *p)
+{
+    p->at += vxs_load32(page_entry(b, p->page) + VXS_PAGE_STORED_BYTES);
+    p->start += vxs_load32(page_entry(b, p->page) + VXS_PAGE_WORD_COUNT);
+    p->page++;
+}
+
+/* Returns the number of what is wrong with a page; 0: nothing. */
+static uint16_t decode_page(const blocks_reader *b, const page_place *p, vxs_page_scratch *scratch)
+{
+    const uint8_t       *entry = page_entry(b, p->page), *bytes = vxs_stored_bytes(b->r, b->pages_section) + p->at;
+    uint32_t             size = vxs_load32(entry + VXS_PAGE_STORED_BYTES), first = b->resident.page_first[p->page];
     const vxs_page_node *nodes = b->resident.nodes + first;
-    if (XXH64(bytes, size, 0) != vxs_load64(entry + VXS_PAGE_HASH)) return vxs_found(b->r, 503, b->pages_section, at), 0;
+    if (XXH64(bytes, size, 0) != vxs_load64(entry + VXS_PAGE_HASH)) return 503;
     if (vxs_page_word_count(bytes, size) != vxs_load32(entry + VXS_PAGE_WORD_COUNT) ||
-        vxs_page_decode(b->words + start, bytes, size, nodes, b->resident.page_first[page + 1] - first, &b->resident.common,
-                        b->scratch))
-        return vxs_found(b->r, 504, b->pages_section, at), 0;
-    b->words[FIRST_PAGE_WORD + page] = start;
-    return 1;
+        vxs_page_decode(b->words + p->start, bytes, size, nodes, b->resident.page_first[p->page + 1] - first, &b->resident.common,
+                        scratch))
+        return 504;
+    b->words[FIRST_PAGE_WORD + p->page] = p->start;
+    return 0;
+}
+
+/* A task: pages that no other has taken. Behind one that is wrong none is wanted, but where everything is; all before it are taken. */
+static void decode_some_pages(void *work, uint32_t task)
+{
+    blocks_reader    *b       = work;
+    vxs_page_scratch *scratch = scratch_of(b, task);
+    page_place        p       = first_page(b);
+    uint32_t          page;
+    if (task) vxs_page_scratch_init(scratch); /* the first has decoded the resident part */
+    while (vxs_items_take(&b->pages, &page)) {
+        while (p.page < page) next_page(b, &p);
+        b->wrong[page] = decode_page(b, &p, scratch);
+        if (b->wrong[page] && !b->r->desc.find_all) vxs_items_end(&b->pages);
+    }
 }
 
 static void decode_pages(blocks_reader *b)
 {
-    uint32_t start = b->sizes.word_count;
-    uint64_t at    = VXS_PAGES_PREFIX_BYTES + (uint64_t)b->sizes.page_count * VXS_PAGE_BYTES;
-    for (uint32_t page = 0; page < b->sizes.page_count; page++) {
-        if (!decode_page(b, page, at, start) && !b->r->desc.find_all) return;
-        at += vxs_load32(page_entry(b, page) + VXS_PAGE_STORED_BYTES);
-        start += vxs_load32(page_entry(b, page) + VXS_PAGE_WORD_COUNT);
+    memset(b->wrong, 0, b->sizes.page_count * sizeof *b->wrong);
+    b->pages.count = b->sizes.page_count;
+    vxs_tasks_run(b->r->desc.parallel, b->task_count, decode_some_pages, b);
+    for (page_place p = first_page(b); p.page < b->sizes.page_count; next_page(b, &p)) {
+        if (!b->wrong[p.page]) continue;
+        vxs_found(b->r, b->wrong[p.page], b->pages_section, p.at);
+        if (!b->r->desc.find_all) return;
     }
 }
 
@@ -134,7 +185,8 @@ static void decode_light(blocks_reader *b)
     const uint8_t   *bytes = vxs_stored_bytes(b->r, b->resident_section);
     uint64_t         size  = b->r->out.sections[b->resident_section].stored_bytes;
     memset(b->words + b->baked->word_count, 0, VXS_BLOCKS_SPARE_WORDS * sizeof *b->words);
-    if (vxs_resident_decode(&b->resident, light->levels, vxs_light_map_count(light), bytes, size, b->scratch)) {
+    vxs_page_scratch_init(scratch_of(b, 0));
+    if (vxs_resident_decode(&b->resident, light->levels, vxs_light_map_count(light), bytes, size, scratch_of(b, 0))) {
         vxs_found(b->r, 501, b->resident_section, 0);
         return;
     }

@@ -1,4 +1,5 @@
 /* A file while it is read: what vxs_read.c gives the codings to read their sections by, and what they give it. Not installed.
+ * The reader belongs to the thread that called vxs_read; what a coding leaves to tasks (vxs_tasks.h) reads it and calls nothing here.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_READER_H
 #define VXS_READER_H
@@ -23,6 +24,9 @@ void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
 
 /* count elements of `size` bytes, within the limit; NULL (a finding, or VXS_E_MEMORY) otherwise. */
 void *vxs_take(vxs_reader *r, uint64_t count, size_t size, int section);
+
+/* The same where nothing is lost without it: NULL is no finding. */
+void *vxs_take_spare(vxs_reader *r, uint64_t count, size_t size);
 
 /* The same count and size. Accepts NULL. */
 void vxs_give_back(vxs_reader *r, void *memory, uint64_t count, size_t size);

@@ -168,7 +168,7 @@ vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc)
     if (desc->zstd_level < 1 || desc->zstd_level > 19) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < desc->light_count; n++)
         if (!light_fits(desc->lights, n)) return VXS_E_ARGUMENT;
-    vxs_sections s = {.zstd = ZSTD_createCCtx(), .version = version_of(desc)};
+    vxs_sections s = {.zstd = ZSTD_createCCtx(), .version = version_of(desc), .parallel = desc->parallel};
     vxs_result   r = VXS_E_MEMORY;
     if (!s.zstd || ZSTD_isError(ZSTD_CCtx_setParameter(s.zstd, ZSTD_c_compressionLevel, desc->zstd_level))) goto done;
     if ((r = add_sections(&s, desc)) != VXS_OK) goto done;

@@ -1,10 +1,12 @@
 /* Writing a light of palette blocks: its resident part and its pages; formats/vxs.md section 14.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
+#include <string.h>
 #include <xxhash.h>
 
 #include "vxs_bytes.h"
 #include "vxs_page.h"
+#include "vxs_tasks.h"
 #include "vxs_writer.h"
 
 enum { PAGE_COUNT_WORD = 0, COMMON_WORD = 1, FIRST_PAGE_WORD = 8 };
@@ -70,26 +72,76 @@ static void forget_resident(known_resident *k)
     free(k->scratch);
 }
 
-/* The content of a section of pages: their table, then their bytes. */
-static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident)
+/* The bytes of a page, or why there are none. */
+typedef struct encoded_page {
+    vxs_bytes  bytes;
+    vxs_result result;
+} encoded_page;
+
+/* Pages while they are encoded. */
+typedef struct page_encoder {
+    const vxs_blocks_view *view;
+    const vxs_resident    *resident;
+    encoded_page          *out; /* [pages.count] */
+    vxs_items              pages;
+} page_encoder;
+
+static uint32_t page_words(const vxs_blocks_view *view, uint32_t page)
 {
-    uint32_t   count = view->words[PAGE_COUNT_WORD];
-    vxs_result r     = VXS_OK;
-    uint8_t   *head  = vxs_append(content, VXS_PAGES_PREFIX_BYTES + (size_t)count * VXS_PAGE_BYTES);
-    if (!head) return VXS_E_MEMORY;
-    vxs_store32(head, count);
-    vxs_store32(head + 4, VXS_PAGE_BYTES);
-    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        uint32_t start = page_start(view, n), words = page_start(view, n + 1) - start, first = resident->page_first[n];
-        size_t   at = content->size_bytes;
-        r = vxs_page_encode(content, view->words + start, words, resident->nodes + first, resident->page_first[n + 1] - first,
-                            &resident->common);
-        size_t   size  = content->size_bytes - at;
-        uint8_t *entry = content->data + VXS_PAGES_PREFIX_BYTES + (size_t)n * VXS_PAGE_BYTES;
-        vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)size);
-        vxs_store32(entry + VXS_PAGE_WORD_COUNT, words);
-        vxs_store64(entry + VXS_PAGE_HASH, XXH64(content->data + at, size, 0));
+    return page_start(view, page + 1) - page_start(view, page);
+}
+
+/* A task: pages that no other has taken. Behind one that fails none is wanted; all before it are taken. */
+static void encode_some_pages(void *work, uint32_t task)
+{
+    page_encoder          *e    = work;
+    const vxs_blocks_view *view = e->view;
+    const vxs_resident    *r    = e->resident;
+    uint32_t               page;
+    (void)task;
+    while (vxs_items_take(&e->pages, &page)) {
+        encoded_page *out   = &e->out[page];
+        uint32_t      first = r->page_first[page], nodes = r->page_first[page + 1] - first;
+        out->result = vxs_page_encode(&out->bytes, view->words + page_start(view, page), page_words(view, page), r->nodes + first,
+                                      nodes, &r->common);
+        if (out->result != VXS_OK) vxs_items_end(&e->pages);
     }
+}
+
+/* The content of a section of pages: their table, then their bytes. */
+static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, const encoded_page *pages, uint32_t count)
+{
+    size_t head = VXS_PAGES_PREFIX_BYTES + (size_t)count * VXS_PAGE_BYTES, size = head;
+    for (uint32_t n = 0; n < count; n++) {
+        if (pages[n].result != VXS_OK) return pages[n].result;
+        size += pages[n].bytes.size_bytes;
+    }
+    uint8_t *table = vxs_append(content, size), *to = table + head;
+    if (!table) return VXS_E_MEMORY;
+    vxs_store32(table, count);
+    vxs_store32(table + 4, VXS_PAGE_BYTES);
+    for (uint32_t n = 0; n < count; n++) {
+        const vxs_bytes *page  = &pages[n].bytes;
+        uint8_t         *entry = table + VXS_PAGES_PREFIX_BYTES + (size_t)n * VXS_PAGE_BYTES;
+        vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)page->size_bytes);
+        vxs_store32(entry + VXS_PAGE_WORD_COUNT, page_words(view, n));
+        vxs_store64(entry + VXS_PAGE_HASH, XXH64(page->data, page->size_bytes, 0));
+        memcpy(to, page->data, page->size_bytes);
+        to += page->size_bytes;
+    }
+    return VXS_OK;
+}
+
+static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident,
+                               const vxs_parallel *parallel)
+{
+    uint32_t     count = view->words[PAGE_COUNT_WORD];
+    page_encoder e     = {view, resident, calloc((size_t)count + 1, sizeof *e.out), {.count = count}};
+    if (!e.out) return VXS_E_MEMORY;
+    vxs_tasks_run(parallel, vxs_task_count(parallel, count), encode_some_pages, &e);
+    vxs_result r = join_pages(content, view, e.out, count);
+    for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
+    free(e.out);
     return r;
 }
 
@@ -104,7 +156,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_light_map_count(light), &common);
     if (r == VXS_OK) r = know_resident(&known, &resident, light);
-    if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident);
+    if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident, s->parallel);
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &resident);
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
     forget_resident(&known);

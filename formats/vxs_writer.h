@@ -9,10 +9,11 @@
 
 /* The sections so far: directory entries and stored bytes, put together at the end. */
 typedef struct vxs_sections {
-    vxs_bytes  entries; /* VXS_ENTRY_BYTES each; offsets are filled in at the end */
-    vxs_bytes  stored;
-    ZSTD_CCtx *zstd;
-    uint32_t   version; /* of the file */
+    vxs_bytes           entries; /* VXS_ENTRY_BYTES each; offsets are filled in at the end */
+    vxs_bytes           stored;
+    ZSTD_CCtx          *zstd;
+    uint32_t            version; /* of the file */
+    const vxs_parallel *parallel;
 } vxs_sections;
 
 /* `size` more bytes at the end of `b`, or NULL without memory. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "baker/bake/provenance.h"
+#include "baker/base/parallel.h"
 #include "baker/files/output_file.h"
 #include "runtime/vxs.h"
 
@@ -15,9 +16,13 @@ vxs_result asset_encode(const bake_options *o, const coded_light *coded, const b
     vxs_result       r      = VXS_E_MEMORY;
     if (lights && text) {
         for (uint32_t n = 0; n < report->light_count; n++) lights[n] = coded[n].written;
-        vxs_write_desc desc = {
-            .lights = lights, .light_count = report->light_count, .metadata = text, .zstd_level = (int)o->zstd_level};
-        r = vxs_write(out, &desc);
+        vxs_parallel   threads = parallel_lent(o->threads);
+        vxs_write_desc desc    = {.lights      = lights,
+                                  .light_count = report->light_count,
+                                  .metadata    = text,
+                                  .zstd_level  = (int)o->zstd_level,
+                                  .parallel    = &threads};
+        r                      = vxs_write(out, &desc);
     }
     free(text);
     free(lights);
@@ -45,9 +50,11 @@ static void report_contents(const vxs_contents *c, bake_report *report)
 
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m)
 {
-    vxs_contents contents = {0};
-    output_file  out      = {0};
-    vxs_result   r        = vxs_read(&contents, file->data, file->size_bytes, NULL);
+    vxs_contents  contents = {0};
+    output_file   out      = {0};
+    vxs_parallel  threads  = parallel_lent(o->threads);
+    vxs_read_desc desc     = {.parallel = &threads};
+    vxs_result    r        = vxs_read(&contents, file->data, file->size_bytes, &desc);
     if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
     report_contents(&contents, report);
     vxs_contents_free(&contents);

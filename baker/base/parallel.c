@@ -60,6 +60,30 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     for (uint32_t i = 1; i < started; i++) pthread_join(workers[i].thread, NULL);
 }
 
+typedef struct lent_loop {
+    void (*task)(void *work, uint32_t n);
+    void *work;
+} lent_loop;
+
+static void run_tasks(void *user, size_t begin, size_t end, uint32_t index)
+{
+    const lent_loop *l = user;
+    (void)index;
+    for (size_t n = begin; n < end; n++) l->task(l->work, (uint32_t)n);
+}
+
+static void run_lent(void *user, uint32_t count, void (*task)(void *work, uint32_t n), void *work)
+{
+    lent_loop l = {task, work};
+    (void)user;
+    parallel_for(count, count, 1, run_tasks, &l);
+}
+
+vxs_parallel parallel_lent(uint32_t threads)
+{
+    return (vxs_parallel){.run = run_lent, .threads = threads};
+}
+
 uint32_t parallel_default_threads(void)
 {
     cpu_set_t allowed;

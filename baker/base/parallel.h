@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/vxs_file.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -23,6 +25,9 @@ extern "C" {
  * Returns when all work is done and seen by the caller. Loops may be nested, and run from several threads at once. */
 void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
                   void *user);
+
+/* The same for formats/ and runtime/, which start no threads: a loop that is theirs to call. */
+vxs_parallel parallel_lent(uint32_t threads);
 
 /* The processors that this process may run on, at least 1 and at most PARALLEL_THREADS_MAX. */
 uint32_t parallel_default_threads(void);

@@ -9,6 +9,7 @@
 #include "baker/bake/provenance.h"
 #include "baker/base/array.h"
 #include "baker/base/nearest.h"
+#include "baker/base/parallel.h"
 #include "baker/files/input_file.h"
 #include "formats/vxs_memory.h"
 
@@ -41,16 +42,13 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     return r;
 }
 
-vxs_result asset_open(vxs_asset **asset, const char *path, message *m)
-{
-    return asset_open_within(asset, path, 0, 1, m);
-}
-
-vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m)
+/* Where it cannot be opened, a message says what was found first. */
+static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, message *m)
 {
     first_finding f    = {0};
-    vxs_read_desc desc = {.finding = keep_first, .finding_user = &f, .memory_limit_bytes = memory_bytes, .metadata = metadata};
-    vxs_result    r    = asset_read(asset, path, &desc, m);
+    desc->finding      = keep_first;
+    desc->finding_user = &f;
+    vxs_result r       = asset_read(asset, path, desc, m);
     path               = input_name(path);
     if (r == VXS_OK) return r;
     if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
@@ -60,6 +58,20 @@ vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memor
     const char *judgement = r == VXS_E_MEMORY ? "cannot be opened" : "is not a valid .vxs file";
     return fail(m, r, "'%s' %s: %s (finding %d at byte %llu, in %s)%s", path, judgement, f.text, f.number,
                 (unsigned long long)f.offset, where, remedy);
+}
+
+vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, message *m)
+{
+    vxs_parallel  lent = parallel_lent(threads);
+    vxs_read_desc desc = {.metadata = 1, .parallel = &lent};
+    return open_told(asset, path, &desc, m);
+}
+
+vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m)
+{
+    vxs_parallel  lent = parallel_lent(parallel_default_threads());
+    vxs_read_desc desc = {.memory_limit_bytes = memory_bytes, .metadata = metadata, .parallel = &lent};
+    return open_told(asset, path, &desc, m);
 }
 
 uint64_t asset_file_bytes(const vxs_asset *asset)

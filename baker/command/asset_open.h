@@ -12,11 +12,13 @@
 
 /* As vxs_asset_open_file, of any input (input_file.h). One line in m only when the bytes could not be had. */
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m);
-/* With a limit on what is held of the file, 0: the reader's own; metadata: whether it is read, too. */
+
+/* On all processors, with a limit on what is held of the file, 0: the reader's own; metadata: whether it is read, too. */
 vxs_result asset_open_within(vxs_asset **asset, const char *path, uint64_t memory_bytes, int metadata, message *m);
 
-/* asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
-vxs_result asset_open(vxs_asset **asset, const char *path, message *m);
+/* On so many threads.
+ * asset  [out] NULL on failure; closed with vxs_asset_close.   Returns what vxs_asset_open_file returns. */
+vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, message *m);
 
 /* The size of an open file: its last section ends where it does. */
 uint64_t asset_file_bytes(const vxs_asset *asset);

@@ -61,7 +61,7 @@ static vxs_result run(void *command, message *m)
     vxs_result             r;
 
     if ((r = check_options(c, m)) != VXS_OK) goto done;
-    if ((r = asset_open(&asset, c->asset_path, m)) != VXS_OK) goto done;
+    if ((r = asset_open(&asset, c->asset_path, c->options.threads, m)) != VXS_OK) goto done;
     if ((r = asset_choose_lights(asset, c->asset_path, &c->light_names, lights, &light_count, m)) != VXS_OK) goto done;
     if ((r = provenance_read(&made, vxs_asset_contents(asset), m)) != VXS_OK) goto done;
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;

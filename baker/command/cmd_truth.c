@@ -76,7 +76,7 @@ static vxs_result check_options(const truth_options *o, message *m)
 /* The asset, the lights of it that are asked for, and what of the scene casts as in its bake. */
 static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, traced_like *q, message *m)
 {
-    vxs_result r = asset_open(asset, o->like_path, m);
+    vxs_result r = asset_open(asset, o->like_path, o->threads, m);
     if (r == VXS_OK) r = provenance_read(made, vxs_asset_contents(*asset), m);
     if (r == VXS_OK) r = asset_scene_choice(*made, &o->choice, m);
     if (r == VXS_OK) r = asset_choose_lights(*asset, o->like_path, &o->light_names, q->lights, &q->light_count, m);

@@ -3,6 +3,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
 #include "baker/command/commands.h"
 #include "baker/files/input_file.h"
@@ -45,10 +46,15 @@ static vxs_result run(void *command, message *m)
 {
     const validate_command *c        = command;
     json_t                 *findings = json_array();
-    vxs_read_desc           desc     = {
-                      .finding = collect, .finding_user = findings, .find_all = 1, .metadata = 1, .memory_limit_bytes = c->memory_bytes};
-    vxs_asset *asset = NULL;
-    vxs_result r     = asset_read(&asset, c->path, &desc, m);
+    vxs_parallel            lent     = parallel_lent(parallel_default_threads());
+    vxs_read_desc           desc     = {.finding            = collect,
+                                        .finding_user       = findings,
+                                        .find_all           = 1,
+                                        .metadata           = 1,
+                                        .memory_limit_bytes = c->memory_bytes,
+                                        .parallel           = &lent};
+    vxs_asset              *asset    = NULL;
+    vxs_result              r        = asset_read(&asset, c->path, &desc, m);
     vxs_asset_close(asset);
     int found = json_array_size(findings) != 0;
     if (r != VXS_OK && !found) {

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "baker/base/parallel.h"
 #include "runtime/vxs.h"
 
 enum { FILTER_PX = 5, FOV_DEGREES = 35 };
@@ -24,7 +25,8 @@ vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, co
     truth                 *t     = NULL;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               count;
-    vxs_result             r = vxs_asset_open(&asset, file, size_bytes, NULL);
+    vxs_parallel           lent = parallel_lent(threads);
+    vxs_result             r    = vxs_asset_open(&asset, file, size_bytes, &(vxs_read_desc){.parallel = &lent});
     if (r != VXS_OK) {
         fail(m, r, "the asset cannot be opened for a picture: %s", vxs_result_text(r));
         goto done;

@@ -176,13 +176,18 @@ def listings(language):
     return re.findall(rf"^```{language}\n(.*?)^```", (DOCS / "runtime.md").read_text(), re.MULTILINE | re.DOTALL)
 
 
-def test_listing_in_c(vxs, vxs_path, asset, tmp_path):
+@pytest.mark.parametrize("on_threads", [False, True])
+def test_listing_in_c(vxs, vxs_path, asset, tmp_path, on_threads):
     library = vxs_path.parent / "libvxs.a"
     if not library.is_file():
         pytest.skip(f"no {library}")
-    (game,) = listings("c")
+    game, threads = listings("c")
+    if on_threads:
+        game = game.replace("int main", threads + "\nint main")
+        game, count = re.subn(r"vxs_asset_open_file\((&shadows, .*), NULL\)", r"open_on_threads(\1)", game)
+        assert count == 1
     (tmp_path / "game.c").write_text(game)
-    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
+    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fopenmp", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
                     tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
                     "-o", tmp_path / "game"], check=True)
     points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "alloc_fail.h"
+#include "baker/base/parallel.h"
 #include "baker/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
 #include "dag_sample.h"
 #include "formats/vxs_page.h"
@@ -661,6 +662,143 @@ static void test_find_all_goes_on(void **state)
     parts_free(&p);
 }
 
+/* threads ---------------------------------------------------------------------------------------------------------------------- */
+
+/* An engine that has one thread, and runs the last task first. */
+static void run_backwards(void *user, uint32_t count, void (*task)(void *work, uint32_t n), void *work)
+{
+    *(uint32_t *)user += count;
+    while (count-- > 0) task(work, count);
+}
+
+static const uint32_t thread_counts[] = {0, 1, 2, 3, 8, 1000};
+
+enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
+
+/* The same bytes and words on any threads; tasks are as many as threads, pages and memory of their own allow. */
+static void test_any_threads(void **state)
+{
+    (void)state;
+    block_words     w     = words_of_pages();
+    vxs_write_light light = blocks_light(&w, 10, 1, "sun");
+    vxs_bytes       once  = file_of(&light, 1);
+    uint32_t        tasks = 0;
+    for (int n = 0; n < 2 * THREAD_COUNTS; n++) {
+        vxs_parallel parallel = parallel_lent(thread_counts[n / 2]);
+        if (n % 2) parallel = (vxs_parallel){run_backwards, &tasks, thread_counts[n / 2]};
+        uint32_t       expected = min_u32(thread_counts[n / 2], w.words[0]);
+        vxs_write_desc write    = {.lights = &light, .light_count = 1, .zstd_level = 1, .parallel = &parallel};
+        vxs_read_desc  read     = {.parallel = &parallel};
+        vxs_bytes      file     = {0};
+        vxs_asset     *asset;
+        tasks = 0;
+        assert_int_equal(vxs_write(&file, &write), VXS_OK);
+        assert_int_equal(file.size_bytes, once.size_bytes);
+        assert_memory_equal(file.data, once.data, once.size_bytes);
+        assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, &read), VXS_OK);
+        check_words(vxs_asset_light(asset, 0), &w);
+        assert_int_equal(tasks, n % 2 && expected > 1 ? 2 * expected : 0);
+        vxs_asset_close(asset);
+        free(file.data);
+    }
+    free(once.data);
+    block_words_free(&w);
+}
+
+/* Pages that are wrong: the first one is told, and all where all are wanted, in their order. */
+static void test_findings_on_any_threads(void **state)
+{
+    (void)state;
+    vxs_bytes file = paged_file();
+    parts     p;
+    take_apart(&p, &file);
+    free(file.data);
+    uint32_t last = vxs_load32(pages_of(&p)->content.data) - 1;
+    page_bytes(pages_of(&p), 3)[-9] ^= 1; /* met when all of page 2 is decoded, while others look at what is behind it */
+    seal_page(pages_of(&p), 2);
+    page_entry(pages_of(&p), 3)[VXS_PAGE_HASH] ^= 1;
+    page_entry(pages_of(&p), last)[VXS_PAGE_HASH] ^= 1;
+    store(pages_of(&p));
+    file        = put_together(&p);
+    uint64_t at = (uint64_t)(page_bytes(pages_of(&p), 2) - pages_of(&p)->content.data);
+    for (int n = 0; n < 2 * THREAD_COUNTS; n++)
+        for (int find_all = 0; find_all < 2; find_all++) {
+            uint32_t      tasks    = 0;
+            vxs_parallel  parallel = parallel_lent(thread_counts[n / 2]);
+            findings      f        = {0};
+            vxs_contents  contents;
+            vxs_read_desc desc = {.finding = collect, .finding_user = &f, .find_all = find_all, .parallel = &parallel};
+            if (n % 2) parallel = (vxs_parallel){run_backwards, &tasks, thread_counts[n / 2]};
+            assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_E_CORRUPT);
+            assert_int_equal(f.first, 504);
+            assert_int_equal(f.offset, at);
+            assert_int_equal(f.count, find_all ? 3 : 1);
+        }
+    free(file.data);
+    parts_free(&p);
+}
+
+/* Two pages that are not in canonical order: the writer says no on any threads. */
+static void test_write_refuses_on_any_threads(void **state)
+{
+    (void)state;
+    block_words     w     = words_of_pages();
+    vxs_write_light light = blocks_light(&w, 10, 1, "sun");
+    for (uint32_t page = 2; page < 5; page += 2) w.words[w.words[8 + page] + 5] ^= 2; /* a flag that there is not */
+    for (int n = 0; n < THREAD_COUNTS; n++) {
+        vxs_parallel   parallel = parallel_lent(thread_counts[n]);
+        vxs_write_desc desc     = {.lights = &light, .light_count = 1, .zstd_level = 1, .parallel = &parallel};
+        vxs_bytes      file     = {0};
+        assert_int_equal(vxs_write(&file, &desc), VXS_E_ARGUMENT);
+        assert_null(file.data);
+    }
+    block_words_free(&w);
+}
+
+/* Threads take what memory there is beside what one needs: no limit and no failing allocation of theirs changes what is read. */
+static void test_memory_of_threads(void **state)
+{
+    (void)state;
+    vxs_bytes     file      = paged_file();
+    alloc_fail    a         = {0};
+    vxs_allocator allocator = alloc_fail_allocator(&a);
+    vxs_read_desc desc      = {.allocator = &allocator};
+    vxs_parallel  parallel  = parallel_lent(3);
+    vxs_contents  alone, contents;
+    assert_int_equal(vxs_read(&alone, file.data, file.size_bytes, &desc), VXS_OK);
+    uint64_t held = a.live_bytes, calls = a.calls;
+    desc.memory_limit_bytes = a.peak_bytes;
+    desc.parallel           = &parallel;
+    uint64_t peaks[3];
+    for (uint64_t more = 0; more < 3; more++, desc.memory_limit_bytes += vxs_page_scratch_bytes() + 16) {
+        a.peak_bytes = a.live_bytes;
+        assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_OK);
+        peaks[more] = a.peak_bytes - held;
+        assert_in_range(peaks[more], 1, desc.memory_limit_bytes);
+        assert_memory_equal(contents.lights[0].words, alone.lights[0].words, 4 * (size_t)alone.lights[0].word_count);
+        vxs_contents_free(&contents);
+    }
+    assert_true(peaks[0] + vxs_page_scratch_bytes() < peaks[1] && peaks[1] + vxs_page_scratch_bytes() < peaks[2]);
+    desc.memory_limit_bytes = peaks[0] - 1;
+    assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_E_MEMORY);
+
+    desc.memory_limit_bytes = 0;
+    for (uint64_t n = 1; n <= calls + 1; n++) { /* the last is that of a second thread */
+        a.calls   = 0;
+        a.fail_at = n;
+        assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), n <= calls ? VXS_E_MEMORY : VXS_OK);
+        assert_true(a.calls >= n);
+        if (n > calls) {
+            assert_memory_equal(contents.lights[0].words, alone.lights[0].words, 4 * (size_t)alone.lights[0].word_count);
+            vxs_contents_free(&contents);
+        }
+        assert_int_equal(a.live_bytes, held);
+    }
+    vxs_contents_free(&alone);
+    assert_true(!a.live_bytes && !a.wrong_sizes);
+    free(file.data);
+}
+
 /* memory ----------------------------------------------------------------------------------------------------------------------- */
 
 /* A page that says that it takes as much as a page may, and a resident part that says that it takes a lot: refused before it is taken. */
@@ -798,6 +936,10 @@ int main(void)
         cmocka_unit_test(test_every_flipped_bit_under_checksums_is_safe),
         cmocka_unit_test(test_findings),
         cmocka_unit_test(test_find_all_goes_on),
+        cmocka_unit_test(test_any_threads),
+        cmocka_unit_test(test_findings_on_any_threads),
+        cmocka_unit_test(test_write_refuses_on_any_threads),
+        cmocka_unit_test(test_memory_of_threads),
         cmocka_unit_test(test_memory_limit),
         cmocka_unit_test(test_failing_allocations),
         cmocka_unit_test(test_every_finding_was_produced),

@@ -1,0 +1,49 @@
+/* Items that tasks of the caller's threads share (vxs_parallel in vxs_file.h): each task takes the next item that nobody has, until there is
+ * none. So no thread waits while there is work, and a task may keep memory of its own from item to item. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_TASKS_H
+#define VXS_TASKS_H
+
+#include <stdatomic.h>
+
+#include "vxs_file.h"
+
+enum { VXS_TASKS_MAX = 64 };
+
+/* Zero it but for the count. */
+typedef struct vxs_items {
+    uint32_t    count;
+    atomic_uint next;
+} vxs_items;
+
+/* Take the next item. 0: there is none. Items are taken in their order: what is before one was taken before. */
+static inline int vxs_items_take(vxs_items *items, uint32_t *item)
+{
+    *item = atomic_fetch_add_explicit(&items->next, 1, memory_order_relaxed);
+    return *item < items->count;
+}
+
+/* No further item is taken. */
+static inline void vxs_items_end(vxs_items *items)
+{
+    atomic_store_explicit(&items->next, items->count, memory_order_relaxed);
+}
+
+/* How many tasks share so many items: 1..VXS_TASKS_MAX. */
+static inline uint32_t vxs_task_count(const vxs_parallel *parallel, uint32_t items)
+{
+    uint32_t threads = parallel && parallel->run ? parallel->threads : 1;
+    if (threads > items) threads = items;
+    return threads < 1 ? 1 : threads > VXS_TASKS_MAX ? VXS_TASKS_MAX : threads;
+}
+
+/* count  as vxs_task_count says it, or less */
+static inline void vxs_tasks_run(const vxs_parallel *parallel, uint32_t count, void (*task)(void *work, uint32_t n), void *work)
+{
+    if (count == 1)
+        task(work, 0);
+    else
+        parallel->run(parallel->user, count, task, work);
+}
+
+#endif
