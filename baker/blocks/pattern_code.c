@@ -118,13 +118,12 @@ static uint32_t encode_nibbles(const int32_t depth[64], int shift, uint16_t *hal
     return 19;
 }
 
-static uint32_t encode_raw(const int32_t depth[64], int shift, int32_t greatest, uint16_t *halves)
+/* bytes  of each depth */
+static void encode_raw(const int32_t depth[64], int shift, uint32_t bytes, uint16_t *halves)
 {
-    uint32_t bytes = greatest >> shift <= 0xff ? 1 : greatest >> shift <= 0xffff ? 2 : 3;
-    halves[0]      = (uint16_t)((RAW_BYTES + bytes - 1) << 12 | (uint32_t)shift << 8);
+    halves[0] = (uint16_t)((RAW_BYTES + bytes - 1) << 12 | (uint32_t)shift << 8);
     for (uint32_t n = 0; n < 64; n++)
         for (uint32_t b = 0; b < bytes; b++) put_byte(halves + 1, bytes * n + b, (uint32_t)depth[n] >> shift >> 8 * b & 0xff);
-    return 1 + 32 * bytes;
 }
 
 uint32_t own_encode(const int32_t depth[64], uint16_t *halves)
@@ -135,11 +134,14 @@ uint32_t own_encode(const int32_t depth[64], uint16_t *halves)
         bits |= depth[n];
         greatest = depth[n] > greatest ? depth[n] : greatest;
     }
-    int      shift   = (int)common_shift((uint32_t)bits);
-    uint32_t count   = encode_raw(depth, shift, greatest, halves);
-    uint32_t nibbles = encode_nibbles(depth, shift, other);
-    if (nibbles && nibbles < count) memcpy(halves, other, (count = nibbles) * sizeof *other);
-    uint32_t palette = encode_palette(depth, shift, greatest, other);
-    if (palette && palette < count) memcpy(halves, other, (count = palette) * sizeof *other);
-    return count;
+    int      shift = (int)common_shift((uint32_t)bits);
+    uint32_t bytes = greatest >> shift <= 0xff ? 1 : greatest >> shift <= 0xffff ? 2 : 3, raw = 1 + 32 * bytes;
+    uint32_t palette = encode_palette(depth, shift, greatest, halves), nibbles = encode_nibbles(depth, shift, other);
+    uint32_t least = nibbles ? nibbles : raw;
+    if (palette && palette < least) return palette;
+    if (nibbles)
+        memcpy(halves, other, nibbles * sizeof *other);
+    else
+        encode_raw(depth, shift, bytes, halves);
+    return least;
 }
