@@ -166,26 +166,25 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-/* The fewest depths that a quadrant can do with, by piercing its ranges from the front: each texel gets one, and the bits of those used
- * are returned. */
-static uint64_t choose_in_quadrant(const uint8_t *low, const uint8_t *high, uint8_t *index)
+/* The fewest depths that each quadrant can do with, by piercing its ranges from the front: a depth is used where a range ends at it that has
+ * none yet, and all that have none take it, if they may.
+ * used  [out] the bits of those of each quadrant;   index  [out] [64] of each texel */
+static void choose_in_quadrants(const uint8_t low[64], const uint8_t high[64], uint64_t used[4], uint8_t index[64])
 {
-    uint64_t used = 0;
-    for (uint32_t left = 0xffff; left;) {
-        int point = 255;
-        for (uint32_t rest = left; rest; rest &= rest - 1) {
-            int n = __builtin_ctz(rest);
-            point = high[n] < point ? high[n] : point;
+    uint64_t left = UINT64_MAX;
+    for (int q = 0; q < 4; q++) used[q] = 0;
+    for (int depth = 0; left; depth++) {
+        uint64_t due = left & bytes_at_most(high, (uint8_t)depth);
+        if (!due) continue;
+        uint64_t may = left & bytes_at_most(low, (uint8_t)depth);
+        for (int q = 0; q < 4; q++) {
+            uint64_t quadrant = 0xffffull << 16 * q;
+            if (!(due & quadrant)) continue;
+            used[q] |= 1ull << depth;
+            left &= ~(may & quadrant);
+            for (uint64_t rest = may & quadrant; rest; rest &= rest - 1) index[__builtin_ctzll(rest)] = (uint8_t)depth;
         }
-        for (uint32_t rest = left; rest; rest &= rest - 1) {
-            int n = __builtin_ctz(rest);
-            if (low[n] > point) continue;
-            index[n] = (uint8_t)point;
-            left ^= 1u << n;
-        }
-        used |= 1ull << point;
     }
-    return used;
 }
 
 /* A texel takes the depth of a neighbour that was met before, where it may and its quadrant uses it: masks get plain outlines. */
@@ -210,7 +209,7 @@ static void follow_neighbours(const uint8_t *low, const uint8_t *high, const uin
 void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
 {
     uint64_t used[4];
-    for (int q = 0; q < 4; q++) used[q] = choose_in_quadrant(low + 16 * q, high + 16 * q, index + 16 * q);
+    choose_in_quadrants(low, high, used, index);
     follow_neighbours(low, high, used, index);
 }
 

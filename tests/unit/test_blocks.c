@@ -458,6 +458,36 @@ static void patterns_agree(void **state)
     pattern_set_free(&set);
 }
 
+/* A quadrant has as few depths as its ranges can do with: those are pierced one by one, the one that ends first before all others. */
+static void quadrants_have_few_depths(void **state)
+{
+    (void)state;
+    rng r = {1};
+    for (int round = 0; round < 2000; round++) {
+        uint8_t low[64], high[64], index[64];
+        for (int n = 0; n < 64; n++) {
+            low[n]  = (uint8_t)rng_below(&r, 64);
+            high[n] = (uint8_t)(low[n] + rng_below(&r, 64u - low[n]) / (1 + (uint32_t)round % 5));
+        }
+        pattern_choose_within(low, high, index);
+        for (int q = 0; q < 64; q += 16) {
+            uint64_t used   = 0;
+            int      fewest = 0;
+            for (int end = 0, last = -1; end < 64; end++)
+                for (int n = q; n < q + 16; n++) {
+                    if (high[n] != end || low[n] <= last) continue;
+                    last = end;
+                    fewest++;
+                }
+            for (int n = q; n < q + 16; n++) {
+                assert_in_range(index[n], low[n], high[n]);
+                used |= 1ull << index[n];
+            }
+            assert_int_equal(__builtin_popcountll(used), fewest);
+        }
+    }
+}
+
 /* The depths of an own pattern suit each tile that has it, and so does all that is left of its ranges: at any base, near and far apart. */
 static void own_patterns_agree(void **state)
 {
@@ -524,7 +554,8 @@ static void sheets_are_planes(void **state)
         assert_int_equal(own_find(&set, &t, &id, &base), VXS_OK);
         same += id == first;
     }
-    print_message("same %u\n", same);    own_set_free(&set);
+    print_message("same %u\n", same);
+    own_set_free(&set);
 }
 
 /* Two sheets, of which one ends before the other, or that meet, take what two planes take. */
@@ -571,7 +602,8 @@ static void sheet_over_a_map(void **state)
         column_map  m = depth_maps_map(&d);
         block_words w;
         for (uint32_t n = 0; n < side * side; n++)
-            d.enter[n] = d.exit[n] = (float)fmin(side, (steep ? 7.3 * (n % side) : 0.613 * (n % side)) + 0.131 * (n / side)) / (float)side;
+            d.enter[n] = d.exit[n] =
+                (float)fmin(side, (steep ? 7.3 * (n % side) : 0.613 * (n % side)) + 0.131 * (n / side)) / (float)side;
         depth_maps_reduce(&d, 1);
         assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
         assert_columns(&w, 0, 9, &d, 0, 0);
@@ -584,11 +616,22 @@ static void sheet_over_a_map(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(piercing),           cmocka_unit_test(axes_keep_order),     cmocka_unit_test(repeated_at_other_depths),
-        cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),      cmocka_unit_test(every_kind_of_map),
-        cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches), cmocka_unit_test(six_maps),
-        cmocka_unit_test(sheets_are_planes),  cmocka_unit_test(sheet_over_a_map),    cmocka_unit_test(two_sheets_are_two_planes),
-        cmocka_unit_test(pages_are_cut),      cmocka_unit_test(shapes_of_formulas),  cmocka_unit_test(failing_calls),
+        cmocka_unit_test(piercing),
+        cmocka_unit_test(axes_keep_order),
+        cmocka_unit_test(repeated_at_other_depths),
+        cmocka_unit_test(own_patterns_agree),
+        cmocka_unit_test(patterns_agree),
+        cmocka_unit_test(every_kind_of_map),
+        cmocka_unit_test(deep_maps),
+        cmocka_unit_test(threads_and_fetches),
+        cmocka_unit_test(six_maps),
+        cmocka_unit_test(sheets_are_planes),
+        cmocka_unit_test(sheet_over_a_map),
+        cmocka_unit_test(two_sheets_are_two_planes),
+        cmocka_unit_test(pages_are_cut),
+        cmocka_unit_test(shapes_of_formulas),
+        cmocka_unit_test(failing_calls),
+        cmocka_unit_test(quadrants_have_few_depths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
