@@ -11,9 +11,10 @@ typedef struct blocks_coder {
     const vxs_light *light; /* NULL: not begun */
     block_set        set;
     build_stats      stats; /* tiles and squares */
+    uint32_t         threads;
 } blocks_coder;
 
-/* Valid where c lies, which is zeroed, until blocks_coder_free. */
+/* Valid where c lies, which is zeroed but for the threads, until blocks_coder_free. */
 light_coder blocks_coder_seam(blocks_coder *c);
 
 /* Accepts a zeroed object. */

@@ -5,38 +5,81 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/parallel.h"
 #include "baker/base/z_order.h"
 #include "baker/blocks/block_layout.h"
 #include "baker/blocks/pattern_code.h"
 
 /* patterns -------------------------------------------------------------------------------------------------------------------- */
 
-/* kind  as block_words.common_kinds has it;   halves  [0] is free */
-static vxs_result add_code(layout *l, int own, uint32_t id, uint16_t *halves, uint32_t count, int kind)
+enum { OWN_KIND = PALETTE_MAX + 1 }; /* behind those of 2 to PALETTE_MAX depths */
+
+/* All patterns while they become codes, kind by kind. */
+typedef struct pattern_coder {
+    const block_set *set;
+    size_t           first[OWN_KIND + 2]; /* patterns of kind k are first[k]..first[k + 1] - 1 */
+
+    /* codes: how many halves, and depths << 8, none of an own one; then those halves */
+    uint16_t (*shared)[PATTERN_HALVES_MAX + 1]; /* [first[OWN_KIND]] */
+    uint16_t (*own)[OWN_HALVES_MAX + 1];        /* [set->own.count] */
+} pattern_coder;
+
+static uint16_t *code_of_pattern(const pattern_coder *c, size_t n)
 {
-    halves[0] = (uint16_t)(count | (uint32_t)kind << 8);
-    return intern_find(&l->codes[own], halves, (count + 1) * sizeof *halves, &l->code_of[own][id]);
+    return n < c->first[OWN_KIND] ? c->shared[n] : c->own[n - c->first[OWN_KIND]];
 }
 
+static void encode_some_patterns(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const pattern_coder *c    = user;
+    int                  kind = 2;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        uint16_t *code = code_of_pattern(c, n);
+        while (n >= c->first[kind + 1]) kind++;
+        if (kind == OWN_KIND) {
+            code[0] = (uint16_t)own_pattern_encode(&c->set->own.patterns[n - c->first[kind]], code + 1);
+            continue;
+        }
+        mask_need needs[PALETTE_MAX - 1];
+        uint8_t   index[64];
+        pattern_needs(&c->set->patterns, kind, n - c->first[kind], needs);
+        pattern_choose(needs, kind, index);
+        code[0] = (uint16_t)(pattern_encode(index, kind, code + 1) | (uint32_t)kind << 8);
+    }
+}
+
+static vxs_result intern_patterns(layout *l, const pattern_coder *c)
+{
+    vxs_result r = VXS_OK;
+    for (size_t n = 0, kind = 2; n < c->first[OWN_KIND + 1] && r == VXS_OK; n++) {
+        const uint16_t *code = code_of_pattern(c, n);
+        while (n >= c->first[kind + 1]) kind++;
+        size_t   at = n - c->first[kind], bytes = ((code[0] & 0xffu) + 1) * sizeof *code;
+        int      own = kind == OWN_KIND;
+        uint32_t id  = own ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
+        r            = intern_find(&l->codes[own], code, bytes, &l->code_of[own][id]);
+    }
+    return r;
+}
+
+/* Depths are chosen and encoded on all threads; what is equal becomes one in order. */
 static vxs_result encode_patterns(layout *l)
 {
-    uint16_t   halves[OWN_HALVES_MAX + 1];
-    vxs_result r  = VXS_OK;
-    l->code_of[0] = malloc((l->set->patterns.count + 1) * sizeof *l->code_of[0]);
-    l->code_of[1] = malloc((l->set->own.count + 1) * sizeof *l->code_of[1]);
-    if (!l->code_of[0] || !l->code_of[1]) return VXS_E_MEMORY;
-    for (int depths = 2; depths <= PALETTE_MAX; depths++) {
-        const pattern_class *c = &l->set->patterns.by_depths[depths];
-        for (size_t n = 0; n < c->count && r == VXS_OK; n++) {
-            mask_need needs[PALETTE_MAX - 1];
-            uint8_t   index[64];
-            pattern_needs(&l->set->patterns, depths, n, needs);
-            pattern_choose(needs, depths, index);
-            r = add_code(l, 0, c->ids[n], halves, pattern_encode(index, depths, halves + 1), depths);
-        }
+    pattern_coder c = {.set = l->set};
+    vxs_result    r = VXS_E_MEMORY;
+    for (int kind = 2; kind < OWN_KIND; kind++) c.first[kind + 1] = c.first[kind] + l->set->patterns.by_depths[kind].count;
+    c.first[OWN_KIND + 1] = c.first[OWN_KIND] + l->set->own.count;
+    c.shared              = malloc((c.first[OWN_KIND] + 1) * sizeof *c.shared);
+    c.own                 = malloc((l->set->own.count + 1) * sizeof *c.own);
+    l->code_of[0]         = malloc((l->set->patterns.count + 1) * sizeof *l->code_of[0]);
+    l->code_of[1]         = malloc((l->set->own.count + 1) * sizeof *l->code_of[1]);
+    if (c.shared && c.own && l->code_of[0] && l->code_of[1]) {
+        parallel_for(l->threads, c.first[OWN_KIND + 1], 256, encode_some_patterns, &c);
+        r = intern_patterns(l, &c);
     }
-    for (uint32_t n = 0; n < l->set->own.count && r == VXS_OK; n++)
-        r = add_code(l, 1, n, halves, own_pattern_encode(&l->set->own.patterns[n], halves + 1), 0);
+    free(c.shared);
+    free(c.own);
     return r;
 }
 
@@ -145,9 +188,10 @@ static void layout_free(layout *l)
     free(l->top);
 }
 
-vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count)
+vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
 {
     layout     l     = {.set        = s,
+                        .threads    = threads,
                         .levels     = levels,
                         .map_count  = map_count,
                         .never      = 1u << levels,

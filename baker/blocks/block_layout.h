@@ -40,7 +40,7 @@ typedef struct in_page {
 
 typedef struct layout {
     const block_set *set;
-    uint32_t         levels, map_count, never, base_shift;
+    uint32_t         threads, levels, map_count, never, base_shift;
     intern           shapes, codes[2]; /* patterns as halves: shared ones, own ones */
     uint32_t        *code_of[2];       /* by id of a pattern */
     node_place      *nodes;            /* [node_count] in z order, map by map */

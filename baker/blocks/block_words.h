@@ -20,9 +20,10 @@ typedef struct block_words {
 } block_words;
 
 /* Lay out the maps of a light: 2^levels texels a side, map_count of them, all squares of which the set has.
- * out  [out] zeroed on failure; released with block_words_free
+ * out      [out] zeroed on failure; released with block_words_free
+ * threads  that share the work: words do not depend on it
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_REFERENCES when there are more than 32767 pages or 2^32 - 1 words. */
-vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count);
+vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads);
 
 /* Accepts a zeroed object. */
 void block_words_free(block_words *w);

@@ -17,7 +17,7 @@ static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes 
     (void)options;
     depth_maps_reduce(&maps->maps, 1);
     vxs_result r = block_build_map(&set, 0, &columns, &ctx);
-    if (r == VXS_OK) r = block_words_lay_out(&words, &set, maps->levels, 1);
+    if (r == VXS_OK) r = block_words_lay_out(&words, &set, maps->levels, 1, 1);
     block_set_free(&set);
     if (r == VXS_OK) {
         vxs_write_light light = {.light  = maps->light,

@@ -17,7 +17,7 @@ static inline vxs_result build_words(block_words *out, const column_map *maps, u
     vxs_result   r   = VXS_OK;
     memset(out, 0, sizeof *out);
     for (uint32_t map = 0; map < map_count && r == VXS_OK; map++) r = block_build_map(&set, map, &maps[map], &ctx);
-    if (r == VXS_OK) r = block_words_lay_out(out, &set, log2_u32(maps[0].side_px), map_count);
+    if (r == VXS_OK) r = block_words_lay_out(out, &set, log2_u32(maps[0].side_px), map_count, threads);
     block_set_free(&set);
     message_free(&m);
     return r;

@@ -208,7 +208,7 @@ static void deep_maps(void **state)
 static void threads_and_fetches(void **state)
 {
     const map_kind kinds[] = {MAPS_NOISE, MAPS_BOXES, MAPS_CLIFF, MAPS_BOXES};
-    const uint32_t sides[] = {1024, 1024, 1024, 2048};
+    const uint32_t sides[] = {1024, 1024, 1024, 2048}, threads[] = {2, 3, 8};
     (void)state;
     for (size_t n = 0; n < sizeof kinds / sizeof *kinds; n++) {
         uint32_t    side = sides[n];
@@ -219,10 +219,14 @@ static void threads_and_fetches(void **state)
         for (uint32_t fetch = block_square_side(side); fetch <= side; fetch *= 2) {
             islet      s    = {.maps = &d, .side_px = side, .fetch_px = fetch};
             column_map part = islet_map(&s);
-            assert_int_equal(build_words(&again, &part, 1, 3), VXS_OK);
-            assert_int_equal(once.count, again.count);
-            assert_memory_equal(once.words, again.words, once.count * sizeof *once.words);
-            block_words_free(&again);
+            for (int t = 0; t < 3; t++) {
+                assert_int_equal(build_words(&again, &part, 1, threads[t]), VXS_OK);
+                assert_int_equal(once.count, again.count);
+                assert_memory_equal(once.words, again.words, once.count * sizeof *once.words);
+                assert_int_equal(once.common_count, again.common_count);
+                assert_memory_equal(once.common_kinds, again.common_kinds, once.common_count);
+                block_words_free(&again);
+            }
         }
         block_words_free(&once);
         depth_maps_free(&d);
