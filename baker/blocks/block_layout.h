@@ -71,7 +71,7 @@ static inline const node_shape *shape_of(const layout *l, const node_place *n)
     return intern_at(&l->shapes, n->shape);
 }
 
-/* Cut the nodes into pages, each as full as it gets, and choose the patterns that are kept once for all of them. */
+/* Cut the nodes into pages, no more than it takes and alike in size, and choose the patterns that are kept once for all of them. */
 vxs_result layout_cut_pages(layout *l);
 
 /* Write all pages, one after the other, and note where nodes are.

@@ -123,30 +123,36 @@ static void add_to_page(layout *l, page_size *page, const node_place *n)
     }
 }
 
-static int page_fits(const page_size *p)
+static uint32_t page_words(const page_size *p)
 {
-    return p->words + (p->halves + 1) / 2 <= VXS_PAGE_WORDS_MAX;
+    return p->words + (p->halves + 1) / 2;
 }
 
-/* Each page as full as it gets. */
-static vxs_result cut(layout *l)
+/* Pages end where they are full, or where those so far come nearest to `share` words each.
+ * all  [out] words of all pages */
+static vxs_result cut(layout *l, uint64_t share, uint64_t *all)
 {
     size_t    count = l->set->node_count;
     page_size page  = {0, 0};
     l->page_count   = 0;
+    *all            = 0;
     l->stamp++;
     for (uint32_t n = 0, first = 0; n < count; n++) {
+        uint32_t before = page_words(&page);
         add_to_page(l, &page, &l->nodes[n]);
-        if (n > first && !page_fits(&page)) {
+        uint64_t middle = *all + (before + page_words(&page)) / 2; /* of this node, among all words */
+        if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= share * (l->page_count + 1))) {
             /* this node begins the next page */
             if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 2, sizeof *l->page_end)) return VXS_E_MEMORY;
             l->page_end[l->page_count++] = first = n;
+            *all += before;
             l->stamp++;
             page = (page_size){0, 0};
             add_to_page(l, &page, &l->nodes[n]);
         }
         l->nodes[n].page = (uint32_t)l->page_count;
     }
+    *all += page_words(&page);
     if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
     if (count) l->page_end[l->page_count++] = (uint32_t)count;
     return VXS_OK;
@@ -221,12 +227,14 @@ done:
     return r;
 }
 
+/* First each as full as it gets, which tells how many there have to be; then as many, alike in size, so that threads have as much to do. */
 vxs_result layout_cut_pages(layout *l)
 {
-    vxs_result r = cut(l);
+    uint64_t   all;
+    vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, &all);
     if (r == VXS_OK && l->page_count > 1) {
         r = choose_common(l);
-        if (r == VXS_OK) r = cut(l);
+        if (r == VXS_OK) r = cut(l, all / l->page_count + 1, &all);
     }
     return r == VXS_OK && l->page_count > VXS_PAGES_MAX ? VXS_E_REFERENCES : r;
 }

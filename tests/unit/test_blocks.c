@@ -277,6 +277,30 @@ static void pages_are_cut(void **state)
     depth_maps_free(&d);
 }
 
+/* Where one page is not enough, all have as much, whatever is left of the last. */
+static void pages_are_even(void **state)
+{
+    (void)state;
+    depth_maps d = random_maps(2048, 2048, MAPS_NOISE, 3);
+    column_map m = depth_maps_map(&d);
+    for (uint32_t noisy = 112; noisy >= 48; noisy -= 32) { /* so many texels of each node */
+        block_words w;
+        for (uint32_t n = 0; n < 2048 * 2048; n++)
+            d.exit[n] = d.enter[n] = n % 256 < noisy && n / 2048 % 256 < noisy ? d.enter[n] : 1;
+        depth_maps_reduce(&d, 1);
+        assert_int_equal(build_words(&w, &m, 1, 2), VXS_OK);
+        uint32_t pages = w.counts.pages, average = (w.count - w.words[8]) / pages;
+        print_message("pages %u of %u words\n", pages, average);
+        assert_true(pages > 1);
+        for (uint32_t p = 0; p < pages; p++) {
+            uint32_t words = (p + 1 < pages ? w.words[9 + p] : w.count) - w.words[8 + p];
+            assert_in_range(words, average * 3 / 4, average * 5 / 4);
+        }
+        block_words_free(&w);
+    }
+    depth_maps_free(&d);
+}
+
 /* The same tiles of many depths in many squares, each at a depth of its own: one pattern serves them all. */
 static void repeated_at_other_depths(void **state)
 {
@@ -633,6 +657,7 @@ int main(void)
         cmocka_unit_test(sheet_over_a_map),
         cmocka_unit_test(two_sheets_are_two_planes),
         cmocka_unit_test(pages_are_cut),
+        cmocka_unit_test(pages_are_even),
         cmocka_unit_test(shapes_of_formulas),
         cmocka_unit_test(failing_calls),
         cmocka_unit_test(quadrants_have_few_depths),
