@@ -2,7 +2,8 @@
  *
  * A rival turns maps into the bytes of a file, the file into what lookups read, and answers for voxels: the contract of an asset
  * (docs/overview.md) says what is wrong, so that one check serves all of them. What one takes on disk is the size of a file that
- * was read back. Everything runs on one thread, and times are processor time, so that they can be compared.
+ * was read back. Everything runs on one thread, and times are processor time, so that they can be compared; or DAGs and palette blocks are
+ * made and opened on several, and those times are the clock's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RIVAL_H
 #define RIVAL_H
@@ -19,8 +20,9 @@ typedef struct light_maps {
     depth_maps maps;    /* enter and exit; the pyramid belongs to those who need it, and is theirs to fill */
     float     *checked; /* the enter and exit depths that answers are checked with: those of maps, unless a fault was planted */
     float     *checked_exit;
-    vxs_light  light;  /* as fitted */
-    uint32_t   levels; /* the map has 1 << levels texels a side, and as many voxels in depth */
+    vxs_light  light;   /* as fitted */
+    uint32_t   threads; /* for those that can use them */
+    uint32_t   levels;  /* the map has 1 << levels texels a side, and as many voxels in depth */
     scene      scene;
     casters    casters;
     bake_plan  plan;

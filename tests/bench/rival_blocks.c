@@ -3,6 +3,7 @@
 #include "formats/vxs_lookup_blocks.h" /* before blocks.h, whose blocks it calls so, too */
 #include "runtime/vxs.h"
 
+#include "baker/base/parallel.h"
 #include "baker/blocks/block_build.h"
 #include "baker/blocks/block_words.h"
 #include "tests/bench/rival.h"
@@ -10,19 +11,20 @@
 static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes *file)
 {
     message      m       = {.quiet = 1};
-    bake_context ctx     = {.message = &m, .threads = 1};
+    bake_context ctx     = {.message = &m, .threads = maps->threads};
     column_map   columns = depth_maps_map(&maps->maps);
     block_set    set     = {0};
     block_words  words   = {0};
     (void)options;
-    depth_maps_reduce(&maps->maps, 1);
+    depth_maps_reduce(&maps->maps, maps->threads);
     vxs_result r = block_build_map(&set, 0, &columns, &ctx);
-    if (r == VXS_OK) r = block_words_lay_out(&words, &set, maps->levels, 1, 1);
+    if (r == VXS_OK) r = block_words_lay_out(&words, &set, maps->levels, 1, maps->threads);
     block_set_free(&set);
     if (r == VXS_OK) {
         vxs_write_light light = {.light  = maps->light,
                                  .blocks = {words.words, words.count, words.common_kinds, words.common_count}};
-        vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = RIVAL_ZSTD_LEVEL};
+        vxs_parallel    lent  = parallel_lent(maps->threads);
+        vxs_write_desc  desc  = {.lights = &light, .light_count = 1, .zstd_level = RIVAL_ZSTD_LEVEL, .parallel = &lent};
         light.light.coding    = VXS_CODING_BLOCKS;
         r                     = vxs_write(file, &desc);
     }
@@ -32,9 +34,9 @@ static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes 
 
 static vxs_result blocks_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
-    vxs_asset *opened = NULL;
-    vxs_result r      = vxs_asset_open(&opened, file->data, file->size_bytes, NULL);
-    (void)maps;
+    vxs_asset   *opened = NULL;
+    vxs_parallel lent   = parallel_lent(maps->threads);
+    vxs_result   r      = vxs_asset_open(&opened, file->data, file->size_bytes, &(vxs_read_desc){.parallel = &lent});
     (void)options;
     if (r == VXS_OK) *asset = (rival_asset){opened, (uint64_t)vxs_asset_light(opened, 0)->word_count * sizeof(uint32_t)};
     return r;

@@ -24,13 +24,13 @@ static vxs_result dag_build(light_maps *maps, const void *options, vxs_bytes *fi
     build_options      build   = build_options_of(&(bake_options){.rule = o->rule, .reuse = !o->reuse_off, .stop = o->stop}, order);
     build_stats        stats   = {0};
     message            m       = {.quiet = 1};
-    bake_context       ctx     = {.message = &m, .threads = 1};
+    bake_context       ctx     = {.message = &m, .threads = maps->threads};
     column_map         columns = depth_maps_map(&maps->maps);
     dag_merger         merger;
     dag                d = {0};
     vxs_result         r;
 
-    depth_maps_reduce(&maps->maps, 1);
+    depth_maps_reduce(&maps->maps, maps->threads);
     if ((r = dag_merger_init(&merger, columns.side_px, 1, unify)) != VXS_OK) goto done;
     if ((r = dag_build_map(&merger, 0, &columns, &build, &stats, &ctx)) != VXS_OK) goto done;
     if ((r = dag_merger_finish(&merger, &d)) != VXS_OK) goto done;

@@ -11,11 +11,11 @@
 
 enum { CHUNK = 65536, FILTERS_CHECKED = 20000, WINDOW_VX = 2, RAY_TAP_SHARE = 10, RAY_FILTER_SHARE = 100 };
 
-/* Of this process: what else the machine does counts little, and everything here runs on one thread. */
-static double processor_seconds(void)
+/* Of this process, where all runs on one thread: what else the machine does counts little. */
+static double seconds_now(uint32_t threads)
 {
     struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(threads > 1 ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -110,9 +110,9 @@ static vxs_result take_turns(contest *c, void (*drop)(contest *, size_t), vxs_re
     for (uint32_t run = 0; run < c->o->runs; run++)
         for (size_t n = 0; n < c->count; n++) {
             drop(c, n);
-            double     start               = processor_seconds();
+            double     start               = seconds_now(c->maps->threads);
             vxs_result r                   = make(c, n);
-            c->times[n * c->o->runs + run] = processor_seconds() - start;
+            c->times[n * c->o->runs + run] = seconds_now(c->maps->threads) - start;
             if (r != VXS_OK) return fail(m, r, "%s: %s", c->results[n].rival->name, vxs_result_text(r));
         }
     return VXS_OK;
@@ -135,9 +135,9 @@ static void ask_all(contest *c, point_set set, int32_t filter_px)
         for (size_t n = 0; n < c->count; n++) {
             rival_result *r     = &c->results[n];
             size_t        count = filter_px == 1 ? r->tap_points : r->filter_points;
-            double        start = processor_seconds();
+            double        start = seconds_now(1);
             r->rival->count_dark(c->assets[n].state, c->at[set], count, filter_px, c->dark);
-            c->times[n * c->o->runs + run] = 1e9 * (processor_seconds() - start) / (double)count;
+            c->times[n * c->o->runs + run] = 1e9 * (seconds_now(1) - start) / (double)count;
         }
     for (size_t n = 0; n < c->count; n++)
         *(filter_px == 1 ? &c->results[n].tap_ns[set] : &c->results[n].filter_ns[set]) = times_of(c, n);

@@ -202,16 +202,17 @@ static void print_losses(FILE *to, const rival_result *r, const rival_result *vx
 int rival_report_print(FILE *to, const rival_report *report)
 {
     const measure_options *o    = report->options;
-    unsigned               side = 1u << report->maps->levels;
+    unsigned               side = 1u << report->maps->levels, threads = report->maps->threads;
     bench_machine          here = {0};
     int                    ok   = machine_describe(&here);
     if (ok)
         fprintf(
             to,
             "%s, light %s, %u x %u texels, %zu triangles; vxs %s on %s, %u cores, %.0f GiB; medians of %u runs (least to most), "
-            "one thread, processor time, %u points\n\n",
+            "%u thread%s, %u points\n\n",
             report->scene_path, report->maps->light.name, side, side, report->maps->casters.triangle_count, VXS_VERSION,
-            here.processor, (unsigned)here.cores, (double)here.memory_bytes / (1 << 30), o->runs, o->points);
+            here.processor, (unsigned)here.cores, (double)here.memory_bytes / (1 << 30), o->runs, threads,
+            threads > 1 ? "s of the clock for files and opening, else one of processor time" : ", processor time", o->points);
     machine_free(&here);
     ok = ok && print_figures(to, report, "rival", FIGURE_DISK, FIGURE_OPEN) &&
          print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_EDGE) && print_wrong(to, report);
@@ -267,10 +268,10 @@ json_t *rival_report_json(const rival_report *report)
                         "memory_bytes", (json_int_t)here.memory_bytes, "system", here.system, "renderer", report->maps->renderer)
             : NULL;
     machine_free(&here);
-    return json_pack("{s:s, s:o, s:o, s:s, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "vxs", VXS_VERSION, "machine", place,
+    return json_pack("{s:s, s:o, s:o, s:s, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "vxs", VXS_VERSION, "machine", place,
                      "scene", json_text(report->scene_path), "light", report->maps->light.name, "resolution_px",
                      (json_int_t)1 << report->maps->levels, "triangles", (json_int_t)report->maps->casters.triangle_count,
-                     "maps_seconds", report->maps->seconds, "runs", (json_int_t)o->runs, "points", (json_int_t)o->points, "seed",
-                     (json_int_t)o->seed, "filter_px", (json_int_t)FILTER_PX, "zstd_level", (json_int_t)RIVAL_ZSTD_LEVEL, "rivals",
-                     results);
+                     "maps_seconds", report->maps->seconds, "threads", (json_int_t)report->maps->threads, "runs",
+                     (json_int_t)o->runs, "points", (json_int_t)o->points, "seed", (json_int_t)o->seed, "filter_px",
+                     (json_int_t)FILTER_PX, "zstd_level", (json_int_t)RIVAL_ZSTD_LEVEL, "rivals", results);
 }

@@ -1,10 +1,10 @@
 /* rivals: vxs beside other ways to keep a light's shadow, on the same depth maps, in one run.
  *
- *     rivals SCENE [--sun X,Y,Z] [--resolution N] [--runs R] [--points P] [--voxels all|COUNT] [--json FILE] [--fault depth|filter]
+ *     rivals SCENE [--sun X,Y,Z] [--resolution N] [--threads N] [--runs R] [--points P] [--voxels all|COUNT] [--json FILE] [--fault depth|filter]
  *
  * The maps are made once; then each rival (rival.h) makes a file of them, reads it, answers at the same points, and is checked:
  * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
- * output. --fault plants one that the check must see: a texel whose caster the rivals do not get, or filters that are asked a texel
+ * output. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a texel whose caster the rivals do not get, or filters that are asked a texel
  * aside. Exit status 0: no voxel is wrong (rays are not judged: they graze triangles); 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
@@ -24,6 +24,7 @@ typedef struct rivals_command {
     measure_options measure;
     const char     *json_path;
     int             fault;
+    uint32_t        threads;
 } rivals_command;
 
 static const rival *const families[] = {dag_rivals, block_rivals, interval_rivals, depth_rivals, ray_rivals};
@@ -62,6 +63,7 @@ static vxs_result run(rivals_command *c, int *right, message *m)
     rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, rival_count()};
     vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
     if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
+    maps.threads = c->threads;
     if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
     if (r == VXS_OK) r = rivals_measure(results, rival_count(), &maps, &c->measure, m);
     if (r != VXS_OK) goto done;
@@ -87,6 +89,8 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
         {"--resolution", OPTION_U32, &c->bake.resolution, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "N", "as bake (default 4096)",
          NULL},
         {"--runs", OPTION_U32, &c->measure.runs, 1, 1000, NULL, "R", "of everything that is timed (default 5)", NULL},
+        {"--threads", OPTION_U32, &c->threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
+         "for making and opening files, where a rival can use them (default 1)", NULL},
         {"--points", OPTION_U32, &c->measure.points, 1, 1e8, NULL, "P", "lookups of each kind in a run (default 1000000)", NULL},
         {"--voxels", OPTION_TEXT, &voxels, 0, 0, NULL, "COUNT", "random voxels to check, or all (default 2000000)", NULL},
         {"--seed", OPTION_U32, &c->measure.seed, 0, UINT32_MAX, NULL, "S", "other points (default 1)", NULL},
@@ -115,6 +119,7 @@ int main(int argc, char **argv)
         .bake =
             {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads(), .baseline = BASELINE_OFF},
         .measure = {.runs = 5, .points = 1000000, .seed = 1},
+        .threads = 1,
     };
     run_files files = {0};
     message   m     = {.quiet = 1, .files = &files};

@@ -57,6 +57,16 @@ def test_json_keeps_to_its_schema(measured):
         jsonschema.Draft202012Validator(schema).validate({k: v for k, v in measured[1].items() if k != "machine"})
 
 
+def test_threads_make_the_same_files(rivals, city, measured, tmp_path):
+    tables = rivals(city, *SMALL, "--threads", 3, "--json", tmp_path / "a.json")
+    assert "3 threads" in tables and "one thread" not in tables and "1 thread, processor time" in measured[0]
+    result = json.loads((tmp_path / "a.json").read_text())
+    assert result["threads"] == 3 and measured[1]["threads"] == 1
+    for name, rival in by_name(measured[1]).items():
+        again = by_name(result)[name]
+        assert (again["file_bytes"], again["memory_bytes"], again["check"]) == (rival["file_bytes"], rival["memory_bytes"], rival["check"])
+
+
 def test_no_voxel_is_wrong_and_filters_are_their_taps(measured):
     for r in measured[1]["rivals"]:
         check = r["check"]
