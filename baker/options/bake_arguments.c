@@ -38,8 +38,7 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);
     if (r != VXS_OK) return r;
-    if (o->coding != CODING_DAG &&
-        (o->rule != MASK_RULE_GREEDY || !o->reuse || o->compress != COMPRESS_CHOICE_AUTO || o->stop != STOP_FINAL))
+    if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
     for (int axis = 0; axis < 3 && o->region_given; axis++)
         if (!(o->region_ws[axis] < o->region_ws[axis + 3]))
@@ -88,20 +87,20 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "threads; never changes the bytes (default all processors)", NULL},
         {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
          "hold no more memory than this: 800M, 2G, or plain bytes (default as much as needed)", NULL},
+        {"--baseline", OPTION_CHOICE, &a->o.baseline, 0, 0, BASELINE_CHOICES, NULL,
+         "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
         {"--report", OPTION_OUTPUT, &a->o.page_path, 0, OUTPUT_CHECKED_BY_COMMAND, ".html|.htm", "FILE.html",
          "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
         {"--json", OPTION_OUTPUT, &a->json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},
-        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "for comparison with older work", NULL},
+        {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "steps of a DAG, with --coding dag alone", NULL},
         {"--rule", OPTION_CHOICE, &a->o.rule, 0, 0, RULE_CHOICES, NULL,
-         "undefined voxels: fewest masks, or shadow as in older work (default greedy)", NULL},
+         "undefined voxels: fewest masks, or shadow as in older work (default greedy)", &a->dag_step_given},
         {"--reuse", OPTION_CHOICE, &a->o.reuse, 0, 0, REUSE_CHOICES, NULL,
-         "insertion refers to an equal neighbour nearer the light (default on)", NULL},
+         "insertion refers to an equal neighbour nearer the light (default on)", &a->dag_step_given},
         {"--compress", OPTION_CHOICE, &a->o.compress, 0, 0, COMPRESS_CHOICES, NULL,
-         "order of sub-DAG compression; auto: top-down where it pays (default auto)", NULL},
+         "order of sub-DAG compression; auto: top-down where it pays (default auto)", &a->dag_step_given},
         {"--stop", OPTION_CHOICE, &a->o.stop, 0, 0, STOP_CHOICES, NULL,
-         "after insertion, sub-DAG compression, or the merge (default final)", NULL},
-        {"--baseline", OPTION_CHOICE, &a->o.baseline, 0, 0, BASELINE_CHOICES, NULL,
-         "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
+         "after insertion, sub-DAG compression, or the merge (default final)", &a->dag_step_given},
     };
     static_assert(sizeof options <= sizeof a->options, "the table has room for all");
     memcpy(a->options, options, sizeof options);

@@ -10,7 +10,8 @@ typedef struct bake_arguments {
     bake_options o;
     const char  *json_path; /* NULL: none */
 
-    int maps; /* the choice of --maps, both of which are gl so far */
+    int maps;           /* the choice of --maps, both of which are gl so far */
+    int dag_step_given; /* --rule, --reuse, --compress or --stop, whatever its value */
 
     option       options[OPTIONS_MAX]; /* the table; its targets are in this struct, which is not copied */
     command_line line;

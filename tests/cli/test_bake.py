@@ -262,6 +262,8 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--coding", "octree"), "dag|blocks"),
     (("--coding", "blocks", "--stop", "insert"), "need --coding dag"),
     (("--coding", "blocks", "--rule", "shadow"), "need --coding dag"),
+    (("--coding", "blocks", "--reuse", "on"), "need --coding dag"),
+    (("--compress", "auto", "--coding", "blocks"), "need --coding dag"),
     (("--scene", "other"), "small"),
     (("--scene", "1"), "small"),
     (("--frobnicate",), "unknown option"),

@@ -41,7 +41,7 @@ def manual_options(command):
     return [name.replace("\\|", "|") for name, _ in rows]
 
 
-EVERYWHERE, OLDER = "in every command", "for comparison with older work"
+EVERYWHERE, STEPS = "in every command", "steps of a DAG, with --coding dag alone"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -69,11 +69,11 @@ def test_manual_has_the_options_of_every_command(vxs, command):
 
 
 @pytest.mark.parametrize("command", ["bake", "plan"])
-def test_options_for_comparison_stand_apart(vxs, command):
-    older = ["--rule", "--reuse", "--compress", "--stop", "--baseline"]
-    assert [name for group, name, _, _ in options(vxs, command) if group == OLDER] == older
-    listed = manual_section(command).partition("For comparison with older work:")[2]
-    assert re.findall(r"^\| `(-\S+)", listed, re.MULTILINE) == older
+def test_steps_of_a_dag_stand_apart(vxs, command):
+    steps = ["--rule", "--reuse", "--compress", "--stop"]
+    assert [name for group, name, _, _ in options(vxs, command) if group == STEPS] == steps
+    listed = manual_section(command).partition("Steps of a DAG, for comparison with older work; each needs `--coding dag`:")[2]
+    assert re.findall(r"^\| `(-\S+)", listed, re.MULTILINE) == steps
 
 
 def test_manual_has_every_command(vxs):
