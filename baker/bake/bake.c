@@ -59,18 +59,20 @@ static int is_picture_wanted(const bake_options *o, const bake_plan *plan, const
 
 /* the lights ------------------------------------------------------------------------------------------------------------------ */
 
-static void report_light(light_report *light, const plan_light *planned, const light_columns *columns, const build_stats *stats,
+static void report_light(light_report *light, const plan_light *planned, const light_columns *columns, const chosen_coder *coding,
                          uint32_t tile_px)
 {
-    uint64_t across       = max_u32(1, (1u << planned->light.levels) / tile_px);
-    light->light          = planned->light;
-    light->depth          = columns->rendered.stats;
-    light->tiles          = planned->map_count * across * across;
-    light->tiles_skipped  = light->tiles - stats->squares_fetched;
-    light->mask_tiles     = stats->mask_tiles;
-    light->mask_runs      = stats->mask_runs;
-    light->inserted_nodes = stats->inserted_nodes;
-    light->inserted_masks = stats->inserted_masks;
+    const build_stats *stats  = coding->stats;
+    uint64_t           across = max_u32(1, (1u << planned->light.levels) / tile_px);
+    light->light              = planned->light;
+    light->depth              = columns->rendered.stats;
+    light->tiles              = planned->map_count * across * across;
+    light->tiles_skipped      = light->tiles - stats->squares_fetched;
+    light->mask_tiles         = stats->mask_tiles;
+    light->mask_runs          = stats->mask_runs;
+    light->inserted_nodes     = stats->inserted_nodes;
+    light->inserted_masks     = stats->inserted_masks;
+    light->palette            = coding->blocks.counts;
 }
 
 /* What a plain depth map of the light would take. */
@@ -97,7 +99,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
         column_source source = light_columns_source(&columns);
         r                    = bake_light(planned, &source, &coding.coder, out, ctx);
     }
-    report_light(light, planned, &columns, coding.stats, plan->tile_px);
+    report_light(light, planned, &columns, &coding, plan->tile_px);
     chosen_coder_free(&coding);
     if (r == VXS_OK && columns.wants_depths) r = measure_baseline(&columns, planned->map_count, light, ctx);
     light_columns_free(&columns);

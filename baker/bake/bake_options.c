@@ -10,16 +10,25 @@ static int set_word(json_t *object, const char *key, const char *choices, int in
     return json_object_set_new(object, key, json_string(choice_word(word, choices, index)));
 }
 
+/* A coding, and what it alone knows. Files say nothing of a DAG, which all of them were once. */
+static void set_coding(json_t *object, const bake_options *o)
+{
+    if (o->coding != CODING_DAG) {
+        set_word(object, "coding", CODING_CHOICES, (int)o->coding);
+        return;
+    }
+    set_word(object, "rule", RULE_CHOICES, (int)o->rule);
+    set_word(object, "stop", STOP_CHOICES, (int)o->stop);
+    if (o->stop == STOP_INSERT) set_word(object, "reuse", REUSE_CHOICES, o->reuse); /* compression finds the same */
+}
+
 json_t *bake_choices_json(const bake_options *o)
 {
     json_t       *object = json_object();
     const double *b      = o->region_ws;
     set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
     set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
-    if (o->coding != CODING_DAG) set_word(object, "coding", CODING_CHOICES, (int)o->coding);
-    set_word(object, "rule", RULE_CHOICES, (int)o->rule);
-    set_word(object, "stop", STOP_CHOICES, (int)o->stop);
-    if (o->stop == STOP_INSERT) set_word(object, "reuse", REUSE_CHOICES, o->reuse); /* compression finds the same */
+    set_coding(object, o);
     set_word(object, "gl", GL_CHOICES, (int)o->gl);
     json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
     if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
@@ -70,8 +79,10 @@ json_t *bake_options_json(const bake_options *o)
     json_t *object = bake_choices_json(o);
     set_lights(object, o);
     set_word(object, "coding", CODING_CHOICES, (int)o->coding);
-    set_word(object, "reuse", REUSE_CHOICES, o->reuse);
-    set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
+    if (o->coding == CODING_DAG) {
+        set_word(object, "reuse", REUSE_CHOICES, o->reuse);
+        set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
+    }
     set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
     json_object_set_new(object, "threads", json_integer(o->threads));
     if (o->memory_bytes) json_object_set_new(object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));

@@ -3,6 +3,7 @@
 #ifndef BAKE_REPORT_H
 #define BAKE_REPORT_H
 
+#include "baker/bake/blocks_coder.h"
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
 #include "baker/measure/context.h"
@@ -14,16 +15,18 @@ typedef struct part_report {
 } part_report;
 
 typedef struct light_report {
-    vxs_light   light;
-    depth_stats depth;
-    uint64_t    tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
-    uint64_t    mask_tiles, mask_runs;          /* 8 x 8 tiles that need masks; masks before merging */
-    uint64_t    inserted_nodes, inserted_masks; /* before compression */
-    uint64_t    memory_bytes, stored_bytes;
-    part_report parts[VXS_LEVELS_MAX];
-    uint32_t    part_count;
-    double      depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
-    double      depth_sample_share; /* of its texels that this was measured on */
+    vxs_light      light;
+    depth_stats    depth;
+    uint64_t       tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
+    uint64_t       mask_tiles;                     /* 8 x 8 tiles that no single depth parts into lit and shadowed */
+    uint64_t       mask_runs;                      /* of a DAG: their masks, before merging */
+    uint64_t       inserted_nodes, inserted_masks; /* the same, before compression */
+    palette_counts palette;                        /* of palette blocks */
+    uint64_t       memory_bytes, stored_bytes;
+    part_report    parts[VXS_LEVELS_MAX];
+    uint32_t       part_count;
+    double         depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
+    double         depth_sample_share; /* of its texels that this was measured on */
 } light_report;
 
 /* Of all its maps: texels, and the bytes of plain depth maps of 16 bits. */

@@ -23,6 +23,17 @@ static vxs_result add_map(void *data, uint32_t map, const column_map *columns, b
     return r;
 }
 
+static palette_counts count_words(const block_words *w)
+{
+    const block_counts *c = &w->counts;
+    return (palette_counts){.pages     = c->pages,
+                            .nodes     = c->nodes,
+                            .blocks    = c->blocks,
+                            .tiles     = c->tiles,
+                            .own_tiles = c->own_tiles,
+                            .patterns  = (uint64_t)c->patterns + c->own_patterns + w->common_count};
+}
+
 static void free_words(void *owned)
 {
     block_words_free(owned);
@@ -39,11 +50,12 @@ static vxs_result finish(void *data, coded_light *out)
         free(w);
         return r;
     }
-    *out = (coded_light){
-        .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count}},
-        .memory_bytes = 4 * (uint64_t)w->count,
-        .owned        = w,
-        .free         = free_words,
+    c->counts = count_words(w);
+    *out      = (coded_light){
+             .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count}},
+             .memory_bytes = 4 * (uint64_t)w->count,
+             .owned        = w,
+             .free         = free_words,
     };
     out->written.light.coding = VXS_CODING_BLOCKS;
     return VXS_OK;

@@ -7,10 +7,18 @@
 #include "baker/blocks/blocks.h"
 #include "baker/dag/build.h"
 
+/* What the words of a light hold: equal ones are one in their page. */
+typedef struct palette_counts {
+    uint64_t pages, nodes, blocks;
+    uint64_t tiles, own_tiles; /* with patterns; of them, those with depths of their own */
+    uint64_t patterns;         /* of both kinds, in pages and common ones */
+} palette_counts;
+
 typedef struct blocks_coder {
     const vxs_light *light; /* NULL: not begun */
     block_set        set;
-    build_stats      stats; /* tiles and squares */
+    build_stats      stats;  /* tiles and squares */
+    palette_counts   counts; /* once it is finished */
     uint32_t         threads;
 } blocks_coder;
 

@@ -14,18 +14,39 @@
 #include "baker/options/options.h"
 #include "baker/report/report.h"
 
-/* What a section holds: a part of its light; of others the kind is all that there is to say. */
-static vxs_part section_part(const vxs_contents *c, uint32_t section)
+/* What a section holds: parts of its light, most of them one; of others the kind is all that there is to say.
+ * parts  [VXS_LEVELS_MAX] [out]
+ * Returns how many, 1 at least. */
+static uint32_t section_parts(vxs_part *parts, const vxs_contents *c, uint32_t section)
+{
+    const vxs_section *s     = &c->sections[section];
+    uint32_t           count = 0;
+    for (uint32_t n = 0; s->light < c->light_count && n < c->lights[s->light].part_count; n++)
+        if (c->lights[s->light].parts[n].section == section) parts[count++] = c->lights[s->light].parts[n];
+    if (!count)
+        parts[count++] = (vxs_part){.kind = s->kind == VXS_KIND_LIGHTS     ? "lights"
+                                            : s->kind == VXS_KIND_METADATA ? "metadata"
+                                                                           : "unknown"};
+    return count;
+}
+
+/* A row for each part; what the section takes stands in the first. */
+static void print_section(FILE *to, const vxs_contents *c, uint32_t section)
 {
     const vxs_section *s = &c->sections[section];
-    for (uint32_t n = 0; s->light < c->light_count && n < c->lights[s->light].part_count; n++)
-        if (c->lights[s->light].parts[n].section == section) return c->lights[s->light].parts[n];
-    return (vxs_part){.kind = s->kind == VXS_KIND_LIGHTS ? "lights" : s->kind == VXS_KIND_METADATA ? "metadata" : "unknown"};
+    vxs_part           parts[VXS_LEVELS_MAX];
+    uint32_t           count = section_parts(parts, c, section);
+    char               name[32], memory[32], inflated[32], stored[32], light[VXS_LIGHT_NAME_BYTES];
+    for (uint32_t n = 0; n < count; n++)
+        fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &parts[n]),
+                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), parts[n].count,
+                size_text(memory, parts[n].memory_bytes), n ? "-" : size_text(inflated, s->inflated_bytes),
+                n ? "-" : size_text(stored, s->stored_bytes));
 }
 
 static void print_info(FILE *to, const char *path, const vxs_contents *c, const json_t *made, uint64_t file_bytes)
 {
-    char a[32], b[32];
+    char a[32];
     fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", path, c->version, size_text(a, file_bytes), c->light_count,
             c->light_count == 1 ? "" : "s");
     if (made) provenance_print(to, made);
@@ -38,14 +59,7 @@ static void print_info(FILE *to, const char *path, const vxs_contents *c, const 
                 size_text(a, (uint64_t)c->lights[n].word_count * 4));
     }
     fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
-    for (uint32_t n = 0; n < c->section_count; n++) {
-        const vxs_section *s    = &c->sections[n];
-        vxs_part           part = section_part(c, n);
-        char               name[32], memory[32], light[VXS_LIGHT_NAME_BYTES];
-        fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &part),
-                one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), part.count,
-                size_text(memory, part.memory_bytes), size_text(a, s->inflated_bytes), size_text(b, s->stored_bytes));
-    }
+    for (uint32_t n = 0; n < c->section_count; n++) print_section(to, c, n);
 }
 
 static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, uint64_t file_bytes)
@@ -60,8 +74,11 @@ static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, 
         json_array_append_new(lights, light);
     }
     for (uint32_t n = 0; n < c->section_count; n++) {
-        const vxs_section *s    = &c->sections[n];
-        vxs_part           part = section_part(c, n);
+        const vxs_section *s = &c->sections[n];
+        vxs_part           parts[VXS_LEVELS_MAX], part;
+        uint32_t           count = section_parts(parts, c, n);
+        part                     = parts[0];
+        for (uint32_t k = 1; k < count; k++) part.memory_bytes += parts[k].memory_bytes;
         json_t *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", part.kind, "offset_bytes", (json_int_t)s->offset_bytes,
                                   "stored_bytes", (json_int_t)s->stored_bytes, "inflated_bytes", (json_int_t)s->inflated_bytes,
                                   "memory_bytes", (json_int_t)part.memory_bytes, "count", (json_int_t)part.count);

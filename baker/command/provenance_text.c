@@ -70,6 +70,15 @@ static void print_word(FILE *to, const json_t *options, const char *key, const c
     print_string(to, value);
 }
 
+/* Files that say nothing of their coding are of DAGs. */
+static void print_coding(FILE *to, const json_t *options, coding_choice default_coding)
+{
+    if (json_object_get(options, "coding"))
+        print_word(to, options, "coding", CODING_CHOICES, (int)default_coding);
+    else if (options && default_coding != CODING_DAG)
+        fprintf(to, " --coding dag");
+}
+
 /* How large a light's maps were to be: what the first has is said of all; then what is not so. */
 static void print_size(FILE *to, const json_t *light, const json_t *first)
 {
@@ -125,6 +134,7 @@ static void print_options(FILE *to, const json_t *made)
     }
     print_word(to, options, "closed", CLOSED_CHOICES, (int)defaults.o.closed);
     print_word(to, options, "exit", EXIT_CHOICES, (int)defaults.o.exit);
+    print_coding(to, options, defaults.o.coding);
     print_word(to, options, "rule", RULE_CHOICES, (int)defaults.o.rule);
     print_word(to, options, "stop", STOP_CHOICES, (int)defaults.o.stop);
     print_word(to, options, "reuse", REUSE_CHOICES, defaults.o.reuse);

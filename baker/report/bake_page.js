@@ -179,7 +179,7 @@ function show_hints() {
         options.closed === "off" ? [code("--closed off"), " makes a sheet of every solid; without it they are told apart."] : sheet_hint(),
         options.rule === "shadow" && [code("--rule greedy"), " takes the fewest masks."],
         options.reuse === "off" && [code("--reuse on"), " does not make again what equals its neighbour."],
-        options.stop !== "final" && [code("--stop final"), " merges what is equal."],
+        is_dag && options.stop !== "final" && [code("--stop final"), " merges what is equal."],
         options.exit === "back" && [code("--exit auto"), " looks for the exit of the union where solids meet."],
         lights.length > 1 && [`The largest light, ${clean(largest.name)}, takes ${percent(largest.size.stored_bytes / file)} of the file. `,
             ...light_hint(largest)],

@@ -25,7 +25,11 @@ const char *part_name(char text[32], const vxs_part *part)
 static void print_found(FILE *to, const light_report *l)
 {
     if (l->light.coding != VXS_CODING_DAG) {
+        const palette_counts *p = &l->palette;
         fprintf(to, "  patterns   %llu tiles of 8 x 8 need one\n", (unsigned long long)l->mask_tiles);
+        fprintf(to, "  kept       %llu nodes, %llu blocks, %llu tiles, %llu of them with depths of their own, %llu patterns\n",
+                (unsigned long long)p->nodes, (unsigned long long)p->blocks, (unsigned long long)p->tiles,
+                (unsigned long long)p->own_tiles, (unsigned long long)p->patterns);
         return;
     }
     fprintf(to, "  masks      %llu tiles of 8 x 8 need %llu masks\n", (unsigned long long)l->mask_tiles,
@@ -49,7 +53,7 @@ static void print_light(FILE *to, const light_report *l)
             (unsigned long long)l->depth.blocks_peeled, (unsigned long long)l->depth.peel_passes, l->depth.peel_passes_max,
             (unsigned long long)l->depth.blocks_not_peeled);
     print_found(to, l);
-    fprintf(to, "  %-12s %10s %12s %12s\n", "level", "count", "memory", "on disk");
+    fprintf(to, "  %-12s %10s %12s %12s\n", l->light.coding == VXS_CODING_DAG ? "level" : "part", "count", "memory", "on disk");
     for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)
         fprintf(to, "  %-12s %10u %12s %12s\n", part_name(c, &p->part), p->part.count, size_text(a, p->part.memory_bytes),
                 size_text(b, p->stored_bytes));
@@ -108,11 +112,23 @@ static const char *kind_text(const vxs_light *l)
     return l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? "directional" : l->kind == VXS_LIGHT_KIND_SPOT ? "spot" : "point";
 }
 
+/* What a coding found, and what it kept. */
+static json_t *coded_json(const light_report *l)
+{
+    const palette_counts *p = &l->palette;
+    if (l->light.coding == VXS_CODING_DAG)
+        return json_pack("{s:I, s:I, s:I}", "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
+                         "inserted_masks", (json_int_t)l->inserted_masks);
+    return json_pack("{s:{s:I, s:I, s:I, s:I, s:I, s:I}}", "palette_blocks", "pages", (json_int_t)p->pages, "nodes",
+                     (json_int_t)p->nodes, "blocks", (json_int_t)p->blocks, "tiles", (json_int_t)p->tiles, "own_tiles",
+                     (json_int_t)p->own_tiles, "patterns", (json_int_t)p->patterns);
+}
+
 static json_t *light_json(const light_report *l)
 {
     double  texels = light_texels(l);
     json_t *o      = json_pack(
-             "{s:o, s:s, s:I, s:i, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
+             "{s:o, s:s, s:I, s:i, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
              json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
              (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "voxel_m", l->light.voxel_metres, "direction",
              l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles", (json_int_t)l->tiles,
@@ -120,8 +136,10 @@ static json_t *light_json(const light_report *l)
              "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn", (json_int_t)l->depth.triangles_drawn,
              "blocks_peeled", (json_int_t)l->depth.blocks_peeled, "blocks_not_peeled", (json_int_t)l->depth.blocks_not_peeled,
              "peel_passes", (json_int_t)l->depth.peel_passes, "peel_passes_max", (json_int_t)l->depth.peel_passes_max, "mask_tiles",
-             (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes", (json_int_t)l->inserted_nodes,
-             "inserted_masks", (json_int_t)l->inserted_masks, "levels", parts_json(l));
+             (json_int_t)l->mask_tiles, "levels", parts_json(l));
+    json_t *coded = coded_json(l);
+    json_object_update(o, coded);
+    json_decref(coded);
     json_t *size = json_pack("{s:I, s:I, s:f, s:f, s:I}", "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
                              (json_int_t)l->stored_bytes, "memory_bit_per_texel", 8.0 * (double)l->memory_bytes / texels,
                              "stored_bit_per_texel", 8.0 * (double)l->stored_bytes / texels, "depth16_bytes",

@@ -52,7 +52,31 @@ def test_what_info_and_validate_say(vxs, bake, lamps):
     told = valid(json.loads(vxs("info", out, "--json", "-").stdout), "info")
     assert told["version"] == 2 and [light["name"] for light in told["lights"]] == ["noon", "lamp", "bulb"]
     assert "version 2" in vxs("info", out).stdout and vxs("validate", out).returncode == 0
-    assert report["options"]["coding"] == "blocks"
+    assert report["options"]["coding"] == "blocks" and not {"rule", "reuse", "compress", "stop"} & set(report["options"])
+    assert told["metadata"]["options"]["coding"] == "blocks" and "rule" not in told["metadata"]["options"]
+
+
+def test_what_is_kept_is_told(vxs, bake, city):
+    """Counts fit into each other, and the parts of a light are all of its words, in the report as in info."""
+    out, report = bake(city, "blocks", "--resolution", 2048)
+    light, told = report["lights"][0], json.loads(vxs("info", out, "--json", "-").stdout)
+    kept, parts = light["palette_blocks"], {part["kind"]: part for part in light["levels"]}
+    assert 0 < kept["nodes"] <= 64 and kept["nodes"] < kept["blocks"] <= 64 * kept["nodes"]
+    assert 0 < kept["own_tiles"] < kept["tiles"] <= light["mask_tiles"] and kept["tiles"] <= 16 * kept["blocks"]
+    assert parts["patterns"]["count"] < kept["patterns"] < kept["tiles"] and kept["pages"] == parts["pages"]["count"] > 0
+    assert sum(part["memory_bytes"] for part in parts.values()) == light["size"]["memory_bytes"] == told["lights"][0]["memory_bytes"]
+    assert sum(s["memory_bytes"] for s in told["sections"]) == told["lights"][0]["memory_bytes"]
+    rows = {row.split()[0]: row for row in vxs("info", out).stdout.splitlines()}
+    assert f" {parts['patterns']['count']} " in rows["patterns"] and f" {parts['tops']['count']} " in rows["tops"]
+
+
+@pytest.mark.parametrize("options", [("--coding", "dag", "--rule", "shadow", "--stop", "insert", "--reuse", "off"), ("--coding", "blocks")])
+def test_info_repeats_the_options(vxs, lamps, tmp_path, options):
+    """What it prints makes the same file, whatever is the default."""
+    vxs("bake", lamps, "-o", tmp_path / "a.vxs", "--resolution", 64, *options)
+    line = next(line for line in vxs("info", tmp_path / "a.vxs").stdout.splitlines() if line.startswith("options"))
+    vxs("bake", lamps, "-o", tmp_path / "b.vxs", *line.split()[1:])
+    assert (tmp_path / "b.vxs").read_bytes() == (tmp_path / "a.vxs").read_bytes()
 
 
 def test_no_answer_is_unexplained(vxs, bake, city, lamps, tmp_path):

@@ -159,9 +159,10 @@ def test_hints_are_those_of_the_lights(bake, folder):
     page, _, _ = bake(folder / "many.gltf", "--resolution", 64)
     hints = page.text.partition("What would make it smaller")[2].partition("Where the time goes")[0]
     assert "A narrower cone or a shorter range" in hints and "--region" not in hints
-    page, _, _ = bake(folder / "one.gltf", "--sun", "noon=0,-1,0", "--sun", "dawn=1,-1,0", "--resolution", "noon=256", "--resolution", 64)
+    page, _, _ = bake(folder / "one.gltf", "--sun", "noon=0,-1,0", "--sun", "dawn=1,-1,0", "--resolution", "noon=1024", "--resolution", 32)
     hints = page.text.partition("What would make it smaller")[2].partition("Where the time goes")[0]
-    assert "The largest light, noon, takes" in hints and "--resolution noon=128" in hints and "--region" in hints and "cone" not in hints
+    assert "The largest light, noon, takes" in hints and "--resolution noon=512" in hints and "--region" in hints and "cone" not in hints
+    assert "--stop" not in hints, "what only a DAG could do otherwise"
 
 
 def test_bytes_do_not_depend_on_the_page(vxs, bake, folder, tmp_path):
