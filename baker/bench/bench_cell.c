@@ -46,7 +46,7 @@ static double mean(const json_t *objects, const char *path, const char *weight_p
 
 /* A bake ---------------------------------------------------------------------------------------------------------------------- */
 
-static double maps_to_dag_seconds(const json_t *stages)
+static double maps_to_words_seconds(const json_t *stages)
 {
     static const char *const names[] = {"pyramid", "masks", "insert", "compress", "merge"};
     const json_t            *stage;
@@ -74,24 +74,56 @@ static void add_count(json_t *object, const char *name, uint64_t count)
     json_object_set_new(object, name, json_integer((json_int_t)(count_at(object, name) + count)));
 }
 
-static void add_level(json_t *size, const json_t *level)
+/* What a level or a part takes. */
+static void add_bytes(json_t *sum, const json_t *part)
 {
     static const char *const figures[] = {"count", "memory_bytes", "stored_bytes"};
-    const char              *kind      = text_at(level, "kind"); /* "nodes" or "masks" */
-    json_t *sum = level_of(json_object_get(size, "levels"), strcmp(kind, "masks") ? count_at(level, "side_voxels") : 0);
-    for (size_t n = 0; n < sizeof figures / sizeof *figures; n++) add_count(sum, figures[n], count_at(level, figures[n]));
+    for (size_t n = 0; n < sizeof figures / sizeof *figures; n++) add_count(sum, figures[n], count_at(part, figures[n]));
+}
+
+static void add_level(json_t *size, const json_t *level)
+{
+    const char *kind = text_at(level, "kind"); /* "nodes" or "masks" */
+    add_bytes(level_of(json_object_get(size, "levels"), strcmp(kind, "masks") ? count_at(level, "side_voxels") : 0), level);
     add_count(size, kind, count_at(level, "count"));
+}
+
+static void set_dag_size(json_t *size, const json_t *lights)
+{
+    json_t *light, *level;
+    size_t  n, i;
+    json_t *counts = json_pack("{s:i, s:i, s:I, s:I, s:[]}", "nodes", 0, "masks", 0, "inserted_nodes",
+                               (json_int_t)total(lights, "inserted_nodes"), "inserted_masks",
+                               (json_int_t)total(lights, "inserted_masks"), "levels");
+    json_object_update(size, counts);
+    json_decref(counts);
+    json_array_foreach(lights, n, light) json_array_foreach(json_at(light, "levels"), i, level) add_level(size, level);
+}
+
+/* All lights have the same parts, in one order. */
+static void set_blocks_size(json_t *size, const json_t *lights)
+{
+    json_t     *light, *part, *count, *parts = json_array(), *kept = json_object();
+    const char *name;
+    size_t      n, i;
+    json_array_foreach(lights, n, light)
+    {
+        json_object_foreach(json_at(light, "palette_blocks"), name, count) add_count(kept, name, count_at(count, ""));
+        json_array_foreach(json_at(light, "levels"), i, part)
+        {
+            if (!n) json_array_append_new(parts, json_pack("{s:O}", "kind", json_at(part, "kind")));
+            add_bytes(json_array_get(parts, i), part);
+        }
+    }
+    json_object_set_new(size, "palette_blocks", kept);
+    json_object_set_new(size, "parts", parts);
 }
 
 static json_t *size_json(const json_t *bake, const json_t *lights)
 {
-    json_t *light, *level;
-    size_t  n, i;
-    json_t *size = json_pack("{s:O, s:I, s:i, s:i, s:I, s:I, s:[]}", "file_bytes", json_at(bake, "file_bytes"), "memory_bytes",
-                             (json_int_t)total(lights, "size/memory_bytes"), "nodes", 0, "masks", 0, "inserted_nodes",
-                             (json_int_t)total(lights, "inserted_nodes"), "inserted_masks",
-                             (json_int_t)total(lights, "inserted_masks"), "levels");
-    json_array_foreach(lights, n, light) json_array_foreach(json_at(light, "levels"), i, level) add_level(size, level);
+    json_t *size = json_pack("{s:O, s:I}", "file_bytes", json_at(bake, "file_bytes"), "memory_bytes",
+                             (json_int_t)total(lights, "size/memory_bytes"));
+    json_at(lights, "0/palette_blocks") ? set_blocks_size(size, lights) : set_dag_size(size, lights);
     return size;
 }
 
@@ -171,7 +203,7 @@ json_t *bench_cell_of_run(const json_t *cell, const json_t *bake, const json_t *
                      json_at(bake, "casters/solids/triangles"), "light", json_at(lights, "0/name"), "lights",
                      (json_int_t)json_array_size(lights), "maps", (json_int_t)total(lights, "maps"), "options",
                      json_at(cell, "options"), "bake", "wall_seconds", wall_seconds, "total_seconds",
-                     number_at(bake, "total_seconds"), "maps_to_dag_seconds", maps_to_dag_seconds(json_at(bake, "stages")),
+                     number_at(bake, "total_seconds"), "maps_to_words_seconds", maps_to_words_seconds(json_at(bake, "stages")),
                      "stages", json_at(bake, "stages"), "peak_bytes", json_at(bake, "peak_bytes"), "size", size_json(bake, lights),
                      "errors", errors_json(compared), "lookups", lookups_json(compared));
 }

@@ -10,18 +10,22 @@
 #include "baker/base/text.h"
 #include "baker/files/json_file.h"
 
-/* What a file must hold; it may hold more. Leaves are kinds (below), or words that a text may be. In an array, the most items that it
+/* What a file must hold, but for names with a question mark, which are those of one coding; it may hold more. Leaves are kinds (below), or words that a text may be. In an array, the most items that it
  * may have come first, and then what an item is; where there are two, the first is of single taps, the second of filters, whose
  * "filter_px" is above 1. */
 static const char file_shape[] =
     "{'cells': [4096, {"
     "     'scene': 'text', 'light': 'text', 'triangles': 'count', 'solid_triangles': 'count', 'lights': 'count', 'maps': 'count',"
     "     'options': {'resolution_px': 'side'},"
-    "     'bake': {'wall_seconds': 'spread', 'total_seconds': 'spread', 'maps_to_dag_seconds': 'spread', 'peak_bytes': 'count',"
+    "     'bake': {'wall_seconds': 'spread', 'total_seconds': 'spread', 'maps_to_words_seconds': 'spread', 'peak_bytes': 'count',"
     "         'stages': [32, {'name': 'text', 'seconds': 'spread', 'peak_bytes': 'count'}]},"
-    "     'size': {'file_bytes': 'count', 'memory_bytes': 'count', 'nodes': 'count', 'masks': 'count', 'inserted_nodes': 'count',"
-    "         'inserted_masks': 'count',"
-    "         'levels': [32, {'side_voxels': 'u32', 'count': 'count', 'memory_bytes': 'count', 'stored_bytes': 'count'}]},"
+    "     'size': {'file_bytes': 'count', 'memory_bytes': 'count', 'nodes?': 'count', 'masks?': 'count', 'inserted_nodes?': "
+    "'count',"
+    "         'inserted_masks?': 'count',"
+    "         'levels?': [32, {'side_voxels': 'u32', 'count': 'count', 'memory_bytes': 'count', 'stored_bytes': 'count'}],"
+    "         'palette_blocks?': {'pages': 'count', 'nodes': 'count', 'blocks': 'count', 'tiles': 'count', 'own_tiles': 'count',"
+    "             'patterns': 'count'},"
+    "         'parts?': [8, {'kind': 'tops|patterns|pages', 'count': 'count', 'memory_bytes': 'count', 'stored_bytes': 'count'}]},"
     "     'errors': [18,"
     "         {'points': 'random|surface', 'filter_px': 'u32', 'checked': 'count', 'wrong_share': 'share', 'leaks': 'count',"
     "          'false_shadows': 'count', 'unexplained': 'count'},"
@@ -95,10 +99,16 @@ static int check(reader *r, const char *name, const json_t *value, const json_t 
 
 static int check_object(reader *r, const char *object_name, const json_t *object, const json_t *shape)
 {
-    const char *name;
+    const char *key;
     json_t     *part;
     if (!json_is_object(object)) return fault(r, object_name, "is missing or no object");
-    json_object_foreach((json_t *)(size_t)shape, name, part) if (!check(r, name, json_object_get(object, name), part)) return 0;
+    json_object_foreach((json_t *)(size_t)shape, key, part)
+    {
+        char name[32];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(key, "?"), key);
+        const json_t *value = json_object_get(object, name);
+        if ((value || !strchr(key, '?')) && !check(r, name, value, part)) return 0;
+    }
     return 1;
 }
 

@@ -46,6 +46,12 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
 
 /* Options -------------------------------------------------------------------------------------------------------------------- */
 
+/* Whether a cell has no such option because its coding has none: that makes no difference to others. */
+static int is_meaningless(const json_t *cell, const char *name)
+{
+    return choice_index("rule|reuse|compress|stop", name) >= 0 && !strcmp(text_at(cell, "options/coding"), "blocks");
+}
+
 /* The options that are not the same in all cells, but for the resolution, which always is said: as keys of an object, which the caller
  * releases. */
 static json_t *varying_options(const json_t *result)
@@ -60,7 +66,8 @@ static json_t *varying_options(const json_t *result)
     json_object_foreach_safe(varying, next, name, value)
     {
         size_t alike = 0;
-        json_array_foreach(cells, n, cell) alike += json_equal(value, json_object_get(json_at(cell, "options"), name)) != 0;
+        json_array_foreach(cells, n, cell) alike +=
+            is_meaningless(cell, name) || json_equal(value, json_object_get(json_at(cell, "options"), name));
         if (alike == json_array_size(cells)) json_object_del(varying, name);
     }
     return varying;
@@ -121,7 +128,7 @@ typedef struct figure_row {
 
 static const figure_row rows[] = {
     {"bake", "bake", "wall_seconds", FIGURE_SECONDS, FIGURE_COLUMN | FIGURE_LIMITED},
-    {"bake", "maps to DAG", "maps_to_dag_seconds", FIGURE_SECONDS, FIGURE_COLUMN},
+    {"bake", "maps to words", "maps_to_words_seconds", FIGURE_SECONDS, FIGURE_COLUMN},
     {"bake/stages", "stage", "seconds", FIGURE_SECONDS, FIGURE_STAGE},
     {"bake", "peak memory", "peak_bytes", FIGURE_PEAK_BYTES, FIGURE_COLUMN},
     {"", "triangles", "triangles", FIGURE_COUNT, 0},
@@ -134,6 +141,12 @@ static const figure_row rows[] = {
     {"size", "masks", "masks", FIGURE_COUNT, 0},
     {"size", "inserted nodes", "inserted_nodes", FIGURE_COUNT, 0},
     {"size", "inserted masks", "inserted_masks", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "pages", "pages", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "nodes", "nodes", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "blocks", "blocks", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "tiles", "tiles", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "tiles with own depths", "own_tiles", FIGURE_COUNT, 0},
+    {"size/palette_blocks", "patterns", "patterns", FIGURE_COUNT, 0},
     {"errors", "wrong", "wrong_share", FIGURE_SHARE, FIGURE_COLUMN | FIGURE_ERROR},
     {"errors", "leaks", "leaks", FIGURE_COUNT, FIGURE_ERROR},
     {"errors", "false shadows", "false_shadows", FIGURE_COUNT, FIGURE_ERROR},

@@ -28,15 +28,19 @@ function scene_label(cell) {
     return clean(several ? `${cell.scene}, ${cell.light}${sun ? ` ${word(sun)}` : ""}` : cell.scene);
 }
 
+/* What only a DAG has: that blocks have none makes no difference. */
+const is_step = (name) => ["rule", "reuse", "compress", "stop"].includes(name);
+
 /* "rule shadow, stop insert": options that are not as `base` has them. A resolution is a place on a line, a sun is its scene's. */
 function differences(given, base) {
-    const named = (o) => Object.keys(o).filter((name) => name !== "resolution_px" && name !== "sun");
+    const told = (name) => name !== "resolution_px" && name !== "sun" && !(is_step(name) && given.coding !== base.coding);
+    const named = (o) => Object.keys(o).filter(told);
     return clean([...named(given).filter((name) => !same(given[name], base[name])).map((name) => `${name} ${word(given[name])}`),
         ...named(base).filter((name) => !(name in given)).map((name) => `no ${name}`)].join(", "));
 }
 
 const first = cells[0].options;
-const is_agreed = ([name, value]) => cells.every((c) => same(c.options[name], value));
+const is_agreed = ([name, value]) => cells.every((c) => same(c.options[name], value) || (is_step(name) && c.options.coding === "blocks"));
 const agreed = Object.fromEntries(Object.entries(first).filter(is_agreed));
 const base = differences(first, agreed);
 const number_in = (names, name) => names.includes(name) ? names.indexOf(name) : names.push(name) - 1;
@@ -334,22 +338,28 @@ const stage_chart = (scene) => bar_chart({ name: "stages", scene, label: "bake t
     whole: "the bake", caption: "A bar is a bake, labelled with its texels a side; the thin line at its end reaches from the least to the "
         + "greatest run. Stages below 1 % everywhere are joined." });
 
-/* The finest level first. */
-const levels_of = (cell) => cell.size.levels.map((l) => ({ ...l, n: l.side_voxels ? Math.log2(l.side_voxels) : 0 }))
+/* Of a DAG, the finest level first. */
+const levels_of = (cell) => (cell.size.levels ?? []).map((l) => ({ ...l, n: l.side_voxels ? Math.log2(l.side_voxels) : 0 }))
     .sort((a, b) => a.n - b.n);
 
+/* Of palette blocks. */
+const PART_COLOURS = { tops: "#3d7ab8", patterns: "#94742f", pages: "#3c9260" };
+const block_parts = (cell) => cell.size.parts ?? [];
+
 function level_parts(cell) {
-    const levels = levels_of(cell).map((l) => [level_name(l.n), level_colour(l.n), l.stored_bytes]);
+    const levels = [...levels_of(cell).map((l) => [level_name(l.n), level_colour(l.n), l.stored_bytes]),
+        ...block_parts(cell).map((p) => [p.kind, PART_COLOURS[p.kind], p.stored_bytes])];
     const head = cell.size.file_bytes - sum(levels, ([, , size]) => size);
     return head > 0 && levels.length ? [...levels, ["head", "#8d8a80", head]] : levels;
 }
 
-const level_bytes_chart = (scene) => bar_chart({ name: "bytes-by-level", scene, label: "bytes of the file by level", unit: BYTES,
-    total_of: size_of, parts_of: level_parts, whole: "the file", caption: "Masks are 8 x 8 texels of one depth; n³ are nodes of n voxels a "
-        + "side. Head is what is no light's. What is below 1 % everywhere is joined." });
+const level_bytes_chart = (scene) => bar_chart({ name: "bytes-by-level", scene, label: "bytes of the file by part", unit: BYTES,
+    total_of: size_of, parts_of: level_parts, whole: "the file", caption: "Of a DAG, masks are 8 x 8 texels of one depth; n³ are nodes of n "
+        + "voxels a side. Of palette blocks, tops say where to look, with patterns that several pages use, and pages have the rest. Head is "
+        + "what is no light's. What is below 1 % everywhere is joined." });
 
 function level_counts_chart(scene) {
-    const mine = ordered.filter((c) => c.scene_number === scene && c.size.levels.length);
+    const mine = ordered.filter((c) => c.scene_number === scene && levels_of(c).length);
     const points_of = (cell) => levels_of(cell).filter((l) => l.count > 0)
         .map((l) => ({ cell, n: l.n, x: l.n ? 2 ** l.n : MASKS_AT, y: l.count }));
     const all = mine.flatMap(points_of), share = sum(all, (p) => p.n <= 4 ? p.y : 0) / (sum(all, (p) => p.y) || 1);
@@ -454,10 +464,18 @@ function show_parts(title, parts_of) {
     show_cells(title, names, (c) => [names.map((name) => parts.get(c).get(name) ?? "")]);
 }
 
+/* What a cell's coding keeps: [[what it is called, how many there are]] */
+const KEPT = { nodes: "nodes", masks: "masks", inserted_nodes: "nodes inserted", inserted_masks: "masks inserted", blocks: "blocks",
+    tiles: "tiles", own_tiles: "of own depths", patterns: "patterns", pages: "pages" };
+function kept_of({ size }) {
+    const kept = { ...size, ...size.palette_blocks };
+    return Object.entries(KEPT).filter(([key]) => key in kept).map(([key, name]) => [name, kept[key]]);
+}
+
 function show_growth() {
-    const figures = { "bake": (c) => time_of(c).median, "maps to DAG": (c) => c.bake.maps_to_dag_seconds.median,
+    const figures = { "bake": (c) => time_of(c).median, "maps to words": (c) => c.bake.maps_to_words_seconds.median,
         "peak memory": (c) => c.bake.peak_bytes, "file": (c) => c.size.file_bytes, "in memory": (c) => c.size.memory_bytes,
-        "nodes": (c) => c.size.nodes, "masks": (c) => c.size.masks };
+        ...Object.fromEntries(ordered.flatMap(kept_of).map(([name]) => [name, (c) => Object.fromEntries(kept_of(c))[name]])) };
     const fold = (fit) => fit ? beside(`${fit.factor.toFixed(2)}-fold`, `slope ${fit.slope.toFixed(2)}`) : "–";
     const row = (s) => Object.values(figures).map((figure) => fold(growth(s, figure)));
     show(el("h3", {}, "Growth with each doubling of the resolution, and the fitted slope"),
@@ -472,16 +490,17 @@ const error_figures = (e) => e.filter_px === 1
 function show_figures() {
     show(el("h2", {}, "The figures"), soft("Times are medians, with least and greatest where they differ."));
     show_parts("Bakes", (c) => [
-        ["bake", spread(time_of(c))], ["whole process", spread(c.bake.wall_seconds)], ["maps to DAG", spread(c.bake.maps_to_dag_seconds)],
+        ["bake", spread(time_of(c))], ["whole process", spread(c.bake.wall_seconds)], ["maps to words", spread(c.bake.maps_to_words_seconds)],
         ["peak memory", bytes(c.bake.peak_bytes)], ["file", bytes(c.size.file_bytes)], ["in memory", bytes(c.size.memory_bytes)],
         ["bit/texel", (8 * c.size.file_bytes / (c.side ** 2 * (c.maps || 1))).toFixed(3)],
-        ["nodes", count(c.size.nodes)], ["masks", count(c.size.masks)], ["nodes inserted", count(c.size.inserted_nodes)],
-        ["masks inserted", count(c.size.inserted_masks)], ["triangles", count(c.triangles)], ["in solids", count(c.solid_triangles)]]);
+        ...kept_of(c).map(([name, value]) => [name, count(value)]), ["triangles", count(c.triangles)], ["in solids", count(c.solid_triangles)]]);
     show_growth();
     show_parts("Stages: median seconds, and peak memory",
         (c) => c.bake.stages.map((s) => [clean(s.name), below(seconds(s.seconds.median), bytes(s.peak_bytes))]));
     show_parts("Levels: nodes or masks, and their bytes in the file and in memory",
         (c) => levels_of(c).map((l) => [level_name(l.n), below(count(l.count), bytes(l.stored_bytes), bytes(l.memory_bytes))]));
+    show_parts("Parts of palette blocks, and their bytes in the file and in memory",
+        (c) => block_parts(c).map((p) => [p.kind, below(count(p.count), bytes(p.stored_bytes), bytes(p.memory_bytes))]));
     show_cells("Errors against ray tracing", ["points", "filter", "checked", "wrong", "leaks", "false shadows", "unexplained",
         "root mean square", "greatest"],
     (c) => c.errors.map((e) => [text(`${e.points} points`), filter_name(e), count(e.checked), ...error_figures(e)]));

@@ -109,13 +109,22 @@ static void print_file(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "\n");
 }
 
-static void print_time(FILE *to, const bake_report *r)
+static void print_time(FILE *to, const bake_options *o, const bake_report *r)
 {
-    static const char *const works[STAGE_COUNT] = {"reading the scene",    "finding solids",  "planning",     "starting OpenGL",
-                                                   "rendering depth maps", "bounding depths", "making masks", "inserting nodes",
-                                                   "compressing",          "merging",         "encoding",     "writing"};
-    char                     memory[32];
-    int                      longest = 0;
+    const char *const works[STAGE_COUNT] = {"reading the scene",
+                                            "finding solids",
+                                            "planning",
+                                            "starting OpenGL",
+                                            "rendering depth maps",
+                                            "bounding depths",
+                                            o->coding == CODING_DAG ? "making masks" : "making palette blocks",
+                                            "inserting nodes",
+                                            "compressing",
+                                            "merging",
+                                            "encoding",
+                                            "writing"};
+    char              memory[32];
+    int               longest = 0;
     for (int s = 0; s < STAGE_COUNT; s++)
         if (r->stage[s].seconds > r->stage[longest].seconds) longest = s;
     fprintf(to, "time         %.2f s, %.2f of it %s; memory %s\n", r->total_seconds, r->stage[longest].seconds, works[longest],
@@ -128,7 +137,7 @@ void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     print_lights(to, r->plan);
     print_left_out(to, r);
     print_file(to, o, r);
-    print_time(to, r);
+    print_time(to, o, r);
 }
 
 void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r)

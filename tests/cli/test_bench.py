@@ -124,7 +124,7 @@ def test_figures_are_those_of_a_bake(vxs, bench, folder, tmp_path):
     assert bake["total_seconds"]["median"] < bake["wall_seconds"]["median"] < 60
     stages = {s["name"]: s["seconds"]["median"] for s in bake["stages"]}
     assert list(stages) == [s["name"] for s in report["stages"]]
-    assert bake["maps_to_dag_seconds"]["median"] == pytest.approx(
+    assert bake["maps_to_words_seconds"]["median"] == pytest.approx(
         sum(stages[n] for n in ("pyramid", "masks", "insert", "compress", "merge")), rel=1e-6)
     assert bake["peak_bytes"] == max(s["peak_bytes"] for s in bake["stages"])
     assert 0.5 < bake["peak_bytes"] / report["peak_bytes"] < 2
@@ -189,6 +189,31 @@ def test_values_by_light(bench):
     assert [(c["options"]["resolution_px"], c["options"]["light_resolution_px"]) for c in cells["cells"]] == [
         (n, {"noon": 64}) for n in (16, 32)]
     assert [line.split()[1] for line in text.splitlines() if line.startswith("small.gltf")] == ["16", "32"]
+
+
+def test_codings_side_by_side(vxs, bench, folder, tmp_path):
+    """Each has what it keeps; steps of a DAG, which blocks have not, are no column."""
+    result, text = bench("--coding", "dag", "--coding", "blocks", "--resolution", 128, "--runs", 1, "--points", 0)
+    assert [c["options"]["coding"] for c in result["cells"]] == ["dag", "blocks"]
+    head = next(line for line in text.splitlines() if line.startswith("scene"))
+    assert head.split()[:3] == ["scene", "texels", "coding"] and "rule" not in head and "compress" not in head
+    dag, blocks = (c["size"] for c in result["cells"])
+    assert set(SIZES) <= set(dag) and not set(SIZES) & set(blocks)
+    lights = json.loads(vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 128, "--coding", "blocks",
+                            "--baseline", "off", "--json", "-").stdout)["lights"]
+    assert blocks["file_bytes"] == (tmp_path / "a.vxs").stat().st_size
+    assert blocks["palette_blocks"] == {key: sum(light["palette_blocks"][key] for light in lights) for key in lights[0]["palette_blocks"]}
+    assert [part["kind"] for part in blocks["parts"]] == ["tops", "patterns", "pages"]
+    for n, part in enumerate(blocks["parts"]):
+        for key in ("count", "memory_bytes", "stored_bytes"):
+            assert part[key] == sum(light["levels"][n][key] for light in lights)
+    (tmp_path / "old.json").write_text(json.dumps(result))
+    vxs("bench", folder / "small.gltf", "-o", tmp_path / "new.json", "--coding", "blocks", "--runs", 1, "--points", 0, "--resolution", 128,
+        "--against", tmp_path / "old.json")
+
+
+def test_steps_need_a_dag(rejected):
+    assert "need --coding dag" in rejected(2, *QUICK, "--coding", "dag", "--coding", "blocks", "--rule", "greedy")
 
 
 def test_to_standard_output(vxs, folder, temporary):
@@ -289,7 +314,7 @@ def test_times_that_moved(against, measured):
     old = first_cell(measured)
     text = against(scaled(old, 0.01))
     rows = {row[1]: row for row in (re.split(r"  +", line.strip()) for line in text.splitlines()) if len(row) == 5}
-    assert {"bake", "maps to DAG", "stage gl", "lookup", "lookup 3 x 3", "ray"} <= rows.keys()
+    assert {"bake", "maps to words", "stage gl", "lookup", "lookup 3 x 3", "ray"} <= rows.keys()
     assert not {"file", "nodes"} & rows.keys()
     assert rows["bake"][0] == "small.gltf, 64 texels" and 20 < float(rows["bake"][4]) < 500
     assert rows["bake"][2].endswith(")") and rows["bake"][3].endswith("ms"), "before: a spread; now: a single run"

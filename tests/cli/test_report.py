@@ -41,7 +41,7 @@ def cell(scene="city.glb", resolution=1024, light="sun", **options):
         "options": {"resolution_px": resolution, "rule": "greedy", "stop": "final", "exit": "auto", "closed": "auto", "reuse": "on",
                     "compress": "auto", "threads": 2, "zstd_level": 12} | options,
         "bake": {"wall_seconds": spread(seconds * 1.1), "total_seconds": spread(seconds),
-                 "maps_to_dag_seconds": spread(seconds / 4), "peak_bytes": 200 << 20,
+                 "maps_to_words_seconds": spread(seconds / 4), "peak_bytes": 200 << 20,
                  "stages": [{"name": s, "seconds": spread(seconds / len(STAGES)), "peak_bytes": 100 << 20} for s in STAGES]},
         "size": {"file_bytes": int(size), "memory_bytes": int(3 * size), "nodes": 5 * resolution, "masks": resolution,
                  "inserted_nodes": 50 * resolution, "inserted_masks": 10 * resolution,
@@ -51,6 +51,17 @@ def cell(scene="city.glb", resolution=1024, light="sun", **options):
         "lookups": [{"filter_px": 1, "nanoseconds": spread(50), "ray_nanoseconds": spread(900)},
                     {"filter_px": 9, "nanoseconds": spread(101)}],
     }
+
+
+def blocks(resolution=1024):
+    """The same in palette blocks, half as large."""
+    made = cell(resolution=resolution)
+    options = {name: value for name, value in made["options"].items() if name not in ("rule", "stop", "reuse", "compress")}
+    parts = [{"kind": kind, "count": n, "memory_bytes": share * resolution, "stored_bytes": share * resolution // 2}
+             for n, (kind, share) in enumerate((("tops", 1), ("patterns", 2), ("pages", 55)))]
+    kept = {"pages": 2, "nodes": 17, "blocks": 313, "tiles": resolution, "own_tiles": 78, "patterns": 447}
+    return made | {"options": options | {"coding": "blocks"}, "size": {"file_bytes": 32 * resolution, "memory_bytes": 58 * resolution,
+                                                                      "palette_blocks": kept, "parts": parts}}
 
 
 def bench(*cells, **more):
@@ -134,6 +145,18 @@ def test_charts_are_told_about_where_the_mouse_is(report, browser):
         told([opacity, body[0].lines]);
     }, 100))""")
     assert told[0] == 1 and re.sub(r"\s", " ", told[1][0]) == "city.glb, 2048 texels: 128.0 KiB"
+
+
+def test_codings_side_by_side(report):
+    """Blocks have their own parts and counts, and are told from DAGs by the coding alone."""
+    page = report(bench(*(c for side in (1024, 2048) for c in (cell(resolution=side, coding="dag"), blocks(side)))))
+    for word in ("coding blocks", "313", "447", "Parts of palette blocks", "tops", "patterns", "pages", "What each setting is worth"):
+        assert word in page.text, word
+    for word in ("NaN", "undefined", "no rule", "rule greedy", "no stop"):
+        assert word not in page.text, word
+    assert {"bytes-by-level-1", "nodes-by-level-1"} <= set(page.charts)
+    alone = report(bench(blocks(), blocks(2048)))
+    assert "masks inserted" not in alone.text and "masks inserted" in page.text and set(alone.charts) == PLOTS - {"nodes-by-level-1"}
 
 
 def luminance(colour):
