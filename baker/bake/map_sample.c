@@ -12,6 +12,8 @@
 #include "baker/base/array.h"
 #include "baker/base/integer.h"
 #include "baker/base/random.h"
+#include "baker/blocks/block_build.h"
+#include "baker/blocks/block_words.h"
 #include "baker/columns/opengl/depth_block.h"
 #include "baker/columns/stored/depth_maps.h"
 
@@ -44,19 +46,20 @@ typedef struct triangle_list {
 } triangle_list;
 
 /* Counts of triangles by block, as differences along both axes until they are summed up. */
-typedef struct block_counts {
+typedef struct triangle_counts {
     uint32_t side;
     int32_t *all, *solid, *meet; /* [(side + 1)^2] */
-} block_counts;
+} triangle_counts;
 
 typedef struct sampler {
     map_sample       *s;
     const projection *p;
     const vxs_light  *light;
-    int               peels_all, reuse;
-    mask_rule         rule;
+    int               peels_all;
+    coding_choice     coding;
+    build_options     build; /* of a DAG */
     uint32_t          side_px, window_px, cells, cell_px;
-    block_counts      blocks;
+    triangle_counts   blocks;                       /* of depth_block.h */
     uint32_t          at[CELLS_MAX * CELLS_MAX][2]; /* texel where each window starts */
     triangle_list     lists[CELLS_MAX * CELLS_MAX]; /* what may touch it */
     uint32_t          windows;                      /* those of a rank below this are looked at */
@@ -69,6 +72,7 @@ typedef struct sampler {
     depth_maps        maps;
     uint64_t         *hashes[SAMPLE_LEVELS + 1]; /* of all inserted nodes by level, masks last */
     size_t            hash_count[SAMPLE_LEVELS + 1], hash_capacity[SAMPLE_LEVELS + 1];
+    block_set         set; /* of all windows: a node of one block each */
     int               out_of_memory;
 } sampler;
 
@@ -166,8 +170,8 @@ static void place_triangles(sampler *job)
 
 static void count_blocks(sampler *job)
 {
-    map_sample   *s = job->s;
-    block_counts *b = &job->blocks;
+    map_sample      *s = job->s;
+    triangle_counts *b = &job->blocks;
     sum_up(b->all, b->side);
     sum_up(b->solid, b->side);
     sum_up(b->meet, b->side);
@@ -183,7 +187,7 @@ static void count_blocks(sampler *job)
     }
 }
 
-static int tile_has_triangles(const block_counts *b, uint32_t u0, uint32_t v0, uint32_t across)
+static int tile_has_triangles(const triangle_counts *b, uint32_t u0, uint32_t v0, uint32_t across)
 {
     for (uint32_t n = 0; n < across * across; n++)
         if (b->all[(size_t)(v0 + n / across) * (b->side + 1) + u0 + n % across] > 0) return 1;
@@ -330,9 +334,8 @@ static vxs_result insert_window(sampler *job)
 {
     dag           d       = {0};
     column_square columns = depth_maps_square(&job->maps);
-    build_options o       = {.rule = job->rule, .reuse = job->reuse};
     build_stats   stats   = {0};
-    vxs_result    r       = dag_build_square(&d, &columns, square_level(job->window_px), 0, 0, &o, &stats);
+    vxs_result    r       = dag_build_square(&d, &columns, square_level(job->window_px), 0, 0, &job->build, &stats);
     if (r != VXS_OK) return r;
     job->s->mask_runs += stats.mask_runs;
     job->s->mask_tiles += stats.mask_tiles;
@@ -344,6 +347,29 @@ static vxs_result insert_window(sampler *job)
     }
     dag_free(&d);
     return VXS_OK;
+}
+
+static int has_pattern(const block_set *set, const block_node *node)
+{
+    if (!(node->mixed & 1)) return 0;
+    const block *b = block_at(set, node->block[0]);
+    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++)
+        if (t->kind != TILE_UNIFORM) return 1;
+    return 0;
+}
+
+/* Window n as a node of its own. Where no tile needs a pattern nothing is kept: among its neighbours, the slope that it would have with
+ * them settles it. */
+static vxs_result build_window(sampler *job, uint32_t n)
+{
+    block_set    *set     = &job->set;
+    size_t        before  = set->node_count;
+    column_square columns = depth_maps_square(&job->maps);
+    columns.u_px          = n % CELLS_MAX * NODE_PX;
+    columns.v_px          = n / CELLS_MAX * NODE_PX;
+    vxs_result r          = block_build_node(set, &columns, 0, 0, 0);
+    if (set->node_count > before && !has_pattern(set, &set->nodes[before])) set->node_count = before;
+    return r;
 }
 
 static vxs_result sample_window(sampler *job, uint32_t n)
@@ -373,7 +399,7 @@ static vxs_result sample_window(sampler *job, uint32_t n)
     s->layers += all < PEEL_PASSES_MAX ? all : PEEL_PASSES_MAX;
     s->peeled_windows += layers > 0;
     depth_maps_reduce(&job->maps, 1);
-    return insert_window(job);
+    return job->coding == CODING_BLOCKS ? build_window(job, n) : insert_window(job);
 }
 
 /* all windows ------------------------------------------------------------------------------------------------------------------- */
@@ -392,6 +418,25 @@ static uint64_t different(uint64_t *hashes, size_t count)
     return found;
 }
 
+/* The windows as a bake would lay them out, if they were all that there is. */
+static vxs_result count_blocks_kept(sampler *job)
+{
+    enum { LEVELS = 13 }; /* of a map with a node for each window */
+    palette_sample *p = &job->s->palette;
+    block_words     w;
+    job->s->mask_tiles = job->set.tile_count;
+    vxs_result r       = block_words_lay_out(&w, &job->set, LEVELS, 1, 1);
+    if (r != VXS_OK) return r;
+    p->blocks        = job->set.node_count;
+    p->unique_blocks = w.counts.blocks;
+    p->block_words   = w.counts.block_words;
+    p->pattern_words = w.counts.pattern_words + w.counts.common_words;
+    p->patterns      = (uint64_t)w.counts.patterns + w.counts.own_patterns + w.common_count;
+    p->own_patterns  = w.counts.own_patterns;
+    block_words_free(&w);
+    return VXS_OK;
+}
+
 static vxs_result sample_windows(sampler *job)
 {
     map_sample *s = job->s;
@@ -399,6 +444,7 @@ static vxs_result sample_windows(sampler *job)
     for (uint32_t rank = 0; rank < job->windows && job->fragments_made < FRAGMENTS_MAX && r == VXS_OK; rank++)
         r = sample_window(job, window_of_rank(job, rank));
     if (r != VXS_OK || job->out_of_memory) return VXS_E_MEMORY;
+    if (job->coding == CODING_BLOCKS) return count_blocks_kept(job);
     s->unique_masks = different(job->hashes[SAMPLE_LEVELS], job->hash_count[SAMPLE_LEVELS]);
     for (int l = 0; l < SAMPLE_LEVELS; l++) s->unique_nodes += different(job->hashes[l], job->hash_count[l]);
     return VXS_OK;
@@ -408,6 +454,7 @@ static void sampler_free(sampler *job)
 {
     for (int n = 0; n < CELLS_MAX * CELLS_MAX; n++) free(job->lists[n].items);
     for (int l = 0; l <= SAMPLE_LEVELS; l++) free(job->hashes[l]);
+    block_set_free(&job->set);
     free(job->blocks.all);
     free(job->fragments.items);
     free(job->sorted);
@@ -424,7 +471,7 @@ static uint32_t windows_a_side(uint32_t side_px)
     return windows < 1 ? 1 : min_u32(windows, cells);
 }
 
-vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, mask_rule rule, int reuse,
+vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, const bake_options *o,
                            message *m)
 {
     memset(s, 0, sizeof *s);
@@ -434,8 +481,8 @@ vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *
     job->p         = p;
     job->light     = light;
     job->peels_all = peels_all;
-    job->reuse     = reuse;
-    job->rule      = rule;
+    job->coding    = o->coding;
+    job->build     = (build_options){.rule = o->rule, .reuse = o->reuse};
     job->side_px   = 1u << light->levels;
     job->window_px = min_u32(job->side_px, SAMPLE_WINDOW_PX);
     job->cells     = windows_a_side(job->side_px);

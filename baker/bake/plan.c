@@ -37,7 +37,8 @@ static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *
     vxs_result r   = reach_casters(&near, &plan->reach, c, &chosen->shape, m);
     if (r == VXS_OK) r = light_fit(&l->light, &near, &fit, m);
     reach_release(&near, c);
-    l->shape = chosen->shape;
+    l->shape        = chosen->shape;
+    l->light.coding = o->coding == CODING_DAG ? VXS_CODING_DAG : VXS_CODING_BLOCKS;
     snprintf(l->name, sizeof l->name, "%s", chosen->name);
     if (r == VXS_E_NO_CASTER) {
         l->left_out = REACHES_NOTHING;
@@ -121,6 +122,12 @@ static void add_sample(map_sample *sum, const map_sample *s)
     sum->unique_masks += s->unique_masks;
     sum->unique_nodes += s->unique_nodes;
     for (int l = 0; l < SAMPLE_LEVELS; l++) sum->nodes[l] += s->nodes[l];
+    sum->palette.blocks += s->palette.blocks;
+    sum->palette.unique_blocks += s->palette.unique_blocks;
+    sum->palette.patterns += s->palette.patterns;
+    sum->palette.own_patterns += s->palette.own_patterns;
+    sum->palette.block_words += s->palette.block_words;
+    sum->palette.pattern_words += s->palette.pattern_words;
 }
 
 static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, message *m)
@@ -133,7 +140,7 @@ static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_
         projection p;
         map_sample s = {0};
         r            = projection_init(&p, &near, &l->light, (int)map, o->threads, m);
-        if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, o->rule, o->reuse, m);
+        if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, o, m);
         l->triangles += p.triangle_count;
         projection_free(&p);
         add_sample(&l->sample, &s);

@@ -13,6 +13,12 @@
 #include "baker/measure/context.h"
 #include "baker/scene/light_choice.h"
 
+/* Palette blocks that a light will take, different ones alone. */
+typedef struct palette_estimate {
+    double blocks, patterns, own_patterns; /* own ones are among the patterns */
+    double block_words, pattern_words, words;
+} palette_estimate;
+
 /* Of one light. */
 typedef struct plan_light {
     char        name[VXS_LIGHT_NAME_BYTES];
@@ -27,12 +33,15 @@ typedef struct plan_light {
     uint64_t blocks, blocks_empty, blocks_peeled, blocks_not_peeled;
 
     /* estimated */
-    double     seconds[STAGE_COUNT];
-    double     mask_tiles, mask_runs;
-    double     inserted_nodes, inserted_masks, nodes, masks; /* before and after compression */
-    double     memory_bytes, stored_bytes;                   /* in the words that lookups read; in the file */
-    double     work_bytes;                                   /* most that is held for it alone while it is baked */
-    map_sample sample;                                       /* of all maps together */
+    double           seconds[STAGE_COUNT];
+    double           mask_tiles;                                   /* that no single depth parts into lit and shadowed */
+    double           mask_runs;                                    /* of a DAG: their masks */
+    double           inserted_nodes, inserted_masks, nodes, masks; /* the same: before and after compression */
+    palette_estimate palette;                                      /* of palette blocks */
+    double           memory_bytes, stored_bytes;                   /* in the words that lookups read; in the file */
+    double           built_bytes;                                  /* held for it until the file is written */
+    double           part_bytes; /* held, of all of it, while it is built: of each tile its share */
+    map_sample       sample;     /* of all maps together */
 } plan_light;
 
 typedef struct bake_plan {

@@ -1,8 +1,9 @@
 /* Estimates of a plan; see plan.h.
  *
  * Counts are those of the sample times its weight. Different nodes grow with a power of inserted ones, as different words do with the
- * length of a text (Heaps' law); the power follows from how many are different in the sample. Seconds and bytes are linear in the counts;
- * the coefficients were fitted to 45 bakes of 21 scenes at 1024 to 16384 texels.
+ * length of a text (Heaps' law), and so do different blocks and patterns; the power follows from how many are different in the sample.
+ * Seconds and bytes are linear in the counts; the coefficients were fitted to 45 bakes of 21 scenes at 1024 to 16384 texels, those of
+ * palette blocks to 55 bakes of 20 scenes at 256 to 8192.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -26,22 +27,70 @@ static double above(uint64_t below, uint64_t top, double count)
     return count * ratio / (1 - ratio);
 }
 
-static void estimate_counts(plan_light *l)
+static void estimate_dag(plan_light *l)
 {
     const map_sample *s        = &l->sample;
     int               top      = (int)fmin(SAMPLE_LEVELS, l->light.levels - 2) - 1;
     double            inserted = 0;
     for (int n = 0; n <= top; n++) inserted += (double)s->nodes[n];
     double upper      = top == SAMPLE_LEVELS - 1 ? above(s->nodes[top - 1], s->nodes[top], (double)s->nodes[top]) : 0;
-    l->mask_tiles     = (double)s->mask_tiles * s->weight;
     l->mask_runs      = (double)s->mask_runs * s->weight;
     l->inserted_masks = (double)s->masks * s->weight;
     l->inserted_nodes = (inserted + upper) * s->weight;
     l->masks          = different(s->unique_masks, s->masks, s->weight, 0.55, 0.82);
     l->nodes          = different(s->unique_nodes, (uint64_t)inserted, s->weight, 0.70, 0.98);
+    l->memory_bytes   = 8 * l->masks + 15.5 * l->nodes;
+    l->stored_bytes   = 3.9 * (l->masks + l->nodes) + 600;
+    l->built_bytes    = 71 * (l->nodes + l->masks);
+    l->part_bytes     = 11 * (l->inserted_nodes + l->inserted_masks);
+}
+
+/* Nodes take a word for each of their blocks, which are fewer where blocks, and so nodes, repeat; and some for themselves. */
+static double node_words(const plan_light *l, double squares)
+{
+    double blocks = (double)l->sample.palette.blocks * l->sample.weight;
+    return 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
+}
+
+static void estimate_blocks(plan_light *l)
+{
+    const palette_sample *s       = &l->sample.palette;
+    palette_estimate     *p       = &l->palette;
+    double                weight  = l->sample.weight;
+    double                squares = fmax(1, ldexp(1, 2 * ((int)l->light.levels - 8))) * l->map_count;
+    double                grown   = different(s->patterns, l->sample.mask_tiles, weight, 0.85, 0.95) / fmax(1, (double)s->patterns);
+    p->blocks                     = different(s->unique_blocks, s->blocks, weight, 0.70, 1.0);
+    p->patterns                   = (double)s->patterns * grown;
+    p->own_patterns               = (double)s->own_patterns * grown;
+    p->block_words                = (double)s->block_words * p->blocks / fmax(1, (double)s->unique_blocks);
+    p->pattern_words              = (double)s->pattern_words * grown;
+    p->words                      = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
+    l->memory_bytes               = 4 * p->words;
+    l->stored_bytes               = p->block_words + 1.5 * p->pattern_words + 600;
+    l->built_bytes                = 900 * p->own_patterns + 150 * p->patterns + 300 * p->blocks + 12 * p->words;
+    l->part_bytes                 = 0.3 * l->built_bytes;
 }
 
 /* seconds and bytes, for one light -------------------------------------------------------------------------------------------- */
+
+/* full  texels of tiles that are not empty */
+static void estimate_dag_seconds(plan_light *l, double full, double threads)
+{
+    double inserted          = l->inserted_nodes + l->inserted_masks;
+    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 2.4e-7 * l->mask_tiles) / threads;
+    l->seconds[STAGE_INSERT] = (7e-11 * full + 3.3e-8 * inserted) / threads;
+    l->seconds[STAGE_MERGE]  = 1.2e-8 * inserted + 7e-8 * (l->nodes + l->masks);
+    l->seconds[STAGE_ENCODE] = 3.7e-7 * (l->nodes + l->masks);
+    l->seconds[STAGE_WRITE]  = 3.7e-8 * (l->nodes + l->masks);
+}
+
+static void estimate_blocks_seconds(plan_light *l, double full, double threads)
+{
+    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 1.8e-6 * l->mask_tiles) / threads;
+    l->seconds[STAGE_MERGE]  = 3.5e-6 * l->palette.patterns;
+    l->seconds[STAGE_ENCODE] = 1.6e-7 * l->palette.words;
+    l->seconds[STAGE_WRITE]  = 1.1e-7 * l->palette.words;
+}
 
 static void estimate_seconds(plan_light *l, const bake_options *o)
 {
@@ -55,32 +104,19 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     double            peeled  = (double)l->blocks_peeled * passes * block;
     double            peels   = l->blocks_peeled ? (double)s->peeled_triangles * passes : 0;
     double            threads = o->threads;
-    double            nodes   = l->inserted_nodes + l->inserted_masks;
 
     /* rendering waits for one thread of two */
     l->seconds[STAGE_GL]   = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
     l->seconds[STAGE_MAPS] = 6e-4 * drawn + 1e-3 * solid + 1.4e-3 * peeled + 2.9e-7 * (double)s->block_triangles + 1.1e-7 * peels;
     l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
-    l->seconds[STAGE_MASKS]   = (1.7e-10 * full + 2.4e-7 * l->mask_tiles) / threads;
-    l->seconds[STAGE_INSERT]  = (7e-11 * full + 3.3e-8 * nodes) / threads;
-    l->seconds[STAGE_MERGE]   = 1.2e-8 * nodes + 7e-8 * (l->nodes + l->masks);
-    l->seconds[STAGE_ENCODE]  = 3.7e-7 * (l->nodes + l->masks);
-    l->seconds[STAGE_WRITE]   = 3.7e-8 * (l->nodes + l->masks);
-}
-
-/* Palette blocks take shares of what the DAG would (docs/measurements.md). */
-static void estimate_bytes(plan_light *l, coding_choice coding)
-{
-    int blocks      = coding == CODING_BLOCKS;
-    l->memory_bytes = (8 * l->masks + 15.5 * l->nodes) * (blocks ? 0.28 : 1);
-    l->stored_bytes = 3.9 * (l->masks + l->nodes) * (blocks ? 0.35 : 1) + 600;
+    o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads) : estimate_blocks_seconds(l, full, threads);
 }
 
 void plan_estimate_light(plan_light *l, const bake_options *o)
 {
-    estimate_counts(l);
+    l->mask_tiles = (double)l->sample.mask_tiles * l->sample.weight;
+    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l);
     estimate_seconds(l, o);
-    estimate_bytes(l, o->coding);
 }
 
 /* the scene ------------------------------------------------------------------------------------------------------------------- */
@@ -110,17 +146,18 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     plan->memory_bytes = (uint64_t)memory;
 }
 
-/* The most is held while a tile is rendered or merged: its maps, what OpenGL and the scene need, the DAGs so far, and its sub-DAGs. */
+/* The most is held while a tile is rendered or merged: its maps, what OpenGL and the scene need, what was built so far, and what is built of
+ * it. */
 uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
 {
-    double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, nodes = 0, texels = 0, drawn = 0;
+    double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, built = 0, texels = 0, drawn = 0;
     for (size_t n = 0; n < plan->light_count; n++) {
         const plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
         double side = fmin(ldexp(1, (int)l->light.levels), tile_px);
         double part = side * side / ldexp(1, 2 * (int)l->light.levels) / l->map_count;
-        tile        = fmax(tile, side * side * (texel + pyramid) + 11 * part * (l->inserted_nodes + l->inserted_masks));
-        nodes += l->nodes + l->masks;
+        tile        = fmax(tile, side * side * (texel + pyramid) + part * l->part_bytes);
+        built += l->built_bytes;
         drawn = fmax(drawn, (double)l->sample.block_most);
         texels += ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     }
@@ -128,6 +165,6 @@ uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_
     /* the scene, the casters and their projection; a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
     double arrays   = 54 * (double)c->triangle_count + 24 * (double)c->scene_vertex_count + 56 * (double)c->vertex_count;
     double block    = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
-    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + arrays + block + 71 * nodes + tile + compared +
+    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + arrays + block + built + tile + compared +
                               (double)plan->picture_bytes));
 }

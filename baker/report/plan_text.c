@@ -183,8 +183,12 @@ static void print_light(FILE *to, const plan_light *l)
     fprintf(to, "  tiles      %llu, left out without casters: %llu; %llu blocks to render, %llu of them to peel\n",
             (unsigned long long)l->tiles, (unsigned long long)l->tiles_empty, (unsigned long long)(l->blocks - l->blocks_empty),
             (unsigned long long)l->blocks_peeled);
-    fprintf(to, "  about      %.15g masks, %.15g nodes; %s in memory, %s on disk\n", rounded(l->masks, 3), rounded(l->nodes, 3),
-            size_text(a, (uint64_t)l->memory_bytes), size_text(b, (uint64_t)l->stored_bytes));
+    if (l->light.coding == VXS_CODING_DAG)
+        fprintf(to, "  about      %.15g masks, %.15g nodes", rounded(l->masks, 3), rounded(l->nodes, 3));
+    else
+        fprintf(to, "  about      %.15g palette blocks, %.15g patterns", rounded(l->palette.blocks, 3),
+                rounded(l->palette.patterns, 3));
+    fprintf(to, "; %s in memory, %s on disk\n", size_text(a, (uint64_t)l->memory_bytes), size_text(b, (uint64_t)l->stored_bytes));
 }
 
 void plan_print_estimate(FILE *to, const bake_plan *plan)
@@ -265,18 +269,31 @@ json_t *plan_estimate_json(const bake_plan *plan)
                      (json_int_t)plan->memory_bytes);
 }
 
+/* What a coding will find, and keep. */
+static json_t *coded_json(const plan_light *l)
+{
+    if (l->light.coding == VXS_CODING_DAG)
+        return json_pack("{s:I, s:I, s:I, s:I, s:I}", "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes",
+                         (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "nodes",
+                         (json_int_t)l->nodes, "masks", (json_int_t)l->masks);
+    return json_pack("{s:{s:I, s:I}}", "palette_blocks", "blocks", (json_int_t)l->palette.blocks, "patterns",
+                     (json_int_t)l->palette.patterns);
+}
+
 static json_t *light_json(const plan_light *l)
 {
     if (l->left_out) return json_pack("{s:o, s:s}", "name", json_text(l->name), "left_out", l->left_out);
-    return json_pack("{s:o, s:I, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name",
-                     json_text(l->name), "resolution_px", (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "triangles",
-                     (json_int_t)l->triangles, "tiles", (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_empty,
-                     "blocks", (json_int_t)l->blocks, "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled",
-                     (json_int_t)l->blocks_peeled, "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles",
-                     (json_int_t)l->mask_tiles, "mask_runs", (json_int_t)l->mask_runs, "inserted_nodes",
-                     (json_int_t)l->inserted_nodes, "inserted_masks", (json_int_t)l->inserted_masks, "nodes", (json_int_t)l->nodes,
-                     "masks", (json_int_t)l->masks, "memory_bytes", (json_int_t)l->memory_bytes, "stored_bytes",
-                     (json_int_t)l->stored_bytes);
+    json_t *light =
+        json_pack("{s:o, s:I, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name), "resolution_px",
+                  (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "triangles", (json_int_t)l->triangles, "tiles",
+                  (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_empty, "blocks", (json_int_t)l->blocks,
+                  "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled", (json_int_t)l->blocks_peeled,
+                  "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles", (json_int_t)l->mask_tiles, "memory_bytes",
+                  (json_int_t)l->memory_bytes, "stored_bytes", (json_int_t)l->stored_bytes);
+    json_t *coded = coded_json(l);
+    json_object_update(light, coded);
+    json_decref(coded);
+    return light;
 }
 
 json_t *plan_lights_json(const bake_plan *plan)

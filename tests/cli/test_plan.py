@@ -134,18 +134,24 @@ def within(factor, estimate, actual):
 @pytest.mark.parametrize("name", ["city.glb", "apart.gltf", "meet.gltf", "sheets.gltf"])
 def test_a_sample_of_all_is_the_map(bake, folder, name):
     """Windows cover a map of 256 texels whole, so that two rasterizers made it: the plan's, and OpenGL. Depths that round to the other voxel add a run."""
-    report = bake(folder / name, "--resolution", 256)
-    for light, planned in zip(report["lights"], (l for l in report["plan"]["lights"] if "left_out" not in l)):
-        assert planned["mask_tiles"] == light["mask_tiles"]
-        assert planned["mask_runs"] == pytest.approx(light["mask_runs"], rel=0.05)
-        assert planned["inserted_masks"] == pytest.approx(light["inserted_masks"], rel=0.05)
+    for coding in ("dag", "blocks"):
+        report = bake(folder / name, "--resolution", 256, "--coding", coding)
+        for light, planned in zip(report["lights"], (l for l in report["plan"]["lights"] if "left_out" not in l)):
+            assert planned["mask_tiles"] == light["mask_tiles"]
+            if coding == "dag":
+                assert planned["mask_runs"] == pytest.approx(light["mask_runs"], rel=0.05)
+                assert planned["inserted_masks"] == pytest.approx(light["inserted_masks"], rel=0.05)
+            elif light["maps"] == 1:  # six share blocks and patterns, and each has a sample of its own
+                assert planned["palette_blocks"]["patterns"] == pytest.approx(light["palette_blocks"]["patterns"], rel=0.05)
+                assert 0 < planned["palette_blocks"]["blocks"] <= light["palette_blocks"]["blocks"], "those with patterns"
 
 
 @pytest.mark.parametrize("resolution", [1024, 4096])
 def test_estimates_of_a_city(bake, folder, resolution):
-    plan = bake(folder / "city.glb", "--resolution", resolution, "--baseline", "off")["plan"]
-    for figure, factor in (("file_bytes", 2), ("memory_bytes", 2), ("peak_bytes", 1.4)):
-        assert within(factor, plan["estimate"][figure], plan["actual"][figure]), figure
+    for coding in ("dag", "blocks"):
+        plan = bake(folder / "city.glb", "--resolution", resolution, "--baseline", "off", "--coding", coding)["plan"]
+        for figure, factor in (("file_bytes", 2), ("memory_bytes", 2), ("peak_bytes", 1.4)):
+            assert within(factor, plan["estimate"][figure], plan["actual"][figure]), (coding, figure)
 
 
 @pytest.mark.slow
