@@ -169,8 +169,8 @@ def main():
         for n, sweep in enumerate(SWEEPS):
             path = folder / f"{name}-{n + 1}.json"
             sizes = [a for r in RESOLUTIONS for a in ("--resolution", str(r))]
-            done = subprocess.run([vxs, "bench", scene, "-o", path, "--runs", str(RUNS), "--points", "0", *sizes, *sweep, *extra],
-                                  stdout=subprocess.DEVNULL)
+            done = subprocess.run([vxs, "bench", scene, "-o", path, "--runs", str(RUNS), "--points", "0", "--coding", "dag", *sizes, *sweep,
+                                   *extra], stdout=subprocess.DEVNULL)
             if done.returncode:
                 sys.exit(done.returncode)
             results.append(json.loads(path.read_text()))

@@ -13,6 +13,7 @@ from tables import SCENES, markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RESOLUTIONS = [int(n) for n in os.environ.get("ESTIMATES_RESOLUTIONS", "1024 4096").split()]
+CODINGS = {"blocks": "palette blocks", "dag": "DAG"}
 FIGURES = {"file_bytes": "bytes of the file", "memory_bytes": "bytes when loaded", "peak_bytes": "peak memory", "total_seconds": "time"}
 
 
@@ -23,16 +24,17 @@ def scenes(vxs, folder):
     yield from sorted((SCENES / "real").glob("*.glb"))
 
 
-def bake(vxs, scene, resolution, folder):
-    """Actual by estimated, of each figure; None where nothing casts a shadow."""
+def bake(vxs, scene, resolution, coding, folder):
+    """Estimated by actual, of each figure; None where nothing casts a shadow."""
     report = folder / "bake.json"
     done = subprocess.run([vxs, "bake", scene, "-o", folder / "bake.vxs", "--sun", "-0.4,-1,-0.2", "--resolution", str(resolution),
-                           "--baseline", "off", "--json", report], capture_output=True, text=True)
+                           "--coding", coding, "--baseline", "off", "--json", report], capture_output=True, text=True)
     if done.returncode:
         print(f"{scene.name} is left out: {done.stderr.strip().splitlines()[-1]}", file=sys.stderr)
         return None
     plan = json.loads(report.read_text())["plan"]
-    return {"scene": scene.stem, "resolution_px": resolution} | {f: plan["estimate"][f] / plan["actual"][f] for f in FIGURES}
+    ratios = {figure: plan["estimate"][figure] / plan["actual"][figure] for figure in FIGURES}
+    return {"scene": scene.stem, "resolution_px": resolution, "coding": coding} | ratios
 
 
 def main():
@@ -43,12 +45,13 @@ def main():
     vxs, folder = options.build.resolve() / "vxs", options.build / "estimates"
     folder.mkdir(parents=True, exist_ok=True)
 
-    bakes = [b for scene in scenes(vxs, folder) for r in RESOLUTIONS if (b := bake(vxs, scene, r, folder))]
+    bakes = [b for scene in scenes(vxs, folder) for r in RESOLUTIONS for coding in CODINGS if (b := bake(vxs, scene, r, coding, folder))]
     rows = []
-    for figure, name in FIGURES.items():
-        ratios = sorted(b[figure] for b in bakes)
+    for coding, figure in ((c, f) for c in CODINGS for f in FIGURES):
+        ratios = sorted(b[figure] for b in bakes if b["coding"] == coding)
         within = sum(0.5 <= r <= 2 for r in ratios)
-        rows.append([name, f"{ratios[0]:.2f}", f"{statistics.median(ratios):.2f}", f"{ratios[-1]:.2f}", f"{within} of {len(ratios)}"])
+        rows.append([f"{CODINGS[coding]}: {FIGURES[figure]}", f"{ratios[0]:.2f}", f"{statistics.median(ratios):.2f}", f"{ratios[-1]:.2f}",
+                     f"{within} of {len(ratios)}"])
     version = subprocess.run([vxs, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
     options.json.parent.mkdir(parents=True, exist_ok=True)
     options.json.write_text(json.dumps({"vxs": version, "bakes": bakes}, indent=2) + "\n")

@@ -67,6 +67,12 @@ def bars(path, cells, label, unit, total, parts_of):
     draw(path, parts, script + "plot " + ", ".join(parts) + "\n")
 
 
+def parts(cell):
+    """Levels of a DAG, the finest first, or parts of palette blocks, with what they take."""
+    name = lambda p: p["kind"] if "kind" in p else f"{p['side_voxels']}³" if p["side_voxels"] else "masks"
+    return [(name(p), p["stored_bytes"] / 1024) for p in (cell["size"].get("parts") or cell["size"]["levels"][::-1])]
+
+
 def main():
     arguments = argparse.ArgumentParser(description="Draw the plots of docs/measurements.md.")
     arguments.add_argument("bench", type=pathlib.Path, help="what make bench measured")
@@ -85,8 +91,7 @@ def main():
            lambda c: 3 * (kib(c),))
     bars(options.folder / "stages-city.svg", city, "bake time by stage", "s", lambda c: seconds(c)[0],
          lambda c: [(s["name"], s["seconds"]["median"]) for s in c["bake"]["stages"]])
-    level = lambda v: (f"{v['side_voxels']}³" if v["side_voxels"] else "masks", v["stored_bytes"] / 1024)
-    bars(options.folder / "bytes-city.svg", city, "the file by level", "KiB", kib, lambda c: [level(v) for v in c["size"]["levels"][::-1]])
+    bars(options.folder / "bytes-city.svg", city, "the file by part", "KiB", kib, parts)
 
 
 main()
