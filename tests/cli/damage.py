@@ -8,6 +8,7 @@ import struct
 import pytest
 
 NONE = 0xffffffff
+STORED = 2  # of a section's flags: its bytes are the content, and no frame
 LIT, SHADOW, OWN = 0, 1, 2
 
 
@@ -31,8 +32,9 @@ class Asset:
         self.head, count = bytearray(data[:64]), struct.unpack_from("<I", data, 12)[0]
         self.entries = [list(entry) for entry in struct.iter_unpack("<4s3I4Q", data[64:64 + 48 * count])]
         self.contents = {}
-        for kind, _, light, level, offset, stored, inflated, _ in self.entries:
-            self.contents[kind.decode(), light, level] = self.inflated(data[offset:offset + stored], inflated)
+        for kind, flags, light, level, offset, stored, inflated, _ in self.entries:
+            content = data[offset:offset + stored]
+            self.contents[kind.decode(), light, level] = bytearray(content) if flags & STORED else self.inflated(content, inflated)
 
     def inflated(self, frame, size):
         out = ctypes.create_string_buffer(size + 1)
@@ -52,7 +54,7 @@ class Asset:
         at, directory, body = 64 + 48 * len(self.entries), b"", b""
         for kind, flags, light, level, *_ in self.entries:
             content = self.contents[kind.decode(), light, level]
-            frame = self.frame(content)
+            frame = bytes(content) if flags & STORED else self.frame(content)
             directory += struct.pack("<4s3I4Q", kind, flags, light, level, at, len(frame), len(content), self.hash(frame))
             body += frame
             at += len(frame)

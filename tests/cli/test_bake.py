@@ -333,31 +333,33 @@ def test_solids_that_meet_nothing_are_not_peeled(vxs, bake, scenes, tmp_path):
         assert contents(vxs, auto) == contents(vxs, peel)
 
 
+DAG = ("--coding", "dag", "--resolution", 512)
+
+
 def test_rule(bake, city):
-    assert (bake(city, "--resolution", 512)["lights"][0]["mask_runs"]
-            < bake(city, "--resolution", 512, "--rule", "shadow")["lights"][0]["mask_runs"])
+    assert bake(city, *DAG)["lights"][0]["mask_runs"] < bake(city, *DAG, "--rule", "shadow")["lights"][0]["mask_runs"]
 
 
 def test_reuse(bake, city):
-    on, off = (bake(city, "--resolution", 512, "--reuse", r) for r in ("on", "off"))
+    on, off = (bake(city, *DAG, "--reuse", r) for r in ("on", "off"))
     assert on["lights"][0]["inserted_nodes"] < off["lights"][0]["inserted_nodes"]
     assert on["bytes"] == off["bytes"], "compression finds what insertion did not"
 
 
 def test_compress(bake, city):
-    top, bottom = (bake(city, "--resolution", 512, "--compress", c) for c in ("top-down", "bottom-up"))
+    top, bottom = (bake(city, *DAG, "--compress", c) for c in ("top-down", "bottom-up"))
     counts = [[level["count"] for level in report["lights"][0]["levels"]] for report in (top, bottom)]
     assert counts[0] == counts[1], "both find the least number of nodes"
 
 
 def test_stop(bake, city):
-    insert, partial, final = (bake(city, "--resolution", 512, "--stop", s) for s in ("insert", "partial", "final"))
+    insert, partial, final = (bake(city, *DAG, "--stop", s) for s in ("insert", "partial", "final"))
     nodes = [sum(level["count"] for level in r["lights"][0]["levels"]) for r in (insert, partial, final)]
     assert nodes[0] > nodes[1] > nodes[2]
 
 
 def test_level(bake, city):
-    assert stored(bake(city, "--resolution", 512, "--level", 1)) > stored(bake(city, "--resolution", 512, "--level", 19))
+    assert stored(bake(city, *DAG, "--level", 1)) > stored(bake(city, *DAG, "--level", 19))
 
 
 def test_baseline(bake, city):
@@ -369,8 +371,9 @@ def test_baseline(bake, city):
 
 
 @pytest.mark.parametrize("options", [
-    ("--maps", "gl"), ("--exit", "back"), ("--closed", "off"), ("--rule", "shadow"), ("--reuse", "off"),
-    ("--compress", "bottom-up"), ("--stop", "insert"), ("--stop", "partial"), ("--level", 1), ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
+    ("--maps", "gl"), ("--exit", "back"), ("--closed", "off"), ("--level", 1), ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
+    *(("--coding", "dag", *step) for step in ((), ("--rule", "shadow"), ("--reuse", "off"), ("--compress", "bottom-up"),
+                                              ("--stop", "insert"), ("--stop", "partial"))),
 ])
 def test_no_option_changes_an_answer(vxs, bake, scene, options):
     points = [(x / 2, y, z / 2) for x in range(-9, 10, 3) for y in (0.5, 4) for z in range(-9, 10, 3)]

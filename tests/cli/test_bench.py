@@ -71,7 +71,7 @@ def measured(vxs, folder):
     small_scene.write(folder / "sheets.gltf", open_faces=True)
     done = vxs("bench", folder / "small.gltf", folder / "sheets.gltf", "-o", folder / "old.json", "--resolution", 64,
                "--resolution", 128, "--exit", "peel", "--exit", "back", "--light", "sun", "--filter", 3, "--runs", 2,
-               "--points", 2000)
+               "--points", 2000, "--coding", "blocks")
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
     result = json.loads((folder / "old.json").read_text())
     jsonschema.Draft202012Validator(SCHEMA).validate(result)
@@ -104,9 +104,9 @@ def test_every_combination_in_order(measured):
 
 def test_figures_are_those_of_a_bake(vxs, bench, folder, tmp_path):
     """Of two lights and seven maps: sums."""
-    cell = bench("--resolution", 128, "--runs", 1, "--points", 3000, "--level", 3)[0]["cells"][0]
+    cell = bench("--resolution", 128, "--runs", 1, "--points", 3000, "--level", 3, "--coding", "dag")[0]["cells"][0]
     report = json.loads(vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 128, "--level", 3,
-                            "--baseline", "off", "--json", "-").stdout)
+                            "--coding", "dag", "--baseline", "off", "--json", "-").stdout)
     lights = report["lights"]
     assert len(lights) == 2 and (cell["lights"], cell["maps"]) == (2, 7)
     assert (cell["triangles"], cell["solid_triangles"]) == (24, 24)
@@ -166,12 +166,12 @@ def test_options_reach_the_bake(bench):
     assert plain["errors"] == plain["lookups"] == []
     assert plain["options"] == {"resolution_px": 64, "rule": "greedy", "stop": "final", "exit": "auto", "closed": "auto", "coding": "dag",
                                 "reuse": "on", "compress": "auto", "threads": len(os.sched_getaffinity(0)), "zstd_level": 12}
-    given = {"--rule": "shadow", "--stop": "insert", "--exit": "back", "--closed": "off", "--reuse": "off",
+    given = {"--coding": "dag", "--rule": "shadow", "--stop": "insert", "--exit": "back", "--closed": "off", "--reuse": "off",
              "--compress": "top-down", "--threads": 3, "--level": 1}
     other = bench(*QUICK, "--sun", "-0.5,-1,0.25", "--region", "-8,-1,-8,8,4,8", "--scene", "small",
                   *[word for pair in given.items() for word in pair])[0]["cells"][0]
     expected = {{"--level": "zstd_level"}.get(name, name[2:]): value for name, value in given.items()}
-    expected |= {"coding": "dag", "resolution_px": 64, "sun": {"sun": [-0.5, -1, 0.25]}, "region_m": [-8, -1, -8, 8, 4, 8], "scene": "small"}
+    expected |= {"resolution_px": 64, "sun": {"sun": [-0.5, -1, 0.25]}, "region_m": [-8, -1, -8, 8, 4, 8], "scene": "small"}
     assert other["options"] == expected
     assert other["solid_triangles"] == 0 and other["lights"] == 1 and other["size"]["nodes"] != plain["size"]["nodes"]
     assert other["size"]["nodes"] >= other["size"]["inserted_nodes"], "stopped after insertion: nothing is compressed"
@@ -279,7 +279,7 @@ def against(vxs, folder, measured, tmp_path, temporary):
     def run(old, *options, status=0):
         (tmp_path / "old.json").write_text(json.dumps(old))
         done = vxs("bench", folder / "small.gltf", "-o", tmp_path / "new.json", "--resolution", 64, "--exit", "peel",
-                   "--light", "sun", "--filter", 3, "--runs", 1, "--points", 2000, "--against", tmp_path / "old.json",
+                   "--light", "sun", "--filter", 3, "--runs", 1, "--points", 2000, "--coding", "blocks", "--against", tmp_path / "old.json",
                    *options, status=status)
         assert (tmp_path / "new.json").exists()
         head, _, rest = done.stdout.partition("\nagainst ")
@@ -327,12 +327,12 @@ def test_times_that_moved(against, measured):
 @pytest.mark.parametrize("change, row", [
     (lambda c: c["size"].update(file_bytes=c["size"]["file_bytes"] + 1), r"  file  .* B  .* B .*0\.\d\d\d$"),
     (lambda c: c["size"].update(memory_bytes=2 * c["size"]["memory_bytes"]), r"  in memory .*0\.500$"),
-    (lambda c: c["size"].update(inserted_masks=0), r"  inserted masks  +0  +\d+ +-$"),
+    (lambda c: c["size"]["palette_blocks"].update(patterns=0), r"  patterns  +0  +\d+ +-$"),
     (lambda c: c["bake"].update(peak_bytes=c["bake"]["peak_bytes"] // 2), r"  peak memory .*[12]\.\d\d\d$"),
     (lambda c: c["errors"][0].update(leaks=c["errors"][0]["leaks"] + 1), r"  leaks, random .*"),
     (lambda c: c["errors"][1].update(wrong_share=0.5), r"  wrong, surface +50 % .*"),
     (lambda c: c["errors"][3].update(rmse=1), r"  RMSE 3 x 3, surface +100 % .*"),
-], ids=["file", "memory", "masks", "peak", "leaks", "share", "rmse"])
+], ids=["file", "memory", "patterns", "peak", "leaks", "share", "rmse"])
 def test_figures_that_moved(against, measured, change, row):
     old = wide(first_cell(measured))
     change(old["cells"][0])
@@ -505,11 +505,19 @@ def places(value, path=()):
             yield from places(part, (*path, key))
 
 
+def of_both_codings(measured):
+    """A cell with what palette blocks have, and what a DAG has."""
+    old = first_cell(measured)
+    level = {"side_voxels": 64, "count": 1, "memory_bytes": 36, "stored_bytes": 23}
+    old["cells"][0]["size"] |= {name: 7 for name in SIZES} | {"levels": [level]}
+    return old
+
+
 def test_every_member_is_checked(rejected, measured, tmp_path):
     """Each in its turn is null, or of the wrong range; items of arrays, too."""
-    old = first_cell(measured)
+    old = of_both_codings(measured)
     cell = old["cells"][0]
-    cell["size"]["levels"], cell["bake"]["stages"] = cell["size"]["levels"][-1:], cell["bake"]["stages"][:1]
+    cell["size"]["parts"], cell["bake"]["stages"] = cell["size"]["parts"][-1:], cell["bake"]["stages"][:1]
     cell["errors"], cell["lookups"] = [cell["errors"][0], cell["errors"][2]], cell["lookups"][:1]
     paths = list(places(old))
     assert len(paths) > 70
@@ -529,6 +537,8 @@ def test_every_member_is_checked(rejected, measured, tmp_path):
     lambda c: c["size"]["levels"][0].update(side_voxels=48),
     lambda c: c["size"]["levels"][0].update(side_voxels=2**32),
     lambda c: c["size"]["levels"].append(c["size"]["levels"][0]),
+    lambda c: c["size"]["parts"].extend(3 * c["size"]["parts"]),
+    lambda c: c["size"]["parts"][0].update(kind="masks"),
     lambda c: c["bake"]["stages"].extend(3 * c["bake"]["stages"]),
     lambda c: c["errors"].extend(9 * c["errors"]),
     lambda c: c["lookups"].extend(9 * c["lookups"]),
@@ -536,7 +546,7 @@ def test_every_member_is_checked(rejected, measured, tmp_path):
     lambda c: c["errors"][0].update(wrong_share=1.5),
 ], ids=lambda value: "")
 def test_figures_that_cannot_be(rejected, measured, tmp_path, change):
-    old = first_cell(measured)
+    old = of_both_codings(measured)
     change(old["cells"][0])
     (tmp_path / "old.json").write_text(json.dumps(old))
     assert "cell 1: " in rejected(3, "--against", tmp_path / "old.json")

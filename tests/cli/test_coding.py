@@ -1,4 +1,4 @@
-# Assets of palette blocks (vxs bake --coding blocks) as their users meet them, beside those of DAGs.
+# Assets of palette blocks as their users meet them, beside those of DAGs (vxs bake --coding dag).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 
@@ -97,7 +97,7 @@ def test_bytes_do_not_depend_on_memory(bake, city):
 def test_an_asset_of_another_coding_is_baked_again(vxs, bake, lamps, tmp_path):
     out, _ = bake(lamps, "dag", "--resolution", 64)
     before = out.read_bytes()
-    assert "up to date" in vxs("bake", lamps, "-o", out, "--resolution", 64, "--if-changed").stdout
+    assert "up to date" in vxs("bake", lamps, "-o", out, "--resolution", 64, "--if-changed", "--coding", "dag").stdout
     vxs("bake", lamps, "-o", out, "--resolution", 64, "--if-changed", "--coding", "blocks")
     assert out.read_bytes() != before
     assert "up to date" in vxs("bake", lamps, "-o", out, "--resolution", 64, "--if-changed", "--coding", "blocks").stdout

@@ -128,7 +128,7 @@ def test_maps_of_other_sizes_are_not_touched(vxs, bake, tmp_path):
         listed = json.loads(vxs("info", tmp_path / "a.vxs", "--json", "-").stdout)["sections"]
         parts = {}
         for s in listed:
-            if s["kind"] in ("level", "masks", "nodes"):
+            if "light" in s:
                 parts.setdefault(s["light"], []).append(data[s["offset_bytes"]:s["offset_bytes"] + s["stored_bytes"]])
         return list(parts.values())
 

@@ -54,7 +54,7 @@ def sections(vxs, path):
 
 
 def test_says_what_and_why(vxs, folder):
-    text = vxs("plan", folder / "apart.gltf", "--verbose").stdout
+    text = vxs("plan", folder / "apart.gltf", "--coding", "dag", "--verbose").stdout
     for word in ("lights", "3 baked", "1 that reach no caster", "exit map", "2 solids with 24 triangles", "tiles", "tile size",
                  "sub-DAG compression", "file", "light up is left out: it reaches no caster", "estimate"):
         assert word in text
@@ -63,7 +63,7 @@ def test_says_what_and_why(vxs, folder):
 
 def test_large_numbers_are_written_out(vxs, folder):
     """12300 nodes, and not 1.23e+04."""
-    text = vxs("plan", folder / "city.glb", "--verbose").stdout
+    text = vxs("plan", folder / "city.glb", "--coding", "dag", "--verbose").stdout
     assert re.search(r"^  about +\d{4,} masks, \d{5,} nodes;", text, re.MULTILINE) and "e+" not in text
 
 
@@ -115,13 +115,14 @@ def test_compression_pays_or_not(vxs, plan, bake, folder, tmp_path):
     """Whatever the plan says, the file is the same."""
     found = []
     for options in (("--threads", 1), ("--threads", 1, "--compress", "top-down")):
-        report = bake(folder / "city.glb", "--resolution", 1024, *options)
+        report = bake(folder / "city.glb", "--resolution", 1024, "--coding", "dag", *options)
         stages = {s["name"]: s["seconds"] for s in report["stages"]}
         found.append(sections(vxs, tmp_path / "out.vxs"))
         chosen = {d["name"]: d["choice"] for d in report["plan"]["decisions"]}["sub-DAG compression"]
         assert (stages["compress"] > 1e-4) == (chosen == "done") == (len(options) == 4)
     assert found[0] == found[1]
-    assert plan(folder / "city.glb", "--threads", 256, "--resolution", 1024)["decided"]["sub-DAG compression"]["choice"] == "done"
+    many = plan(folder / "city.glb", "--coding", "dag", "--threads", 256, "--resolution", 1024)
+    assert many["decided"]["sub-DAG compression"]["choice"] == "done"
 
 
 # --- estimates -------------------------------------------------------------------------------------------------------------------

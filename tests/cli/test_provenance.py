@@ -288,7 +288,7 @@ def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
     far = edited(scene, tmp_path / "far.gltf", lambda gltf: node_named(gltf, "bulb").update(translation=[0, 900, 0]) or
                  gltf["extensions"]["KHR_lights_punctual"]["lights"][2].update(range=1))
     given = ("--sun", "2,-4,0", "--light", "lamp", "--light", "bulb", "--texel", 0.5, "--region", "-3,-1,-3,3,4,3", "--closed", "off",
-             "--exit", "back", "--rule", "shadow", "--stop", "insert", "--reuse", "off", "--level", 3)
+             "--exit", "back", "--coding", "dag", "--rule", "shadow", "--stop", "insert", "--reuse", "off", "--level", 3)
     vxs("bake", far, "-o", tmp_path / "a.vxs", *given)
     said = lines(vxs("info", tmp_path / "a.vxs").stdout)
     assert said["made by"] == [made(vxs, tmp_path / "a.vxs")["generator"] + ", warnings: 1"]
@@ -357,7 +357,7 @@ NOT_OURS = {
     "deep": b"[" * 100000 + b"]" * 100000, "deep in a member": b'{"generator": "", "x": ' + b"[" * 5000 + b"]" * 5000 + b"}",
     "huge": b'{"generator": "' + b"x" * (5 << 20) + b'"}', "no generator": {"triangles": 1}, "twice": b'{"generator": "a", "generator": "b"}',
     "a number": OLD | {"generator": 1}, "triangles": OLD | {"triangles": "many"}, "scene": OLD | {"scene": "none"},
-    "geometry": OLD | {"scene": scene_of(geometry=5)}, "options": OLD | {"options": [1]}, "closed": OLD | {"options": {"closed": {}}},
+    "geometry": OLD | {"scene": scene_of(geometry=5)}, "options": OLD | {"options": [1]}, "closed": OLD | {"options": {"closed": {}}}, "coding": OLD | {"options": {"coding": 2}},
     "region": OLD | {"options": {"region_m": [1, 2, 3]}}, "lights": OLD | {"lights": {"sun": 1}}, "a light": OLD | {"lights": [5]},
     "a name": OLD | {"lights": [light_of(name=None)]}, "direction": OLD | {"lights": [light_of(direction=[0, 1])]},
     "left out": OLD | {"left_out": [{"name": "a"}]}, "overflow": b'{"generator": "", "triangles": 1e999}', "null": b"null",
@@ -383,7 +383,7 @@ def test_hostile_metadata_of_the_right_shape(vxs, scene, asset, tmp_path):
         "generator": evil, "scene": scene_of(name=evil, geometry=evil), "warnings": -1, "left_out": [{"name": evil, "why": evil}],
         "lights": [light_of(name=evil, in_scene=False, direction=[1e308, -0.0, 5], texel_m=-1e300), light_of(name=evil, resolution_px=-5),
                    light_of(name=evil, kind=evil)],
-        "options": {word: evil for word in ("closed", "exit", "rule", "stop", "reuse", "gl")} | {"zstd_level": -(2**63), "region_m": [0] * 6}})
+        "options": {word: evil for word in ("closed", "exit", "coding", "rule", "stop", "reuse", "gl")} | {"zstd_level": -(2**63), "region_m": [0] * 6}})
     text = vxs("info", hostile).stdout
     assert not re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f]", text)
     assert "a?[31m???2J??ééé" in text and all(len(found) == 1 for found in lines(text).values())
@@ -511,10 +511,16 @@ def baked(asset, tmp_path):
 def test_nothing_is_done_when_nothing_changed(vxs, scene, baked):
     assert not bake_again(vxs, scene, baked, *SMALL)
     assert not bake_again(vxs, scene, baked, *SMALL, "--threads", 1)
-    assert not bake_again(vxs, scene, baked, *SMALL, "--memory", "4G", "--baseline", "off", "--compress", "bottom-up", "--maps", "gl")
-    assert not bake_again(vxs, scene, baked, *SMALL, "--reuse", "off"), "the merge finds the same"
+    assert not bake_again(vxs, scene, baked, *SMALL, "--memory", "4G", "--baseline", "off", "--maps", "gl")
     assert not bake_again(vxs, scene, baked, *SMALL, "--scene", "small", "--level", 12)
     assert not bake_again(vxs, scene, baked, *SMALL, "--light", "sun", "--light", "lamp", "--light", "bulb")
+
+
+def test_steps_that_change_no_byte_of_a_dag(vxs, scene, tmp_path):
+    dag = (*SMALL, "--coding", "dag")
+    vxs("bake", scene, "-o", tmp_path / "a.vxs", *dag)
+    assert not bake_again(vxs, scene, tmp_path / "a.vxs", *dag, "--compress", "bottom-up")
+    assert not bake_again(vxs, scene, tmp_path / "a.vxs", *dag, "--reuse", "off"), "the merge finds the same"
 
 
 @pytest.mark.parametrize("change", [change for change, _ in CHANGES] + [
@@ -525,7 +531,8 @@ def test_a_changed_scene_is_baked(vxs, scene, baked, tmp_path, change):
 
 @pytest.mark.parametrize("options", [
     ("--resolution", 128), ("--texel", 0.5), (*SMALL, "--level", 13), (*SMALL, "--closed", "off"), (*SMALL, "--exit", "back"),
-    (*SMALL, "--rule", "shadow"), (*SMALL, "--stop", "partial"), (*SMALL, "--region", "-1,-1,-1,1,1,1"), (*SMALL, "--light", "sun"),
+    (*SMALL, "--coding", "dag", "--rule", "shadow"), (*SMALL, "--coding", "dag", "--stop", "partial"),
+    (*SMALL, "--region", "-1,-1,-1,1,1,1"), (*SMALL, "--light", "sun"),
     (*SMALL, "--light", "lamp", "--light", "sun", "--light", "bulb"), (*SMALL, "--sun", "0,-1,0"), (*SMALL, "--sun", "0,-1,1e-9"),
 ], ids=lambda options: " ".join(map(str, options)))
 def test_other_options_are_baked(vxs, scene, baked, options):
@@ -534,8 +541,9 @@ def test_other_options_are_baked(vxs, scene, baked, options):
 
 
 def test_reuse_counts_where_insertion_is_the_last_step(vxs, scene, baked):
-    assert bake_again(vxs, scene, baked, *SMALL, "--stop", "insert")
-    assert bake_again(vxs, scene, baked, *SMALL, "--stop", "insert", "--reuse", "off")
+    insert = (*SMALL, "--coding", "dag", "--stop", "insert")
+    assert bake_again(vxs, scene, baked, *insert)
+    assert bake_again(vxs, scene, baked, *insert, "--reuse", "off")
 
 
 def test_a_light_that_was_left_out_comes_into_reach(vxs, scene, tmp_path):
