@@ -77,7 +77,7 @@ int cmd_bench(int argc, char **argv)
          {"SCENE", OPTION_INPUTS, &c.o.scenes, FILE_SCENE, 0, NULL, NULL, "glTF 2.0 scenes, .gltf or .glb", NULL},
          {"-o", OPTION_OUTPUT, &c.output_path, 1, 0, ".json", "FILE.json", "where the measurements go; - is standard output", NULL},
          swept(&c, 0, "--resolution", "[NAME=]N", "texels a side of the map, of light NAME or of all others (default 4096)"),
-         swept(&c, 1, "--coding", CODING_CHOICES, "how maps are kept (default dag)"),
+         swept(&c, 1, "--coding", CODING_CHOICES, "how maps are kept (default blocks)"),
          swept(&c, 2, "--exit", EXIT_CHOICES, "exit depth of solids (default auto)"),
          swept(&c, 3, "--closed", CLOSED_CHOICES, "which components are solids (default auto)"),
          swept(&c, 4, "--threads", "N", "threads of the bake (default all processors)"),

@@ -55,8 +55,12 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
 void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed)
 {
     memset(a, 0, sizeof *a);
-    a->o =
-        (bake_options){.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .zstd_level = 12, .threads = parallel_default_threads()};
+    a->o                   = (bake_options){.resolution = 4096,
+                                            .coding     = CODING_BLOCKS,
+                                            .reuse      = 1,
+                                            .stop       = STOP_FINAL,
+                                            .zstd_level = 12,
+                                            .threads    = parallel_default_threads()};
     const option options[] = {
         {"SCENE", OPTION_INPUT, &a->o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
         {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, OUTPUT_CHECKED_BY_COMMAND, ".vxs", "OUT.vxs",
@@ -81,7 +85,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--coding", OPTION_CHOICE, &a->o.coding, 0, 0, CODING_CHOICES, NULL,
-         "how maps are kept: a DAG, or palette blocks, smaller and quicker to look up (default dag)", NULL},
+         "how maps are kept: palette blocks, or a DAG as in older work, larger and slower to look up (default blocks)", NULL},
         {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
          "threads; never changes the bytes (default all processors)", NULL},

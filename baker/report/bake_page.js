@@ -201,7 +201,7 @@ function show_stages() {
         return cell;
     };
     show(el("h2", {}, "Where the time goes"), soft("Broad bars are what it took, narrow ones what was planned."),
-        table(["stage", "took", "planned", "", "peak memory"], report.stages.map((s) =>
+        table(["stage", "took", "planned", "", "peak memory"], report.stages.filter((s) => s.seconds || planned[s.name]).map((s) =>
             [text(s.name), seconds(s.seconds), seconds(planned[s.name]), both(s.seconds, planned[s.name]), bytes(s.peak_bytes)]),
         [text("total"), seconds(report.total_seconds), seconds(estimate.total_seconds), "", bytes(report.peak_bytes)]));
 }

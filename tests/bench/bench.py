@@ -31,7 +31,8 @@ AIMS = [
 ]
 WHERE = {"volume": "anywhere", "edge": "at edges"}  # of shadows
 TAPS = {"1 tap": "tap_ns", "9 x 9": "filter_ns"}
-SHOWN = ("vxs", "merged intervals", "16-bit depth map", "float depth map", "Embree shadow rays")
+SHOWN = {"palette blocks": "vxs", "vxs": "vxs, --coding dag"} | {
+    name: name for name in ("merged intervals", "16-bit depth map", "float depth map", "Embree shadow rays")}
 LOOKUP_AIM = ("a million scattered single taps", "s", 0.150)
 
 
@@ -80,7 +81,7 @@ def aims(cells, found):
             if values:
                 rows.append([f"{what}, {scene}{f' at {resolution}' if resolution else ''}", unit, aim, max(values)])
     what, unit, aim = LOOKUP_AIM
-    return rows + [[f"{what}, {where}", unit, aim, 1e-3 * found["vxs"][where]["tap_ns"]["median"]] for where in WHERE if found]
+    return rows + [[f"{what}, {where}", unit, aim, 1e-3 * found["palette blocks"][where]["tap_ns"]["median"]] for where in WHERE if found]
 
 
 def ms(seconds):
@@ -101,8 +102,8 @@ def print_tables(result, found):
           [bake_row(cell) for cell in result["cells"]])
     if found:
         markdown([f"a lookup, one thread, city at {LOOKUP_RESOLUTION}", *[f"{taps}, {at}" for at in WHERE.values() for taps in TAPS]],
-                 [[name, *[f"{found[name][where][taps]['median']:.0f} ns" for where in WHERE for taps in TAPS.values()]]
-                  for name in SHOWN])
+                 [[shown, *[f"{found[name][where][taps]['median']:.0f} ns" for where in WHERE for taps in TAPS.values()]]
+                  for name, shown in SHOWN.items()])
     missed = lambda measured, aim: "met" if measured <= aim else f"missed by {100 * (measured / aim - 1):.0f} %"
     markdown(["aim", "at most", "measured", ""],
           [[what, f"{aim:.3g} {unit}", f"{measured:.3g} {unit}", missed(measured, aim)]

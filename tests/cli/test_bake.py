@@ -260,6 +260,7 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--stop", "early"), "insert|partial|final"),
     (("--baseline", "some"), "sample|full|off"),
     (("--coding", "octree"), "dag|blocks"),
+    (("--rule", "greedy"), "need --coding dag"),
     (("--coding", "blocks", "--stop", "insert"), "need --coding dag"),
     (("--coding", "blocks", "--rule", "shadow"), "need --coding dag"),
     (("--coding", "blocks", "--reuse", "on"), "need --coding dag"),

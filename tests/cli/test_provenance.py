@@ -247,7 +247,7 @@ def test_metadata(vxs, scene, asset):
         {"name": "lamp", "in_scene": True, "kind": "spot", "direction": down, "position_m": [0, 6, 0],
          "outer_rad": pytest.approx(0.7853981633974483), "resolution_px": 64},
         {"name": "bulb", "in_scene": True, "kind": "point", "position_m": [0, 6, 0], "resolution_px": 64}]
-    assert m["options"] == {"closed": "auto", "exit": "auto", "rule": "greedy", "stop": "final", "gl": "osmesa", "zstd_level": 12}
+    assert m["options"] == {"closed": "auto", "exit": "auto", "coding": "blocks", "gl": "osmesa", "zstd_level": 12}
 
 
 def lines(text):
@@ -294,7 +294,7 @@ def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
     assert said["made by"] == [made(vxs, tmp_path / "a.vxs")["generator"] + ", warnings: 1"]
     assert said["left out"] == ["light bulb: reaches no caster"]
     assert said["options"] == ["--sun 0.447213595,-0.894427191,0 --texel 0.5 --region -3,-1,-3,3,4,3 --closed off --exit back "
-                               "--rule shadow --stop insert --reuse off --level 3"]
+                               "--coding dag --rule shadow --stop insert --reuse off --level 3"]
     again = said["options"][0].split()
     vxs("bake", far, "-o", tmp_path / "b.vxs", "--light", "lamp", "--light", "bulb", *again)
     assert lines(vxs("info", tmp_path / "b.vxs").stdout) == said
@@ -336,7 +336,7 @@ def test_files_of_older_versions(vxs, scene, asset, tmp_path):
     other = edited(scene, tmp_path / "other.gltf", move_a_vertex)
     assert lines(vxs("info", old).stdout) == {
         "made by": ["vxs 0.1.0"], "scene": ["24 triangles cast shadows, 12 of them in 1 solid"],
-        "fingerprint": ["none: no scene can be told from the one that was baked"], "options": [""]}
+        "fingerprint": ["none: no scene can be told from the one that was baked"], "options": ["--coding dag"]}
     assert made(vxs, old) == OLD
     assert vxs("compare", other, old, "--points", 100).stderr == ""
     assert vxs("picture", other, old, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
