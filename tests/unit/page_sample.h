@@ -105,8 +105,9 @@ static inline uint16_t sample_step(rng *r)
 /* One plane, or two. */
 static inline void sample_own_planes(rng *r, sample_pattern *p, uint32_t kind)
 {
-    p->half[0] = (uint16_t)(kind << 12 | rng_below(r, 9) << 8 | (kind > 7 ? rng_below(r, 6) : 0));
-    p->halves  = kind == 7 ? 3 : kind < 10 ? 6 : 10;
+    p->half[0] =
+        (uint16_t)(kind << 12 | rng_below(r, 9) << 8 | rng_below(r, kind == 7 ? 4 : 16) << 3 | (kind > 7 ? rng_below(r, 6) : 0));
+    p->halves = kind == 7 ? 3 : kind < 10 ? 6 : 10;
     for (uint32_t n = 1; n < (kind == 7 ? 3 : 5); n++) p->half[n] = sample_step(r);
     if (kind == 7) return;
     p->half[5] = (uint16_t)sample_number(r, 1 << 16);
@@ -397,7 +398,9 @@ static inline void check_own(checked_words w, uint32_t half, int *good)
     uint32_t head = checked_half(w, half, good), kind = head >> 12, depths = head & 0xff, last = 0;
     if (kind >= 3) {
         static const uint32_t ends[] = {18, 32, 64, 96, 2, 5, 5, 9};
-        if (kind > 10 || (kind > 7 ? depths > 5 : depths) || (kind > 6 && (head >> 8 & 15) > 8))
+        if (kind > 10 || (kind < 7 && depths) || (kind == 7 && depths & 0xe7)) *good = 0;
+        if (kind > 7 && (depths >> 7 || (depths & 7) > 5)) *good = 0;
+        if (kind > 6 && (head >> 8 & 15) > 8)
             *good = 0;
         else
             checked_half(w, half + ends[kind - 3], good);
