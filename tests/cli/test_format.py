@@ -326,37 +326,46 @@ class BlocksLight(Light):
         nx, ny = (signed(self.half(node, n), 16) for n in (8, 9))
         size, m = 4 if self.half(node, 10) & 1 else 2, ones(mixed)
         slope = lambda n, tile: n * (tile - 31) if n < 0 else n * tile
-        k += slope(nx, i // 8) + slope(ny, j // 8) >> 8
+        flat, k = k, k + (slope(nx, i // 8) + slope(ny, j // 8) >> 8)
         number = lambda n: self.number(node, 2 * (11 + m) + size * n, size)
         c = i // 32 + 8 * (j // 32)
         if not mixed >> c & 1:
             depth = number(m + ones(fresh & (2 << c) - 1) - 1)
             return int(depth != 256 ** size - 1 and k >= depth)
         n = ones(mixed & (1 << c) - 1)
-        return self.block_shadow(page, page + self.half(node, 11 + n), i % 32, j % 32, k - number(n))
+        return self.block_shadow(page, page + self.half(node, 11 + n), i % 32, j % 32, k - number(n), flat - number(n))
 
-    def block_shadow(self, page, block, i, j, k):
+    def block_shadow(self, page, block, i, j, k, flat):
         word0, word1 = self.words[block:block + 2]
         mixed, fresh, own, q, shift = word0 & 0xffff, word0 >> 16, word1 & 0xffff, (word1 >> 16 & 15) + 1, word1 >> 20 & 15
         size, far = 1 << (word1 >> 24 & 3), word1 >> 26 & 1
-        deltas = 4 * (2 + ones(mixed))
+        tiles = 4 if own & ~mixed else 2
+        deltas = 4 * (tiles + ones(mixed))
         nibbles = deltas + size * (q - 1)
         palette = [0] + [self.number(block, deltas + size * n, size) << shift for n in range(q - 1)]
         rank, t = sum(depth <= k for depth in palette), i // 8 + 4 * (j // 8)
+        if not mixed >> t & 1 and own >> t & 1:
+            last = self.words[block + 3]
+            return int(flat >= self.plane(2 * (block + 2), last & 15, 32, i, j) + signed(last >> 4, 28) >> 8)
         if not mixed >> t & 1:
             n = ones(fresh & (2 << t) - 1) - 1
             return int(rank > (self.byte(block, nibbles + n // 2) >> 4 * (n % 2) & 15))
-        tile = self.words[block + 2 + ones(mixed & (1 << t) - 1)]
+        tile = self.words[block + tiles + ones(mixed & (1 << t) - 1)]
         pool, at, low = self.words[1] if tile >> 31 else page, tile >> 14 & 0x1ffff, tile & 0x3fff
         z = 16 * (i % 8 // 4 + 2 * (j % 8 // 4)) + 4 * (j % 4) + i % 4
         if not own >> t & 1:
             return self.mask(pool, at, ones(low), ones(low & (1 << rank) - 1), z)
         base = low - 8192
         if far:
-            base = signed(self.words[block + (nibbles + (ones(fresh) + 1) // 2 + 3) // 4 + ones(own & (1 << t) - 1)], 32)
-        return self.own_shadow(pool, at, z, k - base)
+            base = signed(self.words[block + (nibbles + (ones(fresh) + 1) // 2 + 3) // 4 + ones(own & mixed & (1 << t) - 1)], 32)
+        return self.own_shadow(pool, at, z, i % 8, j % 8, k - base)
 
-    def own_shadow(self, pool, at, z, k):
+    def plane(self, half, shift, side, x, y):
+        """Depth of texel (x, y) over the least one, in 1/256 voxel."""
+        a, b = (signed(self.half(0, half + n), 16) for n in (0, 1))
+        return (a * (x - side + 1 if a < 0 else x) + b * (y - side + 1 if b < 0 else y)) << shift
+
+    def own_shadow(self, pool, at, z, x, y, k):
         head = self.half(pool, at)
         kind, shift, p, then = head >> 12, head >> 8 & 15, head & 0xff, 2 * (at + 1)
         if k < 0:
@@ -367,7 +376,15 @@ class BlocksLight(Light):
             return self.mask(pool, at + 1 + (size * (p - 1) + 1) // 2, p, sum(delta <= k for delta in deltas), z)
         if kind == 3:
             return int((self.byte(pool, then + z // 16) + self.nibble(pool, then + 4, z)) << shift <= k)
-        return int(self.number(pool, then + (kind - 3) * z, kind - 3) << shift <= k)
+        if kind < 7:
+            return int(self.number(pool, then + (kind - 3) * z, kind - 3) << shift <= k)
+        planes = 2 * pool + at + 1
+        depths = [(64 * (head >> 3 & 3) + self.plane(planes, shift, 8, x, y)) >> 8]
+        if kind > 7:
+            deeper = self.half(pool, at + 5) << (head & 7)
+            depths.append(deeper + ((64 * (head >> 5 & 3) + self.plane(planes + 2, shift, 8, x, y)) >> 8))
+        depth = {7: min, 8: min, 9: max}.get(kind, lambda both: both[self.half(pool, at + 6 + z // 16) >> z % 16 & 1])
+        return int(depth(depths) <= k)
 
     def nibble(self, pool, at, z):
         return self.byte(pool, at + z % 32) >> 4 * (z // 32) & 15
@@ -514,8 +531,10 @@ def test_damaged_files_are_refused(vxs, tmp_path, change, number):
 
 # one text for two ways: what includes it says which (PAGE_ENCODING)
 TWO_WAYS = {path.name for path in (ROOT / "formats").glob("vxs_page_*.h")} | {"vxs_resident_model.h"}
+# of the sources alone, which are C11
+OWN = {"vxs_tasks.h"}
 HEADERS = sorted(path.relative_to(ROOT) for folder in ("formats", "runtime") for path in (ROOT / folder).glob("*.h")
-                 if path.name not in TWO_WAYS)
+                 if path.name not in TWO_WAYS | OWN)
 WARNINGS = ["-Wall", "-Wextra", "-Werror", "-pedantic-errors", "-fsyntax-only"]
 
 
