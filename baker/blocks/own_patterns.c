@@ -73,9 +73,9 @@ static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
 static int probes_differ(i16x8 low, i16x8 high, i16x8 depth)
 {
     i16x8 least = i16x8_subs(low, depth), most = i16x8_subs(high, depth);
-    i16x8 a = __builtin_shuffle(most, (i16x8){4, 5, 6, 7, 0, 1, 2, 3});
-    i16x8 b = __builtin_shuffle(most, (i16x8){2, 3, 4, 5, 6, 7, 0, 1});
-    i16x8 c = __builtin_shuffle(most, (i16x8){6, 7, 0, 1, 2, 3, 4, 5});
+    i16x8 a = __builtin_shufflevector(most, most, 4, 5, 6, 7, 0, 1, 2, 3);
+    i16x8 b = __builtin_shufflevector(most, most, 2, 3, 4, 5, 6, 7, 0, 1);
+    i16x8 c = __builtin_shufflevector(most, most, 6, 7, 0, 1, 2, 3, 4, 5);
     return i16x8_any((i16x8)(least > i16x8_min(a, i16x8_min(b, c))));
 }
 
