@@ -127,7 +127,8 @@ static void depths_of_pair(const plane_pair *pair, int kind, int32_t depth[64])
 }
 
 /* Returns how many halves, or 0: there is a texel that it does not suit. */
-static uint32_t encode_pair(plane_pair pair, int kind, const tile_ranges *t, int32_t from, uint16_t *halves, int32_t depth[64], int32_t *base)
+static uint32_t encode_pair(plane_pair pair, int kind, const tile_ranges *t, int32_t from, uint16_t *halves, int32_t depth[64],
+                            int32_t *base)
 {
     if (!prepare_pair(&pair)) return 0;
     *base = from + pair.base;

@@ -234,7 +234,7 @@ static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
 
 int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
 {
-    static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}, {2, 2}, {0, 2}, {5, 2}, {2, 0}, {2, 5}};
+    static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}};
     uint64_t            tried       = 0;
     for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
         uint64_t texels = window_texels(window[n][0], window[n][1]);
