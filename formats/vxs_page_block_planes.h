@@ -11,6 +11,8 @@ enum { ON_NONE, ON_SOME, ON_ALL };
 
 enum { LIKE_LEFT, LIKE_ABOVE, LIKE_LAST, LIKE_NONE };
 
+enum { JUST_AS = 15 }; /* for a number of zeros */
+
 typedef struct block_plane {
     uint32_t tiles; /* ON_* */
     plane    plane;
@@ -86,6 +88,25 @@ static void read_block_plane(block_plane *p, const uint32_t *record)
     p->c     = (int32_t)record[3] >> 4;
 }
 
+/* Where a plane lies: just as one that goes on, or by how many low bits are zero, and the others beside those of the one that it meets. */
+static int code_least(walk *w, block_plane *p, const sheets_beside *beside, uint32_t x0, uint32_t y0)
+{
+    uint32_t like, zeros = 0;
+    int      goes_on = meet_plane(w, &p->plane, beside, x0, y0, &like);
+    while (PAGE_ENCODING && zeros < ZEROS_MAX && !(p->least >> zeros & 1)) zeros++;
+    if (PAGE_ENCODING && goes_on && !signed_28(p->least - like)) zeros = JUST_AS;
+    zeros = code_nibble(&w->c, &w->odds->least_zeros[goes_on], zeros);
+    if (zeros > ZEROS_MAX) {
+        p->least = like;
+        return zeros == JUST_AS;
+    }
+    uint32_t shift = zeros < ZEROS_MAX ? zeros + 1 : ZEROS_MAX, low = zeros < ZEROS_MAX ? 1u << zeros : 0; /* its low bits */
+    like          = ((like - low + (1u << shift) / 2) >> shift << shift) + low;
+    int32_t steps = signed_28(p->least - like) >> shift;
+    p->least      = like + ((uint32_t)code_signed(&w->c, &w->odds->plane_least[goes_on][zeros / 4], steps) << shift);
+    return 1;
+}
+
 /* Of a new block. from: word of the source; base: of the block, which only the encoder knows. */
 static int code_block_plane(walk *w, block_plane *p, uint32_t from, uint32_t base, uint32_t x0, uint32_t y0)
 {
@@ -99,10 +120,7 @@ static int code_block_plane(walk *w, block_plane *p, uint32_t from, uint32_t bas
     p->tiles = code_nibble(&w->c, &w->odds->on_plane[beside.left.known + 3 * beside.above.known], p->tiles);
     if (p->tiles == ON_NONE) return 1;
     if (p->tiles > ON_ALL || !code_plane(w, &p->plane, &beside)) return 0;
-    uint32_t like;
-    int      goes_on = meet_plane(w, &p->plane, &beside, x0, y0, &like);
-    p->least         = like + (uint32_t)code_signed(&w->c, &w->odds->plane_least[goes_on], signed_28(p->least - like));
-    return 1;
+    return code_least(w, p, &beside, x0, y0);
 }
 
 /* What the plane says of the base of a block that was met before. */

@@ -47,18 +47,27 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
     return 1;
 }
 
+/* Tiles of row y that are on the plane, by whether that fits what is beside them. s: from the first one's texel (0, 0) on. */
+static uint32_t code_on_plane(walk *w, sheet s, uint32_t y, uint32_t x0, uint32_t y0, uint32_t on)
+{
+    uint32_t k = (uint32_t)fits_left(w, s, x0, y0) << 4 | (uint32_t)(y > 0) << 5;
+    for (uint32_t x = 0; x < 4; x++)
+        k |= (uint32_t)fits_above(w, sheet_from(s, TILE_PX * (int32_t)x, 0), x0 + TILE_PX * x, y0) << x;
+    return code_nibble(&w->c, &w->odds->row_on_plane[k], on);
+}
+
 /* Tiles of a row that are on the plane, and those that are mixed. */
 static int code_row(walk *w, block *b, uint32_t y, uint32_t x0, uint32_t y0, uint32_t *on, uint32_t *mixed)
 {
     uint32_t shape = source_word(w, b->from), own = source_word(w, b->from + 1);
-    *on = b->plane.tiles
-              ? code_nibble(&w->c, &w->odds->row_on_plane[y ? b->on >> 4 * (y - 1) & 15 : 16], (own & ~shape) >> 4 * y & 15)
-              : 0;
+    *on = b->plane.tiles ? code_on_plane(w, sheet_from(b->sheet, 0, TILE_PX * (int32_t)y), y, x0, y0, (own & ~shape) >> 4 * y & 15)
+                         : 0;
     if (*on == 15) return 1;
     const int16_t *above = w->above + 8 + x0;
     uint32_t       k     = varied(w->left + y0, TILE_PX) << 4 | (uint32_t)(w->left[y0] != above[0]) << 5;
     for (uint32_t x = 0; x < 4; x++) k |= varied(above + 8 * x, TILE_PX) << x;
-    *mixed = code_nibble(&w->c, &w->odds->block_mixed[b->class][k], shape >> 4 * y & 15);
+    nibble_odds *odds = b->plane.tiles ? &w->odds->row_mixed[b->class][*on] : &w->odds->block_mixed[b->class][k];
+    *mixed            = code_nibble(&w->c, odds, shape >> 4 * y & 15);
     return !(*on & *mixed);
 }
 
@@ -168,10 +177,10 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
     }
 }
 
-/* A block that was met before, by its place in the list, above 0: what is used moves half the way to the front. Returns its word. */
+/* A block of the list: what is used moves half the way to the front. Returns its word. */
 static uint32_t use_block(walk *w, uint32_t place)
 {
-    uint16_t *list = w->s->block, *from = list + place - 1, *to = list + (place - 1) / 2, other = *to;
+    uint16_t *list = w->s->block, *from = list + place, *to = list + place / 2, other = *to;
     *to   = *from;
     *from = other;
     if (PAGE_ENCODING) {
@@ -195,28 +204,49 @@ static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t 
     return high < DEPTH_END >> 16;
 }
 
+/* Where a block is found. */
+enum { BLOCK_NEW, BLOCK_LISTED, BLOCK_LEFT, BLOCK_ABOVE };
+
+/* Only the encoder asks. */
+static uint32_t find_block(const walk *w, uint32_t ref, uint32_t left, uint32_t above)
+{
+    if (!w->block_rank[ref]) return BLOCK_NEW;
+    return left == ref + 1 ? BLOCK_LEFT : above == ref + 1 ? BLOCK_ABOVE : BLOCK_LISTED;
+}
+
+/* The word of a block that was met before, + 1. 0: there is none. place: in the list */
+static uint32_t code_met_block(walk *w, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
+{
+    if (found == BLOCK_LEFT) return left;
+    if (found == BLOCK_ABOVE) return above;
+    place = code_number(&w->c, &w->odds->block, place);
+    return found == BLOCK_LISTED && place < w->blocks ? use_block(w, place) + 1 : 0;
+}
+
 /* A mixed block of a node: its base, and where it is. */
 static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *ref, uint32_t *base)
 {
-    uint32_t place = code_number(&w->c, &w->odds->block, PAGE_ENCODING ? w->block_rank[*ref] : 0), word = w->word;
-    block    b = {.from = *ref, .word = word};
-    if (place > w->blocks) return 0;
-    if (place) {
-        *ref = word = use_block(w, place);
-        read_block_plane(&b.plane, w->words + word);
+    uint32_t *left = &w->block_left[y0 / BLOCK_PX], *above = &w->block_above[x0 / BLOCK_PX], word = w->word;
+    uint32_t  found = PAGE_ENCODING ? find_block(w, *ref, *left, *above) : 0, place = PAGE_ENCODING ? w->block_rank[*ref] - 1 : 0;
+    block     b = {.from = *ref, .word = word};
+    found       = code_nibble(&w->c, &w->odds->block_found[likeness(*left, *above, 0)], found);
+    if (found != BLOCK_NEW) {
+        if (!(word = code_met_block(w, found, place, *left, *above))) return 0;
+        read_block_plane(&b.plane, w->words + --word);
     } else {
-        *ref = word;
         if (w->blocks == VXS_PAGE_WORDS_MAX / 2 || word + 2 > w->node_words) return 0;
         w->s->block[w->blocks++] = (uint16_t)word;
         if (PAGE_ENCODING) w->block_rank[word] = w->blocks;
         if (!code_block_plane(w, &b.plane, b.from, *base, x0, y0)) return 0;
     }
-    if (!code_base(w, &b.plane, place > 0, wide, x0, y0, base)) return 0;
-    if (!place) b.plane.c = signed_28(b.plane.least - (*base << 8));
+    *ref  = word;
+    *left = *above = word + 1;
+    if (!code_base(w, &b.plane, found != BLOCK_NEW, wide, x0, y0, base)) return 0;
+    if (found == BLOCK_NEW) b.plane.c = signed_28(b.plane.least - (*base << 8));
     b.base  = (int32_t)*base;
     b.sheet = sheet_of(&b.plane.plane, (*base << 8) + (uint32_t)b.plane.c, BLOCK_PX, OF_BLOCK);
     if (b.plane.tiles != ON_NONE) w->last_plane = b.sheet;
-    if (!place) return code_block(w, &b, x0, y0);
+    if (found == BLOCK_NEW) return code_block(w, &b, x0, y0);
     draw_block(w, word, b.base, &b.sheet, x0, y0);
     return 1;
 }

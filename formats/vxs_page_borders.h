@@ -59,6 +59,12 @@ PAGE_INLINE uint32_t depths_met(const int16_t *palette, uint32_t entries, const 
     return met;
 }
 
+/* How alike two things on the left and above are, each of which may be `none`: a context, 0..4. */
+PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
+{
+    return left == none ? above != none : above == none ? 2 : left == above ? 3 : 4;
+}
+
 /* The least depth on the left of a square and above it, INT16_MAX: there is none. NEVER is none. */
 static int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {

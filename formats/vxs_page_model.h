@@ -7,15 +7,17 @@
  * What is alike is found through the depths of texels about what comes next (vxs_page_borders.h).
  *
  *     node     slope; which blocks are mixed, four a nibble; of the uniform ones depths: the left's, the upper's, the last's, another
- *     block    one met before, by its place in a list in which what is used moves half the way to the front, or a new one: whether it has
- *              a plane, by those beside it, and where that lies, so that it goes on or meets what is beside it. Base, by the plane, or
- *              the least depth about it. Of a new one, unless all tiles are on the plane: its palette; for each row of four tiles which
- *              are on the plane, and which are mixed; of uniform tiles the index: as depths above
+ *     block    met before, the last one in its row or column or by its place in a list in which what is used moves half the way to the front;
+ *              or new. A new one: whether it has a plane, by those beside it; how steep, as one of them or about so; and where it lies,
+ *              where it goes on or meets what is beside it. Base, by the plane, or the least depth about the block. Of a new one, unless
+ *              all tiles are on the plane: its palette; for each row of four tiles which are on the plane, by whether that fits, and
+ *              which are mixed; of uniform tiles the index: as depths above
  *     tile     which palette entries are used, four a nibble, by whether the borders have them; none at all: depths of its own. Then
- *              the pattern: new, from the common pool, or met before, by its place in the list of its kind
+ *              the pattern: new, from the common pool, or met before, by its place in the list of its kind; of planes also the last one in
+ *              its row or column, or one of those used last
  *     pattern  four texels a nibble: which differ from the texel above; of those, if there are more than two depths, what they are
  *     depths   that are no palette: a nibble each, the difference to left + above - the one between them
- *     planes   of a tile: how steep, by the planes beside it; its base, so that they meet what is beside it; a mask as a pattern
+ *     planes   of a tile: how steep, by the planes beside it; the tile's base, so that they meet what is beside it; a mask as a pattern
  *
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_MODEL_H

@@ -8,8 +8,8 @@
 #include "vxs_page_numbers.h"
 
 typedef struct plane_odds {
-    nibble_odds shift;
-    signed_odds a, b;
+    nibble_odds shift, zeros;
+    signed_odds a[3], b[3];
 } plane_odds;
 
 /* Of nibble_odds and nothing else. */
@@ -20,23 +20,24 @@ typedef struct page_odds {
     signed_odds slope, depth;
     number_odds high, fresh_count;
     /* blocks */
+    nibble_odds block_found[5];
     number_odds block;
     signed_odds base[3];
     nibble_odds entries[5], delta_form[2], delta_shift, delta_width;
     number_odds delta[16][2], delta_wide;
     nibble_odds round[12], own_round[12];
     nibble_odds block_mixed[5][64], index[5][3];
-    nibble_odds on_plane[9], plane_like[9], row_on_plane[17];
+    nibble_odds on_plane[9], plane_like[9], row_on_plane[64], row_mixed[5][16], least_zeros[2];
     plane_odds  block_plane;
-    signed_odds plane_least[2];
+    signed_odds plane_least[2][3];
     /* tiles */
     nibble_odds used[4][256]; /* [entries left of four, 0: all] */
     number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
     signed_odds own_base[3];
     /* patterns */
     nibble_odds differs[2][2][128], other[4][5][3], far;
-    nibble_odds own_kind[3], own_shift, own_count, residual[3][6];
-    number_odds own_delta, raw_far, raw_base;
+    nibble_odds own_found[5], own_kind[3], own_shift, own_count, residual[3][6];
+    number_odds own_lately, own_delta, raw_far, raw_base;
     plane_odds  own_plane[3];
     nibble_odds far_shift, quarters[2];
     number_odds far_plane;

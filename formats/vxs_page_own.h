@@ -163,8 +163,10 @@ static int code_own_raw(walk *w, uint32_t kind, int explicit_bases, uint32_t fro
 }
 
 /* The base of a tile whose pattern is known. */
-static int code_base_of(walk *w, own_base *base, const uint32_t *words, uint32_t half, uint32_t x0, uint32_t y0)
+static int code_base_of(walk *w, own_base *base, uint32_t ref, uint32_t x0, uint32_t y0)
 {
+    const uint32_t *words = pool_of(w, ref);
+    uint32_t        half  = ref & (REF_COMMON - 1);
     if (get_half(words, half) >> 12 < OWN_PLANE) return code_own_base(w, base, NULL, x0, y0);
     own_planes p = read_own_planes(words, half);
     return code_own_base(w, base, &p, x0, y0);

@@ -130,14 +130,13 @@ static int code_own_planes(walk *w, uint32_t kind, uint32_t from, own_base *base
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
     uint32_t   half = w->half, head = source_half(w, from), two = kind != OWN_PLANE;
-    sheet      like  = steps_beside(w, x0, y0, &w->last_own);
     uint32_t   shift = code_nibble(c, &odds->own_plane[two].shift, head >> 8 & 15), far_shift = 0;
     uint32_t   quarters = code_nibble(c, &odds->quarters[two], head >> 3 & 15);
     if (!two && quarters > 3) return 0;
     if (shift > PLANE_SHIFT_MAX || own_halves[kind] > 2 * w->word_count - half) return 0;
     for (uint32_t n = 0; n <= two; n++) {
         plane p = {(int16_t)source_half(w, from + 1 + 2 * n), (int16_t)source_half(w, from + 2 + 2 * n), shift};
-        if (!code_steps(w, &odds->own_plane[two + n], &p, like)) return 0;
+        if (!code_steps(w, &odds->own_plane[two + n], &p, steps_beside(w, x0, y0, two + n))) return 0;
         put_half(w->words, half + 1 + 2 * n, (uint32_t)p.a);
         put_half(w->words, half + 2 + 2 * n, (uint32_t)p.b);
     }

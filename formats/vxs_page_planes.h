@@ -7,7 +7,7 @@
 
 #include "vxs_page_borders.h"
 
-enum { PLANE_SHIFT_MAX = 8 };
+enum { PLANE_SHIFT_MAX = 8, ZEROS_MAX = 8 /* low bits of numbers that may be round */ };
 
 /* A plane as it is stored: a and b, in (1 << shift) / 256 voxel. */
 typedef struct plane {
@@ -66,6 +66,29 @@ PAGE_INLINE int depth_left(const walk *w, uint32_t x, uint32_t y, int32_t *depth
     return w->left[y] != (int16_t)NEVER;
 }
 
+/* Whether what is above a tile, or on its left, is as deep as its plane is there, to a voxel. s: from the tile's texel (0, 0) on. */
+static int fits_above(const walk *w, sheet s, uint32_t x0, uint32_t y0)
+{
+    int32_t depth, off;
+    for (int32_t k = 0; k < TILE_PX; k++) {
+        if (!depth_above(w, x0 + (uint32_t)k, y0, &depth)) return 0;
+        off = (int16_t)(depth - sheet_depth(s, k, -1));
+        if (off < -1 || off > 1) return 0;
+    }
+    return 1;
+}
+
+static int fits_left(const walk *w, sheet s, uint32_t x0, uint32_t y0)
+{
+    int32_t depth, off;
+    for (int32_t k = 0; k < TILE_PX; k++) {
+        if (!depth_left(w, x0, y0 + (uint32_t)k, &depth)) return 0;
+        off = (int16_t)(depth - sheet_depth(s, -1, k));
+        if (off < -1 || off > 1) return 0;
+    }
+    return 1;
+}
+
 /* How deep texel (0, 0) of a block is, if its plane meets what lies beside it. s: its steps. */
 static uint32_t meet_block(const walk *w, const sheet *s, uint32_t x0, uint32_t y0)
 {
@@ -90,21 +113,31 @@ static void draw_sheet(walk *w, sheet s, uint32_t x0, uint32_t y0)
     w->sheet_above[x0 / TILE_PX] = w->sheet_left[y0 / TILE_PX] = s;
 }
 
-/* a and b, beside a plane that is about as steep. */
+/* a and b, beside a plane that is about as steep; they are likely to be round. */
 static int code_steps(walk *w, plane_odds *odds, plane *p, sheet like)
 {
-    int32_t half = (1 << p->shift) / 2, a = (like.x + half) >> p->shift, b = (like.y + half) >> p->shift;
-    p->a = a + code_signed(&w->c, &odds->a, p->a - a);
-    p->b = b + code_signed(&w->c, &odds->b, p->b - b);
+    uint32_t zeros = 0;
+    while (PAGE_ENCODING && zeros < ZEROS_MAX && !((p->a | p->b) >> zeros & 1)) zeros++;
+    zeros = code_nibble(&w->c, &odds->zeros, zeros);
+    if (zeros > ZEROS_MAX) return 0;
+    uint32_t shift = p->shift + zeros, k = zeros / 4;
+    int32_t  half = (1 << shift) / 2, a = (like.x + half) >> shift, b = (like.y + half) >> shift;
+    a += code_signed(&w->c, &odds->a[k], (p->a >> zeros) - a);
+    b += code_signed(&w->c, &odds->b[k], (p->b >> zeros) - b);
+    if (a != (int16_t)a || b != (int16_t)b) return 0;
+    p->a = a * (1 << zeros);
+    p->b = b * (1 << zeros);
     return p->a == (int16_t)p->a && p->b == (int16_t)p->b;
 }
 
-/* What is about as steep as a tile: the planes on its left and above it, or the last one. */
-static sheet steps_beside(const walk *w, uint32_t x0, uint32_t y0, const sheet *last)
+/* What is about as steep as a plane of a tile: the planes on its left and above it, or the last one.
+ * which  0: of one plane; 1, 2: the first of two, the second */
+static sheet steps_beside(const walk *w, uint32_t x0, uint32_t y0, uint32_t which)
 {
     const sheet *left = &w->sheet_left[y0 / TILE_PX], *above = &w->sheet_above[x0 / TILE_PX];
-    if (!left->known) return above->known ? *above : *last;
-    if (!above->known) return *left;
+    if (!left->known) return above->known ? *above : w->last_own;
+    if (!above->known || which == 1) return *left;
+    if (which == 2) return *above;
     return (sheet){.x = (left->x + above->x) >> 1, .y = (left->y + above->y) >> 1};
 }
 

@@ -39,8 +39,8 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
             index         = source_word(w, b->from_tiles + mixed + byte / 4) >> (8 * (byte & 3) + 4 * (nth & 1)) & 15;
             index         = index == left ? 0 : index == above ? 1 : index < b->entries ? index + 2 : 0;
         }
-        uint32_t like = left == none ? above != none : above == none ? 2 : left == above ? 3 : 4;
-        index         = code_nibble(&w->c, &w->odds->index[like][b->entries < 4 ? 0 : b->entries < 9 ? 1 : 2], index);
+        uint32_t many = b->entries < 4 ? 0 : b->entries < 9 ? 1 : 2;
+        index         = code_nibble(&w->c, &w->odds->index[likeness(left, above, none)][many], index);
         index         = index == 0 ? left : index == 1 ? above : index - 2;
         if (index >= b->entries) return 0;
     }
@@ -81,13 +81,13 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
     }
     if (b->entries > 1) used = code_used(w, b, t, used, x0, y0);
     if (used >> b->entries) return 0;
-    const vxs_pattern *pattern;
+    vxs_pattern pattern;
     if (used) {
         int16_t  depth[DEPTHS_MAX];
         uint32_t kind = 0;
         for (uint32_t bits = used; bits; bits &= bits - 1) depth[kind++] = b->depth[page_first_bit(bits)];
-        if (kind < 2 || !(pattern = code_pattern(w, kind, depth, word >> 14, NULL, x0, y0))) return 0;
-        draw_pattern(w, pattern->border, depth, x0, y0);
+        if (kind < 2 || !code_pattern(w, &pattern, kind, depth, word >> 14, x0, y0)) return 0;
+        draw_pattern(w, pattern.border, depth, x0, y0);
         low = used;
     } else {
         own_base base = {b->base, 0, b->far};
@@ -100,14 +100,14 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
                 base.value = (int32_t)(word & 0x3fff) - OWN_ZERO;
             if (base.value <= -DEPTH_END || base.value >= DEPTH_END) return 0;
         }
-        if (!(pattern = code_pattern(w, KIND_OWN, NULL, word >> 14, &base, x0, y0))) return 0;
-        draw_own(w, pool_of(w, pattern), pattern, pattern->ref & (REF_COMMON - 1), b->base + base.value, x0, y0);
+        if (!code_own_pattern(w, &pattern, word >> 14, &base, x0, y0)) return 0;
+        draw_own(w, pool_of(w, pattern.ref), &pattern, pattern.ref & (REF_COMMON - 1), b->base + base.value, x0, y0);
         b->own_base[count_bits(b->own)] = base.value;
         b->own |= 1u << t;
         low = b->far ? 0 : (uint32_t)(base.value + OWN_ZERO);
     }
     b->used[t]                            = (uint16_t)used;
-    w->words[b->tiles + b->mixed_count++] = pattern->ref << 14 | low;
+    w->words[b->tiles + b->mixed_count++] = pattern.ref << 14 | low;
     return 1;
 }
 

@@ -20,6 +20,7 @@ enum {
     KIND_OWN     = 0,
     INDEX_HALVES = 17, /* of a pattern as an image of indices */
     LIST_CHUNK   = 256,
+    LATELY_KEPT  = 64, /* patterns of planes that were used last */
     COLUMNS_KEPT = 64, /* columns of squares whose last borders are kept */
 };
 
@@ -105,11 +106,21 @@ typedef struct walk {
     uint32_t          patterns[VXS_PATTERN_KINDS], chunks, blocks;                             /* how many are in the lists */
     int32_t           slope_x, slope_y;                                                        /* of the last node */
     sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_own; /* of a block, of a pattern */
-    const uint32_t *source;                                     /* [word_count] of the encoder, like the next two: what is coded */
-    uint32_t       *pattern_rank;                               /* [2^18] by ref: where in its list, + 1; 0: not yet met */
-    uint32_t       *block_rank;                                 /* [65536] by word */
-    _Alignas(16) int16_t above[8 + NODE_PX + 8], left[NODE_PX]; /* [8 + x], [y] */
+    const uint32_t *source;       /* [word_count] of the encoder, like the next two: what is coded */
+    uint32_t       *pattern_rank; /* [2^18] by ref: where in its list, + 1; 0: not yet met */
+    uint32_t       *block_rank;   /* [65536] by word */
+    /* what was last in a row and in a column, + 1; 0: nothing yet */
+    uint32_t        block_left[NODE_PX / BLOCK_PX], block_above[NODE_PX / BLOCK_PX]; /* words of blocks */
+    uint32_t        own_left[NODE_PX / TILE_PX], own_above[NODE_PX / TILE_PX];       /* patterns of planes, by ref */
+    uint32_t        own_lately[LATELY_KEPT], own_lately_count;                       /* of these, by ref, the last one first */
+    _Alignas(16) int16_t above[8 + NODE_PX + 8], left[NODE_PX];                      /* [8 + x], [y] */
 } walk;
+
+/* Words of the pool that a pattern lies in. */
+PAGE_INLINE const uint32_t *pool_of(const walk *w, uint32_t ref)
+{
+    return ref & REF_COMMON ? w->common->words : w->words;
+}
 
 /* Of the source, which may be anything: beyond its words are zeros. The decoder has none. */
 PAGE_INLINE uint32_t source_word(const walk *w, uint32_t word)

@@ -34,13 +34,13 @@ static rng      draw;
 static uint32_t wild; /* one symbol of so many may be any; the others are small */
 
 /* Symbols of a list, and how many of them were taken; NULL: they are drawn. */
-static const uint16_t *listed;
+static const uint16_t *given;
 static uint32_t        taken_count;
 
 static uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
 {
     (void)c, (void)odds, (void)value;
-    if (listed) return listed[taken_count++];
+    if (given) return given[taken_count++];
     uint32_t any = rng_below(&draw, 16);
     return rng_below(&draw, wild) ? any & rng_below(&draw, 16) & 7 : any;
 }
@@ -48,7 +48,7 @@ static uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
 static uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
 {
     (void)c, (void)value;
-    if (listed) return listed[taken_count++];
+    if (given) return given[taken_count++];
     return rng_u32(&draw) & ((1u << bits) - 1);
 }
 
@@ -186,13 +186,14 @@ static void any_symbols_make_tops(void **state)
 
 enum { BLOCK_SYMBOLS_MAX = 96, NODE_WORDS = 7 };
 
-/* A page of one node with one mixed block: the symbols of that block, how many words it takes, and halves of the pool. */
+/* A page of one node with one block: the symbols of that block, how many words it takes, and halves of the pool. */
 typedef struct symbol_list {
     const char *what;
     vxs_result  result;
     uint32_t    block_words, pool_halves;
     uint16_t    block[BLOCK_SYMBOLS_MAX];
     uint32_t    count;
+    uint32_t    twice; /* the node has one more block, which is there already */
 } symbol_list;
 
 /* 40000 as a number; it takes plain bits. */
@@ -202,53 +203,82 @@ typedef struct symbol_list {
 #define ALL_ON     NEW_BLOCK, 2
 #define SOME_ON    NEW_BLOCK, 1
 #define NONE_ON    NEW_BLOCK, 0
-#define FLAT       3, 0, 0, 0
+#define STEPS      0, 0, 0
+#define NO_LIKE    3
+#define FLAT       NO_LIKE, 0, STEPS
+#define LEAST      0, 0
 #define BASE       0
 #define NO_PALETTE 0, 0
-/* a block whose first tile has a new pattern with depths of its own */
-#define OWN_TILE   NONE_ON, BASE, NO_PALETTE, 1, 0
+/* a block whose first tile has depths of its own; a new pattern; its kind, and what all of planes begin with */
+#define TILE       NONE_ON, BASE, NO_PALETTE, 1
+#define OWN        TILE, 0
+#define ONE        OWN, 7, 0, 0
+#define TWO(kind)  OWN, kind, 0, 0, STEPS, STEPS
 #define OTHER_ROWS 0, 0, 0
-#define ZEROS_31   0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
-#define ZEROS_62   ZEROS_31, ZEROS_31
-#define LIST(...)  {__VA_ARGS__}, sizeof((uint16_t[]){__VA_ARGS__}) / sizeof(uint16_t)
+#define ZEROS_16   0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
+#define ZEROS_62   ZEROS_16, ZEROS_16, ZEROS_16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
+#define LIST(...)  {__VA_ARGS__}, sizeof((uint16_t[]){__VA_ARGS__}) / sizeof(uint16_t), 0
+#define TWICE(...) {__VA_ARGS__}, sizeof((uint16_t[]){__VA_ARGS__}) / sizeof(uint16_t), 1
 
 static const symbol_list lists[] = {
-    {"a plane of all tiles", VXS_OK, 4, 0, LIST(ALL_ON, FLAT, 0, BASE)},
-    {"no such number of tiles", VXS_E_CORRUPT, 5, 0, LIST(NEW_BLOCK, 3, FLAT, 0, BASE, NO_PALETTE, 7, 0, 15, 15, 15)},
-    {"a record without room for its plane", VXS_E_CORRUPT, 3, 0, LIST(ALL_ON, FLAT, 0, BASE)},
-    {"no such plane beside it", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, 4, 0, 0, 0, 0, BASE)},
-    {"the greatest shift", VXS_OK, 4, 0, LIST(ALL_ON, 3, 8, 0, 0, 0, BASE)},
-    {"a shift beyond it", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, 3, 9, 0, 0, 0, BASE)},
-    {"a that is no half", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, 3, 0, LARGE, 0, 0, 0, BASE)},
-    {"b that is no half", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, 3, 0, 0, LARGE, 0, 0, BASE)},
-    {"a plane of some tiles", VXS_OK, 5, 0, LIST(SOME_ON, FLAT, 0, BASE, NO_PALETTE, 7, 0, 15, 15, 15)},
-    {"a plane of no tile", VXS_E_CORRUPT, 5, 0, LIST(SOME_ON, FLAT, 0, BASE, NO_PALETTE, 0, 0, 0, 0, 0, 0, 0, 0)},
-    {"a tile on the plane that is mixed", VXS_E_CORRUPT, 5, 0, LIST(SOME_ON, FLAT, 0, BASE, NO_PALETTE, 7, 1, 15, 15, 15)},
-    {"a pattern of a plane", VXS_OK, 4, 3, LIST(OWN_TILE, 7, 0, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"its greatest shift", VXS_OK, 4, 3, LIST(OWN_TILE, 7, 8, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"a shift beyond that", VXS_E_CORRUPT, 4, 3, LIST(OWN_TILE, 7, 9, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"its greatest start", VXS_OK, 4, 3, LIST(OWN_TILE, 7, 0, 3, 0, 0, BASE, OTHER_ROWS)},
-    {"a start beyond that", VXS_E_CORRUPT, 4, 3, LIST(OWN_TILE, 7, 0, 4, 0, 0, BASE, OTHER_ROWS)},
-    {"a of it that is no half", VXS_E_CORRUPT, 4, 3, LIST(OWN_TILE, 7, 0, 0, LARGE, 0, 0, BASE, OTHER_ROWS)},
-    {"a pool without room for a plane", VXS_E_CORRUPT, 4, 2, LIST(OWN_TILE, 7, 0, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"the nearer of two planes", VXS_OK, 4, 6, LIST(OWN_TILE, 8, 0, 0, 0, 0, 0, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"the farther", VXS_OK, 4, 6, LIST(OWN_TILE, 9, 0, 0, 0, 0, 0, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"the greatest shift of c", VXS_OK, 4, 6, LIST(OWN_TILE, 8, 0, 0, 0, 0, 0, 0, 5, 0, BASE, OTHER_ROWS)},
-    {"one beyond", VXS_E_CORRUPT, 4, 6, LIST(OWN_TILE, 8, 0, 0, 0, 0, 0, 0, 6, 0, BASE, OTHER_ROWS)},
-    {"the greatest c", VXS_OK, 4, 6, LIST(OWN_TILE, 8, 0, 0, 0, 0, 0, 0, 0, 15, 0, 15, 0xfff, BASE, OTHER_ROWS)},
-    {"one beyond", VXS_E_CORRUPT, 4, 6, LIST(OWN_TILE, 8, 0, 0, 0, 0, 0, 0, 0, 15, 0, 16, 0, BASE, OTHER_ROWS)},
-    {"the second plane's b no half", VXS_E_CORRUPT, 4, 6, LIST(OWN_TILE, 8, 0, 0, 0, 0, 0, LARGE, 0, 0, 0, BASE, OTHER_ROWS)},
-    {"a pool without room for two planes", VXS_E_CORRUPT, 4, 4, LIST(OWN_TILE, 9, 0, 0, 0, 0, 0, 0, 0, 0, BASE, OTHER_ROWS)},
+    /* planes of blocks */
+    {"a plane of all tiles", VXS_OK, 4, 0, LIST(ALL_ON, FLAT, LEAST, BASE)},
+    {"no such number of tiles", VXS_E_CORRUPT, 5, 0, LIST(NEW_BLOCK, 3, FLAT, LEAST, BASE, NO_PALETTE, 7, 0, 15, 15, 15)},
+    {"a record without room for its plane", VXS_E_CORRUPT, 3, 0, LIST(ALL_ON, FLAT, LEAST, BASE)},
+    {"no such plane beside it", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, 4, 0, STEPS, LEAST, BASE)},
+    {"the greatest shift", VXS_OK, 4, 0, LIST(ALL_ON, NO_LIKE, 8, STEPS, LEAST, BASE)},
+    {"a shift beyond it", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, NO_LIKE, 9, STEPS, LEAST, BASE)},
+    {"the most zeros", VXS_OK, 4, 0, LIST(ALL_ON, NO_LIKE, 0, 8, 0, 0, LEAST, BASE)},
+    {"more of them", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, NO_LIKE, 0, 9, 0, 0, LEAST, BASE)},
+    {"a that is no half", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, NO_LIKE, 0, 0, LARGE, 0, 0, LEAST, BASE)},
+    {"b that is no half", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, NO_LIKE, 0, 0, 0, LARGE, 0, LEAST, BASE)},
+    {"a that is no half with its zeros", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, NO_LIKE, 0, 8, 8, 0, 0, 0, 0, LEAST, BASE)},
+    {"a that leaves 32 bits with its zeros", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, NO_LIKE, 0, 8, 15, 15, 0, 0, 0, 0, LEAST, BASE)},
+    {"the most zeros of its least depth", VXS_OK, 4, 0, LIST(ALL_ON, FLAT, 8, 0, BASE)},
+    {"more of those", VXS_E_CORRUPT, 4, 0, LIST(ALL_ON, FLAT, 9, BASE)},
+    {"a plane of some tiles", VXS_OK, 5, 0, LIST(SOME_ON, FLAT, LEAST, BASE, NO_PALETTE, 7, 0, 15, 15, 15)},
+    {"a plane of no tile", VXS_E_CORRUPT, 5, 0, LIST(SOME_ON, FLAT, LEAST, BASE, NO_PALETTE, 0, 0, 0, 0, 0, 0, 0, 0)},
+    {"a tile on the plane that is mixed", VXS_E_CORRUPT, 5, 0, LIST(SOME_ON, FLAT, LEAST, BASE, NO_PALETTE, 7, 1, 15, 15, 15)},
+    /* patterns of planes */
+    {"a pattern of a plane", VXS_OK, 4, 3, LIST(ONE, STEPS, BASE, OTHER_ROWS)},
+    {"its greatest shift", VXS_OK, 4, 3, LIST(OWN, 7, 8, 0, STEPS, BASE, OTHER_ROWS)},
+    {"a shift beyond that", VXS_E_CORRUPT, 4, 3, LIST(OWN, 7, 9, 0, STEPS, BASE, OTHER_ROWS)},
+    {"its greatest start", VXS_OK, 4, 3, LIST(OWN, 7, 0, 3, STEPS, BASE, OTHER_ROWS)},
+    {"a start beyond that", VXS_E_CORRUPT, 4, 3, LIST(OWN, 7, 0, 4, STEPS, BASE, OTHER_ROWS)},
+    {"a of it that is no half", VXS_E_CORRUPT, 4, 3, LIST(ONE, 0, LARGE, 0, 0, BASE, OTHER_ROWS)},
+    {"a pool without room for a plane", VXS_E_CORRUPT, 4, 2, LIST(ONE, STEPS, BASE, OTHER_ROWS)},
+    {"the nearer of two planes", VXS_OK, 4, 6, LIST(TWO(8), 0, 0, BASE, OTHER_ROWS)},
+    {"the farther", VXS_OK, 4, 6, LIST(TWO(9), 0, 0, BASE, OTHER_ROWS)},
+    {"the greatest shift of c", VXS_OK, 4, 6, LIST(TWO(8), 5, 0, BASE, OTHER_ROWS)},
+    {"one beyond", VXS_E_CORRUPT, 4, 6, LIST(TWO(8), 6, 0, BASE, OTHER_ROWS)},
+    {"the greatest c", VXS_OK, 4, 6, LIST(TWO(8), 0, 15, 0, 15, 0xfff, BASE, OTHER_ROWS)},
+    {"one beyond", VXS_E_CORRUPT, 4, 6, LIST(TWO(8), 0, 15, 0, 16, 0, BASE, OTHER_ROWS)},
+    {"the second plane's b no half", VXS_E_CORRUPT, 4, 6, LIST(OWN, 8, 0, 0, STEPS, 0, 0, LARGE, 0, 0, 0, BASE, OTHER_ROWS)},
+    {"a pool without room for two planes", VXS_E_CORRUPT, 4, 4, LIST(TWO(9), 0, 0, BASE, OTHER_ROWS)},
     {"two planes by a mask", VXS_OK, 4, 10,
-     LIST(OWN_TILE, 10, 0, 0, 0, 0, 0, 0, 0, 0, BASE, 9, 0, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, OTHER_ROWS)},
-    {"a pool without room for a mask", VXS_E_CORRUPT, 4, 8,
-     LIST(OWN_TILE, 10, 0, 0, 0, 0, 0, 0, 0, 0, BASE, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, OTHER_ROWS)},
-    {"nibbles of 12", VXS_OK, 4, 19, LIST(OWN_TILE, 3, BASE, 0, 0, 15, 3, 2, ZEROS_62, OTHER_ROWS)},
-    {"nibbles of 30", VXS_E_CORRUPT, 4, 19, LIST(OWN_TILE, 3, BASE, 0, 0, 15, 5, 7, 0, ZEROS_62, OTHER_ROWS)},
-    {"no such pattern", VXS_E_CORRUPT, 4, 3, LIST(OWN_TILE, 12, 0, 0, 0, BASE, OTHER_ROWS)},
+     LIST(TWO(10), 0, 0, BASE, 9, 0, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, OTHER_ROWS)},
+    {"a pool without room for a mask", VXS_E_CORRUPT, 4, 8, LIST(TWO(10), 0, 0, BASE, ZEROS_16, OTHER_ROWS)},
+    /* patterns with depths of their own */
+    {"nibbles of 12", VXS_OK, 4, 19, LIST(OWN, 3, BASE, 0, 0, 15, 3, 2, ZEROS_62, OTHER_ROWS)},
+    {"nibbles of 30", VXS_E_CORRUPT, 4, 19, LIST(OWN, 3, BASE, 0, 0, 15, 5, 7, 0, ZEROS_62, OTHER_ROWS)},
+    {"no such pattern", VXS_E_CORRUPT, 4, 3, LIST(OWN, 12, 0, 0, 0, BASE, OTHER_ROWS)},
+    /* what was met before */
+    {"a plane on the left", VXS_OK, 5, 3, LIST(NONE_ON, BASE, NO_PALETTE, 3, 0, 7, 0, 0, STEPS, BASE, 3, BASE, OTHER_ROWS)},
+    {"none on the left", VXS_E_CORRUPT, 4, 0, LIST(TILE, 3, BASE, OTHER_ROWS)},
+    {"none above", VXS_E_CORRUPT, 4, 0, LIST(TILE, 4, BASE, OTHER_ROWS)},
+    {"none lately", VXS_E_CORRUPT, 4, 0, LIST(TILE, 5, 0, BASE, OTHER_ROWS)},
+    {"none in the list", VXS_E_CORRUPT, 4, 0, LIST(TILE, 2, 0, BASE, OTHER_ROWS)},
+    {"a plane above", VXS_OK, 5, 3, LIST(ONE, STEPS, BASE, 1, 4, BASE, 0, 0)},
+    {"no such place", VXS_E_CORRUPT, 5, 3, LIST(ONE, STEPS, BASE, 1, 6, BASE, 0, 0)},
+    {"no block on the left", VXS_E_CORRUPT, 4, 0, LIST(2, BASE)},
+    {"no block above", VXS_E_CORRUPT, 4, 0, LIST(3, BASE)},
+    {"no block in the list", VXS_E_CORRUPT, 4, 0, LIST(1, 0, BASE)},
+    {"a block once more", VXS_OK, 4, 0, TWICE(ALL_ON, FLAT, LEAST, BASE, 2, BASE)},
+    {"one of the list", VXS_OK, 4, 0, TWICE(ALL_ON, FLAT, LEAST, BASE, 1, 0, BASE)},
+    {"no such place of a block", VXS_E_CORRUPT, 4, 0, TWICE(ALL_ON, FLAT, LEAST, BASE, 4, 0, BASE)},
 };
 
-/* What lies behind the heads of a page and of a resident part: words of the coder, of which listed symbols take none, and its states. */
+/* What lies behind the heads of a page and of a resident part: words of the coder, of which symbols of a list take none, and its states. */
 typedef struct coded_end {
     uint32_t words, states[2];
 } coded_end;
@@ -269,22 +299,22 @@ static size_t put_end(uint8_t *bytes, size_t size, const coded_end *end)
 
 static vxs_result decode_list(const symbol_list *l, const coded_end *end)
 {
-    static const uint16_t node[] = {0, 1, 1, 0, 0, 0, 0, 0, 0, 0,
-                                    0, 0, 0, 0, 0, 0, 0, 0, 1, 0}; /* block 0 is mixed; one fresh depth */
-    const vxs_page_node   first  = {0};
-    uint16_t              all[20 + BLOCK_SYMBOLS_MAX + 63];
-    uint8_t               bytes[16];
-    uint32_t              count = sizeof node / sizeof *node + l->count, node_words = NODE_WORDS + l->block_words;
-    uint32_t              word_count = node_words + (l->pool_halves + 1) / 2;
+    /* which blocks are mixed; one fresh depth */
+    const uint16_t      node[] = {0, 1, l->twice ? 3 : 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0};
+    const vxs_page_node first  = {0};
+    uint16_t            all[20 + BLOCK_SYMBOLS_MAX + 63];
+    uint8_t             bytes[16];
+    uint32_t            count = sizeof node / sizeof *node + l->count, node_words = NODE_WORDS + l->twice + l->block_words;
+    uint32_t            word_count = node_words + (l->pool_halves + 1) / 2;
     memcpy(all, node, sizeof node);
     memcpy(all + sizeof node / sizeof *node, l->block, l->count * sizeof *l->block);
-    for (uint32_t n = 0; n < 63; n++) all[count++] = 2; /* uniform blocks, like the last one */
+    for (uint32_t n = 1 + l->twice; n < 64; n++) all[count++] = 2; /* uniform blocks, like the last one */
     vxs_store16(bytes, (uint16_t)(word_count - 1));
     vxs_store16(bytes + 2, (uint16_t)(node_words - 1));
-    listed            = all;
+    given             = all;
     taken_count       = 0;
     vxs_result result = drawn_decode(words, bytes, put_end(bytes, 4, end), &first, 1, &common.common, &scratch);
-    listed            = NULL;
+    given             = NULL;
     if (result != VXS_OK) return result;
     assert_int_equal(taken_count, count);
     assert_true(check_page(words, word_count, &first, 1, &common.common));
@@ -307,10 +337,10 @@ static vxs_result decode_resident_list(const coded_end *end)
     uint32_t              page_first[1], light[10];
     vxs_resident          out       = {light, &node, page_first, &pattern, {0}};
     uint8_t               bytes[32] = {sizeof light / sizeof *light};
-    listed                          = all;
+    given                           = all;
     taken_count                     = 0;
     vxs_result result               = drawn_resident_decode(&out, 8, 1, bytes, put_end(bytes, 16, end), &scratch);
-    listed                          = NULL;
+    given                           = NULL;
     return result;
 }
 
@@ -336,10 +366,10 @@ static void nodes_of_a_top_lie_in_their_page(void **state)
     for (size_t n = 0; n < sizeof steps / sizeof *steps; n++) {
         /* the first node of a page, the next one, and two depths */
         const uint16_t all[] = {4, 0, 0, 0, 3, 15, steps[n].high, steps[n].middle, steps[n].low, 0, 0, 0, 2, 0, 2, 0};
-        listed               = all;
+        given                = all;
         taken_count          = 0;
         assert_int_equal(walk_top(), steps[n].taken);
-        listed = NULL;
+        given = NULL;
     }
 }
 
