@@ -164,7 +164,8 @@ static void code_part(coder *c, uint32_t from, uint32_t size)
 typedef struct coder {
     uint32_t       now, next; /* the state of the next symbol, and of the one after it */
     const uint8_t *in,
-        *end; /* words yet to be read; end: both states lie there, so that a word may be looked at before it is needed */
+        *end; /* words yet to be read; end: both states lie there, so that a word may be looked at before it is needed. Once one is
+                 taken that is not there, `in` is beyond `end` for good */
 } coder;
 
 /* The symbol of odds from..from + size - 1 was met. */
@@ -173,7 +174,7 @@ PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
     uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from;
     uint32_t more  = state << 16 | vxs_load16(c->in);
     int      small = state < STATE_LEAST;
-    c->in += 2 * (small & (c->in < c->end));
+    c->in += 2 * (small & (c->in <= c->end));
     c->now  = c->next;
     c->next = small ? more : state;
 }

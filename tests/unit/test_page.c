@@ -185,6 +185,18 @@ static void flipped_bits_do_no_harm(void **state)
     }
 }
 
+/* The coder without words: symbols that need one do not end where the words do, whatever the states are then. */
+static void words_that_are_not_there_are_missed(void **state)
+{
+    (void)state;
+    const uint8_t states[8] = {0};
+    coder         c         = {STATE_LEAST, STATE_LEAST, states, states};
+    for (int n = 0; n < 40; n++) {
+        code_plain(&c, 12, 0);
+        assert_true(c.in > c.end && c.in + 2 <= states + sizeof states);
+    }
+}
+
 static void random_bytes_do_no_harm(void **state)
 {
     (void)state;
@@ -502,6 +514,7 @@ int main(void)
         cmocka_unit_test(a_page_is_coded_alone),
         cmocka_unit_test(prefixes_are_refused),
         cmocka_unit_test(flipped_bits_do_no_harm),
+        cmocka_unit_test(words_that_are_not_there_are_missed),
         cmocka_unit_test(random_bytes_do_no_harm),
         cmocka_unit_test(random_symbols_do_no_harm),
         cmocka_unit_test(changed_words_are_refused_or_come_back),
