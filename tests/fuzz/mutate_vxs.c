@@ -14,6 +14,7 @@
 #include "formats/vxs_lookup.h"
 #include "formats/vxs_page.h"
 #include "fuzz.h"
+#include "mutate_page.h"
 
 enum { PARTS_MAX = 64, CONTENT_MAX = 1 << 16 };
 
@@ -269,6 +270,53 @@ static void change_masks(parts *p)
     m->size     = random_below(2) && m->size >= size ? m->size - size : m->size + size > CONTENT_MAX ? m->size : m->size + size;
 }
 
+/* Where the bytes of a page are in their section. 0: they are not. */
+static int find_page(const part *pages, uint32_t page_count, uint32_t page, size_t *at, size_t *size)
+{
+    *at   = VXS_PAGES_PREFIX_BYTES + (size_t)page_count * VXS_PAGE_BYTES;
+    *size = 0;
+    if (*at > pages->size) return 0;
+    for (uint32_t n = 0; n <= page; n++) {
+        if (*size > pages->size - *at) return 0;
+        *at += *size;
+        *size = vxs_load32(pages->content + VXS_PAGES_PREFIX_BYTES + (size_t)n * VXS_PAGE_BYTES + VXS_PAGE_STORED_BYTES);
+    }
+    return *size <= pages->size - *at;
+}
+
+/* A number of a plane of some page. */
+static void change_a_plane(const light_pages *l, part *pages)
+{
+    uint32_t page   = random_below(l->sizes.page_count),
+             number = random_below(2) ? numbers[random_below(NUMBERS)] : random_below(1 << 16);
+    size_t    at, size;
+    vxs_bytes coded;
+    if (!find_page(pages, l->sizes.page_count, page, &at, &size)) return;
+    change_plane(&coded, l, page, pages->content + at, size, random_below(1 << 16), number);
+    if (coded.size_bytes && pages->size - size + coded.size_bytes <= CONTENT_MAX) {
+        uint8_t *entry = pages->content + VXS_PAGES_PREFIX_BYTES + (size_t)page * VXS_PAGE_BYTES;
+        memmove(pages->content + at + coded.size_bytes, pages->content + at + size, pages->size - at - size);
+        memcpy(pages->content + at, coded.data, coded.size_bytes);
+        vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)coded.size_bytes);
+        pages->size += coded.size_bytes - size;
+    }
+    free(coded.data);
+}
+
+static void change_planes(parts *p)
+{
+    if (!light_count(p)) return;
+    uint32_t       light  = random_below(light_count(p));
+    const uint8_t *record = light_record(p, light);
+    uint32_t       levels = vxs_load32(record + VXS_LIGHT_LEVELS), cube = vxs_load32(record + VXS_LIGHT_FLAGS) & VXS_LIGHT_CUBE;
+    part          *resident = find_part(p, VXS_KIND_RESIDENT, light, 0), *pages = find_part(p, VXS_KIND_PAGES, light, 0);
+    light_pages    l;
+    if (!resident || !pages) return;
+    if (light_pages_read(&l, levels, cube ? VXS_CUBE_FACES : 1, resident->content, resident->size) && l.sizes.page_count)
+        for (uint32_t n = 1 + random_below(4); n; n--) change_a_plane(&l, pages);
+    light_pages_free(&l);
+}
+
 /* A section is copied, dropped, moved, or says that it is another. */
 static void change_sections(parts *p)
 {
@@ -324,12 +372,14 @@ static size_t change_stored(uint8_t *data, size_t size, size_t size_max)
 
 static void change(parts *p)
 {
-    switch (random_below(8)) {
+    switch (random_below(10)) {
     case 0: change_light(p); break;
     case 1: change_kind(p); break;
     case 2: change_level(p); break;
     case 3: change_masks(p); break;
     case 4: change_sections(p); break;
+    case 5:
+    case 6: change_planes(p); break;
     default: change_content(&p->part[random_below(p->count)]);
     }
 }
