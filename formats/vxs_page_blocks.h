@@ -194,10 +194,8 @@ static uint32_t use_block(walk *w, uint32_t place)
 static int code_base(walk *w, const block_plane *p, int met, int wide, uint32_t x0, uint32_t y0, uint32_t *base)
 {
     uint32_t by_plane = p->tiles == ON_NONE ? 0 : met ? 2 : p->tiles == ON_ALL, high = 0;
-    int32_t  like = by_plane == 2 ? base_by_plane(w, p, x0, y0)
-                    : by_plane    ? (int32_t)p->least >> 8
-                                  : least_border_depth(w, x0, y0, BLOCK_PX);
-    if (!by_plane && like == INT16_MAX) like = 0;
+    int32_t  least = least_border_depth(w, x0, y0, BLOCK_PX), like = least == INT16_MAX ? 0 : least;
+    if (by_plane) like = met ? base_by_plane(w, p, x0, y0) : (int32_t)p->least >> 8;
     uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane], (int16_t)(*base - (uint32_t)like));
     if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
     *base = (((uint32_t)like + off) & 0xffff) | high << 16;

@@ -89,9 +89,9 @@ static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_
 /* p: what planes the tile has; NULL: it has none. */
 static int code_own_base(walk *w, own_base *o, const own_planes *p, uint32_t x0, uint32_t y0)
 {
-    int32_t like = p ? meet_own(w, p, x0, y0) : least_border_depth(w, x0, y0, TILE_PX);
-    like         = like == INT16_MAX ? 0 : (int16_t)(like - o->block);
-    o->value     = like + code_signed(&w->c, &w->odds->own_base[p ? p->kind == OWN_PLANE ? 1 : 2 : 0], o->value - like);
+    int32_t least = least_border_depth(w, x0, y0, TILE_PX);
+    int32_t like  = p ? (int16_t)(meet_own(w, p, x0, y0) - o->block) : least == INT16_MAX ? 0 : (int16_t)(least - o->block);
+    o->value      = like + code_signed(&w->c, &w->odds->own_base[p ? p->kind == OWN_PLANE ? 1 : 2 : 0], o->value - like);
     return o->far ? o->value > -DEPTH_END && o->value < DEPTH_END : o->value >= -OWN_ZERO && o->value < OWN_ZERO;
 }
 
