@@ -66,7 +66,7 @@ static void estimate_blocks(plan_light *l)
     p->pattern_words              = (double)s->pattern_words * grown;
     p->words                      = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
     l->memory_bytes               = 4 * p->words;
-    l->stored_bytes               = p->block_words + 1.5 * p->pattern_words + 600;
+    l->stored_bytes               = 1.1 * p->block_words + 1.7 * p->pattern_words + 600;
     l->built_bytes                = 900 * p->own_patterns + 150 * p->patterns + 300 * p->blocks + 12 * p->words;
     l->part_bytes                 = 0.3 * l->built_bytes;
 }
