@@ -562,7 +562,7 @@ static tile_ranges sheet_ranges(double across, double down, double least)
     return t;
 }
 
-/* Any sheet is a plane of three halves, and the same one however deep it lies. */
+/* Any sheet is a plane of three halves, and mostly the same one however deep it lies. */
 static void sheets_are_planes(void **state)
 {
     (void)state;
@@ -582,7 +582,7 @@ static void sheets_are_planes(void **state)
         assert_int_equal(own_find(&set, &t, &id, &base), VXS_OK);
         same += id == first;
     }
-    print_message("same %u\n", same);
+    assert_true(same > 1900);
     own_set_free(&set);
 }
 
@@ -615,7 +615,6 @@ static void two_sheets_are_two_planes(void **state)
         found[count == OWN_PLANE_HALVES ? 0 : count == OWN_PAIR_HALVES ? 1 : count == OWN_PLANES_HALVES_MAX ? 2 : 3]++;
         if (count == OWN_PAIR_HALVES) assert_true(halves[0] >> 12 == 8 || halves[0] >> 12 == 9);
     }
-    print_message("found %u %u %u %u\n", found[0], found[1], found[2], found[3]);
     assert_true(found[1] > 1500 && found[2] > 700 && found[3] < 300);
     own_set_free(&set);
 }
