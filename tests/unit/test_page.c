@@ -1,10 +1,12 @@
 /* Pages and the resident part, to bytes and back (formats/vxs_page.h): the same words for all that the layout allows, and from bytes
  * that are damaged never words that a lookup could leave. The decoder is compiled a second time without SIMD: both must agree.
+ * VXS_PAGES_OUT=FILE writes random resident parts and pages, and what they are to come to, instead.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -506,8 +508,51 @@ static void damaged_resident_parts_do_no_harm(void **state)
     }
 }
 
+/* samples for others ----------------------------------------------------------------------------------------------------------- */
+
+static int write_numbers(FILE *to, const void *numbers, size_t count)
+{
+    return fwrite(numbers, 4, count, to) == count;
+}
+
+/* A light, and a page that uses its common pool: a row of numbers as below, then what they count. */
+static int write_sample(FILE *to, uint64_t seed)
+{
+    static const uint32_t levels[] = {3, 9, 11, 8, 10, 12};
+    rng                   r        = rng_split(seed, 10);
+    light_sample          l;
+    vxs_bytes             resident = {0}, bytes = {0};
+    assert_int_equal(sample_common_make(&r, &common, (uint32_t)seed * 7 % SAMPLE_COMMON_MAX), VXS_OK);
+    sample_page_make(&r, &page, &common, 1 + (uint32_t)seed % 20);
+    light_make(&r, &l, seed == 7 ? 15 : levels[seed % 6], seed % 4 == 1 ? 6 : 1);
+    assert_int_equal(vxs_resident_encode(&resident, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+    assert_int_equal(vxs_page_encode(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+
+    const uint32_t counts[] = {l.levels,        l.map_count,     (uint32_t)resident.size_bytes, l.word_count, l.node_count,
+                               page.node_count, page.word_count, (uint32_t)bytes.size_bytes};
+    int            good     = write_numbers(to, counts, sizeof counts / sizeof *counts);
+    good &= fwrite(resident.data, 1, resident.size_bytes, to) == resident.size_bytes;
+    good &= write_numbers(to, l.words, l.word_count) & write_numbers(to, l.nodes, 5 * (size_t)l.node_count);
+    good &= write_numbers(to, page.nodes, 5 * (size_t)page.node_count) & write_numbers(to, page.words, page.word_count);
+    good &= fwrite(bytes.data, 1, bytes.size_bytes, to) == bytes.size_bytes;
+    free(resident.data);
+    free(bytes.data);
+    light_free(&l);
+    return good;
+}
+
+static int write_samples(const char *path)
+{
+    FILE *to   = fopen(path, "wb");
+    int   good = to != NULL;
+    for (uint64_t seed = 0; seed < 30 && good; seed++) good = write_sample(to, seed);
+    if (to && fclose(to)) good = 0;
+    return good ? 0 : 1;
+}
+
 int main(void)
 {
+    if (getenv("VXS_PAGES_OUT")) return write_samples(getenv("VXS_PAGES_OUT"));
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_come_back),
         cmocka_unit_test(pages_come_back_up_to_the_last_word),
