@@ -10,15 +10,6 @@ from page_text import Page, Refused, Resident
 from test_format import words_by_libvxs
 
 
-def written_by(vxs_path, test, variable, path):
-    """What a unit test writes to a file when it is asked to."""
-    program = vxs_path.parent / "tests" / "unit" / test
-    if not program.exists():
-        pytest.skip("no unit tests")
-    subprocess.run([program], env=os.environ | {variable: str(path)}, check=True)
-    return path.read_bytes()
-
-
 class Parts:
     """Bytes, taken piece by piece."""
 
@@ -46,9 +37,11 @@ def samples(data):
 
 
 def test_any_page_that_the_layout_allows(vxs_path, tmp_path):
-    count = 0
-    for data, levels, maps, words, nodes, page_nodes, page_words, page in samples(
-            written_by(vxs_path, "test_page", "VXS_PAGES_OUT", tmp_path / "pages")):
+    path, program, count = tmp_path / "pages", vxs_path.parent / "tests" / "unit" / "test_page", 0
+    if not program.exists():
+        pytest.skip("no unit tests")
+    subprocess.run([program], env=os.environ | {"VXS_PAGES_OUT": str(path)}, check=True)
+    for data, levels, maps, words, nodes, page_nodes, page_words, page in samples(path.read_bytes()):
         resident = Resident(data, levels, maps)
         assert resident.words == words
         assert [node for nodes_of_page in resident.pages for node in nodes_of_page] == nodes
@@ -60,22 +53,25 @@ def test_any_page_that_the_layout_allows(vxs_path, tmp_path):
     assert count == 30
 
 
-def test_pages_that_are_built(vxs_path, tmp_path):
-    """Those of lights of tests/unit/test_format_blocks.c that are not too large for Python; word 8 on has where pages start."""
+@pytest.mark.parametrize("kind, resolution, light_maps", [("room", 512, [6, 1]), ("landscape", 1024, [1])])
+def test_pages_of_bakes(vxs, vxs_path, tmp_path, kind, resolution, light_maps):
+    """Where sheets go on from block to block; of a light's words, word 8 on has where pages start."""
     if vxs_path.parent.name in ("asan", "tsan"):
         pytest.skip("libvxs.so needs a sanitizer")
-    data, pages_met = written_by(vxs_path, "test_format_blocks", "VXS_BLOCKS_OUT", tmp_path / "blocks.vxs"), 0
+    scene, path = tmp_path / "scene.glb", tmp_path / "baked.vxs"
+    vxs("scene", kind, "--triangles", 2500, "-o", scene)
+    vxs("bake", scene, "--coding", "blocks", "--resolution", resolution, "-o", path)
+    data = path.read_bytes()
     entries = list(struct.iter_unpack("<4s3I4Q", data[64:64 + 48 * struct.unpack_from("<I", data, 12)[0]]))
     contents = {(kind, light): data[offset:offset + stored] for kind, _, light, _, offset, stored, _, _ in entries}
-    for light, levels, maps in ((1, 9, 1), (3, 9, 1), (4, 15, 1), (5, 5, 6)):
-        words = words_by_libvxs(vxs_path.parent / "libvxs.so", tmp_path / "blocks.vxs", light)
-        resident, pages = Resident(contents[b"RSDT", light], levels, maps), Parts(contents[b"PAGE", light])
+    for light, maps in enumerate(light_maps):
+        words = words_by_libvxs(vxs_path.parent / "libvxs.so", path, light)
+        resident = Resident(contents[b"RSDT", light], resolution.bit_length() - 1, maps)
+        pages = Parts(contents[b"PAGE", light])
         count, size = pages.numbers(2)
-        assert size == 16 and count == len(resident.pages) == words[0]
+        assert size == 16 and count == len(resident.pages) == words[0] > 0
         starts, words[8:8 + count] = words[8:8 + count], [0] * count
         assert resident.words == words[:len(resident.words)]
         table = [pages.numbers(4)[:2] for _ in range(count)]
         for (stored, word_count), nodes, start in zip(table, resident.pages, starts, strict=True):
             assert Page(pages.take(stored), nodes, resident.common).words == words[start:start + word_count]
-            pages_met += 1
-    assert pages_met >= 4
