@@ -55,11 +55,6 @@ typedef struct block_form {
     uint32_t words;
 } block_form;
 
-static int has_pattern(const block_tile *t)
-{
-    return t->kind == TILE_PATTERN || t->kind == TILE_OWN;
-}
-
 static block_form form_of(const block *b)
 {
     block_form f    = {0};
@@ -70,7 +65,7 @@ static block_form form_of(const block *b)
     if (f.width == 2) f.shift = 0;
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         const block_tile *t = &b->tile[n];
-        if (has_pattern(t)) f.mixed |= 1u << n;
+        if (tile_has_pattern(t)) f.mixed |= 1u << n;
         if (t->kind == TILE_PLANE) f.plane |= 1u << n;
         if (t->kind == TILE_OWN) {
             f.own |= 1u << n;
@@ -113,7 +108,7 @@ static void add_to_page(layout *l, page_size *page, const node_place *n)
         const block *of = block_at(l->set, shape->block[b]);
         page->words += form_of(of).words;
         for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
-            if (!has_pattern(t)) continue;
+            if (!tile_has_pattern(t)) continue;
             int      own  = t->kind == TILE_OWN;
             uint32_t code = l->code_of[own][t->pattern], halves;
             code_halves(l, own, code, &halves);
@@ -185,8 +180,8 @@ static void count_pages(layout *l, uint32_t *pages[2])
                 const block *of = block_at(l->set, shape->block[b]);
                 for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
                     int      own  = t->kind == TILE_OWN;
-                    uint32_t code = has_pattern(t) ? l->code_of[own][t->pattern] : 0;
-                    if (has_pattern(t) && is_new(&l->code_at[own][code], l->stamp, 0)) pages[own][code]++;
+                    uint32_t code = tile_has_pattern(t) ? l->code_of[own][t->pattern] : 0;
+                    if (tile_has_pattern(t) && is_new(&l->code_at[own][code], l->stamp, 0)) pages[own][code]++;
                 }
             }
         }
@@ -295,7 +290,7 @@ static void write_block(const layout *l, uint32_t *to, const block *b, uint32_t 
         to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
     }
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (!has_pattern(t)) continue;
+        if (!tile_has_pattern(t)) continue;
         int      own  = t->kind == TILE_OWN;
         uint32_t code = l->code_of[own][t->pattern], common = l->common[own][code];
         uint32_t ref = common ? COMMON | (common - 1) : pool + l->code_at[own][code].at;
@@ -326,7 +321,7 @@ static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own,
 static void write_block_patterns(layout *l, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
 {
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (!has_pattern(t)) continue;
+        if (!tile_has_pattern(t)) continue;
         int      own  = t->kind == TILE_OWN;
         uint32_t code = l->code_of[own][t->pattern], count;
         if (l->common[own][code] || l->code_at[own][code].at != *next_half) continue;

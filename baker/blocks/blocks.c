@@ -51,8 +51,7 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
         block *b = block_at(from, n);
         for (block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
             if (t->kind == TILE_OWN) t->base += ids->own_base[t->pattern];
-            if (t->kind == TILE_PATTERN || t->kind == TILE_OWN)
-                t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];
+            if (tile_has_pattern(t)) t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];
         }
         vxs_result r = intern_find(&s->blocks, b, sizeof *b, &block_ids[n]);
         if (r != VXS_OK) return r;

@@ -31,6 +31,11 @@ typedef struct block_tile {
     int32_t  base;    /* own: of its depths, relative to the block's */
 } block_tile;
 
+static inline int tile_has_pattern(const block_tile *t)
+{
+    return t->kind == TILE_PATTERN || t->kind == TILE_OWN;
+}
+
 typedef struct block {
     uint32_t   depths;             /* [1, PALETTE_MAX] entries of the palette */
     int32_t    depth[PALETTE_MAX]; /* [depths] ascending from 0 */

@@ -28,13 +28,6 @@ typedef struct half_ranges {
     int32_t floor;
 } half_ranges;
 
-static int32_t least_high(const tile_ranges *t)
-{
-    int32_t least = t->high[0];
-    for (int n = 1; n < 64; n++) least = t->high[n] < least ? t->high[n] : least;
-    return least;
-}
-
 static int32_t greatest_low(const tile_ranges *t)
 {
     int32_t greatest = t->low[0];

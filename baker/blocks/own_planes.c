@@ -29,13 +29,6 @@ void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from)
     }
 }
 
-static int32_t least_high(const tile_ranges *t)
-{
-    int32_t least = t->high[0];
-    for (int n = 1; n < 64; n++) least = min_i32(least, t->high[n]);
-    return least;
-}
-
 static uint16_t slope_half(int32_t slope, int shift)
 {
     return (uint16_t)(slope >> shift);

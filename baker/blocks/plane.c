@@ -111,12 +111,18 @@ static int32_t roundest(int32_t low, int32_t high)
     return high;
 }
 
+/* How much deeper texel (0, 0) of an area is than its least corner. */
+static int32_t first_over_least(const plane *p, int32_t side)
+{
+    return (p->across < 0 ? -p->across * (side - 1) : 0) + (p->down < 0 ? -p->down * (side - 1) : 0);
+}
+
 int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
 {
     plane_room room = room_of(p, tiles, count);
     if (room.low > room.high) return 0;
-    int32_t corner = (p->across < 0 ? p->across * (side - 1) : 0) + (p->down < 0 ? p->down * (side - 1) : 0);
-    p->least       = roundest((int32_t)room.low + corner, (int32_t)room.high + corner);
+    int32_t over = first_over_least(p, side);
+    p->least     = roundest((int32_t)room.low - over, (int32_t)room.high - over);
     return 1;
 }
 
@@ -177,7 +183,7 @@ int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_oth
 
 uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)
 {
-    float    first  = (float)(p->least - (p->across < 0 ? 7 * p->across : 0) - (p->down < 0 ? 7 * p->down : 0));
+    float    first  = (float)(p->least + first_over_least(p, 8));
     uint64_t texels = 0;
     for (int q = 0; q < 4; q++) {
         quadrant_depths at = depths_at(p, t, q);
@@ -262,7 +268,7 @@ static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, i
     return (move_it ? plane_fit(p, list, count, BLOCK_PX) : plane_place(p, list, count, BLOCK_PX)) ? on : 0;
 }
 
-/* The tiles that one plane with these slopes passes through at one depth, as many as may be; or such that it comes near, about a depth. */
+/* The tiles that one plane with these slopes passes through at one depth, as many as may be. */
 static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
 {
     plane_room rooms[16];
@@ -288,7 +294,7 @@ static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], ui
 /* Tiles that a plane through the block comes near to. */
 static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
 {
-    int32_t  first = p->least - (p->across < 0 ? (BLOCK_PX - 1) * p->across : 0) - (p->down < 0 ? (BLOCK_PX - 1) * p->down : 0);
+    int32_t  first = p->least + first_over_least(p, BLOCK_PX);
     uint32_t near  = 0;
     for (uint32_t rest = mixed; rest; rest &= rest - 1) {
         int                 n    = __builtin_ctz(rest);

@@ -18,7 +18,8 @@ typedef struct plane {
     int32_t least;
 } plane;
 
-/* The ranges of a tile's texels, in the order of patterns.h, in parts of a voxel, whole numbers within +-PLANE_FREE; and where its first texel is in the area of the plane. */
+/* The ranges of a tile's texels, in the order of patterns.h, in parts of a voxel, whole numbers within
+ * +-PLANE_FREE; and where its first texel is in the area of the plane. */
 typedef struct plane_ranges {
     float    low[64], high[64];
     int32_t  x, y;

@@ -10,4 +10,11 @@ typedef struct tile_ranges {
     int32_t low[64], high[64];
 } tile_ranges;
 
+static inline int32_t least_high(const tile_ranges *t)
+{
+    int32_t least = t->high[0];
+    for (int n = 1; n < 64; n++) least = t->high[n] < least ? t->high[n] : least;
+    return least;
+}
+
 #endif
