@@ -65,9 +65,22 @@ PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
     return left == none ? above != none : above == none ? 2 : left == above ? 3 : 4;
 }
 
-/* The least depth on the left of a square and above it, INT16_MAX: there is none. NEVER is none. */
-static int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+/* The least depth on the left of a square and above it, INT16_MAX: there is none. NEVER, which is -1, is none. side_px: a multiple of 8 */
+PAGE_INLINE int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {
+#ifdef PAGE_SSE2
+    __m128i least = _mm_set1_epi16(INT16_MAX), never = _mm_set1_epi16(-1);
+    for (uint32_t k = 0; k < side_px; k += 8) {
+        __m128i l = _mm_loadu_si128((const __m128i *)(w->left + y0 + k)),
+                a = _mm_loadu_si128((const __m128i *)(w->above + 8 + x0 + k));
+        l         = _mm_xor_si128(l, _mm_slli_epi16(_mm_cmpeq_epi16(l, never), 15)); /* -1 ^ -32768 is INT16_MAX */
+        a         = _mm_xor_si128(a, _mm_slli_epi16(_mm_cmpeq_epi16(a, never), 15));
+        least     = _mm_min_epi16(least, _mm_min_epi16(l, a));
+    }
+    least = _mm_min_epi16(least, _mm_srli_si128(least, 8));
+    least = _mm_min_epi16(least, _mm_srli_si128(least, 4));
+    return (int16_t)_mm_cvtsi128_si32(_mm_min_epi16(least, _mm_srli_si128(least, 2)));
+#else
     int32_t least = INT16_MAX;
     for (uint32_t k = 0; k < side_px; k++) {
         int32_t l = w->left[y0 + k], a = w->above[8 + x0 + k];
@@ -75,6 +88,7 @@ static int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint3
         if (a < least && a != (int16_t)NEVER) least = a;
     }
     return least;
+#endif
 }
 
 /* What lies beside a square is no plane. */

@@ -49,7 +49,7 @@ enum { ODDS_BITS = 15, ODDS_ONE = 1 << ODDS_BITS, STATE_LEAST = 1 << 16 };
 /* odds ------------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct nibble_odds {
-    _Alignas(16) uint16_t from[16]; /* from[0] is 0; ascending */
+    _Alignas(16) uint16_t from[17]; /* from[0] is 0; ascending; from[16] is ODDS_ONE */
     uint16_t seen;
 } nibble_odds;
 
@@ -128,7 +128,8 @@ static void nibble_start(nibble_odds *odds, const uint32_t weight[16], uint32_t 
         odds->from[n] = (uint16_t)(n + before * (ODDS_ONE - 16) / all);
         before += weight[n];
     }
-    odds->seen = (uint16_t)seen;
+    odds->from[16] = ODDS_ONE;
+    odds->seen     = (uint16_t)seen;
 }
 
 /* symbols ---------------------------------------------------------------------------------------------------------------------- */
@@ -168,33 +169,61 @@ typedef struct coder {
                  taken that is not there, `in` is beyond `end` for good */
 } coder;
 
-/* The symbol of odds from..from + size - 1 was met. */
+/* The symbol of odds from..from + size - 1 was met. Whether a word is taken in is anyone's guess: there is no branch on it. */
 PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
 {
-    uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from;
-    uint32_t more  = state << 16 | vxs_load16(c->in);
-    int      small = state < STATE_LEAST;
-    c->in += 2 * (small & (c->in <= c->end));
+    uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from, small = state < STATE_LEAST;
+    uint32_t word = vxs_load16(c->in) & (0 - small);
+    c->in += 2 * (small & (uint32_t)(c->in <= c->end));
     c->now  = c->next;
-    c->next = small ? more : state;
+    c->next = state << 16 * small | word;
 }
 
 #endif
+
+/* The symbol `value`, which the decoder has found. Odds do not learn from it yet. */
+PAGE_INLINE void code_symbol(coder *c, const nibble_odds *odds, uint32_t value)
+{
+    uint32_t from = odds->from[value], size = odds->from[value + 1] - from;
+#if PAGE_ENCODING
+    code_part(c, from, size);
+#else
+    decode_part(c, from, size);
+#endif
+}
+
+PAGE_INLINE void learn(nibble_odds *odds, uint32_t value)
+{
+    nibble_learn(odds, value, nibble_rate[odds->seen]);
+    odds->seen += odds->seen < 160;
+}
 
 PAGE_INLINE uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
 {
 #if !PAGE_ENCODING
     value = nibble_at(odds, c->now & (ODDS_ONE - 1));
 #endif
-    uint32_t from = odds->from[value], to = value < 15 ? odds->from[value + 1] : ODDS_ONE;
-#if PAGE_ENCODING
-    code_part(c, from, to - from);
-#else
-    decode_part(c, from, to - from);
-#endif
-    nibble_learn(odds, value, nibble_rate[odds->seen]);
-    odds->seen += odds->seen < 160;
+    code_symbol(c, odds, value);
+    learn(odds, value);
     return value;
+}
+
+/* Two nibbles, the low one of a byte first. The high one has odds second[0], or second[apart] when the low one's highest bit is set: as each
+ * has a state of its own, the decoder finds what it is by both while it finds the low one. So odds learn after both. */
+PAGE_INLINE uint32_t code_two_nibbles(coder *c, nibble_odds *first, nibble_odds *second, uint32_t apart, uint32_t value)
+{
+    uint32_t low = value & 15, high = value >> 4;
+#if !PAGE_ENCODING
+    uint32_t at = c->next & (ODDS_ONE - 1), high_0 = nibble_at(second, at), high_1 = nibble_at(second + apart, at);
+    low  = nibble_at(first, c->now & (ODDS_ONE - 1));
+    high = high_0 ^ ((high_0 ^ high_1) & (0 - (low >> 3)));
+#endif
+    second += apart * (low >> 3);
+    code_symbol(c, first, low);
+    code_symbol(c, second, high);
+    learn(first, low);
+    learn(second, high);
+    return low | high << 4;
 }
 
 /* bits, 0..12, that are all alike. */

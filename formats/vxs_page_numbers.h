@@ -6,10 +6,10 @@
 
 #include "vxs_page_coder.h"
 
-enum { SIGNED_MOST = (1 << 28) - 1 }; /* of numbers with a sign */
+enum { NUMBER_LONG = 15, SIGNED_MOST = (1 << 28) - 1 /* of numbers with a sign */ };
 
 typedef struct number_odds {
-    nibble_odds size, top[15];
+    nibble_odds size, rest[5];
 } number_odds;
 
 typedef struct signed_odds {
@@ -22,41 +22,46 @@ PAGE_INLINE uint32_t code_flag(coder *c, nibble_odds *odds, uint32_t value)
     return code_nibble(c, odds, value) != 0;
 }
 
-/* Any number below 2^32 - 1: how many bits v + 1 has, up to four bits behind its first, and the rest as it is. */
-PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
+/* How many bits a number + 1 has behind its first; NUMBER_LONG: it is written whole. */
+PAGE_INLINE uint32_t code_size(coder *c, nibble_odds *odds, uint32_t value)
 {
     uint32_t size = 0;
-    if (PAGE_ENCODING) size = page_last_bit(value + 1) < 15 ? page_last_bit(value + 1) : 15;
-    size = code_nibble(c, &odds->size, size);
-    if (!size) return 0;
-    if (size == 15) {
-        uint32_t high = code_plain(c, 8, value >> 24), middle = code_plain(c, 12, value >> 12 & 0xfff);
-        return high << 24 | middle << 12 | code_plain(c, 12, value & 0xfff);
-    }
-    uint32_t low = size > 4 ? size - 4 : 0, rest = value + 1 - (1u << size);
-    uint32_t top = code_nibble(c, &odds->top[size], rest >> low & 15);
-    rest         = low ? code_plain(c, low, rest & ((1u << low) - 1)) : 0;
-    return (1u << size) + (top << low | rest) - 1;
+    if (PAGE_ENCODING) size = page_last_bit(value + 1);
+    return code_nibble(c, odds, size < NUMBER_LONG ? size : NUMBER_LONG);
 }
 
-/* A number that is the step from `last` + 1 to one that is likely to be round: low bits of the sum are coded, not of the step. */
+PAGE_INLINE uint32_t code_long(coder *c, uint32_t value)
+{
+    uint32_t high = code_plain(c, 8, value >> 24), middle = code_plain(c, 12, value >> 12 & 0xfff);
+    return high << 24 | middle << 12 | code_plain(c, 12, value & 0xfff);
+}
+
+/* Any number below 2^32 - 1: the size, and the bits behind the first: up to four of them learn their odds, more are plain. */
+PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
+{
+    uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first, high = 0;
+    if (!size) return 0;
+    if (size == NUMBER_LONG) return code_long(c, value);
+    if (size <= 4) return first + code_nibble(c, &odds->rest[size], rest & 15);
+    if (size <= 12) return first + code_plain(c, size, rest);
+    high = code_plain(c, size - 12, rest >> 12);
+    return first + (high << 12 | code_plain(c, 12, rest & 0xfff));
+}
+
+/* A number that is the step from `last` + 1 to one that is likely to be round: of more than four bits, those of the sum are coded, by how
+ * many low ones are zero. */
 PAGE_INLINE uint32_t code_step(coder *c, number_odds *odds, nibble_odds *round, uint32_t last, uint32_t value)
 {
-    uint32_t size = 0;
-    if (PAGE_ENCODING) size = page_last_bit(value + 1) < 15 ? page_last_bit(value + 1) : 15;
-    size = code_nibble(c, &odds->size, size);
+    uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first;
     if (!size) return 0;
-    if (size == 15) {
-        uint32_t high = code_plain(c, 8, value >> 24), middle = code_plain(c, 12, value >> 12 & 0xfff);
-        return high << 24 | middle << 12 | code_plain(c, 12, value & 0xfff);
-    }
-    uint32_t low = size > 4 ? size - 4 : 0, rest = value + 1 - (1u << size), mask = (1u << low) - 1;
-    uint32_t step = (1u << size) + (code_nibble(c, &odds->top[size], rest >> low & 15) << low); /* at least */
-    if (!low) return step - 1;
+    if (size == NUMBER_LONG) return code_long(c, value);
+    if (size <= 4) return first + code_nibble(c, &odds->rest[size], rest & 15);
+    uint32_t low = size < 12 ? size : 12, mask = (1u << low) - 1;
+    if (size > 12) first += code_plain(c, size - 12, rest >> 12) << 12;
     uint32_t bits  = (last + value + 1) & mask;
     uint32_t zeros = code_nibble(c, &round[low], bits ? page_first_bit(bits) : low), more = zeros < low ? low - zeros - 1 : 0;
     bits = zeros < low ? (code_plain(c, more, bits >> (zeros + 1)) << 1 | 1) << zeros : 0;
-    return step + ((bits - last - step) & mask) - 1;
+    return first + ((bits - last - first - 1) & mask);
 }
 
 /* A number from -SIGNED_MOST to SIGNED_MOST. */

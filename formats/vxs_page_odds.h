@@ -25,7 +25,7 @@ typedef struct page_odds {
     signed_odds base[3];
     nibble_odds entries[5], delta_form[2], delta_shift, delta_width;
     number_odds delta[16][2], delta_wide;
-    nibble_odds round[12], own_round[12];
+    nibble_odds round[13], own_round[13];
     nibble_odds block_mixed[5][64], index[5][3];
     nibble_odds on_plane[9], plane_like[9], row_on_plane[64], row_mixed[5][16], least_zeros[2];
     plane_odds  block_plane;

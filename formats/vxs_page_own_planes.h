@@ -76,7 +76,7 @@ static int32_t meet_own(const walk *w, const own_planes *p, uint32_t x0, uint32_
     int32_t    said[2 * TILE_PX], depth, slope = tile_slope(w, x0 / TILE_PX, y0 / TILE_PX);
     uint32_t   count = 0;
     if (like.kind == OWN_MASK) like.kind = OWN_PLANE; /* texels beside the tile are in no mask */
-    for (uint32_t n = 0; n < TILE_PX; n++) {
+    for (uint32_t n = 1; n < TILE_PX; n += 2) {
         int32_t k = (int32_t)n;
         if (depth_above(w, x0 + n, y0, &depth))
             said[count++] = depth - ((int32_t)sheet_from(like.s[which_plane(&like, k, -1)], k, -1).at >> 8);

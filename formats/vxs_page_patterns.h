@@ -64,10 +64,10 @@ static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
 #else
             for (uint32_t z = 0; z < 16; z++) mask |= (uint32_t)(index[16 * c + z] <= n) << z;
 #endif
-            uint32_t s = mask == 0 ? 0 : mask == 0xffff ? 1 : mask == last ? 3 : 2;
+            uint32_t s = 2 - 2 * (mask == 0) - (mask == 0xffff) + (mask == last);
             own[owns]  = (uint16_t)mask;
             owns += s == 2;
-            last = s == 2 ? mask : last;
+            last ^= (last ^ mask) & (0 - (uint32_t)(s == 2)); /* no branch: states are hard to guess */
             state[n] |= (uint8_t)(s << 2 * c);
         }
     }
@@ -125,56 +125,65 @@ PAGE_INLINE uint32_t bytes_set(uint64_t x)
     return (uint32_t)(x * 0x0102040810204080 >> 56);
 }
 
-/* A texel that differs from N, the one above it; W is on its left, NE on the right of N. */
-PAGE_INLINE uint32_t code_other(coder *c, page_odds *odds, uint32_t depths, uint32_t value, uint32_t W, uint32_t N, uint32_t NE)
+/* A texel that differs from N, the one above it; W is on its left, NE on the right of N. There are no branches on what they are, as there is
+ * no telling. */
+PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *far, uint32_t depths, uint32_t value, uint32_t W,
+                                uint32_t N, uint32_t NE)
 {
-    uint32_t like = W == N ? NE != N : NE == N ? 2 : NE == W ? 3 : 4, end = N == 0 ? 0 : N + 1 == depths ? 2 : 1, symbol = 0;
+    static const uint8_t like[8] = {4, 1, 2, 0, 3, 1, 2, 0}; /* bits: W = N, NE = N, NE = W */
+    uint32_t             end = (uint32_t)(N != 0) + (uint32_t)(N != 0 && N + 1 == depths), symbol = 0;
     if (PAGE_ENCODING) {
         uint32_t step = value > N ? 2 * (value - N) : 1 + 2 * (N - value);
         symbol        = value == W ? 0 : value == NE ? 1 : step < 15 ? step : 15;
     }
-    symbol = code_nibble(c, &odds->other[depths < 4 ? 0 : depths < 6 ? 1 : depths < 9 ? 2 : 3][like][end], symbol);
-    if (symbol == 15) return code_nibble(c, &odds->far, value);
-    return symbol == 0 ? W : symbol == 1 ? NE : symbol & 1 ? N - (symbol >> 1) : N + (symbol >> 1);
+    symbol = code_nibble(c, &odds[like[(W == N) | (NE == N) << 1 | (NE == W) << 2]][end], symbol);
+    if (symbol == 15) return code_nibble(c, far, value);
+    uint32_t odd = 0 - (symbol & 1), step = N + ((symbol >> 1) ^ odd) - odd, beside = W ^ ((W ^ NE) & odd);
+    return step ^ ((step ^ beside) & (0 - (uint32_t)(symbol < 2)));
 }
 
-/* The indices of a pattern's texels, row by row: four texels at once say which differ from the texel above, and those that do say
- * what they are. 0: an index is none.
+/* Bytes of 1 where a bit of eight is set. */
+PAGE_INLINE uint64_t bytes_of_bits(uint32_t bits)
+{
+    uint64_t low = bits & 15, high = bits >> 4;
+    return (low * 0x00204081 & 0x01010101) | (high * 0x00204081 & 0x01010101) << 32;
+}
+
+/* The indices of a pattern's texels, row by row: for each four of eight texels which differ from the one above, and of those that do what
+ * they are. 0: an index is none.
  * border, left  indices beside the tile, as of border_indices */
 static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uint32_t depths, uint8_t *index)
 {
-    coder      c    = w->c; /* a copy may live in registers */
-    page_odds *odds = w->odds;
-    uint64_t   last = vxs_load64(border + 2), before = last; /* the row above, and the one above that: a byte a texel */
-    uint32_t   corner = border[1], right = border[10];
+    coder        c    = w->c; /* a copy may live in registers */
+    page_odds   *odds = w->odds;
+    nibble_odds *far = &odds->far, (*other)[3] = odds->other[depths < 4 ? 0 : depths < 6 ? 1 : depths < 9 ? 2 : 3];
+    uint64_t     last = vxs_load64(border + 2), before = last; /* the row above, and the one above that: a byte a texel */
+    uint32_t     corner = border[1], right = border[10];
     for (uint32_t y = 0; y < 8; y++) {
         uint32_t beside = bytes_set(last ^ (last << 8 | corner)) | (uint32_t)(right != last >> 56) << 8,
-                 was    = bytes_set(last ^ before);
-        uint32_t W = left[y], side = W != corner, half[2];
-        for (uint32_t h = 0; h < 2; h++) {
-            uint32_t k = (beside >> 4 * h & 31) | side << 5 | (uint32_t)((was >> 4 * h & 15) != 0) << 6, differs = 0;
-            uint32_t above = (uint32_t)(last >> 32 * h), now = above, value = 0;
-            uint8_t *texels = index + 32 * (y >> 2) + 16 * h + 4 * (y & 3);
-            if (PAGE_ENCODING) differs = bytes_set(above ^ (value = vxs_load32(texels)));
-            differs = code_nibble(&c, &odds->differs[depths > 2][y != 0][k], differs);
-            side    = differs >> 3;
-            if (depths == 2)
-                now ^= differs * 0x00204081 & 0x01010101;
-            else
-                for (; differs; differs &= differs - 1) {
-                    uint32_t x = page_first_bit(differs), at = 8 * x, N = above >> at & 255;
-                    uint32_t NE  = x < 3 ? above >> (at + 8) & 255 : h ? right : (uint32_t)(last >> 32) & 255;
-                    uint32_t got = code_other(&c, odds, depths, value >> at & 255, x ? now >> (at - 8) & 255 : W, N, NE);
-                    if (got >= depths) return 0;
-                    now ^= (N ^ got) << at;
-                }
-            vxs_store32(texels, half[h] = now);
-            W = now >> 24;
-        }
+                 was = bytes_set(last ^ before), side = left[y] != corner;
+        nibble_odds *by     = odds->differs[depths > 2][y != 0];
+        uint8_t     *texels = index + 32 * (y >> 2) + 4 * (y & 3);
+        uint64_t     now = last, value = PAGE_ENCODING ? vxs_load32(texels) | (uint64_t)vxs_load32(texels + 16) << 32 : 0;
+        uint32_t     differs = PAGE_ENCODING ? bytes_set(last ^ value) : 0;
+        differs              = code_two_nibbles(&c, by + ((beside & 31) | side << 5 | (uint32_t)((was & 15) != 0) << 6),
+                                                by + (beside >> 4 | (uint32_t)(was >> 4 != 0) << 6), 1 << 5, differs);
+        if (depths == 2)
+            now ^= bytes_of_bits(differs);
+        else
+            for (; differs; differs &= differs - 1) {
+                uint32_t x = page_first_bit(differs), at = 8 * x, N = last >> at & 255;
+                uint32_t W = x ? now >> (at - 8) & 255 : left[y], NE = x < 7 ? last >> (at + 8) & 255 : right;
+                uint32_t got = code_other(&c, other, far, depths, value >> at & 255, W, N, NE);
+                if (got >= depths) return 0;
+                now ^= (uint64_t)(N ^ got) << at;
+            }
+        vxs_store32(texels, (uint32_t)now);
+        vxs_store32(texels + 16, (uint32_t)(now >> 32));
         before = last;
-        last   = half[0] | (uint64_t)half[1] << 32;
+        last   = now;
         corner = left[y];
-        right  = W; /* nothing is known on the right of the tile */
+        right  = (uint32_t)(now >> 56); /* nothing is known on the right of the tile */
     }
     w->c = c;
     return 1;

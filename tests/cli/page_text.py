@@ -103,42 +103,62 @@ class Symbols:
         self.coder, self.odds, self.plain = coder, OddsByName(), coder.plain
 
     def nibble(self, *name):
+        s = self.symbol(name)
+        self.learn(name, s)
+        return s
+
+    def symbol(self, name):
         o, at = self.odds[name], self.coder.states[0] % 2**15
         s = max(n for n in range(16) if o.starts[n] <= at)
         self.coder.take(o.starts[s], (o.starts[s + 1] if s < 15 else 2**15) - o.starts[s])
+        return s
+
+    def learn(self, name, s):
+        o = self.odds[name]
         r = RATES[o.seen]
         o.starts = [x + (((n if n <= s else 2**15 - 16 + n) - x) >> r) for n, x in enumerate(o.starts)]
         o.seen = min(160, o.seen + 1)
-        return s
+
+    def two_nibbles(self, name, second):
+        """second: the second one's odds, by what the first one is"""
+        s = self.symbol(name)
+        t = self.symbol(second(s))
+        self.learn(name, s)
+        self.learn(second(s), t)
+        return s, t
 
     def flag(self, *name):
         return int(self.nibble(*name) != 0)
 
-    def sized(self, name):
-        """s, the number up to its first bits, and how many follow."""
-        s = self.nibble(*name, "size")
-        if s == 0:
-            return 0, 0, 0
-        if s == 15:
-            high, middle = self.plain(8), self.plain(12)
-            return 15, high << 24 | middle << 12 | self.plain(12), 0
-        m = max(0, s - 4)
-        return s, 2**s + (self.nibble(*name, "top", s) << m), m
+    def long(self):
+        high, middle = self.plain(8), self.plain(12)
+        return high << 24 | middle << 12 | self.plain(12)
 
     def number(self, *name):
-        s, b, m = self.sized(name)
-        return b if s in (0, 15) else b + (self.plain(m) if m else 0) - 1
+        s = self.nibble(*name, "size")
+        if s == 0:
+            return 0
+        if s == 15:
+            return self.long()
+        if s <= 4:
+            return 2**s - 1 + self.nibble(*name, "rest", s)
+        high = self.plain(s - 12) if s > 12 else 0
+        return 2**s - 1 + (high << 12) + self.plain(min(s, 12))
 
     def signed(self, *name):
         n = self.number(*name, "size") % 2**28
         return 0 if n == 0 else -n if self.flag(*name, "sign") else n
 
     def step(self, name, rounds, last):
-        s, b, m = self.sized(name)
-        if s in (0, 15):
-            return b
-        if not m:
-            return b - 1
+        s = self.nibble(*name, "size")
+        if s == 0:
+            return 0
+        if s == 15:
+            return self.long()
+        if s <= 4:
+            return 2**s - 1 + self.nibble(*name, "rest", s)
+        m = min(s, 12)
+        b = 2**s + ((self.plain(s - 12) << 12) if s > 12 else 0)
         z = self.nibble(rounds, m)
         e = 0 if z >= m else (2 * self.plain(m - z - 1) + 1) << z
         return b + (e - last - b) % 2**m - 1
@@ -280,18 +300,17 @@ class Walk:
         """Indices of texels. above  of -1 to 8; left  of 0 to 7"""
         index, u, v = {}, above, above
         for y in range(8):
-            row = {}
+            row, ks = {}, []
             for f in (0, 4):
-                k = sum((u[f + n] != u[f + n - 1]) << n for n in range(5))
-                k |= (left[y] != u[-1] if f == 0 else row[3] != u[3]) << 5
-                k |= any(u[f + n] != v[f + n] for n in range(4)) << 6
-                differs = self.s.nibble("differs", int(p > 2), int(y > 0), k)
-                for n in range(4):
-                    x = f + n
-                    row[x] = u[x]
-                    if differs >> n & 1:
-                        row[x] = 1 - u[x] if p == 2 else self.other(p, row[x - 1] if x else left[y], u[x], u[x + 1])
-                    need(0 <= row[x] < p)
+                ks.append(sum((u[f + n] != u[f + n - 1]) << n for n in range(5)) | any(u[f + n] != v[f + n] for n in range(4)) << 6)
+            ks[0] |= (left[y] != u[-1]) << 5
+            odds = "differs", int(p > 2), int(y > 0)
+            differs = self.s.two_nibbles((*odds, ks[0]), lambda first: (*odds, ks[1] | first >> 3 << 5))
+            for x in range(8):
+                row[x] = u[x]
+                if differs[x // 4] >> x % 4 & 1:
+                    row[x] = 1 - u[x] if p == 2 else self.other(p, row[x - 1] if x else left[y], u[x], u[x + 1])
+                need(0 <= row[x] < p)
             index |= {(x, y): row[x] for x in range(8)}
             u, v = row | {-1: left[y], 8: row[7]}, u
         return index
@@ -453,8 +472,8 @@ class Walk:
             planes = pattern.planes[:1] if pattern.own in (7, 10) else pattern.planes
             choose = max if pattern.own == 9 else min
             there = lambda x, y: choose(plane.depth(x, y) for plane in planes)
-            numbers = [self.depth_above(x0 + n, y0) - there(n, -1) for n in range(8) if self.above[x0 + n] != NEVER]
-            numbers += [self.depth_left(x0, y0 + n) - there(-1, n) for n in range(8) if self.left[y0 + n] != NEVER]
+            numbers = [self.depth_above(x0 + n, y0) - there(n, -1) for n in (1, 3, 5, 7) if self.above[x0 + n] != NEVER]
+            numbers += [self.depth_left(x0, y0 + n) - there(-1, n) for n in (1, 3, 5, 7) if self.left[y0 + n] != NEVER]
             like = s16(self.slope(x0 // 8, y0 // 8) - block + middle(numbers))
         value = like + self.s.signed("own_base", 0 if pattern.own < 7 else 1 if pattern.own == 7 else 2)
         need(abs(value) < 2**24 if far else -8192 <= value < 8192)

@@ -580,7 +580,7 @@ static void page_changed(parts *p)
 }
 static void page_broken(parts *p)
 {
-    page_bytes(pages_of(p), 0)[5] ^= 1;
+    page_bytes(pages_of(p), 1)[-1] ^= 1; /* the coder's second state */
     seal_page(pages_of(p), 0);
     store(pages_of(p));
 }
@@ -714,7 +714,7 @@ static void test_findings_on_any_threads(void **state)
     take_apart(&p, &file);
     free(file.data);
     uint32_t last = vxs_load32(pages_of(&p)->content.data) - 1;
-    page_bytes(pages_of(&p), 3)[-9] ^= 1; /* met when all of page 2 is decoded, while others look at what is behind it */
+    page_bytes(pages_of(&p), 3)[-10] ^= 1; /* met when all of page 2 is decoded, while others look at what is behind it */
     seal_page(pages_of(&p), 2);
     page_entry(pages_of(&p), 3)[VXS_PAGE_HASH] ^= 1;
     page_entry(pages_of(&p), last)[VXS_PAGE_HASH] ^= 1;
