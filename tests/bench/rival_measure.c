@@ -8,6 +8,7 @@
 
 #include "baker/base/random.h"
 #include "runtime/vxs.h"
+#include "tests/bench/rival_screen.h"
 
 enum { CHUNK = 65536, FILTERS_CHECKED = 20000, WINDOW_VX = 2, RAY_TAP_SHARE = 10, RAY_FILTER_SHARE = 100 };
 
@@ -28,8 +29,10 @@ typedef struct contest {
     vxs_bytes             *files;          /* [count] */
     rival_asset           *assets;         /* [count] */
     voxel_at              *at[POINT_SETS]; /* [points] */
-    uint32_t              *dark;           /* [points] */
-    double                *times;          /* [count][runs] of what is measured just now */
+    size_t                 points[POINT_SETS];
+    screen                 picture;
+    uint32_t              *dark;  /* [the most points] */
+    double                *times; /* [count][runs] of what is measured just now */
 } contest;
 
 /* points ----------------------------------------------------------------------------------------------------------------------- */
@@ -47,6 +50,14 @@ static voxel_at *random_points(const contest *c, uint64_t set)
     rng       random = rng_split(c->o->seed, set);
     for (uint32_t n = 0; n < c->o->points && at; n++) at[n] = random_voxel(&random, c->maps->levels);
     return at;
+}
+
+/* For a filter of that width. */
+static vxs_result look_at_picture(contest *c, int32_t filter_px, message *m)
+{
+    c->points[POINTS_SCREEN] = screen_voxels(&c->picture, filter_px, c->at[POINTS_SCREEN]);
+    return c->points[POINTS_SCREEN] ? VXS_OK
+                                    : fail(m, VXS_E_ARGUMENT, "nothing is seen: expected --eye and --target that see the scene");
 }
 
 static int32_t clamped(int32_t k, int32_t side)
@@ -128,19 +139,28 @@ static size_t some_of(size_t points, size_t share)
     return points > share ? points / share : 1;
 }
 
-/* In turns, too. */
+static size_t points_asked(const contest *c, size_t n, point_set set, int32_t filter_px)
+{
+    if (!c->results[n].rival->rays) return c->points[set];
+    return some_of(c->points[set], filter_px == 1 ? RAY_TAP_SHARE : RAY_FILTER_SHARE);
+}
+
+/* In turns, too. Who is asked some points alone gets those in the middle: of a picture, what it shows. */
 static void ask_all(contest *c, point_set set, int32_t filter_px)
 {
     for (uint32_t run = 0; run < c->o->runs; run++)
         for (size_t n = 0; n < c->count; n++) {
-            rival_result *r     = &c->results[n];
-            size_t        count = filter_px == 1 ? r->tap_points : r->filter_points;
-            double        start = seconds_now(1);
-            r->rival->count_dark(c->assets[n].state, c->at[set], count, filter_px, c->dark);
+            size_t count = points_asked(c, n, set, filter_px);
+            double start = seconds_now(1);
+            c->results[n].rival->count_dark(c->assets[n].state, c->at[set] + (c->points[set] - count) / 2, count, filter_px,
+                                            c->dark);
             c->times[n * c->o->runs + run] = 1e9 * (seconds_now(1) - start) / (double)count;
         }
-    for (size_t n = 0; n < c->count; n++)
-        *(filter_px == 1 ? &c->results[n].tap_ns[set] : &c->results[n].filter_ns[set]) = times_of(c, n);
+    for (size_t n = 0; n < c->count; n++) {
+        rival_result *r                                                  = &c->results[n];
+        *(filter_px == 1 ? &r->tap_ns[set] : &r->filter_ns[set])         = times_of(c, n);
+        *(filter_px == 1 ? &r->tap_points[set] : &r->filter_points[set]) = points_asked(c, n, set, filter_px);
+    }
 }
 
 /* wrong answers ---------------------------------------------------------------------------------------------------------------- */
@@ -201,13 +221,14 @@ static uint32_t sum_of_taps(const rival *one, const rival_asset *asset, voxel_at
     return sum;
 }
 
-/* At edges and anywhere; the first points lie in the corners and on the sides of the map, where taps fall outside. */
+/* In all sets; the first points lie in the corners and on the sides of the map, where taps fall outside. */
 static void check_filters(const contest *c, rival_result *out, const rival_asset *asset)
 {
-    int32_t side  = 1 << c->maps->levels;
-    size_t  most  = c->o->points < FILTERS_CHECKED ? c->o->points : FILTERS_CHECKED;
-    size_t  count = some_of(most, out->rival->rays ? RAY_FILTER_SHARE : 1);
-    for (int set = 0; set < POINT_SETS; set++)
+    int32_t side = 1 << c->maps->levels;
+    for (int set = 0; set < POINT_SETS; set++) {
+        size_t most  = c->points[set] < FILTERS_CHECKED ? c->points[set] : FILTERS_CHECKED;
+        size_t count = some_of(most, out->rival->rays ? RAY_FILTER_SHARE : 1);
+        out->filters += count;
         for (size_t n = 0; n < count; n++) {
             voxel_at at = c->at[set][n], asked;
             uint32_t dark;
@@ -218,17 +239,22 @@ static void check_filters(const contest *c, rival_result *out, const rival_asset
             out->rival->count_dark(asset->state, &asked, 1, FILTER_PX, &dark);
             out->wrong_filters += dark != sum_of_taps(out->rival, asset, at, side);
         }
-    out->filters = POINT_SETS * count;
+    }
 }
 
 static int contest_begin(contest *c)
 {
-    c->files  = calloc(c->count, sizeof *c->files);
-    c->assets = calloc(c->count, sizeof *c->assets);
-    c->times  = malloc(c->count * c->o->runs * sizeof *c->times);
-    c->dark   = malloc(c->o->points * sizeof *c->dark);
-    for (uint64_t set = 0; set < POINT_SETS; set++) c->at[set] = random_points(c, set);
-    return c->files && c->assets && c->times && c->dark && c->at[POINTS_VOLUME] && c->at[POINTS_EDGE];
+    size_t pixels = (size_t)c->o->width_px * c->o->height_px;
+    c->files      = calloc(c->count, sizeof *c->files);
+    c->assets     = calloc(c->count, sizeof *c->assets);
+    c->times      = malloc(c->count * c->o->runs * sizeof *c->times);
+    c->dark       = malloc((pixels > c->o->points ? pixels : c->o->points) * sizeof *c->dark);
+    for (int set = POINTS_VOLUME; set <= POINTS_EDGE; set++) {
+        c->at[set]     = random_points(c, (uint64_t)set);
+        c->points[set] = c->o->points;
+    }
+    c->at[POINTS_SCREEN] = malloc(pixels * sizeof *c->at[POINTS_SCREEN]);
+    return c->files && c->assets && c->times && c->dark && c->at[POINTS_VOLUME] && c->at[POINTS_EDGE] && c->at[POINTS_SCREEN];
 }
 
 static void contest_end(contest *c)
@@ -238,6 +264,7 @@ static void contest_end(contest *c)
         drop_file(c, n);
     }
     for (int set = 0; set < POINT_SETS; set++) free(c->at[set]);
+    screen_close(&c->picture);
     free(c->files);
     free(c->assets);
     free(c->times);
@@ -257,13 +284,10 @@ vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps,
     for (size_t n = 0; n < count; n++) results[n].open_s = times_of(&c, n);
 
     if (!(ok = move_to_edges(&c, c.at[POINTS_EDGE], results[0].rival, &c.assets[0]))) goto done;
-    for (size_t n = 0; n < count; n++) {
-        results[n].tap_points    = some_of(o->points, results[n].rival->rays ? RAY_TAP_SHARE : 1);
-        results[n].filter_points = some_of(o->points, results[n].rival->rays ? RAY_FILTER_SHARE : 1);
-    }
-    for (int set = 0; set < POINT_SETS; set++) {
-        ask_all(&c, set, 1);
-        ask_all(&c, set, FILTER_PX);
+    if ((r = screen_open(&c.picture, maps, &o->camera.camera, o->width_px, o->height_px, m)) != VXS_OK) goto done;
+    for (int32_t filter_px = 1; filter_px <= FILTER_PX; filter_px += FILTER_PX - 1) {
+        if ((r = look_at_picture(&c, filter_px, m)) != VXS_OK) goto done;
+        for (int set = 0; set < POINT_SETS; set++) ask_all(&c, set, filter_px);
     }
 
     for (size_t n = 0; n < count && ok; n++) {

@@ -4,27 +4,30 @@
 #define RIVAL_MEASURE_H
 
 #include "baker/measure/spread.h"
+#include "baker/options/camera_choice.h"
 #include "tests/bench/rival.h"
 
 enum { FILTER_PX = 9 };
 
-/* Where lookups are asked for: anywhere in the map's volume, where most walks end early; and within a voxel of where vxs turns from
- * lit to shadowed, where its walks are as long as they get. */
-typedef enum point_set { POINTS_VOLUME, POINTS_EDGE, POINT_SETS } point_set;
+/* Where lookups are asked for: anywhere in the map's volume, where most walks end early; within a voxel of where vxs turns from
+ * lit to shadowed, where its walks are as long as they get; and where a picture's pixels see surfaces, next to one another. */
+typedef enum point_set { POINTS_VOLUME, POINTS_EDGE, POINTS_SCREEN, POINT_SETS } point_set;
 
 typedef struct measure_options {
-    uint32_t runs;
-    uint32_t points; /* of each set, the same for all rivals */
-    uint64_t voxels; /* to compare with the contract; 0: every voxel of the map */
-    uint32_t seed;
-    int      filter_aside; /* a planted fault: filters are asked a texel beside those that they are checked with */
+    uint32_t      runs;
+    uint32_t      points;              /* anywhere, and at edges; the same for all rivals, as all points are */
+    uint32_t      width_px, height_px; /* of the picture */
+    camera_choice camera;              /* placed */
+    uint64_t      voxels;              /* to compare with the contract; 0: every voxel of the map */
+    uint32_t      seed;
+    int           filter_aside; /* a planted fault: filters are asked a texel beside those that they are checked with */
 } measure_options;
 
 typedef struct rival_result {
     const rival *rival;
     uint64_t     memory_bytes, file_bytes; /* 0: not known; no file */
     spread       build_s, open_s;
-    size_t       tap_points, filter_points; /* asked in one run */
+    size_t       tap_points[POINT_SETS], filter_points[POINT_SETS]; /* asked in one run */
     spread       tap_ns[POINT_SETS], filter_ns[POINT_SETS];
 
     uint64_t voxels, wrong_lit, wrong_dark; /* single taps, against the contract; free voxels count as asked */
@@ -33,7 +36,7 @@ typedef struct rival_result {
 
 /* Build, open, ask, check: all of them, in turns.
  * results  [count] [out] each with its rival on entry, and all else zero; the first one says where edges are
- * Returns VXS_OK, VXS_E_MEMORY, or what a rival's open said. */
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (the picture sees nothing), or what a rival's open said. */
 vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps, const measure_options *o, message *m);
 
 #endif

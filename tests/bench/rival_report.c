@@ -21,11 +21,14 @@ typedef enum figure {
     FIGURE_FILTER_VOLUME,
     FIGURE_TAP_EDGE,
     FIGURE_FILTER_EDGE,
+    FIGURE_TAP_SCREEN,
+    FIGURE_FILTER_SCREEN,
     FIGURE_COUNT
 } figure;
 
-static const char *const figure_names[FIGURE_COUNT] = {"on disk",         "in memory",       "maps to file",    "file to lookups",
-                                                       "1 tap, anywhere", "9 x 9, anywhere", "1 tap, at edges", "9 x 9, at edges"};
+static const char *const figure_names[FIGURE_COUNT] = {
+    "on disk",         "in memory",       "maps to file",    "file to lookups",     "1 tap, anywhere",
+    "9 x 9, anywhere", "1 tap, at edges", "9 x 9, at edges", "1 tap, in a picture", "9 x 9, in a picture"};
 
 /* A figure that a rival does not have is 0. */
 static spread figure_of(const rival_result *r, figure f)
@@ -38,7 +41,9 @@ static spread figure_of(const rival_result *r, figure f)
     case FIGURE_TAP_VOLUME: return r->tap_ns[POINTS_VOLUME];
     case FIGURE_FILTER_VOLUME: return r->filter_ns[POINTS_VOLUME];
     case FIGURE_TAP_EDGE: return r->tap_ns[POINTS_EDGE];
-    default: return r->filter_ns[POINTS_EDGE];
+    case FIGURE_FILTER_EDGE: return r->filter_ns[POINTS_EDGE];
+    case FIGURE_TAP_SCREEN: return r->tap_ns[POINTS_SCREEN];
+    default: return r->filter_ns[POINTS_SCREEN];
     }
 }
 
@@ -75,7 +80,7 @@ static const char *figure_text(char text[64], spread s, figure f)
 
 /* tables ----------------------------------------------------------------------------------------------------------------------- */
 
-enum { COLUMNS_MAX = 12, CELL_BYTES = 64 };
+enum { COLUMNS_MAX = 13, CELL_BYTES = 64 };
 
 typedef struct table {
     char (*rows)[COLUMNS_MAX][CELL_BYTES]; /* [row_count] the first is the head */
@@ -215,7 +220,7 @@ int rival_report_print(FILE *to, const rival_report *report)
             threads > 1 ? "s of the clock for files and opening, else one of processor time" : ", processor time", o->points);
     machine_free(&here);
     ok = ok && print_figures(to, report, "rival", FIGURE_DISK, FIGURE_OPEN) &&
-         print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_EDGE) && print_wrong(to, report);
+         print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_SCREEN) && print_wrong(to, report);
     fputs("Where vxs is beaten (less memory or disk, or the slowest run quicker than its quickest), and the ratio:\n\n", to);
     for (size_t n = 1; n < report->count; n++) print_losses(to, &report->results[n], report->results);
     fputc('\n', to);
@@ -236,7 +241,8 @@ static json_t *bytes_json(uint64_t bytes)
 
 static json_t *lookups_json(const rival_result *r, point_set set)
 {
-    return json_pack("{s:o, s:o}", "tap_ns", spread_json(r->tap_ns[set]), "filter_ns", spread_json(r->filter_ns[set]));
+    return json_pack("{s:I, s:o, s:I, s:o}", "tap_points", (json_int_t)r->tap_points[set], "tap_ns", spread_json(r->tap_ns[set]),
+                     "filter_points", (json_int_t)r->filter_points[set], "filter_ns", spread_json(r->filter_ns[set]));
 }
 
 static json_t *result_json(const rival_result *r, const rival_result *vxs)
@@ -244,9 +250,8 @@ static json_t *result_json(const rival_result *r, const rival_result *vxs)
     json_t *beaten = json_array();
     for (figure f = 0; f < FIGURE_COUNT; f++)
         if (beats(r, vxs, f)) json_array_append_new(beaten, json_string(figure_names[f]));
-    json_t *lookups =
-        json_pack("{s:I, s:I, s:o, s:o}", "tap_points", (json_int_t)r->tap_points, "filter_points", (json_int_t)r->filter_points,
-                  "volume", lookups_json(r, POINTS_VOLUME), "edge", lookups_json(r, POINTS_EDGE));
+    json_t *lookups = json_pack("{s:o, s:o, s:o}", "volume", lookups_json(r, POINTS_VOLUME), "edge", lookups_json(r, POINTS_EDGE),
+                                "screen", lookups_json(r, POINTS_SCREEN));
     json_t *wrong =
         json_pack("{s:I, s:I, s:I, s:I, s:I}", "voxels", (json_int_t)r->voxels, "wrong_lit", (json_int_t)r->wrong_lit, "wrong_dark",
                   (json_int_t)r->wrong_dark, "filters", (json_int_t)r->filters, "wrong_filters", (json_int_t)r->wrong_filters);
@@ -254,6 +259,14 @@ static json_t *result_json(const rival_result *r, const rival_result *vxs)
                      r->rival->rays, "file_bytes", bytes_json(r->file_bytes), "memory_bytes", bytes_json(r->memory_bytes),
                      "build_seconds", spread_json(r->build_s), "open_seconds", spread_json(r->open_s), "lookups", lookups, "check",
                      wrong, "beats_vxs", beaten);
+}
+
+static json_t *picture_json(const measure_options *o)
+{
+    const camera_pose *c = &o->camera.camera;
+    return json_pack("{s:I, s:I, s:[f, f, f], s:[f, f, f], s:f}", "width_px", (json_int_t)o->width_px, "height_px",
+                     (json_int_t)o->height_px, "eye_ws", c->eye_ws[0], c->eye_ws[1], c->eye_ws[2], "target_ws", c->target_ws[0],
+                     c->target_ws[1], c->target_ws[2], "fov_degrees", c->fov_degrees);
 }
 
 json_t *rival_report_json(const rival_report *report)
@@ -268,10 +281,10 @@ json_t *rival_report_json(const rival_report *report)
                         "memory_bytes", (json_int_t)here.memory_bytes, "system", here.system, "renderer", report->maps->renderer)
             : NULL;
     machine_free(&here);
-    return json_pack("{s:s, s:o, s:o, s:s, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "vxs", VXS_VERSION, "machine", place,
-                     "scene", json_text(report->scene_path), "light", report->maps->light.name, "resolution_px",
+    return json_pack("{s:s, s:o, s:o, s:s, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:o, s:I, s:I, s:o}", "vxs", VXS_VERSION, "machine",
+                     place, "scene", json_text(report->scene_path), "light", report->maps->light.name, "resolution_px",
                      (json_int_t)1 << report->maps->levels, "triangles", (json_int_t)report->maps->casters.triangle_count,
                      "maps_seconds", report->maps->seconds, "threads", (json_int_t)report->maps->threads, "runs",
-                     (json_int_t)o->runs, "points", (json_int_t)o->points, "seed", (json_int_t)o->seed, "filter_px",
-                     (json_int_t)FILTER_PX, "zstd_level", (json_int_t)RIVAL_ZSTD_LEVEL, "rivals", results);
+                     (json_int_t)o->runs, "points", (json_int_t)o->points, "seed", (json_int_t)o->seed, "picture", picture_json(o),
+                     "filter_px", (json_int_t)FILTER_PX, "zstd_level", (json_int_t)RIVAL_ZSTD_LEVEL, "rivals", results);
 }

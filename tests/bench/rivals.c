@@ -1,11 +1,14 @@
 /* rivals: vxs beside other ways to keep a light's shadow, on the same depth maps, in one run.
  *
- *     rivals SCENE [--sun X,Y,Z] [--resolution N] [--threads N] [--runs R] [--points P] [--voxels all|COUNT] [--json FILE] [--fault depth|filter]
+ *     rivals SCENE [--sun X,Y,Z] [--resolution N] [--threads N] [--runs R] [--points P] [--width PX]
+ *         [--eye X,Y,Z --target X,Y,Z] [--fov DEGREES] [--voxels all|COUNT] [--json FILE] [--fault depth|filter]
  *
  * The maps are made once; then each rival (rival.h) makes a file of them, reads it, answers at the same points, and is checked:
  * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
- * output. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a texel whose caster the rivals do not get, or filters that are asked a texel
- * aside. Exit status 0: no voxel is wrong (rays are not judged: they graze triangles); 1: some are; else as vxs.
+ * output. Points are anywhere, at edges of shadows, and where the pixels of a picture see surfaces: from where vxs picture looks, or from
+ * --eye. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a texel whose
+ * caster the rivals do not get, or filters that are asked a texel aside. Exit status 0: no voxel is wrong (rays are not judged: they graze
+ * triangles); 1: some are; else as vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 #include <string.h>
@@ -56,6 +59,12 @@ static int all_right(const rival_report *report)
     return !wrong;
 }
 
+static void place_camera(measure_options *o, const light_maps *maps)
+{
+    const vxs_baked_light sun = {.light = maps->light}, *suns = &sun;
+    camera_place(&o->camera, &maps->casters, &suns, 1, (double)o->width_px / o->height_px);
+}
+
 static vxs_result run(rivals_command *c, int *right, message *m)
 {
     light_maps    maps    = {.levels = 0};
@@ -64,6 +73,7 @@ static vxs_result run(rivals_command *c, int *right, message *m)
     vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
     if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
     maps.threads = c->threads;
+    place_camera(&c->measure, &maps);
     if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
     if (r == VXS_OK) r = rivals_measure(results, rival_count(), &maps, &c->measure, m);
     if (r != VXS_OK) goto done;
@@ -92,6 +102,12 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
         {"--threads", OPTION_U32, &c->threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
          "for making and opening files, where a rival can use them (default 1)", NULL},
         {"--points", OPTION_U32, &c->measure.points, 1, 1e8, NULL, "P", "lookups of each kind in a run (default 1000000)", NULL},
+        {"--width", OPTION_U32, &c->measure.width_px, 16, 8192, NULL, "PX", "of the picture, 16:9, whose pixels ask (default 1920)",
+         NULL},
+        {"--eye", OPTION_VECTOR, c->measure.camera.camera.eye_ws, 0, 3, NULL, "X,Y,Z", "as picture", &c->measure.camera.eye_given},
+        {"--target", OPTION_VECTOR, c->measure.camera.camera.target_ws, 0, 3, NULL, "X,Y,Z", "as picture",
+         &c->measure.camera.target_given},
+        {"--fov", OPTION_F64, &c->measure.camera.camera.fov_degrees, 1, 170, NULL, "DEGREES", "as picture (default 35)", NULL},
         {"--voxels", OPTION_TEXT, &voxels, 0, 0, NULL, "COUNT", "random voxels to check, or all (default 2000000)", NULL},
         {"--seed", OPTION_U32, &c->measure.seed, 0, UINT32_MAX, NULL, "S", "other points (default 1)", NULL},
         {"--json", OPTION_OUTPUT, &c->json_path, 0, 0, ".json", "FILE", "the same as JSON; - is standard output", NULL},
@@ -101,7 +117,9 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
         "rivals", "SCENE [options]", "Measure vxs beside other ways to keep a light's shadow, on the same depth maps.", options);
     vxs_result r = options_parse(&line, argc, argv, help_shown, m);
     if (r == VXS_OK && !*help_shown) r = options_check_files(&line, m);
+    if (r == VXS_OK && !*help_shown) r = camera_check(&c->measure.camera, m);
     if (r != VXS_OK) return r;
+    c->measure.height_px = c->measure.width_px * 9 / 16;
     if (c->bake.resolution & (c->bake.resolution - 1))
         return fail(m, VXS_E_ARGUMENT, "--resolution %u: expected a power of two", c->bake.resolution);
     if (strcmp(voxels, "all")) {
@@ -118,7 +136,7 @@ int main(int argc, char **argv)
     rivals_command c = {
         .bake =
             {.resolution = 4096, .reuse = 1, .stop = STOP_FINAL, .threads = parallel_default_threads(), .baseline = BASELINE_OFF},
-        .measure = {.runs = 5, .points = 1000000, .seed = 1},
+        .measure = {.runs = 5, .points = 1000000, .seed = 1, .width_px = 1920, .camera = {.camera = {.fov_degrees = 35}}},
         .threads = 1,
     };
     run_files files = {0};

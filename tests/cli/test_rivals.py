@@ -12,7 +12,7 @@ import jsonschema
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SMALL = ("--resolution", 256, "--voxels", "all", "--runs", 3, "--points", 20000)
+SMALL = ("--resolution", 256, "--voxels", "all", "--runs", 3, "--points", 20000, "--width", 256)
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +104,26 @@ def test_tables_say_what_the_json_says(measured):
         assert (re.sub(r" \d+\.\d\d", "", line[1]) if line else "") == "; ".join(r["beats_vxs"])
 
 
+def test_a_picture_asks_where_it_sees_surfaces(rivals, city, tmp_path):
+    """All pixels, which look down on the city; rays are asked some of them. Nothing is asked where nothing is seen."""
+    look = ("--resolution", 64, "--voxels", 1, "--runs", 1, "--points", 100, "--width", 84)
+    down = ("--eye=0,1000,0", "--target=0,0,0.1", "--fov", 2)
+    rivals(city, *look, *down, "--json", tmp_path / "down.json")
+    result = json.loads((tmp_path / "down.json").read_text())
+    picture = result["picture"]
+    assert (picture["width_px"], picture["height_px"], picture["eye_ws"], picture["fov_degrees"]) == (84, 47, [0, 1000, 0], 2)
+    for r in result["rivals"]:
+        lookups = r["lookups"]
+        for set_, points in (("volume", 100), ("edge", 100), ("screen", 84 * 47)):
+            asked = [lookups[set_][key] for key in ("tap_points", "filter_points")]
+            assert asked == ([points // 10, points // 100] if r["rays"] else [points, points]), (r["name"], set_)
+    rivals(city, *look, "--eye=0,1000,0", "--target=0,2000,0.1", status=2)
+    rivals(city, *look, "--eye=0,1000,0", status=2)
+
+
 @pytest.mark.parametrize("fault", ["depth", "filter"])
 def test_fault_is_seen(rivals, city, fault, tmp_path):
-    rivals(city, "--resolution", 128, "--voxels", "all", "--runs", 1, "--points", 20000, "--fault", fault, "--json",
+    rivals(city, "--resolution", 128, "--voxels", "all", "--runs", 1, "--points", 20000, "--width", 256, "--fault", fault, "--json",
            tmp_path / "f.json", status=1)
     for r in json.loads((tmp_path / "f.json").read_text())["rivals"]:
         if fault == "filter":
