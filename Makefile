@@ -75,6 +75,8 @@ unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
+# that rivals hand to a compiler of shaders
+shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h)
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
@@ -97,8 +99,8 @@ $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
 $B/tests/unit/test_lookup_blocks: $B/tests/unit/blocks_scalar.c.o
 $B/tests/exact/exact: $(exact.o)
-$B/tests/bench/rivals: $(rival.o)
-$B/tests/bench/rivals: test_libs := -lz
+$B/tests/bench/rivals: $(rival.o) $(shader)
+$B/tests/bench/rivals: test_libs := -lz -lOSMesa
 $B/vxs $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
@@ -130,9 +132,9 @@ $B/%.cc.o: %.cc
 	@echo "  c++  $<"
 	$Q mkdir -p $(@D) && $(CXX) $(cxxflags) $(CPPFLAGS) $(CXXFLAGS) -c $< -o $@
 
-$(filter-out %/chart.min.js.o,$(embedded)): $B/%.o: %
+$(filter-out %/chart.min.js.o,$(embedded)) $(shader): $B/%.o: %
 $B/baker/report/chart.min.js.o: $(CHART_JS)
-$(embedded):
+$(embedded) $(shader):
 	@echo "  data $<"
 	$Q mkdir -p $(@D) && cd $(<D) && $(LD) -r -b binary -z noexecstack -o $(abspath $@) $(<F)
 $(CHART_JS): ; # it may come with a package that is yet to be installed

@@ -77,7 +77,7 @@ typedef struct rival {
 } rival;
 
 /* All of them: dag_rivals[0] is vxs as it is. */
-extern const rival dag_rivals[], block_rivals[], interval_rivals[], depth_rivals[], ray_rivals[];
+extern const rival dag_rivals[], block_rivals[], interval_rivals[], depth_rivals[], shader_rivals[], ray_rivals[];
 
 /* The box of a filter's taps, cut to the map: [x0, x1) x [y0, y1). */
 typedef struct tap_box {

@@ -1,0 +1,235 @@
+/* Shaders that look up what other rivals made, on OSMesa's llvmpipe; see rival.h. Their answers are checked as those of all rivals are.
+ *
+ * Voxels go to a buffer, a compute shader counts what is dark about each of them, and the counts come back, which takes 6 to 9 ns a lookup
+ * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/opengl/gl.h"
+
+#include <GL/osmesa.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/embedded.h"
+#include "runtime/vxs.h"
+#include "tests/bench/rival.h"
+
+EMBEDDED(vxs_lookup_h)
+EMBEDDED(vxs_lookup_blocks_h)
+
+#define SHADER_FUNCTIONS(X)                                                                                                        \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                     \
+    X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                                                                       \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
+    X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                                 \
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
+    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)
+
+enum { GROUP = 64, GROUPS_MAX = 16384, VOXELS_MAX = GROUP * GROUPS_MAX };
+
+/* One context is current on a thread: the rivals that are open share it. */
+static struct {
+    gl_context *gl;
+    size_t      users;
+#define SHADER_POINTER(type, name) type name;
+    SHADER_FUNCTIONS(SHADER_POINTER)
+#undef SHADER_POINTER
+} shared;
+
+typedef struct shader_options {
+    const rival *made_by;      /* the file */
+    int          is_texture;   /* the file is a map of 16-bit depths, not an asset */
+    const char  *tap, *filter; /* what is dark about voxel (i, j, k): the body of a function */
+} shader_options;
+
+typedef struct shader {
+    GLuint   tap, filter;            /* programs */
+    GLuint   words, voxels, answers; /* buffers, bound to what they are numbered by */
+    GLuint   depths;
+    uint32_t levels;
+} shader;
+
+/* text ------------------------------------------------------------------------------------------------------------------------- */
+
+static const char head[] = "#version 430 core\n"
+                           "layout(local_size_x = 64) in;\n"
+                           "layout(std430, binding = 0) readonly restrict buffer shadow_words { uint words[]; };\n"
+                           "#define vxs_word(dag, i) words[(dag) + (i)]\n"
+                           "layout(std430, binding = 1) readonly restrict buffer asked_voxels { int voxels[]; };\n"
+                           "layout(std430, binding = 2) writeonly restrict buffer dark_counts { uint answers[]; };\n"
+                           "layout(binding = 0) uniform usampler2D depths;\n"
+                           "layout(location = 0) uniform ivec4 asked;\n"; /* levels, voxels */
+
+static const char function[] = "uint dark_taps(uint levels, int i, int j, uint k)\n{\n";
+
+static const char end[] =
+    "}\n"
+    "void main()\n"
+    "{\n"
+    "    uint n = gl_GlobalInvocationID.x;\n"
+    "    if (n >= uint(asked.y)) return;\n"
+    "    answers[n] = dark_taps(uint(asked.x), voxels[3u * n], voxels[3u * n + 1u], uint(voxels[3u * n + 2u]));\n"
+    "}\n";
+
+static const char texture_filter[] =
+    "    int  last = (1 << levels) - 1, x0 = max(i - 4, 0), x1 = min(i + 4, last), y0 = max(j - 4, 0), y1 = min(j + 4, last);\n"
+    "    uint dark = 0u, depth = k << (16u - levels);\n"
+    "    for (int y = y0; y <= y1; y++)\n"
+    "        for (int x = x0; x <= x1; x++) dark += texelFetch(depths, ivec2(x, y), 0).r <= depth ? 1u : 0u;\n"
+    "    return dark;\n";
+
+static GLuint program_of(const char *body)
+{
+    const embedded lookup = vxs_lookup_h, blocks = vxs_lookup_blocks_h;
+    const char    *texts[] = {head, lookup.begin, blocks.begin, function, body, end};
+    const GLint    sizes[] = {-1, (GLint)(lookup.end - lookup.begin), (GLint)(blocks.end - blocks.begin), -1, -1, -1};
+    GLuint         compute = shared.gl->CreateShader(GL_COMPUTE_SHADER), program = shared.gl->CreateProgram();
+    shared.gl->ShaderSource(compute, sizeof texts / sizeof *texts, texts, sizes);
+    shared.gl->CompileShader(compute);
+    shared.gl->AttachShader(program, compute);
+    shared.gl->DeleteShader(compute);
+    shared.gl->LinkProgram(program);
+    return program;
+}
+
+/* opening ---------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result share_context(void)
+{
+    message    m = {.quiet = 1};
+    vxs_result r = shared.users++ ? VXS_OK : gl_context_create(&shared.gl, GL_BACKEND_OSMESA, 1, &m);
+    message_free(&m);
+#define SHADER_LOAD(type, name) shared.name = (type)OSMesaGetProcAddress("gl" #name);
+    SHADER_FUNCTIONS(SHADER_LOAD)
+#undef SHADER_LOAD
+    return r;
+}
+
+static void leave_context(void)
+{
+    if (--shared.users) return;
+    gl_context_destroy(shared.gl);
+    shared.gl = NULL;
+}
+
+static GLuint buffer_of(size_t size, const void *data)
+{
+    GLuint buffer;
+    shared.gl->GenBuffers(1, &buffer);
+    shared.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    shared.gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, data, GL_STATIC_DRAW);
+    return buffer;
+}
+
+static GLuint depths_of(const uint8_t *map, GLsizei side)
+{
+    GLuint texture;
+    shared.gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    shared.gl->TextureStorage2D(texture, 1, GL_R16UI, side, side);
+    shared.gl->TextureSubImage2D(texture, 0, 0, 0, side, side, GL_RED_INTEGER, GL_UNSIGNED_SHORT, map);
+    shared.TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    shared.TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return texture;
+}
+
+static vxs_result put_words(shader *s, const vxs_bytes *file, uint64_t *memory_bytes)
+{
+    vxs_asset *opened = NULL;
+    vxs_result r      = vxs_asset_open(&opened, file->data, file->size_bytes, NULL);
+    if (r != VXS_OK) return r;
+    *memory_bytes = (uint64_t)vxs_asset_light(opened, 0)->word_count * sizeof(uint32_t);
+    s->words      = buffer_of(*memory_bytes, vxs_asset_light(opened, 0)->words);
+    vxs_asset_close(opened);
+    return VXS_OK;
+}
+
+static void shader_close(void *state)
+{
+    shader *s = state;
+    if (shared.gl) {
+        shared.gl->DeleteProgram(s->tap);
+        shared.gl->DeleteProgram(s->filter);
+        shared.gl->DeleteBuffers(3, (const GLuint[3]){s->words, s->voxels, s->answers});
+        shared.gl->DeleteTextures(1, &s->depths);
+    }
+    leave_context();
+    free(s);
+}
+
+static void shader_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
+
+static vxs_result shader_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
+{
+    const shader_options *o      = options;
+    shader               *s      = calloc(1, sizeof *s);
+    uint64_t              memory = file->size_bytes;
+    uint32_t              dark;
+    vxs_result            r;
+    if (!s) return VXS_E_MEMORY;
+    s->levels = maps->levels;
+    if ((r = share_context()) != VXS_OK) goto failed;
+    if (!o->is_texture && (r = put_words(s, file, &memory)) != VXS_OK) goto failed;
+    if (o->is_texture) s->depths = depths_of(file->data, (GLsizei)1 << maps->levels);
+    s->tap     = program_of(o->tap);
+    s->filter  = program_of(o->filter);
+    s->voxels  = buffer_of(VOXELS_MAX * sizeof(voxel_at), NULL);
+    s->answers = buffer_of(VOXELS_MAX * sizeof(uint32_t), NULL);
+    /* llvmpipe compiles when it is first asked */
+    shader_count_dark(s, &(voxel_at){0, 0, 0}, 1, 1, &dark);
+    shader_count_dark(s, &(voxel_at){0, 0, 0}, 1, 9, &dark);
+    *asset = (rival_asset){s, memory};
+    if (shared.gl->GetError() == GL_NO_ERROR) return VXS_OK;
+    r = VXS_E_GL;
+failed:
+    shader_close(s);
+    return r;
+}
+
+/* lookups ---------------------------------------------------------------------------------------------------------------------- */
+
+static void count_some(const shader *s, const voxel_at *at, size_t count, uint32_t *dark)
+{
+    shared.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, s->voxels);
+    shared.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof *at), at);
+    shared.DispatchCompute((GLuint)((count + GROUP - 1) / GROUP), 1, 1);
+    shared.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    shared.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, s->answers);
+    shared.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof *dark), dark);
+}
+
+static void shader_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+{
+    const shader *s       = state;
+    GLuint        program = filter_px == 1 ? s->tap : s->filter;
+    shared.gl->UseProgram(program);
+    shared.gl->BindTextureUnit(0, s->depths);
+    for (GLuint n = 0; n < 3; n++)
+        shared.BindBufferBase(GL_SHADER_STORAGE_BUFFER, n, (const GLuint[3]){s->words, s->voxels, s->answers}[n]);
+    for (size_t first = 0; first < count; first += VOXELS_MAX) {
+        size_t some = count - first < VOXELS_MAX ? count - first : VOXELS_MAX;
+        shared.gl->ProgramUniform4i(program, 0, (GLint)s->levels, (GLint)some, 0, 0);
+        count_some(s, at + first, some, dark + first);
+    }
+}
+
+static vxs_result shader_build(light_maps *maps, const void *options, vxs_bytes *file)
+{
+    const rival *one = ((const shader_options *)options)->made_by;
+    return one->build(maps, one->options, file);
+}
+
+#define SHADER_RIVAL(name, what, ...)                                                                                              \
+    {                                                                                                                              \
+        name, what, &(const shader_options){__VA_ARGS__}, 0, shader_build, shader_open, shader_count_dark, shader_close            \
+    }
+
+const rival shader_rivals[] = {
+    SHADER_RIVAL("vxs, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0,
+                 "    return vxs_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
+                 "    return vxs_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
+    SHADER_RIVAL("palette blocks, GLSL", "formats/vxs_lookup_blocks.h on llvmpipe", block_rivals, 0,
+                 "    return vxs_blocks_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
+                 "    return vxs_blocks_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
+    SHADER_RIVAL("16-bit texture, GLSL", "texelFetch on llvmpipe, of each tap", depth_rivals, 1,
+                 "    return texelFetch(depths, ivec2(i, j), 0).r <= k << (16u - levels) ? 1u : 0u;\n", texture_filter),
+    {.name = NULL},
+};
