@@ -247,17 +247,6 @@ VXS_FN vxs_u32 vxs_four_at_most(vxs_u32 bytes, vxs_u32 limit)
     return ((fit >> 7) * 0x01020408u) >> 24;
 }
 
-/* Bits 0 to 15: which of 16 bytes, shifted right by 0 or 4 and cut to the bits of `keep`, are at most `limit`, 0 to 255. */
-VXS_FN vxs_u32 vxs_bytes_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 shift, vxs_u32 keep, vxs_u32 limit)
-{
-    vxs_u32 bits = 0u;
-    for (vxs_u32 n = 0u; n < 16u; n += 4u) {
-        vxs_u32 bytes = (vxs_four_bytes(blocks, at, byte_at + n) >> shift) & (keep * 0x01010101u);
-        bits |= vxs_four_at_most(bytes, limit) << n;
-    }
-    return bits;
-}
-
 /* How many of `count` bytes, up to 15, are at most `limit`. */
 VXS_FN vxs_u32 vxs_deltas_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 count, vxs_u32 limit)
 {
@@ -574,14 +563,6 @@ VXS_INLINE vxs_u32 vxs_blocks_quadrant(VXS_WORDS blocks, vxs_blocks_tile tile, v
     return vxs_blocks_half(blocks, tile, states, c, nth);
 }
 
-/* Quadrant c of a tile of nibbles: bytes 0 to 15, or 16 to 31; of quadrants 2 and 3 the high nibbles. */
-VXS_FN vxs_u32 vxs_blocks_nibbles(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
-{
-    vxs_i32 limit = tile.k - VXS_I((tile.bases >> (8u * c)) & 0xffu);
-    if (limit < 0) return 0u;
-    return vxs_bytes_at_most(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u), 4u * (c >> 1), 15u, limit < 15 ? VXS_U(limit) : 15u);
-}
-
 /* A texel, z = 0 to 63, of a tile of raw depths. */
 VXS_FN vxs_u32 vxs_blocks_raw_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 z)
 {
@@ -590,47 +571,11 @@ VXS_FN vxs_u32 vxs_blocks_raw_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_
     return VXS_I(depth) <= tile.k ? 1u : 0u;
 }
 
-/* Quadrant c of a tile of raw depths. */
-VXS_FN vxs_u32 vxs_blocks_raw(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
-{
-    if (tile.kind == VXS_BLOCKS_RAW)
-        return vxs_bytes_at_most(blocks, tile.pool, 2u * tile.at + 16u * c, 0u, 255u, tile.k < 255 ? VXS_U(tile.k) : 255u);
-    vxs_u32 bits = 0u;
-    for (vxs_u32 z = 0u; z < 16u; z++) bits |= vxs_blocks_raw_texel(blocks, tile, 16u * c + z) << z;
-    return bits;
-}
-
 /* Texel z of quadrant c of a tile on a plane. */
 VXS_FN vxs_u32 vxs_blocks_plane_texel(vxs_blocks_tile tile, vxs_u32 c, vxs_u32 z)
 {
     vxs_u32 x = 4u * (c & 1u) + (z & 3u), y = 4u * (c >> 1) + (z >> 2);
     return VXS_I(tile.count * x + tile.bases * y) <= tile.k ? 1u : 0u;
-}
-
-/* Quadrant c of a tile on a plane. */
-VXS_FN vxs_u32 vxs_blocks_plane_quadrant(vxs_blocks_tile tile, vxs_u32 c)
-{
-#ifdef VXS_VECTORS
-    const vxs_words4 zero = {0}, columns = {0u, tile.count, 2u * tile.count, 3u * tile.count};
-    const vxs_lanes4 limit = (vxs_lanes4)(zero + (vxs_u32)tile.k);
-    vxs_words4       row   = columns + (4u * (c & 1u) * tile.count + 4u * (c >> 1) * tile.bases);
-    vxs_lanes4       rows[4];
-    for (int y = 0; y < 4; y++, row += tile.bases) rows[y] = (vxs_lanes4)row <= limit;
-    return vxs_bits_of_rows(rows);
-#else
-    vxs_u32 bits = 0u;
-    for (vxs_u32 z = 0u; z < 16u; z++) bits |= vxs_blocks_plane_texel(tile, c, z) << z;
-    return bits;
-#endif
-}
-
-/* All texels of a tile on a plane. */
-VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
-{
-    vxs_mask mask;
-    mask.low  = vxs_blocks_plane_quadrant(tile, 0u) | (vxs_blocks_plane_quadrant(tile, 1u) << 16);
-    mask.high = vxs_blocks_plane_quadrant(tile, 2u) | (vxs_blocks_plane_quadrant(tile, 3u) << 16);
-    return mask;
 }
 
 /* Plane 0 or 1 of a tile that has two. */
@@ -648,16 +593,6 @@ VXS_FN vxs_u32 vxs_blocks_join(vxs_u32 kind, vxs_u32 first, vxs_u32 second, vxs_
     if (kind == VXS_BLOCKS_NEARER) return first | second;
     if (kind == VXS_BLOCKS_FARTHER) return first & second;
     return (first & ~of_second) | (second & of_second);
-}
-
-/* All texels of a tile of two planes. */
-VXS_APART vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
-{
-    vxs_mask first  = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u));
-    vxs_mask second = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 1u));
-    first.low       = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
-    first.high      = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
-    return first;
 }
 
 /* Texel z of quadrant c of a tile of two planes. */
@@ -679,6 +614,56 @@ VXS_INLINE vxs_u32 vxs_blocks_texel(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_
     return VXS_I(nibble + ((tile.bases >> (8u * c)) & 0xffu)) <= tile.k ? 1u : 0u;
 }
 
+#ifdef VXS_VECTORS
+
+/* Quadrant c of a tile of nibbles: bytes 0 to 15, or 16 to 31; of quadrants 2 and 3 the high nibbles. */
+VXS_FN vxs_u32 vxs_blocks_nibbles(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
+{
+    vxs_i32 limit = tile.k - VXS_I((tile.bases >> (8u * c)) & 0xffu);
+    if (limit < 0) return 0u;
+    return vxs_bytes_at_most(blocks, tile.pool, 2u * tile.at + 16u * (c & 1u), 4u * (c >> 1), 15u, limit < 15 ? VXS_U(limit) : 15u);
+}
+
+/* Quadrant c of a tile of raw depths. */
+VXS_FN vxs_u32 vxs_blocks_raw(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
+{
+    if (tile.kind == VXS_BLOCKS_RAW)
+        return vxs_bytes_at_most(blocks, tile.pool, 2u * tile.at + 16u * c, 0u, 255u, tile.k < 255 ? VXS_U(tile.k) : 255u);
+    vxs_u32 bits = 0u;
+    for (vxs_u32 z = 0u; z < 16u; z++) bits |= vxs_blocks_raw_texel(blocks, tile, 16u * c + z) << z;
+    return bits;
+}
+
+/* Quadrant c of a tile on a plane. */
+VXS_FN vxs_u32 vxs_blocks_plane_quadrant(vxs_blocks_tile tile, vxs_u32 c)
+{
+    const vxs_words4 zero = {0}, columns = {0u, tile.count, 2u * tile.count, 3u * tile.count};
+    const vxs_lanes4 limit = (vxs_lanes4)(zero + (vxs_u32)tile.k);
+    vxs_words4       row   = columns + (4u * (c & 1u) * tile.count + 4u * (c >> 1) * tile.bases);
+    vxs_lanes4       rows[4];
+    for (int y = 0; y < 4; y++, row += tile.bases) rows[y] = (vxs_lanes4)row <= limit;
+    return vxs_bits_of_rows(rows);
+}
+
+/* All texels of a tile on a plane. */
+VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile)
+{
+    vxs_mask mask;
+    mask.low  = vxs_blocks_plane_quadrant(tile, 0u) | (vxs_blocks_plane_quadrant(tile, 1u) << 16);
+    mask.high = vxs_blocks_plane_quadrant(tile, 2u) | (vxs_blocks_plane_quadrant(tile, 3u) << 16);
+    return mask;
+}
+
+/* All texels of a tile of two planes. */
+VXS_APART vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
+{
+    vxs_mask first  = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u));
+    vxs_mask second = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 1u));
+    first.low       = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
+    first.high      = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
+    return first;
+}
+
 /* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
 VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
@@ -697,6 +682,73 @@ VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
     }
     return mask;
 }
+
+#else
+
+/* Of texels z and z + 32 those are asked whose z is below `end`: 32, or 0. Where one shader of a group takes a branch, and on some machines
+ * even where none does, all walk through it; a loop ends when none needs it any more. So each kind of tile has a loop. */
+
+/* A tile of nibbles: texels z and z + 32 are in one byte. */
+VXS_FN vxs_mask vxs_blocks_nibbles_mask(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
+{
+    vxs_mask mask = vxs_uniform_mask(0u);
+    for (vxs_u32 z = 0u; z < end; z += 4u) {
+        vxs_u32 bytes = vxs_four_bytes(blocks, tile.pool, 2u * tile.at + z), bases = tile.bases >> (8u * (z >> 4));
+        vxs_i32 low = tile.k - VXS_I(bases & 0xffu), high = tile.k - VXS_I((bases >> 16) & 0xffu);
+        if (low >= 0) mask.low |= vxs_four_at_most(bytes & 0x0f0f0f0fu, VXS_U(vxs_clamp(low, 0, 15))) << z;
+        if (high >= 0) mask.high |= vxs_four_at_most((bytes >> 4) & 0x0f0f0f0fu, VXS_U(vxs_clamp(high, 0, 15))) << z;
+    }
+    return mask;
+}
+
+VXS_FN vxs_mask vxs_blocks_raw_mask(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
+{
+    vxs_mask mask = vxs_uniform_mask(0u);
+    for (vxs_u32 z = 0u; z < end; z++) {
+        mask.low |= vxs_blocks_raw_texel(blocks, tile, z) << z;
+        mask.high |= vxs_blocks_raw_texel(blocks, tile, z + 32u) << z;
+    }
+    return mask;
+}
+
+VXS_FN vxs_mask vxs_blocks_plane_mask(vxs_blocks_tile tile, vxs_u32 end)
+{
+    vxs_mask mask = vxs_uniform_mask(0u);
+    for (vxs_u32 z = 0u; z < end; z++) {
+        mask.low |= vxs_blocks_plane_texel(tile, z >> 4, z & 15u) << z;
+        mask.high |= vxs_blocks_plane_texel(tile, 2u + (z >> 4), z & 15u) << z;
+    }
+    return mask;
+}
+
+/* All texels of a tile of two planes. */
+VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 end)
+{
+    vxs_mask first = vxs_uniform_mask(0u), second = first;
+    if (end != 0u) {
+        first      = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 0u), end);
+        second     = vxs_blocks_plane_mask(vxs_blocks_one_plane(blocks, tile, 1u), end);
+        first.low  = vxs_blocks_join(tile.kind, first.low, second.low, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 12u));
+        first.high = vxs_blocks_join(tile.kind, first.high, second.high, vxs_four_bytes(blocks, tile.pool, 2u * tile.at + 16u));
+    }
+    return first;
+}
+
+/* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
+VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
+{
+    vxs_u32  kind    = tile.kind;
+    vxs_mask nibbles = vxs_blocks_nibbles_mask(blocks, tile, kind == VXS_BLOCKS_NIBBLES ? 32u : 0u);
+    vxs_mask raw     = vxs_blocks_raw_mask(blocks, tile, kind >= VXS_BLOCKS_RAW && kind < VXS_BLOCKS_PLANE ? 32u : 0u);
+    vxs_mask plane   = vxs_blocks_plane_mask(tile, kind == VXS_BLOCKS_PLANE ? 32u : 0u);
+    vxs_mask planes  = vxs_blocks_two_planes(blocks, tile, kind > VXS_BLOCKS_PLANE ? 32u : 0u);
+    if (kind == VXS_BLOCKS_MASKS) return vxs_blocks_quadrants(blocks, tile);
+    plane.low |= nibbles.low | raw.low | planes.low;
+    plane.high |= nibbles.high | raw.high | planes.high;
+    return plane;
+}
+
+#endif
 
 /* lookups --------------------------------------------------------------------------------------------------------------------------- */
 
@@ -756,6 +808,8 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile ti
                              mask.high & columns & vxs_blocks_rows(vxs_clamp(box.y0 - 4, 0, 4), vxs_clamp(box.y1 - 4, 0, 4)));
 }
 
+#ifdef VXS_C
+
 /* Shadowed texels of block (x, y) of a node in a box, which is cut to it. Depth in a node grows as its slope does, to one corner of the
  * box: from the least to the last depth of its tiles, all may be lit or shadowed. */
 VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_i32 x, vxs_i32 y, vxs_blocks_box box)
@@ -794,6 +848,46 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_square(VXS_WORDS blocks, vxs_u32 map, vxs
     return count;
 }
 
+/* Shadowed texels of a map in a box. */
+VXS_FN vxs_u32 vxs_blocks_count_in_box(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
+{
+    vxs_u32 count = 0u;
+    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
+        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
+            count += vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut(box, 256 * x, 256 * y, 256), k);
+    return count;
+}
+
+#else
+
+/* Shadowed texels of tile (x, y) of a map in a box. */
+VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_box box,
+                                       vxs_i32 k)
+{
+    vxs_blocks_box  inside = vxs_blocks_cut(box, 8 * x, 8 * y, 8);
+    vxs_blocks_node node   = vxs_blocks_find_node(blocks, map, levels, VXS_U(x >> 5), VXS_U(y >> 5), k);
+    if (node.kind != VXS_BLOCKS_MASKS) return node.kind * vxs_blocks_area(inside);
+
+    vxs_blocks_block block = vxs_blocks_find_block(blocks, node, VXS_U(((x >> 2) & 7) | (((y >> 2) & 7) << 3)));
+    vxs_i32          depth = vxs_blocks_tile_depth(node, x & 31, y & 31);
+    vxs_u32          rank  = vxs_blocks_block_rank(blocks, block, depth);
+    vxs_blocks_tile  tile  = vxs_blocks_find_tile(blocks, node, block, VXS_U((x & 3) | ((y & 3) << 2)), rank, depth);
+    return vxs_blocks_count_in_tile(blocks, tile, inside);
+}
+
+/* Shadowed texels of a map in a box. A walk from the top for each tile: of loops in loops, each takes as many rounds as the longest of a
+ * shader's group, while a box of 9 x 9 has four tiles wherever it lies. */
+VXS_FN vxs_u32 vxs_blocks_count_in_box(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
+{
+    vxs_u32 count = 0u;
+    for (vxs_i32 y = box.y0 >> 3; y <= (box.y1 - 1) >> 3; y++)
+        for (vxs_i32 x = box.x0 >> 3; x <= (box.x1 - 1) >> 3; x++)
+            count += vxs_blocks_count_in_map(blocks, map, levels, x, y, box, k);
+    return count;
+}
+
+#endif
+
 /* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount. Other arguments as above.
  * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
  * filter  K, odd, 1 to VXS_FILTER_MAX.   Each of the at most nine tiles that the box touches is read once. */
@@ -801,17 +895,13 @@ VXS_FN vxs_u32 vxs_blocks_shadow_count(VXS_WORDS blocks, vxs_u32 map, vxs_u32 le
                                        vxs_i32 filter_px)
 {
     vxs_i32        half_px = filter_px / 2;
-    vxs_u32        count   = 0u;
     vxs_blocks_box box;
     box.x0 = i - half_px;
     box.x1 = i + half_px + 1;
     box.y0 = j - half_px;
     box.y1 = j + half_px + 1;
     box    = vxs_blocks_cut(box, 0, 0, VXS_I(1) << levels);
-    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
-        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
-            count += vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut(box, 256 * x, 256 * y, 256), VXS_I(k));
-    return count;
+    return vxs_blocks_count_in_box(blocks, map, levels, box, VXS_I(k));
 }
 
 #endif
