@@ -76,7 +76,7 @@ typedef struct rival {
     void (*close)(void *state);
 } rival;
 
-/* All of them: dag_rivals[0] is vxs as it is. */
+/* All of them. block_rivals[0] is vxs as it is, which the others are held against; dag_rivals[0] is vxs bake --coding dag. */
 extern const rival dag_rivals[], block_rivals[], interval_rivals[], depth_rivals[], shader_rivals[], ray_rivals[];
 
 /* The box of a filter's taps, cut to the map: [x0, x1) x [y0, y1). */

@@ -73,15 +73,15 @@ static void dag_close(void *state)
     }
 
 const rival dag_rivals[] = {
-    DAG_RIVAL("vxs", "as vxs bake makes it", .stop = STOP_FINAL),
-    DAG_RIVAL("vxs, older mask rule", "--rule shadow: undefined voxels become dark", .rule = MASK_RULE_SHADOW, .stop = STOP_FINAL),
-    DAG_RIVAL("vxs, no culling", "--reuse off: what equals its neighbour nearer the light is made again", .reuse_off = 1,
+    DAG_RIVAL("DAG", "as vxs bake --coding dag makes it", .stop = STOP_FINAL),
+    DAG_RIVAL("DAG, older mask rule", "--rule shadow: undefined voxels become dark", .rule = MASK_RULE_SHADOW, .stop = STOP_FINAL),
+    DAG_RIVAL("DAG, no culling", "--reuse off: what equals its neighbour nearer the light is made again", .reuse_off = 1,
               .stop = STOP_FINAL),
-    DAG_RIVAL("vxs, top-down", "--compress top-down: sub-DAGs by subtree hash, from the roots down",
+    DAG_RIVAL("DAG, top-down", "--compress top-down: sub-DAGs by subtree hash, from the roots down",
               .compress = COMPRESS_CHOICE_TOP_DOWN, .stop = STOP_FINAL),
-    DAG_RIVAL("vxs, bottom-up", "--compress bottom-up: sub-DAGs by sorted contents, from the masks up",
+    DAG_RIVAL("DAG, bottom-up", "--compress bottom-up: sub-DAGs by sorted contents, from the masks up",
               .compress = COMPRESS_CHOICE_BOTTOM_UP, .stop = STOP_FINAL),
-    DAG_RIVAL("vxs, uncompressed", "--stop insert: sub-DAGs side by side, as they were inserted", .stop = STOP_INSERT),
-    DAG_RIVAL("vxs, uncompressed, no culling", "--stop insert --reuse off", .reuse_off = 1, .stop = STOP_INSERT),
+    DAG_RIVAL("DAG, uncompressed", "--stop insert: sub-DAGs side by side, as they were inserted", .stop = STOP_INSERT),
+    DAG_RIVAL("DAG, uncompressed, no culling", "--stop insert --reuse off", .reuse_off = 1, .stop = STOP_INSERT),
     {.name = NULL},
 };

@@ -223,7 +223,7 @@ static vxs_result shader_build(light_maps *maps, const void *options, vxs_bytes 
     }
 
 const rival shader_rivals[] = {
-    SHADER_RIVAL("vxs, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0,
+    SHADER_RIVAL("DAG, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0,
                  "    return vxs_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
                  "    return vxs_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
     SHADER_RIVAL("palette blocks, GLSL", "formats/vxs_lookup_blocks.h on llvmpipe", block_rivals, 0,

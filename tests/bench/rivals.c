@@ -30,7 +30,7 @@ typedef struct rivals_command {
     uint32_t        threads;
 } rivals_command;
 
-static const rival *const families[] = {dag_rivals, block_rivals, interval_rivals, depth_rivals, shader_rivals, ray_rivals};
+static const rival *const families[] = {block_rivals, dag_rivals, interval_rivals, depth_rivals, shader_rivals, ray_rivals};
 
 enum { FAMILY_COUNT = sizeof families / sizeof *families };
 

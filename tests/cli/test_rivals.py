@@ -76,7 +76,7 @@ def test_no_voxel_is_wrong_and_filters_are_their_taps(measured):
 
 
 def test_vxs_is_what_a_bake_makes(vxs, city, measured, tmp_path):
-    for coding, rival in (("dag", "vxs"), ("blocks", "palette blocks")):
+    for coding, rival in (("dag", "DAG"), ("blocks", "palette blocks")):
         vxs("bake", city, "-o", tmp_path / "city.vxs", "--resolution", 256, "--coding", coding, "--baseline", "off", "--json",
             tmp_path / "bake.json")
         size = json.loads((tmp_path / "bake.json").read_text())["lights"][0]["size"]
@@ -86,12 +86,12 @@ def test_vxs_is_what_a_bake_makes(vxs, city, measured, tmp_path):
 def test_rivals_differ_where_they_should(measured):
     found = by_name(measured[1])
     memory = {name: r["memory_bytes"] for name, r in found.items()}
-    assert memory["vxs"] == memory["vxs, top-down"] == memory["vxs, bottom-up"]
-    assert memory["vxs"] <= memory["vxs, no culling"] < 1.01 * memory["vxs"]
-    assert memory["vxs"] < memory["vxs, older mask rule"] and memory["vxs"] < memory["vxs, uncompressed"]
-    assert memory["vxs, uncompressed"] < memory["vxs, uncompressed, no culling"]
+    assert memory["DAG"] == memory["DAG, top-down"] == memory["DAG, bottom-up"]
+    assert memory["DAG"] <= memory["DAG, no culling"] < 1.01 * memory["DAG"]
+    assert memory["DAG"] < memory["DAG, older mask rule"] and memory["DAG"] < memory["DAG, uncompressed"]
+    assert memory["DAG, uncompressed"] < memory["DAG, uncompressed, no culling"]
     assert memory["16-bit depth map"] == found["16-bit depth map"]["file_bytes"] == 2 * 256**2
-    for shader, asked in (("vxs, GLSL", "vxs"), ("palette blocks, GLSL", "palette blocks"), ("16-bit texture, GLSL", "16-bit depth map")):
+    for shader, asked in (("DAG, GLSL", "DAG"), ("palette blocks, GLSL", "palette blocks"), ("16-bit texture, GLSL", "16-bit depth map")):
         assert (memory[shader], found[shader]["file_bytes"]) == (memory[asked], found[asked]["file_bytes"])
     disk = [found[name]["file_bytes"] for name in ("16-bit depth map", "16-bit, zstd -3", "16-bit, zstd -19")]
     assert disk == sorted(disk, reverse=True) and len(set(disk)) == 3
