@@ -8,6 +8,7 @@
 
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
+#include "baker/base/simd.h"
 
 vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
 {
@@ -124,15 +125,38 @@ static vxs_result maps_bounds(void *data, uint32_t level, uint32_t i, uint32_t j
     return VXS_OK;
 }
 
+/* The same as voxels_down and voxels_up for four depths in equal steps, which are exact as floats, too. */
+static void four_down(const depth_maps *d, const float *depths, uint32_t *to)
+{
+    i32x4 down = __builtin_convertvector(f32x4_load(depths) * (float)d->depth_vx, i32x4);
+    memcpy(to, &down, sizeof down);
+}
+
+static void four_up(const depth_maps *d, const float *depths, uint32_t *to)
+{
+    f32x4 voxels = f32x4_load(depths) * (float)d->depth_vx;
+    i32x4 up     = __builtin_convertvector(voxels, i32x4);
+    up -= (i32x4)(__builtin_convertvector(up, f32x4) < voxels);
+    memcpy(to, &up, sizeof up);
+}
+
 static vxs_result maps_tile(void *data, uint32_t i, uint32_t j, column_tile *out)
 {
     const depth_maps *d = data;
     const float      *e = d->enter + (size_t)j * 8 * d->side_px + i * 8;
     const float      *x = d->exit + (size_t)j * 8 * d->side_px + i * 8;
     for (int row = 0; row < 8; row++, e += d->side_px, x += d->side_px)
-        for (int n = 0; n < 8; n++) {
-            out->e[row * 8 + n] = voxels_down(d, e[n]);
-            out->x[row * 8 + n] = voxels_up(d, x[n]);
+        for (int n = 0; n < 8; n += 4) {
+            uint32_t *to_e = out->e + row * 8 + n, *to_x = out->x + row * 8 + n;
+            if (d->voxel_log == 0) {
+                four_down(d, e + n, to_e);
+                four_up(d, x + n, to_x);
+                continue;
+            }
+            for (int m = 0; m < 4; m++) {
+                to_e[m] = voxels_down(d, e[n + m]);
+                to_x[m] = voxels_up(d, x[n + m]);
+            }
         }
     return VXS_OK;
 }
