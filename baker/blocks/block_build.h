@@ -14,7 +14,7 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
 uint32_t block_square_side(uint32_t map_side_px);
 
 /* Add map `map` of a light, from its open columns: bytes are the same at any number of threads and any size of fetched squares.
- * ctx  threads; STAGE_MASKS and STAGE_MERGE are timed here, and a step of progress is done for each square of fetch_px
+ * ctx  threads; STAGE_MASKS is timed here, and a step of progress is done for each square of fetch_px
  * Returns the same, or VXS_E_ARGUMENT when fetch_px is less than block_square_side. */
 vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns, bake_context *ctx);
 

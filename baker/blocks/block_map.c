@@ -55,12 +55,12 @@ static vxs_result add_slot(void *user, uint32_t slot, uint32_t level, uint32_t i
     return block_set_merge(b->set, &b->batch[slot]);
 }
 
+/* Squares are merged while others are built. */
 static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count)
 {
-    static const bake_stage stages[] = {STAGE_MASKS, STAGE_MERGE, STAGE_NONE};
     (void)user;
     (void)count;
-    stage_begin(ctx, stages[phase]);
+    stage_begin(ctx, phase == 0 ? STAGE_MASKS : STAGE_NONE);
 }
 
 vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns, bake_context *ctx)
@@ -71,7 +71,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (!b) return VXS_E_MEMORY;
     *b = (map_builder){
         .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx, .fetch_px = columns->fetch_px};
-    descent    d = {b, look, build_slot, add_slot, time_batch};
+    descent    d = {b, look, build_slot, add_slot, time_batch, 1};
     vxs_result r = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);
     free(b);

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/descent.h"
 
+#include <pthread.h>
+
 #include "baker/base/parallel.h"
 
 /* A square that waits to be built. */
@@ -9,6 +11,7 @@ typedef struct waiting {
     uint32_t   level, i, j;      /* of the map */
     uint32_t   inner_i, inner_j; /* the same square, of the fetched columns */
     vxs_result result;
+    int        built;
 } waiting;
 
 typedef struct walker {
@@ -19,7 +22,39 @@ typedef struct walker {
     uint32_t             fetched_level, fetched_i, fetched_j;
     waiting              batch[DESCENT_BATCH];
     uint32_t             count;
+
+    /* of the batch: what one thread at a time adds, in order, while others build */
+    pthread_mutex_t lock;
+    uint32_t        added;
+    int             adding;
+    vxs_result      result; /* of the squares that were added, or the first that failed */
 } walker;
+
+/* Whether the next square waits only for being added. */
+static int next_is_ready(const walker *w)
+{
+    return w->result == VXS_OK && w->added < w->count && w->batch[w->added].built;
+}
+
+static vxs_result add_square(walker *w, uint32_t slot)
+{
+    const waiting *s = &w->batch[slot];
+    return s->result == VXS_OK ? w->d->add(w->d->user, slot, s->level, s->i, s->j) : s->result;
+}
+
+/* Add all that can be. Where another thread does so, it goes on with what is built meanwhile. */
+static void add_ready(walker *w)
+{
+    while (!w->adding && next_is_ready(w)) {
+        w->adding = 1;
+        pthread_mutex_unlock(&w->lock);
+        vxs_result r = add_square(w, w->added);
+        pthread_mutex_lock(&w->lock);
+        w->adding = 0;
+        w->result = r;
+        w->added++;
+    }
+}
 
 static void build_slots(void *user, size_t begin, size_t end, uint32_t worker)
 {
@@ -28,6 +63,10 @@ static void build_slots(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) {
         waiting *s = &w->batch[n];
         s->result  = w->d->build(w->d->user, (uint32_t)n, w->fetched, s->level, s->inner_i, s->inner_j);
+        pthread_mutex_lock(&w->lock);
+        s->built = 1;
+        if (w->d->add_early) add_ready(w);
+        pthread_mutex_unlock(&w->lock);
     }
 }
 
@@ -39,25 +78,22 @@ static void batch_phase(const walker *w, int phase)
 /* Build the squares that wait, and add them in the order in which they came. */
 static vxs_result build_batch(walker *w)
 {
-    vxs_result r = VXS_OK;
     if (!w->count) return VXS_OK;
+    w->added  = 0;
+    w->result = VXS_OK;
     batch_phase(w, 0);
     parallel_for(w->ctx->threads, w->count, 1, build_slots, w);
     batch_phase(w, 1);
-    for (uint32_t n = 0; n < w->count && r == VXS_OK; n++) {
-        const waiting *s = &w->batch[n];
-        r                = s->result;
-        if (r == VXS_OK) r = w->d->add(w->d->user, n, s->level, s->i, s->j);
-    }
+    for (; next_is_ready(w); w->added++) w->result = add_square(w, w->added);
     batch_phase(w, 2);
     w->count = 0;
-    return r;
+    return w->result;
 }
 
 static vxs_result build_later(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
     uint32_t inner       = w->fetched_level - level;
-    w->batch[w->count++] = (waiting){level, i, j, i - (w->fetched_i << inner), j - (w->fetched_j << inner), VXS_OK};
+    w->batch[w->count++] = (waiting){level, i, j, i - (w->fetched_i << inner), j - (w->fetched_j << inner), VXS_OK, 0};
     return w->count < DESCENT_BATCH ? VXS_OK : build_batch(w);
 }
 
@@ -114,6 +150,8 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j)
 
 vxs_result descend(const descent *d, const column_map *columns, bake_context *ctx)
 {
-    walker w = {.d = d, .columns = columns, .ctx = ctx};
-    return visit(&w, square_level(columns->side_px), 0, 0);
+    walker     w = {.d = d, .columns = columns, .ctx = ctx, .lock = PTHREAD_MUTEX_INITIALIZER};
+    vxs_result r = visit(&w, square_level(columns->side_px), 0, 0);
+    pthread_mutex_destroy(&w.lock);
+    return r;
 }

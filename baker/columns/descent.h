@@ -1,7 +1,8 @@
 /* From the top of a map down to squares that can be built: what every coding of columns begins with.
  *
  * A square whose bounds settle it is added as it is. What is left is fetched, in squares as wide as the source can give, and descended
- * further, until a square is small enough to be built. Squares are built on all threads, a batch at once, and added in z order.
+ * further, until a square is small enough to be built. Squares are built on all threads, a batch at once, and added in z order:
+ * behind the batch, or while others of it are still built.
  * Source: [CPVS16] 4.3, 6.1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DESCENT_H
@@ -30,11 +31,14 @@ typedef struct descent {
      * [0, DESCENT_BATCH), before it is added. */
     vxs_result (*build)(void *user, uint32_t slot, const column_square *columns, uint32_t level, uint32_t i, uint32_t j);
 
-    /* Add what was built in a slot; level, i, j as look was given them. Called in z order, and not where building failed. */
+    /* Add what was built in a slot; level, i, j as look was given them. Called in z order, once at a time, and not where building failed. */
     vxs_result (*add)(void *user, uint32_t slot, uint32_t level, uint32_t i, uint32_t j);
 
     /* Of a batch: before it is built; between building and adding; behind it. Stages of time belong there. May be NULL. */
     void (*batch)(void *user, bake_context *ctx, int phase, uint32_t count);
+
+    /* 1: add is called from any thread, as soon as a square and all before it are built: there is nothing between building and adding. */
+    int add_early;
 } descent;
 
 /* Descend a map.

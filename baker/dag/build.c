@@ -140,7 +140,7 @@ vxs_result dag_build_map(dag_merger *g, uint32_t map, const column_map *columns,
                                  .map       = map,
                                  .sub_level = square_level(sub_dag_side(columns->side_px)),
                                  .fetch_px  = columns->fetch_px};
-    descent    d = {b, look, build_slot, add_slot, time_batch};
+    descent    d = {b, look, build_slot, add_slot, time_batch, 0};
     vxs_result r = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) dag_free(&b->batch[n].dag);
     free(b);
