@@ -92,6 +92,18 @@ static inline int i16x8_any(i16x8 mask)
 #endif
 }
 
+/* Which of 16 elements of two masks are set, as bits. */
+static inline uint32_t i16x8_bits(i16x8 a, i16x8 b)
+{
+#ifdef __SSE2__
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)a, (__m128i)b));
+#else
+    uint32_t bits = 0;
+    for (int n = 0; n < 8; n++) bits |= (uint32_t)(a[n] != 0) << n | (uint32_t)(b[n] != 0) << (n + 8);
+    return bits;
+#endif
+}
+
 static inline int i16x8_greatest(i16x8 v)
 {
     int16_t at[8];

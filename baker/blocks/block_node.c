@@ -23,6 +23,7 @@ typedef struct tile_in {
     tile_kind   kind;
     int32_t     shift;  /* the slope that was added */
     int         depths; /* that it needs; 0: not counted */
+    own_planes  plane;  /* that it lies on alone */
 } tile_in;
 
 typedef struct node_builder {
@@ -176,6 +177,7 @@ static void give_one_own_depths(node_builder *b)
         most->ranges.low[n]  = most->emax;
         most->ranges.high[n] = most->xmin;
     }
+    if (most->kind == TILE_UNIFORM) own_plane(&most->plane, &most->ranges);
     most->kind = TILE_OWN;
 }
 
@@ -227,22 +229,6 @@ static int32_t place(block *out, const depth_axis *axis, const pierce_group *gro
         high          = min_i32(high, to - out->depth[n]);
     }
     return low;
-}
-
-/* For each texel, the entries of the palette that it may have: those not before its low, and not behind its high. */
-static void palette_ranges(const tile_in *t, const int16_t *codes, int count, uint8_t low[64], uint8_t high[64])
-{
-    for (int n = 0; n < 64; n += 8) {
-        i16x8 l = i16x8_load(t->low + n), h = i16x8_load(t->high + n), from = i16x8_all(0), to = i16x8_all((int16_t)(count - 1));
-        for (int entry = 0; entry < count; entry++) {
-            i16x8 code = i16x8_all(codes[entry]);
-            from -= (i16x8)(l > code);
-            to += (i16x8)(code > h);
-        }
-        i8x8 from_bytes = __builtin_convertvector(from, i8x8), to_bytes = __builtin_convertvector(to, i8x8);
-        memcpy(low + n, &from_bytes, 8);
-        memcpy(high + n, &to_bytes, 8);
-    }
 }
 
 /* The fewest entries that a tile can do with, and what each mask between two of them needs.
@@ -321,9 +307,9 @@ static uint32_t find_plane(node_builder *b, plane *p)
 static void give_planes(node_builder *b)
 {
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        uint16_t halves[OWN_PLANE_HALVES];
-        int32_t  depth[64], base;
-        if (t->kind == TILE_PATTERN && own_plane(&t->ranges, halves, depth, &base)) t->kind = TILE_OWN;
+        if (t->kind != TILE_PATTERN) continue;
+        own_plane(&t->plane, &t->ranges);
+        if (t->plane.count) t->kind = TILE_OWN;
     }
 }
 
@@ -364,13 +350,13 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
         if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
         b->set->tile_count++;
         if (t->kind == TILE_OWN) {
-            r = own_find(&b->set->own, &t->ranges, &to->pattern, &to->base);
+            r = own_find(&b->set->own, &t->ranges, &t->plane, &to->pattern, &to->base);
             to->base -= *base;
             continue;
         }
         uint8_t   low[64], high[64];
         mask_need needs[PALETTE_MAX - 1];
-        palette_ranges(t, codes, count, low, high);
+        points_of_ranges(t->low, t->high, codes, count, low, high);
         to->palette = (uint16_t)tile_needs(low, high, count, needs);
         r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
     }

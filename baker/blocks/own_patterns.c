@@ -11,16 +11,20 @@
 #include "baker/blocks/patterns.h"
 #include "baker/blocks/pierce.h"
 
-enum { PROBES = 8, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* that depths in bytes take */ };
+enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* that depths in bytes take */ };
 
-/* Texels that are compared first, spread over the tile. */
-static const int probe_texel[PROBES] = {0, 22, 41, 63, 15, 28, 51, 37};
+/* Texels that are compared first, spread over the tile: how much deeper the second of a pair is than the first does not depend on a base. */
+static const int pair_texels[PAIRS][2] = {{0, 63}, {22, 41}, {15, 51}, {28, 37}};
 
 typedef struct own_known {
     int16_t  depth[64];
-    int16_t  probe[PROBES];
     uint32_t id;
 } own_known;
+
+/* The pairs of patterns, which are searched so many at a time. */
+typedef struct own_group {
+    int16_t deeper[PAIRS][GROUP];
+} own_group;
 
 /* Ranges in halves, from `floor` on; nothing that could be chosen is lost. */
 typedef struct half_ranges {
@@ -62,29 +66,60 @@ static int fits_at(const half_ranges *t, const int16_t depth[64], int *base)
     return *base <= i16x8_least(most);
 }
 
-/* Whether a few texels rule a pattern out: each against what its neighbours in the vector leave of the base. */
-static int probes_differ(i16x8 low, i16x8 high, i16x8 depth)
+/* How much deeper the second texel of each pair may be. */
+typedef struct pair_ranges {
+    int16_t low[PAIRS], high[PAIRS];
+} pair_ranges;
+
+/* Which patterns of a group the pairs from `first` to `last` do not rule out, as bits. */
+static uint32_t not_ruled_out(const own_group *g, const pair_ranges *r, int first, int last)
 {
-    i16x8 least = i16x8_subs(low, depth), most = i16x8_subs(high, depth);
-    i16x8 a = __builtin_shufflevector(most, most, 4, 5, 6, 7, 0, 1, 2, 3);
-    i16x8 b = __builtin_shufflevector(most, most, 2, 3, 4, 5, 6, 7, 0, 1);
-    i16x8 c = __builtin_shufflevector(most, most, 6, 7, 0, 1, 2, 3, 4, 5);
-    return i16x8_any((i16x8)(least > i16x8_min(a, i16x8_min(b, c))));
+    i16x8 a = i16x8_all(0), b = i16x8_all(0);
+    for (int n = first; n <= last; n++) {
+        i16x8 low = i16x8_all(r->low[n]), high = i16x8_all(r->high[n]);
+        i16x8 x = i16x8_load(g->deeper[n]), y = i16x8_load(g->deeper[n] + GROUP / 2);
+        a |= (i16x8)(x < low) | (i16x8)(x > high);
+        b |= (i16x8)(y < low) | (i16x8)(y > high);
+    }
+    return ~i16x8_bits(a, b) & 0xffff;
+}
+
+static uint32_t last_bit(uint32_t bits)
+{
+    return 31 - (uint32_t)__builtin_clz(bits);
 }
 
 /* Returns the place of a pattern that fits, or the count. */
 static size_t search(const own_set *s, const half_ranges *t, int *base)
 {
-    int16_t low[PROBES], high[PROBES];
-    for (int n = 0; n < PROBES; n++) {
-        low[n]  = t->low[probe_texel[n]];
-        high[n] = t->high[probe_texel[n]];
+    size_t      stop = s->known_count > OWN_WINDOW ? s->known_count - OWN_WINDOW : 0;
+    pair_ranges r;
+    for (int n = 0; n < PAIRS; n++) {
+        int from = pair_texels[n][0], to = pair_texels[n][1];
+        r.low[n]  = (int16_t)(t->low[to] - t->high[from]);
+        r.high[n] = (int16_t)(t->high[to] - t->low[from]);
     }
-    i16x8  l = i16x8_load(low), h = i16x8_load(high);
-    size_t stop = s->known_count > OWN_WINDOW ? s->known_count - OWN_WINDOW : 0;
-    for (size_t at = s->known_count; at-- > stop;)
-        if (!probes_differ(l, h, i16x8_load(s->known[at].probe)) && fits_at(t, s->known[at].depth, base)) return at;
+    for (size_t end = s->known_count; end > stop;) {
+        size_t           first = (end - 1) / GROUP * GROUP;
+        const own_group *g     = &s->groups[first / GROUP];
+        uint32_t         hits  = not_ruled_out(g, &r, 0, 1);
+        if (hits) hits &= not_ruled_out(g, &r, 2, PAIRS - 1) & ((2u << (end - 1 - first)) - 1);
+        for (; hits; hits &= ~(1u << last_bit(hits))) {
+            size_t at = first + last_bit(hits);
+            if (at >= stop && fits_at(t, s->known[at].depth, base)) return at;
+        }
+        end = first;
+    }
     return s->known_count;
+}
+
+static void exchange_pairs(own_set *s, size_t a, size_t b)
+{
+    for (int n = 0; n < PAIRS; n++) {
+        int16_t *x = &s->groups[a / GROUP].deeper[n][a % GROUP], *y = &s->groups[b / GROUP].deeper[n][b % GROUP], was = *x;
+        *x = *y;
+        *y = was;
+    }
 }
 
 /* Halfway to where searches begin. */
@@ -94,6 +129,7 @@ static void move_up(own_set *s, size_t at)
     own_known was = s->known[at];
     s->known[at]  = s->known[to];
     s->known[to]  = was;
+    exchange_pairs(s, at, to);
 }
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
@@ -132,19 +168,15 @@ static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
 {
     intervals    s = {.count = 64};
     pierce_group groups[64];
+    int16_t      points[64];
     uint8_t      low[64], high[64], index[64];
     memcpy(s.low, t->low, sizeof t->low);
     memcpy(s.high, t->high, sizeof t->high);
     int count = pierce(&s, groups, 64);
-    for (int n = 0; n < 64; n++) {
-        int from = 0, to = count - 1;
-        while (groups[from].low < t->low[n]) from++;
-        while (groups[to].low > t->high[n]) to--;
-        low[n]  = (uint8_t)from;
-        high[n] = (uint8_t)to;
-    }
+    for (int n = 0; n < count; n++) points[n] = groups[n].low;
+    points_of_ranges(t->low, t->high, points, count, low, high);
     pattern_choose_within(low, high, index);
-    for (int n = 0; n < 64; n++) p->depth[n] = groups[index[n]].low - groups[0].low;
+    for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
     *base = t->floor + groups[0].low;
 }
 
@@ -196,19 +228,25 @@ static int in_halves(const int32_t depth[64])
     return 1;
 }
 
-/* A plane, or depths, or two planes if they take less. */
-static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+static void take_planes(own_pattern *p, const own_planes *planes, int32_t *base)
 {
-    own_pattern planes;
-    int32_t     base_of_planes;
-    p->plane_halves = own_plane(t, p->planes, p->depth, base);
-    if (p->plane_halves && (!halves || in_halves(p->depth))) return;
-    uint32_t count = choose_depths(p, t, halves, base);
-    if (count <= OWN_PAIR_HALVES) return;
-    planes.plane_halves = own_plane_pair(t, count - 1, planes.planes, planes.depth, &base_of_planes);
-    if (!planes.plane_halves || (halves && !in_halves(planes.depth))) return;
-    *p    = planes;
-    *base = base_of_planes;
+    memcpy(p->depth, planes->depth, sizeof p->depth);
+    memcpy(p->planes, planes->halves, sizeof p->planes);
+    p->plane_halves = planes->count;
+    *base           = planes->base;
+}
+
+/* A plane, or depths, or two planes if they take less for sure. */
+static void choose(own_pattern *p, const tile_ranges *t, const half_ranges *halves, const own_planes *one, int32_t *base)
+{
+    own_planes pair;
+    if (one->count && (!halves || in_halves(one->depth))) {
+        take_planes(p, one, base);
+        return;
+    }
+    if (choose_depths(p, t, halves, base) <= OWN_PLANES_HALVES_MAX) return;
+    own_plane_pair(&pair, t);
+    if (pair.count && (!halves || in_halves(pair.depth))) take_planes(p, &pair, base);
 }
 
 uint32_t own_pattern_encode(const own_pattern *p, uint16_t *halves)
@@ -230,17 +268,22 @@ static void narrow(own_pattern *p, const tile_ranges *t, int32_t base)
 
 static vxs_result remember(own_set *s, const own_pattern *p, uint32_t id)
 {
-    if (!array_reserve(&s->known, &s->known_capacity, s->known_count + 1, sizeof *s->known)) return VXS_E_MEMORY;
-    own_known *k = &s->known[s->known_count++];
+    size_t at = s->known_count;
+    if (!array_reserve(&s->known, &s->known_capacity, at + 1, sizeof *s->known)) return VXS_E_MEMORY;
+    if (!array_reserve(&s->groups, &s->group_capacity, at / GROUP + 1, sizeof *s->groups)) return VXS_E_MEMORY;
+    if (at % GROUP == 0) s->groups[at / GROUP] = (own_group){0};
+    own_known *k = &s->known[at];
     k->id        = id;
     for (int n = 0; n < 64; n++) k->depth[n] = (int16_t)p->depth[n];
-    for (int n = 0; n < PROBES; n++) k->probe[n] = k->depth[probe_texel[n]];
+    for (int n = 0; n < PAIRS; n++)
+        s->groups[at / GROUP].deeper[n][at % GROUP] = (int16_t)(k->depth[pair_texels[n][1]] - k->depth[pair_texels[n][0]]);
+    s->known_count++;
     return VXS_OK;
 }
 
-/* A pattern that none known fits.   like  what it is; NULL: it is chosen */
-static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, const own_pattern *like, uint32_t *id,
-                      int32_t *base)
+/* A pattern that none known fits.   like  what it is; NULL: it is chosen, and may be the plane `one` */
+static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halves, const own_planes *one, const own_pattern *like,
+                      uint32_t *id, int32_t *base)
 {
     if (!array_reserve(&s->patterns, &s->pattern_capacity, s->count + 1, sizeof *s->patterns)) return VXS_E_MEMORY;
     own_pattern *p = &s->patterns[s->count];
@@ -248,7 +291,7 @@ static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halve
     if (like)
         *p = *like;
     else
-        choose(p, t, halves, base);
+        choose(p, t, halves, one, base);
     for (int n = 0; n < 64; n++) {
         p->may.low[n]  = t->low[n] - *base;
         p->may.high[n] = t->high[n] - *base;
@@ -259,13 +302,14 @@ static vxs_result add(own_set *s, const tile_ranges *t, const half_ranges *halve
     return VXS_OK;
 }
 
-static vxs_result find(own_set *s, const tile_ranges *t, const own_pattern *like, uint32_t *id, int32_t *base)
+static vxs_result find(own_set *s, const tile_ranges *t, const own_planes *one, const own_pattern *like, uint32_t *id,
+                       int32_t *base)
 {
     half_ranges halves;
     int         at_half;
-    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, like, id, base);
+    if (!ranges_in_halves(&halves, t)) return add(s, t, NULL, one, like, id, base);
     size_t at = search(s, &halves, &at_half);
-    if (at == s->known_count) return add(s, t, &halves, like, id, base);
+    if (at == s->known_count) return add(s, t, &halves, one, like, id, base);
     *id   = s->known[at].id;
     *base = halves.floor + at_half;
     narrow(&s->patterns[*id], t, *base);
@@ -273,19 +317,20 @@ static vxs_result find(own_set *s, const tile_ranges *t, const own_pattern *like
     return VXS_OK;
 }
 
-vxs_result own_find(own_set *s, const tile_ranges *t, uint32_t *id, int32_t *base)
+vxs_result own_find(own_set *s, const tile_ranges *t, const own_planes *one, uint32_t *id, int32_t *base)
 {
-    return find(s, t, NULL, id, base);
+    return find(s, t, one, NULL, id, base);
 }
 
 vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base)
 {
-    return find(s, &p->may, p, id, base);
+    return find(s, &p->may, NULL, p, id, base);
 }
 
 void own_set_free(own_set *s)
 {
     free(s->patterns);
     free(s->known);
+    free(s->groups);
     memset(s, 0, sizeof *s);
 }

@@ -25,13 +25,15 @@ typedef struct own_set {
 
     /* as they are searched, the last first; those with depths that fit into halves */
     struct own_known *known;
-    size_t            known_count, known_capacity;
+    struct own_group *groups;
+    size_t            known_count, known_capacity, group_capacity;
 } own_set;
 
 /* A pattern that fits, or a new one: planes, or depths that follow their neighbours as far as they may.
+ * one   what own_plane found for the ranges
  * id    [out];   base  [out] what is added to its depths
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result own_find(own_set *s, const tile_ranges *t, uint32_t *id, int32_t *base);
+vxs_result own_find(own_set *s, const tile_ranges *t, const own_planes *one, uint32_t *id, int32_t *base);
 
 /* The same for what all tiles of a pattern of another set allow; where none fits, the pattern itself. */
 vxs_result own_adopt(own_set *s, const own_pattern *p, uint32_t *id, int32_t *base);

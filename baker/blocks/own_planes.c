@@ -2,7 +2,10 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/blocks/own_planes.h"
 
+#include <string.h>
+
 #include "baker/base/integer.h"
+#include "baker/base/simd.h"
 #include "baker/blocks/patterns.h"
 
 enum {
@@ -21,11 +24,15 @@ enum { FAR_VX = PLANE_FREE / PLANE_ONE };
 
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from)
 {
+    const i32x4 far = i32x4_all(FAR_VX), none = i32x4_all(PLANE_FREE);
     to->quadrants = 15;
-    for (int n = 0; n < 64; n++) {
-        int32_t low = t->low[n] - from, high = t->high[n] - from;
-        to->low[n]  = (float)(max_i32(min_i32(low, FAR_VX), -FAR_VX) * PLANE_ONE);
-        to->high[n] = (float)(high >= FAR_VX ? PLANE_FREE : high * PLANE_ONE + PLANE_ONE - 1);
+    for (int n = 0; n < 64; n += 4) {
+        i32x4 low = i32x4_load(t->low + n) - from, high = i32x4_load(t->high + n) - from;
+        low     = i32x4_max(i32x4_min(low, far), -far) * PLANE_ONE;
+        high    = i32x4_select((i32x4)(high < far), i32x4_min(high, far) * PLANE_ONE + (PLANE_ONE - 1), none);
+        f32x4 l = __builtin_convertvector(low, f32x4), h = __builtin_convertvector(high, f32x4);
+        memcpy(to->low + n, &l, sizeof l);
+        memcpy(to->high + n, &h, sizeof h);
     }
 }
 
@@ -50,29 +57,34 @@ static int parts(const plane *p)
 /* Whether each depth lies in its range. */
 static int all_fit(const tile_ranges *t, const int32_t depth[64], int32_t base)
 {
-    for (int n = 0; n < 64; n++)
-        if (depth[n] < 0 || depth[n] + base < t->low[n] || depth[n] + base > t->high[n]) return 0;
-    return 1;
+    i32x4 off = i32x4_all(0);
+    for (int n = 0; n < 64; n += 4) {
+        i32x4 d = i32x4_load(depth + n), at = d + base;
+        off |= (i32x4)(d < 0) | (i32x4)(at < i32x4_load(t->low + n)) | (i32x4)(at > i32x4_load(t->high + n));
+    }
+    return !i32x4_bits(off);
 }
 
-uint32_t own_plane(const tile_ranges *t, uint16_t *halves, int32_t depth[64], int32_t *base)
+void own_plane(own_planes *to, const tile_ranges *t)
 {
     plane_ranges        ranges = {.x = 0};
     const plane_ranges *tile   = &ranges;
     int32_t             from   = least_high(t);
+    to->count                  = 0;
     plane_ranges_of(&ranges, t, from);
-    if (!plane_may_fit(&ranges)) return 0;
+    if (!plane_may_fit(&ranges)) return;
     plane p = plane_start(&ranges);
-    if (!plane_fit(&p, &tile, 1, 8) || p.least % PLANE_PART) return 0;
-    *base = from + whole_voxels(&p);
+    if (!plane_fit(&p, &tile, 1, 8)) return;
+    if (p.least % PLANE_PART) return;
+    to->base = from + whole_voxels(&p);
     for (int y = 0; y < 8; y++)
-        for (int x = 0; x < 8; x++) depth[pattern_texel(x, y)] = plane_depth(&p, 8, x, y);
-    if (!all_fit(t, depth, *base)) return 0;
-    int shift = plane_shift(&p);
-    halves[0] = (uint16_t)(ONE_PLANE << 12 | shift << 8 | parts(&p) << FIRST_PARTS);
-    halves[1] = slope_half(p.across, shift);
-    halves[2] = slope_half(p.down, shift);
-    return OWN_PLANE_HALVES;
+        for (int x = 0; x < 8; x++) to->depth[pattern_texel(x, y)] = plane_depth(&p, 8, x, y);
+    if (!all_fit(t, to->depth, to->base)) return;
+    int shift     = plane_shift(&p);
+    to->halves[0] = (uint16_t)(ONE_PLANE << 12 | shift << 8 | parts(&p) << FIRST_PARTS);
+    to->halves[1] = slope_half(p.across, shift);
+    to->halves[2] = slope_half(p.down, shift);
+    to->count     = OWN_PLANE_HALVES;
 }
 
 /* Two planes as they are written: from the nearer one on, with slopes in the same steps. */
@@ -120,13 +132,13 @@ static void depths_of_pair(const plane_pair *pair, int kind, int32_t depth[64])
 }
 
 /* Returns how many halves, or 0: there is a texel that it does not suit. */
-static uint32_t encode_pair(plane_pair pair, int kind, const tile_ranges *t, int32_t from, uint16_t *halves, int32_t depth[64],
-                            int32_t *base)
+static uint32_t encode_pair(own_planes *to, plane_pair pair, int kind, const tile_ranges *t, int32_t from)
 {
     if (!prepare_pair(&pair)) return 0;
-    *base = from + pair.base;
-    depths_of_pair(&pair, kind, depth);
-    if (!all_fit(t, depth, *base)) return 0;
+    uint16_t *halves = to->halves;
+    to->base         = from + pair.base;
+    depths_of_pair(&pair, kind, to->depth);
+    if (!all_fit(t, to->depth, to->base)) return 0;
     halves[0] = (uint16_t)((uint32_t)kind << 12 | (uint32_t)pair.shift << 8 | pair.far_shift);
     halves[0] |= (uint16_t)(parts(&pair.p[0]) << FIRST_PARTS | parts(&pair.p[1]) << SECOND_PARTS);
     for (int n = 0; n < 2; n++) {
@@ -139,22 +151,22 @@ static uint32_t encode_pair(plane_pair pair, int kind, const tile_ranges *t, int
     return OWN_PLANES_HALVES_MAX;
 }
 
-uint32_t own_plane_pair(const tile_ranges *t, uint32_t most, uint16_t *halves, int32_t depth[64], int32_t *base)
+void own_plane_pair(own_planes *to, const tile_ranges *t)
 {
     plane_ranges ranges = {.x = 0};
     plane_pair   found;
     int32_t      from = least_high(t);
+    to->count         = 0;
     plane_ranges_of(&ranges, t, from);
-    if (!plane_fit_pair(found.p, &found.second, &ranges)) return 0;
+    if (!plane_fit_pair(found.p, &found.second, &ranges)) return;
     if (!found.second) found.p[1] = found.p[0];
-    for (int kind = NEARER; kind <= FARTHER; kind++) {
+    for (int kind = NEARER; kind <= FARTHER && !to->count; kind++) {
         /* where they meet, each lies beyond the other's texels: no mask is needed */
         plane_pair   pair   = found;
         plane_others others = kind == NEARER ? OTHERS_BEHIND : OTHERS_BEFORE;
         if (!plane_fit_texels(&pair.p[0], &ranges, ~pair.second, others)) continue;
         if (!plane_fit_texels(&pair.p[1], &ranges, pair.second, others)) continue;
-        uint32_t count = encode_pair(pair, kind, t, from, halves, depth, base);
-        if (count) return count;
+        to->count = encode_pair(to, pair, kind, t, from);
     }
-    return most < OWN_PLANES_HALVES_MAX ? 0 : encode_pair(found, BY_MASK, t, from, halves, depth, base);
+    if (!to->count) to->count = encode_pair(to, found, BY_MASK, t, from);
 }

@@ -11,12 +11,17 @@ enum { OWN_PLANE_HALVES = 3, OWN_PAIR_HALVES = 6, OWN_PLANES_HALVES_MAX = 10 };
 /* The ranges of a tile in parts of a voxel, from depth `from` on. */
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from);
 
-/* Halves of one plane that passes through all ranges.
- * halves  [out] [OWN_PLANE_HALVES], formats/vxs.md 13.3;   depth  [out] [64] from the base on;   base  [out]
- * Returns their number; 0: there is none. */
-uint32_t own_plane(const tile_ranges *t, uint16_t *halves, int32_t depth[64], int32_t *base);
+/* Planes that pass through all ranges of a tile. */
+typedef struct own_planes {
+    uint32_t count;                         /* of halves; 0: there are none */
+    uint16_t halves[OWN_PLANES_HALVES_MAX]; /* [count] formats/vxs.md 13.3 */
+    int32_t  depth[64], base;               /* what they give from the base on; none is below 0 */
+} own_planes;
 
-/* The same of two planes, in at most `most` halves.   halves  [out] [OWN_PLANES_HALVES_MAX] */
-uint32_t own_plane_pair(const tile_ranges *t, uint32_t most, uint16_t *halves, int32_t depth[64], int32_t *base);
+/* One plane: count is OWN_PLANE_HALVES, or 0. */
+void own_plane(own_planes *to, const tile_ranges *t);
+
+/* Two planes. */
+void own_plane_pair(own_planes *to, const tile_ranges *t);
 
 #endif

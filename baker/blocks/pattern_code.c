@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#include "baker/base/simd.h"
+
 enum { STATE_LIT, STATE_DARK, STATE_OWN, STATE_SAME, IMAGE = 0xff };
 enum { OWN_BYTES, OWN_HALVES, OWN_WORDS, RAW_NIBBLES, RAW_BYTES };
 
@@ -22,23 +24,17 @@ static void put_nibbles(uint16_t *halves, const uint8_t nibble[64])
     for (uint32_t n = 0; n < 32; n++) put_byte(halves, n, nibble[n] | (uint32_t)nibble[n + 32] << 4);
 }
 
-/* The 16 texels of a quadrant of a mask, as bits. */
-static uint16_t quadrant_bits(const uint8_t *index, int mask)
-{
-    uint32_t bits = 0;
-    for (int n = 0; n < 16; n++) bits |= (uint32_t)(index[n] <= mask) << n;
-    return (uint16_t)bits;
-}
-
 uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves)
 {
     int      masks = depths - 1;
+    uint64_t mask_bits[OWN_DEPTHS_MAX];
     uint16_t own[4 * (OWN_DEPTHS_MAX - 1)];
     uint8_t  states[OWN_DEPTHS_MAX] = {0};
     uint32_t count                  = 0;
+    for (int mask = 0; mask < masks; mask++) mask_bits[mask] = bytes_at_most(index, (uint8_t)mask);
     for (int q = 0; q < 4; q++)
         for (int mask = 0, owned = 0; mask < masks; mask++) {
-            uint16_t bits = quadrant_bits(index + 16 * q, mask);
+            uint16_t bits = (uint16_t)(mask_bits[mask] >> 16 * q);
             int state = !bits ? STATE_LIT : bits == 0xffff ? STATE_DARK : owned && own[count - 1] == bits ? STATE_SAME : STATE_OWN;
             states[mask] |= (uint8_t)(state << 2 * q);
             if (state != STATE_OWN) continue;
@@ -58,18 +54,18 @@ uint32_t pattern_encode(const uint8_t index[64], int depths, uint16_t *halves)
 
 /* patterns with depths of their own ------------------------------------------------------------------------------------------- */
 
-/* The depths that there are, ascending. Returns how many, or OWN_DEPTHS_MAX + 1. */
+/* The depths that there are, ascending. Each is looked for from where the one before it is: neighbours are alike.
+ * Returns how many, or OWN_DEPTHS_MAX + 1. */
 static int depths_of(const int32_t depth[64], int32_t *list)
 {
-    int count = 0;
+    int count = 0, at = 0;
     for (int n = 0; n < 64; n++) {
-        int at = 0;
+        while (at && list[at - 1] >= depth[n]) at--;
         while (at < count && list[at] < depth[n]) at++;
         if (at < count && list[at] == depth[n]) continue;
         if (count == OWN_DEPTHS_MAX) return OWN_DEPTHS_MAX + 1;
-        memmove(list + at + 1, list + at, (size_t)(count - at) * sizeof *list);
+        for (int m = count++; m > at; m--) list[m] = list[m - 1];
         list[at] = depth[n];
-        count++;
     }
     return count;
 }
@@ -94,8 +90,10 @@ static uint32_t encode_palette(const int32_t depth[64], int shift, int32_t great
         if (!at_halves) halves[at++] = (uint16_t)(delta >> 16);
     }
     if (bytes) at += (uint32_t)count / 2;
-    for (int n = 0; n < 64; n++)
-        for (index[n] = 0; list[index[n]] != depth[n];) index[n]++;
+    for (int n = 0; n < 64; n++) {
+        index[n] = n && depth[n] >= depth[n - 1] ? index[n - 1] : 0;
+        while (list[index[n]] != depth[n]) index[n]++;
+    }
     return at + pattern_encode(index, count, halves + at);
 }
 
@@ -105,13 +103,13 @@ static uint32_t encode_nibbles(const int32_t depth[64], int shift, uint16_t *hal
     uint8_t nibble[64];
     halves[0] = (uint16_t)(RAW_NIBBLES << 12 | shift << 8);
     for (uint32_t q = 0; q < 4; q++) {
-        int32_t least = depth[16 * q];
-        for (uint32_t n = 16 * q; n < 16 * q + 16; n++) least = depth[n] < least ? depth[n] : least;
-        if (least >> shift > 0xff) return 0;
+        int32_t least = depth[16 * q], most = least;
         for (uint32_t n = 16 * q; n < 16 * q + 16; n++) {
-            if ((depth[n] - least) >> shift > 15) return 0;
-            nibble[n] = (uint8_t)((depth[n] - least) >> shift);
+            least = depth[n] < least ? depth[n] : least;
+            most  = depth[n] > most ? depth[n] : most;
         }
+        if (least >> shift > 0xff || (most - least) >> shift > 15) return 0;
+        for (uint32_t n = 16 * q; n < 16 * q + 16; n++) nibble[n] = (uint8_t)((depth[n] - least) >> shift);
         put_byte(halves + 1, q, (uint32_t)least >> shift);
     }
     put_nibbles(halves + 3, nibble);

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/blocks/pierce.h"
 
+#include <string.h>
+
 #include "baker/base/simd.h"
 
 int pierce(intervals *s, pierce_group *groups, int most)
@@ -30,5 +32,21 @@ int pierce(intervals *s, pierce_group *groups, int most)
         s->count        = kept;
         groups[count++] = (pierce_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
         if (!kept || count == most) return count;
+    }
+}
+
+void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],
+                      uint8_t last[64])
+{
+    for (int n = 0; n < 64; n += 8) {
+        i16x8 l = i16x8_load(low + n), h = i16x8_load(high + n), from = i16x8_all(0), to = i16x8_all((int16_t)(count - 1));
+        for (int point = 0; point < count; point++) {
+            i16x8 at = i16x8_all(points[point]);
+            from -= (i16x8)(l > at);
+            to += (i16x8)(at > h);
+        }
+        i8x8 from_bytes = __builtin_convertvector(from, i8x8), to_bytes = __builtin_convertvector(to, i8x8);
+        memcpy(first + n, &from_bytes, 8);
+        memcpy(last + n, &to_bytes, 8);
     }
 }

@@ -29,4 +29,10 @@ typedef struct pierce_group {
  * Returns their number. */
 int pierce(intervals *s, pierce_group *groups, int most);
 
+/* Which points each texel of a tile may have: those in its range.
+ * points       [count] ascending, at most 127
+ * first, last  [out] the numbers of the first and the last of them */
+void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],
+                      uint8_t last[64]);
+
 #endif
