@@ -75,6 +75,7 @@ void own_plane(own_planes *to, const tile_ranges *t)
     if (!plane_may_fit(&ranges)) return;
     plane p = plane_start(&ranges);
     if (!plane_fit(&p, &tile, 1, 8)) return;
+    plane_round(&p, &ranges);
     if (p.least % PLANE_PART) return;
     to->base = from + whole_voxels(&p);
     for (int y = 0; y < 8; y++)

@@ -1,21 +1,26 @@
 /* Planes through ranges; see plane.h.
  *
- * A plane is moved towards the texel that it misses by most in front, away from the one that it misses by most behind: its slope along the
- * line between them changes by as much as there is no room, and a little. Where some plane passes with room, this meets one soon.
+ * Of the texels that a plane misses by most, in front and behind, the two together say more than that it misses: they bound the room of
+ * every plane, by a function that is linear in its slopes. Slopes move to the nearest that all bounds so far leave room; where there are
+ * none, no plane has it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/blocks/plane.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "baker/base/simd.h"
 #include "baker/blocks/patterns.h"
 
 enum {
-    MOVES     = 10,                /* of a plane, until it is given up */
-    ROOM      = PLANE_ONE - 1,     /* that is looked for: with it one of the depths in reach is a whole voxel */
-    SLOPE_END = PLANE_FREE / 64,   /* so that depths in an area of 32 x 32 texels are exact */
-    NEAR      = 3 * PLANE_ONE / 2, /* texels that may yet join a plane */
-    WINDOW    = 3                  /* side of the areas that pairs of planes start from */
+    MOVES       = 7,                 /* of a plane, until it is given up */
+    ROOM        = PLANE_ONE - 1,     /* that is looked for: with it one of the depths in reach is a whole voxel */
+    ROOM_LEAST  = PLANE_ONE / 4,     /* where there is no such plane: depths of own planes are in such parts */
+    SPARE       = 8,                 /* for slopes that are rounded */
+    SLOPE_ZEROS = 5,                 /* bits that slopes may do without */
+    SLOPE_END   = PLANE_FREE / 64,   /* so that depths in an area of 32 x 32 texels are exact */
+    NEAR        = 3 * PLANE_ONE / 2, /* texels that may yet join a plane */
+    WINDOW      = 3                  /* side of the areas that pairs of planes start from */
 };
 
 int plane_shift(const plane *p)
@@ -27,8 +32,14 @@ int plane_shift(const plane *p)
 
 /* Which depths at texel (0, 0) of the area are right for all texels. */
 typedef struct plane_room {
-    float low, high;
+    float   low, high;
+    int32_t low_in, high_in; /* the quadrant that leaves no more, in front and behind: four of each tile, [0, 4 * count) */
 } plane_room;
+
+static inline float size_of(const plane_room *r)
+{
+    return r->high - r->low;
+}
 
 /* Depths at the rows of a quadrant: the first one, and how much deeper each other is than the one before. */
 typedef struct quadrant_depths {
@@ -45,19 +56,36 @@ static inline quadrant_depths depths_at(const plane *p, const plane_ranges *t, i
 static plane_room room_of(const plane *p, const plane_ranges *const *tiles, int count)
 {
     f32x4 low = f32x4_all(-PLANE_FREE), high = f32x4_all(PLANE_FREE);
-    for (int n = 0; n < count; n++)
-        for (int q = 0; q < 4; q++) {
-            if (!(tiles[n]->quadrants >> q & 1)) continue;
-            quadrant_depths at = depths_at(p, tiles[n], q);
-            for (int row = 16 * q; row < 16 * q + 16; row += 4, at.first += at.down) {
-                low  = f32x4_max(low, f32x4_load(tiles[n]->low + row) - at.first);
-                high = f32x4_min(high, f32x4_load(tiles[n]->high + row) - at.first);
-            }
+    i32x4 low_in = i32x4_all(0), high_in = i32x4_all(0);
+    for (int n = 0; n < 4 * count; n++) {
+        const plane_ranges *t = tiles[n / 4];
+        int                 q = n & 3;
+        if (!(t->quadrants >> q & 1)) continue;
+        quadrant_depths at = depths_at(p, t, q);
+        f32x4           row[4], least[4], most[4];
+        row[0] = at.first;
+        for (int y = 1; y < 4; y++) row[y] = row[y - 1] + at.down;
+        for (int y = 0; y < 4; y++) {
+            least[y] = f32x4_load(t->low + 16 * q + 4 * y) - row[y];
+            most[y]  = f32x4_load(t->high + 16 * q + 4 * y) - row[y];
         }
-    plane_room room = {low[0], high[0]};
+        f32x4 l = f32x4_max(f32x4_max(least[0], least[1]), f32x4_max(least[2], least[3]));
+        f32x4 h = f32x4_min(f32x4_min(most[0], most[1]), f32x4_min(most[2], most[3]));
+        low_in  = i32x4_select((i32x4)(l > low), i32x4_all(n), low_in);
+        high_in = i32x4_select((i32x4)(h < high), i32x4_all(n), high_in);
+        low     = f32x4_max(low, l);
+        high    = f32x4_min(high, h);
+    }
+    plane_room room = {low[0], high[0], low_in[0], high_in[0]};
     for (int lane = 1; lane < 4; lane++) {
-        room.low  = low[lane] > room.low ? low[lane] : room.low;
-        room.high = high[lane] < room.high ? high[lane] : room.high;
+        if (low[lane] > room.low) {
+            room.low    = low[lane];
+            room.low_in = low_in[lane];
+        }
+        if (high[lane] < room.high) {
+            room.high    = high[lane];
+            room.high_in = high_in[lane];
+        }
     }
     return room;
 }
@@ -66,40 +94,56 @@ typedef struct texel_place {
     int32_t x, y;
 } texel_place;
 
-/* Where the room ends, in front or behind: the first texel that leaves no more. */
-static texel_place bounding_texel(const plane *p, const plane_ranges *const *tiles, int count, float end, int behind)
+/* Where the room ends: the first texel of a quadrant whose range does.   ranges  its low ones, or its high ones */
+static texel_place bounding_texel(const plane *p, const plane_ranges *t, int q, const float *ranges, float end)
 {
-    for (int n = 0; n < count; n++)
-        for (int q = 0; q < 4; q++) {
-            if (!(tiles[n]->quadrants >> q & 1)) continue;
-            const float    *ranges = (behind ? tiles[n]->high : tiles[n]->low) + 16 * q;
-            quadrant_depths at     = depths_at(p, tiles[n], q);
-            for (int row = 0; row < 4; row++, at.first += at.down) {
-                uint32_t hit = i32x4_bits((i32x4)(f32x4_load(ranges + 4 * row) - at.first == f32x4_all(end)));
-                if (hit) return (texel_place){tiles[n]->x + 4 * (q & 1) + __builtin_ctz(hit), tiles[n]->y + 4 * (q >> 1) + row};
-            }
-        }
-    return (texel_place){0, 0};
+    quadrant_depths at = depths_at(p, t, q);
+    u32x4           apart[4];
+    for (int row = 0; row < 4; row++, at.first += at.down)
+        apart[row] = ~(u32x4)(f32x4_load(ranges + 16 * q + 4 * row) - at.first == f32x4_all(end));
+    int n = __builtin_ctz(u32x4_zeros(apart) | 1u << 15);
+    return (texel_place){t->x + 4 * (q & 1) + n % 4, t->y + 4 * (q >> 1) + n / 4};
 }
 
-static int32_t rounded_quotient(int64_t a, int64_t b)
+/* Planes have no more room than rest + across * x + down * y: two texels, one in front and one behind, leave no more. */
+typedef struct room_bound {
+    double x, y, rest;
+} room_bound;
+
+static room_bound bound_of(const plane *p, const plane_room *room, const plane_ranges *const *tiles)
 {
-    return (int32_t)((a + (a < 0 ? -b : b) / 2) / b);
+    const plane_ranges *in_front = tiles[room->low_in / 4], *behind = tiles[room->high_in / 4];
+    texel_place         a = bounding_texel(p, in_front, room->low_in & 3, in_front->low, room->low);
+    texel_place         b = bounding_texel(p, behind, room->high_in & 3, behind->high, room->high);
+    double              x = a.x - b.x, y = a.y - b.y;
+    return (room_bound){x, y, (double)size_of(room) - x * p->across - y * p->down};
 }
 
-/* 0: the texels are one, or the plane gets too steep. */
-static int move(plane *p, const plane_room *room, const plane_ranges *const *tiles, int count)
+/* Move the slopes to the nearest that all bounds leave `room`: all but the last do where they are, so that it is on the line where the last
+ * one leaves just so much, and each of the others leaves a part of that. 0: there are none, or they are too steep. */
+static int move(plane *p, const room_bound *bounds, int count, double room)
 {
-    texel_place a = bounding_texel(p, tiles, count, room->low, 0), b = bounding_texel(p, tiles, count, room->high, 1);
-    int32_t     x = a.x - b.x, y = a.y - b.y, square = x * x + y * y;
-    if (!square) return 0;
-    int64_t lacking = (int64_t)(room->low - room->high) + ROOM;
-    lacking += lacking / 16 + 8;
-    int64_t across = p->across + (int64_t)rounded_quotient(lacking * x, square);
-    int64_t down   = p->down + (int64_t)rounded_quotient(lacking * y, square);
+    const room_bound *last   = &bounds[count - 1];
+    double            square = last->x * last->x + last->y * last->y, from = -SLOPE_END, to = SLOPE_END;
+    if (square == 0) return 0;
+    double by     = (room - last->rest - last->x * p->across - last->y * p->down) / square;
+    double across = p->across + by * last->x, down = p->down + by * last->y;
+    for (const room_bound *b = bounds; b < last; b++) {
+        double steep = last->x * b->y - last->y * b->x, lacks = room - b->rest - b->x * across - b->y * down;
+        if (steep > 0)
+            from = lacks > from * steep ? lacks / steep : from;
+        else if (steep < 0)
+            to = lacks > to * steep ? lacks / steep : to;
+        else if (lacks > 0)
+            return 0;
+    }
+    if (from > to) return 0;
+    double along = from > 0 ? from : to < 0 ? to : 0;
+    across -= along * last->y;
+    down += along * last->x;
     if (across > SLOPE_END || across < -SLOPE_END || down > SLOPE_END || down < -SLOPE_END) return 0;
-    p->across = (int32_t)across;
-    p->down   = (int32_t)down;
+    p->across = (int32_t)floor(across + 0.5);
+    p->down   = (int32_t)floor(down + 0.5);
     return 1;
 }
 
@@ -117,32 +161,76 @@ static int32_t first_over_least(const plane *p, int32_t side)
     return (p->across < 0 ? -p->across * (side - 1) : 0) + (p->down < 0 ? -p->down * (side - 1) : 0);
 }
 
+/* Where in the room. */
+static void place(plane *p, const plane_room *room, int32_t side)
+{
+    int32_t over = first_over_least(p, side);
+    p->least     = roundest((int32_t)room->low - over, (int32_t)room->high - over);
+}
+
 int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
 {
     plane_room room = room_of(p, tiles, count);
     if (room.low > room.high) return 0;
-    int32_t over = first_over_least(p, side);
-    p->least     = roundest((int32_t)room.low - over, (int32_t)room.high - over);
+    place(p, &room, side);
     return 1;
+}
+
+/* The slopes with most room of those that are met until there is enough.   Returns 0 where none have any. */
+static int find_slopes(plane *p, plane_room *room, const plane_ranges *const *tiles, int count)
+{
+    plane      at  = *p;
+    int32_t    aim = ROOM;
+    room_bound bounds[MOVES];
+    *room = (plane_room){1, 0, 0, 0};
+    for (int n = 0; n < MOVES; n++) {
+        plane_room here = room_of(&at, tiles, count);
+        if (size_of(&here) > size_of(room)) {
+            *room = here;
+            *p    = at;
+        }
+        if (size_of(room) >= aim) break;
+        bounds[n] = bound_of(&at, &here, tiles);
+        if (move(&at, bounds, n + 1, aim + SPARE)) continue;
+        if (aim == ROOM_LEAST || size_of(room) >= ROOM_LEAST || !move(&at, bounds, n + 1, ROOM_LEAST + SPARE)) break;
+        aim = ROOM_LEAST;
+    }
+    return size_of(room) >= 0;
+}
+
+/* The nearest slopes that are multiples of 1 << zeros. */
+static plane rounded(const plane *p, int zeros)
+{
+    int32_t half = 1 << zeros >> 1;
+    return (plane){(p->across + half) & -(1 << zeros), (p->down + half) & -(1 << zeros), 0};
 }
 
 int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
 {
-    plane best      = *p;
-    float best_room = -1;
-    for (int n = 0; n < MOVES; n++) {
-        plane_room room = room_of(p, tiles, count);
-        if (room.high - room.low > best_room) {
-            best_room = room.high - room.low;
-            best      = *p;
-        }
-        if (best_room >= ROOM || !move(p, &room, tiles, count)) break;
+    plane_room room;
+    if (!find_slopes(p, &room, tiles, count)) return 0;
+    int shift = plane_shift(p);
+    if (!shift) {
+        place(p, &room, side);
+        return 1;
     }
-    if (best_room < 0) return 0;
-    int32_t one = 1 << plane_shift(&best);
-    p->across   = (best.across + one / 2) & -one;
-    p->down     = (best.down + one / 2) & -one;
-    return 1 << plane_shift(p) == one && plane_place(p, tiles, count, side);
+    *p = rounded(p, shift);
+    return plane_shift(p) == shift && plane_place(p, tiles, count, side);
+}
+
+static int depth_zeros(const plane *p)
+{
+    return __builtin_ctz((uint32_t)p->least | PLANE_ONE);
+}
+
+void plane_round(plane *p, const plane_ranges *t)
+{
+    for (int zeros = SLOPE_ZEROS; zeros > plane_shift(p); zeros--) {
+        plane next = rounded(p, zeros);
+        if (plane_shift(&next) > zeros || !plane_place(&next, &t, 1, 8) || depth_zeros(&next) < depth_zeros(p)) continue;
+        *p = next;
+        return;
+    }
 }
 
 int plane_may_fit(const plane_ranges *t)
@@ -178,7 +266,9 @@ int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_oth
         if (others != OTHERS_BEHIND) part.low[n] = -PLANE_FREE;
         if (others != OTHERS_BEFORE) part.high[n] = PLANE_FREE;
     }
-    return plane_fit(p, &tile, 1, 8);
+    if (!plane_fit(p, &tile, 1, 8)) return 0;
+    if (others != OTHERS_ANYWHERE) plane_round(p, &part);
+    return 1;
 }
 
 uint64_t plane_texels(const plane *p, const plane_ranges *t, int32_t margin)

@@ -47,10 +47,14 @@ int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t sid
 /* The same without a move of slopes that can be written already: only the depth is found. */
 int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
 
+/* Give a plane that was fitted to one tile of 8 x 8 rounder slopes, which take fewer bits: as round as there are that leave its depth as
+ * round as it is. */
+void plane_round(plane *p, const plane_ranges *t);
+
 /* Where a plane may pass the texels that are not its own. */
 typedef enum plane_others { OTHERS_ANYWHERE, OTHERS_BEHIND, OTHERS_BEFORE } plane_others;
 
-/* The same as plane_fit for texels of one tile of 8 x 8, whose bits are set. */
+/* The same as plane_fit for texels of one tile of 8 x 8, whose bits are set; behind or before the others, slopes are rounded, too. */
 int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others);
 
 /* Texels of a tile of 8 x 8 whose ranges, each `margin` wider, the plane passes through. */
