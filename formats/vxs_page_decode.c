@@ -36,8 +36,6 @@ vxs_result vxs_page_decode(uint32_t *words, const uint8_t *bytes, size_t size_by
     return w.c.in == end && w.c.now == STATE_LEAST && w.c.next == STATE_LEAST ? VXS_OK : VXS_E_CORRUPT;
 }
 
-enum { RESIDENT_HEAD_BYTES = 16 };
-
 vxs_result vxs_resident_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes, size_t size_bytes)
 {
     if (size_bytes < RESIDENT_HEAD_BYTES) return VXS_E_TRUNCATED;

@@ -43,32 +43,12 @@ static int append_coded(vxs_bytes *out, const coder *c)
     return 1;
 }
 
-/* Words before the pool: up to where the first pattern starts that a tile refers to, or all. Nodes and blocks are packed, so that
- * they can be walked without their meaning. */
-static uint32_t node_words_of(const walk *w, const vxs_page_node *nodes, uint32_t node_count)
-{
-    uint32_t least = 2 * w->word_count;
-    for (uint32_t n = 0; n < node_count; n++) {
-        uint32_t from = 2 * nodes[n].offset, mixed_count = 0;
-        for (uint32_t k = 0; k < 4; k++) mixed_count += count_bits(source_half(w, from + k));
-        for (uint32_t m = 0; m < mixed_count; m++) {
-            uint32_t at = source_half(w, from + NODE_HALVES + m), mixed = source_word(w, at) & 0xffff;
-            uint32_t tiles = at + head_words(mixed, source_word(w, at + 1));
-            for (uint32_t t = 0; t < count_bits(mixed); t++) {
-                uint32_t ref = source_word(w, tiles + t) >> 14;
-                if (ref < least) least = ref;
-            }
-        }
-    }
-    return least / 2;
-}
-
 vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                            uint32_t node_count, const vxs_common *common)
 {
     if (!node_count || !word_count || word_count > VXS_PAGE_WORDS_MAX) return VXS_E_ARGUMENT;
     walk w         = {.source = words, .word_count = word_count, .common = common};
-    w.node_words   = node_words_of(&w, nodes, node_count);
+    w.node_words   = node_words_of(words, word_count, nodes, node_count);
     w.s            = malloc(sizeof *w.s);
     w.words        = calloc(word_count, sizeof *w.words);
     w.pattern_rank = calloc((size_t)1 << 18, sizeof *w.pattern_rank);

@@ -15,21 +15,6 @@ static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, u
     return (get_half(words, half + 2 * n) | get_half(words, half + 2 * n + 1) << 16) << shift;
 }
 
-static uint32_t own_delta_halves(uint32_t kind, uint32_t deltas)
-{
-    return kind == OWN_BYTES ? (deltas + 1) / 2 : kind == OWN_HALVES ? deltas : 2 * deltas;
-}
-
-/* Depth of texel z of a raw pattern, before the shift. */
-static uint32_t raw_depth(const uint32_t *words, uint32_t half, uint32_t kind, uint32_t z)
-{
-    uint32_t byte = 2 * half + 2;
-    if (kind == OWN_NIBBLES) return get_byte(words, byte + z / 16) + (get_byte(words, byte + 4 + (z & 31)) >> (z >> 5) * 4 & 15);
-    if (kind == OWN_RAW1) return get_byte(words, byte + z);
-    if (kind == OWN_RAW2) return get_half(words, half + 1 + z);
-    return get_byte(words, byte + 3 * z) | get_byte(words, byte + 3 * z + 1) << 8 | get_byte(words, byte + 3 * z + 2) << 16;
-}
-
 /* What an own tile leaves. base: of the tile, in the node. */
 static void draw_own(walk *w, const uint32_t *words, const vxs_pattern *pattern, uint32_t half, int32_t base, uint32_t x0,
                      uint32_t y0)

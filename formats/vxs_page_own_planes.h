@@ -7,7 +7,7 @@
 #include "vxs_page_patterns.h"
 #include "vxs_page_planes.h"
 
-enum { FAR_SHIFT_MAX = 5, QUARTER = 64 /* of a voxel, in 1/256: planes of patterns begin at one */ };
+enum { QUARTER = 64 /* of a voxel, in 1/256: planes of patterns begin at one */ };
 
 /* Depths are those from the pattern's base on. */
 typedef struct own_planes {
@@ -21,9 +21,6 @@ typedef struct own_base {
     int32_t  block, value; /* of its block, in the node; of the tile, from that on */
     uint32_t far;
 } own_base;
-
-/* Of patterns that are no palette. */
-static const uint32_t own_halves[OWN_KINDS] = {0, 0, 0, 1 + 2 + 16, 1 + 32, 1 + 64, 1 + 96, 1 + 2, 1 + 5, 1 + 5, 1 + 5 + 4};
 
 /* Where texel (x, y) lies, quadrant by quadrant. */
 PAGE_INLINE uint32_t texel_at(uint32_t x, uint32_t y)

@@ -7,7 +7,7 @@
 
 #include "vxs_page_borders.h"
 
-enum { PLANE_SHIFT_MAX = 8, ZEROS_MAX = 8 /* low bits of numbers that may be round */ };
+enum { ZEROS_MAX = 8 /* low bits of numbers that may be round */ };
 
 /* A plane as it is stored: a and b, in (1 << shift) / 256 voxel. */
 typedef struct plane {

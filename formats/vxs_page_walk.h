@@ -4,40 +4,18 @@
 #ifndef VXS_PAGE_WALK_H
 #define VXS_PAGE_WALK_H
 
+#include "vxs_page_layout.h"
 #include "vxs_page_odds.h"
 
 enum {
     NODE_PX      = 256,
     BLOCK_PX     = 32,
     TILE_PX      = 8,
-    NODE_HALVES  = 11, /* before its lists */
-    PALETTE_MAX  = 14,
-    DEPTHS_MAX   = 16,      /* of a pattern of its own */
-    DEPTH_END    = 1 << 24, /* no depth or base is as far: sums stay within 32 bits */
-    NEVER        = 0xffff,  /* a uniform depth that is never reached */
-    REF_COMMON   = 0x20000,
-    OWN_ZERO     = 8192, /* base of an own tile 0, in the low bits of its word */
-    KIND_OWN     = 0,
-    INDEX_HALVES = 17, /* of a pattern as an image of indices */
+    NEVER        = 0xffff, /* a uniform depth that is never reached */
+    OWN_ZERO     = 8192,   /* base of an own tile 0, in the low bits of its word */
     LIST_CHUNK   = 256,
     LATELY_KEPT  = 64, /* patterns of planes that were used last */
     COLUMNS_KEPT = 64, /* columns of squares whose last borders are kept */
-};
-
-/* Kinds of a pattern with depths of its own, bits 12..15 of its first half. */
-enum {
-    OWN_BYTES,
-    OWN_HALVES,
-    OWN_WORDS,
-    OWN_NIBBLES,
-    OWN_RAW1,
-    OWN_RAW2,
-    OWN_RAW3,
-    OWN_PLANE,
-    OWN_NEARER,
-    OWN_FARTHER,
-    OWN_MASK,
-    OWN_KINDS,
 };
 
 struct vxs_page_scratch {
@@ -48,40 +26,6 @@ struct vxs_page_scratch {
     vxs_pattern pattern[VXS_PAGE_WORDS_MAX + VXS_PATTERN_KINDS * LIST_CHUNK];
     uint16_t    block[VXS_PAGE_WORDS_MAX / 2]; /* words where blocks start */
 };
-
-PAGE_INLINE uint32_t get_half(const uint32_t *words, uint32_t half)
-{
-    return words[half >> 1] >> 16 * (half & 1) & 0xffff;
-}
-
-/* Over zeros. */
-PAGE_INLINE void put_half(uint32_t *words, uint32_t half, uint32_t value)
-{
-    words[half >> 1] |= (value & 0xffff) << 16 * (half & 1);
-}
-
-PAGE_INLINE uint32_t get_byte(const uint32_t *words, uint32_t byte)
-{
-    return words[byte >> 2] >> 8 * (byte & 3) & 0xff;
-}
-
-PAGE_INLINE void put_byte(uint32_t *words, uint32_t byte, uint32_t value)
-{
-    words[byte >> 2] |= (value & 0xff) << 8 * (byte & 3);
-}
-
-PAGE_INLINE uint32_t count_bits(uint32_t x)
-{
-    x -= x >> 1 & 0x55555555;
-    x = (x & 0x33333333) + (x >> 2 & 0x33333333);
-    return ((x + (x >> 4)) & 0x0f0f0f0f) * 0x01010101 >> 24;
-}
-
-/* Words of a block's record before those of its tiles: two more when tiles lie on a plane. */
-PAGE_INLINE uint32_t head_words(uint32_t mixed, uint32_t own)
-{
-    return own & ~mixed & 0xffff ? 4 : 2;
-}
 
 /* Whose plane it is. */
 enum { NO_SHEET, OF_PATTERN, OF_BLOCK };
@@ -125,7 +69,7 @@ PAGE_INLINE const uint32_t *pool_of(const walk *w, uint32_t ref)
 /* Of the source, which may be anything: beyond its words are zeros. The decoder has none. */
 PAGE_INLINE uint32_t source_word(const walk *w, uint32_t word)
 {
-    return PAGE_ENCODING && word < w->word_count ? w->source[word] : 0;
+    return PAGE_ENCODING ? word_or_zero(w->source, w->word_count, word) : 0;
 }
 
 PAGE_INLINE uint32_t source_half(const walk *w, uint32_t half)

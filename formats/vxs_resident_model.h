@@ -9,15 +9,7 @@
 #define VXS_RESIDENT_MODEL_H
 
 #include "vxs_page_model.h"
-
-enum {
-    RESIDENT_WORDS   = 8, /* before the words of pages */
-    CELL_SQUARES     = 8, /* a cell of the top has so many squares a side */
-    CELL_LEVELS      = 15,
-    SQUARE_DEPTH_END = (1 << 18) + 1,
-};
-
-static const uint32_t top_uniform = 0x80000000u;
+#include "vxs_resident_layout.h"
 
 enum { TOP_LEFT, TOP_ABOVE, TOP_DEPTH, TOP_NEXT_NODE, TOP_NEXT_PAGE, TOP_OLD_NODE, TOP_CELL };
 
@@ -39,29 +31,6 @@ typedef struct resident_walk {
     uint32_t       met, pages; /* nodes and pages so far */
     vxs_page_node  last;
 } resident_walk;
-
-/* How many squares of 256 x 256 texels a map has a side. */
-static uint32_t squares_of(uint32_t levels)
-{
-    return levels <= 8 ? 1 : 1u << (levels - 8);
-}
-
-/* The word where entry (x, y) of a top starts; of a cell that is one depth, the cell. */
-static uint32_t top_at(const uint32_t *words, uint32_t top, uint32_t levels, uint32_t x, uint32_t y)
-{
-    uint32_t side = squares_of(levels);
-    if (levels < CELL_LEVELS) return top + 2 * (y * side + x);
-    uint32_t at = top + y / CELL_SQUARES * (side / CELL_SQUARES) + x / CELL_SQUARES;
-    return words[at] & top_uniform ? at : words[at] + 2 * (y % CELL_SQUARES * CELL_SQUARES + x % CELL_SQUARES);
-}
-
-/* Every other bit of n. */
-static uint32_t even_bits(uint32_t n)
-{
-    uint32_t x = 0;
-    for (uint32_t b = 0; b < 16; b++) x |= (n >> 2 * b & 1) << b;
-    return x;
-}
 
 /* Base, least and greatest depth of an entry whose node is known. */
 static int code_range(resident_walk *r, uint32_t at, uint32_t like)

@@ -1,0 +1,42 @@
+/* How words of a resident part lie (formats/vxs.md 13.1), as all that reads or makes them says it. Internal to vxs_page_*.c and
+ * vxs_resident_*.c. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_RESIDENT_LAYOUT_H
+#define VXS_RESIDENT_LAYOUT_H
+
+#include <stdint.h>
+
+enum {
+    RESIDENT_WORDS      = 8,  /* before the words of pages */
+    RESIDENT_HEAD_BYTES = 16, /* as it is stored: how much it takes */
+    CELL_SQUARES        = 8,  /* a cell of the top has so many squares a side */
+    CELL_LEVELS         = 15,
+    SQUARE_DEPTH_END    = (1 << 18) + 1,
+};
+
+static const uint32_t top_uniform = 0x80000000u;
+
+/* How many squares of 256 x 256 texels a map has a side. */
+static inline uint32_t squares_of(uint32_t levels)
+{
+    return levels <= 8 ? 1 : 1u << (levels - 8);
+}
+
+/* The word where entry (x, y) of a top starts; of a cell that is one depth, the cell. */
+static inline uint32_t top_at(const uint32_t *words, uint32_t top, uint32_t levels, uint32_t x, uint32_t y)
+{
+    uint32_t side = squares_of(levels);
+    if (levels < CELL_LEVELS) return top + 2 * (y * side + x);
+    uint32_t at = top + y / CELL_SQUARES * (side / CELL_SQUARES) + x / CELL_SQUARES;
+    return words[at] & top_uniform ? at : words[at] + 2 * (y % CELL_SQUARES * CELL_SQUARES + x % CELL_SQUARES);
+}
+
+/* Every other bit of n. */
+static inline uint32_t even_bits(uint32_t n)
+{
+    uint32_t x = 0;
+    for (uint32_t b = 0; b < 16; b++) x |= (n >> 2 * b & 1) << b;
+    return x;
+}
+
+#endif
