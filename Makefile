@@ -62,7 +62,7 @@ libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs libzstd libxxhash jan
 
 # --- what is built --------------------------------------------------------------------------------------------------------
 
-runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c)
+runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)

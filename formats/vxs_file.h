@@ -47,6 +47,7 @@ typedef struct vxs_baked_light {
     vxs_light       light;
     const uint32_t *words; /* [word_count]; of palette blocks, VXS_BLOCKS_SPARE_WORDS more behind them, zeros */
     uint32_t        word_count;
+    uint32_t        packing; /* how the file keeps the pages of palette blocks, VXS_PACKING_*; words are the same */
     uint32_t        part_count;
     vxs_part        parts[VXS_LEVELS_MAX]; /* [part_count] of a DAG, the roots first, masks last */
 } vxs_baked_light;
@@ -109,8 +110,8 @@ typedef struct vxs_contents {
  * contents  [out] written only when VXS_OK is returned
  * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT: the first finding's result; VXS_E_MEMORY.
  * Bad bytes never abort, and cost no more memory than the limit; zstd's own working memory (some 160 KiB) comes from malloc and is
- * not counted. Threads: none shared; those of desc->parallel decode the pages of palette blocks, and need some 1.5 MiB each, within the
- * limit: with less, fewer of them are used. Allocator and findings are called by the caller's thread alone. */
+ * not counted. Threads: none shared; those of desc->parallel decode the pages of palette blocks, and need some 1.5 MiB each, a sixth of
+ * that where pages are packed fast, within the limit: with less, fewer of them are used. Allocator and findings are called by the caller's thread alone. */
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
 /* Accepts a zeroed object. */
@@ -137,6 +138,7 @@ typedef struct vxs_blocks_view {
     const uint8_t  *common_kinds; /* [common_count] of each pattern of the common pool, as they lie: how many depths of a palette it
                                      parts, 2..14, or 0: it has its own */
     uint32_t        common_count;
+    uint32_t        packing; /* VXS_PACKING_* */
 } vxs_blocks_view;
 
 /* A light to be written, in the coding that it names. */
@@ -163,8 +165,8 @@ typedef struct vxs_bytes {
  * input, same bytes for one zstd version.
  * out  [out] grown with realloc; zero it first, release with free(out->data).
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, coding, or words; an
- * empty, unterminated or repeated name; a DAG without as many levels, or without its roots; blocks that are not in canonical order), or
- * zstd_level is out of range. A light's other numbers are written as they are: vxs_read says whether they make sense.
+ * empty, unterminated or repeated name; a DAG without as many levels, or without its roots; blocks that are not in canonical order, or of no
+ * packing), or zstd_level is out of range. A light's other numbers are written as they are: vxs_read says whether they make sense.
  * The runtime library does not hold this function: games only read. */
 vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc);
 

@@ -36,6 +36,7 @@
     X(307, VXS_E_CORRUPT,   "reserved bytes or undefined flags of a light are not zero")               \
     X(308, VXS_E_CORRUPT,   "a light's near distance, cone or range is not one of its kind")           \
     X(309, VXS_E_VERSION,   "a light has a coding that this reader does not know")                     \
+    X(310, VXS_E_VERSION,   "a light has a packing that this reader does not know")                    \
     X(401, VXS_E_CORRUPT,   "a level has a size that its node count does not give")                    \
     X(402, VXS_E_CORRUPT,   "a node repeats a neighbour that is not there")                            \
     X(403, VXS_E_CORRUPT,   "a node refers to a child beyond those seen so far")                       \
@@ -45,7 +46,8 @@
     X(501, VXS_E_CORRUPT,   "a light's resident part breaks a rule of its layout")                     \
     X(502, VXS_E_CORRUPT,   "a light's pages have a size that their table does not give")              \
     X(503, VXS_E_CORRUPT,   "the checksum of a page does not match")                                   \
-    X(504, VXS_E_CORRUPT,   "a page breaks a rule of its layout")
+    X(504, VXS_E_CORRUPT,   "a page breaks a rule of its layout")                                      \
+    X(505, VXS_E_CORRUPT,   "a page is not one zstd frame of the size that its table says")
 /* clang-format on */
 
 #endif

@@ -54,7 +54,8 @@
 #define VXS_LIGHT_COS_OUTER        160
 #define VXS_LIGHT_RANGE_METRES     168
 #define VXS_LIGHT_CODING           176 /* from version 2 on; before, all are DAGs, and there are zeros */
-#define VXS_LIGHT_RESERVED         180
+#define VXS_LIGHT_PACKING          180 /* of palette blocks; else 0 */
+#define VXS_LIGHT_RESERVED         184
 #define VXS_LIGHT_NAME             192
 #define VXS_LIGHT_NAME_BYTES       64
 #define VXS_LIGHT_KIND_DIRECTIONAL 1u
@@ -67,6 +68,10 @@
 /* How a light's words hold its maps; each is a section of vxs.md */
 #define VXS_CODING_DAG    1u /* a graph of nodes and masks, section 6 */
 #define VXS_CODING_BLOCKS 2u /* palette blocks, section 13 */
+
+/* How the pages of palette blocks are stored */
+#define VXS_PACKING_SMALL 0u /* coded by odds that learn, vxs.md 14.1 to 14.8 */
+#define VXS_PACKING_FAST  1u /* words under zstd, 14.10 */
 
 /* vxs.md section 14: the pages of palette blocks */
 #define VXS_PAGES_PREFIX_BYTES 8

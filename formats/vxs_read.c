@@ -9,6 +9,7 @@
 
 #include "vxs_bytes.h"
 #include "vxs_findings.h"
+#include "vxs_frame.h"
 #include "vxs_memory.h"
 #include "vxs_reader.h"
 
@@ -183,10 +184,7 @@ static int check_frame(vxs_reader *r, int section, size_t extra)
 {
     const vxs_section *s    = &r->out.sections[section];
     const uint8_t     *from = r->bytes + s->offset_bytes;
-    /* the magic number first: zstd would also take frames that it skips, and those of its own past */
-    if (s->stored_bytes < 4 || vxs_load32(from) != ZSTD_MAGICNUMBER ||
-        ZSTD_getFrameContentSize(from, s->stored_bytes) != s->inflated_bytes ||
-        ZSTD_findFrameCompressedSize(from, s->stored_bytes) != s->stored_bytes || s->inflated_bytes > SIZE_MAX - extra)
+    if (!vxs_is_frame(from, s->stored_bytes, s->inflated_bytes) || s->inflated_bytes > SIZE_MAX - extra)
         return vxs_found(r, 207, section, s->offset_bytes), 0;
     return 1;
 }
@@ -245,6 +243,16 @@ static int flags_valid(const vxs_light *l)
     return !(l->flags & ~(l->kind == VXS_LIGHT_KIND_SPOT ? VXS_LIGHT_CUBE : VXS_LIGHT_BOUNDED));
 }
 
+/* Only palette blocks have one. */
+static void check_packing(vxs_reader *r, uint32_t coding, uint32_t packing, int section, uint64_t at)
+{
+    if (packing == VXS_PACKING_SMALL) return;
+    if (coding != VXS_CODING_BLOCKS)
+        vxs_found(r, 307, section, at);
+    else if (packing != VXS_PACKING_FAST)
+        vxs_found(r, 310, section, at);
+}
+
 static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *record, int section, uint64_t at)
 {
     const double *d = light->direction_ws;
@@ -266,6 +274,7 @@ static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *re
     if (!flags_valid(light)) vxs_found(r, 307, section, at + VXS_LIGHT_FLAGS);
     if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) vxs_found(r, 309, section, at + VXS_LIGHT_CODING);
     if (!has_blocks(r) && vxs_load32(record + VXS_LIGHT_CODING)) vxs_found(r, 307, section, at + VXS_LIGHT_CODING);
+    check_packing(r, light->coding, vxs_load32(record + VXS_LIGHT_PACKING), section, at + VXS_LIGHT_PACKING);
     if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED))
         vxs_found(r, 307, section, at + VXS_LIGHT_RESERVED);
 }
@@ -290,6 +299,7 @@ static void read_light_records(vxs_reader *r, int section, const uint8_t *table,
         light->levels               = vxs_load32(record + VXS_LIGHT_LEVELS);
         light->flags                = vxs_load32(record + VXS_LIGHT_FLAGS);
         light->coding               = has_blocks(r) ? vxs_load32(record + VXS_LIGHT_CODING) : VXS_CODING_DAG;
+        r->out.lights[n].packing    = vxs_load32(record + VXS_LIGHT_PACKING);
         r->out.lights[n].word_count = vxs_load32(record + VXS_LIGHT_WORD_COUNT);
         for (int k = 0; k < 12; k++) light->ls_from_ws[k] = vxs_load_f64(record + VXS_LIGHT_LS_FROM_WS + k * 8);
         light->texel_metres = vxs_load_f64(record + VXS_LIGHT_TEXEL_METRES);

@@ -8,6 +8,14 @@
 #include "vxs_bytes.h"
 #include "vxs_writer.h"
 
+ZSTD_CCtx *vxs_compressor(int zstd_level)
+{
+    ZSTD_CCtx *zstd = ZSTD_createCCtx();
+    if (!zstd || !ZSTD_isError(ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, zstd_level))) return zstd;
+    ZSTD_freeCCtx(zstd);
+    return NULL;
+}
+
 uint8_t *vxs_append(vxs_bytes *b, size_t size)
 {
     if (b->capacity_bytes - b->size_bytes < size) {
@@ -64,8 +72,9 @@ vxs_result vxs_add_stored(vxs_sections *s, uint32_t kind, uint32_t light, const 
     return add_entry(s, &(vxs_section){kind, VXS_SECTION_STORED, light, .inflated_bytes = content->size_bytes}, start);
 }
 
-/* coding  as a file of its version says it */
-static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t word_count, uint32_t coding)
+/* coding  as a file of its version says it
+ * packing of palette blocks; of others 0 */
+static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t word_count, uint32_t coding, uint32_t packing)
 {
     memset(at, 0, VXS_LIGHT_BYTES);
     vxs_store32(at + VXS_LIGHT_KIND, light->kind);
@@ -80,6 +89,7 @@ static void encode_light_record(uint8_t *at, const vxs_light *light, uint32_t wo
     vxs_store_f64(at + VXS_LIGHT_COS_OUTER, light->cos_outer);
     vxs_store_f64(at + VXS_LIGHT_RANGE_METRES, light->range_metres);
     vxs_store32(at + VXS_LIGHT_CODING, coding);
+    vxs_store32(at + VXS_LIGHT_PACKING, packing);
     memcpy(at + VXS_LIGHT_NAME, light->name, strlen(light->name));
 }
 
@@ -114,10 +124,12 @@ static vxs_result assemble(vxs_bytes *out, const vxs_sections *s)
 /* The sections of light n, and what its record says of its words. */
 static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t n, uint8_t *record)
 {
-    uint32_t   words = l->blocks.word_count;
-    vxs_result r     = l->light.coding == VXS_CODING_BLOCKS ? vxs_write_blocks(s, &l->blocks, &l->light, n)
-                                                            : vxs_write_dag(s, &l->dag, vxs_light_map_count(&l->light), n, &words);
-    encode_light_record(record, &l->light, words, s->version >= VXS_FORMAT_VERSION_BLOCKS ? l->light.coding : 0);
+    int        blocks = l->light.coding == VXS_CODING_BLOCKS;
+    uint32_t   words  = l->blocks.word_count;
+    vxs_result r      = blocks ? vxs_write_blocks(s, &l->blocks, &l->light, n)
+                               : vxs_write_dag(s, &l->dag, vxs_light_map_count(&l->light), n, &words);
+    encode_light_record(record, &l->light, words, s->version >= VXS_FORMAT_VERSION_BLOCKS ? l->light.coding : 0,
+                        blocks ? l->blocks.packing : 0);
     return r;
 }
 
@@ -168,9 +180,12 @@ vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc)
     if (desc->zstd_level < 1 || desc->zstd_level > 19) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < desc->light_count; n++)
         if (!light_fits(desc->lights, n)) return VXS_E_ARGUMENT;
-    vxs_sections s = {.zstd = ZSTD_createCCtx(), .version = version_of(desc), .parallel = desc->parallel};
+    vxs_sections s = {.zstd       = vxs_compressor(desc->zstd_level),
+                      .zstd_level = desc->zstd_level,
+                      .version    = version_of(desc),
+                      .parallel   = desc->parallel};
     vxs_result   r = VXS_E_MEMORY;
-    if (!s.zstd || ZSTD_isError(ZSTD_CCtx_setParameter(s.zstd, ZSTD_c_compressionLevel, desc->zstd_level))) goto done;
+    if (!s.zstd) goto done;
     if ((r = add_sections(&s, desc)) != VXS_OK) goto done;
     r = assemble(out, &s);
 done:

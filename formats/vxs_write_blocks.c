@@ -5,7 +5,7 @@
 #include <xxhash.h>
 
 #include "vxs_bytes.h"
-#include "vxs_page.h"
+#include "vxs_page_fast.h"
 #include "vxs_tasks.h"
 #include "vxs_writer.h"
 
@@ -42,19 +42,19 @@ static vxs_result index_common(vxs_common *common, vxs_pattern *patterns, const 
 
 /* What a reader will know of a light before its pages: decoded from the bytes that it will have. */
 typedef struct known_resident {
-    vxs_resident      resident;
-    vxs_page_scratch *scratch;
+    vxs_resident_sizes sizes;
+    vxs_resident       resident;
+    vxs_page_scratch  *scratch;
 } known_resident;
 
 static vxs_result know_resident(known_resident *k, const vxs_bytes *bytes, const vxs_light *light)
 {
-    vxs_resident_sizes sizes;
-    vxs_resident      *to = &k->resident;
-    if (vxs_resident_sizes_of(&sizes, bytes->data, bytes->size_bytes) != VXS_OK) return VXS_E_ARGUMENT;
-    to->words      = malloc((size_t)sizes.word_count * sizeof *to->words);
-    to->nodes      = malloc(((size_t)sizes.node_count + 1) * sizeof *to->nodes);
-    to->page_first = malloc(((size_t)sizes.page_count + 1) * sizeof *to->page_first);
-    to->patterns   = malloc(((size_t)sizes.pattern_count + 1) * sizeof *to->patterns);
+    vxs_resident *to = &k->resident;
+    if (vxs_resident_sizes_of(&k->sizes, bytes->data, bytes->size_bytes) != VXS_OK) return VXS_E_ARGUMENT;
+    to->words      = malloc((size_t)k->sizes.word_count * sizeof *to->words);
+    to->nodes      = malloc(((size_t)k->sizes.node_count + 1) * sizeof *to->nodes);
+    to->page_first = malloc(((size_t)k->sizes.page_count + 1) * sizeof *to->page_first);
+    to->patterns   = malloc(((size_t)k->sizes.pattern_count + 1) * sizeof *to->patterns);
     k->scratch     = malloc(vxs_page_scratch_bytes());
     if (!to->words || !to->nodes || !to->page_first || !to->patterns || !k->scratch) return VXS_E_MEMORY;
     vxs_page_scratch_init(k->scratch);
@@ -82,30 +82,57 @@ typedef struct encoded_page {
 typedef struct page_encoder {
     const vxs_blocks_view *view;
     const vxs_resident    *resident;
+    vxs_common_marks      *common; /* for pages that are to be fast, as the next */
+    int                    zstd_level;
     encoded_page          *out; /* [pages.count] */
     vxs_items              pages;
 } page_encoder;
+
+/* What a task packs pages by that are to be fast. */
+typedef struct page_packer {
+    vxs_page_marks *marks;
+    ZSTD_CCtx      *zstd;
+} page_packer;
 
 static uint32_t page_words(const vxs_blocks_view *view, uint32_t page)
 {
     return page_start(view, page + 1) - page_start(view, page);
 }
 
+static page_packer packer_of(const page_encoder *e)
+{
+    page_packer p = {0};
+    if (e->view->packing != VXS_PACKING_FAST) return p;
+    p = (page_packer){malloc(sizeof *p.marks), vxs_compressor(e->zstd_level)};
+    if (p.marks) p.marks->common = e->common;
+    return p;
+}
+
+static vxs_result encode_page(const page_encoder *e, const page_packer *p, uint32_t page, vxs_bytes *out)
+{
+    const vxs_resident  *r          = e->resident;
+    const uint32_t      *words      = e->view->words + page_start(e->view, page);
+    uint32_t             count      = page_words(e->view, page);
+    const vxs_page_node *nodes      = r->nodes + r->page_first[page];
+    uint32_t             node_count = r->page_first[page + 1] - r->page_first[page];
+    if (e->view->packing != VXS_PACKING_FAST) return vxs_page_encode(out, words, count, nodes, node_count, &r->common);
+    if (!p->marks || !p->zstd) return VXS_E_MEMORY;
+    return vxs_page_pack(out, words, count, nodes, node_count, p->marks, p->zstd);
+}
+
 /* A task: pages that no other has taken. Behind one that fails none is wanted; all before it are taken. */
 static void encode_some_pages(void *work, uint32_t task)
 {
-    page_encoder          *e    = work;
-    const vxs_blocks_view *view = e->view;
-    const vxs_resident    *r    = e->resident;
-    uint32_t               page;
+    page_encoder *e = work;
+    page_packer   p = packer_of(e);
+    uint32_t      page;
     (void)task;
     while (vxs_items_take(&e->pages, &page)) {
-        encoded_page *out   = &e->out[page];
-        uint32_t      first = r->page_first[page], nodes = r->page_first[page + 1] - first;
-        out->result = vxs_page_encode(&out->bytes, view->words + page_start(view, page), page_words(view, page), r->nodes + first,
-                                      nodes, &r->common);
-        if (out->result != VXS_OK) vxs_items_end(&e->pages);
+        e->out[page].result = encode_page(e, &p, page, &e->out[page].bytes);
+        if (e->out[page].result != VXS_OK) vxs_items_end(&e->pages);
     }
+    ZSTD_freeCCtx(p.zstd);
+    free(p.marks);
 }
 
 /* The content of a section of pages: their table, then their bytes. */
@@ -132,22 +159,34 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
     return VXS_OK;
 }
 
-static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident,
-                               const vxs_parallel *parallel)
+static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident, const vxs_sections *s)
 {
     uint32_t     count = view->words[PAGE_COUNT_WORD];
-    page_encoder e     = {view, resident, calloc((size_t)count + 1, sizeof *e.out), {.count = count}};
-    if (!e.out) return VXS_E_MEMORY;
-    vxs_tasks_run(parallel, vxs_task_count(parallel, count), encode_some_pages, &e);
-    vxs_result r = join_pages(content, view, e.out, count);
-    for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
+    page_encoder e     = {.view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count}};
+    vxs_result   r     = VXS_E_MEMORY;
+    e.out              = calloc((size_t)count + 1, sizeof *e.out);
+    e.common           = malloc(sizeof *e.common);
+    if (e.out && e.common) {
+        vxs_common_mark(e.common, &resident->common);
+        vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
+        r = join_pages(content, view, e.out, count);
+        for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
+    }
     free(e.out);
+    free(e.common);
     return r;
+}
+
+/* The bytes of a resident part that is to be fast, instead of those that have shown that it holds every rule. */
+static vxs_result pack_resident(vxs_bytes *resident, const known_resident *k, const vxs_blocks_view *view, ZSTD_CCtx *zstd)
+{
+    resident->size_bytes = 0;
+    return vxs_resident_pack(resident, &k->sizes, view->words, view->common_kinds, zstd);
 }
 
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number)
 {
-    if (!in_order(view)) return VXS_E_ARGUMENT;
+    if (!in_order(view) || view->packing > VXS_PACKING_FAST) return VXS_E_ARGUMENT;
     vxs_bytes      resident = {0}, pages = {0};
     known_resident known = {0};
     vxs_common     common;
@@ -156,7 +195,8 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_light_map_count(light), &common);
     if (r == VXS_OK) r = know_resident(&known, &resident, light);
-    if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident, s->parallel);
+    if (r == VXS_OK) r = encode_pages(&pages, view, &known.resident, s);
+    if (r == VXS_OK && view->packing == VXS_PACKING_FAST) r = pack_resident(&resident, &known, view, s->zstd);
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &resident);
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
     forget_resident(&known);

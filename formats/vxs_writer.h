@@ -12,9 +12,13 @@ typedef struct vxs_sections {
     vxs_bytes           entries; /* VXS_ENTRY_BYTES each; offsets are filled in at the end */
     vxs_bytes           stored;
     ZSTD_CCtx          *zstd;
+    int                 zstd_level;
     uint32_t            version; /* of the file */
     const vxs_parallel *parallel;
 } vxs_sections;
+
+/* One that compresses at a level, or NULL without memory. Release with ZSTD_freeCCtx. */
+ZSTD_CCtx *vxs_compressor(int zstd_level);
 
 /* `size` more bytes at the end of `b`, or NULL without memory. */
 uint8_t *vxs_append(vxs_bytes *b, size_t size);
@@ -40,7 +44,8 @@ vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t map
 /* vxs_write_blocks.c -------------------------------------------------------------------------------------------------------------- */
 
 /* Sections of light number `number`: its resident part, then its pages.
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when its words are not in canonical order, or its common patterns are others. */
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when its words are not in canonical order, or its common patterns are others, or its packing
+ * is none. */
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
 
 #endif

@@ -95,6 +95,7 @@ def test_sizes_in_prose():
     kinds = [defined["VXS_LIGHT_KIND_" + kind] for kind in ("DIRECTIONAL", "SPOT", "POINT")]
     assert kinds == [1, 2, 3] and "| 1: directional; 2: spot; 3: point |" in section(5)
     assert [defined["VXS_CODING_" + coding] for coding in ("DAG", "BLOCKS")] == [1, 2] and "1: a DAG; 2: palette blocks." in section(5)
+    assert [defined["VXS_PACKING_" + packing] for packing in ("SMALL", "FAST")] == [0, 1] and "0: small, 14.1 to 14.9; 1: fast, 14.10." in section(5)
     assert defined["VXS_FORMAT_VERSION_BLOCKS"] == 2
 
 
@@ -532,7 +533,7 @@ def test_damaged_files_are_refused(vxs, tmp_path, change, number):
 # one text for two ways: what includes it says which (PAGE_ENCODING)
 TWO_WAYS = {path.name for path in (ROOT / "formats").glob("vxs_page_*.h")} | {"vxs_resident_model.h"}
 # of the sources alone, which are C11
-OWN = {"vxs_tasks.h"}
+OWN = {"vxs_tasks.h", "vxs_pattern_check.h"}
 HEADERS = sorted(path.relative_to(ROOT) for folder in ("formats", "runtime") for path in (ROOT / folder).glob("*.h")
                  if path.name not in TWO_WAYS | OWN)
 WARNINGS = ["-Wall", "-Wextra", "-Werror", "-pedantic-errors", "-fsyntax-only"]

@@ -11,7 +11,7 @@
 #include "baker/base/parallel.h"
 #include "baker/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
 #include "dag_sample.h"
-#include "formats/vxs_page.h"
+#include "formats/vxs_page_fast.h"
 #include "runtime/vxs.h"
 #include "tests/columns/analytic.h"
 
@@ -24,6 +24,23 @@
 
 #include "blocks_built.h"
 #include "format_parts.h"
+
+/* How lights that are made here are packed. */
+static uint32_t packing;
+
+static int pack_small(void **state)
+{
+    (void)state;
+    packing = VXS_PACKING_SMALL;
+    return 0;
+}
+
+static int pack_fast(void **state)
+{
+    (void)state;
+    packing = VXS_PACKING_FAST;
+    return 0;
+}
 
 /* lights ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -64,7 +81,7 @@ static vxs_write_light blocks_light(const block_words *w, uint32_t levels, uint3
     vxs_write_light l =
         map_count == 1 ? dag_sample_light(&of, name) : dag_sample_lamp(&of, name, VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
     l.light.coding = VXS_CODING_BLOCKS;
-    l.blocks       = (vxs_blocks_view){w->words, w->count, w->common_kinds, w->common_count};
+    l.blocks       = (vxs_blocks_view){w->words, w->count, w->common_kinds, w->common_count, packing};
     return l;
 }
 
@@ -123,6 +140,7 @@ static void check_words(const vxs_baked_light *l, const block_words *w)
 {
     static const uint32_t zeros[VXS_BLOCKS_SPARE_WORDS];
     assert_int_equal(l->light.coding, VXS_CODING_BLOCKS);
+    assert_int_equal(l->packing, packing);
     assert_int_equal(l->word_count, w->count);
     assert_memory_equal(l->words, w->words, w->count * sizeof *w->words);
     assert_memory_equal(l->words + w->count, zeros, sizeof zeros);
@@ -253,6 +271,7 @@ static void test_write_refuses(void **state)
     REFUSES(light.light.levels, 2);
     REFUSES(light.light.flags, VXS_LIGHT_CUBE); /* six of them */
     REFUSES(light.light.coding, 3);
+    REFUSES(light.blocks.packing, 2);
     REFUSES(light.blocks.word_count, 0);
     REFUSES(light.blocks.word_count, 8);
     REFUSES(light.blocks.word_count, was - 1);
@@ -489,6 +508,21 @@ static void no_coding(parts *p)
     vxs_store32(record_of(p) + VXS_LIGHT_CODING, 0);
     store_records(p);
 }
+static void unknown_packing(parts *p)
+{
+    vxs_store32(record_of(p) + VXS_LIGHT_PACKING, 2);
+    store_records(p);
+}
+static void other_packing(parts *p)
+{
+    record_of(p)[VXS_LIGHT_PACKING] ^= VXS_PACKING_SMALL ^ VXS_PACKING_FAST;
+    store_records(p);
+}
+static void packing_of_a_dag(parts *p)
+{
+    vxs_store32(record_of(p) + VXS_LIGHT_BYTES + VXS_LIGHT_PACKING, VXS_PACKING_FAST);
+    store_records(p);
+}
 static void reserved_bytes(parts *p)
 {
     record_of(p)[VXS_LIGHT_RESERVED] = 1;
@@ -619,6 +653,9 @@ static void test_findings(void **state)
     finding_after(212, small_file(), other_size);
     finding_after(212, small_file(), other_size_of_unknown);
     finding_after(307, small_file(), reserved_bytes);
+    finding_after(307, small_file(), packing_of_a_dag);
+    finding_after(310, small_file(), unknown_packing);
+    finding_after(501, small_file(), other_packing);
     finding_after(309, small_file(), unknown_coding);
     finding_after(309, small_file(), no_coding);
     finding_after(406, small_file(), one_word_more);
@@ -639,6 +676,79 @@ static void test_findings(void **state)
     finding_after(504, small_file(), page_broken);
     finding_after(504, small_file(), page_of_more_words_than_it_has);
     finding_after(504, paged_file(), pages_in_other_order);
+}
+
+/* The words of a page, as they are stored, become others, in a frame of its own. */
+static void change_stored_words(parts *p, void (*change)(uint32_t *words))
+{
+    part     *pages = pages_of(p);
+    uint8_t  *entry = page_entry(pages, 0), *bytes = page_bytes(pages, 0);
+    uint32_t  count = vxs_load32(entry + VXS_PAGE_WORD_COUNT), size = vxs_load32(entry + VXS_PAGE_STORED_BYTES);
+    size_t    bound = ZSTD_compressBound(4 * (size_t)count);
+    uint32_t *words = parts_alloc(4 * (size_t)count);
+    uint8_t  *frame = parts_alloc(bound);
+    assert_int_equal(ZSTD_decompress(words, 4 * (size_t)count, bytes + 4, size - 4), 4 * (size_t)count);
+    change(words);
+    size_t stored = ZSTD_compress(frame, bound, words, 4 * (size_t)count, 19);
+    assert_int_equal(bytes + size - pages->content.data, pages->content.size_bytes); /* it is the last one */
+    pages->content.size_bytes += stored - (size - 4);
+    pages->content.data = realloc(pages->content.data, pages->content.size_bytes);
+    memcpy(page_bytes(pages, 0) + 4, frame, stored);
+    vxs_store32(page_entry(pages, 0) + VXS_PAGE_STORED_BYTES, (uint32_t)stored + 4);
+    seal_page(pages, 0);
+    store(pages);
+    free(words);
+    free(frame);
+}
+static void nothing(uint32_t *words)
+{
+    (void)words;
+}
+static void undefined_flag_of_a_node(uint32_t *words)
+{
+    words[5] ^= 2;
+}
+static void page_packed_again(parts *p)
+{
+    change_stored_words(p, nothing);
+}
+static void node_with_an_undefined_flag(parts *p)
+{
+    change_stored_words(p, undefined_flag_of_a_node);
+}
+static void page_with_more_words_of_nodes(parts *p)
+{
+    page_bytes(pages_of(p), 0)[2]++;
+    seal_page(pages_of(p), 0);
+    store(pages_of(p));
+}
+
+static void test_findings_of_fast(void **state)
+{
+    (void)state;
+    vxs_bytes file = small_file();
+    parts     p;
+    take_apart(&p, &file);
+    free(file.data);
+    page_packed_again(&p);
+    file = put_together(&p);
+    assert_true(accepted(&file));
+    free(file.data);
+    parts_free(&p);
+    finding_after(310, small_file(), unknown_packing);
+    finding_after(501, small_file(), other_packing);
+    finding_after(501, small_file(), resident_empty);
+    finding_after(501, small_file(), resident_of_too_many_pages);
+    finding_after(501, small_file(), resident_broken);
+    finding_after(501, small_file(), resident_shorter);
+    finding_after(501, small_file(), other_levels);
+    finding_after(503, small_file(), page_hash);
+    finding_after(503, small_file(), page_changed);
+    finding_after(504, small_file(), node_with_an_undefined_flag);
+    finding_after(504, small_file(), page_with_more_words_of_nodes);
+    finding_after(504, paged_file(), pages_in_other_order);
+    finding_after(505, small_file(), page_broken);
+    finding_after(505, small_file(), page_of_more_words_than_it_has);
 }
 
 /* Every page is looked at, where everything is wanted. */
@@ -766,11 +876,11 @@ static void test_memory_of_threads(void **state)
     vxs_parallel  parallel  = parallel_lent(3);
     vxs_contents  alone, contents;
     assert_int_equal(vxs_read(&alone, file.data, file.size_bytes, &desc), VXS_OK);
-    uint64_t held = a.live_bytes, calls = a.calls;
+    uint64_t held = a.live_bytes, calls = a.calls, needed = packing ? sizeof(vxs_page_marks) : vxs_page_scratch_bytes() + 16;
     desc.memory_limit_bytes = a.peak_bytes;
     desc.parallel           = &parallel;
     uint64_t peaks[3];
-    for (uint64_t more = 0; more < 3; more++, desc.memory_limit_bytes += vxs_page_scratch_bytes() + 16) {
+    for (uint64_t more = 0; more < 3; more++, desc.memory_limit_bytes += needed) {
         a.peak_bytes = a.live_bytes;
         assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_OK);
         peaks[more] = a.peak_bytes - held;
@@ -778,7 +888,7 @@ static void test_memory_of_threads(void **state)
         assert_memory_equal(contents.lights[0].words, alone.lights[0].words, 4 * (size_t)alone.lights[0].word_count);
         vxs_contents_free(&contents);
     }
-    assert_true(peaks[0] + vxs_page_scratch_bytes() < peaks[1] && peaks[1] + vxs_page_scratch_bytes() < peaks[2]);
+    assert_true(peaks[0] + needed == peaks[1] && peaks[1] + needed == peaks[2]);
     desc.memory_limit_bytes = peaks[0] - 1;
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_E_MEMORY);
 
@@ -926,20 +1036,33 @@ int main(void)
 {
     if (getenv("VXS_BLOCKS_OUT")) return write_file(getenv("VXS_BLOCKS_OUT"));
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_round_trip_of_pages),
-        cmocka_unit_test(test_round_trip_of_large_maps),
-        cmocka_unit_test(test_mixed_codings),
-        cmocka_unit_test(test_write_refuses),
-        cmocka_unit_test(test_every_prefix_is_refused),
-        cmocka_unit_test(test_every_flipped_bit_is_refused),
-        cmocka_unit_test(test_every_flipped_bit_under_checksums_is_safe),
-        cmocka_unit_test(test_findings),
-        cmocka_unit_test(test_find_all_goes_on),
-        cmocka_unit_test(test_any_threads),
+        cmocka_unit_test_setup(test_round_trip, pack_fast),
+        cmocka_unit_test_setup(test_round_trip, pack_small),
+        cmocka_unit_test_setup(test_round_trip_of_pages, pack_fast),
+        cmocka_unit_test_setup(test_round_trip_of_pages, pack_small),
+        cmocka_unit_test_setup(test_round_trip_of_large_maps, pack_fast),
+        cmocka_unit_test_setup(test_round_trip_of_large_maps, pack_small),
+        cmocka_unit_test_setup(test_mixed_codings, pack_fast),
+        cmocka_unit_test_setup(test_mixed_codings, pack_small),
+        cmocka_unit_test_setup(test_write_refuses, pack_fast),
+        cmocka_unit_test_setup(test_write_refuses, pack_small),
+        cmocka_unit_test_setup(test_every_prefix_is_refused, pack_fast),
+        cmocka_unit_test_setup(test_every_prefix_is_refused, pack_small),
+        cmocka_unit_test_setup(test_every_flipped_bit_is_refused, pack_fast),
+        cmocka_unit_test_setup(test_every_flipped_bit_is_refused, pack_small),
+        cmocka_unit_test_setup(test_every_flipped_bit_under_checksums_is_safe, pack_fast),
+        cmocka_unit_test_setup(test_every_flipped_bit_under_checksums_is_safe, pack_small),
+        cmocka_unit_test_setup(test_findings_of_fast, pack_fast),
+        cmocka_unit_test_setup(test_findings, pack_small),
+        cmocka_unit_test_setup(test_find_all_goes_on, pack_fast),
+        cmocka_unit_test_setup(test_find_all_goes_on, pack_small),
+        cmocka_unit_test_setup(test_any_threads, pack_fast),
+        cmocka_unit_test_setup(test_any_threads, pack_small),
         cmocka_unit_test(test_findings_on_any_threads),
-        cmocka_unit_test(test_write_refuses_on_any_threads),
-        cmocka_unit_test(test_memory_of_threads),
+        cmocka_unit_test_setup(test_write_refuses_on_any_threads, pack_fast),
+        cmocka_unit_test_setup(test_write_refuses_on_any_threads, pack_small),
+        cmocka_unit_test_setup(test_memory_of_threads, pack_fast),
+        cmocka_unit_test_setup(test_memory_of_threads, pack_small),
         cmocka_unit_test(test_memory_limit),
         cmocka_unit_test(test_failing_allocations),
         cmocka_unit_test(test_every_finding_was_produced),
