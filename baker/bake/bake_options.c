@@ -10,11 +10,12 @@ static int set_word(json_t *object, const char *key, const char *choices, int in
     return json_object_set_new(object, key, json_string(choice_word(word, choices, index)));
 }
 
-/* A coding, and what it alone knows. Files say nothing of a DAG, which all of them were once. */
+/* A coding, and what it alone knows. Files say nothing of a DAG, which all of them were once, nor of pages that are small. */
 static void set_coding(json_t *object, const bake_options *o)
 {
     if (o->coding != CODING_DAG) {
         set_word(object, "coding", CODING_CHOICES, (int)o->coding);
+        if (o->pack != PACK_SMALL) set_word(object, "pack", PACK_CHOICES, (int)o->pack);
         return;
     }
     set_word(object, "rule", RULE_CHOICES, (int)o->rule);
@@ -82,7 +83,8 @@ json_t *bake_options_json(const bake_options *o)
     if (o->coding == CODING_DAG) {
         set_word(object, "reuse", REUSE_CHOICES, o->reuse);
         set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
-    }
+    } else
+        set_word(object, "pack", PACK_CHOICES, (int)o->pack);
     set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
     json_object_set_new(object, "threads", json_integer(o->threads));
     if (o->memory_bytes) json_object_set_new(object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));

@@ -22,6 +22,9 @@ typedef enum stop_stage {
 /* How the words of a light hold its maps, in the order of VXS_CODING_DAG and after. */
 typedef enum coding_choice { CODING_DAG, CODING_BLOCKS } coding_choice;
 
+/* How pages of palette blocks are stored, in the order of VXS_PACKING_SMALL and after. */
+typedef enum pack_choice { PACK_SMALL, PACK_FAST } pack_choice;
+
 /* Order of sub-DAG compression; auto: top-down, where the plan says that it pays. */
 typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, COMPRESS_CHOICE_BOTTOM_UP } compress_choice;
 
@@ -29,6 +32,7 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 
 /* The words of the options below, in the order of their enums. */
 #define CODING_CHOICES   "dag|blocks"
+#define PACK_CHOICES     "small|fast"
 #define EXIT_CHOICES     "auto|peel|back"
 #define RULE_CHOICES     "greedy|shadow"
 #define REUSE_CHOICES    "off|on"
@@ -52,6 +56,7 @@ typedef struct bake_options {
     closed_mode     closed;
     exit_mode       exit;
     coding_choice   coding;
+    pack_choice     pack; /* of palette blocks */
     mask_rule       rule;
     int             reuse;
     compress_choice compress;

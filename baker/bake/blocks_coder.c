@@ -52,7 +52,7 @@ static vxs_result finish(void *data, coded_light *out)
     }
     c->counts = count_words(w);
     *out      = (coded_light){
-             .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count}},
+             .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count, c->packing}},
              .memory_bytes = 4 * (uint64_t)w->count,
              .owned        = w,
              .free         = free_words,

@@ -20,9 +20,10 @@ typedef struct blocks_coder {
     build_stats      stats;  /* tiles and squares */
     palette_counts   counts; /* once it is finished */
     uint32_t         threads;
+    uint32_t         packing; /* VXS_PACKING_* */
 } blocks_coder;
 
-/* Valid where c lies, which is zeroed but for the threads, until blocks_coder_free. */
+/* Valid where c lies, which is zeroed but for threads and packing, until blocks_coder_free. */
 light_coder blocks_coder_seam(blocks_coder *c);
 
 /* Accepts a zeroed object. */

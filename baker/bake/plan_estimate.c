@@ -52,7 +52,8 @@ static double node_words(const plan_light *l, double squares)
     return 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
 }
 
-static void estimate_blocks(plan_light *l)
+/* fast: its pages are packed so */
+static void estimate_blocks(plan_light *l, int fast)
 {
     const palette_sample *s       = &l->sample.palette;
     palette_estimate     *p       = &l->palette;
@@ -66,7 +67,7 @@ static void estimate_blocks(plan_light *l)
     p->pattern_words              = (double)s->pattern_words * grown;
     p->words                      = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
     l->memory_bytes               = 4 * p->words;
-    l->stored_bytes               = 1.1 * p->block_words + 1.7 * p->pattern_words + 600;
+    l->stored_bytes               = (fast ? 1.75 : 1) * (1.1 * p->block_words + 1.7 * p->pattern_words) + 600;
     l->built_bytes                = 900 * p->own_patterns + 150 * p->patterns + 300 * p->blocks + 12 * p->words;
     l->part_bytes                 = 0.3 * l->built_bytes;
 }
@@ -84,12 +85,12 @@ static void estimate_dag_seconds(plan_light *l, double full, double threads)
     l->seconds[STAGE_WRITE]  = 3.7e-8 * (l->nodes + l->masks);
 }
 
-static void estimate_blocks_seconds(plan_light *l, double full, double threads)
+static void estimate_blocks_seconds(plan_light *l, double full, double threads, int fast)
 {
     l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 1.8e-6 * l->mask_tiles) / threads;
     l->seconds[STAGE_MERGE]  = 3.5e-6 * l->palette.patterns;
-    l->seconds[STAGE_ENCODE] = 1.6e-7 * l->palette.words;
-    l->seconds[STAGE_WRITE]  = 1.1e-7 * l->palette.words;
+    l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 1.6e-7) * l->palette.words;
+    l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 1.1e-7) * l->palette.words;
 }
 
 static void estimate_seconds(plan_light *l, const bake_options *o)
@@ -109,13 +110,14 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     l->seconds[STAGE_GL]   = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
     l->seconds[STAGE_MAPS] = 6e-4 * drawn + 1e-3 * solid + 1.4e-3 * peeled + 2.9e-7 * (double)s->block_triangles + 1.1e-7 * peels;
     l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
-    o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads) : estimate_blocks_seconds(l, full, threads);
+    o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads)
+                            : estimate_blocks_seconds(l, full, threads, o->pack == PACK_FAST);
 }
 
 void plan_estimate_light(plan_light *l, const bake_options *o)
 {
     l->mask_tiles = (double)l->sample.mask_tiles * l->sample.weight;
-    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l);
+    o->coding == CODING_DAG ? estimate_dag(l) : estimate_blocks(l, o->pack == PACK_FAST);
     estimate_seconds(l, o);
 }
 

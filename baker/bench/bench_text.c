@@ -49,7 +49,8 @@ vxs_result table_print(json_t *table, size_t columns, FILE *to, message *m)
 /* Whether a cell has no such option because its coding has none: that makes no difference to others. */
 static int is_meaningless(const json_t *cell, const char *name)
 {
-    return choice_index("rule|reuse|compress|stop", name) >= 0 && !strcmp(text_at(cell, "options/coding"), "blocks");
+    int is_blocks = !strcmp(text_at(cell, "options/coding"), "blocks");
+    return choice_index(is_blocks ? "rule|reuse|compress|stop" : "pack", name) >= 0;
 }
 
 /* The options that are not the same in all cells, but for the resolution, which always is said: as keys of an object, which the caller

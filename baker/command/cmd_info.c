@@ -44,6 +44,13 @@ static void print_section(FILE *to, const vxs_contents *c, uint32_t section)
                 n ? "-" : size_text(stored, s->stored_bytes));
 }
 
+/* How pages of palette blocks are kept; NULL: it is a DAG. */
+static const char *packing_text(const vxs_baked_light *l)
+{
+    if (l->light.coding != VXS_CODING_BLOCKS) return NULL;
+    return l->packing == VXS_PACKING_SMALL ? "small" : "fast";
+}
+
 static void print_info(FILE *to, const char *path, const vxs_contents *c, const json_t *made, uint64_t file_bytes)
 {
     char a[32];
@@ -55,8 +62,9 @@ static void print_info(FILE *to, const char *path, const vxs_contents *c, const 
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_light *l = &c->lights[n].light;
         char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
-        fprintf(to, "light %s: %s, %s in memory\n", one_line(strcpy(name, l->name)), light_text(text, l),
-                size_text(a, (uint64_t)c->lights[n].word_count * 4));
+        const char      *packing = packing_text(&c->lights[n]);
+        fprintf(to, "light %s: %s, %s in memory%s%s\n", one_line(strcpy(name, l->name)), light_text(text, l),
+                size_text(a, (uint64_t)c->lights[n].word_count * 4), packing ? ", packed " : "", packing ? packing : "");
     }
     fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
     for (uint32_t n = 0; n < c->section_count; n++) print_section(to, c, n);
@@ -71,6 +79,7 @@ static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, 
         for (int k = 0; k < 12; k++) json_array_append_new(matrix, json_real(l->ls_from_ws[k]));
         json_object_set_new(light, "ls_from_ws", matrix);
         json_object_set_new(light, "memory_bytes", json_integer((json_int_t)c->lights[n].word_count * 4));
+        if (packing_text(&c->lights[n])) json_object_set_new(light, "packing", json_string(packing_text(&c->lights[n])));
         json_array_append_new(lights, light);
     }
     for (uint32_t n = 0; n < c->section_count; n++) {

@@ -135,6 +135,7 @@ static void print_options(FILE *to, const json_t *made)
     print_word(to, options, "closed", CLOSED_CHOICES, (int)defaults.o.closed);
     print_word(to, options, "exit", EXIT_CHOICES, (int)defaults.o.exit);
     print_coding(to, options, defaults.o.coding);
+    print_word(to, options, "pack", PACK_CHOICES, (int)defaults.o.pack);
     print_word(to, options, "rule", RULE_CHOICES, (int)defaults.o.rule);
     print_word(to, options, "stop", STOP_CHOICES, (int)defaults.o.stop);
     print_word(to, options, "reuse", REUSE_CHOICES, defaults.o.reuse);

@@ -40,6 +40,8 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
+    if (o->coding == CODING_DAG && a->pack_given)
+        return fail(m, VXS_E_ARGUMENT, "--pack is of the pages of palette blocks: it needs --coding blocks");
     for (int axis = 0; axis < 3 && o->region_given; axis++)
         if (!(o->region_ws[axis] < o->region_ws[axis + 3]))
             return fail(m, VXS_E_ARGUMENT, "--region: the minimum must be less than the maximum, but is %g and %g on axis %c",
@@ -86,6 +88,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--coding", OPTION_CHOICE, &a->o.coding, 0, 0, CODING_CHOICES, NULL,
          "how maps are kept: palette blocks, or a DAG as in older work, larger and slower to look up (default blocks)", NULL},
+        {"--pack", OPTION_CHOICE, &a->o.pack, 0, 0, PACK_CHOICES, NULL,
+         "pages of palette blocks: in the fewest bytes, or in more that open many times faster (default small)", &a->pack_given},
         {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
          "threads; never changes the bytes (default all processors)", NULL},

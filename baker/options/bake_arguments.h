@@ -11,6 +11,7 @@ typedef struct bake_arguments {
     const char  *json_path; /* NULL: none */
 
     int maps;           /* the choice of --maps, both of which are gl so far */
+    int pack_given;
     int dag_step_given; /* --rule, --reuse, --compress or --stop, whatever its value */
 
     option       options[OPTIONS_MAX]; /* the table; its targets are in this struct, which is not copied */

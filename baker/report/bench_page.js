@@ -28,19 +28,21 @@ function scene_label(cell) {
     return clean(several ? `${cell.scene}, ${cell.light}${sun ? ` ${word(sun)}` : ""}` : cell.scene);
 }
 
-/* What only a DAG has: that blocks have none makes no difference. */
-const is_step = (name) => ["rule", "reuse", "compress", "stop"].includes(name);
+/* What one coding has alone: that the other has none makes no difference. */
+const dag_alone = ["rule", "reuse", "compress", "stop"], blocks_alone = ["pack"];
+const is_of_one_coding = (name) => dag_alone.includes(name) || blocks_alone.includes(name);
+const has_none = (options, name) => (options.coding === "blocks" ? dag_alone : blocks_alone).includes(name);
 
 /* "rule shadow, stop insert": options that are not as `base` has them. A resolution is a place on a line, a sun is its scene's. */
 function differences(given, base) {
-    const told = (name) => name !== "resolution_px" && name !== "sun" && !(is_step(name) && given.coding !== base.coding);
+    const told = (name) => name !== "resolution_px" && name !== "sun" && !(is_of_one_coding(name) && given.coding !== base.coding);
     const named = (o) => Object.keys(o).filter(told);
     return clean([...named(given).filter((name) => !same(given[name], base[name])).map((name) => `${name} ${word(given[name])}`),
         ...named(base).filter((name) => !(name in given)).map((name) => `no ${name}`)].join(", "));
 }
 
 const first = cells[0].options;
-const is_agreed = ([name, value]) => cells.every((c) => same(c.options[name], value) || (is_step(name) && c.options.coding === "blocks"));
+const is_agreed = ([name, value]) => cells.every((c) => same(c.options[name], value) || has_none(c.options, name));
 const agreed = Object.fromEntries(Object.entries(first).filter(is_agreed));
 const base = differences(first, agreed);
 const number_in = (names, name) => names.includes(name) ? names.indexOf(name) : names.push(name) - 1;

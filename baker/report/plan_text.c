@@ -133,7 +133,10 @@ static decision_list decisions_of(const bake_plan *plan, const bake_options *o, 
     decide(&l, "tiles", choice, "%llu that no caster may touch are left out: they are lit", s.tiles_empty);
     decide_memory(&l, plan, o);
     if (o->coding == CODING_DAG) decide_compression(&l, plan, o);
-    decide(&l, "file", o->coding == CODING_DAG ? "levels and masks of each light" : "tops, patterns and pages of each light",
+    decide(&l, "file",
+           o->coding == CODING_DAG ? "levels and masks of each light"
+           : o->pack == PACK_SMALL ? "tops, patterns and pages of each light, packed small"
+                                   : "tops, patterns and pages of each light, packed fast",
            "no depth maps, no names or materials of the scene, no empty section");
     return l;
 }

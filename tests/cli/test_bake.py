@@ -260,6 +260,9 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--stop", "early"), "insert|partial|final"),
     (("--baseline", "some"), "sample|full|off"),
     (("--coding", "octree"), "dag|blocks"),
+    (("--pack", "tight"), "small|fast"),
+    (("--coding", "dag", "--pack", "fast"), "needs --coding blocks"),
+    (("--pack", "small", "--coding", "dag"), "needs --coding blocks"),
     (("--rule", "greedy"), "need --coding dag"),
     (("--coding", "blocks", "--stop", "insert"), "need --coding dag"),
     (("--coding", "blocks", "--rule", "shadow"), "need --coding dag"),
@@ -373,7 +376,7 @@ def test_baseline(bake, city):
 
 @pytest.mark.parametrize("options", [
     ("--maps", "gl"), ("--exit", "back"), ("--closed", "off"), ("--level", 1), ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
-    *(("--coding", "dag", *step) for step in ((), ("--rule", "shadow"), ("--reuse", "off"), ("--compress", "bottom-up"),
+    ("--pack", "fast"), *(("--coding", "dag", *step) for step in ((), ("--rule", "shadow"), ("--reuse", "off"), ("--compress", "bottom-up"),
                                               ("--stop", "insert"), ("--stop", "partial"))),
 ])
 def test_no_option_changes_an_answer(vxs, bake, scene, options):

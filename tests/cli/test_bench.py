@@ -164,7 +164,7 @@ def test_options_reach_the_bake(bench):
     """Each of them changes what is measured, or stands in the cell."""
     plain = bench(*QUICK)[0]["cells"][0]
     assert plain["errors"] == plain["lookups"] == []
-    assert plain["options"] == {"resolution_px": 64, "exit": "auto", "closed": "auto", "coding": "blocks",
+    assert plain["options"] == {"resolution_px": 64, "exit": "auto", "closed": "auto", "coding": "blocks", "pack": "small",
                                 "threads": len(os.sched_getaffinity(0)), "zstd_level": 12}
     given = {"--coding": "dag", "--rule": "shadow", "--stop": "insert", "--exit": "back", "--closed": "off", "--reuse": "off",
              "--compress": "top-down", "--threads": 3, "--level": 1}
@@ -196,7 +196,7 @@ def test_codings_side_by_side(vxs, bench, folder, tmp_path):
     result, text = bench("--coding", "dag", "--coding", "blocks", "--resolution", 128, "--runs", 1, "--points", 0)
     assert [c["options"]["coding"] for c in result["cells"]] == ["dag", "blocks"]
     head = next(line for line in text.splitlines() if line.startswith("scene"))
-    assert head.split()[:3] == ["scene", "texels", "coding"] and "rule" not in head and "compress" not in head
+    assert head.split()[:3] == ["scene", "texels", "coding"] and not {"rule", "compress", "pack"} & set(head.split())
     dag, blocks = (c["size"] for c in result["cells"])
     assert set(SIZES) <= set(dag) and not set(SIZES) & set(blocks)
     lights = json.loads(vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 128, "--coding", "blocks",
@@ -210,6 +210,15 @@ def test_codings_side_by_side(vxs, bench, folder, tmp_path):
     (tmp_path / "old.json").write_text(json.dumps(result))
     vxs("bench", folder / "small.gltf", "-o", tmp_path / "new.json", "--coding", "blocks", "--runs", 1, "--points", 0, "--resolution", 128,
         "--against", tmp_path / "old.json")
+
+
+def test_packings_side_by_side(bench):
+    """A column tells them apart; beside a DAG, which has none, there is none."""
+    result, text = bench("--pack", "small", "--pack", "fast", "--resolution", 128, "--runs", 1, "--points", 0)
+    small, fast = result["cells"]
+    assert (small["options"]["pack"], fast["options"]["pack"]) == ("small", "fast")
+    assert fast["size"]["file_bytes"] > small["size"]["file_bytes"] and fast["size"]["memory_bytes"] == small["size"]["memory_bytes"]
+    assert next(line for line in text.splitlines() if line.startswith("scene")).split()[:3] == ["scene", "texels", "pack"]
 
 
 def test_steps_need_a_dag(rejected):

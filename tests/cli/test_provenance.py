@@ -383,7 +383,7 @@ def test_hostile_metadata_of_the_right_shape(vxs, scene, asset, tmp_path):
         "generator": evil, "scene": scene_of(name=evil, geometry=evil), "warnings": -1, "left_out": [{"name": evil, "why": evil}],
         "lights": [light_of(name=evil, in_scene=False, direction=[1e308, -0.0, 5], texel_m=-1e300), light_of(name=evil, resolution_px=-5),
                    light_of(name=evil, kind=evil)],
-        "options": {word: evil for word in ("closed", "exit", "coding", "rule", "stop", "reuse", "gl")} | {"zstd_level": -(2**63), "region_m": [0] * 6}})
+        "options": {word: evil for word in ("closed", "exit", "coding", "pack", "rule", "stop", "reuse", "gl")} | {"zstd_level": -(2**63), "region_m": [0] * 6}})
     text = vxs("info", hostile).stdout
     assert not re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f]", text)
     assert "a?[31m???2J??ééé" in text and all(len(found) == 1 for found in lines(text).values())
