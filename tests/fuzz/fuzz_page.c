@@ -1,11 +1,14 @@
 /* Any bytes as a page, or as the resident part of a light (formats/vxs_page.h): what is decoded must keep every rule of the layout that
- * a lookup relies on, as tests/unit/page_sample.h states them.
+ * a lookup relies on, as tests/unit/page_sample.h states them. The bytes of a page are taken for words as well, which the check of pages that
+ * are packed fast (formats/vxs_page_fast.h) has to take exactly where the coder does.
  *
  *     byte 0      even: a page; odd: a resident part of a map of 2^(3 + (byte 0 >> 1) % 15) texels
  *     page        byte 1: nodes - 1, modulo 8; a u16 for each but the first: how far it starts behind the one before; then the bytes
  *     resident    the bytes
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "formats/vxs_bytes.h"
+#include "formats/vxs_page_fast.h"
 #include "fuzz.h"
 #include "tests/unit/page_sample.h"
 
@@ -13,6 +16,8 @@ enum { NODES_MAX = 8, WORDS_MAX = 1 << 20 };
 
 static vxs_page_scratch *scratch;
 static sample_common     common;
+static vxs_common_marks  in_common;
+static vxs_page_marks    marks = {.common = &in_common};
 
 static int start(void)
 {
@@ -21,6 +26,7 @@ static int start(void)
     FUZZ_CHECK(scratch);
     vxs_page_scratch_init(scratch);
     FUZZ_CHECK(sample_common_make(&r, &common, 30) == VXS_OK);
+    vxs_common_mark(&in_common, &common.common);
     return 1;
 }
 
@@ -31,6 +37,35 @@ static uint8_t *copy_of(const uint8_t *data, size_t size)
     FUZZ_CHECK(copy);
     if (size) memcpy(copy, data, size);
     return copy;
+}
+
+/* Words as they are looked up, in which names of what is new are known, are packed where they are coded. */
+static void check_named_words(const uint32_t *words, uint32_t count, const vxs_page_node *nodes, uint32_t node_count)
+{
+    vxs_bytes  coded = {0}, packed = {0};
+    ZSTD_CCtx *zstd   = ZSTD_createCCtx();
+    vxs_result wanted = vxs_page_encode(&coded, words, count, nodes, node_count, &common.common);
+    FUZZ_CHECK(zstd && vxs_page_pack(&packed, words, count, nodes, node_count, &marks, zstd) == wanted);
+    ZSTD_freeCCtx(zstd);
+    free(coded.data);
+    free(packed.data);
+}
+
+/* u16: words of nodes - 1, then words as they are stored. */
+static void read_words(const uint8_t *data, size_t size, const vxs_page_node *nodes, uint32_t node_count)
+{
+    uint32_t count = size < 6 ? 0 : (uint32_t)(size - 2) / 4, *words = malloc((size_t)count * 4 + 1);
+    FUZZ_CHECK(words);
+    if (count > VXS_PAGE_WORDS_MAX) count = VXS_PAGE_WORDS_MAX;
+    for (uint32_t n = 0; n < count; n++) words[n] = vxs_load32(data + 2 + 4 * (size_t)n);
+    if (count) {
+        check_named_words(words, count, nodes, node_count);
+        if (vxs_page_check(words, count, vxs_load16(data) + 1u, nodes, node_count, &marks, VXS_PAGE_UNPACK) == VXS_OK) {
+            FUZZ_CHECK(check_page(words, count, nodes, node_count, &common.common));
+            check_named_words(words, count, nodes, node_count);
+        }
+    }
+    free(words);
 }
 
 static void read_page(const uint8_t *data, size_t size)
@@ -53,6 +88,7 @@ static void read_page(const uint8_t *data, size_t size)
         FUZZ_CHECK(result == VXS_OK || result == VXS_E_ARGUMENT); /* it may be no canonical one */
         free(again.data);
     }
+    read_words(bytes, size - head, nodes, count);
     free(page);
     free(bytes);
 }

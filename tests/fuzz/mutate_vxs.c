@@ -2,7 +2,7 @@
  * and hashed again. Without that, no more than a file's first 64 bytes would ever be looked at.
  *
  * Some changes are blind (libFuzzer's own), some know what a record or a level is. word_count is made right again most of the time,
- * because it is compared before levels are decoded; so are checksums of pages.
+ * because it is compared before levels are decoded; so are checksums of pages. Words that are packed fast change within their frames.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <string.h>
@@ -16,7 +16,7 @@
 #include "fuzz.h"
 #include "mutate_page.h"
 
-enum { PARTS_MAX = 64, CONTENT_MAX = 1 << 16 };
+enum { PARTS_MAX = 64, CONTENT_MAX = 1 << 16, FRAME_MAX = 1 << 18 };
 
 typedef struct part {
     uint32_t kind, flags, light, level;
@@ -213,11 +213,11 @@ static void change_light(parts *p)
 {
     if (!light_count(p)) return;
     uint8_t *record = light_record(p, random_below(light_count(p)));
-    uint32_t field  = random_below(6);
+    uint32_t field  = random_below(7);
     if (field < 4)
         vxs_store32(record + 4 * field, numbers[random_below(NUMBERS)]);
-    else if (field == 4)
-        vxs_store32(record + VXS_LIGHT_CODING, numbers[random_below(NUMBERS)]);
+    else if (field < 6)
+        vxs_store32(record + (field == 4 ? VXS_LIGHT_CODING : VXS_LIGHT_PACKING), numbers[random_below(NUMBERS)]);
     else
         vxs_store_f64(record + VXS_LIGHT_LS_FROM_WS + 8 * random_below(20), reals[random_below(REALS)]);
 }
@@ -303,6 +303,60 @@ static void change_a_plane(const light_pages *l, part *pages)
     free(coded.data);
 }
 
+/* Words of a frame: they become numbers that are special, or others, or more or less by one; at times there are more or fewer. */
+static size_t change_words(uint8_t *content, size_t size)
+{
+    for (uint32_t n = 1 + random_below(4); n && size >= 4; n--) {
+        uint8_t *word = content + 4 * random_below((uint32_t)size / 4), *half = word + 2 * random_below(2);
+        switch (random_below(5)) {
+        case 0: vxs_store32(word, numbers[random_below(NUMBERS)]); break;
+        case 1: vxs_store32(word, vxs_load32(content + 4 * random_below((uint32_t)size / 4))); break;
+        case 2: vxs_store16(half, (uint16_t)(vxs_load16(half) + (random_below(2) ? 1 : -1))); break;
+        case 3: vxs_store32(word, vxs_load32(word) ^ 1u << random_below(32)); break;
+        default: vxs_store16(half, (uint16_t)random_below(0x10000));
+        }
+    }
+    return random_below(8) ? size : LLVMFuzzerMutate(content, size, FRAME_MAX);
+}
+
+/* What a frame of a section holds changes. Returns its size. */
+static size_t change_frame(part *p, size_t at, size_t size)
+{
+    static uint8_t content[FRAME_MAX], frame[CONTENT_MAX];
+    if (size > p->size - at) return size;
+    size_t inflated = ZSTD_decompress(content, FRAME_MAX, p->content + at, size);
+    if (ZSTD_isError(inflated)) return size;
+    inflated      = change_words(content, inflated);
+    size_t stored = ZSTD_compress(frame, CONTENT_MAX, content, inflated, 1);
+    if (ZSTD_isError(stored) || p->size - size + stored > CONTENT_MAX) return size;
+    memmove(p->content + at + stored, p->content + at + size, p->size - at - size);
+    memcpy(p->content + at, frame, stored);
+    p->size += stored - size;
+    return stored;
+}
+
+/* Words of a light that is packed fast: of its resident part, or of a page. */
+static void change_fast(parts *p)
+{
+    enum { PAGE_HEAD = 4, RESIDENT_HEAD = 16 };
+    if (!light_count(p)) return;
+    uint32_t light    = random_below(light_count(p));
+    part    *resident = find_part(p, VXS_KIND_RESIDENT, light, 0), *pages = find_part(p, VXS_KIND_PAGES, light, 0);
+    if (vxs_load32(light_record(p, light) + VXS_LIGHT_PACKING) != VXS_PACKING_FAST || !resident || !pages) return;
+    if (random_below(4) == 0) {
+        if (resident->size > RESIDENT_HEAD) change_frame(resident, RESIDENT_HEAD, resident->size - RESIDENT_HEAD);
+        return;
+    }
+    uint32_t count = pages->size >= VXS_PAGES_PREFIX_BYTES ? vxs_load32(pages->content) : 0, page;
+    size_t   at, size;
+    if (!count || count > VXS_PAGES_MAX) return;
+    page = random_below(count);
+    if (!find_page(pages, count, page, &at, &size) || size <= PAGE_HEAD) return;
+    uint8_t *entry = pages->content + VXS_PAGES_PREFIX_BYTES + (size_t)page * VXS_PAGE_BYTES;
+    if (random_below(8) == 0) vxs_store16(pages->content + at + 2, (uint16_t)random_below(0x10000)); /* words of nodes */
+    vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)(PAGE_HEAD + change_frame(pages, at + PAGE_HEAD, size - PAGE_HEAD)));
+}
+
 static void change_planes(parts *p)
 {
     if (!light_count(p)) return;
@@ -372,7 +426,7 @@ static size_t change_stored(uint8_t *data, size_t size, size_t size_max)
 
 static void change(parts *p)
 {
-    switch (random_below(10)) {
+    switch (random_below(13)) {
     case 0: change_light(p); break;
     case 1: change_kind(p); break;
     case 2: change_level(p); break;
@@ -380,6 +434,9 @@ static void change(parts *p)
     case 4: change_sections(p); break;
     case 5:
     case 6: change_planes(p); break;
+    case 7:
+    case 8:
+    case 9: change_fast(p); break;
     default: change_content(&p->part[random_below(p->count)]);
     }
 }
