@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import ctypes
 import ctypes.util
+import hashlib
 import itertools
 import math
 import os
@@ -507,10 +508,19 @@ def test_lookup_of_blocks_from_the_spec_answers_like_the_command(vxs, vxs_path, 
 # the command ----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs", "lamps.vxs"])
+@pytest.mark.parametrize("name", ["smallest.vxs", "sample.vxs", "lamps.vxs", "blocks.vxs"])
 def test_golden_files_are_valid(vxs, name):
     done = vxs("validate", GOLDEN / name)
     assert done.stdout.endswith("valid\n") and "finding" not in done.stdout
+
+
+def test_golden_blocks_keep_their_words(vxs_path):
+    """Of lights that are packed small, small, fast, and fast: the last one has six maps."""
+    if vxs_path.parent.name in ("asan", "tsan"):
+        pytest.skip("libvxs.so needs a sanitizer")
+    words = [words_by_libvxs(vxs_path.parent / "libvxs.so", GOLDEN / "blocks.vxs", light) for light in range(4)]
+    assert [hashlib.sha256(struct.pack(f"<{len(w)}I", *w)).hexdigest()[:16] for w in words] == [
+        "aec3807f9b464991", "5b2cd333747a0136", "34993e252b832eaf", "2c5624be8bb3c8b9"]
 
 
 @pytest.mark.parametrize("change, number", [

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from page_text import Page, Refused, Resident
-from test_format import words_by_libvxs
+from test_format import GOLDEN, words_by_libvxs
 
 
 class Parts:
@@ -53,20 +53,16 @@ def test_any_page_that_the_layout_allows(vxs_path, tmp_path):
     assert count == 30
 
 
-@pytest.mark.parametrize("kind, resolution, light_maps", [("room", 512, [6, 1]), ("landscape", 1024, [1])])
-def test_pages_of_bakes(vxs, vxs_path, tmp_path, kind, resolution, light_maps):
-    """Where sheets go on from block to block; of a light's words, word 8 on has where pages start."""
+def check_lights(vxs_path, path, lights):
+    """The text's words and those of libvxs, of lights by number, levels and maps; word 8 on has where pages start."""
     if vxs_path.parent.name in ("asan", "tsan"):
         pytest.skip("libvxs.so needs a sanitizer")
-    scene, path = tmp_path / "scene.glb", tmp_path / "baked.vxs"
-    vxs("scene", kind, "--triangles", 2500, "-o", scene)
-    vxs("bake", scene, "--coding", "blocks", "--resolution", resolution, "-o", path)
     data = path.read_bytes()
     entries = list(struct.iter_unpack("<4s3I4Q", data[64:64 + 48 * struct.unpack_from("<I", data, 12)[0]]))
     contents = {(kind, light): data[offset:offset + stored] for kind, _, light, _, offset, stored, _, _ in entries}
-    for light, maps in enumerate(light_maps):
+    for light, levels, maps in lights:
         words = words_by_libvxs(vxs_path.parent / "libvxs.so", path, light)
-        resident = Resident(contents[b"RSDT", light], resolution.bit_length() - 1, maps)
+        resident = Resident(contents[b"RSDT", light], levels, maps)
         pages = Parts(contents[b"PAGE", light])
         count, size = pages.numbers(2)
         assert size == 16 and count == len(resident.pages) == words[0] > 0
@@ -75,3 +71,17 @@ def test_pages_of_bakes(vxs, vxs_path, tmp_path, kind, resolution, light_maps):
         table = [pages.numbers(4)[:2] for _ in range(count)]
         for (stored, word_count), nodes, start in zip(table, resident.pages, starts, strict=True):
             assert Page(pages.take(stored), nodes, resident.common).words == words[start:start + word_count]
+
+
+@pytest.mark.parametrize("kind, resolution, light_maps", [("room", 512, [6, 1]), ("landscape", 1024, [1])])
+def test_pages_of_bakes(vxs, vxs_path, tmp_path, kind, resolution, light_maps):
+    """Where sheets go on from block to block."""
+    scene, path = tmp_path / "scene.glb", tmp_path / "baked.vxs"
+    vxs("scene", kind, "--triangles", 2500, "-o", scene)
+    vxs("bake", scene, "--coding", "blocks", "--resolution", resolution, "-o", path)
+    check_lights(vxs_path, path, [(light, resolution.bit_length() - 1, maps) for light, maps in enumerate(light_maps)])
+
+
+def test_pages_of_the_golden_file(vxs_path):
+    """The lights that are packed small; one has several pages, and a common pool."""
+    check_lights(vxs_path, GOLDEN / "blocks.vxs", [(0, 9, 1), (1, 13, 1)])

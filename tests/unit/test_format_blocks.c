@@ -1,7 +1,7 @@
 /* Lights of palette blocks in .vxs files, version 2 of the format: words that are written are read back and looked up, beside DAGs, and
  * bytes that break a rule of formats/vxs.md are refused with their finding. Damaged pages are tests/unit/test_page.c's; here they come
  * in files whose checksums hold.
- * VXS_BLOCKS_OUT=FILE writes a file with lights of palette blocks instead.
+ * VXS_BLOCKS_OUT=FILE writes a file with lights of palette blocks instead, VXS_GOLDEN_OUT=FOLDER the golden file of tests/golden/.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
 
@@ -1009,32 +1009,61 @@ static block_words words_of_slope(void)
     return w;
 }
 
-/* Suns with a bit of all, and a lamp. */
-static int write_file(const char *path)
+/* files ------------------------------------------------------------------------------------------------------------------------ */
+
+static block_words words_of_sphere(uint32_t levels)
 {
-    enum { LIGHTS = 6 };
-    static const char *names[LIGHTS]  = {"noise", "boxes", "cliff", "slope", "sphere", "lamp"};
-    const uint32_t     levels[LIGHTS] = {10, 9, 9, 9, 15, 5};
-    block_words        w[LIGHTS]      = {words_of_pages(), words_of_maps(9, 1, MAPS_BOXES, 3), words_of_maps(9, 1, MAPS_CLIFF, 4),
-                                         words_of_slope()};
-    vxs_write_light    lights[LIGHTS];
-    analytic           sphere = analytic_shape(ANALYTIC_SPHERE, 1u << 15);
-    sphere.fetch_px           = 1024;
-    assert_int_equal(build_analytic(&w[4], &sphere, 2), VXS_OK);
-    w[5] = words_of_maps(5, 6, MAPS_NOISE, 5);
-    for (int n = 0; n < LIGHTS; n++) lights[n] = blocks_light(&w[n], levels[n], n == 5 ? 6 : 1, names[n]);
-    vxs_bytes file = file_of(lights, LIGHTS);
+    analytic    sphere = analytic_shape(ANALYTIC_SPHERE, 1u << levels);
+    block_words w;
+    sphere.fetch_px = 1024;
+    assert_int_equal(build_analytic(&w, &sphere, 2), VXS_OK);
+    return w;
+}
+
+static int write_file(const char *path, const vxs_write_light *lights, uint32_t count)
+{
+    vxs_bytes file = file_of(lights, count);
     FILE     *to   = fopen(path, "wb");
     int       good = to && fwrite(file.data, 1, file.size_bytes, to) == file.size_bytes;
     if (to && fclose(to)) good = 0;
     free(file.data);
-    for (int n = 0; n < LIGHTS; n++) block_words_free(&w[n]);
     return good ? 0 : 1;
+}
+
+/* Suns with a bit of all, and a lamp. */
+static int write_blocks(const char *path)
+{
+    block_words w[] = {
+        words_of_pages(),    words_of_maps(9, 1, MAPS_BOXES, 3), words_of_maps(9, 1, MAPS_CLIFF, 4), words_of_slope(),
+        words_of_sphere(15), words_of_maps(5, 6, MAPS_NOISE, 5)};
+    vxs_write_light lights[] = {blocks_light(&w[0], 10, 1, "noise"),  blocks_light(&w[1], 9, 1, "boxes"),
+                                blocks_light(&w[2], 9, 1, "cliff"),   blocks_light(&w[3], 9, 1, "slope"),
+                                blocks_light(&w[4], 15, 1, "sphere"), blocks_light(&w[5], 5, 6, "lamp")};
+    int             failed   = write_file(path, lights, sizeof lights / sizeof *lights);
+    for (size_t n = 0; n < sizeof w / sizeof *w; n++) block_words_free(&w[n]);
+    return failed;
+}
+
+/* Of both packings; facets have several pages, and a common pool. */
+static int write_golden(const char *folder)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/blocks.vxs", folder);
+    block_words     w[]      = {words_of_maps(9, 1, MAPS_BOXES, 3), words_of_maps(13, 1, MAPS_FACETS, 3), words_of_slope(),
+                                words_of_maps(5, 6, MAPS_NOISE, 5)};
+    vxs_write_light lights[] = {blocks_light(&w[0], 9, 1, "boxes"), blocks_light(&w[1], 13, 1, "facets"),
+                                blocks_light(&w[2], 9, 1, "slope"), blocks_light(&w[3], 5, 6, "lamp")};
+    lights[2].blocks.packing = lights[3].blocks.packing = VXS_PACKING_FAST;
+
+    int failed = write_file(path, lights, sizeof lights / sizeof *lights);
+    for (size_t n = 0; n < sizeof w / sizeof *w; n++) block_words_free(&w[n]);
+    return failed;
 }
 
 int main(void)
 {
-    if (getenv("VXS_BLOCKS_OUT")) return write_file(getenv("VXS_BLOCKS_OUT"));
+    if (getenv("VXS_BLOCKS_OUT")) return write_blocks(getenv("VXS_BLOCKS_OUT"));
+    if (getenv("VXS_GOLDEN_OUT")) return write_golden(getenv("VXS_GOLDEN_OUT"));
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_round_trip, pack_fast),
         cmocka_unit_test_setup(test_round_trip, pack_small),
