@@ -399,6 +399,34 @@ static void patterns_with_depths_of_their_own(void **state)
     assert_false(TAKEN(0, 0xb000, 0, 0, 0, 0, 0, 0, 0, 0, 0));
 }
 
+enum { FAR = 1 << 24 };
+
+/* The base of an own tile of a block that is far has a word of its own, behind those that make_page_of_pattern makes. */
+static int far_base_is_taken(uint32_t base)
+{
+    uint32_t *w = page.words;
+    make_page_of_pattern(0, 1, (const uint16_t[]){0x0002, 0x0001, 0x0000}, 3);
+    memmove(w + 12, w + 11, 2 * sizeof *w);
+    w[8] |= 0x04000000;
+    w[9]  = 24u << 14;
+    w[11] = base;
+    page.word_count++;
+    return is_taken(0);
+}
+
+static void bases_that_are_far(void **state)
+{
+    (void)state;
+    make_page(1, 0, 1);
+    assert_true(far_base_is_taken(FAR - 1));
+    assert_false(far_base_is_taken(FAR));
+    assert_true(far_base_is_taken(1u - FAR));
+    assert_false(far_base_is_taken(0u - FAR));
+    assert_true(far_base_is_taken(0));
+    page.words[9] |= 1; /* and none in the tile's word */
+    assert_false(is_taken(0));
+}
+
 static void blocks_and_nodes(void **state)
 {
     (void)state;
@@ -636,6 +664,7 @@ int main(void)
         cmocka_unit_test(frames_of_other_sizes_are_refused),
         cmocka_unit_test(words_are_taken_where_the_coder_takes_them),
         cmocka_unit_test(stored_words_that_are_taken_are_a_page),
+        cmocka_unit_test(bases_that_are_far),
         cmocka_unit_test(blocks_and_nodes),
         cmocka_unit_test(masks_of_patterns),
         cmocka_unit_test(images_of_patterns),
