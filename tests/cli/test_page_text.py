@@ -1,13 +1,15 @@
 # Section 14 of formats/vxs.md is true: a decoder that is written from it alone, page_text.py, comes to the words of libvxs.
 # SPDX-License-Identifier: GPL-3.0-or-later
+import itertools
 import os
 import struct
 import subprocess
 
 import pytest
 
+import fast_text
 from page_text import Page, Refused, Resident
-from test_format import GOLDEN, words_by_libvxs
+from test_format import GOLDEN, libraries, words_by_libvxs
 
 
 class Parts:
@@ -53,35 +55,55 @@ def test_any_page_that_the_layout_allows(vxs_path, tmp_path):
     assert count == 30
 
 
-def check_lights(vxs_path, path, lights):
-    """The text's words and those of libvxs, of lights by number, levels and maps; word 8 on has where pages start."""
+def lights_of(vxs_path, path, lights):
+    """Of lights by number: their words by libvxs, where their pages start, the bytes of the resident part and of pages."""
     if vxs_path.parent.name in ("asan", "tsan"):
         pytest.skip("libvxs.so needs a sanitizer")
     data = path.read_bytes()
     entries = list(struct.iter_unpack("<4s3I4Q", data[64:64 + 48 * struct.unpack_from("<I", data, 12)[0]]))
     contents = {(kind, light): data[offset:offset + stored] for kind, _, light, _, offset, stored, _, _ in entries}
-    for light, levels, maps in lights:
+    for light in lights:
         words = words_by_libvxs(vxs_path.parent / "libvxs.so", path, light)
-        resident = Resident(contents[b"RSDT", light], levels, maps)
         pages = Parts(contents[b"PAGE", light])
         count, size = pages.numbers(2)
-        assert size == 16 and count == len(resident.pages) == words[0] > 0
+        assert size == 16 and count == words[0] > 0
         starts, words[8:8 + count] = words[8:8 + count], [0] * count
-        assert resident.words == words[:len(resident.words)]
         table = [pages.numbers(4)[:2] for _ in range(count)]
-        for (stored, word_count), nodes, start in zip(table, resident.pages, starts, strict=True):
-            assert Page(pages.take(stored), nodes, resident.common).words == words[start:start + word_count]
+        assert starts + [len(words)] == list(itertools.accumulate((n for _, n in table), initial=starts[0]))
+        yield words, starts, contents[b"RSDT", light], [pages.take(stored) for stored, _ in table]
+
+
+def check_small(vxs_path, path, lights):
+    """lights  their numbers, levels and maps"""
+    for (_, levels, maps), (words, starts, resident, pages) in zip(lights, lights_of(vxs_path, path, [n for n, *_ in lights])):
+        known = Resident(resident, levels, maps)
+        assert known.words == words[:starts[0]] and len(known.pages) == len(pages)
+        for page, nodes, start in zip(pages, known.pages, starts, strict=True):
+            found = Page(page, nodes, known.common).words
+            assert found == words[start:start + len(found)]
+
+
+def check_fast(vxs_path, path, lights, inflate):
+    for words, starts, resident, pages in lights_of(vxs_path, path, lights):
+        assert fast_text.resident_words(resident, inflate) == words[:starts[0]]
+        for page, start in zip(pages, starts, strict=True):
+            found = fast_text.Page(page, inflate).words
+            assert found == words[start:start + len(found)]
 
 
 @pytest.mark.parametrize("kind, resolution, light_maps", [("room", 512, [6, 1]), ("landscape", 1024, [1])])
-def test_pages_of_bakes(vxs, vxs_path, tmp_path, kind, resolution, light_maps):
+def test_pages_of_bakes(vxs, vxs_path, libraries, tmp_path, kind, resolution, light_maps):
     """Where sheets go on from block to block."""
     scene, path = tmp_path / "scene.glb", tmp_path / "baked.vxs"
     vxs("scene", kind, "--triangles", 2500, "-o", scene)
-    vxs("bake", scene, "--coding", "blocks", "--resolution", resolution, "-o", path)
-    check_lights(vxs_path, path, [(light, resolution.bit_length() - 1, maps) for light, maps in enumerate(light_maps)])
+    bake = ["bake", scene, "--coding", "blocks", "--resolution", resolution, "-o", path]
+    vxs(*bake)
+    check_small(vxs_path, path, [(light, resolution.bit_length() - 1, maps) for light, maps in enumerate(light_maps)])
+    vxs(*bake, "--pack", "fast")
+    check_fast(vxs_path, path, range(len(light_maps)), libraries[0])
 
 
-def test_pages_of_the_golden_file(vxs_path):
-    """The lights that are packed small; one has several pages, and a common pool."""
-    check_lights(vxs_path, GOLDEN / "blocks.vxs", [(0, 9, 1), (1, 13, 1)])
+def test_pages_of_the_golden_file(vxs_path, libraries):
+    """One of the small lights has several pages, and a common pool."""
+    check_small(vxs_path, GOLDEN / "blocks.vxs", [(0, 9, 1), (1, 13, 1)])
+    check_fast(vxs_path, GOLDEN / "blocks.vxs", [2, 3], libraries[0])
