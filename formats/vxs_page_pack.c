@@ -62,7 +62,7 @@ vxs_result vxs_resident_pack(vxs_bytes *out, const vxs_resident_sizes *sizes, co
     for (int n = 0; n < 4; n++) vxs_store32(head + 4 * n, numbers[n]);
     memcpy(copy, words, 4 * (size_t)sizes->word_count);
     memset(copy + RESIDENT_WORDS, 0, 4 * (size_t)sizes->page_count);
-    memcpy(copy + sizes->word_count, kinds, sizes->pattern_count);
+    if (sizes->pattern_count) memcpy(copy + sizes->word_count, kinds, sizes->pattern_count);
     vxs_result r = append_packed(out, head, sizeof head, to_bytes(copy, sizes->word_count), size, zstd);
     free(copy);
     return r;
