@@ -2,13 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/stored/depth_maps.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/base/simd.h"
+#include "baker/columns/depth_scale.h"
 
 vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
 {
@@ -43,23 +43,24 @@ void depth_maps_free(depth_maps *d)
     memset(d, 0, sizeof *d);
 }
 
+static depth_scale scale_of(const depth_maps *d)
+{
+    return (depth_scale){d->depth_vx, d->voxel_log};
+}
+
 double depth_maps_voxels(const depth_maps *d, float depth)
 {
-    if (d->voxel_log == 0) return (double)depth * d->depth_vx; /* exact: depth_vx is a power of two */
-    double voxels = depth < 0 ? -log(-(double)depth) / d->voxel_log : INFINITY;
-    return fmax(0, fmin(voxels, d->depth_vx));
+    return depth_in_voxels(scale_of(d), (double)depth);
 }
 
 static uint32_t voxels_down(const depth_maps *d, float depth)
 {
-    return (uint32_t)depth_maps_voxels(d, depth);
+    return depth_down(scale_of(d), (double)depth);
 }
 
 static uint32_t voxels_up(const depth_maps *d, float depth)
 {
-    double   voxels = depth_maps_voxels(d, depth);
-    uint32_t down   = (uint32_t)voxels;
-    return down + (down < voxels);
+    return depth_up(scale_of(d), (double)depth);
 }
 
 /* The lowest level of the pyramid, rows [begin, end) of tiles. Minimum and maximum commute with rounding, so floats are compared. */

@@ -1,0 +1,35 @@
+/* From the depths of a map to voxels. Depths grow away from the light: shares of the whole for a directional light, [0, 1], where 1 is
+ * no caster; -near / z of a perspective map, [-1, 0], where 0 is no caster and z lies log(z / near) / voxel_log voxels deep ([CPVS16] 5).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef DEPTH_SCALE_H
+#define DEPTH_SCALE_H
+
+#include <math.h>
+#include <stdint.h>
+
+typedef struct depth_scale {
+    uint32_t depth_vx;  /* a power of two, so that scaling is exact */
+    double   voxel_log; /* 0: depths are shares */
+} depth_scale;
+
+/* A depth in voxels, [0, depth_vx]: as the contract of an asset means it, not rounded. */
+static inline double depth_in_voxels(depth_scale s, double depth)
+{
+    if (s.voxel_log == 0) return depth * s.depth_vx;
+    double voxels = depth < 0 ? -log(-depth) / s.voxel_log : INFINITY;
+    return fmax(0, fmin(voxels, s.depth_vx));
+}
+
+static inline uint32_t depth_down(depth_scale s, double depth)
+{
+    return (uint32_t)depth_in_voxels(s, depth);
+}
+
+static inline uint32_t depth_up(depth_scale s, double depth)
+{
+    double   voxels = depth_in_voxels(s, depth);
+    uint32_t down   = (uint32_t)voxels;
+    return down + (down < voxels);
+}
+
+#endif
