@@ -4,6 +4,7 @@
  * must be lit when k < e, must be shadowed when k >= x, and is free between: exactly the contract of an asset, since a voxel's
  * far side k + 1 is at or before a depth d when k < floor(d), and its near side k at or behind d when k >= ceil(d).
  * A texel without a caster has e = x = depth_vx.
+ * A source may say less than is free, e later and x earlier, as long as e <= x: whoever keeps to that keeps to what is there.
  *
  *     column_source     a light: its maps can be opened, several at once
  *       column_map      an open map: what is known of any square before anything is computed; squares can be fetched
@@ -11,7 +12,7 @@
  *
  * Each call may fail with a result of vxs_result.h. Squares are named by level, i, j: the square of 8 << level texels a side at column i
  * and row j of such squares, counted from the corner of the map, or of the fetched square.
- * Sources: opengl/ renders, stored/ holds depth maps in memory, tests/columns/ has formulas.
+ * Sources: opengl/ renders, sparse/ looks at triangles, stored/ holds depth maps in memory, tests/columns/ has formulas.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COLUMNS_H
 #define COLUMNS_H

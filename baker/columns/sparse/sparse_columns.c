@@ -1,0 +1,104 @@
+/* The sparse source; see sparse_columns.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/sparse/sparse_columns.h"
+
+#include <stdlib.h>
+
+#include "baker/columns/sparse/sparse_square.h"
+
+typedef struct sparse_map {
+    sparse_triangles triangles;
+    triangle_bins    bins;
+    leaf_desc        desc;
+    sparse_square    fetched;
+} sparse_map;
+
+/* Where no triangle's box is, there is no caster. */
+static vxs_result map_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
+{
+    const sparse_map    *o    = data;
+    const triangle_bins *bins = &o->bins;
+    uint32_t             side = 8u << level, depth = o->desc.scale.depth_vx;
+    uint32_t             cells = max_u32(side / bins->cell_px, 1);
+    size_t               count = 0;
+    for (uint32_t y = j * side / bins->cell_px, row = 0; row < cells; row++) {
+        const size_t *first = bins->first + (size_t)(y + row) * bins->cells + i * side / bins->cell_px;
+        count += first[cells] - first[0];
+    }
+    *out = count ? bounds_unknown(depth) : bounds_empty(depth);
+    return VXS_OK;
+}
+
+static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
+{
+    sparse_map *o    = data;
+    uint32_t    side = 8u << level;
+    *out             = (column_square){0};
+    stage_begin(ctx, STAGE_MAPS);
+    vxs_result r = sparse_square_init(&o->fetched, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, ctx->threads);
+    stage_begin(ctx, STAGE_NONE);
+    if (r != VXS_OK) {
+        sparse_square_free(&o->fetched);
+        return fail(ctx->message, r, "out of memory for the columns of %u x %u texels", side, side);
+    }
+    *out = sparse_square_columns(&o->fetched);
+    return r;
+}
+
+static void map_release(void *data, column_square *square)
+{
+    sparse_map *o = data;
+    sparse_square_free(&o->fetched);
+    *square = (column_square){0};
+}
+
+static void map_close(void *data)
+{
+    sparse_map *o = data;
+    triangle_bins_free(&o->bins);
+    sparse_triangles_free(&o->triangles);
+    free(o);
+}
+
+static vxs_result prepare(sparse_map *o, const sparse_columns *owner, uint32_t map, uint32_t side, bake_context *ctx)
+{
+    projection p;
+    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, &p, side, ctx->threads);
+    projection_free(&p);
+    if (r == VXS_OK) r = triangle_bins_init(&o->bins, &o->triangles, side, ctx->threads);
+    return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the triangles of a map");
+}
+
+static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
+{
+    const sparse_columns *owner = data;
+    uint32_t              side  = 1u << owner->light->levels;
+    int                   lamp  = owner->light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    sparse_map           *o     = calloc(1, sizeof *o);
+    *out                        = (column_map){0};
+    if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the triangles of a map");
+    o->desc = (leaf_desc){
+        .triangles = &o->triangles, .scale = {side, lamp ? owner->light->voxel_metres : 0}, .nearest_back = owner->nearest_back};
+    stage_begin(ctx, STAGE_MAPS);
+    vxs_result r = prepare(o, owner, map, side, ctx);
+    stage_begin(ctx, STAGE_NONE);
+    if (r != VXS_OK) {
+        map_close(o);
+        return r;
+    }
+    *out = (column_map){.data     = o,
+                        .side_px  = side,
+                        .depth_vx = side,
+                        .fetch_px = min_u32(side, owner->fetch_px),
+                        .bounds   = map_bounds,
+                        .fetch    = map_fetch,
+                        .release  = map_release,
+                        .close    = map_close};
+    return VXS_OK;
+}
+
+column_source sparse_columns_source(sparse_columns *o)
+{
+    return (column_source){.data = o, .map_count = vxs_light_map_count(o->light), .open = open_map};
+}

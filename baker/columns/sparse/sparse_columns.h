@@ -1,0 +1,32 @@
+/* The maps of a light straight from its triangles: a column source that renders nothing.
+ *
+ * Squares of texels are decided as wholes wherever lists of triangles tell enough of them; the rest is looked at in tiles of 8 x 8 texels.
+ * Of what a square tells, e may be larger and x smaller than they are, where all columns have room for that: a file keeps the contract
+ * by it, and chooses within it.
+ *
+ *     sparse_triangles.c   triangles on the grid of subtexels, edges, depth
+ *     patches.c            those that hang together
+ *     triangle_bins.c      cells of the map, from which the descent begins
+ *     sparse_square.c      the descent: squares, quarters, tiles
+ *       square_list.c        what a triangle is to a square
+ *       square_bound.c       what a list tells of a square
+ *       leaf.c               the texels of a tile
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SPARSE_COLUMNS_H
+#define SPARSE_COLUMNS_H
+
+#include "baker/casters/casters.h"
+#include "baker/columns/columns.h"
+#include "formats/vxs_file.h"
+
+typedef struct sparse_columns {
+    const casters   *casters;      /* that the light may reach; borrowed, as is the light */
+    const vxs_light *light;        /* fitted */
+    int              nearest_back; /* 1: light leaves solids at the nearest back face, also where they meet others */
+    uint32_t         fetch_px;     /* a power of two: side of the squares that are computed at once, at most */
+} sparse_columns;
+
+/* The source; borrowed. Maps may be open at once, on any threads. */
+column_source sparse_columns_source(sparse_columns *o);
+
+#endif

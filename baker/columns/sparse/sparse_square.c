@@ -1,0 +1,233 @@
+/* Computing squares; see sparse_square.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/sparse/sparse_square.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "baker/base/integer.h"
+#include "baker/base/parallel.h"
+
+enum { PAGE_TILES = 63 };
+
+struct leaf_page {
+    leaf_page  *next;
+    size_t      count;
+    column_tile tiles[PAGE_TILES];
+};
+
+/* The lists of the quarters of a square, at each level, and what a leaf needs. */
+typedef struct descent_scratch {
+    square_list  list, quarter[SPARSE_LEVELS_MAX][4];
+    leaf_scratch leaf;
+} descent_scratch;
+
+typedef struct square_maker {
+    sparse_square       *q;
+    const leaf_desc     *d;
+    const triangle_bins *bins;
+    uint32_t             task_px;
+    descent_scratch     *scratch; /* [PARALLEL_THREADS_MAX], or fewer */
+    atomic_int           out_of_memory;
+} square_maker;
+
+/* what is found --------------------------------------------------------------------------------------------------------------- */
+
+static size_t tile_at(const sparse_square *q, texel_square at)
+{
+    return (size_t)((at.v - q->at.v) / 8) * (q->at.side / 8) + (at.u - q->at.u) / 8;
+}
+
+static void set_bounds(const sparse_square *q, texel_square at, column_bounds b)
+{
+    uint32_t       across = q->at.side / 8, side = at.side / 8;
+    column_bounds *corner = q->pyramid[0] + tile_at(q, at);
+    for (uint32_t j = 0; j < side; j++)
+        for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
+}
+
+static column_bounds bounds_of(const column_tile *t)
+{
+    column_bounds b = {UINT32_MAX, 0, UINT32_MAX, 0};
+    for (int n = 0; n < 64; n++) {
+        b.emin = min_u32(b.emin, t->e[n]);
+        b.emax = max_u32(b.emax, t->e[n]);
+        b.xmin = min_u32(b.xmin, t->x[n]);
+        b.xmax = max_u32(b.xmax, t->x[n]);
+    }
+    return b;
+}
+
+/* Room for another tile. NULL without memory. */
+static column_tile *next_tile(leaf_page **pages)
+{
+    if (!*pages || (*pages)->count == PAGE_TILES) {
+        leaf_page *page = malloc(sizeof *page);
+        if (!page) return NULL;
+        page->next  = *pages;
+        page->count = 0;
+        *pages      = page;
+    }
+    return &(*pages)->tiles[(*pages)->count++];
+}
+
+/* the descent ----------------------------------------------------------------------------------------------------------------- */
+
+static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, const square_list *l)
+{
+    column_tile *tile = next_tile(&w->q->pages[worker]);
+    if (!tile || !leaf_columns(&w->scratch[worker].leaf, w->d, l, bound, at, tile)) return 0;
+    set_bounds(w->q, at, bounds_of(tile));
+    w->q->tiles[tile_at(w->q, at)] = tile;
+    return 1;
+}
+
+/* Whether one depth parts all that is lit from all that is in shadow; then it is said so. */
+static int settle(const square_maker *w, texel_square at, const square_bound *bound, size_t triangles)
+{
+    depth_scale s   = w->d->scale;
+    double      far = s.voxel_log != 0 ? 0 : 1, near = far - 1;
+    uint32_t    e = s.depth_vx, x = s.depth_vx;
+    if (triangles) {
+        e = depth_down(s, fmax(near, fmin(bound->enter_most, far)));
+        x = depth_up(s, fmax(near, fmin(bound->exit_least, far)));
+    }
+    if (e > x) return 0;
+    set_bounds(w->q, at, (column_bounds){e, e, x, x});
+    return 1;
+}
+
+/* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
+static int make_square(square_maker *w, uint32_t worker, texel_square at, square_bound bound, square_list *l)
+{
+    square_bound_tighten(&bound, l, w->d->triangles);
+    if (settle(w, at, &bound, l->count)) return 1;
+    if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
+    uint32_t     half    = at.side / 2;
+    square_list *quarter = w->scratch[worker].quarter[log2_u32(at.side)];
+    if (!square_list_split(quarter, w->d->triangles, l, at)) return 0;
+    for (uint32_t n = 0; n < 4; n++) {
+        texel_square part = {at.u + (n & 1) * half, at.v + (n >> 1) * half, half};
+        if (!make_square(w, worker, part, bound, &quarter[n])) return 0;
+    }
+    return 1;
+}
+
+static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    square_maker        *w      = user;
+    const triangle_bins *bins   = w->bins;
+    uint32_t             across = w->q->at.side / w->task_px;
+    for (size_t n = begin; n < end && !w->out_of_memory; n++) {
+        texel_square at      = {w->q->at.u + (uint32_t)n % across * w->task_px, w->q->at.v + (uint32_t)n / across * w->task_px,
+                                w->task_px};
+        size_t       cell    = (size_t)(at.v / bins->cell_px) * bins->cells + at.u / bins->cell_px;
+        square_list *l       = &w->scratch[worker].list;
+        square_bound nothing = {.enter_most = w->d->scale.voxel_log != 0 ? 0 : 1, .left_out = INFINITY, .exit_least = INFINITY};
+        if (!square_list_gather(l, w->d->triangles, bins->ids + bins->first[cell], bins->first[cell + 1] - bins->first[cell], at) ||
+            !make_square(w, worker, at, nothing, l))
+            w->out_of_memory = 1;
+    }
+}
+
+/* the pyramid ----------------------------------------------------------------------------------------------------------------- */
+
+static column_bounds unite(column_bounds a, column_bounds b)
+{
+    return (column_bounds){min_u32(a.emin, b.emin), max_u32(a.emax, b.emax), min_u32(a.xmin, b.xmin), max_u32(a.xmax, b.xmax)};
+}
+
+static int allocate(sparse_square *q)
+{
+    size_t   squares = 0, tiles = (size_t)(q->at.side / 8) * (q->at.side / 8);
+    uint32_t l = 0;
+    for (uint32_t side = q->at.side / 8; side; side /= 2) squares += (size_t)side * side;
+    q->pyramid[0] = malloc(squares * sizeof *q->pyramid[0]);
+    q->tiles      = calloc(tiles, sizeof *q->tiles);
+    q->pages      = calloc(PARALLEL_THREADS_MAX, sizeof *q->pages);
+    for (uint32_t side = q->at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
+    return q->pyramid[0] && q->tiles && q->pages;
+}
+
+static void reduce(const sparse_square *q)
+{
+    for (uint32_t l = 1, side = q->at.side / 16; side; side /= 2, l++)
+        for (uint32_t j = 0; j < side; j++)
+            for (uint32_t i = 0; i < side; i++) {
+                const column_bounds *near           = q->pyramid[l - 1] + (size_t)4 * j * side + 2 * i;
+                const column_bounds *next           = near + (size_t)2 * side;
+                q->pyramid[l][(size_t)j * side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
+            }
+}
+
+vxs_result sparse_square_init(sparse_square *q, const leaf_desc *d, const triangle_bins *bins, texel_square at, uint32_t threads)
+{
+    square_maker w      = {.q = q, .d = d, .bins = bins, .task_px = min_u32(at.side, bins->cell_px)};
+    uint32_t     across = at.side / w.task_px;
+    *q                  = (sparse_square){.at = at, .scale = d->scale};
+    w.scratch           = calloc(PARALLEL_THREADS_MAX, sizeof *w.scratch);
+    if (!w.scratch || !allocate(q)) {
+        free(w.scratch);
+        return VXS_E_MEMORY;
+    }
+    parallel_for(threads, (size_t)across * across, 1, make_tasks, &w);
+    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) {
+        descent_scratch *s = &w.scratch[n];
+        free(s->list.items);
+        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(s->quarter[k / 4][k % 4].items);
+        leaf_scratch_free(&s->leaf);
+    }
+    free(w.scratch);
+    if (w.out_of_memory) return VXS_E_MEMORY;
+    reduce(q);
+    return VXS_OK;
+}
+
+void sparse_square_free(sparse_square *q)
+{
+    for (int n = 0; n < PARALLEL_THREADS_MAX && q->pages; n++)
+        for (leaf_page *page = q->pages[n], *next; page; page = next) {
+            next = page->next;
+            free(page);
+        }
+    free(q->pages);
+    free(q->tiles);
+    free(q->pyramid[0]);
+    *q = (sparse_square){0};
+}
+
+/* columns --------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result square_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
+{
+    const sparse_square *q = data;
+    *out                   = q->pyramid[level][(size_t)j * (q->at.side >> (3 + level)) + i];
+    return VXS_OK;
+}
+
+static vxs_result square_tile(void *data, uint32_t i, uint32_t j, column_tile *out)
+{
+    const sparse_square *q  = data;
+    size_t               at = (size_t)j * (q->at.side / 8) + i;
+    if (q->tiles[at]) {
+        *out = *q->tiles[at];
+        return VXS_OK;
+    }
+    for (int n = 0; n < 64; n++) {
+        out->e[n] = q->pyramid[0][at].emax;
+        out->x[n] = q->pyramid[0][at].xmin;
+    }
+    return VXS_OK;
+}
+
+column_square sparse_square_columns(sparse_square *q)
+{
+    return (column_square){.data     = q,
+                           .side_px  = q->at.side,
+                           .depth_vx = q->scale.depth_vx,
+                           .u_px     = q->at.u,
+                           .v_px     = q->at.v,
+                           .bounds   = square_bounds,
+                           .tile     = square_tile};
+}

@@ -1,0 +1,35 @@
+/* A fetched square: a pyramid of bounds, and the columns of the tiles that no single depth decides.
+ *
+ * A square is split until what is known of it decides it: when nothing in it is entered behind where something is left, all of its columns
+ * are said to be alike, entered at F and left at xmin. Whoever keeps to that keeps to what is there. What is left at 8 x 8 texels is looked
+ * at texel by texel.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SPARSE_SQUARE_H
+#define SPARSE_SQUARE_H
+
+#include "baker/columns/sparse/leaf.h"
+#include "baker/columns/sparse/triangle_bins.h"
+
+enum { SPARSE_LEVELS_MAX = 20 };
+
+typedef struct leaf_page leaf_page;
+
+typedef struct sparse_square {
+    texel_square   at;
+    depth_scale    scale;
+    column_bounds *pyramid[SPARSE_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
+    column_tile  **tiles;                      /* [(side / 8)^2] NULL: all columns are as the bounds say */
+    leaf_page    **pages;                      /* [PARALLEL_THREADS_MAX] that own the tiles, by worker */
+} sparse_square;
+
+/* Compute a square. Its bins are as large as it is, or the square as large as one of them or smaller.
+ * Returns VXS_OK or VXS_E_MEMORY; released with sparse_square_free either way. */
+vxs_result sparse_square_init(sparse_square *q, const leaf_desc *d, const triangle_bins *bins, texel_square at, uint32_t threads);
+
+/* Accepts a zeroed object. */
+void sparse_square_free(sparse_square *q);
+
+/* As columns; valid where q lies. */
+column_square sparse_square_columns(sparse_square *q);
+
+#endif

@@ -1,0 +1,171 @@
+/* Columns by brute force: every triangle of a projection against every texel whose row it may touch. Coverage is whole numbers, depth is
+ * corners weighed by areas in long double; lists, patches, planes and vectors take no part.
+ *
+ * A depth is told as a range, a hair wide, in voxels: faces that lie within it of each other may have swapped places, and then light may
+ * leave at several depths. What has to be lit is before e_least, what has to be dark behind x_most.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BRUTE_H
+#define BRUTE_H
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/columns/depth_scale.h"
+#include "baker/light/projection.h"
+#include "baker/scene/alpha_mask.h"
+
+typedef struct brute_column {
+    double e_least, e_most, x_least, x_most; /* voxels */
+} brute_column;
+
+typedef struct brute {
+    const projection *p;
+    uint32_t          side_px;
+    depth_scale       scale;
+    int               nearest_back;
+    size_t           *first; /* [side_px + 1] row v may be touched by triangles ids[first[v]] to ids[first[v + 1]] */
+    uint32_t         *ids;
+} brute;
+
+enum { BRUTE_GRID = 256, BRUTE_HITS_MAX = 1024 };
+
+typedef struct brute_hit {
+    double depth; /* voxels */
+    int    solid, front;
+} brute_hit;
+
+static inline int64_t brute_grid(double texels)
+{
+    return (int64_t)floor(texels * BRUTE_GRID + 0.5);
+}
+
+static inline void brute_corners(const brute *b, uint32_t t, int64_t x[3], int64_t y[3])
+{
+    for (int k = 0; k < 3; k++) {
+        x[k] = brute_grid(b->p->vertices[b->p->indices[3 * (size_t)t + (size_t)k]].u);
+        y[k] = brute_grid(b->p->vertices[b->p->indices[3 * (size_t)t + (size_t)k]].v);
+    }
+}
+
+static inline void brute_rows(const brute *b, uint32_t t, int64_t *begin, int64_t *end)
+{
+    int64_t x[3], y[3], low, high, side = b->side_px;
+    brute_corners(b, t, x, y);
+    low    = y[0] < y[1] ? y[0] : y[1];
+    high   = y[0] > y[1] ? y[0] : y[1];
+    low    = low < y[2] ? low : y[2];
+    high   = high > y[2] ? high : y[2];
+    *begin = low < 0 ? 0 : low / BRUTE_GRID;
+    *end   = high < 0 ? 0 : high / BRUTE_GRID + 1 < side ? high / BRUTE_GRID + 1 : side;
+}
+
+/* Returns 0 without memory; released with brute_free either way. p is borrowed. */
+static inline int brute_init(brute *b, const projection *p, uint32_t side_px, double voxel_log, int nearest_back)
+{
+    *b       = (brute){.p = p, .side_px = side_px, .scale = {side_px, voxel_log}, .nearest_back = nearest_back};
+    b->first = calloc(side_px + (size_t)2, sizeof *b->first);
+    if (!b->first) return 0;
+    for (int pass = 0; pass < 2; pass++) {
+        for (uint32_t t = 0; t < p->triangle_count; t++) {
+            int64_t begin, end;
+            brute_rows(b, t, &begin, &end);
+            for (int64_t v = begin; v < end; v++) {
+                if (pass) b->ids[b->first[v + 1]] = t;
+                b->first[v + 1 + !pass]++;
+            }
+        }
+        if (pass) break;
+        for (uint32_t v = 0; v < side_px; v++) b->first[v + 2] += b->first[v + 1];
+        if (!(b->ids = malloc((b->first[side_px + 1] + 1) * sizeof *b->ids))) return 0;
+    }
+    return 1;
+}
+
+static inline void brute_free(brute *b)
+{
+    free(b->first);
+    free(b->ids);
+    *b = (brute){0};
+}
+
+/* Of the two sides of an edge, that one owns it which is entered by a step to the right; along a level edge, by a step up. */
+static inline int brute_inside(int64_t area, int64_t dx, int64_t dy)
+{
+    return area > 0 || (area == 0 && (dy < 0 || (dy == 0 && dx > 0)));
+}
+
+/* Where the ray of a texel meets a triangle. */
+static inline int brute_meet(const brute *b, uint32_t t, uint32_t u, uint32_t v, brute_hit *out)
+{
+    const projection *p = b->p;
+    int64_t x[3], y[3], px = (int64_t)u * BRUTE_GRID + BRUTE_GRID / 2, py = (int64_t)v * BRUTE_GRID + BRUTE_GRID / 2, w[3];
+    brute_corners(b, t, x, y);
+    int64_t area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    if (!area) return 0;
+    for (int k = 0; k < 3; k++) {
+        int     a = (k + 1) % 3, c = (k + 2) % 3; /* the edge that corner k is not on */
+        int64_t dx = x[c] - x[a], dy = y[c] - y[a], turn = area < 0 ? -1 : 1;
+        w[k] = turn * (dx * (py - y[a]) - dy * (px - x[a]));
+        if (!brute_inside(w[k], turn * dx, turn * dy)) return 0;
+    }
+    long double depth = 0, hu = 0, hv = 0, hq = 0;
+    for (int k = 0; k < 3; k++) {
+        depth += (long double)w[k] * (long double)p->vertices[p->indices[3 * (size_t)t + (size_t)k]].z;
+        if (t < p->holed_first) continue;
+        hu += (long double)w[k] * (long double)p->uvq[t - p->holed_first][k].u;
+        hv += (long double)w[k] * (long double)p->uvq[t - p->holed_first][k].v;
+        hq += (long double)w[k] * (long double)p->uvq[t - p->holed_first][k].q;
+    }
+    depth /= (long double)(area < 0 ? -area : area);
+    if (t >= p->holed_first) {
+        size_t mask = 0;
+        while (t >= p->alpha_mask_first[mask + 1]) mask++;
+        const alpha_mask *m = &p->casters->alpha_masks[mask];
+        if (!alpha_mask_opaque(m, &p->casters->images[m->image], (double)(hu / hq), (double)(hv / hq))) return 0;
+    }
+    double z = p->reversed ? -(double)depth : (double)depth, far = p->reversed ? 0 : 1;
+    *out = (brute_hit){depth_in_voxels(b->scale, z < far - 1 ? far - 1 : z > far ? far : z), t < p->solid_triangle_count, area < 0};
+    return 1;
+}
+
+static inline int brute_compare(const void *a, const void *b)
+{
+    double x = ((const brute_hit *)a)->depth, y = ((const brute_hit *)b)->depth;
+    return (x > y) - (x < y);
+}
+
+/* Front faces less back faces of solids, those up to a depth. */
+static inline int brute_open(const brute_hit *hits, size_t count, double fronts_to, double backs_to)
+{
+    int open = 0;
+    for (size_t n = 0; n < count; n++)
+        if (hits[n].solid) open += hits[n].front ? hits[n].depth <= fronts_to : -(hits[n].depth <= backs_to);
+    return open;
+}
+
+/* The column of texel (u, v). Of more than BRUTE_HITS_MAX hits the rest is not looked at. */
+static inline brute_column brute_at(const brute *b, uint32_t u, uint32_t v)
+{
+    brute_hit hits[BRUTE_HITS_MAX];
+    size_t    count = 0;
+    double    far = b->scale.depth_vx, hair = 1e-9 * far, sheet = INFINITY, solid = INFINITY, least = far, most = far;
+    for (size_t n = b->first[v]; n < b->first[v + 1] && count < BRUTE_HITS_MAX; n++)
+        count += (size_t)brute_meet(b, b->ids[n], u, v, &hits[count]);
+    qsort(hits, count, sizeof *hits, brute_compare);
+    int found_least = 0, found_most = 0;
+    for (size_t n = 0; n < count; n++) {
+        double d = hits[n].depth;
+        if (hits[n].solid && d < solid) solid = d;
+        if (!hits[n].solid && d < sheet) sheet = d;
+        if (!hits[n].solid || hits[n].front) continue;
+        if (!found_least && (b->nearest_back || brute_open(hits, count, d - hair, d + hair) <= 0)) found_least = 1, least = d;
+        if (!found_most && (b->nearest_back || brute_open(hits, count, d + hair, d + hair) <= 0)) found_most = 1, most = d;
+    }
+    double e = fmin(fmin(sheet, solid), far);
+    if (sheet <= solid + hair) least = fmin(e, least);
+    if (sheet <= solid - hair || solid == INFINITY) most = e;
+    if (count == 0) return (brute_column){far, far, far, far};
+    return (brute_column){e - hair, e + hair, least - hair, most + hair};
+}
+
+#endif

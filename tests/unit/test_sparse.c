@@ -1,0 +1,467 @@
+/* Sparse columns against brute force (tests/columns/brute.h): every texel of maps of random meshes, as small as they are nasty.
+ *
+ * The meshes lie in the space of the light, u and v in texels and z in voxels, or about a lamp. Squares that are decided as wholes must keep
+ * to what is there; texels of the other tiles must be what they are, but for exits behind the tile's last enter depth, which may be early.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/sparse/patches.h"
+#include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
+#include "baker/columns/sparse/square_list.h"
+#include "baker/light/light_fit.h"
+#include "runtime/vxs.h"
+#include "tests/columns/brute.h"
+#include "tests/unit/mesh_sample.h"
+#include "tests/unit/random_lamp.h"
+
+enum { MAPS_MAX = 6 };
+
+/* --- meshes: [0, side) in u, v and z
+ * ----------------------------------------------------------------------------------------------------------- */
+
+static void random_point(rng *r, double low, double high, double out[3])
+{
+    for (int n = 0; n < 3; n++) out[n] = uniform(r, low, high);
+}
+
+/* Turn what was added since `first` by random angles about a point. */
+static void turn_since(sample *b, rng *r, size_t first, const double about[3])
+{
+    double turn[3][3];
+    random_direction(r, turn[0]);
+    random_direction(r, turn[2]);
+    cross(turn[2], turn[0], turn[1]);
+    make_unit(turn[1]);
+    cross(turn[0], turn[1], turn[2]);
+    for (size_t n = 3 * first; n < 3 * b->s.triangle_count; n++) {
+        double *p = b->s.positions_ws + 3 * (size_t)b->s.indices[n], from[3] = {p[0] - about[0], p[1] - about[1], p[2] - about[2]};
+        for (int k = 0; k < 3; k++) p[k] = about[k] + dot(turn[k], from);
+    }
+}
+
+static void add_boxes(sample *b, rng *r, double side, int count)
+{
+    for (int n = 0; n < count; n++) {
+        double low[3], high[3];
+        size_t first = b->s.triangle_count;
+        random_point(r, 0, 0.8 * side, low);
+        for (int k = 0; k < 3; k++) high[k] = low[k] + uniform(r, 0.02, 0.4) * side;
+        sample_box(b, low, high);
+        if (n % 3) turn_since(b, r, first, low);
+    }
+}
+
+static void add_nested(sample *b, rng *r, double side, int count)
+{
+    double at[3];
+    random_point(r, 0.3 * side, 0.6 * side, at);
+    for (int n = 1; n <= count; n++) {
+        size_t first = b->s.triangle_count;
+        sample_cube(b, at[0], at[1], at[2], 0.3 * side * n / count);
+        turn_since(b, r, first, at);
+    }
+}
+
+static void add_balls(sample *b, rng *r, double side, int count)
+{
+    for (int n = 0; n < count; n++) {
+        double at[3];
+        random_point(r, 0, side, at);
+        sample_ball(b, at, uniform(r, 0.01, 0.3) * side, 4 + (int)rng_below(r, 20));
+    }
+}
+
+/* Tetrahedra whose corners are nearly on a line. */
+static void add_needles(sample *b, rng *r, double side, int count)
+{
+    static const uint8_t faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+    for (int n = 0; n < count; n++) {
+        double from[3], to[3], p[4][3];
+        random_point(r, 0, side, from);
+        random_point(r, 0, side, to);
+        for (int k = 0; k < 4; k++)
+            for (int axis = 0; axis < 3; axis++)
+                p[k][axis] = from[axis] + (k & 1) * (to[axis] - from[axis]) + uniform(r, -1, 1) * (n % 2 ? 0.01 : 1.5);
+        for (int f = 0; f < 4; f++) sample_points(b, p[faces[f][0]], p[faces[f][1]], p[faces[f][2]]);
+    }
+}
+
+/* Triangles that hang together nowhere. */
+static void add_soup(sample *b, rng *r, double side, int count)
+{
+    for (int n = 0; n < count; n++) {
+        double at[3], p[3][3], size = n % 4 ? 0.1 * side : 0.7 * side;
+        random_point(r, 0, side, at);
+        for (int k = 0; k < 3; k++)
+            for (int axis = 0; axis < 3; axis++) p[k][axis] = at[axis] + uniform(r, -size, size);
+        sample_points(b, p[0], p[1], p[2]);
+    }
+}
+
+/* Boxes of whole half texels side by side and on top of each other: faces share planes, and edges pass centres of texels. */
+static void add_bricks(sample *b, rng *r, double side)
+{
+    double cell = floor(side / 8);
+    for (int n = 0; n < 60; n++) {
+        double low[3], high[3];
+        for (int k = 0; k < 3; k++) {
+            low[k]  = cell * rng_below(r, 6) + 0.5 * rng_below(r, 3) - 0.5;
+            high[k] = low[k] + cell * (1 + rng_below(r, 2));
+        }
+        sample_box(b, low, high);
+    }
+}
+
+/* Wedges about one edge: several faces begin at it on the same side. */
+static void add_wedges(sample *b, rng *r, double side, int count)
+{
+    double from[3], to[3];
+    random_point(r, 0, side, from);
+    random_point(r, 0, side, to);
+    for (int n = 0; n < count; n++) {
+        double p[2][3];
+        for (int k = 0; k < 2; k++) random_point(r, 0, side, p[k]);
+        sample_points(b, from, to, p[0]);
+        sample_points(b, from, p[1], to);
+        sample_points(b, from, p[0], p[1]);
+        sample_points(b, to, p[1], p[0]);
+    }
+}
+
+/* Hills of small triangles, `depth` of them below each other; closed below where it is a solid. */
+static void add_hills(sample *b, rng *r, double side, int parts, int closed)
+{
+    double *z = calloc((size_t)(parts + 1) * (parts + 1), sizeof *z), wave = uniform(r, 2, 9), up = uniform(r, 0.05, 0.3) * side;
+    double  base = uniform(r, 0.3, 0.6) * side;
+    assert_non_null(z);
+    for (int j = 0; j <= parts; j++)
+        for (int i = 0; i <= parts; i++)
+            z[j * (parts + 1) + i] = base + up * sin(wave * i / parts) * cos(wave * j / parts) + uniform(r, 0, 0.4) * side / parts;
+    for (int below = 0; below <= closed; below++)
+        for (int j = 0; j < parts; j++)
+            for (int i = 0; i < parts; i++) {
+                double p[4][3];
+                for (int k = 0; k < 4; k++) {
+                    int u = i + (k == 1 || k == 2), v = j + (k >= 2), rim = !u || !v || u == parts || v == parts;
+                    p[k][0] = (0.05 + 0.9 * u / parts) * side;
+                    p[k][1] = (0.05 + 0.9 * v / parts) * side;
+                    p[k][2] = z[v * (parts + 1) + u] + (below && !rim ? 0.2 * side : 0);
+                }
+                sample_points(b, p[0], p[below ? 1 : 2], p[below ? 2 : 1]);
+                sample_points(b, p[0], p[below ? 2 : 3], p[below ? 3 : 2]);
+            }
+    free(z);
+}
+
+static void add_bands(sample *b, double side)
+{
+    size_t first = b->s.vertex_count;
+    sample_band(b, 20, 1);
+    for (size_t n = 3 * first; n < 3 * b->s.vertex_count; n++) b->s.positions_ws[n] = (0.5 + 0.3 * b->s.positions_ws[n]) * side;
+    first = b->s.vertex_count;
+    sample_klein_bottle(b, 12);
+    for (size_t n = 3 * first; n < 3 * b->s.vertex_count; n++) b->s.positions_ws[n] = (0.5 + 0.1 * b->s.positions_ws[n]) * side;
+}
+
+/* What a mesh is made of, by its number. */
+static void add_mesh(sample *b, rng *r, double side, uint32_t kind)
+{
+    static const char *const all = "bnlNsBhHkswlBhWN";
+    for (uint32_t n = 0; n < 1 + kind % 3; n++) switch (all[(kind + n * 5) % 16]) {
+        case 'b': add_boxes(b, r, side, 14); break;
+        case 'n': add_nested(b, r, side, 5); break;
+        case 'l': add_balls(b, r, side, 6); break;
+        case 'N': add_needles(b, r, side, 30); break;
+        case 's': add_soup(b, r, side, 40); break;
+        case 'B': add_bricks(b, r, side); break;
+        case 'w': add_wedges(b, r, side, 2); break;
+        case 'W': add_wedges(b, r, side, 12); break;
+        case 'h': add_hills(b, r, side, 20, 0); break;
+        case 'H': add_hills(b, r, side, 24, 1); break;
+        default: add_bands(b, side); break;
+        }
+}
+
+/* --- comparing
+ * --------------------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct counts {
+    size_t texels;             /* with casters */
+    size_t settled, looked_at; /* tiles */
+    size_t early;              /* exits of the latter that are before their depths, behind the tile's last enter depth */
+} counts;
+
+static int is_uniform(const column_tile *t)
+{
+    for (int n = 1; n < 64; n++)
+        if (t->e[n] != t->e[0] || t->x[n] != t->x[0]) return 0;
+    return 1;
+}
+
+/* A tile against brute force; the tile's bounds hold. */
+static void compare_tile(const brute *b, const column_tile *t, const column_bounds *bounds, uint32_t u0, uint32_t v0, counts *sum)
+{
+    int      uniform = is_uniform(t);
+    uint32_t emax    = 0;
+    for (int n = 0; n < 64; n++) emax = max_u32(emax, t->e[n]);
+    for (uint32_t n = 0; n < 64; n++) {
+        brute_column c   = brute_at(b, u0 + n % 8, v0 + n / 8);
+        double       far = b->scale.depth_vx;
+        sum->texels += c.e_most < far;
+        if (!(t->e[n] >= floor(c.e_least) && t->e[n] <= t->x[n] && t->x[n] <= fmin(far, ceil(c.x_most))) ||
+            !(bounds->emin <= t->e[n] && t->e[n] <= bounds->emax && bounds->xmin <= t->x[n] && t->x[n] <= bounds->xmax))
+            fail_msg("texel %u, %u: %u and %u, by brute force %.9g and %.9g to %.9g", u0 + n % 8, v0 + n / 8, t->e[n], t->x[n],
+                     c.e_least, c.x_least, c.x_most);
+        if (uniform) continue;
+        if (!(t->e[n] <= fmin(far, floor(c.e_most))) || min_u32(t->x[n], emax) < fmin(emax, ceil(c.x_least)))
+            fail_msg("texel %u, %u: %u and %u, but by brute force %.9g and %.9g", u0 + n % 8, v0 + n / 8, t->e[n], t->x[n],
+                     c.e_most, c.x_least);
+        sum->early += t->x[n] < fmin(far, ceil(c.x_least));
+    }
+    sum->settled += uniform;
+    sum->looked_at += !uniform;
+}
+
+static void compare_square(const brute *b, const column_square *q, counts *sum)
+{
+    for (uint32_t j = 0; j < q->side_px / 8; j++)
+        for (uint32_t i = 0; i < q->side_px / 8; i++) {
+            column_tile   tile;
+            column_bounds bounds;
+            assert_int_equal(q->tile(q->data, i, j, &tile), VXS_OK);
+            for (uint32_t level = 0; 8u << level <= q->side_px; level++) {
+                assert_int_equal(q->bounds(q->data, level, i >> level, j >> level, &bounds), VXS_OK);
+                if (level)
+                    for (int n = 0; n < 64; n++)
+                        assert_true(bounds.emin <= tile.e[n] && tile.e[n] <= bounds.emax && bounds.xmin <= tile.x[n] &&
+                                    tile.x[n] <= bounds.xmax);
+                else
+                    compare_tile(b, &tile, &bounds, q->u_px + 8 * i, q->v_px + 8 * j, sum);
+            }
+        }
+}
+
+/* All maps of a light, fetched in squares of `fetch_px`. */
+static counts compare_light(const casters *c, const vxs_light *light, int nearest_back, uint32_t fetch_px, uint32_t threads)
+{
+    message        m      = {0};
+    bake_context   ctx    = {.message = &m, .threads = threads};
+    sparse_columns own    = {.casters = c, .light = light, .nearest_back = nearest_back, .fetch_px = fetch_px};
+    column_source  source = sparse_columns_source(&own);
+    counts         sum    = {0};
+    for (uint32_t map = 0; map < source.map_count; map++) {
+        column_map    columns;
+        column_square square;
+        column_bounds known;
+        projection    p;
+        brute         b;
+        assert_int_equal(source.open(source.data, map, &columns, &ctx), VXS_OK);
+        assert_int_equal(projection_init(&p, c, light, (int)map, 1, &m), VXS_OK);
+        assert_true(
+            brute_init(&b, &p, columns.side_px, light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres, nearest_back));
+        uint32_t across = columns.side_px / columns.fetch_px, level = square_level(columns.fetch_px);
+        for (uint32_t n = 0; n < across * across; n++) {
+            size_t before = sum.texels;
+            assert_int_equal(columns.bounds(columns.data, level, n % across, n / across, &known), VXS_OK);
+            assert_int_equal(columns.fetch(columns.data, level, n % across, n / across, &square, &ctx), VXS_OK);
+            compare_square(&b, &square, &sum);
+            columns.release(columns.data, &square);
+            assert_true(known.emin < known.emax || sum.texels == before); /* where nothing was said to be, nothing is */
+        }
+        columns.close(columns.data);
+        brute_free(&b);
+        projection_free(&p);
+    }
+    return sum;
+}
+
+static vxs_light identity_light(uint32_t side)
+{
+    vxs_light l     = {.kind = VXS_LIGHT_KIND_DIRECTIONAL, .levels = log2_u32(side), .texel_metres = 1, .voxel_metres = 1};
+    l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;
+    l.direction_ws[2]                                    = 1;
+    return l;
+}
+
+/* --- tests
+ * ------------------------------------------------------------------------------------------------------------------------------------- */
+
+/* --- parts
+ * ------------------------------------------------------------------------------------------------------------------------------------- */
+
+/* The patches of a few triangles, all edges that are ends counted. */
+static size_t patches_of(sample *b, uint32_t patch_of[8], int8_t facing)
+{
+    projection p;
+    vxs_light  light = identity_light(64);
+    int8_t     facings[8];
+    uint8_t    ends[8];
+    size_t     count = 0;
+    sample_sort(b, CLOSED_OFF);
+    assert_int_equal(projection_init(&p, &b->c, &light, 0, 1, &b->m), VXS_OK);
+    assert_true(p.triangle_count <= 8);
+    memset(facings, facing, sizeof facings);
+    assert_int_equal(patches_find(patch_of, ends, facings, &p), VXS_OK);
+    for (size_t t = 0; t < p.triangle_count; t++) count += (size_t)__builtin_popcount(ends[t]);
+    projection_free(&p);
+    sample_clear(b);
+    return count;
+}
+
+static void patches_end_where_surfaces_do(void **state)
+{
+    const double corner[4][3] = {{0, 0, 5}, {9, 0, 5}, {9, 9, 5}, {0, 9, 7}};
+    const double spine[2][3] = {{0, 0, 5}, {0, 9, 5}}, page[4][3] = {{9, 4, 1}, {9, 4, 2}, {9, 4, 3}, {9, 4, 4}};
+    uint32_t     patch_of[8];
+    sample       b = {.m.quiet = 1};
+    (void)state;
+    for (int turned = 0; turned < 2; turned++) {
+        sample_points(&b, corner[0], corner[1], corner[2]);
+        sample_points(&b, corner[0], corner[turned ? 3 : 2], corner[turned ? 2 : 3]);
+        assert_int_equal(patches_of(&b, patch_of, 1), turned ? 6 : 4); /* one that is turned over faces the other way */
+        assert_int_equal(patch_of[1], turned);
+    }
+    /* four pages of a book on the same side, two of them up: each ends at the spine, though windings cancel there */
+    for (int n = 0; n < 4; n++) sample_points(&b, spine[n / 2], spine[1 - n / 2], page[n]);
+    assert_int_equal(patches_of(&b, patch_of, 1), 12);
+    sample_points(&b, corner[0], corner[1], corner[2]);
+    sample_points(&b, corner[0], corner[2], corner[3]);
+    assert_int_equal(patches_of(&b, patch_of, 0), 6); /* seen from their edges */
+}
+
+/* Depths in a square of random triangles, steep and narrow ones among them, as they are computed and as they are, lie between what a list
+ * says. */
+static void depths_stay_within_their_lists(void **state)
+{
+    enum { SIDE = 16384, ROUNDS = 2000 };
+    rng      r          = rng_split(1, 3);
+    size_t   asked      = 0;
+    uint32_t indices[3] = {0, 1, 2}, id = 0;
+    size_t   no_masks[1] = {1};
+    casters  none        = {0};
+    (void)state;
+    for (int n = 0; n < ROUNDS; n++) {
+        vertex_ls        v[3];
+        sparse_triangles s;
+        square_list      l = {0};
+        double width = n % 3 ? SIDE : ldexp(1, (int)rng_below(&r, 14) - 4), u = uniform(&r, 0, SIDE), w = uniform(&r, 0, SIDE);
+        for (int k = 0; k < 3; k++)
+            v[k] = (vertex_ls){u + (k == 2 ? SIDE : 1) * uniform(&r, -0.1, 0.1) * width / SIDE * (n % 2 ? 1 : 4),
+                               w + uniform(&r, -1, 1) * width, rng_unit(&r)};
+        projection p = {.casters          = &none,
+                        .vertex_count     = 3,
+                        .vertices         = v,
+                        .triangle_count   = 1,
+                        .holed_first      = 1,
+                        .indices          = indices,
+                        .alpha_mask_first = no_masks};
+        assert_int_equal(sparse_triangles_init(&s, &p, SIDE, 1), VXS_OK);
+        for (int k = 0; k < 20 && s.count; k++) {
+            const sparse_triangle *t = &s.all[0];
+            double                 a = rng_unit(&r), b = rng_unit(&r) * (1 - a);
+            double                 x = (t->x[0] + a * (t->x[1] - t->x[0]) + b * (t->x[2] - t->x[0])) / SUBTEXELS_PER_PX;
+            double                 y = (t->y[0] + a * (t->y[1] - t->y[0]) + b * (t->y[2] - t->y[0])) / SUBTEXELS_PER_PX;
+            if (!(x >= 0 && x < SIDE && y >= 0 && y < SIDE)) continue;
+            uint32_t     side = 8u << rng_below(&r, 4);
+            texel_square q    = {(uint32_t)x / side * side, (uint32_t)y / side * side, side};
+            brute        check;
+            brute_hit    hit;
+            assert_true(brute_init(&check, &p, SIDE, 0, 0));
+            assert_true(square_list_gather(&l, &s, &id, 1, q));
+            for (uint32_t m = 0; m < side * side; m++) {
+                uint32_t pu = q.u + m % side, pv = q.v + m / side;
+                if (!brute_meet(&check, 0, pu, pv, &hit)) continue;
+                double px = ((double)pu + 0.5) * SUBTEXELS_PER_PX, py = ((double)pv + 0.5) * SUBTEXELS_PER_PX;
+                double z = sparse_depth(t, f64x2_all(px), py)[0];
+                assert_int_equal(l.count, 1);
+                assert_true(l.items[0].lo <= z && z <= l.items[0].hi);
+                assert_true(l.items[0].lo <= hit.depth / SIDE && hit.depth / SIDE <= l.items[0].hi);
+                asked++;
+            }
+            brute_free(&check);
+        }
+        free(l.items);
+        sparse_triangles_free(&s);
+    }
+    assert_true(asked > 10000);
+}
+
+/* Edges through the centres of the outermost texels of tiles: half of them do not own those. */
+static void sheets_end_on_centres(void **state)
+{
+    vxs_light light = identity_light(64);
+    (void)state;
+    for (int n = 0; n < 162; n++) {
+        double u0 = 8 + 0.5 * (n % 3 - 1), v0 = 8 + 0.5 * (n / 3 % 3 - 1), u1 = 32 + 0.5 * (n / 9 % 3 - 1),
+               v1      = 24 + 0.5 * (n / 27 % 3 - 1);
+        double p[4][3] = {{u0, v0, 10}, {u1, v0, 11}, {u1, v1, 12}, {u0, v1, 11}};
+        sample b       = {.m.quiet = 1};
+        sample_points(&b, p[0], p[n < 81 ? 1 : 2], p[n < 81 ? 2 : 1]);
+        sample_points(&b, p[0], p[n < 81 ? 2 : 3], p[n < 81 ? 3 : 2]);
+        sample_sort(&b, CLOSED_AUTO);
+        assert_true(compare_light(&b.c, &light, 0, 64, 1).texels >= 23 * 15);
+        sample_clear(&b);
+    }
+}
+
+enum { MESHES = 96 };
+
+static void suns(void **state)
+{
+    counts sum = {0};
+    (void)state;
+    for (uint32_t n = 0; n < MESHES; n++) {
+        static const closed_mode closed[] = {CLOSED_ON, CLOSED_AUTO, CLOSED_OFF};
+        uint32_t                 side     = n % 16 == 15 ? 512 : 64u << n % 2;
+        rng                      r        = rng_split(n, 1);
+        vxs_light                light    = identity_light(side);
+        sample                   b        = {.m.quiet = 1};
+        add_mesh(&b, &r, side, n / 3);
+        sample_sort(&b, closed[n % 3]);
+        counts c = compare_light(&b.c, &light, n % 5 == 4, n % 4 ? side : 32, 1 + n % 3);
+        sum.texels += c.texels;
+        sum.settled += c.settled;
+        sum.looked_at += c.looked_at;
+        sum.early += c.early;
+        sample_clear(&b);
+    }
+    printf("suns: %zu texels, %zu tiles settled, %zu looked at, %zu early exits\n", sum.texels, sum.settled, sum.looked_at,
+           sum.early);
+}
+
+static void lamps(void **state)
+{
+    counts sum = {0};
+    (void)state;
+    for (uint32_t n = 0; n < 48; n++) {
+        static const closed_mode closed[] = {CLOSED_ON, CLOSED_AUTO, CLOSED_OFF};
+        uint32_t                 side     = 64u << n % 2;
+        rng                      r        = rng_split(n, 2);
+        light_shape    shape = {.kind = n % 2 ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = uniform(&r, 0.1, 1.5), .range_m = INFINITY};
+        light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = side};
+        vxs_light      light;
+        sample         b = {.m.quiet = 1};
+        random_point(&r, n % 3 ? 0 : -40, n % 3 ? 100 : 0, shape.position_ws);
+        random_direction(&r, shape.direction_ws);
+        add_mesh(&b, &r, 100, n / 2);
+        sample_sort(&b, closed[n % 3]);
+        if (light_fit(&light, &b.c, &fit, &b.m) == VXS_OK) {
+            counts c = compare_light(&b.c, &light, n % 5 == 4, side, 2);
+            sum.texels += c.texels;
+            sum.settled += c.settled;
+            sum.looked_at += c.looked_at;
+        }
+        sample_clear(&b);
+    }
+    printf("lamps: %zu texels, %zu tiles settled, %zu looked at\n", sum.texels, sum.settled, sum.looked_at);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(patches_end_where_surfaces_do),
+        cmocka_unit_test(depths_stay_within_their_lists),
+        cmocka_unit_test(sheets_end_on_centres),
+        cmocka_unit_test(suns),
+        cmocka_unit_test(lamps),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
