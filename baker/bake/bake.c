@@ -21,6 +21,9 @@
 #include "baker/measure/progress.h"
 #include "baker/scene/light_warnings.h"
 
+/* Who drew the maps, where nobody did. */
+#define SPARSE_RENDERER "nobody: straight from triangles"
+
 /* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
 static uint64_t file_bytes(const char *path)
 {
@@ -136,23 +139,34 @@ static vxs_result check_address_space(const bake_options *o, const bake_plan *pl
                 size_text(needed, bytes), o->scene_path);
 }
 
+/* OpenGL, where maps are rendered; else *gl is NULL. */
+static vxs_result begin_rendering(gl_context **gl, const bake_options *o, bake_report *report, bake_context *ctx)
+{
+    *gl = NULL;
+    snprintf(report->renderer, sizeof report->renderer, "%s", SPARSE_RENDERER);
+    if (o->maps == MAPS_SPARSE) return VXS_OK;
+    vxs_result r = check_address_space(o, report->plan, ctx->message);
+    if (r != VXS_OK) return r;
+    stage_begin(ctx, STAGE_GL);
+    r = gl_context_create(gl, o->gl, o->threads, ctx->message);
+    stage_begin(ctx, STAGE_NONE);
+    if (r != VXS_OK) return r;
+    snprintf(report->renderer, sizeof report->renderer, "%s", (*gl)->renderer);
+    snprintf(report->cpu_class, sizeof report->cpu_class, "%s", (*gl)->cpu_class);
+    return r;
+}
+
 static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, bake_report *report, bake_context *ctx)
 {
     const bake_plan *plan = report->plan;
-    gl_context      *gl   = NULL;
-    vxs_result       r    = check_address_space(o, plan, ctx->message);
+    gl_context      *gl;
+    vxs_result       r = begin_rendering(&gl, o, report, ctx);
     if (r != VXS_OK) return r;
-    stage_begin(ctx, STAGE_GL);
-    r = gl_context_create(&gl, o->gl, o->threads, ctx->message);
-    stage_begin(ctx, STAGE_NONE);
-    if (r != VXS_OK) return r;
-    snprintf(report->renderer, sizeof report->renderer, "%s", gl->renderer);
-    snprintf(report->cpu_class, sizeof report->cpu_class, "%s", gl->cpu_class);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
         if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, coded, report, ctx);
-    gl_context_destroy(gl);
+    if (gl) gl_context_destroy(gl);
     return r;
 }
 

@@ -10,6 +10,12 @@ static int set_word(json_t *object, const char *key, const char *choices, int in
     return json_object_set_new(object, key, json_string(choice_word(word, choices, index)));
 }
 
+/* Where depths come from. Files say nothing of OpenGL's, which all of them were once. */
+static void set_maps(json_t *object, const bake_options *o)
+{
+    if (o->maps == MAPS_SPARSE) set_word(object, "maps", MAPS_CHOICES, (int)o->maps);
+}
+
 /* A coding, and what it alone knows. Files say nothing of a DAG, which all of them were once, nor of pages that are small. */
 static void set_coding(json_t *object, const bake_options *o)
 {
@@ -29,6 +35,7 @@ json_t *bake_choices_json(const bake_options *o)
     const double *b      = o->region_ws;
     set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
     set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
+    set_maps(object, o);
     set_coding(object, o);
     set_word(object, "gl", GL_CHOICES, (int)o->gl);
     json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));

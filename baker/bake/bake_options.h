@@ -19,6 +19,9 @@ typedef enum stop_stage {
     STOP_FINAL    /* merged into one DAG without equal subtrees */
 } stop_stage;
 
+/* Where depths come from. auto: gl. */
+typedef enum maps_choice { MAPS_AUTO, MAPS_GL, MAPS_SPARSE } maps_choice;
+
 /* How the words of a light hold its maps, in the order of VXS_CODING_DAG and after. */
 typedef enum coding_choice { CODING_DAG, CODING_BLOCKS } coding_choice;
 
@@ -31,6 +34,7 @@ typedef enum compress_choice { COMPRESS_CHOICE_AUTO, COMPRESS_CHOICE_TOP_DOWN, C
 typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } baseline_mode;
 
 /* The words of the options below, in the order of their enums. */
+#define MAPS_CHOICES     "auto|gl|sparse"
 #define CODING_CHOICES   "dag|blocks"
 #define PACK_CHOICES     "small|fast"
 #define EXIT_CHOICES     "auto|peel|back"
@@ -53,6 +57,7 @@ typedef struct bake_options {
     named_list      resolutions, texels; /* by light; none is in both */
     int             region_given;
     double          region_ws[6]; /* min xyz, max xyz */
+    maps_choice     maps;
     closed_mode     closed;
     exit_mode       exit;
     coding_choice   coding;

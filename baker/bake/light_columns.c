@@ -28,6 +28,7 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
     uint32_t side = 1u << planned->light.levels, tile = min_u32(side, plan->tile_px);
     memset(c, 0, sizeof *c);
     c->all          = all;
+    c->maps         = o->maps;
     c->wants_depths = plan->baseline != BASELINE_OFF;
     c->picture      = picture;
     baseline_init(&c->depths, side, tile, plan->baseline == BASELINE_FULL ? 0 : SAMPLE_TEXELS / planned->map_count);
@@ -39,12 +40,14 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
                                    .tile_px      = tile,
                                    .watch        = take_depths,
                                    .watch_user   = c};
+    c->sparse =
+        (sparse_columns){.casters = &c->near, .light = &planned->light, .nearest_back = o->exit == EXIT_BACK, .fetch_px = tile};
     return reach_casters(&c->near, &plan->reach, all, &planned->shape, m);
 }
 
 column_source light_columns_source(light_columns *c)
 {
-    return opengl_columns_source(&c->rendered);
+    return c->maps == MAPS_SPARSE ? sparse_columns_source(&c->sparse) : opengl_columns_source(&c->rendered);
 }
 
 void light_columns_free(light_columns *c)

@@ -1,5 +1,5 @@
-/* Where the columns of a planned light come from: maps of the casters that it reaches, rendered with OpenGL. What else is wanted of the depths
- * is taken as they pass: a sample for the comparison with a plain depth map, and a picture.
+/* Where the columns of a planned light come from: maps of the casters that it reaches, rendered with OpenGL, or straight from triangles. Of
+ * rendered depths, what else is wanted is taken as they pass: a sample for the comparison with a plain depth map, and a picture.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_COLUMNS_H
 #define LIGHT_COLUMNS_H
@@ -7,9 +7,12 @@
 #include "baker/bake/baseline.h"
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
+#include "baker/columns/sparse/sparse_columns.h"
 
 typedef struct light_columns {
-    opengl_columns rendered;
+    maps_choice    maps;
+    opengl_columns rendered; /* one of these two */
+    sparse_columns sparse;
     casters        near; /* that the light may reach */
     const casters *all;
     baseline       depths; /* sampled, unless the plan leaves it out */
@@ -17,7 +20,8 @@ typedef struct light_columns {
     light_picture *picture; /* NULL: nobody wants one; borrowed */
 } light_columns;
 
-/* gl, plan, planned, all  borrowed until light_columns_free
+/* gl  NULL where nothing is rendered
+ * gl, plan, planned, all  borrowed until light_columns_free
  * Returns VXS_OK or VXS_E_MEMORY; released with light_columns_free either way. */
 vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_options *o, const bake_plan *plan,
                               const plan_light *planned, const casters *all, light_picture *picture, message *m);

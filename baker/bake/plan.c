@@ -88,10 +88,11 @@ static void plan_exit(bake_plan *plan, const bake_options *o, const casters *c)
         draws += l->map_count * (side < 1 ? 1 : side);
     }
     plan->has_exit_map    = c->solid_triangle_count != 0;
-    plan->peels_all       = o->exit == EXIT_PEEL;
+    plan->peels_all       = o->exit == EXIT_PEEL && o->maps != MAPS_SPARSE;
     plan->meeting_seconds = (double)c->solid_triangle_count * MEETING_SECONDS_PER_TRIANGLE / o->threads;
     plan->peeling_seconds =
         blocks * PEELING_SECONDS_PER_BLOCK + draws * (double)c->solid_triangle_count * PEELING_SECONDS_PER_TRIANGLE;
+    if (o->maps == MAPS_SPARSE) return; /* nothing is peeled */
     plan->meeting_known = plan->has_exit_map && o->exit == EXIT_AUTO && plan->peeling_seconds > plan->meeting_seconds;
     if (o->exit == EXIT_AUTO && !plan->meeting_known) plan->peels_all = plan->has_exit_map;
 }
@@ -148,7 +149,7 @@ static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_
     reach_release(&near, c);
     l->blocks            = l->sample.blocks;
     l->blocks_empty      = l->sample.blocks_empty;
-    l->blocks_peeled     = o->exit == EXIT_BACK ? 0 : l->sample.blocks_peeled;
+    l->blocks_peeled     = o->exit == EXIT_BACK || o->maps == MAPS_SPARSE ? 0 : l->sample.blocks_peeled;
     l->blocks_not_peeled = l->sample.blocks_not_peeled + l->sample.blocks_peeled - l->blocks_peeled;
     return r;
 }
@@ -202,7 +203,7 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     uint32_t side       = largest_map(plan);
     uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
     plan->tile_px       = min_u32(side, TILE_MAX_PX);
-    plan->baseline      = o->baseline;
+    plan->baseline      = o->maps == MAPS_SPARSE ? BASELINE_OFF : o->baseline;
     plan->budget_bytes  = o->memory_bytes;
     plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, c, plan->tile_px);

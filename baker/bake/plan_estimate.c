@@ -106,10 +106,15 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     double            peels   = l->blocks_peeled ? (double)s->peeled_triangles * passes : 0;
     double            threads = o->threads;
 
-    /* rendering waits for one thread of two */
-    l->seconds[STAGE_GL]   = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
-    l->seconds[STAGE_MAPS] = 6e-4 * drawn + 1e-3 * solid + 1.4e-3 * peeled + 2.9e-7 * (double)s->block_triangles + 1.1e-7 * peels;
-    l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
+    if (o->maps == MAPS_SPARSE) {
+        l->seconds[STAGE_MAPS] = 2.5e-7 * (double)l->triangles + (1e-10 * full + 2e-6 * l->mask_tiles) / threads;
+    } else {
+        /* rendering waits for one thread of two */
+        l->seconds[STAGE_GL] = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
+        l->seconds[STAGE_MAPS] =
+            6e-4 * drawn + 1e-3 * solid + 1.4e-3 * peeled + 2.9e-7 * (double)s->block_triangles + 1.1e-7 * peels;
+        l->seconds[STAGE_PYRAMID] = 1e-9 * full / threads;
+    }
     o->coding == CODING_DAG ? estimate_dag_seconds(l, full, threads)
                             : estimate_blocks_seconds(l, full, threads, o->pack == PACK_FAST);
 }
@@ -139,8 +144,10 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
         (plan->meeting_known ? plan->meeting_seconds : 0) + 2e-7 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
-    plan->seconds[STAGE_GL] += 0.026;
-    plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
+    if (plan->seconds[STAGE_GL] > 0) { /* something is rendered */
+        plan->seconds[STAGE_GL] += 0.026;
+        plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
+    }
     plan->seconds[STAGE_COMPRESS] = compress;
     plan->total_seconds           = 0;
     for (int s = 0; s < STAGE_COUNT; s++) plan->total_seconds += plan->seconds[s];

@@ -9,7 +9,7 @@
 
 /* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
  * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
-enum { BENCH_SWEEPS = 12 };
+enum { BENCH_SWEEPS = 13 };
 
 typedef struct bench_options {
     text_list   scenes;

@@ -84,6 +84,7 @@ int cmd_bench(int argc, char **argv)
          swept(&c, 5, "--threads", "N", "threads of the bake (default all processors)"),
          swept(&c, 6, "--level", "L", "zstd level of the file (default 12)"),
          swept(&c, 7, "--skinned", SKINNED_CHOICES, "skinned meshes (default exclude)"),
+         swept(&c, 8, "--maps", MAPS_CHOICES, "where depths come from (default auto)"),
          {"--filter", OPTION_U32S, &c.filters, 1, VXS_FILTER_MAX, NULL, "K",
           "K x K box filters to look up, besides single taps; K odd, 1 to 17 texels (default single taps only)", NULL},
          {"--light", OPTION_TEXTS, &c.o.light_names, 0, 0, NULL, "NAME", "bake this light, in all scenes (default all lights)",
@@ -106,10 +107,10 @@ int cmd_bench(int argc, char **argv)
          {"--max-slower", OPTION_F64, &c.max_slower, 1, 1e6, NULL, "F",
           "with --against: exit status 1 when a time is more than F times what it was", &c.max_slower_given},
          {NULL, OPTION_GROUP, NULL, 0, 0, NULL, NULL, "steps of a DAG, with --coding dag alone", NULL},
-         swept(&c, 8, "--rule", RULE_CHOICES, "undefined voxels (default greedy)"),
-         swept(&c, 9, "--reuse", REUSE_CHOICES, "insertion refers to an equal neighbour (default on)"),
-         swept(&c, 10, "--compress", COMPRESS_CHOICES, "order of sub-DAG compression (default auto)"),
-         swept(&c, 11, "--stop", STOP_CHOICES, "after insertion, sub-DAG compression, or the merge (default final)"),
+         swept(&c, 9, "--rule", RULE_CHOICES, "undefined voxels (default greedy)"),
+         swept(&c, 10, "--reuse", REUSE_CHOICES, "insertion refers to an equal neighbour (default on)"),
+         swept(&c, 11, "--compress", COMPRESS_CHOICES, "order of sub-DAG compression (default auto)"),
+         swept(&c, 12, "--stop", STOP_CHOICES, "after insertion, sub-DAG compression, or the merge (default final)"),
     };
     const command_line line =
         COMMAND_LINE("bench", "SCENE... -o FILE.json [options]",

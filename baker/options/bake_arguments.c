@@ -33,10 +33,22 @@ static vxs_result check_map_sizes(bake_options *o, message *m)
     return VXS_OK;
 }
 
+/* What depth maps alone can show. */
+static vxs_result check_sparse(const bake_arguments *a, message *m)
+{
+    if (a->o.maps != MAPS_SPARSE) return VXS_OK;
+    if (a->o.page_path)
+        return fail(m, VXS_E_ARGUMENT, "--report draws depth maps, and --maps sparse makes none: expected --maps gl");
+    if (a->baseline_given && a->o.baseline != BASELINE_OFF)
+        return fail(m, VXS_E_ARGUMENT, "--baseline measures depth maps, and --maps sparse makes none: expected --maps gl");
+    return VXS_OK;
+}
+
 vxs_result bake_arguments_check(bake_arguments *a, message *m)
 {
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);
+    if (r == VXS_OK) r = check_sparse(a, m);
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
@@ -80,7 +92,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",
          "x,y,z,x,y,z of the box that will be looked up, metres (default all casters)", &a->o.region_given},
         SCENE_ROWS(a->o.scene),
-        {"--maps", OPTION_CHOICE, &a->maps, 0, 0, "auto|gl", NULL, "where depths come from (default auto)", NULL},
+        {"--maps", OPTION_CHOICE, &a->o.maps, 0, 0, MAPS_CHOICES, NULL,
+         "where depths come from: rendered with OpenGL, or straight from the triangles; auto: gl (default auto)", NULL},
         {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
          "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},
@@ -96,7 +109,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--memory", OPTION_BYTES, &a->o.memory_bytes, 0, 0, NULL, "BYTES",
          "hold no more memory than this: 800M, 2G, or plain bytes (default as much as needed)", NULL},
         {"--baseline", OPTION_CHOICE, &a->o.baseline, 0, 0, BASELINE_CHOICES, NULL,
-         "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", NULL},
+         "measure the depth map under zstd -19 on a sample, whole (slow), or not (default sample)", &a->baseline_given},
         {"--report", OPTION_OUTPUT, &a->o.page_path, 0, OUTPUT_CHECKED_BY_COMMAND, ".html|.htm", "FILE.html",
          "a page with sizes, times, the plan and pictures of the maps; - is standard output", NULL},
         {"--json", OPTION_OUTPUT, &a->json_path, 0, 0, ".json", "FILE.json", "the report as JSON; - is standard output", NULL},

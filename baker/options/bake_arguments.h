@@ -10,7 +10,7 @@ typedef struct bake_arguments {
     bake_options o;
     const char  *json_path; /* NULL: none */
 
-    int maps;           /* the choice of --maps, both of which are gl so far */
+    int baseline_given; /* --baseline, whatever its value */
     int pack_given;
     int dag_step_given; /* --rule, --reuse, --compress or --stop, whatever its value */
 

@@ -64,7 +64,9 @@ static void decide_exit(decision_list *l, const bake_plan *plan, const bake_opti
     }
     decide(l, "exit map", "made", "%zu solids with %zu triangles have an inside that nobody asks about", solids,
            c->solid_triangle_count);
-    if (o->exit == EXIT_BACK) {
+    if (o->maps == MAPS_SPARSE) {
+        decide(l, "peeling", "nowhere", "--maps sparse: faces are counted where a tile is looked at texel by texel");
+    } else if (o->exit == EXIT_BACK) {
         decide(l, "peeling", "nowhere", "--exit back: the nearest back face, sooner found, and a larger file where solids meet");
     } else if (o->exit == EXIT_PEEL) {
         decide(l, "peeling", "everywhere", "--exit peel: all %llu blocks with solids", s.blocks_peeled);
@@ -104,7 +106,7 @@ static void decide_memory(decision_list *l, const bake_plan *plan, const bake_op
     else
         decide(l, "tile size", choice, "--memory %s: about %s with these tiles", size_text(a, plan->budget_bytes),
                size_text(b, plan->peak_bytes));
-    if (plan->baseline == o->baseline) return;
+    if (plan->baseline == o->baseline || o->maps == MAPS_SPARSE) return;
     decide(l, "baseline", "left out", "--memory %s: the comparison with a plain depth map is no part of the file",
            size_text(a, plan->budget_bytes));
 }
@@ -171,7 +173,7 @@ void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o
     for (const plan_decision *d = l.items; d < l.items + l.count; d++) fprintf(to, "%-20s %s: %s\n", d->name, d->choice, d->reason);
 }
 
-static void print_light(FILE *to, const plan_light *l)
+static void print_light(FILE *to, const bake_options *o, const plan_light *l)
 {
     char     name[VXS_LIGHT_NAME_BYTES], a[32], b[32];
     unsigned side = 1u << l->light.levels;
@@ -183,9 +185,12 @@ static void print_light(FILE *to, const plan_light *l)
     fprintf(to, "light %s\n", name);
     fprintf(to, "  map        %u of %u x %u texels of %.4g m, voxels %.4g %s deep\n", l->map_count, side, side,
             l->light.texel_metres, l->light.voxel_metres, l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
-    fprintf(to, "  tiles      %llu, left out without casters: %llu; %llu blocks to render, %llu of them to peel\n",
-            (unsigned long long)l->tiles, (unsigned long long)l->tiles_empty, (unsigned long long)(l->blocks - l->blocks_empty),
-            (unsigned long long)l->blocks_peeled);
+    fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
+            (unsigned long long)l->tiles_empty);
+    if (o->maps != MAPS_SPARSE)
+        fprintf(to, "; %llu blocks to render, %llu of them to peel", (unsigned long long)(l->blocks - l->blocks_empty),
+                (unsigned long long)l->blocks_peeled);
+    fprintf(to, "\n");
     if (l->light.coding == VXS_CODING_DAG)
         fprintf(to, "  about      %.15g masks, %.15g nodes", rounded(l->masks, 3), rounded(l->nodes, 3));
     else
@@ -207,7 +212,7 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
     fprintf(to, "scene        %s\n", o->scene_path);
     report_print_casters(to, report);
     plan_print_decisions(to, plan, o, report);
-    for (size_t n = 0; n < plan->light_count; n++) print_light(to, &plan->lights[n]);
+    for (size_t n = 0; n < plan->light_count; n++) print_light(to, o, &plan->lights[n]);
     for (size_t n = 0; n < report->left_out_count; n++)
         if (report->left_out[n].why != REACHES_NOTHING) {
             char name[VXS_LIGHT_NAME_BYTES];

@@ -38,6 +38,20 @@ static void print_found(FILE *to, const light_report *l)
             (unsigned long long)l->inserted_masks);
 }
 
+/* The rest of a line, and another, where something was rendered. */
+static void print_rendering(FILE *to, const depth_stats *s)
+{
+    if (!s->blocks_rendered) {
+        fprintf(to, "\n");
+        return;
+    }
+    fprintf(to, "; rendered in %llu blocks, left out: %llu\n", (unsigned long long)s->blocks_rendered,
+            (unsigned long long)s->blocks_empty);
+    fprintf(to, "  peeling    in %llu blocks, %llu passes, at most %u for a block; not needed in %llu blocks with solids\n",
+            (unsigned long long)s->blocks_peeled, (unsigned long long)s->peel_passes, s->peel_passes_max,
+            (unsigned long long)s->blocks_not_peeled);
+}
+
 static void print_light(FILE *to, const light_report *l)
 {
     char     a[32], b[32], c[32];
@@ -46,12 +60,9 @@ static void print_light(FILE *to, const light_report *l)
     fprintf(to, "light %s\n", one_line(strcpy(name, l->light.name)));
     fprintf(to, "  map        %u x %u texels of %.4g m, voxels %.4g m deep\n", side, side, l->light.texel_metres,
             l->light.voxel_metres);
-    fprintf(to, "  tiles      %llu, left out without casters: %llu; rendered in %llu blocks, left out: %llu\n",
-            (unsigned long long)l->tiles, (unsigned long long)l->tiles_skipped, (unsigned long long)l->depth.blocks_rendered,
-            (unsigned long long)l->depth.blocks_empty);
-    fprintf(to, "  peeling    in %llu blocks, %llu passes, at most %u for a block; not needed in %llu blocks with solids\n",
-            (unsigned long long)l->depth.blocks_peeled, (unsigned long long)l->depth.peel_passes, l->depth.peel_passes_max,
-            (unsigned long long)l->depth.blocks_not_peeled);
+    fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
+            (unsigned long long)l->tiles_skipped);
+    print_rendering(to, &l->depth);
     print_found(to, l);
     fprintf(to, "  %-12s %10s %12s %12s\n", l->light.coding == VXS_CODING_DAG ? "level" : "part", "count", "memory", "on disk");
     for (const part_report *p = l->parts; p < l->parts + l->part_count; p++)

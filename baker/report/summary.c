@@ -115,7 +115,7 @@ static void print_time(FILE *to, const bake_options *o, const bake_report *r)
                                             "finding solids",
                                             "planning",
                                             "starting OpenGL",
-                                            "rendering depth maps",
+                                            o->maps == MAPS_SPARSE ? "finding depths" : "rendering depth maps",
                                             "bounding depths",
                                             o->coding == CODING_DAG ? "making masks" : "making palette blocks",
                                             "inserting nodes",

@@ -250,7 +250,9 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--threads", "0"), "from 1 to"),
     (("--level", "0"), "from 1 to 19"),
     (("--level", "20"), "from 1 to 19"),
-    (("--maps", "sparse"), "auto|gl"),
+    (("--maps", "dense"), "auto|gl|sparse"),
+    (("--maps", "sparse", "--report", "page.html"), "--report draws depth maps"),
+    (("--maps", "sparse", "--baseline", "sample"), "--baseline measures depth maps"),
     (("--gl", "glx"), "osmesa|egl"),
     (("--exit", "front"), "auto|peel|back"),
     (("--closed", "maybe"), "auto|on|off"),
@@ -375,7 +377,8 @@ def test_baseline(bake, city):
 
 
 @pytest.mark.parametrize("options", [
-    ("--maps", "gl"), ("--exit", "back"), ("--closed", "off"), ("--level", 1), ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
+    ("--maps", "gl"), ("--maps", "sparse"), ("--maps", "sparse", "--exit", "back"), ("--exit", "back"), ("--closed", "off"), ("--level", 1),
+    ("--scene", "small"), ("--scene", 0), ("--coding", "blocks"),
     ("--pack", "fast"), *(("--coding", "dag", *step) for step in ((), ("--rule", "shadow"), ("--reuse", "off"), ("--compress", "bottom-up"),
                                               ("--stop", "insert"), ("--stop", "partial"))),
 ])

@@ -166,7 +166,7 @@ def test_options_reach_the_bake(bench):
     assert plain["errors"] == plain["lookups"] == []
     assert plain["options"] == {"resolution_px": 64, "exit": "auto", "closed": "auto", "coding": "blocks", "pack": "small",
                                 "threads": len(os.sched_getaffinity(0)), "zstd_level": 12}
-    given = {"--coding": "dag", "--rule": "shadow", "--stop": "insert", "--exit": "back", "--closed": "off", "--reuse": "off",
+    given = {"--coding": "dag", "--rule": "shadow", "--stop": "insert", "--exit": "back", "--maps": "sparse", "--closed": "off", "--reuse": "off",
              "--compress": "top-down", "--threads": 3, "--level": 1}
     other = bench(*QUICK, "--sun", "-0.5,-1,0.25", "--region", "-8,-1,-8,8,4,8", "--scene", "small",
                   *[word for pair in given.items() for word in pair])[0]["cells"][0]

@@ -106,6 +106,9 @@ def test_peeling(plan, folder):
     assert meet["choice"] == "where solids meet" and "2 of 3 solids" in meet["reason"]
     assert plan(folder / "meet.gltf", "--exit", "back")["decided"]["peeling"]["choice"] == "nowhere"
     assert plan(folder / "apart.gltf", "--exit", "peel")["decided"]["peeling"]["choice"] == "everywhere"
+    sparse = plan(folder / "meet.gltf", *big, "--maps", "sparse", "--exit", "peel")
+    assert sparse["decided"]["peeling"]["choice"] == "nowhere" and "--maps sparse" in sparse["decided"]["peeling"]["reason"]
+    assert sparse["options"]["maps"] == "sparse" and sparse["lights"][0]["blocks_peeled"] == 0
     # where finding out takes longer than peeling
     few = plan(folder / "city.glb", "--resolution", 64)["decided"]["peeling"]
     assert few["choice"] == "everywhere" and "finding out" in few["reason"]

@@ -288,13 +288,13 @@ def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
     far = edited(scene, tmp_path / "far.gltf", lambda gltf: node_named(gltf, "bulb").update(translation=[0, 900, 0]) or
                  gltf["extensions"]["KHR_lights_punctual"]["lights"][2].update(range=1))
     given = ("--sun", "2,-4,0", "--light", "lamp", "--light", "bulb", "--texel", 0.5, "--region", "-3,-1,-3,3,4,3", "--closed", "off",
-             "--exit", "back", "--coding", "dag", "--rule", "shadow", "--stop", "insert", "--reuse", "off", "--level", 3)
+             "--exit", "back", "--maps", "sparse", "--coding", "dag", "--rule", "shadow", "--stop", "insert", "--reuse", "off", "--level", 3)
     vxs("bake", far, "-o", tmp_path / "a.vxs", *given)
     said = lines(vxs("info", tmp_path / "a.vxs").stdout)
     assert said["made by"] == [made(vxs, tmp_path / "a.vxs")["generator"] + ", warnings: 1"]
     assert said["left out"] == ["light bulb: reaches no caster"]
     assert said["options"] == ["--sun 0.447213595,-0.894427191,0 --texel 0.5 --region -3,-1,-3,3,4,3 --closed off --exit back "
-                               "--coding dag --rule shadow --stop insert --reuse off --level 3"]
+                               "--maps sparse --coding dag --rule shadow --stop insert --reuse off --level 3"]
     again = said["options"][0].split()
     vxs("bake", far, "-o", tmp_path / "b.vxs", "--light", "lamp", "--light", "bulb", *again)
     assert lines(vxs("info", tmp_path / "b.vxs").stdout) == said
@@ -530,7 +530,7 @@ def test_a_changed_scene_is_baked(vxs, scene, baked, tmp_path, change):
 
 
 @pytest.mark.parametrize("options", [
-    ("--resolution", 128), ("--texel", 0.5), (*SMALL, "--level", 13), (*SMALL, "--closed", "off"), (*SMALL, "--exit", "back"),
+    ("--resolution", 128), ("--texel", 0.5), (*SMALL, "--level", 13), (*SMALL, "--closed", "off"), (*SMALL, "--exit", "back"), (*SMALL, "--maps", "sparse"),
     (*SMALL, "--coding", "dag", "--rule", "shadow"), (*SMALL, "--coding", "dag", "--stop", "partial"),
     (*SMALL, "--region", "-1,-1,-1,1,1,1"), (*SMALL, "--light", "sun"),
     (*SMALL, "--light", "lamp", "--light", "sun", "--light", "bulb"), (*SMALL, "--sun", "0,-1,0"), (*SMALL, "--sun", "0,-1,1e-9"),

@@ -42,12 +42,12 @@ def scene(request, run, tmp_path_factory):
     return path, resolution
 
 
-@pytest.mark.parametrize("coding", ["dag", "blocks"])
-def test_bake(run, scene, tmp_path, coding):
+@pytest.mark.parametrize("options", [("--coding", "dag"), (), ("--maps", "sparse")], ids=["dag", "blocks", "sparse"])
+def test_bake(run, scene, tmp_path, options):
     path, resolution = scene
     out = {}
     for threads in (1, 2, 8):
-        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, "--baseline", "off", "--coding", coding)
+        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, "--baseline", "off", *options)
         out[threads] = (tmp_path / "a.vxs").read_bytes()
     assert out[1] == out[2] == out[8]
 
