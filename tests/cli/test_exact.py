@@ -1,4 +1,4 @@
-# The contract of an asset, voxel by voxel: tests/exact/exact.c bakes, renders the depth maps again, and compares.
+# The contract of an asset, voxel by voxel: tests/exact/exact.c bakes, finds the depths again, and compares.
 # EXACT: that program (default tests/exact/exact beside the command, where the Makefile puts it).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import itertools
@@ -96,6 +96,24 @@ def assert_complete_lamps(found, resolution):
     for counts in found:
         assert 13 <= counts["maps"] <= 16 and counts["columns"] == counts["maps"] * resolution**2
         assert counts["voxels"] == counts["maps"] * resolution**3 and counts["resolution"] == resolution
+
+
+@pytest.mark.parametrize("name", GENERATED + SHARED)
+def test_every_voxel_of_every_scene_straight_from_triangles(exact, scene, name):
+    assert_complete(exact(scene(name), "--maps", "sparse", "--resolution", 256, sun=SUNS, coding=CODINGS), 256)
+    assert_complete_lamps(exact(scene(name), "--maps", "sparse", *LAMPS, "--resolution", 64, coding=CODINGS), 64)
+
+
+@pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
+def test_every_voxel_straight_from_triangles_whatever_is_solid(exact, scene, name):
+    assert_complete(exact(scene(name), "--maps", "sparse", "--sun", SUNS[1], "--resolution", 128, closed=["on", "off"],
+                          exit=["peel", "back"], coding=CODINGS), 128)
+
+
+def test_a_wrong_word_of_a_file_straight_from_triangles_is_seen(exact, scene):
+    counts, = exact(scene("city"), "--maps", "sparse", "--sun", SUNS[0], "--fault", "word", status=1)
+    assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
+    assert exact(scene("city"), "--maps", "sparse", "--sun", SUNS[0], "--fault", "depth", status=2) == []
 
 
 @pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")

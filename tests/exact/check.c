@@ -11,14 +11,23 @@
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "tests/columns/brute.h"
 #include "tests/exact/coded_runs.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16, EACH_VOXEL_MAX_VX = 64 };
 
+/* The depths of a tile of a map in voxels: what ends before `enter` has to be lit, what begins behind `exit` has to be dark. */
+typedef struct tile_depths {
+    uint32_t side_px;
+    double  *enter, *exit; /* [side_px * side_px] rows of texels */
+} tile_depths;
+
 /* A tile of a map while it is compared. */
 typedef struct check {
     const check_desc *d;
-    const depth_maps *maps;
+    tile_depths       depths;
+    const depth_maps *maps;  /* rendered; or NULL */
+    const brute      *brute; /* or this */
     uint32_t          map;
     uint32_t          side_vx;
     uint32_t          i0, j0; /* first texel of the rendered tile in the map */
@@ -34,22 +43,43 @@ static double voxels(const check *c, float depth)
     return depth == 0 ? c->side_vx : fmin(log(-1 / (double)depth) / c->maps->voxel_log, c->side_vx);
 }
 
+/* filling in the depths of a tile
+ * -------------------------------------------------------------------------------------------------------------------- */
+
+static void fill_rows(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    check *c = user;
+    (void)worker;
+    for (size_t j = begin; j < end; j++)
+        for (uint32_t i = 0; i < c->depths.side_px; i++) {
+            size_t at = j * c->depths.side_px + i;
+            if (c->brute) {
+                brute_column column = brute_at(c->brute, c->i0 + i, c->j0 + (uint32_t)j);
+                c->depths.enter[at] = column.e_least;
+                c->depths.exit[at]  = column.x_most;
+            } else {
+                c->depths.enter[at] = voxels(c, c->maps->enter[at]);
+                c->depths.exit[at]  = voxels(c, c->maps->exit[at]);
+            }
+        }
+}
+
 /* voxel by voxel: the lookup of every voxel, or of those where columns change
  * -------------------------------------------------------------------------- */
 
 static void ask_voxel(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, uint32_t k)
 {
-    size_t   at = (size_t)j * c->maps->side_px + i;
+    size_t   at = (size_t)j * c->depths.side_px + i;
     int32_t  u = (int32_t)(c->i0 + i), v = (int32_t)(c->j0 + j);
     uint32_t dark = vxs_shadow_taps(c->d->files[file].words, c->d->files[file].light, (int32_t)c->map, u, v, k, 1);
     t->voxels++;
-    t->wrong_shadow += dark && (double)k + 1 <= voxels(c, c->maps->enter[at]);
-    t->wrong_lit += !dark && (double)k >= voxels(c, c->maps->exit[at]);
+    t->wrong_shadow += dark && (double)k + 1 <= c->depths.enter[at];
+    t->wrong_lit += !dark && (double)k >= c->depths.exit[at];
 }
 
-static void ask_window(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, float depth)
+static void ask_window(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, double depth)
 {
-    int64_t at = (int64_t)voxels(c, depth);
+    int64_t at = (int64_t)depth;
     for (int64_t k = at - WINDOW_VX; k <= at + WINDOW_VX; k++)
         if (k >= 0 && k < c->side_vx) ask_voxel(c, file, t, i, j, (uint32_t)k);
 }
@@ -61,10 +91,10 @@ static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t wo
         tally *t = &c->worker[worker * c->d->file_count + file];
         for (size_t n = begin; n < end; n++) {
             rng      random = rng_split(c->seed, n);
-            uint32_t i = rng_below(&random, c->maps->side_px), j = rng_below(&random, c->maps->side_px);
-            size_t   at = (size_t)j * c->maps->side_px + i;
-            ask_window(c, file, t, i, j, c->maps->enter[at]);
-            ask_window(c, file, t, i, j, c->maps->exit[at]);
+            uint32_t i = rng_below(&random, c->depths.side_px), j = rng_below(&random, c->depths.side_px);
+            size_t   at = (size_t)j * c->depths.side_px + i;
+            ask_window(c, file, t, i, j, c->depths.enter[at]);
+            ask_window(c, file, t, i, j, c->depths.exit[at]);
             ask_voxel(c, file, t, i, j, 0);
             ask_voxel(c, file, t, i, j, c->side_vx - 1);
             for (int k = 0; k < RANDOM_VOXELS; k++) ask_voxel(c, file, t, i, j, rng_below(&random, c->side_vx));
@@ -109,9 +139,9 @@ static void ask_tile(const check *c, uint32_t x, uint32_t y, uint32_t worker)
 {
     tile_columns columns = {.lit_end_max = 0, .dark_begin_min = c->side_vx};
     for (uint32_t n = 0; n < 64; n++) {
-        size_t at              = (size_t)(8 * y + n / 8) * c->maps->side_px + 8 * x + n % 8;
-        columns.lit_end[n]     = (uint32_t)floor(voxels(c, c->maps->enter[at]));
-        columns.dark_begin[n]  = (uint32_t)ceil(voxels(c, c->maps->exit[at]));
+        size_t at              = (size_t)(8 * y + n / 8) * c->depths.side_px + 8 * x + n % 8;
+        columns.lit_end[n]     = (uint32_t)fmax(0, floor(c->depths.enter[at])); /* by brute force, a hair less than 0 */
+        columns.dark_begin[n]  = (uint32_t)ceil(c->depths.exit[at]);
         columns.lit_end_max    = max_u32(columns.lit_end_max, columns.lit_end[n]);
         columns.dark_begin_min = min_u32(columns.dark_begin_min, columns.dark_begin[n]);
     }
@@ -131,7 +161,7 @@ static void ask_rows(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const check *c = user;
     for (size_t y = begin; y < end; y++)
-        for (uint32_t x = 0; x < c->maps->side_px / 8; x++) ask_tile(c, x, (uint32_t)y, worker);
+        for (uint32_t x = 0; x < c->depths.side_px / 8; x++) ask_tile(c, x, (uint32_t)y, worker);
 }
 
 /* a map
@@ -174,45 +204,77 @@ static void add_tallies(const check *c)
     }
 }
 
-vxs_result check_map(const check_desc *d, int map, message *m)
+/* Render the tile (i, j) and count what cannot be in it. */
+static vxs_result render_tile(const check_desc *d, int map, depth_maps *maps, depth_maps *solids, uint32_t i, uint32_t j,
+                              message *m)
 {
-    casters    all  = *d->casters, solids_only;
-    depth_maps maps = {0}, solids = {0};
-    uint32_t   side      = 1u << d->light->levels;
-    uint32_t   tile      = min_u32(side, TILE_MAX_PX);
-    uint32_t   tiles     = side / tile; /* a side */
-    int        any       = all.solid_triangle_count != 0;
-    double     voxel_log = d->light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : d->light->voxel_metres;
-    check      c         = {.d = d, .maps = &maps, .map = (uint32_t)map, .side_vx = side};
+    casters    all = *d->casters, solids_only;
+    int        any = all.solid_triangle_count != 0;
     vxs_result r;
-
     all.solid_meets            = NULL; /* what a plan found out is not trusted: all solids are peeled */
     solids_only                = all;
     solids_only.triangle_count = solids_only.holed_first = all.solid_triangle_count;
     solids_only.alpha_mask_count                         = 0;
-    if (!(c.worker = calloc((size_t)PARALLEL_THREADS_MAX * d->file_count, sizeof *c.worker)))
-        return fail(m, VXS_E_MEMORY, "out of memory");
-    if ((r = depth_maps_init(&maps, tile, side, voxel_log, any, m)) != VXS_OK) goto done;
-    if (any && (r = depth_maps_init(&solids, tile, side, voxel_log, 1, m)) != VXS_OK) goto done;
+    if ((r = render(d, &all, d->exit, map, maps, i, j, m)) != VXS_OK) return r;
+    if (any && (r = render(d, &solids_only, EXIT_BACK, map, solids, i, j, m)) != VXS_OK) return r;
+    uint64_t insane = insane_texels(maps, any ? solids : NULL);
+    for (uint32_t file = 0; file < d->file_count; file++) d->files[file].sum.insane += insane;
+    return VXS_OK;
+}
 
-    for (uint32_t n = 0; n < tiles * tiles; n++) {
-        uint32_t i = n % tiles, j = n / tiles;
-        if ((r = render(d, &all, d->exit, map, &maps, i, j, m)) != VXS_OK) goto done;
-        if (any && (r = render(d, &solids_only, EXIT_BACK, map, &solids, i, j, m)) != VXS_OK) goto done;
-        c.i0   = i * tile;
-        c.j0   = j * tile;
-        c.seed = rng_split(d->seed + (uint64_t)map, n).state;
-        if (d->columns)
-            parallel_for(d->threads, d->columns / (tiles * tiles), 1024, ask_random_columns, &c);
-        else
-            parallel_for(d->threads, tile / 8, 1, ask_rows, &c);
-        add_tallies(&c);
-        uint64_t insane = insane_texels(&maps, any ? &solids : NULL);
-        for (uint32_t file = 0; file < d->file_count; file++) d->files[file].sum.insane += insane;
+static vxs_result check_tile(check *c, depth_maps *maps, depth_maps *solids, uint32_t tiles, uint32_t n, message *m)
+{
+    const check_desc *d    = c->d;
+    uint32_t          tile = c->depths.side_px, i = n % tiles, j = n / tiles;
+    vxs_result        r = c->brute ? VXS_OK : render_tile(d, (int)c->map, maps, solids, i, j, m);
+    if (r != VXS_OK) return r;
+    c->i0   = i * tile;
+    c->j0   = j * tile;
+    c->seed = rng_split(d->seed + c->map, n).state;
+    parallel_for(d->threads, tile, 4, fill_rows, c);
+    if (d->columns)
+        parallel_for(d->threads, d->columns / (tiles * tiles), 1024, ask_random_columns, c);
+    else
+        parallel_for(d->threads, tile / 8, 1, ask_rows, c);
+    add_tallies(c);
+    return VXS_OK;
+}
+
+static vxs_result init_depths(check *c, depth_maps *maps, depth_maps *solids, uint32_t tile, double voxel_log, message *m)
+{
+    const check_desc *d      = c->d;
+    size_t            texels = (size_t)tile * tile;
+    int               any    = d->casters->solid_triangle_count != 0;
+    c->worker                = calloc((size_t)PARALLEL_THREADS_MAX * d->file_count, sizeof *c->worker);
+    c->depths = (tile_depths){tile, malloc(texels * sizeof *c->depths.enter), malloc(texels * sizeof *c->depths.exit)};
+    if (!c->worker || !c->depths.enter || !c->depths.exit) return fail(m, VXS_E_MEMORY, "out of memory");
+    if (d->brute) return VXS_OK;
+    vxs_result r = depth_maps_init(maps, tile, c->side_vx, voxel_log, any, m);
+    return r == VXS_OK && any ? depth_maps_init(solids, tile, c->side_vx, voxel_log, 1, m) : r;
+}
+
+vxs_result check_map(const check_desc *d, int map, message *m)
+{
+    depth_maps maps = {0}, solids = {0};
+    projection p    = {0};
+    brute      b    = {0};
+    uint32_t   side = 1u << d->light->levels;
+    uint32_t   tile = min_u32(side, TILE_MAX_PX), tiles = side / tile; /* a side */
+    double     voxel_log = d->light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : d->light->voxel_metres;
+    check      c         = {.d = d, .maps = &maps, .map = (uint32_t)map, .side_vx = side};
+    vxs_result r         = init_depths(&c, &maps, &solids, tile, voxel_log, m);
+    if (r == VXS_OK && d->brute) {
+        c.brute = &b;
+        r       = projection_init(&p, d->casters, d->light, map, d->threads, m);
+        if (r == VXS_OK && !brute_init(&b, &p, side, voxel_log, d->exit == EXIT_BACK)) r = fail(m, VXS_E_MEMORY, "out of memory");
     }
-done:
+    for (uint32_t n = 0; n < tiles * tiles && r == VXS_OK; n++) r = check_tile(&c, &maps, &solids, tiles, n, m);
     free(c.worker);
+    free(c.depths.enter);
+    free(c.depths.exit);
     depth_maps_free(&maps);
     depth_maps_free(&solids);
+    brute_free(&b);
+    projection_free(&p);
     return r;
 }

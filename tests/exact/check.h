@@ -1,4 +1,4 @@
-/* A map of a light in several files against depths that are rendered anew.
+/* A map of a light in several files against depths that are found anew: rendered, or by brute force where files come straight from triangles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef EXACT_CHECK_H
 #define EXACT_CHECK_H
@@ -26,6 +26,7 @@ typedef struct check_desc {
     const casters   *casters;
     const vxs_light *light; /* as all files have it, but for the words */
     exit_mode        exit;
+    int              brute; /* 1: by brute force (tests/columns/brute.h), else rendered */
     uint32_t         threads;
     uint64_t         columns; /* random ones of each map; 0: all voxels */
     uint64_t         seed;    /* of the columns */

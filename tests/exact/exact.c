@@ -3,12 +3,13 @@
  * The contract (docs/overview.md): with e and x the enter and exit depth of texel (i,j) in voxels, voxel (i,j,k) is lit if
  * its far side is at or before e (k + 1 <= e), shadowed if its near side is at or behind x (k >= x), and free otherwise. The
  * maps are rendered a second time and compared as the floats that they are, in double: no pyramid, mask or node takes part. What the
- * bake and this check have in common is the renderer and the lookup.
+ * bake and this check have in common is the renderer and the lookup. What is baked with --maps sparse is compared with brute force
+ * (tests/columns/brute.h), which has only the projection in common with it.
  *
  *     exact SCENE [--sun X,Y,Z]... [--resolution N]... [--columns all|COUNT] [bake's options]... [--fault NAME]
  *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
- * --sun, --resolution, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
+ * --sun, --resolution, --maps, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
  * compared. The scene is read once; casters are found once for each --closed; and maps are rendered once for all files that differ in
  * coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
  * others by its stages.
@@ -42,12 +43,23 @@
 #include "tests/exact/spoil.h"
 
 /* Options of bake of which several values may be asked for. */
-enum choice { CHOICE_CLOSED, CHOICE_EXIT, CHOICE_CODING, CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP, CHOICES };
+enum choice {
+    CHOICE_MAPS,
+    CHOICE_CLOSED,
+    CHOICE_EXIT,
+    CHOICE_CODING,
+    CHOICE_RULE,
+    CHOICE_REUSE,
+    CHOICE_COMPRESS,
+    CHOICE_STOP,
+    CHOICES
+};
 
 static const struct {
     const char *option, *words;
     int         usual;
 } choices[CHOICES] = {
+    [CHOICE_MAPS]     = {"--maps", MAPS_CHOICES, MAPS_GL},
     [CHOICE_CLOSED]   = {"--closed", CLOSED_CHOICES, CLOSED_AUTO},
     [CHOICE_EXIT]     = {"--exit", EXIT_CHOICES, EXIT_AUTO},
     [CHOICE_CODING]   = {"--coding", CODING_CHOICES, CODING_DAG},
@@ -292,6 +304,7 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
                              .casters    = &w->c,
                              .light      = light,
                              .exit       = ways[0].bake.exit,
+                             .brute      = ways[0].bake.maps == MAPS_SPARSE,
                              .threads    = o->bake.threads,
                              .columns    = o->columns,
                              .seed       = ways[0].seed,
@@ -430,6 +443,7 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
     vxs_result   r;
     if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
         way ways[WAYS_MAX];
+        bake.maps       = (maps_choice)o->value[CHOICE_MAPS][0];
         bake.closed     = (closed_mode)o->value[CHOICE_CLOSED][0];
         bake.exit       = (exit_mode)o->value[CHOICE_EXIT][0];
         bake.resolution = o->resolutions.items[0];
@@ -445,8 +459,10 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
         if (!w.gl && (r = gl_context_create(&w.gl, GL_BACKEND_OSMESA, bake.threads, m)) != VXS_OK) goto done;
         for (size_t sun = 0; sun < suns; sun++) {
             if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
-            for (size_t n = 0; n < o->value_count[CHOICE_EXIT] * o->resolutions.count; n++) {
-                bake.exit       = (exit_mode)o->value[CHOICE_EXIT][n / o->resolutions.count];
+            for (size_t n = 0; n < o->value_count[CHOICE_MAPS] * o->value_count[CHOICE_EXIT] * o->resolutions.count; n++) {
+                size_t exit     = n / o->resolutions.count;
+                bake.maps       = (maps_choice)o->value[CHOICE_MAPS][exit / o->value_count[CHOICE_EXIT]];
+                bake.exit       = (exit_mode)o->value[CHOICE_EXIT][exit % o->value_count[CHOICE_EXIT]];
                 bake.resolution = o->resolutions.items[n % o->resolutions.count];
                 if ((r = compare_ways(o, &w, &bake, &first, right, m)) != VXS_OK) goto done;
             }
@@ -487,6 +503,9 @@ static vxs_result check_options(exact_options *o, const char *columns, message *
     }
     if (lamps_asked_for(o) && (o->suns.count || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
         return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or a --fault but word");
+    for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
+        if (o->value[CHOICE_MAPS][n] == MAPS_SPARSE && o->fault != FAULT_NONE && o->fault != FAULT_WORD)
+            return fail(m, VXS_E_ARGUMENT, "--maps sparse: with no --fault but word, the others are of rendered maps");
     return VXS_OK;
 }
 
