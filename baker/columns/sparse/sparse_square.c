@@ -9,7 +9,10 @@
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 
-enum { PAGE_TILES = 63 };
+enum {
+    PAGE_TILES = 63,
+    EXACT_PX   = 16, /* a square as small as this is looked at texel by texel */
+};
 
 struct leaf_page {
     leaf_page  *next;
@@ -59,28 +62,34 @@ static column_bounds bounds_of(const column_tile *t)
     return b;
 }
 
-/* Room for another tile. NULL without memory. */
-static column_tile *next_tile(leaf_page **pages)
+/* Returns 0 without memory. */
+static int keep_tile(square_maker *w, uint32_t worker, texel_square at, const column_tile *tile)
 {
+    leaf_page **pages = &w->q->pages[worker];
     if (!*pages || (*pages)->count == PAGE_TILES) {
         leaf_page *page = malloc(sizeof *page);
-        if (!page) return NULL;
+        if (!page) return 0;
         page->next  = *pages;
         page->count = 0;
         *pages      = page;
     }
-    return &(*pages)->tiles[(*pages)->count++];
+    column_tile *kept              = &(*pages)->tiles[(*pages)->count++];
+    *kept                          = *tile;
+    w->q->tiles[tile_at(w->q, at)] = kept;
+    return 1;
 }
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
+/* Look at all texels. Columns that one depth parts are said to be alike, and are not kept. */
 static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, const square_list *l)
 {
-    column_tile *tile = next_tile(&w->q->pages[worker]);
-    if (!tile || !leaf_columns(&w->scratch[worker].leaf, w->d, l, bound, at, tile)) return 0;
-    set_bounds(w->q, at, bounds_of(tile));
-    w->q->tiles[tile_at(w->q, at)] = tile;
-    return 1;
+    column_tile tile;
+    if (!leaf_columns(&w->scratch[worker].leaf, w->d, l, bound, at, &tile)) return 0;
+    column_bounds b = bounds_of(&tile);
+    if (b.emax <= b.xmin) b = (column_bounds){b.emax, b.emax, b.xmin, b.xmin};
+    set_bounds(w->q, at, b);
+    return b.emax <= b.xmin || keep_tile(w, worker, at, &tile);
 }
 
 /* Whether one depth parts all that is lit from all that is in shadow; then it is said so. */
@@ -101,8 +110,8 @@ static int settle(const square_maker *w, texel_square at, const square_bound *bo
 /* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
 static int make_square(square_maker *w, uint32_t worker, texel_square at, square_bound bound, square_list *l)
 {
-    square_bound_tighten(&bound, l, w->d->triangles);
-    if (settle(w, at, &bound, l->count)) return 1;
+    if (at.side > EXACT_PX) square_bound_tighten(&bound, l, w->d->triangles);
+    if ((at.side > EXACT_PX || !l->count) && settle(w, at, &bound, l->count)) return 1;
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
     uint32_t     half    = at.side / 2;
     square_list *quarter = w->scratch[worker].quarter[log2_u32(at.side)];
