@@ -12,6 +12,18 @@ typedef struct depth_scale {
     double   voxel_log; /* 0: depths are shares */
 } depth_scale;
 
+/* The depth that means no caster. Nothing is nearer than 1 before it. */
+static inline double depth_none(depth_scale s)
+{
+    return s.voxel_log == 0 ? 1 : 0;
+}
+
+/* A depth that may lie before the near plane or behind the far one, between them. */
+static inline double depth_clamped(depth_scale s, double depth)
+{
+    return fmax(depth_none(s) - 1, fmin(depth, depth_none(s)));
+}
+
 /* A depth in voxels, [0, depth_vx]: as the contract of an asset means it, not rounded. */
 static inline double depth_in_voxels(depth_scale s, double depth)
 {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "baker/base/array.h"
+#include "baker/base/integer.h"
 #include "baker/scene/alpha_mask.h"
 
 enum { HALF_PX = SUBTEXELS_PER_PX / 2, PAIRS = 32 }; /* pairs of texels: rows of four */
@@ -45,9 +46,14 @@ static void depths_of(const leaf *f, const sparse_triangle *t, f64x2 depths[PAIR
     f64x2             along[3][4]; /* the edges' a x, the same in all rows */
     for (int k = 0; k < 3; k++)
         for (int n = 0; n < 4; n++) along[k][n] = f64x2_all(e[k].a) * pair_x(f, n);
+    const double y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]), y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]);
     for (int row = 0; row < 8; row++) {
         double y = row_y(f, row);
-        f64x2  of_row[3];
+        if (y < y0 || y > y1) { /* most triangles are small */
+            for (int n = 0; n < 4; n++) depths[4 * row + n] = none;
+            continue;
+        }
+        f64x2 of_row[3];
         for (int k = 0; k < 3; k++) of_row[k] = f64x2_all(e[k].b * y + e[k].c);
         for (int n = 0; n < 4; n++) {
             i64x2 inside =
@@ -172,7 +178,7 @@ static f64x2 exits_of(const leaf *f, const leaf_scratch *s, int pair, i64x2 open
 
 static void write_pair(const leaf *f, const leaf_scratch *s, int pair, column_tile *out)
 {
-    const f64x2 far = f64x2_all(f->d->scale.voxel_log != 0 ? 0 : 1), near = far - f64x2_all(1);
+    const f64x2 far = f64x2_all(depth_none(f->d->scale)), near = far - f64x2_all(1);
     i64x2       solid_first = f->solid[pair] < f->sheet[pair];
     f64x2       e = f64x2_min(f->solid[pair], f->sheet[pair]), x = e;
     if (any(solid_first)) x = f64x2_select(solid_first, exits_of(f, s, pair, solid_first), x);

@@ -95,12 +95,11 @@ static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const sq
 /* Whether one depth parts all that is lit from all that is in shadow; then it is said so. */
 static int settle(const square_maker *w, texel_square at, const square_bound *bound, size_t triangles)
 {
-    depth_scale s   = w->d->scale;
-    double      far = s.voxel_log != 0 ? 0 : 1, near = far - 1;
+    depth_scale s = w->d->scale;
     uint32_t    e = s.depth_vx, x = s.depth_vx;
     if (triangles) {
-        e = depth_down(s, fmax(near, fmin(bound->enter_most, far)));
-        x = depth_up(s, fmax(near, fmin(bound->exit_least, far)));
+        e = depth_down(s, depth_clamped(s, bound->enter_most));
+        x = depth_up(s, depth_clamped(s, bound->exit_least));
     }
     if (e > x) return 0;
     set_bounds(w->q, at, (column_bounds){e, e, x, x});
@@ -110,8 +109,9 @@ static int settle(const square_maker *w, texel_square at, const square_bound *bo
 /* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
 static int make_square(square_maker *w, uint32_t worker, texel_square at, square_bound bound, square_list *l)
 {
-    if (at.side > EXACT_PX) square_bound_tighten(&bound, l, w->d->triangles);
-    if ((at.side > EXACT_PX || !l->count) && settle(w, at, &bound, l->count)) return 1;
+    int decides = at.side > EXACT_PX || !l->count;
+    if (decides) square_bound_tighten(&bound, l, w->d->triangles);
+    if (decides && settle(w, at, &bound, l->count)) return 1;
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
     uint32_t     half    = at.side / 2;
     square_list *quarter = w->scratch[worker].quarter[log2_u32(at.side)];
@@ -133,7 +133,7 @@ static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
                                 w->task_px};
         size_t       cell    = (size_t)(at.v / bins->cell_px) * bins->cells + at.u / bins->cell_px;
         square_list *l       = &w->scratch[worker].list;
-        square_bound nothing = {.enter_most = w->d->scale.voxel_log != 0 ? 0 : 1, .left_out = INFINITY, .exit_least = INFINITY};
+        square_bound nothing = {.enter_most = depth_none(w->d->scale), .left_out = INFINITY, .exit_least = INFINITY};
         if (!square_list_gather(l, w->d->triangles, bins->ids + bins->first[cell], bins->first[cell + 1] - bins->first[cell], at) ||
             !make_square(w, worker, at, nothing, l))
             w->out_of_memory = 1;
@@ -155,8 +155,9 @@ static int allocate(sparse_square *q)
     q->pyramid[0] = malloc(squares * sizeof *q->pyramid[0]);
     q->tiles      = calloc(tiles, sizeof *q->tiles);
     q->pages      = calloc(PARALLEL_THREADS_MAX, sizeof *q->pages);
+    if (!q->pyramid[0] || !q->tiles || !q->pages) return 0;
     for (uint32_t side = q->at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
-    return q->pyramid[0] && q->tiles && q->pages;
+    return 1;
 }
 
 static void reduce(const sparse_square *q)

@@ -21,15 +21,19 @@ typedef struct square_edge {
 typedef struct asked_triangle {
     const sparse_triangle *t;
     square_edge            edge[3];
-    double                 half; /* of the side of the box of a square's texel centres */
-    double                 rise; /* of depth, over it */
+    int                    edges; /* 3; 0 where it is known to cover the squares */
+    double                 half;  /* of the side of the box of a square's texel centres */
+    double                 rise;  /* of depth, over it */
 } asked_triangle;
 
-static asked_triangle ask_about(const sparse_triangle *t, uint32_t side)
+static asked_triangle ask_about(const sparse_triangle *t, uint32_t side, int covers)
 {
-    asked_triangle a = {.t = t, .half = (double)(side - 1) * HALF_PX};
-    a.rise           = (fabs(t->gx) + fabs(t->gy)) * a.half + t->slack;
-    for (int k = 0; k < 3; k++) {
+    asked_triangle a;
+    a.t     = t;
+    a.half  = (double)(side - 1) * HALF_PX;
+    a.edges = covers ? 0 : 3;
+    a.rise  = (fabs(t->gx) + fabs(t->gy)) * a.half + t->slack;
+    for (int k = 0; k < a.edges; k++) {
         int         n = k < 2 ? k + 1 : 0;
         sparse_edge e = sparse_edge_of(t, k);
         a.edge[k]     = (square_edge){.edge   = e,
@@ -58,7 +62,7 @@ static pair_answer ask_pair(const asked_triangle *a, f64x2 x, double y)
     f64x2 lo     = f64x2_max(middle - f64x2_all(a->rise), f64x2_all(a->t->zmin));
     f64x2 hi     = f64x2_min(middle + f64x2_all(a->rise), f64x2_all(a->t->zmax));
     touched &= lo <= hi; /* else the plane passes the square out of the triangle's range */
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < a->edges; k++) {
         const square_edge *e  = &a->edge[k];
         f64x2              at = f64x2_all(e->edge.a) * x + f64x2_all(e->edge.b * y + e->edge.c), reach = f64x2_all(e->reach);
         i64x2              crossed = at < reach; /* some of the box is outside by this edge */
@@ -93,7 +97,7 @@ int square_list_gather(square_list *l, const sparse_triangles *s, const uint32_t
     l->count = 0;
     for (size_t n = 0; n < count; n++) {
         const sparse_triangle *t = &s->all[ids[n]];
-        asked_triangle         a = ask_about(t, square.side);
+        asked_triangle         a = ask_about(t, square.side, 0);
         pair_answer            p = ask_pair(&a, f64x2_all(x), y);
         if (!add(l, &p, 0, ids[n], t->kind & SPARSE_HOLED)) return 0;
     }
@@ -109,7 +113,7 @@ int square_list_split(square_list quarter[4], const sparse_triangles *s, const s
     for (size_t n = 0; n < l->count; n++) {
         const square_entry    *e = &l->items[n];
         const sparse_triangle *t = &s->all[e->id];
-        asked_triangle         a = ask_about(t, side);
+        asked_triangle         a = ask_about(t, side, e->bits & ENTRY_COVERS);
         for (int row = 0; row < 2; row++) {
             pair_answer p = ask_pair(&a, x, y[row]);
             for (int lane = 0; lane < 2; lane++)

@@ -10,7 +10,7 @@
 enum {
     CHUNKS         = 64, /* of triangles, each counted and placed alone: the same bins at any thread count */
     IDS_A_TRIANGLE = 8,  /* on average, at most */
-    LEAST_CELL_PX  = 8,
+    LEAST_CELL_PX  = 256,
 };
 
 typedef struct binner {
@@ -85,7 +85,7 @@ static size_t counts_to_places(binner *w)
 static vxs_result bin(binner *w, uint32_t side_px, uint32_t threads)
 {
     triangle_bins *b = w->b;
-    for (b->cells = min_u32(BINS_A_SIDE_MAX, side_px / LEAST_CELL_PX);; b->cells /= 2) {
+    for (b->cells = max_u32(min_u32(BINS_A_SIDE_MAX, side_px / LEAST_CELL_PX), 1);; b->cells /= 2) {
         size_t cells = (size_t)b->cells * b->cells;
         b->cell_px   = side_px / b->cells;
         free(w->place);
