@@ -107,7 +107,7 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     double            threads = o->threads;
 
     if (o->maps == MAPS_SPARSE) {
-        l->seconds[STAGE_MAPS] = 2.5e-7 * (double)l->triangles + (1e-10 * full + 2e-6 * l->mask_tiles) / threads;
+        l->seconds[STAGE_MAPS] = 1.2e-6 * (double)l->triangles + 1.1e-5 * l->mask_tiles / threads;
     } else {
         /* rendering waits for one thread of two */
         l->seconds[STAGE_GL] = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
