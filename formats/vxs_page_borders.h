@@ -59,10 +59,12 @@ PAGE_INLINE uint32_t depths_met(const int16_t *palette, uint32_t entries, const 
     return met;
 }
 
-/* How alike two things on the left and above are, each of which may be `none`: a context, 0..4. */
+/* How alike two things on the left and above are, each of which may be `none`: a context, 0..4. There is no branch, which would be a
+ * guess. */
 PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
 {
-    return left == none ? above != none : above == none ? 2 : left == above ? 3 : 4;
+    static const uint8_t alike[8] = {4, 1, 2, 0, 3, 1, 2, 0}; /* bits: left is none, above is none, both are one */
+    return alike[(uint32_t)(left == none) | (uint32_t)(above == none) << 1 | (uint32_t)(left == above) << 2];
 }
 
 /* The least depth on the left of a square and above it, INT16_MAX: there is none. NEVER, which is -1, is none. side_px: a multiple of 8 */

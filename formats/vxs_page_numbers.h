@@ -39,12 +39,12 @@ PAGE_INLINE uint32_t code_long(coder *c, uint32_t value)
 /* Any number below 2^32 - 1: the size, and the bits behind the first: up to four of them learn their odds, more are plain. */
 PAGE_INLINE uint32_t code_number(coder *c, number_odds *odds, uint32_t value)
 {
-    uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first, high = 0;
+    uint32_t size = code_size(c, &odds->size, value), first = (1u << size) - 1, rest = value - first;
     if (!size) return 0;
     if (size == NUMBER_LONG) return code_long(c, value);
     if (size <= 4) return first + code_nibble(c, &odds->rest[size], rest & 15);
     if (size <= 12) return first + code_plain(c, size, rest);
-    high = code_plain(c, size - 12, rest >> 12);
+    uint32_t high = code_plain(c, size - 12, rest >> 12);
     return first + (high << 12 | code_plain(c, 12, rest & 0xfff));
 }
 

@@ -130,13 +130,12 @@ PAGE_INLINE uint32_t bytes_set(uint64_t x)
 PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *far, uint32_t depths, uint32_t value, uint32_t W,
                                 uint32_t N, uint32_t NE)
 {
-    static const uint8_t like[8] = {4, 1, 2, 0, 3, 1, 2, 0}; /* bits: W = N, NE = N, NE = W */
-    uint32_t             end = (uint32_t)(N != 0) + (uint32_t)(N != 0 && N + 1 == depths), symbol = 0;
+    uint32_t end = (uint32_t)(N != 0) + (uint32_t)(N != 0 && N + 1 == depths), symbol = 0;
     if (PAGE_ENCODING) {
         uint32_t step = value > N ? 2 * (value - N) : 1 + 2 * (N - value);
         symbol        = value == W ? 0 : value == NE ? 1 : step < 15 ? step : 15;
     }
-    symbol = code_nibble(c, &odds[like[(W == N) | (NE == N) << 1 | (NE == W) << 2]][end], symbol);
+    symbol = code_nibble(c, &odds[likeness(W, NE, N)][end], symbol);
     if (symbol == 15) return code_nibble(c, far, value);
     uint32_t odd = 0 - (symbol & 1), step = N + ((symbol >> 1) ^ odd) - odd, beside = W ^ ((W ^ NE) & odd);
     return step ^ ((step ^ beside) & (0 - (uint32_t)(symbol < 2)));

@@ -130,35 +130,31 @@ class Symbols:
     def flag(self, *name):
         return int(self.nibble(*name) != 0)
 
-    def long(self):
-        high, middle = self.plain(8), self.plain(12)
-        return high << 24 | middle << 12 | self.plain(12)
+    def short(self, name):
+        """s, and the number, or None where bits follow that number and step take each in its way."""
+        s = self.nibble(*name, "size")
+        if s == 15:
+            high, middle = self.plain(8), self.plain(12)
+            return s, high << 24 | middle << 12 | self.plain(12)
+        return s, 0 if s == 0 else 2**s - 1 + self.nibble(*name, "rest", s) if s <= 4 else None
+
+    def top(self, s):
+        """What bits above the lowest 12 behind the first one add."""
+        return self.plain(s - 12) << 12 if s > 12 else 0
 
     def number(self, *name):
-        s = self.nibble(*name, "size")
-        if s == 0:
-            return 0
-        if s == 15:
-            return self.long()
-        if s <= 4:
-            return 2**s - 1 + self.nibble(*name, "rest", s)
-        high = self.plain(s - 12) if s > 12 else 0
-        return 2**s - 1 + (high << 12) + self.plain(min(s, 12))
+        s, number = self.short(name)
+        return 2**s - 1 + self.top(s) + self.plain(min(s, 12)) if number is None else number
 
     def signed(self, *name):
         n = self.number(*name, "size") % 2**28
         return 0 if n == 0 else -n if self.flag(*name, "sign") else n
 
     def step(self, name, rounds, last):
-        s = self.nibble(*name, "size")
-        if s == 0:
-            return 0
-        if s == 15:
-            return self.long()
-        if s <= 4:
-            return 2**s - 1 + self.nibble(*name, "rest", s)
-        m = min(s, 12)
-        b = 2**s + ((self.plain(s - 12) << 12) if s > 12 else 0)
+        s, number = self.short(name)
+        if number is not None:
+            return number
+        m, b = min(s, 12), 2**s + self.top(s)
         z = self.nibble(rounds, m)
         e = 0 if z >= m else (2 * self.plain(m - z - 1) + 1) << z
         return b + (e - last - b) % 2**m - 1
