@@ -1,0 +1,35 @@
+/* What the processor can do, for loops that are compiled for several of them: each has to give the same bits as the plain one.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef CPU_H
+#define CPU_H
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { CPU_SSE2, CPU_AVX2, CPU_AVX512 /* F, BW, DQ and VL */ };
+
+/* What the processor has of these; CPU_SSE2 also stands for what is no x86-64. */
+static inline int cpu_level_of_machine(void)
+{
+#ifdef __x86_64__
+    if (!__builtin_cpu_supports("avx2")) return CPU_SSE2;
+    int wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+    return wide ? CPU_AVX512 : CPU_AVX2;
+#else
+    return CPU_SSE2;
+#endif
+}
+
+/* The same, or less where the environment says so, for tests: VXS_CPU=sse2, avx2 or avx512. Ask once, not in a loop. */
+static inline int cpu_level(void)
+{
+    static const char *const names[] = {"sse2", "avx2", "avx512"};
+    const char              *most    = getenv("VXS_CPU");
+    int                      level   = cpu_level_of_machine();
+    for (int n = CPU_SSE2; most && n < level; n++)
+        if (!strcmp(most, names[n])) return n;
+    return level;
+}
+
+#endif
