@@ -68,6 +68,11 @@ baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
 runtime.o := $(runtime.c:%=$B/%.o)
 # what takes longest to compile comes first, so that no processor waits for it in the end
 baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
+# what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
+ifeq ($(shell uname -m),x86_64)
+level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
+baker.o   += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
+endif
 # files that go into the command as they are; baker/base/embedded.h names their bytes
 embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.*)) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
@@ -124,9 +129,18 @@ $B/libvxs.a: $(runtime.o)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 
-$B/%.c.o: %.c
-	@echo "  cc   $<"
+$B/%.c.avx2.o: cflags += -mavx2
+$B/%.c.avx512.o: cflags += -mavx512f -mavx512bw -mavx512dq -mavx512vl
+define compile
+	@echo "  cc   $<$(@:$B/$<%.o=%)"
 	$Q mkdir -p $(@D) && $(CC) $(cflags) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
+endef
+$B/%.c.o: %.c
+	$(compile)
+$B/%.c.avx2.o: %.c
+	$(compile)
+$B/%.c.avx512.o: %.c
+	$(compile)
 
 $B/%.cc.o: %.cc
 	@echo "  c++  $<"

@@ -16,8 +16,6 @@ typedef int8_t   i8x8 __attribute__((vector_size(8)));
 typedef int32_t  i32x4 __attribute__((vector_size(16)));
 typedef float    f32x4 __attribute__((vector_size(16)));
 typedef uint32_t u32x4 __attribute__((vector_size(16)));
-typedef double   f64x2 __attribute__((vector_size(16)));
-typedef int64_t  i64x2 __attribute__((vector_size(16)));
 
 static inline i16x8 i16x8_load(const int16_t *from)
 {
@@ -195,45 +193,6 @@ static inline f32x4 f32x4_min(f32x4 a, f32x4 b)
     return (f32x4)_mm_min_ps((__m128)a, (__m128)b);
 #else
     return (f32x4)i32x4_select((i32x4)(a < b), (i32x4)a, (i32x4)b);
-#endif
-}
-
-static inline f64x2 f64x2_all(double value)
-{
-    return (f64x2){value, value};
-}
-
-static inline f64x2 f64x2_select(i64x2 mask, f64x2 a, f64x2 b)
-{
-    return (f64x2)(((i64x2)a & mask) | ((i64x2)b & ~mask));
-}
-
-/* Of numbers; what NaN gives is open. */
-static inline f64x2 f64x2_max(f64x2 a, f64x2 b)
-{
-#ifdef __SSE2__
-    return (f64x2)_mm_max_pd((__m128d)a, (__m128d)b);
-#else
-    return f64x2_select((i64x2)(a > b), a, b);
-#endif
-}
-
-static inline f64x2 f64x2_min(f64x2 a, f64x2 b)
-{
-#ifdef __SSE2__
-    return (f64x2)_mm_min_pd((__m128d)a, (__m128d)b);
-#else
-    return f64x2_select((i64x2)(a < b), a, b);
-#endif
-}
-
-/* Which elements of a mask are set. */
-static inline uint32_t i64x2_bits(i64x2 mask)
-{
-#ifdef __SSE2__
-    return (uint32_t)_mm_movemask_pd((__m128d)mask);
-#else
-    return (uint32_t)((mask[0] & 1) | (mask[1] & 2));
 #endif
 }
 

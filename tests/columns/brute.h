@@ -1,4 +1,4 @@
-/* Columns by brute force: every triangle of a projection against every texel whose row it may touch. Coverage is whole numbers, depth is
+/* Columns by brute force: every triangle of a projection against every texel of the cells that its box touches. Coverage is whole numbers, depth is
  * corners weighed by areas in long double; lists, patches, planes and vectors take no part.
  *
  * A depth is told as a range, a hair wide, in voxels: faces that lie within it of each other may have swapped places, and then light may
@@ -23,61 +23,76 @@ typedef struct brute {
     uint32_t          side_px;
     depth_scale       scale;
     int               nearest_back;
-    size_t           *first; /* [side_px + 1] row v may be touched by triangles ids[first[v]] to ids[first[v + 1]] */
+    int64_t           grid;
+    uint32_t          cell_px, across; /* of a cell; cells a side */
+    size_t           *first;           /* [across^2 + 1] cell n may be touched by triangles ids[first[n]] to ids[first[n + 1]] */
     uint32_t         *ids;
 } brute;
 
-enum { BRUTE_GRID = 256, BRUTE_HITS_MAX = 1024 };
+enum { BRUTE_HITS_MAX = 1024 };
 
 typedef struct brute_hit {
     double depth; /* voxels */
     int    solid, front;
 } brute_hit;
 
-static inline int64_t brute_grid(double texels)
+static inline int64_t brute_grid(const brute *b, double texels)
 {
-    return (int64_t)floor(texels * BRUTE_GRID + 0.5);
+    return (int64_t)floor(texels * (double)b->grid + 0.5);
 }
 
 static inline void brute_corners(const brute *b, uint32_t t, int64_t x[3], int64_t y[3])
 {
     for (int k = 0; k < 3; k++) {
-        x[k] = brute_grid(b->p->vertices[b->p->indices[3 * (size_t)t + (size_t)k]].u);
-        y[k] = brute_grid(b->p->vertices[b->p->indices[3 * (size_t)t + (size_t)k]].v);
+        x[k] = brute_grid(b, b->p->vertices[b->p->indices[3 * (size_t)t + (size_t)k]].u);
+        y[k] = brute_grid(b, b->p->vertices[b->p->indices[3 * (size_t)t + (size_t)k]].v);
     }
 }
 
-static inline void brute_rows(const brute *b, uint32_t t, int64_t *begin, int64_t *end)
+/* The cells of coordinates, in one direction: [*begin, *end). */
+static inline void brute_range(const brute *b, const int64_t at[3], uint32_t *begin, uint32_t *end)
 {
-    int64_t x[3], y[3], low, high, side = b->side_px;
-    brute_corners(b, t, x, y);
-    low    = y[0] < y[1] ? y[0] : y[1];
-    high   = y[0] > y[1] ? y[0] : y[1];
-    low    = low < y[2] ? low : y[2];
-    high   = high > y[2] ? high : y[2];
-    *begin = low < 0 ? 0 : low / BRUTE_GRID;
-    *end   = high < 0 ? 0 : high / BRUTE_GRID + 1 < side ? high / BRUTE_GRID + 1 : side;
+    int64_t low = at[0] < at[1] ? at[0] : at[1], high = at[0] > at[1] ? at[0] : at[1], cell = b->cell_px * b->grid;
+    low    = low < at[2] ? low : at[2];
+    high   = high > at[2] ? high : at[2];
+    *begin = low < 0 ? 0 : (uint32_t)(low / cell < b->across ? low / cell : b->across);
+    *end   = high < 0 ? 0 : (uint32_t)(high / cell < b->across ? high / cell + 1 : b->across);
 }
 
-/* Returns 0 without memory; released with brute_free either way. p is borrowed. */
-static inline int brute_init(brute *b, const projection *p, uint32_t side_px, double voxel_log, int nearest_back)
+/* Count the triangles of each cell, or note them. */
+static inline void brute_walk(brute *b, int note)
 {
-    *b       = (brute){.p = p, .side_px = side_px, .scale = {side_px, voxel_log}, .nearest_back = nearest_back};
-    b->first = calloc(side_px + (size_t)2, sizeof *b->first);
-    if (!b->first) return 0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (uint32_t t = 0; t < p->triangle_count; t++) {
-            int64_t begin, end;
-            brute_rows(b, t, &begin, &end);
-            for (int64_t v = begin; v < end; v++) {
-                if (pass) b->ids[b->first[v + 1]] = t;
-                b->first[v + 1 + !pass]++;
+    for (uint32_t t = 0; t < b->p->triangle_count; t++) {
+        int64_t  x[3], y[3];
+        uint32_t i0, i1, j0, j1;
+        brute_corners(b, t, x, y);
+        brute_range(b, x, &i0, &i1);
+        brute_range(b, y, &j0, &j1);
+        for (uint32_t j = j0; j < j1; j++)
+            for (uint32_t i = i0; i < i1; i++) {
+                size_t *at = &b->first[(size_t)j * b->across + i + 1];
+                if (note) b->ids[*at] = t;
+                at[!note]++;
             }
-        }
-        if (pass) break;
-        for (uint32_t v = 0; v < side_px; v++) b->first[v + 2] += b->first[v + 1];
-        if (!(b->ids = malloc((b->first[side_px + 1] + 1) * sizeof *b->ids))) return 0;
     }
+}
+
+enum { BRUTE_CELLS_MAX = 256 };
+
+/* grid  subtexels of a texel that corners are snapped to
+ * Returns 0 without memory; released with brute_free either way. p is borrowed. */
+static inline int brute_init(brute *b, const projection *p, uint32_t side_px, int64_t grid, double voxel_log, int nearest_back)
+{
+    *b           = (brute){.p = p, .side_px = side_px, .grid = grid, .scale = {side_px, voxel_log}, .nearest_back = nearest_back};
+    b->across    = side_px / 8 < BRUTE_CELLS_MAX ? side_px / 8 : BRUTE_CELLS_MAX;
+    b->cell_px   = side_px / b->across;
+    size_t cells = (size_t)b->across * b->across;
+    b->first     = calloc(cells + 2, sizeof *b->first);
+    if (!b->first) return 0;
+    brute_walk(b, 0);
+    for (size_t n = 0; n < cells; n++) b->first[n + 2] += b->first[n + 1];
+    if (!(b->ids = malloc((b->first[cells + 1] + 1) * sizeof *b->ids))) return 0;
+    brute_walk(b, 1);
     return 1;
 }
 
@@ -98,7 +113,7 @@ static inline int brute_inside(int64_t area, int64_t dx, int64_t dy)
 static inline int brute_meet(const brute *b, uint32_t t, uint32_t u, uint32_t v, brute_hit *out)
 {
     const projection *p = b->p;
-    int64_t x[3], y[3], px = (int64_t)u * BRUTE_GRID + BRUTE_GRID / 2, py = (int64_t)v * BRUTE_GRID + BRUTE_GRID / 2, w[3];
+    int64_t           x[3], y[3], px = (int64_t)u * b->grid + b->grid / 2, py = (int64_t)v * b->grid + b->grid / 2, w[3];
     brute_corners(b, t, x, y);
     int64_t area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     if (!area) return 0;
@@ -149,7 +164,8 @@ static inline brute_column brute_at(const brute *b, uint32_t u, uint32_t v)
     brute_hit hits[BRUTE_HITS_MAX];
     size_t    count = 0;
     double    far = b->scale.depth_vx, hair = 1e-9 * far, sheet = INFINITY, solid = INFINITY, least = far, most = far;
-    for (size_t n = b->first[v]; n < b->first[v + 1] && count < BRUTE_HITS_MAX; n++)
+    size_t    cell = (size_t)(v / b->cell_px) * b->across + u / b->cell_px;
+    for (size_t n = b->first[cell]; n < b->first[cell + 1] && count < BRUTE_HITS_MAX; n++)
         count += (size_t)brute_meet(b, b->ids[n], u, v, &hits[count]);
     qsort(hits, count, sizeof *hits, brute_compare);
     int found_least = 0, found_most = 0;

@@ -11,6 +11,7 @@
 #include "baker/bake/plan.h"
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
+#include "baker/columns/sparse/sparse_triangles.h"
 #include "tests/columns/brute.h"
 #include "tests/exact/coded_runs.h"
 
@@ -164,6 +165,38 @@ static void ask_rows(void *user, size_t begin, size_t end, uint32_t worker)
         for (uint32_t x = 0; x < c->depths.side_px / 8; x++) ask_tile(c, x, (uint32_t)y, worker);
 }
 
+/* a few tiles, by brute force
+ * ---------------------------------------------------------------------------------------- */
+
+/* A texel: anywhere, or every other time where an edge of a triangle passes. */
+static void choose_texel(const check *c, rng *random, uint32_t *u, uint32_t *v)
+{
+    const projection *p = c->brute->p;
+    *u = rng_below(random, c->side_vx), *v = rng_below(random, c->side_vx);
+    if (!p->triangle_count || rng_below(random, 2)) return;
+    const uint32_t  *corner = p->indices + 3 * (size_t)rng_below(random, (uint32_t)p->triangle_count);
+    const vertex_ls *a = &p->vertices[corner[0]], *b = &p->vertices[corner[1]];
+    double           along = rng_unit(random), x = a->u + along * (b->u - a->u), y = a->v + along * (b->v - a->v);
+    if (x < 0 || x >= c->side_vx || y < 0 || y >= c->side_vx) return;
+    *u = (uint32_t)x, *v = (uint32_t)y;
+}
+
+static void ask_tiles(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    for (size_t n = begin; n < end; n++) {
+        check    c = *(const check *)user;
+        double   enter[64], exit[64];
+        rng      random = rng_split(c.seed, n);
+        uint32_t u, v;
+        choose_texel(&c, &random, &u, &v);
+        c.depths = (tile_depths){8, enter, exit};
+        c.i0     = u / 8 * 8;
+        c.j0     = v / 8 * 8;
+        fill_rows(&c, 0, 8, worker);
+        ask_tile(&c, 0, 0, worker);
+    }
+}
+
 /* a map
  * --------------------------------------------------------------------------------------------------------------------- */
 
@@ -266,7 +299,14 @@ vxs_result check_map(const check_desc *d, int map, message *m)
     if (r == VXS_OK && d->brute) {
         c.brute = &b;
         r       = projection_init(&p, d->casters, d->light, map, d->threads, m);
-        if (r == VXS_OK && !brute_init(&b, &p, side, voxel_log, d->exit == EXIT_BACK)) r = fail(m, VXS_E_MEMORY, "out of memory");
+        if (r == VXS_OK && !brute_init(&b, &p, side, 1 << sparse_grid(side), voxel_log, d->exit == EXIT_BACK))
+            r = fail(m, VXS_E_MEMORY, "out of memory");
+    }
+    if (r == VXS_OK && d->brute && d->columns) {
+        c.seed = rng_split(d->seed, c.map).state;
+        parallel_for(d->threads, (d->columns + 63) / 64, 1, ask_tiles, &c);
+        add_tallies(&c);
+        tiles = 0;
     }
     for (uint32_t n = 0; n < tiles * tiles && r == VXS_OK; n++) r = check_tile(&c, &maps, &solids, tiles, n, m);
     free(c.worker);

@@ -14,7 +14,7 @@
  * coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
  * others by its stages.
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
- * others.
+ * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle passes.
  * --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how far in shares of
  * its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
  * --fault builds the DAG here, stage by stage, and spoils one thing after one of them: the check must see it.

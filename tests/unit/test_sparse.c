@@ -3,9 +3,10 @@
  * The meshes lie in the space of the light, u and v in texels and z in voxels, or about a lamp. Squares that are decided as wholes must keep
  * to what is there; texels of the other tiles must be what they are, but for exits behind the tile's last enter depth, which may be early.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/base/cpu.h"
 #include "baker/columns/sparse/patches.h"
 #include "baker/columns/sparse/sparse_columns.h" /* before cmocka, whose fail() is a macro */
-#include "baker/columns/sparse/square_list.h"
+#include "baker/columns/sparse/sparse_square.h"
 #include "baker/light/light_fit.h"
 #include "runtime/vxs.h"
 #include "tests/columns/brute.h"
@@ -255,8 +256,8 @@ static counts compare_light(const casters *c, const vxs_light *light, int neares
         brute         b;
         assert_int_equal(source.open(source.data, map, &columns, &ctx), VXS_OK);
         assert_int_equal(projection_init(&p, c, light, (int)map, 1, &m), VXS_OK);
-        assert_true(
-            brute_init(&b, &p, columns.side_px, light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres, nearest_back));
+        assert_true(brute_init(&b, &p, columns.side_px, 1 << sparse_grid(columns.side_px),
+                               light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres, nearest_back));
         uint32_t across = columns.side_px / columns.fetch_px, level = square_level(columns.fetch_px);
         for (uint32_t n = 0; n < across * across; n++) {
             size_t before = sum.texels;
@@ -354,23 +355,23 @@ static void depths_stay_within_their_lists(void **state)
                         .indices          = indices,
                         .alpha_mask_first = no_masks};
         assert_int_equal(sparse_triangles_init(&s, &p, SIDE, 1), VXS_OK);
+        const double px = ldexp(1, (int)s.grid);
         for (int k = 0; k < 20 && s.count; k++) {
             const sparse_triangle *t = &s.all[0];
             double                 a = rng_unit(&r), b = rng_unit(&r) * (1 - a);
-            double                 x = (t->x[0] + a * (t->x[1] - t->x[0]) + b * (t->x[2] - t->x[0])) / SUBTEXELS_PER_PX;
-            double                 y = (t->y[0] + a * (t->y[1] - t->y[0]) + b * (t->y[2] - t->y[0])) / SUBTEXELS_PER_PX;
+            double                 x = (t->x[0] + a * ((double)t->x[1] - t->x[0]) + b * ((double)t->x[2] - t->x[0])) / px;
+            double                 y = (t->y[0] + a * ((double)t->y[1] - t->y[0]) + b * ((double)t->y[2] - t->y[0])) / px;
             if (!(x >= 0 && x < SIDE && y >= 0 && y < SIDE)) continue;
             uint32_t     side = 8u << rng_below(&r, 4);
             texel_square q    = {(uint32_t)x / side * side, (uint32_t)y / side * side, side};
             brute        check;
             brute_hit    hit;
-            assert_true(brute_init(&check, &p, SIDE, 0, 0));
-            assert_true(square_list_gather(&l, &s, &id, 1, q));
+            assert_true(brute_init(&check, &p, SIDE, (int64_t)px, 0, 0));
+            assert_true(sparse_levels[n % (cpu_level_of_machine() + 1)].gather(&l, &s, &id, 1, q));
             for (uint32_t m = 0; m < side * side; m++) {
                 uint32_t pu = q.u + m % side, pv = q.v + m / side;
                 if (!brute_meet(&check, 0, pu, pv, &hit)) continue;
-                double px = ((double)pu + 0.5) * SUBTEXELS_PER_PX, py = ((double)pv + 0.5) * SUBTEXELS_PER_PX;
-                double z = sparse_depth(t, f64x2_all(px), py)[0];
+                double z = sparse_depth(t, (pu + 0.5) * px, (pv + 0.5) * px);
                 assert_int_equal(l.count, 1);
                 assert_true(l.items[0].lo <= z && z <= l.items[0].hi);
                 assert_true(l.items[0].lo <= hit.depth / SIDE && hit.depth / SIDE <= l.items[0].hi);

@@ -1,4 +1,8 @@
 /* Columns of a tile; see leaf.h.
+ *
+ * Texels are bits: which of them a triangle covers is whole numbers, and so is, once triangles are in order of depth, which of them it is
+ * the first to meet and how many solids are open there. So depths are computed only where light enters or leaves. In order means that
+ * depths of triangles that share a texel are apart; texels where they are not are sorted one by one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/leaf.h"
 
@@ -6,64 +10,77 @@
 #include <stdlib.h>
 
 #include "baker/base/array.h"
-#include "baker/base/integer.h"
+#include "baker/columns/sparse/lanes.h"
 #include "baker/scene/alpha_mask.h"
 
-enum { HALF_PX = SUBTEXELS_PER_PX / 2, PAIRS = 32 }; /* pairs of texels: rows of four */
+enum {
+    OPEN_BITS   = 8, /* of the count of solids that are open; texels in more of them are sorted alone */
+    FEW_ENTRIES = 24 /* so many are sorted by insertion */
+};
 
-/* The texels of a tile while it is looked at: depths, INFINITY where there is none. */
+#define ALL_TEXELS UINT64_MAX
+
+/* A triangle that texels meet which had not left yet. */
+typedef struct leaf_face {
+    const sparse_triangle *t;
+    uint64_t               texels;  /* bit u + 8 v */
+    double                 hi;      /* in the tile */
+    double                 hi_most; /* of all faces up to this one */
+} leaf_face;
+
+/* The texels of a tile while it is looked at. */
 typedef struct leaf {
     const leaf_desc    *d;
     const square_bound *bound;
-    double              x0, y0;                                  /* centre of the first texel, subtexels */
-    f64x2               sheet[PAIRS], solid[PAIRS], back[PAIRS]; /* nearest of each */
-    size_t              solids;                                  /* triangles */
+    int64_t             x0, y0;  /* centre of the first texel, subtexels */
+    uint64_t            unmet;   /* texels that have met nothing */
+    uint64_t            inside;  /* that are in a solid */
+    uint64_t            tangled; /* where depths are not apart */
+    uint64_t            open[OPEN_BITS];
+    leaf_face          *faces;
+    double             *depths; /* [LANES * count] INFINITY where a texel is not met */
+    size_t              count;
+    double              e[64], x[64]; /* depths, INFINITY where there is none */
 } leaf;
 
-/* depths of a triangle -------------------------------------------------------------------------------------------------------- */
-
-static f64x2 pair_x(const leaf *f, int pair)
+static int64_t px_of(const leaf *f)
 {
-    double x = f->x0 + 2 * SUBTEXELS_PER_PX * (pair & 3);
-    return (f64x2){x, x + SUBTEXELS_PER_PX};
+    return (int64_t)1 << f->d->triangles->grid;
 }
 
-static double row_y(const leaf *f, int row)
+/* coverage -------------------------------------------------------------------------------------------------------------------- */
+
+/* The rows of the tile that a triangle may touch: [*begin, *end). */
+static void rows_of(const leaf *f, const sparse_triangle *t, int *begin, int *end)
 {
-    return f->y0 + SUBTEXELS_PER_PX * row;
+    const uint32_t grid = f->d->triangles->grid;
+    const int64_t  y0   = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
+                  y1    = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
+    *begin              = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
+    *end                = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
 }
 
-/* Of a triangle that covers the tile. */
-static void depths_of_whole(const leaf *f, const sparse_triangle *t, f64x2 depths[PAIRS])
+/* The texels whose centres are in a triangle. */
+static uint64_t covered(const leaf *f, const sparse_triangle *t)
 {
-    for (int pair = 0; pair < PAIRS; pair++) depths[pair] = sparse_depth(t, pair_x(f, pair), row_y(f, pair >> 2));
-}
-
-static void depths_of(const leaf *f, const sparse_triangle *t, f64x2 depths[PAIRS])
-{
-    const sparse_edge e[3] = {sparse_edge_of(t, 0), sparse_edge_of(t, 1), sparse_edge_of(t, 2)};
-    const f64x2       zero = f64x2_all(0), none = f64x2_all(INFINITY);
-    f64x2             along[3][4]; /* the edges' a x, the same in all rows */
-    for (int k = 0; k < 3; k++)
-        for (int n = 0; n < 4; n++) along[k][n] = f64x2_all(e[k].a) * pair_x(f, n);
-    const double y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]), y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]);
-    for (int row = 0; row < 8; row++) {
-        double y = row_y(f, row);
-        if (y < y0 || y > y1) { /* most triangles are small */
-            for (int n = 0; n < 4; n++) depths[4 * row + n] = none;
-            continue;
-        }
-        f64x2 of_row[3];
-        for (int k = 0; k < 3; k++) of_row[k] = f64x2_all(e[k].b * y + e[k].c);
-        for (int n = 0; n < 4; n++) {
-            i64x2 inside =
-                (along[0][n] + of_row[0] >= zero) & (along[1][n] + of_row[1] >= zero) & (along[2][n] + of_row[2] >= zero);
-            depths[4 * row + n] = f64x2_select(inside, sparse_depth(t, pair_x(f, n), y), none);
-        }
+    i64s     at[3][8 / LANES], down[3];
+    uint64_t outside = 0;
+    int      begin, end;
+    rows_of(f, t, &begin, &end);
+    if (begin >= end) return 0;
+    for (int k = 0; k < 3; k++) {
+        const sparse_edge e      = sparse_edge_of(t, k);
+        const int64_t     across = e.a * px_of(f), first = sparse_edge_at(&e, f->x0, f->y0 + begin * px_of(f));
+        for (int n = 0; n < 8 / LANES; n++) at[k][n] = i64s_ramp(first + n * LANES * across, across);
+        down[k] = i64s_all(e.b * px_of(f));
     }
+    for (int row = begin; row < end; row++)
+        for (int n = 0; n < 8 / LANES; n++) {
+            outside |= (uint64_t)i64s_negative(at[0][n] | at[1][n] | at[2][n]) << (8 * row + n * LANES);
+            for (int k = 0; k < 3; k++) at[k][n] += down[k];
+        }
+    return ~outside & (ALL_TEXELS << 8 * begin) & (ALL_TEXELS >> (64 - 8 * end));
 }
-
-/* holes ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Twice the area of a point and the edge from corner k to the next. */
 static double share_of(const sparse_triangle *t, int k, double x, double y)
@@ -87,63 +104,124 @@ static int is_hole(const sparse_triangles *s, uint32_t id, double x, double y)
     return !alpha_mask_opaque(mask, &s->casters->images[mask->image], u / q, v / q);
 }
 
-/* A texel that something nearer hides is not asked about. */
-static void add_holed(leaf *f, uint32_t id)
+static double x_of(const leaf *f, int texel)
 {
-    f64x2 depths[PAIRS];
-    depths_of(f, &f->d->triangles->all[id], depths);
-    for (int n = 0; n < 64; n++) {
-        double z = depths[n / 2][n % 2], *nearest = (double *)&f->sheet[n / 2] + n % 2;
-        if (z < *nearest && !is_hole(f->d->triangles, id, pair_x(f, n / 2)[n % 2], row_y(f, n / 8))) *nearest = z;
+    return (double)(f->x0 + (texel & 7) * px_of(f));
+}
+
+static double y_of(const leaf *f, int texel)
+{
+    return (double)(f->y0 + (texel >> 3) * px_of(f));
+}
+
+static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
+{
+    for (uint64_t rest = texels; rest; rest &= rest - 1) {
+        int n = __builtin_ctzll(rest);
+        if (is_hole(f->d->triangles, id, x_of(f, n), y_of(f, n))) texels &= ~((uint64_t)1 << n);
+    }
+    return texels;
+}
+
+/* depths ---------------------------------------------------------------------------------------------------------------------- */
+
+static void put_depths(const leaf *f, double depths[64], const sparse_triangle *t, uint64_t texels)
+{
+    const f64s x = f64s_ramp((double)f->x0, (double)px_of(f)), step = f64s_all((double)(LANES * px_of(f)));
+    for (int row = 0; row < 8; row++) {
+        if (!(texels >> 8 * row & 0xff)) continue;
+        f64s at = x;
+        for (int n = 0; n < 8 / LANES; n++, at += step) {
+            uint32_t bits = (uint32_t)(texels >> (8 * row + n * LANES)) & ((1u << LANES) - 1);
+            double  *to   = depths + 8 * row + n * LANES;
+            if (bits) f64s_store(to, f64s_select(bits, lanes_depth(t, at, y_of(f, 8 * row)), f64s_load(to)));
+        }
     }
 }
 
-/* all triangles --------------------------------------------------------------------------------------------------------------- */
-
-static void keep_nearest(f64x2 nearest[PAIRS], const f64x2 depths[PAIRS])
+/* Which of the texels a triangle meets behind F, where not all that there is in the list. */
+static uint64_t depths_behind(const leaf *f, const sparse_triangle *t, uint64_t texels)
 {
-    for (int pair = 0; pair < PAIRS; pair++) nearest[pair] = f64x2_min(nearest[pair], depths[pair]);
+    const f64s known  = f64s_all(f->bound->enter_most);
+    uint64_t   behind = 0;
+    for (int first = 0; first < 64; first += LANES) {
+        if (!(texels >> first & ((1u << LANES) - 1))) continue;
+        f64s z = lanes_depth(t, f64s_ramp(x_of(f, first), (double)px_of(f)), y_of(f, first));
+        behind |= (uint64_t)i64s_negative((i64s)(z > known)) << first;
+    }
+    return behind & texels;
 }
 
-static int add_triangle(leaf *f, leaf_scratch *s, const square_entry *e)
+static void put_depth(double depths[64], uint64_t texels, double depth)
 {
-    const sparse_triangle *t                                            = &f->d->triangles->all[e->id];
-    void (*find_depths)(const leaf *, const sparse_triangle *, f64x2 *) = e->bits & ENTRY_COVERS ? depths_of_whole : depths_of;
+    for (; texels; texels &= texels - 1) depths[__builtin_ctzll(texels)] = depth;
+}
+
+/* in order of depth ----------------------------------------------------------------------------------------------------------- */
+
+static void count_up(leaf *f, uint64_t texels)
+{
+    for (int n = 0; n < OPEN_BITS && texels; n++) {
+        uint64_t carry = f->open[n] & texels;
+        f->open[n] ^= texels;
+        texels = carry;
+    }
+    f->tangled |= texels;
+}
+
+/* Returns which of the texels are at zero then. None is there before. */
+static uint64_t count_down(leaf *f, uint64_t texels)
+{
+    uint64_t left = texels, some = 0;
+    for (int n = 0; n < OPEN_BITS; n++) {
+        uint64_t borrow = ~f->open[n] & left;
+        f->open[n] ^= left;
+        left = borrow;
+        some |= f->open[n];
+    }
+    return texels & ~some;
+}
+
+/* Texels meet a triangle that is apart from all before it. */
+static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
+{
+    uint64_t met = texels & f->unmet, within = texels & f->inside, done;
+    put_depths(f, f->e, t, met);
+    f->unmet &= ~met;
     if (sparse_is_sheet(t)) {
-        f64x2 depths[PAIRS];
-        find_depths(f, t, depths);
-        keep_nearest(f->sheet, depths);
-        return 1;
+        put_depths(f, f->x, t, met);
+        return;
     }
-    if (!array_reserve(&s->depths, &s->depth_capacity, (f->solids + 1) * PAIRS, sizeof *s->depths)) return 0;
-    if (!array_reserve(&s->is_exit, &s->exit_capacity, f->solids + 1, sizeof *s->is_exit)) return 0;
-    f64x2 *depths = s->depths + f->solids * PAIRS;
-    find_depths(f, t, depths);
-    keep_nearest(f->solid, depths);
-    if (sparse_is_exit(t)) keep_nearest(f->back, depths);
-    s->is_exit[f->solids++] = (uint8_t)sparse_is_exit(t);
-    return 1;
+    if (!sparse_is_exit(t)) {
+        f->inside |= met;
+        count_up(f, met | within);
+        return;
+    }
+    uint64_t behind = t->zmax > f->bound->enter_most && (met | within) ? depths_behind(f, t, met | within) : 0;
+    done            = met | behind | (f->d->nearest_back ? within : count_down(f, within & ~behind));
+    put_depths(f, f->x, t, done);
+    for (uint64_t rest = behind; rest; rest &= rest - 1) {
+        int n   = __builtin_ctzll(rest);
+        f->x[n] = least(f->x[n], f->bound->left_out);
+    }
+    f->inside &= ~done;
 }
 
-/* exits ----------------------------------------------------------------------------------------------------------------------- */
-
-static int any(i64x2 mask)
-{
-    return i64x2_bits(mask) != 0;
-}
+/* where depths are not apart -------------------------------------------------------------------------------------------------- */
 
 /* Front faces less back faces up to a layer of back faces; and the next layer, where it is nearer than *next. */
-static f64x2 count_open(const leaf *f, const leaf_scratch *s, int pair, f64x2 layer, f64x2 *next)
+static f64s count_open(const leaf *f, f64s layer, f64s *next)
 {
-    const f64x2 none = f64x2_all(INFINITY), one = f64x2_all(1);
-    f64x2       open = f64x2_all(0);
-    for (size_t k = 0; k < f->solids; k++) {
-        f64x2 z      = s->depths[k * PAIRS + (size_t)pair];
-        i64x2 before = z <= layer;
-        f64x2 counts = (f64x2)((i64x2)one & before);
-        if (s->is_exit[k]) {
+    const f64s none = f64s_all(INFINITY), one = f64s_all(1);
+    f64s       open = f64s_all(0);
+    for (size_t n = 0; n < f->count; n++) {
+        if (sparse_is_sheet(f->faces[n].t)) continue;
+        f64s z      = f64s_load(f->depths + n * LANES);
+        i64s before = (i64s)(z <= layer);
+        f64s counts = (f64s)((i64s)one & before);
+        if (sparse_is_exit(f->faces[n].t)) {
             open -= counts;
-            *next = f64x2_min(*next, f64x2_select(before, none, z));
+            *next = f64s_min(*next, f64s_choose(before, none, z));
         } else {
             open += counts;
         }
@@ -151,66 +229,227 @@ static f64x2 count_open(const leaf *f, const leaf_scratch *s, int pair, f64x2 la
     return open;
 }
 
-/* Where light leaves the solids that it has entered, in the texels of a pair that are `open`. */
-static f64x2 exits_of(const leaf *f, const leaf_scratch *s, int pair, i64x2 open)
+/* Where light leaves the solids that it has entered, in the texels that are `open`. */
+static f64s exits_of(const leaf *f, f64s layer, i64s open)
 {
-    const f64x2 none = f64x2_all(INFINITY), known = f64x2_all(f->bound->enter_most), left_out = f64x2_all(f->bound->left_out);
-    f64x2       layer = f->back[pair], exit = left_out;
-    open &= layer < none;
-    for (int n = 0; n < EXIT_LAYERS_MAX && any(open); n++) {
-        i64x2 behind = open & (layer > known);
-        exit         = f64x2_select(behind, f64x2_min(layer, left_out), exit);
+    const f64s none = f64s_all(INFINITY), known = f64s_all(f->bound->enter_most), left_out = f64s_all(f->bound->left_out);
+    f64s       exit = left_out;
+    for (;;) {
+        open &= (i64s)(layer < none);
+        i64s behind = open & (i64s)(layer > known);
+        exit        = f64s_choose(behind, f64s_min(layer, left_out), exit);
         open &= ~behind;
-        if (!any(open)) return exit;
-        f64x2 next = none, inside = f64x2_all(0);
-        if (!f->d->nearest_back) inside = count_open(f, s, pair, layer, &next);
-        i64x2 done = open & (inside <= f64x2_all(0));
-        exit       = f64x2_select(done, layer, exit);
+        if (!i64s_negative(open)) return exit;
+        f64s next = none, inside = f64s_all(0);
+        if (!f->d->nearest_back) inside = count_open(f, layer, &next);
+        i64s done = open & (i64s)(inside <= f64s_all(0));
+        exit      = f64s_choose(done, layer, exit);
         open &= ~done;
-        if (!any(open)) return exit;
         layer = next;
-        open &= layer < none;
     }
-    return f64x2_select(open, f->back[pair], exit);
+}
+
+/* A few texels of a row by the depths of all that they meet.   texels  bits, as f64s_select has them; `first` is the first */
+static void untangle(leaf *f, uint32_t texels, int first)
+{
+    const f64s none = f64s_all(INFINITY), x0 = f64s_ramp(x_of(f, first), (double)px_of(f));
+    f64s       sheet = none, solid = none, back = none;
+    for (size_t n = 0; n < f->count; n++) {
+        const leaf_face *face = &f->faces[n];
+        f64s z = f64s_select((uint32_t)(face->texels >> first) & texels, lanes_depth(face->t, x0, y_of(f, first)), none);
+        f64s_store(f->depths + n * LANES, z);
+        if (sparse_is_sheet(face->t))
+            sheet = f64s_min(sheet, z);
+        else
+            solid = f64s_min(solid, z);
+        if (sparse_is_exit(face->t)) back = f64s_min(back, z);
+    }
+    i64s solid_first = (i64s)(solid < sheet);
+    f64s e = f64s_min(solid, sheet), x = f64s_choose(solid_first, exits_of(f, back, solid_first), e);
+    f64s_store(f->e + first, f64s_select(texels, e, f64s_load(f->e + first)));
+    f64s_store(f->x + first, f64s_select(texels, x, f64s_load(f->x + first)));
+}
+
+static void untangle_all(leaf *f)
+{
+    for (int first = 0; first < 64 && f->tangled; first += LANES) {
+        uint32_t texels = (uint32_t)(f->tangled >> first) & ((1u << LANES) - 1);
+        if (texels) untangle(f, texels, first);
+    }
+}
+
+/* the list -------------------------------------------------------------------------------------------------------------------- */
+
+static int compare_entries(const void *a, const void *b)
+{
+    const square_entry *p = a, *q = b;
+    return p->lo < q->lo ? -1 : p->lo > q->lo ? 1 : p->id < q->id ? -1 : 1;
+}
+
+static void sort_by_depth(square_list *l)
+{
+    if (l->count > FEW_ENTRIES) {
+        qsort(l->items, l->count, sizeof *l->items, compare_entries);
+        return;
+    }
+    for (size_t n = 1; n < l->count; n++) {
+        square_entry e  = l->items[n];
+        size_t       to = n;
+        for (; to && l->items[to - 1].lo > e.lo; to--) l->items[to] = l->items[to - 1];
+        l->items[to] = e;
+    }
+}
+
+/* Depths of a tile are told from those of a plane on: faces that lie over each other are mostly as steep as each other, and then apart
+ * however steep they are. The plane is as steep as the farthest triangle that covers the tile, which is the
+ * ground, or a floor. */
+static void lean(const leaf *f, square_list *l)
+{
+    const sparse_triangle *all = f->d->triangles->all, *plane = NULL;
+    const double           half = 3.5 * (double)px_of(f), x = (double)f->x0 + half, y = (double)f->y0 + half;
+    double                 farthest = -INFINITY;
+    for (size_t n = 0; n < l->count; n++)
+        if (l->items[n].bits & ENTRY_COVERS && l->items[n].lo > farthest) {
+            farthest = l->items[n].lo;
+            plane    = &all[l->items[n].id];
+        }
+    if (!plane) return;
+    const double steep = (fabs(plane->gx) + fabs(plane->gy)) * half, slack = ldexp(steep, -45);
+    for (size_t n = 0; n < l->count; n++) {
+        square_entry          *e      = &l->items[n];
+        const sparse_triangle *t      = &all[e->id];
+        const double           middle = t->zmin + t->gy * (y - t->y[0]) + t->gx * (x - t->x[0]);
+        const double           rise = (fabs(t->gx - plane->gx) + fabs(t->gy - plane->gy)) * (half * (1 + 1e-12)) + t->slack + slack;
+        e->lo                       = greatest(middle - rise, e->lo - steep - slack);
+        e->hi                       = least(middle + rise, e->hi + steep + slack);
+    }
+}
+
+/* Which of the texels meet a triangle no later than another one. */
+static uint64_t meets_no_later(const leaf *f, const sparse_triangle *t, const sparse_triangle *other, uint64_t texels)
+{
+    uint64_t later = 0;
+    for (int first = 0; first < 64; first += LANES) {
+        if (!(texels >> first & ((1u << LANES) - 1))) continue;
+        f64s x = f64s_ramp(x_of(f, first), (double)px_of(f));
+        later |= (uint64_t)i64s_negative((i64s)(lanes_depth(t, x, y_of(f, first)) > lanes_depth(other, x, y_of(f, first))))
+                 << first;
+    }
+    return texels & ~later;
+}
+
+/* Which of the texels of a triangle have met another one that it is not behind.
+ * close  [out] those that have met one which it might have been before: another that comes later still may be */
+static uint64_t tangles(const leaf *f, const square_entry *e, uint64_t texels, uint64_t *close)
+{
+    const sparse_triangle *t       = &f->d->triangles->all[e->id];
+    uint64_t               tangled = 0;
+    *close                         = 0;
+    for (size_t n = f->count; n-- && f->faces[n].hi_most >= e->lo;) {
+        uint64_t both = f->faces[n].texels & texels;
+        if (!both || f->faces[n].hi < e->lo) continue;
+        *close |= both;
+        if (both & ~tangled) tangled |= meets_no_later(f, t, f->faces[n].t, both & ~tangled);
+    }
+    return tangled;
+}
+
+/* Only texels that have not left yet matter, and those that may have left too early. */
+static void meet_all(leaf *f, const square_list *l)
+{
+    const sparse_triangles *s       = f->d->triangles;
+    double                  hi_most = -INFINITY;
+    for (size_t n = 0; n < l->count; n++) {
+        const square_entry    *e       = &l->items[n];
+        const sparse_triangle *t       = &s->all[e->id];
+        uint64_t               pending = f->unmet | f->inside | f->tangled, close;
+        if (!pending && e->lo > hi_most) return;
+        uint64_t texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t), tangled = tangles(f, e, texels, &close);
+        texels &= pending | close;
+        if (e->id >= s->holed_first) texels = without_holes(f, e->id, texels);
+        if (!texels) continue;
+        f->tangled |= tangled & texels;
+        hi_most              = greatest(hi_most, e->hi);
+        f->faces[f->count++] = (leaf_face){t, texels, e->hi, hi_most};
+        meet(f, t, texels);
+    }
 }
 
 /* the tile -------------------------------------------------------------------------------------------------------------------- */
 
-static void write_pair(const leaf *f, const leaf_scratch *s, int pair, column_tile *out)
+/* Depths in voxels, those of exits rounded up. */
+static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64])
 {
-    const f64x2 far = f64x2_all(depth_none(f->d->scale)), near = far - f64x2_all(1);
-    i64x2       solid_first = f->solid[pair] < f->sheet[pair];
-    f64x2       e = f64x2_min(f->solid[pair], f->sheet[pair]), x = e;
-    if (any(solid_first)) x = f64x2_select(solid_first, exits_of(f, s, pair, solid_first), x);
-    e = f64x2_min(f64x2_max(e, near), far);
-    x = f64x2_min(f64x2_max(x, near), far);
-    for (int n = 0; n < 2; n++) {
-        out->e[2 * pair + n] = depth_down(f->d->scale, e[n]);
-        out->x[2 * pair + n] = depth_up(f->d->scale, x[n]);
+    const f64s far = f64s_all(depth_none(s)), near = f64s_all(depth_none(s) - 1), depth_vx = f64s_all(s.depth_vx);
+    double     in_voxels[LANES];
+    for (int n = 0; n < 64; n += LANES) {
+        f64s z = f64s_min(f64s_max(f64s_load(depths + n), near), far);
+        if (s.voxel_log == 0) {
+            z *= depth_vx;
+        } else {
+            f64s_store(in_voxels, z);
+            for (int k = 0; k < LANES; k++) in_voxels[k] = depth_in_voxels(s, in_voxels[k]);
+            z = f64s_load(in_voxels);
+        }
+        i32s down = __builtin_convertvector(z, i32s);
+        if (up) down -= __builtin_convertvector((i64s)(__builtin_convertvector(down, f64s) < z), i32s);
+        memcpy(voxels + n, &down, sizeof down);
     }
 }
 
-int leaf_columns(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
-                 column_tile *out)
+static column_bounds bounds_of(const column_tile *t)
 {
-    leaf f;
-    f.d      = d;
-    f.bound  = b;
-    f.x0     = (double)square.u * SUBTEXELS_PER_PX + HALF_PX;
-    f.y0     = (double)square.v * SUBTEXELS_PER_PX + HALF_PX;
-    f.solids = 0;
-    for (int pair = 0; pair < PAIRS; pair++) f.sheet[pair] = f.solid[pair] = f.back[pair] = f64x2_all(INFINITY);
-    for (size_t n = 0; n < l->count; n++)
-        if (l->items[n].id < d->triangles->holed_first && !add_triangle(&f, s, &l->items[n])) return 0;
-    for (size_t n = 0; n < l->count; n++)
-        if (l->items[n].id >= d->triangles->holed_first) add_holed(&f, l->items[n].id);
-    for (int pair = 0; pair < PAIRS; pair++) write_pair(&f, s, pair, out);
-    return 1;
+    column_bounds b = {UINT32_MAX, 0, UINT32_MAX, 0};
+    for (int n = 0; n < 64; n++) {
+        b.emin = min_u32(b.emin, t->e[n]);
+        b.emax = max_u32(b.emax, t->e[n]);
+        b.xmin = min_u32(b.xmin, t->x[n]);
+        b.xmax = max_u32(b.xmax, t->x[n]);
+    }
+    return b;
 }
 
-void leaf_scratch_free(leaf_scratch *s)
+/* Whether one depth parts the columns; then their bounds say so. */
+static int is_parted(const leaf *f, column_bounds *b)
 {
-    free(s->depths);
-    free(s->is_exit);
-    *s = (leaf_scratch){0};
+    const depth_scale s = f->d->scale;
+    f64s              e = f64s_load(f->e), x = f64s_load(f->x);
+    for (int n = LANES; n < 64; n += LANES) {
+        e = f64s_max(e, f64s_load(f->e + n));
+        x = f64s_min(x, f64s_load(f->x + n));
+    }
+    b->emin = b->emax = depth_down(s, depth_clamped(s, f64s_greatest(e)));
+    b->xmin = b->xmax = depth_up(s, depth_clamped(s, f64s_least(x)));
+    return b->emax <= b->xmin;
+}
+
+int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, square_list *l, const square_bound *b, texel_square square,
+                           column_tile *out, column_bounds *bounds)
+{
+    leaf f;
+    if (!array_reserve(&s->faces, &s->face_capacity, l->count, sizeof *s->faces)) return 0;
+    if (!array_reserve(&s->depths, &s->depth_capacity, l->count * LANES, sizeof *s->depths)) return 0;
+    f.d       = d;
+    f.bound   = b;
+    f.x0      = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
+    f.y0      = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
+    f.unmet   = ALL_TEXELS;
+    f.inside  = 0;
+    f.tangled = 0;
+    f.faces   = s->faces;
+    f.depths  = s->depths;
+    f.count   = 0;
+    memset(f.open, 0, sizeof f.open);
+    lean(&f, l);
+    sort_by_depth(l);
+    meet_all(&f, l);
+    put_depth(f.e, f.unmet, INFINITY);
+    put_depth(f.x, f.unmet, INFINITY);
+    put_depth(f.x, f.inside, b->left_out);
+    untangle_all(&f);
+    if (is_parted(&f, bounds)) return 1;
+    round_depths(d->scale, f.e, 0, out->e);
+    round_depths(d->scale, f.x, 1, out->x);
+    *bounds = bounds_of(out);
+    return 1;
 }

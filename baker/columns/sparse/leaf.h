@@ -12,13 +12,11 @@
 #include "baker/columns/depth_scale.h"
 #include "baker/columns/sparse/square_bound.h"
 
-enum { EXIT_LAYERS_MAX = 255 }; /* back faces of a texel that are looked at; a ray through more leaves at the first of them */
-
-/* What a worker needs for it. Zero it. */
+/* What a worker needs for it. Zero it; arrays are the owner's to free. */
 typedef struct leaf_scratch {
-    f64x2   *depths; /* of 64 texels, for each triangle of solids */
-    uint8_t *is_exit;
-    size_t   depth_capacity, exit_capacity;
+    struct leaf_face *faces;
+    double           *depths; /* of a few texels, for each face */
+    size_t            face_capacity, depth_capacity;
 } leaf_scratch;
 
 typedef struct leaf_desc {
@@ -27,10 +25,14 @@ typedef struct leaf_desc {
     int                     nearest_back; /* 1: light leaves at the nearest back face, whatever is open */
 } leaf_desc;
 
-/* Returns 0 without memory. */
-int leaf_columns(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
-                 column_tile *out);
+/* l       its order changes
+ * out     [out] the columns, where one depth does not part all that is lit from all that is in shadow
+ * bounds  [out] of the columns; where one depth parts them, emin = emax <= xmin = xmax, and out has nothing
+ * Returns 0 without memory. */
+typedef int leaf_columns(leaf_scratch *s, const leaf_desc *d, square_list *l, const square_bound *b, texel_square square,
+                         column_tile *out, column_bounds *bounds);
 
-void leaf_scratch_free(leaf_scratch *s);
+/* For the levels of cpu.h; see lanes.h. */
+leaf_columns leaf_columns_sse2, leaf_columns_avx2, leaf_columns_avx512;
 
 #endif

@@ -4,13 +4,15 @@
 
 #include <stdlib.h>
 
+#include "baker/base/cpu.h"
 #include "baker/columns/sparse/sparse_square.h"
 
 typedef struct sparse_map {
-    sparse_triangles triangles;
-    triangle_bins    bins;
-    leaf_desc        desc;
-    sparse_square    fetched;
+    sparse_triangles    triangles;
+    triangle_bins       bins;
+    leaf_desc           desc;
+    const sparse_level *level;
+    sparse_square       fetched;
 } sparse_map;
 
 /* Where no triangle's box is, there is no caster. */
@@ -35,7 +37,8 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     uint32_t    side = 8u << level;
     *out             = (column_square){0};
     stage_begin(ctx, STAGE_MAPS);
-    vxs_result r = sparse_square_init(&o->fetched, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, ctx->threads);
+    vxs_result r =
+        sparse_square_init(&o->fetched, o->level, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) {
         sparse_square_free(&o->fetched);
@@ -80,6 +83,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the triangles of a map");
     o->desc = (leaf_desc){
         .triangles = &o->triangles, .scale = {side, lamp ? owner->light->voxel_metres : 0}, .nearest_back = owner->nearest_back};
+    o->level = &sparse_levels[cpu_level()];
     stage_begin(ctx, STAGE_MAPS);
     vxs_result r = prepare(o, owner, map, side, ctx);
     stage_begin(ctx, STAGE_NONE);

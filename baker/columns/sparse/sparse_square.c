@@ -28,12 +28,21 @@ typedef struct descent_scratch {
 
 typedef struct square_maker {
     sparse_square       *q;
+    const sparse_level  *level;
     const leaf_desc     *d;
     const triangle_bins *bins;
     uint32_t             task_px;
     descent_scratch     *scratch; /* [PARALLEL_THREADS_MAX], or fewer */
     atomic_int           out_of_memory;
 } square_maker;
+
+#ifdef __x86_64__
+const sparse_level sparse_levels[3] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2},
+                                       {square_list_gather_avx2, square_list_split_avx2, leaf_columns_avx2},
+                                       {square_list_gather_avx512, square_list_split_avx512, leaf_columns_avx512}};
+#else
+const sparse_level sparse_levels[3] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2}};
+#endif
 
 /* what is found --------------------------------------------------------------------------------------------------------------- */
 
@@ -48,18 +57,6 @@ static void set_bounds(const sparse_square *q, texel_square at, column_bounds b)
     column_bounds *corner = q->pyramid[0] + tile_at(q, at);
     for (uint32_t j = 0; j < side; j++)
         for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
-}
-
-static column_bounds bounds_of(const column_tile *t)
-{
-    column_bounds b = {UINT32_MAX, 0, UINT32_MAX, 0};
-    for (int n = 0; n < 64; n++) {
-        b.emin = min_u32(b.emin, t->e[n]);
-        b.emax = max_u32(b.emax, t->e[n]);
-        b.xmin = min_u32(b.xmin, t->x[n]);
-        b.xmax = max_u32(b.xmax, t->x[n]);
-    }
-    return b;
 }
 
 /* Returns 0 without memory. */
@@ -81,13 +78,12 @@ static int keep_tile(square_maker *w, uint32_t worker, texel_square at, const co
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
-/* Look at all texels. Columns that one depth parts are said to be alike, and are not kept. */
-static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, const square_list *l)
+/* Look at all texels. Columns that one depth parts are not kept. */
+static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, square_list *l)
 {
-    column_tile tile;
-    if (!leaf_columns(&w->scratch[worker].leaf, w->d, l, bound, at, &tile)) return 0;
-    column_bounds b = bounds_of(&tile);
-    if (b.emax <= b.xmin) b = (column_bounds){b.emax, b.emax, b.xmin, b.xmin};
+    column_tile   tile;
+    column_bounds b;
+    if (!w->level->leaf(&w->scratch[worker].leaf, w->d, l, bound, at, &tile, &b)) return 0;
     set_bounds(w->q, at, b);
     return b.emax <= b.xmin || keep_tile(w, worker, at, &tile);
 }
@@ -115,7 +111,7 @@ static int make_square(square_maker *w, uint32_t worker, texel_square at, square
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
     uint32_t     half    = at.side / 2;
     square_list *quarter = w->scratch[worker].quarter[log2_u32(at.side)];
-    if (!square_list_split(quarter, w->d->triangles, l, at)) return 0;
+    if (!w->level->split(quarter, w->d->triangles, l, at)) return 0;
     for (uint32_t n = 0; n < 4; n++) {
         texel_square part = {at.u + (n & 1) * half, at.v + (n >> 1) * half, half};
         if (!make_square(w, worker, part, bound, &quarter[n])) return 0;
@@ -134,7 +130,7 @@ static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
         size_t       cell    = (size_t)(at.v / bins->cell_px) * bins->cells + at.u / bins->cell_px;
         square_list *l       = &w->scratch[worker].list;
         square_bound nothing = {.enter_most = depth_none(w->d->scale), .left_out = INFINITY, .exit_least = INFINITY};
-        if (!square_list_gather(l, w->d->triangles, bins->ids + bins->first[cell], bins->first[cell + 1] - bins->first[cell], at) ||
+        if (!w->level->gather(l, w->d->triangles, bins->ids + bins->first[cell], bins->first[cell + 1] - bins->first[cell], at) ||
             !make_square(w, worker, at, nothing, l))
             w->out_of_memory = 1;
     }
@@ -171,9 +167,10 @@ static void reduce(const sparse_square *q)
             }
 }
 
-vxs_result sparse_square_init(sparse_square *q, const leaf_desc *d, const triangle_bins *bins, texel_square at, uint32_t threads)
+vxs_result sparse_square_init(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
+                              texel_square at, uint32_t threads)
 {
-    square_maker w      = {.q = q, .d = d, .bins = bins, .task_px = min_u32(at.side, bins->cell_px)};
+    square_maker w      = {.q = q, .level = level, .d = d, .bins = bins, .task_px = min_u32(at.side, bins->cell_px)};
     uint32_t     across = at.side / w.task_px;
     *q                  = (sparse_square){.at = at, .scale = d->scale};
     w.scratch           = calloc(PARALLEL_THREADS_MAX, sizeof *w.scratch);
@@ -186,7 +183,8 @@ vxs_result sparse_square_init(sparse_square *q, const leaf_desc *d, const triang
         descent_scratch *s = &w.scratch[n];
         free(s->list.items);
         for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(s->quarter[k / 4][k % 4].items);
-        leaf_scratch_free(&s->leaf);
+        free(s->leaf.faces);
+        free(s->leaf.depths);
     }
     free(w.scratch);
     if (w.out_of_memory) return VXS_E_MEMORY;

@@ -23,9 +23,19 @@ typedef struct sparse_square {
     leaf_page    **pages;                      /* [PARALLEL_THREADS_MAX] that own the tiles, by worker */
 } sparse_square;
 
+/* The functions of a level of cpu.h. */
+typedef struct sparse_level {
+    square_list_gather *gather;
+    square_list_split  *split;
+    leaf_columns       *leaf;
+} sparse_level;
+
+extern const sparse_level sparse_levels[3];
+
 /* Compute a square. Its bins are as large as it is, or the square as large as one of them or smaller.
  * Returns VXS_OK or VXS_E_MEMORY; released with sparse_square_free either way. */
-vxs_result sparse_square_init(sparse_square *q, const leaf_desc *d, const triangle_bins *bins, texel_square at, uint32_t threads);
+vxs_result sparse_square_init(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
+                              texel_square at, uint32_t threads);
 
 /* Accepts a zeroed object. */
 void sparse_square_free(sparse_square *q);

@@ -19,6 +19,7 @@ typedef struct corner {
 typedef struct maker {
     sparse_triangles *s;
     const projection *p;
+    double            px;     /* subtexels of a texel */
     double            extent; /* subtexels: no point of the map is farther from a vertex */
     int8_t           *facing; /* [p->triangle_count] */
     uint32_t         *patch_of;
@@ -26,21 +27,21 @@ typedef struct maker {
     uint32_t         *order; /* [s->count] the triangles of p in the order of s */
 } maker;
 
-static int32_t snapped(double texels)
+static int32_t snapped(const maker *w, double texels)
 {
-    return (int32_t)floor(texels * SUBTEXELS_PER_PX + 0.5);
+    return (int32_t)floor(texels * w->px + 0.5);
 }
 
 static corner corner_of(const maker *w, size_t triangle, int k)
 {
     const vertex_ls *v = &w->p->vertices[w->p->indices[3 * triangle + (size_t)k]];
-    return (corner){snapped(v->u), snapped(v->v), w->p->reversed ? -v->z : v->z};
+    return (corner){snapped(w, v->u), snapped(w, v->v), w->p->reversed ? -v->z : v->z};
 }
 
 /* Twice the area: exact. */
 static int64_t area_of(const corner c[3])
 {
-    return (int64_t)(c[1].x - c[0].x) * (c[2].y - c[0].y) - (int64_t)(c[2].x - c[0].x) * (c[1].y - c[0].y);
+    return ((int64_t)c[1].x - c[0].x) * ((int64_t)c[2].y - c[0].y) - ((int64_t)c[2].x - c[0].x) * ((int64_t)c[1].y - c[0].y);
 }
 
 static void find_facing(void *user, size_t begin, size_t end, uint32_t worker)
@@ -85,7 +86,7 @@ static void set_plane(sparse_triangle *t, const corner c[3], double extent)
 {
     double x1 = (double)c[1].x - c[0].x, y1 = (double)c[1].y - c[0].y, z1 = c[1].z - c[0].z;
     double x2 = (double)c[2].x - c[0].x, y2 = (double)c[2].y - c[0].y, z2 = c[2].z - c[0].z;
-    double area  = x1 * y2 - x2 * y1;
+    double area  = (double)llabs(area_of(c));
     double terms = fabs(z1 * y2) + fabs(z2 * y1) + fabs(z2 * x1) + fabs(z1 * x2);
     t->gx        = (z1 * y2 - z2 * y1) / area;
     t->gy        = (z2 * x1 - z1 * x2) / area;
@@ -170,8 +171,8 @@ static vxs_result make(maker *w, uint32_t threads)
 
 vxs_result sparse_triangles_init(sparse_triangles *s, const projection *p, uint32_t side_px, uint32_t threads)
 {
-    maker w      = {.s = s, .p = p, .extent = 4.0 * side_px * SUBTEXELS_PER_PX};
-    *s           = (sparse_triangles){.casters = p->casters};
+    *s           = (sparse_triangles){.grid = sparse_grid(side_px), .casters = p->casters};
+    maker      w = {.s = s, .p = p, .px = ldexp(1, (int)s->grid), .extent = ldexp(4.0 * side_px, (int)s->grid)};
     vxs_result r = make(&w, threads);
     free(w.facing);
     free(w.patch_of);

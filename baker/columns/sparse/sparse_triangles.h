@@ -1,21 +1,18 @@
 /* The casters of a map as triangles of exact edges.
  *
- * Corners lie on the grid of 1/256 texel that OpenGL's rasterizers snap to, so that both sources see the same shapes; edge functions
- * are whole numbers then, below 2^50 in a map of 16384 texels, and doubles hold them exactly. A texel belongs to a triangle when its centre
- * is inside, or on an edge that is the triangle's own: of the two sides of an edge one owns it, so that a closed surface covers every texel
- * exactly as often by front faces as by back faces.
+ * Corners lie on a grid of subtexels, as fine as whole numbers of 64 bits allow for the map: an edge function is never rounded. A texel
+ * belongs to a triangle when its centre is inside, or on an edge that is the triangle's own: of the two sides of an edge one owns it, so
+ * that a closed surface covers every texel exactly as often by front faces as by back faces.
  *
  * Depth is a plane through the corner that is nearest to the light, kept within the range of the corners. It is computed in one way only
- * (sparse_depth), and `slack` is more than it can be off, so that what is known of it in a square of texels holds for computed depths and
- * for true ones.
+ * (sparse_depth, and lanes_depth in lanes.h), and `slack` is more than it can be off, so that what is known of it in a square of texels
+ * holds for computed depths and for true ones.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_TRIANGLES_H
 #define SPARSE_TRIANGLES_H
 
-#include "baker/base/simd.h"
+#include "baker/base/integer.h"
 #include "baker/light/projection.h"
-
-enum { SUBTEXELS_PER_PX = 256 };
 
 enum {
     SPARSE_SOLID = 1, /* of a solid; else a sheet */
@@ -36,6 +33,7 @@ typedef struct sparse_triangle {
 typedef struct sparse_triangles {
     size_t           count;
     sparse_triangle *all;         /* [count] by patch */
+    uint32_t         grid;        /* log2 of the subtexels that are a texel */
     size_t           holed_first; /* triangles [holed_first, count) have holes */
     hole_uvq (*uvq)[3];           /* [count - holed_first] of each corner */
     uint32_t      *mask_of;       /* [count - holed_first] their alpha masks */
@@ -48,26 +46,37 @@ vxs_result sparse_triangles_init(sparse_triangles *s, const projection *p, uint3
 /* Accepts a zeroed object. */
 void sparse_triangles_free(sparse_triangles *s);
 
-/* The edge from corner k to the next: a x + b y + c >= 0 for texels that are inside by it. Whole numbers; where the edge is not the
- * triangle's own, c is less by one, which leaves out what lies on it. */
+/* The grid of a map of side_px texels. Corners are at most two sides from any texel and three from each other: edge functions stay below
+ * 12 * 2^58, and what is added to them for a square below half of it. Finer than 1/65536 texel gains nothing. */
+static inline uint32_t sparse_grid(uint32_t side_px)
+{
+    return min_u32(16, 29 - log2_u32(side_px));
+}
+
+/* The edge from corner k to the next: a (x - x0) + b (y - y0) - c >= 0 for texels that are inside by it. */
 typedef struct sparse_edge {
-    double a, b, c;
+    int64_t a, b, x0, y0;
+    int64_t c; /* 1 where the edge is not the triangle's own, which leaves out what lies on it */
 } sparse_edge;
 
 static inline sparse_edge sparse_edge_of(const sparse_triangle *t, int k)
 {
-    int    n = k < 2 ? k + 1 : 0;
-    double a = (double)t->y[k] - t->y[n], b = (double)t->x[n] - t->x[k];
-    double c = -(a * t->x[k] + b * t->y[k]);
-    return (sparse_edge){a, b, a > 0 || (a == 0 && b > 0) ? c : c - 1};
+    int     n = k < 2 ? k + 1 : 0;
+    int64_t a = (int64_t)t->y[k] - t->y[n], b = (int64_t)t->x[n] - t->x[k];
+    return (sparse_edge){a, b, t->x[k], t->y[k], !(a > 0 || (a == 0 && b > 0))};
 }
 
-/* Depths at two points of a row. */
-static inline f64x2 sparse_depth(const sparse_triangle *t, f64x2 x, double y)
+static inline int64_t sparse_edge_at(const sparse_edge *e, int64_t x, int64_t y)
 {
-    f64x2 row = f64x2_all(t->zmin + t->gy * (y - t->y[0]));
-    f64x2 z   = row + f64x2_all(t->gx) * (x - f64x2_all(t->x[0]));
-    return f64x2_min(f64x2_max(z, f64x2_all(t->zmin)), f64x2_all(t->zmax));
+    return e->a * (x - e->x0) + e->b * (y - e->y0) - e->c;
+}
+
+/* x, y  subtexels */
+static inline double sparse_depth(const sparse_triangle *t, double x, double y)
+{
+    double z = t->zmin + t->gy * (y - t->y[0]) + t->gx * (x - t->x[0]);
+    z        = z > t->zmin ? z : t->zmin;
+    return z < t->zmax ? z : t->zmax;
 }
 
 /* A back face of a solid: light leaves there. */

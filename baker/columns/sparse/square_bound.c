@@ -24,8 +24,8 @@ static patch_run run_from(const square_list *l, const sparse_triangles *s, size_
         const square_entry *e = &l->items[r.end];
         r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
         r.ends |= (e->bits & ENTRY_END) != 0;
-        r.hi = fmax(r.hi, e->hi);
-        if (e->bits & ENTRY_COVERS) r.covered = fmin(r.covered, e->hi);
+        r.hi = greatest(r.hi, e->hi);
+        if (e->bits & ENTRY_COVERS) r.covered = least(r.covered, e->hi);
     }
     return r;
 }
@@ -56,7 +56,7 @@ static double nearest_layer(const square_list *l, const patch_run *r, double kno
             if (all & ENTRY_SAMPLE && !(all & ENTRY_END)) return hi;
             all = 0;
         }
-        hi = fmax(hi, sorted[n].hi);
+        hi = greatest(hi, sorted[n].hi);
         all |= sorted[n].bits;
     }
     return all & ENTRY_SAMPLE && !(all & ENTRY_END) ? hi : INFINITY;
@@ -65,10 +65,10 @@ static double nearest_layer(const square_list *l, const patch_run *r, double kno
 /* Where the run has covered the square. */
 static double covered_by(const square_list *l, const sparse_triangles *s, const patch_run *r, double known)
 {
-    if (r->sampled == 1 && !r->ends) return fmin(r->covered, r->hi);
+    if (r->sampled == 1 && !r->ends) return least(r->covered, r->hi);
     size_t count = r->end - r->begin;
     if (count < 2 || count > LAYERED_MAX || sparse_is_exit(&s->all[l->items[r->begin].id])) return r->covered;
-    return fmin(r->covered, nearest_layer(l, r, known));
+    return least(r->covered, nearest_layer(l, r, known));
 }
 
 static void find_enter_most(square_bound *b, square_list *l, const sparse_triangles *s)
@@ -79,7 +79,7 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
         patch_run r = run_from(l, s, begin);
         begin       = r.end;
         if (is_missed(&r, known)) continue;
-        b->enter_most = fmin(b->enter_most, covered_by(l, s, &r, known));
+        b->enter_most = least(b->enter_most, covered_by(l, s, &r, known));
         memmove(l->items + kept, l->items + r.begin, (r.end - r.begin) * sizeof *l->items);
         kept += r.end - r.begin;
     }
@@ -95,12 +95,12 @@ void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangle
         const square_entry    *e = &l->items[n];
         const sparse_triangle *t = &s->all[e->id];
         if (e->lo > b->enter_most) {
-            if (sparse_is_exit(t)) b->left_out = fmin(b->left_out, e->lo);
+            if (sparse_is_exit(t)) b->left_out = least(b->left_out, e->lo);
             continue;
         }
-        if (sparse_is_exit(t) || sparse_is_sheet(t)) nearer = fmin(nearer, e->lo);
+        if (sparse_is_exit(t) || sparse_is_sheet(t)) nearer = least(nearer, e->lo);
         l->items[kept++] = *e;
     }
     l->count      = kept;
-    b->exit_least = fmin(nearer, b->left_out);
+    b->exit_least = least(nearer, b->left_out);
 }

@@ -1,124 +1,157 @@
 /* Triangles against squares; see square_list.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/square_list.h"
-
-#include <math.h>
-
 #include "baker/base/array.h"
-#include "baker/base/integer.h"
+#include "baker/columns/sparse/lanes.h"
 
-enum { HALF_PX = SUBTEXELS_PER_PX / 2 };
+enum { QUARTERS = 4, VECTORS = LANES < 4 ? 2 : 1 }; /* vectors that hold them */
 
-/* An edge, and how far its function goes from the middle of a square to the corners of its box. */
-typedef struct square_edge {
-    sparse_edge edge;
-    double      reach;
-    double      x0, x1, y0, y1; /* the box of the edge */
-    int         is_end;
-} square_edge;
+/* A number for each quarter; of wider vectors the rest repeats them. */
+typedef struct i64_quarters {
+    i64s v[VECTORS];
+} i64_quarters;
 
-/* A triangle as squares of one size are asked about it. */
-typedef struct asked_triangle {
-    const sparse_triangle *t;
-    square_edge            edge[3];
-    int                    edges; /* 3; 0 where it is known to cover the squares */
-    double                 half;  /* of the side of the box of a square's texel centres */
-    double                 rise;  /* of depth, over it */
-} asked_triangle;
+typedef struct f64_quarters {
+    f64s v[VECTORS];
+} f64_quarters;
 
-static asked_triangle ask_about(const sparse_triangle *t, uint32_t side, int covers)
+/* What is asked of all triangles. */
+typedef struct splitter {
+    int64_t      x, y;        /* middle of the square, subtexels */
+    int64_t      step;        /* from there to the middles of quarters, along x and along y; 0: all of them are the square itself */
+    int64_t      half;        /* of the side of the box of a quarter's texel centres */
+    i64_quarters left, below; /* masks of quarters */
+    f64_quarters middle_x, middle_y;
+} splitter;
+
+static splitter splitter_of(const sparse_triangles *s, texel_square square, uint32_t side)
 {
-    asked_triangle a;
-    a.t     = t;
-    a.half  = (double)(side - 1) * HALF_PX;
-    a.edges = covers ? 0 : 3;
-    a.rise  = (fabs(t->gx) + fabs(t->gy)) * a.half + t->slack;
-    for (int k = 0; k < a.edges; k++) {
-        int         n = k < 2 ? k + 1 : 0;
-        sparse_edge e = sparse_edge_of(t, k);
-        a.edge[k]     = (square_edge){.edge   = e,
-                                      .reach  = (fabs(e.a) + fabs(e.b)) * a.half,
-                                      .x0     = min_i32(t->x[k], t->x[n]),
-                                      .x1     = max_i32(t->x[k], t->x[n]),
-                                      .y0     = min_i32(t->y[k], t->y[n]),
-                                      .y1     = max_i32(t->y[k], t->y[n]),
-                                      .is_end = t->ends >> k & 1};
+    splitter w = {.x    = ((int64_t)(2 * square.u + square.side) << s->grid) / 2,
+                  .y    = ((int64_t)(2 * square.v + square.side) << s->grid) / 2,
+                  .step = ((int64_t)(square.side - side) << s->grid) / 2,
+                  .half = ((int64_t)(side - 1) << s->grid) / 2};
+    for (int n = 0; n < VECTORS * LANES; n++) {
+        int64_t left = n & 1 ? 0 : -1, below = n & 2 ? 0 : -1;
+        w.left.v[n / LANES][n % LANES]     = left;
+        w.below.v[n / LANES][n % LANES]    = below;
+        w.middle_x.v[n / LANES][n % LANES] = (double)(left ? w.x - w.step : w.x + w.step);
+        w.middle_y.v[n / LANES][n % LANES] = (double)(below ? w.y - w.step : w.y + w.step);
     }
-    return a;
+    return w;
 }
 
-/* Two squares of a row: the bits of those that the triangle may touch. */
-typedef struct pair_answer {
-    uint32_t touched, covered, sampled, ended;
-    f64x2    lo, hi;
-} pair_answer;
-
-/* x, y  centres of the squares, subtexels */
-static pair_answer ask_pair(const asked_triangle *a, f64x2 x, double y)
+/* The number, or less than nothing of it where the mask is. */
+static i64s turned(int64_t number, i64s mask)
 {
-    f64x2 half = f64x2_all(a->half), zero = f64x2_all(0);
-    i64x2 touched = {-1, -1}, covered = {-1, -1}, sampled = {-1, -1}, ended = {0, 0};
-    f64x2 middle = f64x2_all(a->t->zmin + a->t->gy * (y - a->t->y[0])) + f64x2_all(a->t->gx) * (x - f64x2_all(a->t->x[0]));
-    f64x2 lo     = f64x2_max(middle - f64x2_all(a->rise), f64x2_all(a->t->zmin));
-    f64x2 hi     = f64x2_min(middle + f64x2_all(a->rise), f64x2_all(a->t->zmax));
-    touched &= lo <= hi; /* else the plane passes the square out of the triangle's range */
-    for (int k = 0; k < a->edges; k++) {
-        const square_edge *e  = &a->edge[k];
-        f64x2              at = f64x2_all(e->edge.a) * x + f64x2_all(e->edge.b * y + e->edge.c), reach = f64x2_all(e->reach);
-        i64x2              crossed = at < reach; /* some of the box is outside by this edge */
-        touched &= at + reach >= zero;
-        covered &= ~crossed;
-        sampled &= at >= zero;
-        if (!e->is_end || e->y0 > y + a->half || e->y1 < y - a->half) continue;
-        ended |= crossed & (f64x2_all(e->x0) <= x + half) & (f64x2_all(e->x1) >= x - half);
-    }
-    return (pair_answer){i64x2_bits(touched), i64x2_bits(covered), i64x2_bits(sampled), i64x2_bits(ended), lo, hi};
+    return (i64s_all(number) ^ mask) - mask;
 }
 
-static int add(square_list *l, const pair_answer *p, int lane, uint32_t id, int holed)
+/* Quarters as bits. */
+typedef struct quarter_answer {
+    uint32_t missed, uncovered, unsampled, ended;
+    double   lo[VECTORS * LANES], hi[VECTORS * LANES];
+} quarter_answer;
+
+static uint32_t negative(const i64_quarters *q)
 {
-    if (!(p->touched >> lane & 1)) return 1;
+    uint32_t bits = 0;
+    for (int n = 0; n < VECTORS; n++) bits |= i64s_negative(q->v[n]) << n * LANES;
+    return bits;
+}
+
+/* Quarters whose box the box of an edge does not touch. */
+static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
+{
+    const int     next = k < 2 ? k + 1 : 0;
+    const int64_t x0 = min_i32(t->x[k], t->x[next]) - w->half - w->x, x1 = max_i32(t->x[k], t->x[next]) + w->half - w->x;
+    const int64_t y0 = min_i32(t->y[k], t->y[next]) - w->half - w->y, y1 = max_i32(t->y[k], t->y[next]) + w->half - w->y;
+    uint32_t      apart = 0;
+    if (x1 < w->step || x0 > w->step) apart |= 10; /* the right ones */
+    if (x1 < -w->step || x0 > -w->step) apart |= 5;
+    if (y1 < w->step || y0 > w->step) apart |= 12; /* the upper ones */
+    if (y1 < -w->step || y0 > -w->step) apart |= 3;
+    return apart;
+}
+
+static void ask_edges(quarter_answer *q, const splitter *w, const sparse_triangle *t)
+{
+    i64_quarters outside[3] = {0}; /* the box, some of it, its middle */
+    for (int k = 0; k < 3; k++) {
+        const sparse_edge e  = sparse_edge_of(t, k);
+        const int64_t     at = sparse_edge_at(&e, w->x, w->y), across = e.a * w->step, along = e.b * w->step;
+        const i64s        reach   = i64s_all(((e.a < 0 ? -e.a : e.a) + (e.b < 0 ? -e.b : e.b)) * w->half);
+        uint32_t          crossed = 0;
+        for (int n = 0; n < VECTORS; n++) {
+            i64s middle = i64s_all(at) + turned(across, w->left.v[n]) + turned(along, w->below.v[n]);
+            i64s most = middle + reach, least = middle - reach;
+            outside[0].v[n] |= most;
+            outside[1].v[n] |= least;
+            outside[2].v[n] |= middle;
+            crossed |= i64s_negative(least) << n * LANES;
+        }
+        if (t->ends >> k & 1 && crossed) q->ended |= crossed & ~apart_from(w, t, k);
+    }
+    q->missed |= negative(&outside[0]);
+    q->uncovered = negative(&outside[1]);
+    q->unsampled = negative(&outside[2]);
+}
+
+/* Between which depths the triangle lies in each quarter. Where there are none, the plane passes the quarter out of the triangle's range. */
+static void ask_depth(quarter_answer *q, const splitter *w, const sparse_triangle *t)
+{
+    const f64s   x0 = f64s_all(t->x[0]), y0 = f64s_all(t->y[0]), gx = f64s_all(t->gx), gy = f64s_all(t->gy);
+    const double steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy);
+    const f64s   rise = f64s_all(steep * (double)w->half + t->slack), zmin = f64s_all(t->zmin), zmax = f64s_all(t->zmax);
+    for (int n = 0; n < VECTORS; n++) {
+        f64s middle = zmin + gy * (w->middle_y.v[n] - y0) + gx * (w->middle_x.v[n] - x0);
+        f64s lo = f64s_max(middle - rise, zmin), hi = f64s_min(middle + rise, zmax);
+        f64s_store(q->lo + n * LANES, lo);
+        f64s_store(q->hi + n * LANES, hi);
+        q->missed |= i64s_negative((i64s)(lo > hi)) << n * LANES;
+    }
+}
+
+static int add(square_list *l, const quarter_answer *q, int quarter, uint32_t id, int holed)
+{
+    if (q->missed >> quarter & 1) return 1;
     if (l->count == l->capacity && !array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) return 0;
-    uint32_t bits = (p->covered >> lane & 1 ? ENTRY_COVERS : 0u) | (p->sampled >> lane & 1 ? ENTRY_SAMPLE : 0u) |
-                    (p->ended >> lane & 1 ? ENTRY_END : 0u);
+    uint32_t bits = (q->uncovered >> quarter & 1 ? 0u : ENTRY_COVERS) | (q->unsampled >> quarter & 1 ? 0u : ENTRY_SAMPLE) |
+                    (q->ended >> quarter & 1 ? ENTRY_END : 0u);
     if (holed) bits = ENTRY_END; /* it covers nothing for sure, and may be anywhere */
-    l->items[l->count++] = (square_entry){p->lo[lane], p->hi[lane], id, bits};
+    l->items[l->count++] = (square_entry){q->lo[quarter], q->hi[quarter], id, bits};
     return 1;
 }
 
-static double centre_of(uint32_t texel, uint32_t side)
+static quarter_answer ask(const splitter *w, const sparse_triangle *t, int covers)
 {
-    return (double)texel * SUBTEXELS_PER_PX + (double)side * HALF_PX;
+    quarter_answer q = {.missed = 0};
+    ask_depth(&q, w, t);
+    if (!covers) ask_edges(&q, w, t);
+    return q;
 }
 
-int square_list_gather(square_list *l, const sparse_triangles *s, const uint32_t *ids, size_t count, texel_square square)
+int AT_LEVEL(square_list_gather)(square_list *l, const sparse_triangles *s, const uint32_t *ids, size_t count, texel_square square)
 {
-    double x = centre_of(square.u, square.side), y = centre_of(square.v, square.side);
-    l->count = 0;
+    const splitter w = splitter_of(s, square, square.side);
+    l->count         = 0;
     for (size_t n = 0; n < count; n++) {
         const sparse_triangle *t = &s->all[ids[n]];
-        asked_triangle         a = ask_about(t, square.side, 0);
-        pair_answer            p = ask_pair(&a, f64x2_all(x), y);
-        if (!add(l, &p, 0, ids[n], t->kind & SPARSE_HOLED)) return 0;
+        quarter_answer         q = ask(&w, t, 0);
+        if (!add(l, &q, 0, ids[n], t->kind & SPARSE_HOLED)) return 0;
     }
     return 1;
 }
 
-int square_list_split(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square)
+int AT_LEVEL(square_list_split)(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square)
 {
-    uint32_t side = square.side / 2;
-    f64x2    x    = {centre_of(square.u, side), centre_of(square.u + side, side)};
-    double   y[2] = {centre_of(square.v, side), centre_of(square.v + side, side)};
-    for (int k = 0; k < 4; k++) quarter[k].count = 0;
+    const splitter w = splitter_of(s, square, square.side / 2);
+    for (int k = 0; k < QUARTERS; k++) quarter[k].count = 0;
     for (size_t n = 0; n < l->count; n++) {
         const square_entry    *e = &l->items[n];
         const sparse_triangle *t = &s->all[e->id];
-        asked_triangle         a = ask_about(t, side, e->bits & ENTRY_COVERS);
-        for (int row = 0; row < 2; row++) {
-            pair_answer p = ask_pair(&a, x, y[row]);
-            for (int lane = 0; lane < 2; lane++)
-                if (!add(&quarter[2 * row + lane], &p, lane, e->id, t->kind & SPARSE_HOLED)) return 0;
-        }
+        quarter_answer         q = ask(&w, t, e->bits & ENTRY_COVERS);
+        for (int k = 0; k < QUARTERS; k++)
+            if (!add(&quarter[k], &q, k, e->id, t->kind & SPARSE_HOLED)) return 0;
     }
     return 1;
 }

@@ -29,12 +29,27 @@ typedef struct texel_square {
     uint32_t u, v, side;
 } texel_square;
 
+/* Of numbers, without the care that fmin and fmax take of others. */
+static inline double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double greatest(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* Fill a list with those of some triangles that may touch a square.
  * ids  [count] ascending
  * Returns 0 without memory. */
-int square_list_gather(square_list *l, const sparse_triangles *s, const uint32_t *ids, size_t count, texel_square square);
+typedef int square_list_gather(square_list *l, const sparse_triangles *s, const uint32_t *ids, size_t count, texel_square square);
 
 /* The lists of the four quarters of a square: (0, 0), (1, 0), (0, 1), (1, 1). Returns 0 without memory. */
-int square_list_split(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square);
+typedef int square_list_split(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square);
+
+/* For the levels of cpu.h; see lanes.h. */
+square_list_gather square_list_gather_sse2, square_list_gather_avx2, square_list_gather_avx512;
+square_list_split  square_list_split_sse2, square_list_split_avx2, square_list_split_avx512;
 
 #endif

@@ -16,26 +16,26 @@ enum {
 typedef struct binner {
     triangle_bins          *b;
     const sparse_triangles *s;
-    size_t                 *place; /* [CHUNKS * cells^2] how many ids a chunk has for a cell, then where they go */
+    uint32_t                cell_log2; /* subtexels of a cell */
+    size_t                 *place;     /* [CHUNKS * cells^2] how many ids a chunk has for a cell, then where they go */
 } binner;
 
 typedef struct cell_range {
     uint32_t i0, i1, j0, j1;
 } cell_range;
 
-static uint32_t cell_of(const triangle_bins *b, int32_t subtexels)
+static uint32_t cell_of(const binner *w, int32_t subtexels)
 {
-    int32_t cell = subtexels / (int32_t)(b->cell_px * SUBTEXELS_PER_PX);
-    return subtexels < 0 ? 0 : min_u32((uint32_t)cell, b->cells - 1);
+    return subtexels < 0 ? 0 : min_u32((uint32_t)subtexels >> w->cell_log2, w->b->cells - 1);
 }
 
 /* 0 when the triangle's box is outside the map. */
-static int cells_of(const triangle_bins *b, const sparse_triangle *t, cell_range *r)
+static int cells_of(const binner *w, const sparse_triangle *t, cell_range *r)
 {
     int32_t x0 = min_i32(min_i32(t->x[0], t->x[1]), t->x[2]), x1 = max_i32(max_i32(t->x[0], t->x[1]), t->x[2]);
     int32_t y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]), y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]);
-    int32_t side = (int32_t)(b->cells * b->cell_px * SUBTEXELS_PER_PX);
-    *r           = (cell_range){cell_of(b, x0), cell_of(b, x1), cell_of(b, y0), cell_of(b, y1)};
+    int32_t side = (int32_t)(w->b->cells << w->cell_log2);
+    *r           = (cell_range){cell_of(w, x0), cell_of(w, x1), cell_of(w, y0), cell_of(w, y1)};
     return x1 >= 0 && y1 >= 0 && x0 <= side && y0 <= side;
 }
 
@@ -45,7 +45,7 @@ static void walk_chunk(binner *w, size_t chunk, int place)
     size_t         count = (size_t)b->cells * b->cells, *at = w->place + chunk * count;
     cell_range     r;
     for (size_t n = w->s->count * chunk / CHUNKS; n < w->s->count * (chunk + 1) / CHUNKS; n++) {
-        if (!cells_of(b, &w->s->all[n], &r)) continue;
+        if (!cells_of(w, &w->s->all[n], &r)) continue;
         for (uint32_t j = r.j0; j <= r.j1; j++)
             for (uint32_t i = r.i0; i <= r.i1; i++) {
                 size_t *to = &at[(size_t)j * b->cells + i];
@@ -88,6 +88,7 @@ static vxs_result bin(binner *w, uint32_t side_px, uint32_t threads)
     for (b->cells = max_u32(min_u32(BINS_A_SIDE_MAX, side_px / LEAST_CELL_PX), 1);; b->cells /= 2) {
         size_t cells = (size_t)b->cells * b->cells;
         b->cell_px   = side_px / b->cells;
+        w->cell_log2 = log2_u32(b->cell_px) + w->s->grid;
         free(w->place);
         free(b->first);
         w->place = calloc(CHUNKS * cells, sizeof *w->place);
