@@ -11,7 +11,7 @@
 #include "baker/columns/opengl/gl.h"
 #include "baker/dag/build.h"
 
-enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 16384 };
+enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
 
 typedef enum stop_stage {
     STOP_INSERT,  /* sub-DAGs as they were inserted, side by side */

@@ -86,7 +86,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--sun", OPTION_NAMED_VECTOR, &a->o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",
          "add a light that travels this way, named sun or NAME; repeat for more", NULL},
         {"--resolution", OPTION_NAMED_U32, &a->o.resolutions, RESOLUTION_MIN_PX, RESOLUTION_MAX_PX, NULL, "[NAME=]N",
-         "texels a side of the map, of light NAME or of all others, a power of two, 8 to 16384 (default 4096)", NULL},
+         "texels a side of the map, of light NAME or of all others, a power of two, 8 to 262144 (default 4096)", NULL},
         {"--texel", OPTION_NAMED_F64, &a->o.texels, 1e-9, 1e9, NULL, "[NAME=]METRES",
          "side of a texel, of light NAME or of all others; the resolution follows from it (default from --resolution)", NULL},
         {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",
