@@ -14,18 +14,21 @@
 #include "baker/scene/alpha_mask.h"
 
 enum {
-    OPEN_BITS   = 8, /* of the count of solids that are open; texels in more of them are sorted alone */
-    FEW_ENTRIES = 24 /* so many are sorted by insertion */
+    OPEN_BITS = 8, /* of the count of solids that are open; texels in more of them are sorted alone */
+    FEW_FACES = 16 /* so many are sorted by insertion */
 };
 
 #define ALL_TEXELS UINT64_MAX
 
-/* A triangle that texels meet which had not left yet. */
+/* A triangle that may touch the tile. */
 typedef struct leaf_face {
     const sparse_triangle *t;
-    uint64_t               texels;  /* bit u + 8 v */
-    double                 hi;      /* in the tile */
-    double                 hi_most; /* of all faces up to this one */
+    double                 lo, hi, place; /* depths in the tile from the plane of lean() on; and what faces are sorted by */
+    double                 hi_most;       /* of faces up to this one that have `met` */
+    uint64_t               texels;        /* that it covers: bit u + 8 v; of `asked` ones */
+    uint64_t               asked;
+    uint64_t               met; /* of texels, those that had not left when it was met */
+    uint32_t               id, covers;
 } leaf_face;
 
 /* The texels of a tile while it is looked at. */
@@ -207,6 +210,115 @@ static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
     f->inside &= ~done;
 }
 
+/* all triangles --------------------------------------------------------------------------------------------------------------- */
+
+/* The triangle as steep as which a tile leans: the farthest that covers it, which is the ground, or a floor. */
+static const sparse_triangle *plane_of(const leaf *f, const square_list *l)
+{
+    const square_entry *farthest = NULL;
+    for (size_t n = 0; n < l->count; n++)
+        if (l->items[n].bits & ENTRY_COVERS && (!farthest || l->items[n].lo > farthest->lo)) farthest = &l->items[n];
+    return farthest ? &f->d->triangles->all[farthest->id] : NULL;
+}
+
+/* Depths of a tile are told from those of a plane on: faces that lie over each other are mostly as steep as each other, and then apart
+ * however steep they are. Front faces are sorted by their nearest depths and back faces by their middles, as walls are: the ones end where
+ * a floor begins, the others begin where a roof ends. */
+static void lean(leaf *f, const square_list *l)
+{
+    const sparse_triangle *plane = plane_of(f, l);
+    const double           gx = plane ? plane->gx : 0, gy = plane ? plane->gy : 0;
+    const double           half = 3.5 * (double)px_of(f), x = (double)f->x0 + half, y = (double)f->y0 + half;
+    const double           steep = (fabs(gx) + fabs(gy)) * half, slack = ldexp(steep, -45);
+    for (f->count = 0; f->count < l->count; f->count++) {
+        const square_entry    *e      = &l->items[f->count];
+        const sparse_triangle *t      = &f->d->triangles->all[e->id];
+        const double           middle = t->zmin + t->gy * (y - t->y[0]) + t->gx * (x - t->x[0]);
+        const double           rise   = (fabs(t->gx - gx) + fabs(t->gy - gy)) * (half * (1 + 1e-12)) + t->slack + slack;
+        leaf_face             *face   = &f->faces[f->count];
+        face->t                       = t;
+        face->id                      = e->id;
+        face->covers                  = e->bits & ENTRY_COVERS;
+        face->lo                      = greatest(middle - rise, e->lo - steep - slack);
+        face->hi                      = least(middle + rise, e->hi + steep + slack);
+        face->place                   = sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo;
+    }
+}
+
+static int compare_faces(const void *a, const void *b)
+{
+    const leaf_face *p = a, *q = b;
+    return p->place < q->place ? -1 : p->place > q->place ? 1 : p->id < q->id ? -1 : 1;
+}
+
+static void sort_faces(leaf_face *faces, size_t count)
+{
+    if (count > FEW_FACES) {
+        qsort(faces, count, sizeof *faces, compare_faces);
+        return;
+    }
+    for (size_t n = 1; n < count; n++) {
+        leaf_face face = faces[n];
+        size_t    to   = n;
+        for (; to && faces[to - 1].place > face.place; to--) faces[to] = faces[to - 1];
+        faces[to] = face;
+    }
+}
+
+/* Find out which of some texels a face covers. */
+static void ask(const leaf *f, leaf_face *face, uint64_t texels)
+{
+    uint64_t covers = texels & (face->covers ? ALL_TEXELS : covered(f, face->t));
+    if (face->t->kind & SPARSE_HOLED) covers = without_holes(f, face->id, covers);
+    face->texels |= covers;
+    face->asked |= texels;
+}
+
+/* Which of the texels meet a triangle no later than another one. */
+static uint64_t meets_no_later(const leaf *f, const sparse_triangle *t, const sparse_triangle *other, uint64_t texels)
+{
+    uint64_t later = 0;
+    for (int first = 0; first < 64; first += LANES) {
+        if (!(texels >> first & ((1u << LANES) - 1))) continue;
+        f64s x = f64s_ramp(x_of(f, first), (double)px_of(f));
+        later |= (uint64_t)i64s_negative((i64s)(lanes_depth(t, x, y_of(f, first)) > lanes_depth(other, x, y_of(f, first))))
+                 << first;
+    }
+    return texels & ~later;
+}
+
+/* Which of its texels meet face n behind one that they have met already, and is not nearer. */
+static uint64_t tangles(const leaf *f, size_t n)
+{
+    const leaf_face *face    = &f->faces[n];
+    uint64_t         tangled = 0;
+    while (n-- && f->faces[n].hi_most >= face->lo) {
+        const leaf_face *before = &f->faces[n];
+        const uint64_t   both   = before->met & face->texels & ~tangled;
+        if (both && before->hi >= face->lo) tangled |= before->lo > face->hi ? both : meets_no_later(f, face->t, before->t, both);
+    }
+    return tangled;
+}
+
+/* Meet all faces in order. Only texels that have not left yet matter, and those that may have left too early. */
+static void meet_all(leaf *f)
+{
+    double hi_most = -INFINITY;
+    for (size_t n = 0; n < f->count; n++) {
+        leaf_face *face    = &f->faces[n];
+        uint64_t   pending = f->unmet | f->inside;
+        face->texels = face->asked = face->met = 0;
+        if (pending || face->lo <= hi_most) {
+            ask(f, face, ALL_TEXELS);
+            f->tangled |= tangles(f, n);
+            face->met = face->texels & pending;
+            meet(f, face->t, face->met);
+            if (face->met) hi_most = greatest(hi_most, face->hi);
+        }
+        face->hi_most = hi_most;
+    }
+}
+
 /* where depths are not apart -------------------------------------------------------------------------------------------------- */
 
 /* Front faces less back faces up to a layer of back faces; and the next layer, where it is nearer than *next. */
@@ -272,106 +384,11 @@ static void untangle(leaf *f, uint32_t texels, int first)
 
 static void untangle_all(leaf *f)
 {
+    for (size_t n = 0; n < f->count && f->tangled; n++)
+        if (f->tangled & ~f->faces[n].asked) ask(f, &f->faces[n], f->tangled & ~f->faces[n].asked);
     for (int first = 0; first < 64 && f->tangled; first += LANES) {
         uint32_t texels = (uint32_t)(f->tangled >> first) & ((1u << LANES) - 1);
         if (texels) untangle(f, texels, first);
-    }
-}
-
-/* the list -------------------------------------------------------------------------------------------------------------------- */
-
-static int compare_entries(const void *a, const void *b)
-{
-    const square_entry *p = a, *q = b;
-    return p->lo < q->lo ? -1 : p->lo > q->lo ? 1 : p->id < q->id ? -1 : 1;
-}
-
-static void sort_by_depth(square_list *l)
-{
-    if (l->count > FEW_ENTRIES) {
-        qsort(l->items, l->count, sizeof *l->items, compare_entries);
-        return;
-    }
-    for (size_t n = 1; n < l->count; n++) {
-        square_entry e  = l->items[n];
-        size_t       to = n;
-        for (; to && l->items[to - 1].lo > e.lo; to--) l->items[to] = l->items[to - 1];
-        l->items[to] = e;
-    }
-}
-
-/* Depths of a tile are told from those of a plane on: faces that lie over each other are mostly as steep as each other, and then apart
- * however steep they are. The plane is as steep as the farthest triangle that covers the tile, which is the
- * ground, or a floor. */
-static void lean(const leaf *f, square_list *l)
-{
-    const sparse_triangle *all = f->d->triangles->all, *plane = NULL;
-    const double           half = 3.5 * (double)px_of(f), x = (double)f->x0 + half, y = (double)f->y0 + half;
-    double                 farthest = -INFINITY;
-    for (size_t n = 0; n < l->count; n++)
-        if (l->items[n].bits & ENTRY_COVERS && l->items[n].lo > farthest) {
-            farthest = l->items[n].lo;
-            plane    = &all[l->items[n].id];
-        }
-    if (!plane) return;
-    const double steep = (fabs(plane->gx) + fabs(plane->gy)) * half, slack = ldexp(steep, -45);
-    for (size_t n = 0; n < l->count; n++) {
-        square_entry          *e      = &l->items[n];
-        const sparse_triangle *t      = &all[e->id];
-        const double           middle = t->zmin + t->gy * (y - t->y[0]) + t->gx * (x - t->x[0]);
-        const double           rise = (fabs(t->gx - plane->gx) + fabs(t->gy - plane->gy)) * (half * (1 + 1e-12)) + t->slack + slack;
-        e->lo                       = greatest(middle - rise, e->lo - steep - slack);
-        e->hi                       = least(middle + rise, e->hi + steep + slack);
-    }
-}
-
-/* Which of the texels meet a triangle no later than another one. */
-static uint64_t meets_no_later(const leaf *f, const sparse_triangle *t, const sparse_triangle *other, uint64_t texels)
-{
-    uint64_t later = 0;
-    for (int first = 0; first < 64; first += LANES) {
-        if (!(texels >> first & ((1u << LANES) - 1))) continue;
-        f64s x = f64s_ramp(x_of(f, first), (double)px_of(f));
-        later |= (uint64_t)i64s_negative((i64s)(lanes_depth(t, x, y_of(f, first)) > lanes_depth(other, x, y_of(f, first))))
-                 << first;
-    }
-    return texels & ~later;
-}
-
-/* Which of the texels of a triangle have met another one that it is not behind.
- * close  [out] those that have met one which it might have been before: another that comes later still may be */
-static uint64_t tangles(const leaf *f, const square_entry *e, uint64_t texels, uint64_t *close)
-{
-    const sparse_triangle *t       = &f->d->triangles->all[e->id];
-    uint64_t               tangled = 0;
-    *close                         = 0;
-    for (size_t n = f->count; n-- && f->faces[n].hi_most >= e->lo;) {
-        uint64_t both = f->faces[n].texels & texels;
-        if (!both || f->faces[n].hi < e->lo) continue;
-        *close |= both;
-        if (both & ~tangled) tangled |= meets_no_later(f, t, f->faces[n].t, both & ~tangled);
-    }
-    return tangled;
-}
-
-/* Only texels that have not left yet matter, and those that may have left too early. */
-static void meet_all(leaf *f, const square_list *l)
-{
-    const sparse_triangles *s       = f->d->triangles;
-    double                  hi_most = -INFINITY;
-    for (size_t n = 0; n < l->count; n++) {
-        const square_entry    *e       = &l->items[n];
-        const sparse_triangle *t       = &s->all[e->id];
-        uint64_t               pending = f->unmet | f->inside | f->tangled, close;
-        if (!pending && e->lo > hi_most) return;
-        uint64_t texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t), tangled = tangles(f, e, texels, &close);
-        texels &= pending | close;
-        if (e->id >= s->holed_first) texels = without_holes(f, e->id, texels);
-        if (!texels) continue;
-        f->tangled |= tangled & texels;
-        hi_most              = greatest(hi_most, e->hi);
-        f->faces[f->count++] = (leaf_face){t, texels, e->hi, hi_most};
-        meet(f, t, texels);
     }
 }
 
@@ -423,7 +440,7 @@ static int is_parted(const leaf *f, column_bounds *b)
     return b->emax <= b->xmin;
 }
 
-int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, square_list *l, const square_bound *b, texel_square square,
+int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
                            column_tile *out, column_bounds *bounds)
 {
     leaf f;
@@ -438,11 +455,10 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, square_list *l, 
     f.tangled = 0;
     f.faces   = s->faces;
     f.depths  = s->depths;
-    f.count   = 0;
     memset(f.open, 0, sizeof f.open);
     lean(&f, l);
-    sort_by_depth(l);
-    meet_all(&f, l);
+    sort_faces(f.faces, f.count);
+    meet_all(&f);
     put_depth(f.e, f.unmet, INFINITY);
     put_depth(f.x, f.unmet, INFINITY);
     put_depth(f.x, f.inside, b->left_out);

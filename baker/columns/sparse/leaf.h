@@ -25,11 +25,10 @@ typedef struct leaf_desc {
     int                     nearest_back; /* 1: light leaves at the nearest back face, whatever is open */
 } leaf_desc;
 
-/* l       its order changes
- * out     [out] the columns, where one depth does not part all that is lit from all that is in shadow
+/* out     [out] the columns, where one depth does not part all that is lit from all that is in shadow
  * bounds  [out] of the columns; where one depth parts them, emin = emax <= xmin = xmax, and out has nothing
  * Returns 0 without memory. */
-typedef int leaf_columns(leaf_scratch *s, const leaf_desc *d, square_list *l, const square_bound *b, texel_square square,
+typedef int leaf_columns(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
                          column_tile *out, column_bounds *bounds);
 
 /* For the levels of cpu.h; see lanes.h. */

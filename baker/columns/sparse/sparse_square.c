@@ -79,7 +79,7 @@ static int keep_tile(square_maker *w, uint32_t worker, texel_square at, const co
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
 /* Look at all texels. Columns that one depth parts are not kept. */
-static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, square_list *l)
+static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, const square_list *l)
 {
     column_tile   tile;
     column_bounds b;
