@@ -69,7 +69,7 @@ runtime.o := $(runtime.c:%=$B/%.o)
 # what takes longest to compile comes first, so that no processor waits for it in the end
 baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
-ifeq ($(shell uname -m),x86_64)
+ifneq ($(findstring x86_64,$(MAKE_HOST)),)
 level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
 baker.o   += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
 endif

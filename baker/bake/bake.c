@@ -104,6 +104,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     }
     report_light(light, planned, &columns, &coding, plan->tile_px);
     chosen_coder_free(&coding);
+    if (r == VXS_OK && picture) r = light_columns_draw(&columns, picture, ctx);
     if (r == VXS_OK && columns.wants_depths) r = measure_baseline(&columns, planned->map_count, light, ctx);
     light_columns_free(&columns);
     return r;

@@ -19,7 +19,7 @@ typedef enum stop_stage {
     STOP_FINAL    /* merged into one DAG without equal subtrees */
 } stop_stage;
 
-/* Where depths come from. auto: gl. */
+/* Where depths come from. auto: sparse, or gl where other options ask for it; a bake is told which. */
 typedef enum maps_choice { MAPS_AUTO, MAPS_GL, MAPS_SPARSE } maps_choice;
 
 /* How the words of a light hold its maps, in the order of VXS_CODING_DAG and after. */

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/light_columns.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const size_t SAMPLE_TEXELS = (size_t)256 << 10; /* of a light */
@@ -48,6 +49,22 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
 column_source light_columns_source(light_columns *c)
 {
     return c->maps == MAPS_SPARSE ? sparse_columns_source(&c->sparse) : opengl_columns_source(&c->rendered);
+}
+
+vxs_result light_columns_draw(const light_columns *c, light_picture *picture, bake_context *ctx)
+{
+    const uint32_t depth_vx = 1u << 16, side = light_picture_enter_px(picture);
+    if (c->maps != MAPS_SPARSE) return VXS_OK;
+    uint32_t  *enter = malloc((size_t)side * side * sizeof *enter);
+    vxs_result r = enter ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", side, side);
+    stage_begin(ctx, STAGE_PICTURE);
+    for (uint32_t map = 0; map < picture->map_count && r == VXS_OK; map++) {
+        r = sparse_columns_enter(&c->sparse, map, side, depth_vx, enter, ctx);
+        if (r == VXS_OK) light_picture_add_enter(picture, enter, side, depth_vx, map);
+    }
+    stage_begin(ctx, STAGE_NONE);
+    free(enter);
+    return r;
 }
 
 void light_columns_free(light_columns *c)

@@ -29,6 +29,9 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
 /* Valid where c lies, until light_columns_free. */
 column_source light_columns_source(light_columns *c);
 
+/* Draw the depths of all maps, where they do not pass while they are rendered. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result light_columns_draw(const light_columns *c, light_picture *picture, bake_context *ctx);
+
 void light_columns_free(light_columns *c);
 
 #endif

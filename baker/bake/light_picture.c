@@ -59,7 +59,12 @@ typedef struct depth_job {
     uint32_t          pixel;  /* texels a side */
 } depth_job;
 
-/* The mean of the samples that see a caster, when they are half of them. */
+/* The mean of the samples that see a caster, when they are half of them.   sum  of their depths, shares of the whole */
+static uint16_t mean_depth(double sum, uint32_t seen, uint32_t all)
+{
+    return 2 * seen < all ? PICTURE_NO_CASTER : (uint16_t)(sum / seen * (PICTURE_NO_CASTER - 1));
+}
+
 static uint16_t depth_of_pixel(const depth_job *job, size_t x, size_t y)
 {
     uint32_t     step = job->pixel > SAMPLES ? job->pixel / SAMPLES : 1, seen = 0, all = 0;
@@ -72,7 +77,7 @@ static uint16_t depth_of_pixel(const depth_job *job, size_t x, size_t y)
             sum += voxels;
             seen++;
         }
-    return 2 * seen < all ? PICTURE_NO_CASTER : (uint16_t)(sum / seen / job->tile->depth_vx * (PICTURE_NO_CASTER - 1));
+    return mean_depth(sum / job->tile->depth_vx, seen, all);
 }
 
 static void depth_rows(void *user, size_t begin, size_t end, uint32_t worker)
@@ -90,6 +95,29 @@ void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t
     uint16_t *picture = p->depth + (size_t)map * p->side_px * p->side_px;
     depth_job job     = {p, tile, picture + (size_t)j * side * p->side_px + (size_t)i * side, pixel};
     parallel_for(threads, side, 8, depth_rows, &job);
+}
+
+uint32_t light_picture_enter_px(const light_picture *p)
+{
+    return min_u32(p->map_px, 2 * p->side_px);
+}
+
+void light_picture_add_enter(light_picture *p, const uint32_t *enter, uint32_t side_px, uint32_t depth_vx, uint32_t map)
+{
+    uint32_t  pixel   = side_px / p->side_px;
+    uint16_t *picture = p->depth + (size_t)map * p->side_px * p->side_px;
+    for (size_t n = 0; n < (size_t)p->side_px * p->side_px; n++) {
+        const uint32_t *corner = enter + n / p->side_px * pixel * side_px + n % p->side_px * pixel;
+        double          sum    = 0;
+        uint32_t        seen   = 0;
+        for (uint32_t k = 0; k < pixel * pixel; k++) {
+            uint32_t depth = corner[(size_t)(k / pixel) * side_px + k % pixel];
+            if (depth >= depth_vx) continue;
+            sum += depth;
+            seen++;
+        }
+        picture[n] = mean_depth(sum / depth_vx, seen, pixel * pixel);
+    }
 }
 
 void light_picture_add_masks(light_picture *p, const column_tree *tree, uint32_t map)

@@ -31,6 +31,13 @@ vxs_result light_picture_init(light_picture *p, uint32_t light, uint32_t map_px,
 /* Take in a rendered tile of a map, tile (i, j) in tiles of its own side. */
 void light_picture_add_depths(light_picture *p, const depth_maps *tile, uint32_t map, uint32_t i, uint32_t j, uint32_t threads);
 
+/* The side of the coarser map that a picture can be drawn from. */
+uint32_t light_picture_enter_px(const light_picture *p);
+
+/* Take in enter depths of a map, or of a coarser one.
+ * enter  [side_px^2] rows, [0, depth_vx]; depth_vx: no caster */
+void light_picture_add_enter(light_picture *p, const uint32_t *enter, uint32_t side_px, uint32_t depth_vx, uint32_t map);
+
 /* Take in the masks of a square of a map.
  * Threads: at once for squares that are aligned to their side, which is a power of two and at least a pixel's. */
 void light_picture_add_masks(light_picture *p, const column_tree *tree, uint32_t map);

@@ -91,6 +91,6 @@ void plan_estimate_light(plan_light *l, const bake_options *o);
 void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes);
 
 /* Peak memory with tiles of so many texels. */
-uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px);
+uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px);
 
 #endif

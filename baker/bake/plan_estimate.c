@@ -155,9 +155,31 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     plan->memory_bytes = (uint64_t)memory;
 }
 
+/* The scene, the casters and their projection. */
+static double array_bytes(const casters *c)
+{
+    return 54 * (double)c->triangle_count + 24 * (double)c->scene_vertex_count + 56 * (double)c->vertex_count;
+}
+
+/* While a square straight from triangles is made: triangles and their lists, bounds of all of its tiles, columns of some. Those are unevenly
+ * spread. */
+static uint64_t sparse_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
+{
+    double square = 0, built = 0;
+    for (size_t n = 0; n < plan->light_count; n++) {
+        const plan_light *l = &plan->lights[n];
+        if (l->left_out) continue;
+        double map = ldexp(1, (int)l->light.levels), side = fmin(map, tile_px), part = side * side / (map * map) / l->map_count;
+        double tiles = fmin(side * side / 64, (part < 1 ? 2 : 1) * part * l->mask_tiles);
+        square       = fmax(square, side * side / 64 * 30 + 540 * tiles + part * l->part_bytes + 100 * (double)l->triangles);
+        built += l->built_bytes;
+    }
+    return (uint64_t)(1.1 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
+}
+
 /* The most is held while a tile is rendered or merged: its maps, what OpenGL and the scene need, what was built so far, and what is built of
  * it. */
-uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
+static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
 {
     double texel = plan->has_exit_map ? 8 : 4, pyramid = 1.0 / 3, tile = 0, built = 0, texels = 0, drawn = 0;
     for (size_t n = 0; n < plan->light_count; n++) {
@@ -171,9 +193,14 @@ uint64_t plan_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_
         texels += ldexp(1, 2 * (int)l->light.levels) * l->map_count;
     }
     double compared = plan->baseline == BASELINE_FULL ? 4 * texels : 0; /* 16-bit depths, and what zstd makes of them */
-    /* the scene, the casters and their projection; a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
-    double arrays   = 54 * (double)c->triangle_count + 24 * (double)c->scene_vertex_count + 56 * (double)c->vertex_count;
+    /* a block's triangles, with vertices of their own at worst, and what llvmpipe bins of them */
     double block    = 28 * drawn + 24 * fmin(3 * drawn, (double)c->vertex_count) + 150 * fmin(drawn, DRAW_MAX);
-    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + arrays + block + built + tile + compared +
+    return (uint64_t)(1.06 * (118e6 + 150e3 * (double)plan->baked_count + array_bytes(c) + block + built + tile + compared +
                               (double)plan->picture_bytes));
+}
+
+uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
+{
+    if (o->maps == MAPS_SPARSE) return sparse_peak_bytes(plan, c, tile_px) + plan->picture_bytes;
+    return rendered_peak_bytes(plan, c, tile_px);
 }

@@ -134,7 +134,7 @@ static void print_options(FILE *to, const json_t *made)
     }
     print_word(to, options, "closed", CLOSED_CHOICES, (int)defaults.o.closed);
     print_word(to, options, "exit", EXIT_CHOICES, (int)defaults.o.exit);
-    if (json_is_string(json_object_get(options, "maps"))) print_word(to, options, "maps", MAPS_CHOICES, MAPS_GL);
+    if (!json_object_get(options, "maps")) fprintf(to, " --maps gl");
     print_coding(to, options, defaults.o.coding);
     print_word(to, options, "pack", PACK_CHOICES, (int)defaults.o.pack);
     print_word(to, options, "rule", RULE_CHOICES, (int)defaults.o.rule);

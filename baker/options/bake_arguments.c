@@ -33,12 +33,12 @@ static vxs_result check_map_sizes(bake_options *o, message *m)
     return VXS_OK;
 }
 
-/* What depth maps alone can show. */
-static vxs_result check_sparse(const bake_arguments *a, message *m)
+/* Depth maps are rendered where they are asked for, or what only they can show. */
+static vxs_result choose_maps(bake_arguments *a, message *m)
 {
+    int wanted = a->o.gl != GL_BACKEND_OSMESA || (a->baseline_given && a->o.baseline != BASELINE_OFF);
+    if (a->o.maps == MAPS_AUTO) a->o.maps = wanted ? MAPS_GL : MAPS_SPARSE;
     if (a->o.maps != MAPS_SPARSE) return VXS_OK;
-    if (a->o.page_path)
-        return fail(m, VXS_E_ARGUMENT, "--report draws depth maps, and --maps sparse makes none: expected --maps gl");
     if (a->baseline_given && a->o.baseline != BASELINE_OFF)
         return fail(m, VXS_E_ARGUMENT, "--baseline measures depth maps, and --maps sparse makes none: expected --maps gl");
     return VXS_OK;
@@ -48,7 +48,7 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
 {
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);
-    if (r == VXS_OK) r = check_sparse(a, m);
+    if (r == VXS_OK) r = choose_maps(a, m);
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
@@ -93,7 +93,9 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "x,y,z,x,y,z of the box that will be looked up, metres (default all casters)", &a->o.region_given},
         SCENE_ROWS(a->o.scene),
         {"--maps", OPTION_CHOICE, &a->o.maps, 0, 0, MAPS_CHOICES, NULL,
-         "where depths come from: rendered with OpenGL, or straight from the triangles; auto: gl (default auto)", NULL},
+         "where depths come from: rendered with OpenGL, or straight from the triangles; auto: sparse, unless --gl or --baseline "
+         "ask for depth maps (default auto)",
+         NULL},
         {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
          "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},

@@ -243,7 +243,7 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--resolution", ""), "whole number"),
     (("--texel", "0"), "a number from"),
     (("--texel", "inf"), "a number from"),
-    (("--texel", "0.0001"), "at least --texel"),
+    (("--texel", "0.00001"), "at least --texel"),
     (("--texel", "1", "--resolution", "64"), "exclude"),
     (("--region", "0,0,0,1,1"), "6 numbers"),
     (("--region", "0,0,0,1,0,1"), "axis y"),
@@ -251,7 +251,6 @@ def test_casters_outside_of_the_region_still_cast(vxs, bake, scene):
     (("--level", "0"), "from 1 to 19"),
     (("--level", "20"), "from 1 to 19"),
     (("--maps", "dense"), "auto|gl|sparse"),
-    (("--maps", "sparse", "--report", "page.html"), "--report draws depth maps"),
     (("--maps", "sparse", "--baseline", "sample"), "--baseline measures depth maps"),
     (("--gl", "glx"), "osmesa|egl"),
     (("--exit", "front"), "auto|peel|back"),
@@ -314,7 +313,7 @@ def stored(report):
 
 
 def test_exit(bake, city):
-    peel, auto, back = (bake(city, "--resolution", 512, "--exit", e) for e in ("peel", "auto", "back"))
+    peel, auto, back = (bake(city, "--resolution", 512, "--maps", "gl", "--exit", e) for e in ("peel", "auto", "back"))
     assert stored(auto) == stored(peel) < stored(back), "a nearer exit leaves less to choose"
     assert auto["lights"][0]["peel_passes"] > back["lights"][0]["peel_passes"]
 
@@ -331,7 +330,7 @@ def contents(vxs, report):
 def test_solids_that_meet_nothing_are_not_peeled(vxs, bake, scenes, tmp_path):
     apart = small_scene.write(tmp_path / "apart.gltf", lights=LIGHTS)
     for path, options in ((apart, ()), (scenes / "real" / "room_with_spheres_closed.glb", ("--sun", "-0.4,-1,-0.2"))):
-        auto, peel = (bake(path, "--resolution", 4096, *options, "--exit", e) for e in ("auto", "peel"))
+        auto, peel = (bake(path, "--resolution", 4096, *options, "--maps", "gl", "--exit", e) for e in ("auto", "peel"))
         for light in auto["lights"]:
             assert (light["blocks_peeled"], light["peel_passes"]) == (0, 0) and light["blocks_not_peeled"] > 0
         for light in peel["lights"]:

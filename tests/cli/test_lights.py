@@ -152,12 +152,12 @@ def test_sizes_stand_in_the_report(bake):
     (("--resolution", 64, "--texel", 1), "exclude each other"),
     (("--resolution", "sun=64", "--texel", "sun=1"), "--resolution sun=64 and --texel sun=1 exclude each other"),
     (("--resolution", "sun=65"), "--resolution sun=65: expected a power of two from 8 to 262144"),
-    (("--resolution", "sun=524288"), "--resolution sun=32768: expected a whole number from 8 to 262144"),
+    (("--resolution", "sun=524288"), "--resolution sun=524288: expected a whole number from 8 to 262144"),
     (("--resolution", "sun="), "--resolution sun=: expected a whole number"),
     (("--resolution", "=64"), "expected a name"),
     (("--texel", "sun=0"), "--texel sun=0: expected a number from"),
-    (("--texel", "sun=0.0001"), "at least --texel sun="),
-    (("--texel", "0.0001", "--light", "spot"), "at least --texel spot="),
+    (("--texel", "sun=0.00001"), "at least --texel sun="),
+    (("--texel", "0.00001", "--light", "spot"), "at least --texel spot="),
     (("--resolution", "son=64"), "--resolution son=64: no light of that name is baked, but sun (directional), spot (spot), lamp (point): "
      "did you mean 'sun'?"),
     (("--texel", "son=0.5"), "--texel son=0.5: no light of that name is baked"),
@@ -170,7 +170,7 @@ def test_wrong_sizes(fails, options, says):
 @pytest.mark.parametrize("light", ["sun", "spot"])
 def test_the_texel_that_is_said_to_be_enough_is_enough(vxs, folder, light):
     options = ("plan", folder / "small.gltf", "--light", light, "--texel")
-    said = vxs(*options, f"{light}=0.0001", status=2).stderr
+    said = vxs(*options, f"{light}=0.00001", status=2).stderr
     vxs(*options, said.rpartition("at least --texel ")[2].strip())
 
 

@@ -36,7 +36,7 @@ def test_deep_piles_take_time_like_their_triangles(vxs_path, tmp_path, pile):
 def test_peeling_is_bounded(vxs, tmp_path):
     """However many solids are open at once, 255 passes end it; the plan knows."""
     scene = boxes.write(tmp_path / "nest.glb", boxes.nested(300))
-    options = (*SUN, "--resolution", 16, "--closed", "on", "--baseline", "off", "--json", tmp_path / "b.json")
+    options = (*SUN, "--resolution", 16, "--maps", "gl", "--closed", "on", "--baseline", "off", "--json", tmp_path / "b.json")
     vxs("bake", scene, "-o", tmp_path / "a.vxs", *options)
     light = json.loads((tmp_path / "b.json").read_text())["lights"][0]
     assert light["peel_passes_max"] == 255 and light["blocks_peeled"] == 1
@@ -193,7 +193,7 @@ def test_classes_of_processors(vxs, scenes, tmp_path, monkeypatch):
         if name == "sse2":
             monkeypatch.setenv("GALLIUM_OVERRIDE_CPU_CAPS", "sse2")
         out, report = tmp_path / f"{name}.vxs", tmp_path / f"{name}.json"
-        said = vxs("bake", scene, "-o", out, *SUN, "--resolution", 512, "--json", report, "--verbose").stdout
+        said = vxs("bake", scene, "-o", out, *SUN, "--resolution", 512, "--maps", "gl", "--json", report, "--verbose").stdout
         cpu_class = json.loads(report.read_text())["cpu_class"]
         assert f"processors of class {cpu_class}\n" in said
         files[name] = cpu_class, out.read_bytes()

@@ -247,7 +247,7 @@ def test_metadata(vxs, scene, asset):
         {"name": "lamp", "in_scene": True, "kind": "spot", "direction": down, "position_m": [0, 6, 0],
          "outer_rad": pytest.approx(0.7853981633974483), "resolution_px": 64},
         {"name": "bulb", "in_scene": True, "kind": "point", "position_m": [0, 6, 0], "resolution_px": 64}]
-    assert m["options"] == {"closed": "auto", "exit": "auto", "coding": "blocks", "gl": "osmesa", "zstd_level": 12}
+    assert m["options"] == {"closed": "auto", "exit": "auto", "maps": "sparse", "coding": "blocks", "gl": "osmesa", "zstd_level": 12}
 
 
 def lines(text):
@@ -288,13 +288,13 @@ def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
     far = edited(scene, tmp_path / "far.gltf", lambda gltf: node_named(gltf, "bulb").update(translation=[0, 900, 0]) or
                  gltf["extensions"]["KHR_lights_punctual"]["lights"][2].update(range=1))
     given = ("--sun", "2,-4,0", "--light", "lamp", "--light", "bulb", "--texel", 0.5, "--region", "-3,-1,-3,3,4,3", "--closed", "off",
-             "--exit", "back", "--maps", "sparse", "--coding", "dag", "--rule", "shadow", "--stop", "insert", "--reuse", "off", "--level", 3)
+             "--exit", "back", "--maps", "gl", "--coding", "dag", "--rule", "shadow", "--stop", "insert", "--reuse", "off", "--level", 3)
     vxs("bake", far, "-o", tmp_path / "a.vxs", *given)
     said = lines(vxs("info", tmp_path / "a.vxs").stdout)
     assert said["made by"] == [made(vxs, tmp_path / "a.vxs")["generator"] + ", warnings: 1"]
     assert said["left out"] == ["light bulb: reaches no caster"]
     assert said["options"] == ["--sun 0.447213595,-0.894427191,0 --texel 0.5 --region -3,-1,-3,3,4,3 --closed off --exit back "
-                               "--maps sparse --coding dag --rule shadow --stop insert --reuse off --level 3"]
+                               "--maps gl --coding dag --rule shadow --stop insert --reuse off --level 3"]
     again = said["options"][0].split()
     vxs("bake", far, "-o", tmp_path / "b.vxs", "--light", "lamp", "--light", "bulb", *again)
     assert lines(vxs("info", tmp_path / "b.vxs").stdout) == said
@@ -336,7 +336,7 @@ def test_files_of_older_versions(vxs, scene, asset, tmp_path):
     other = edited(scene, tmp_path / "other.gltf", move_a_vertex)
     assert lines(vxs("info", old).stdout) == {
         "made by": ["vxs 0.1.0"], "scene": ["24 triangles cast shadows, 12 of them in 1 solid"],
-        "fingerprint": ["none: no scene can be told from the one that was baked"], "options": ["--coding dag"]}
+        "fingerprint": ["none: no scene can be told from the one that was baked"], "options": ["--maps gl --coding dag"]}
     assert made(vxs, old) == OLD
     assert vxs("compare", other, old, "--points", 100).stderr == ""
     assert vxs("picture", other, old, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
@@ -511,7 +511,7 @@ def baked(asset, tmp_path):
 def test_nothing_is_done_when_nothing_changed(vxs, scene, baked):
     assert not bake_again(vxs, scene, baked, *SMALL)
     assert not bake_again(vxs, scene, baked, *SMALL, "--threads", 1)
-    assert not bake_again(vxs, scene, baked, *SMALL, "--memory", "4G", "--baseline", "off", "--maps", "gl")
+    assert not bake_again(vxs, scene, baked, *SMALL, "--memory", "4G", "--baseline", "off", "--maps", "sparse")
     assert not bake_again(vxs, scene, baked, *SMALL, "--scene", "small", "--level", 12)
     assert not bake_again(vxs, scene, baked, *SMALL, "--light", "sun", "--light", "lamp", "--light", "bulb")
 
@@ -530,7 +530,7 @@ def test_a_changed_scene_is_baked(vxs, scene, baked, tmp_path, change):
 
 
 @pytest.mark.parametrize("options", [
-    ("--resolution", 128), ("--texel", 0.5), (*SMALL, "--level", 13), (*SMALL, "--closed", "off"), (*SMALL, "--exit", "back"), (*SMALL, "--maps", "sparse"),
+    ("--resolution", 128), ("--texel", 0.5), (*SMALL, "--level", 13), (*SMALL, "--closed", "off"), (*SMALL, "--exit", "back"), (*SMALL, "--maps", "gl"),
     (*SMALL, "--coding", "dag", "--rule", "shadow"), (*SMALL, "--coding", "dag", "--stop", "partial"),
     (*SMALL, "--region", "-1,-1,-1,1,1,1"), (*SMALL, "--light", "sun"),
     (*SMALL, "--light", "lamp", "--light", "sun", "--light", "bulb"), (*SMALL, "--sun", "0,-1,0"), (*SMALL, "--sun", "0,-1,1e-9"),

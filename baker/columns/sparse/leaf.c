@@ -463,7 +463,7 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     put_depth(f.x, f.unmet, INFINITY);
     put_depth(f.x, f.inside, b->left_out);
     untangle_all(&f);
-    if (is_parted(&f, bounds)) return 1;
+    if (!d->every_texel && is_parted(&f, bounds)) return 1;
     round_depths(d->scale, f.e, 0, out->e);
     round_depths(d->scale, f.x, 1, out->x);
     *bounds = bounds_of(out);

@@ -23,10 +23,11 @@ typedef struct leaf_desc {
     const sparse_triangles *triangles;
     depth_scale             scale;
     int                     nearest_back; /* 1: light leaves at the nearest back face, whatever is open */
+    int                     every_texel;  /* 1: all columns of a tile are wanted, also where one depth parts them */
 } leaf_desc;
 
 /* out     [out] the columns, where one depth does not part all that is lit from all that is in shadow
- * bounds  [out] of the columns; where one depth parts them, emin = emax <= xmin = xmax, and out has nothing
+ * bounds  [out] of the columns; where one depth parts them, emin = emax <= xmin = xmax, and out has nothing unless every texel is wanted
  * Returns 0 without memory. */
 typedef int leaf_columns(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
                          column_tile *out, column_bounds *bounds);

@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/sparse_columns.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/base/cpu.h"
 #include "baker/columns/sparse/sparse_square.h"
@@ -63,26 +65,70 @@ static void map_close(void *data)
     free(o);
 }
 
+/* side  of the map, or less for one that is coarser */
 static vxs_result prepare(sparse_map *o, const sparse_columns *owner, uint32_t map, uint32_t side, bake_context *ctx)
 {
     projection p;
-    vxs_result r = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    double     coarser = ldexp(side, -(int)owner->light->levels);
+    vxs_result r       = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
+    for (size_t n = 0; n < p.vertex_count && coarser < 1; n++) {
+        p.vertices[n].u *= coarser;
+        p.vertices[n].v *= coarser;
+    }
     if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, &p, side, ctx->threads);
     projection_free(&p);
     if (r == VXS_OK) r = triangle_bins_init(&o->bins, &o->triangles, side, ctx->threads);
     return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the triangles of a map");
 }
 
+static vxs_result take_enter(const column_square *square, uint32_t *enter)
+{
+    column_tile tile;
+    for (uint32_t n = 0; n < square->side_px / 8 * (square->side_px / 8); n++) {
+        uint32_t   i = n % (square->side_px / 8), j = n / (square->side_px / 8);
+        vxs_result r = square->tile(square->data, i, j, &tile);
+        if (r != VXS_OK) return r;
+        for (uint32_t v = 0; v < 8; v++)
+            memcpy(enter + (size_t)(8 * j + v) * square->side_px + 8 * i, tile.e + 8 * v, 8 * sizeof *enter);
+    }
+    return VXS_OK;
+}
+
+/* A voxel of a lamp is a share of the logarithm of depth. */
+static depth_scale scale_of(const vxs_light *light, uint32_t depth_vx)
+{
+    double log = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0 : light->voxel_metres;
+    return (depth_scale){depth_vx, ldexp(log, (int)light->levels) / depth_vx};
+}
+
+vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint32_t side_px, uint32_t depth_vx, uint32_t *enter,
+                                bake_context *ctx)
+{
+    sparse_map o = {.level = &sparse_levels[cpu_level()],
+                    .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1}};
+    vxs_result r = prepare(&o, owner, map, side_px, ctx);
+    if (r == VXS_OK) {
+        r = sparse_square_init(&o.fetched, o.level, &o.desc, &o.bins, (texel_square){0, 0, side_px}, ctx->threads);
+        if (r != VXS_OK) fail(ctx->message, r, "out of memory for the depths of %u x %u texels", side_px, side_px);
+    }
+    if (r == VXS_OK) {
+        column_square square = sparse_square_columns(&o.fetched);
+        r                    = take_enter(&square, enter);
+    }
+    sparse_square_free(&o.fetched);
+    triangle_bins_free(&o.bins);
+    sparse_triangles_free(&o.triangles);
+    return r;
+}
+
 static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
 {
     const sparse_columns *owner = data;
     uint32_t              side  = 1u << owner->light->levels;
-    int                   lamp  = owner->light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
     sparse_map           *o     = calloc(1, sizeof *o);
     *out                        = (column_map){0};
     if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the triangles of a map");
-    o->desc = (leaf_desc){
-        .triangles = &o->triangles, .scale = {side, lamp ? owner->light->voxel_metres : 0}, .nearest_back = owner->nearest_back};
+    o->desc  = (leaf_desc){.triangles = &o->triangles, .scale = scale_of(owner->light, side), .nearest_back = owner->nearest_back};
     o->level = &sparse_levels[cpu_level()];
     stage_begin(ctx, STAGE_MAPS);
     vxs_result r = prepare(o, owner, map, side, ctx);

@@ -26,6 +26,14 @@ typedef struct sparse_columns {
     uint32_t         fetch_px;     /* a power of two: side of the squares that are computed at once, at most */
 } sparse_columns;
 
+/* Enter depths of a map as a coarser one has them: for pictures.
+ * side_px   [8, side of the map] texels, a power of two
+ * depth_vx  a power of two
+ * enter     [out] [side_px^2] rows of texels, [0, depth_vx]; depth_vx: no caster
+ * Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result sparse_columns_enter(const sparse_columns *o, uint32_t map, uint32_t side_px, uint32_t depth_vx, uint32_t *enter,
+                                bake_context *ctx);
+
 /* The source; borrowed. Maps may be open at once, on any threads. */
 column_source sparse_columns_source(sparse_columns *o);
 

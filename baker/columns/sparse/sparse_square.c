@@ -85,7 +85,7 @@ static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const sq
     column_bounds b;
     if (!w->level->leaf(&w->scratch[worker].leaf, w->d, l, bound, at, &tile, &b)) return 0;
     set_bounds(w->q, at, b);
-    return b.emax <= b.xmin || keep_tile(w, worker, at, &tile);
+    return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
 }
 
 /* Whether one depth parts all that is lit from all that is in shadow; then it is said so. */
@@ -105,7 +105,7 @@ static int settle(const square_maker *w, texel_square at, const square_bound *bo
 /* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
 static int make_square(square_maker *w, uint32_t worker, texel_square at, square_bound bound, square_list *l)
 {
-    int decides = at.side > EXACT_PX || !l->count;
+    int decides = !l->count || (at.side > EXACT_PX && !w->d->every_texel);
     if (decides) square_bound_tighten(&bound, l, w->d->triangles);
     if (decides && settle(w, at, &bound, l->count)) return 1;
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
