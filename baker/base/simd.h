@@ -122,6 +122,15 @@ static inline int i16x8_least(i16x8 v)
     return least;
 }
 
+static inline int i16x8_sum(i16x8 v)
+{
+    int16_t at[8];
+    i16x8_store(at, v);
+    int sum = 0;
+    for (int n = 0; n < 8; n++) sum += at[n];
+    return sum;
+}
+
 /* Which of 64 bytes are at most `limit`, as bits. */
 static inline uint64_t bytes_at_most(const uint8_t bytes[64], uint8_t limit)
 {
