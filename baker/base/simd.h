@@ -174,6 +174,18 @@ static inline i32x4 i32x4_min(i32x4 a, i32x4 b)
     return i32x4_select((i32x4)(a < b), a, b);
 }
 
+static inline int32_t i32x4_greatest(i32x4 v)
+{
+    int32_t a = v[0] > v[1] ? v[0] : v[1], b = v[2] > v[3] ? v[2] : v[3];
+    return a > b ? a : b;
+}
+
+static inline int32_t i32x4_least(i32x4 v)
+{
+    int32_t a = v[0] < v[1] ? v[0] : v[1], b = v[2] < v[3] ? v[2] : v[3];
+    return a < b ? a : b;
+}
+
 static inline f32x4 f32x4_load(const float *from)
 {
     f32x4 v;

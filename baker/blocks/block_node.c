@@ -31,7 +31,7 @@ typedef struct node_builder {
     const column_square *columns;
     uint32_t             tile_x, tile_y; /* where the node starts, in tiles of the columns */
     block_node           node;
-    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles, without slope */
+    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; from add_slope on with it */
     tile_in              tile[BLOCK_TILES];                            /* of the block in work */
     depth_axis           axis;
 } node_builder;
@@ -77,8 +77,8 @@ static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint3
             memcpy(t->ranges.low + to, &e, sizeof e);
             memcpy(t->ranges.high + to, &x, sizeof x);
         }
-    t->emax = max_i32(max_i32(emax[0], emax[1]), max_i32(emax[2], emax[3]));
-    t->xmin = min_i32(min_i32(xmin[0], xmin[1]), min_i32(xmin[2], xmin[3]));
+    t->emax = i32x4_greatest(emax);
+    t->xmin = i32x4_least(xmin);
     return VXS_OK;
 }
 
@@ -87,13 +87,12 @@ static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         tile_in *t = &b->tile[n];
         uint32_t x = 4 * block_x + n % 4, y = 4 * block_y + n / 4, at = NODE_TILES * y + x;
-        int32_t  shift = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
-        t->emax        = b->emax[at] + shift;
-        t->xmin        = b->xmin[at] + shift;
-        t->shift       = shift;
-        t->depths      = 0;
+        t->emax   = b->emax[at];
+        t->xmin   = b->xmin[at];
+        t->shift  = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
+        t->depths = 0;
         if (t->emax > t->xmin) {
-            vxs_result r = fetch_tile(b, t, x, y, shift);
+            vxs_result r = fetch_tile(b, t, x, y, t->shift);
             if (r != VXS_OK) return r;
         }
         t->kind = t->emax > t->xmin ? TILE_PATTERN : TILE_UNIFORM;
@@ -177,7 +176,11 @@ static void give_one_own_depths(node_builder *b)
         most->ranges.low[n]  = most->emax;
         most->ranges.high[n] = most->xmin;
     }
-    if (most->kind == TILE_UNIFORM) own_plane(&most->plane, &most->ranges);
+    if (most->kind == TILE_UNIFORM) {
+        own_plane(&most->plane, &most->ranges);
+        most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may ask it */
+        most->high[0] = axis_code(&b->axis, most->xmin);
+    }
     most->kind = TILE_OWN;
 }
 
@@ -365,34 +368,54 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The bounds of the node's tiles; beyond the columns, a tile may be anything. */
-static vxs_result bound_tiles(node_builder *b)
+/* The bounds of the tiles of a square of the node at tile (x, y): where all of its columns are alike, so are they. */
+static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint32_t y)
 {
-    uint32_t tiles = b->columns->side_px / 8;
+    uint32_t      side = 1u << level;
+    column_bounds bounds;
+    vxs_result    r = b->columns->bounds(b->columns->data, level, (b->tile_x + x) >> level, (b->tile_y + y) >> level, &bounds);
+    if (r == VXS_OK && level && !bounds_alike(&bounds)) {
+        for (uint32_t c = 0; c < 4 && r == VXS_OK; c++)
+            r = bound_tiles(b, level - 1, x + (c & 1) * side / 2, y + (c >> 1) * side / 2);
+        return r;
+    }
+    int32_t emax = (int32_t)bounds.emax, xmin = exit_depth(bounds.xmin, b->columns->depth_vx);
+    for (uint32_t row = y; row < y + side; row++)
+        for (uint32_t n = NODE_TILES * row + x; n < NODE_TILES * row + x + side; n++) {
+            b->emax[n] = emax;
+            b->xmin[n] = xmin;
+        }
+    return r;
+}
+
+/* Beyond columns that are less than a node, a tile may be anything. */
+static void bound_beyond(node_builder *b)
+{
     for (uint32_t n = 0; n < NODE_TILE_COUNT; n++) {
-        uint32_t      x = b->tile_x + n % NODE_TILES, y = b->tile_y + n / NODE_TILES;
-        column_bounds bounds;
         b->emax[n] = 0;
         b->xmin[n] = FAR_DEPTH;
-        if (x >= tiles || y >= tiles) continue;
-        vxs_result r = b->columns->bounds(b->columns->data, 0, x, y, &bounds);
-        if (r != VXS_OK) return r;
-        b->emax[n] = (int32_t)bounds.emax;
-        b->xmin[n] = exit_depth(bounds.xmin, b->columns->depth_vx);
     }
-    return VXS_OK;
+}
+
+static void add_slope(node_builder *b)
+{
+    for (int32_t y = 0, n = 0; y < NODE_TILES; y++)
+        for (int32_t x = 0; x < NODE_TILES; x++, n++) {
+            int32_t shift = slope_shift(b->node.slope, x, y);
+            b->emax[n] += shift;
+            b->xmin[n] += shift;
+        }
 }
 
 /* What a block of the node may have as its only depth. */
-static void bound_block(const node_builder *b, uint32_t block_x, uint32_t block_y, run_range *may)
+static run_range bound_block(const node_builder *b, uint32_t block_x, uint32_t block_y)
 {
-    *may = (run_range){0, 2 * FAR_DEPTH};
-    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
-        uint32_t x = 4 * block_x + n % 4, y = 4 * block_y + n / 4, at = NODE_TILES * y + x;
-        int32_t  shift = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
-        may->low       = max_i32(may->low, b->emax[at] + shift);
-        may->high      = min_i32(may->high, b->xmin[at] + shift);
+    i32x4 low = i32x4_all(0), high = i32x4_all(2 * FAR_DEPTH);
+    for (uint32_t row = 0, at = 4 * (NODE_TILES * block_y + block_x); row < 4; row++, at += NODE_TILES) {
+        low  = i32x4_max(low, i32x4_load(b->emax + at));
+        high = i32x4_min(high, i32x4_load(b->xmin + at));
     }
+    return (run_range){i32x4_greatest(low), i32x4_least(high)};
 }
 
 /* Blocks of one depth take that of the ones before them where they may. */
@@ -400,8 +423,7 @@ static vxs_result build_blocks(node_builder *b)
 {
     run_range run = {1, 0};
     for (uint32_t n = 0, first = 0; n < NODE_BLOCKS; n++) {
-        run_range may;
-        bound_block(b, n % 8, n / 8, &may);
+        run_range may = bound_block(b, n % 8, n / 8);
         if (may.low > may.high) {
             b->node.mixed |= 1ull << n;
             vxs_result r = fetch_block(b, n % 8, n / 8);
@@ -436,20 +458,18 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
         return block_set_add_uniform(
             s, &(uniform_square){map, square_level(NODE_PX), map_x, map_y, uniform_depth(&bounds, columns->depth_vx)});
 
-    node_builder *b = calloc(1, sizeof *b);
+    node_builder *b = malloc(sizeof *b);
     if (!b) return VXS_E_MEMORY;
-    b->set       = s;
-    b->columns   = columns;
-    b->tile_x    = NODE_TILES * x;
-    b->tile_y    = NODE_TILES * y;
-    b->node.map  = map;
-    b->node.x    = map_x;
-    b->node.y    = map_y;
-    b->node.emin = bounds.emin;
-    b->node.xmax = bounds.xmax;
-    if ((r = bound_tiles(b)) == VXS_OK) {
+    b->set     = s;
+    b->columns = columns;
+    b->tile_x  = NODE_TILES * x;
+    b->tile_y  = NODE_TILES * y;
+    b->node    = (block_node){.map = map, .x = map_x, .y = map_y, .emin = bounds.emin, .xmax = bounds.xmax};
+    if (columns->side_px < NODE_PX) bound_beyond(b);
+    if ((r = bound_tiles(b, level, 0, 0)) == VXS_OK) {
         b->node.slope = slope_find(b->emax, b->xmin, last_slope(s));
-        r             = build_blocks(b);
+        add_slope(b);
+        r = build_blocks(b);
     }
     if (r == VXS_OK) r = block_set_add_node(s, &b->node);
     free(b);
