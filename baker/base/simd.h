@@ -186,6 +186,20 @@ static inline int32_t i32x4_least(i32x4 v)
     return a < b ? a : b;
 }
 
+/* Both as halves: what is beyond their range becomes its end. */
+static inline i16x8 i16x8_clamped(i32x4 a, i32x4 b)
+{
+#ifdef __SSE2__
+    return (i16x8)_mm_packs_epi32((__m128i)a, (__m128i)b);
+#else
+    const i32x4 least = i32x4_all(INT16_MIN), most = i32x4_all(INT16_MAX);
+    a = i32x4_max(i32x4_min(a, most), least);
+    b = i32x4_max(i32x4_min(b, most), least);
+    return (i16x8){(int16_t)a[0], (int16_t)a[1], (int16_t)a[2], (int16_t)a[3],
+                   (int16_t)b[0], (int16_t)b[1], (int16_t)b[2], (int16_t)b[3]};
+#endif
+}
+
 static inline f32x4 f32x4_load(const float *from)
 {
     f32x4 v;

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/simd.h"
+
 static int ascending(const void *a, const void *b)
 {
     int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
@@ -48,7 +50,12 @@ void axis_codes(const depth_axis *a, const int32_t *depths, int16_t *codes, int 
         for (int n = 0; n < count; n++) codes[n] = code_by_depths(a, depths[n]);
         return;
     }
-    for (int n = 0; n < count; n++) {
+    int n = 0;
+    for (; n + 8 <= count; n += 8) {
+        i16x8 code = i16x8_clamped(i32x4_load(depths + n) - a->floor, i32x4_load(depths + n + 4) - a->floor);
+        i16x8_store(codes + n, i16x8_max(code, i16x8_all(0)));
+    }
+    for (; n < count; n++) {
         int32_t code = depths[n] - a->floor;
         codes[n]     = (int16_t)(code < 0 ? 0 : code > INT16_MAX ? INT16_MAX : code);
     }
