@@ -22,6 +22,7 @@ typedef struct tile_in {
     int32_t     emax, xmin;        /* of all of them */
     tile_kind   kind;
     int32_t     shift;  /* the slope that was added */
+    int         flat;   /* it may lie on a plane */
     int         depths; /* that it needs; 0: not counted */
     own_planes  plane;  /* that it lies on alone */
 } tile_in;
@@ -283,20 +284,23 @@ static void place_uniform(const node_builder *b, block *out, int32_t base)
 static uint32_t find_plane(node_builder *b, plane *p)
 {
     plane_ranges ranges[BLOCK_TILES];
-    uint32_t     mixed = 0;
-    int32_t      from  = INT32_MAX;
+    uint32_t     mixed = 0, flat = 0;
+    int32_t      from = INT32_MAX;
     for (uint32_t n = 0; n < BLOCK_TILES; n++)
         if (b->tile[n].kind == TILE_PATTERN) from = min_i32(from, b->tile[n].xmin - b->tile[n].shift);
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
-        const tile_in *t = &b->tile[n];
+        tile_in *t = &b->tile[n];
+        t->flat    = 1;
         if (t->kind != TILE_PATTERN || t->emax - t->shift - from >= PLANE_FREE / PLANE_ONE) continue;
-        mixed |= 1u << n;
         plane_ranges_of(&ranges[n], &t->ranges, from + t->shift);
         ranges[n].x = 8 * (int32_t)(n % 4);
         ranges[n].y = 8 * (int32_t)(n / 4);
+        t->flat     = plane_may_fit(&ranges[n]);
+        mixed |= 1u << n;
+        flat |= (uint32_t)t->flat << n;
     }
     *p          = (plane){0, 0, 0};
-    uint32_t on = mixed ? plane_of_block(p, ranges, mixed, b->set->recent) : 0;
+    uint32_t on = plane_of_block(p, ranges, mixed, flat, b->set->recent);
     if (on) p->least += from * PLANE_ONE;
     if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
     if (!on) *p = (plane){0, 0, 0};
@@ -310,7 +314,8 @@ static uint32_t find_plane(node_builder *b, plane *p)
 static void give_planes(node_builder *b)
 {
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind != TILE_PATTERN) continue;
+        t->plane.count = 0;
+        if (t->kind != TILE_PATTERN || !t->flat) continue;
         own_plane(&t->plane, &t->ranges);
         if (t->plane.count) t->kind = TILE_OWN;
     }

@@ -358,21 +358,21 @@ static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, i
     return (move_it ? plane_fit(p, list, count, BLOCK_PX) : plane_place(p, list, count, BLOCK_PX)) ? on : 0;
 }
 
-/* The tiles that one plane with these slopes passes through at one depth, as many as may be. */
-static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t mixed)
+/* The tiles that one plane with these slopes passes through at one depth, as many as may be.   flat  those that are asked */
+static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t flat)
 {
     plane_room rooms[16];
     uint32_t   most = 0;
-    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+    for (uint32_t rest = flat; rest; rest &= rest - 1) {
         int                 n    = __builtin_ctz(rest);
         const plane_ranges *tile = &tiles[n];
         plane_room          room = room_of(p, &tile, 1);
         rooms[n]                 = room;
-        if (room.low > room.high) mixed ^= 1u << n;
+        if (room.low > room.high) flat ^= 1u << n;
     }
-    for (uint32_t at = mixed; at; at &= at - 1) {
+    for (uint32_t at = flat; at; at &= at - 1) {
         uint32_t on = 0;
-        for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+        for (uint32_t rest = flat; rest; rest &= rest - 1) {
             int n = __builtin_ctz(rest), of = __builtin_ctz(at);
             if (rooms[n].low <= rooms[of].low && rooms[of].low <= rooms[n].high) on |= 1u << n;
         }
@@ -396,11 +396,11 @@ static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_
 }
 
 /* From one tile to all that its plane passes through. */
-static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mixed, int seed)
+static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, int seed)
 {
     uint32_t on = 1u << seed;
     *p          = plane_start(&tiles[seed]);
-    if (!plane_may_fit(&tiles[seed]) || !fit_tiles(p, tiles, on, 1)) return 0;
+    if (!(flat & on) || !fit_tiles(p, tiles, on, 1)) return 0;
     for (int n = 0; n < 4; n++) {
         plane    next = *p;
         uint32_t near = tiles_near(p, tiles, mixed) | on;
@@ -415,7 +415,7 @@ static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mix
         *p = next;
         on = near;
     }
-    uint32_t most = tiles_on_slopes(p, tiles, mixed);
+    uint32_t most = tiles_on_slopes(p, tiles, flat);
     return __builtin_popcount(most) >= __builtin_popcount(on) ? fit_tiles(p, tiles, most, 0) : on;
 }
 
@@ -427,12 +427,12 @@ static void remember(plane recent[PLANES_RECENT], plane p)
     recent[0] = p;
 }
 
-uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, plane recent[PLANES_RECENT])
+uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT])
 {
     uint32_t best = 0, tried = 0;
-    if (__builtin_popcount(mixed) < TILES_MIN) return 0;
+    if (__builtin_popcount(flat) < TILES_MIN) return 0;
     for (int n = 0; n < PLANES_RECENT && best != mixed; n++) {
-        uint32_t on = tiles_on_slopes(&recent[n], tiles, mixed);
+        uint32_t on = tiles_on_slopes(&recent[n], tiles, flat);
         if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
         best = on;
         *p   = recent[n];
@@ -443,7 +443,7 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
         uint32_t left = mixed & ~tried & ~best;
         if (!left) break;
         int      seed = __builtin_ctz(left);
-        uint32_t on   = tiles_about(&next, tiles, mixed, seed);
+        uint32_t on   = tiles_about(&next, tiles, mixed, flat, seed);
         tried |= 1u << seed | on;
         if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
         best = on;

@@ -66,9 +66,10 @@ plane plane_start(const plane_ranges *t);
 /* The tiles of a block of 32 x 32 texels that lie on one plane, as many as are found to.
  * p       [out] the plane, in the block
  * tiles   [16] rows; those whose bits of `mixed` are set are looked at
+ * flat    those of them that plane_may_fit says
  * recent  [PLANES_RECENT] slopes that are tried first; what is found joins them
  * Returns the bits of those tiles; 0: it is not worth it. */
-uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, plane recent[PLANES_RECENT]);
+uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT]);
 
 /* Two planes that pass through all texels of a tile of 8 x 8, each through its own.
  * second  [out] texels of the second plane
