@@ -8,6 +8,11 @@
 
 enum { CPU_SSE2, CPU_AVX2, CPU_AVX512 /* F, BW, DQ and VL */ };
 
+/* A function for one of them, and what is compiled into it. */
+#define ALWAYS_INLINE     inline __attribute__((always_inline))
+#define CPU_TARGET_AVX2   __attribute__((target("avx2")))
+#define CPU_TARGET_AVX512 __attribute__((target("avx2,avx512f,avx512bw,avx512dq,avx512vl")))
+
 /* What the processor has of these; CPU_SSE2 also stands for what is no x86-64. */
 static inline int cpu_level_of_machine(void)
 {

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
 
+#include "baker/base/cpu.h"
 #include "baker/base/z_order.h"
 #include "baker/blocks/block_build.h"
 #include "baker/columns/descent.h"
@@ -16,6 +17,7 @@ uint32_t block_square_side(uint32_t map_side_px)
 typedef struct map_builder {
     block_set *set;
     uint32_t   map, square_level, depth_vx, fetch_px;
+    int        cpu;
     block_set  batch[DESCENT_BATCH];
 } map_builder;
 
@@ -39,6 +41,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     map_builder *b     = user;
     uint32_t     nodes = max_u32((8u << level) / NODE_PX, 1);
     vxs_result   r     = VXS_OK;
+    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu};
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
         r          = block_build_node(&b->batch[slot], columns, b->map, i * nodes + at.i, j * nodes + at.j);
@@ -69,10 +72,15 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (columns->fetch_px < side) return VXS_E_ARGUMENT;
     map_builder *b = calloc(1, sizeof *b);
     if (!b) return VXS_E_MEMORY;
-    *b = (map_builder){
-        .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx, .fetch_px = columns->fetch_px};
-    descent    d = {b, look, build_slot, add_slot, time_batch, 1};
-    vxs_result r = descend(&d, columns, ctx);
+    *b              = (map_builder){.cpu          = cpu_level(),
+                                    .set          = s,
+                                    .map          = map,
+                                    .square_level = square_level(side),
+                                    .depth_vx     = columns->depth_vx,
+                                    .fetch_px     = columns->fetch_px};
+    s->patterns.cpu = b->cpu;
+    descent    d    = {b, look, build_slot, add_slot, time_batch, 1};
+    vxs_result r    = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);
     free(b);
     return r;

@@ -5,7 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/cpu.h"
 #include "baker/base/simd.h"
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
 
 /* Bits of a mask that are searched first: every other texel, so that what differs in any part of a tile is met. */
 #define CHECKERS 0xa5a5a5a5u
@@ -92,7 +97,10 @@ static uint32_t take(pattern_class *c, size_t at, const tile_needs t, int masks)
 }
 
 /* Which of the 16 patterns from `from` on agree in one half of one mask. */
-static uint32_t agreeing(const uint32_t *dark, const uint32_t *lit, size_t from, uint32_t must_dark, uint32_t must_lit)
+typedef uint32_t find_agreeing(const uint32_t *dark, const uint32_t *lit, size_t from, uint32_t must_dark, uint32_t must_lit);
+
+static ALWAYS_INLINE uint32_t agreeing(const uint32_t *dark, const uint32_t *lit, size_t from, uint32_t must_dark,
+                                       uint32_t must_lit)
 {
     u32x4 against[4], d = u32x4_all(must_dark), l = u32x4_all(must_lit);
     for (size_t n = 0; n < 4; n++) against[n] = (u32x4_load(dark + from + 4 * n) & l) | (u32x4_load(lit + from + 4 * n) & d);
@@ -100,7 +108,7 @@ static uint32_t agreeing(const uint32_t *dark, const uint32_t *lit, size_t from,
 }
 
 /* The place of a pattern that agrees in all, or the count: none. The half that needs most is looked at first, 16 patterns at a time. */
-static size_t search(const pattern_class *c, const tile_needs t, int masks)
+static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const tile_needs t, int masks)
 {
     int mask = 0, half = 0, most = -1;
     for (int m = 0; m < masks; m++)
@@ -116,8 +124,8 @@ static size_t search(const pattern_class *c, const tile_needs t, int masks)
     size_t          stop = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
     for (size_t end = c->count; end > stop;) {
         size_t   from = end >= stop + 16 ? end - 16 : end - 1;
-        uint32_t hits = end >= stop + 16 ? agreeing(dark, lit, from, must_dark, must_lit)
-                                         : !((dark[from] & must_lit) | (lit[from] & must_dark));
+        uint32_t hits =
+            end >= stop + 16 ? find(dark, lit, from, must_dark, must_lit) : !((dark[from] & must_lit) | (lit[from] & must_dark));
         while (hits) {
             uint32_t last = 31 - (uint32_t)__builtin_clz(hits);
             if (agrees(c, from + last, t, masks)) return from + last;
@@ -126,6 +134,58 @@ static size_t search(const pattern_class *c, const tile_needs t, int masks)
         end = from;
     }
     return c->count;
+}
+
+static size_t search_plain(const pattern_class *c, const tile_needs t, int masks)
+{
+    return search_by(agreeing, c, t, masks);
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t agreeing_avx2(const uint32_t *dark, const uint32_t *lit, size_t from,
+                                                            uint32_t must_dark, uint32_t must_lit)
+{
+    const __m256i d = _mm256_set1_epi32((int)must_dark), l = _mm256_set1_epi32((int)must_lit), zero = _mm256_setzero_si256();
+    uint32_t      hits = 0;
+    for (size_t n = 0; n < 16; n += 8) {
+        __m256i is_dark = _mm256_loadu_si256((const __m256i *)(const void *)(dark + from + n));
+        __m256i is_lit  = _mm256_loadu_si256((const __m256i *)(const void *)(lit + from + n));
+        __m256i against = _mm256_or_si256(_mm256_and_si256(is_dark, l), _mm256_and_si256(is_lit, d));
+        hits |= (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(against, zero))) << n;
+    }
+    return hits;
+}
+
+CPU_TARGET_AVX2 static size_t search_avx2(const pattern_class *c, const tile_needs t, int masks)
+{
+    return search_by(agreeing_avx2, c, t, masks);
+}
+
+CPU_TARGET_AVX512 static ALWAYS_INLINE uint32_t agreeing_avx512(const uint32_t *dark, const uint32_t *lit, size_t from,
+                                                                uint32_t must_dark, uint32_t must_lit)
+{
+    __m512i is_dark = _mm512_loadu_si512(dark + from), is_lit = _mm512_loadu_si512(lit + from);
+    __m512i against = _mm512_or_si512(_mm512_and_si512(is_dark, _mm512_set1_epi32((int)must_lit)),
+                                      _mm512_and_si512(is_lit, _mm512_set1_epi32((int)must_dark)));
+    return _mm512_testn_epi32_mask(against, against);
+}
+
+CPU_TARGET_AVX512 static size_t search_avx512(const pattern_class *c, const tile_needs t, int masks)
+{
+    return search_by(agreeing_avx512, c, t, masks);
+}
+
+#endif
+
+static size_t search(int cpu, const pattern_class *c, const tile_needs t, int masks)
+{
+#ifdef __x86_64__
+    if (cpu == CPU_AVX512) return search_avx512(c, t, masks);
+    if (cpu == CPU_AVX2) return search_avx2(c, t, masks);
+#endif
+    (void)cpu;
+    return search_plain(c, t, masks);
 }
 
 vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint32_t *id)
@@ -142,7 +202,7 @@ vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint
             t[mask][half][LIT]  = lit[half];
         }
     }
-    size_t at = c->count ? search(c, t, masks) : 0;
+    size_t at = c->count ? search(s->cpu, c, t, masks) : 0;
     if (at < c->count) {
         *id = take(c, at, t, masks);
         return VXS_OK;

@@ -42,6 +42,7 @@ typedef struct pattern_class {
 typedef struct pattern_set {
     pattern_class by_depths[PALETTE_MAX + 1];
     uint32_t      count; /* ids are [0, count) */
+    int           cpu;   /* [in] what searches may use, of cpu.h: it decides on time alone */
 } pattern_set;
 
 /* A pattern that fits, or a new one.

@@ -11,6 +11,7 @@
 #include "formats/vxs_lookup_blocks.h"
 #include "formats/vxs_page.h"
 
+#include "baker/base/cpu.h"
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/simd.h"
 #include "baker/blocks/block_build.h"
@@ -486,6 +487,34 @@ static void patterns_agree(void **state)
     pattern_set_free(&set);
 }
 
+static uint64_t rng_mask(rng *r)
+{
+    uint64_t half = rng_u32(r);
+    return half << 32 | rng_u32(r);
+}
+
+/* What the processor has decides how long a search takes, not what it finds: also beyond the window, and where it begins within 16. */
+static void searches_find_the_same(void **state)
+{
+    (void)state;
+    enum { FINDS = 9000, MASKS = 2 };
+    pattern_set set[CPU_AVX512 + 1] = {{.cpu = CPU_SSE2}, {.cpu = CPU_AVX2}, {.cpu = CPU_AVX512}};
+    rng         r                   = {5};
+    for (int n = 0; n < FINDS; n++) {
+        mask_need needs[MASKS];
+        uint32_t  id[CPU_AVX512 + 1];
+        uint64_t  dark = rng_mask(&r), asked = rng_mask(&r) & rng_mask(&r);
+        needs[0] = (mask_need){dark & asked, ~dark & asked};
+        needs[1] = (mask_need){needs[0].dark, needs[0].lit & rng_mask(&r)};
+        for (int cpu = CPU_SSE2; cpu <= cpu_level_of_machine(); cpu++) {
+            assert_int_equal(pattern_find(&set[cpu], MASKS + 1, needs, &id[cpu]), VXS_OK);
+            assert_int_equal(id[cpu], id[CPU_SSE2]);
+        }
+    }
+    assert_true(set[CPU_SSE2].count > PATTERN_WINDOW && set[CPU_SSE2].count < FINDS);
+    for (int cpu = CPU_SSE2; cpu <= CPU_AVX512; cpu++) pattern_set_free(&set[cpu]);
+}
+
 /* A quadrant has as few depths as its ranges can do with: those are pierced one by one, the one that ends first before all others. */
 static void quadrants_have_few_depths(void **state)
 {
@@ -666,23 +695,12 @@ static void sheet_over_a_map(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(piercing),
-        cmocka_unit_test(axes_keep_order),
-        cmocka_unit_test(repeated_at_other_depths),
-        cmocka_unit_test(own_patterns_agree),
-        cmocka_unit_test(patterns_agree),
-        cmocka_unit_test(every_kind_of_map),
-        cmocka_unit_test(deep_maps),
-        cmocka_unit_test(threads_and_fetches),
-        cmocka_unit_test(six_maps),
-        cmocka_unit_test(sheets_are_planes),
-        cmocka_unit_test(sheet_over_a_map),
-        cmocka_unit_test(two_sheets_are_two_planes),
-        cmocka_unit_test(pages_are_cut),
-        cmocka_unit_test(pages_are_even),
-        cmocka_unit_test(shapes_of_formulas),
-        cmocka_unit_test(failing_calls),
-        cmocka_unit_test(quadrants_have_few_depths),
+        cmocka_unit_test(piercing),           cmocka_unit_test(axes_keep_order),        cmocka_unit_test(repeated_at_other_depths),
+        cmocka_unit_test(own_patterns_agree), cmocka_unit_test(patterns_agree),         cmocka_unit_test(every_kind_of_map),
+        cmocka_unit_test(deep_maps),          cmocka_unit_test(threads_and_fetches),    cmocka_unit_test(six_maps),
+        cmocka_unit_test(sheets_are_planes),  cmocka_unit_test(sheet_over_a_map),       cmocka_unit_test(two_sheets_are_two_planes),
+        cmocka_unit_test(pages_are_cut),      cmocka_unit_test(pages_are_even),         cmocka_unit_test(shapes_of_formulas),
+        cmocka_unit_test(failing_calls),      cmocka_unit_test(searches_find_the_same), cmocka_unit_test(quadrants_have_few_depths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
