@@ -134,19 +134,22 @@ static vxs_result shape_nodes(layout *l)
 /* words ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Head, table of pages, tops, common patterns, pages. */
-static vxs_result assemble(layout *l, const uint32_t *pages, size_t page_words, const uint32_t *starts)
+static vxs_result assemble(layout *l)
 {
     size_t    top = HEAD_WORDS + l->page_count, common = top + l->top_count, common_words = (l->common_halves + 1) / 2;
-    size_t    page_start = common + common_words, all = page_start + page_words;
-    uint32_t *w = calloc(all + VXS_BLOCKS_SPARE_WORDS, sizeof *w);
-    if (!w) return VXS_E_MEMORY;
+    size_t    page_start = common + common_words, all = page_start + page_place(l, l->page_count);
+    uint32_t *w = all > UINT32_MAX / 2 ? NULL : calloc(all + VXS_BLOCKS_SPARE_WORDS, sizeof *w);
+    if (!w) return all > UINT32_MAX / 2 ? VXS_E_REFERENCES : VXS_E_MEMORY;
     w[0] = (uint32_t)l->page_count;
     w[1] = (uint32_t)common;
     for (uint32_t map = 0; map < l->map_count; map++) w[2 + map] = (uint32_t)top + l->top_start[map];
-    for (size_t p = 0; p < l->page_count; p++) w[HEAD_WORDS + p] = (uint32_t)page_start + starts[p];
+    for (size_t p = 0; p < l->page_count; p++) w[HEAD_WORDS + p] = (uint32_t)page_start + page_place(l, p);
     memcpy(w + top, l->top, l->top_count * sizeof *w);
     layout_write_common(l, w + common);
-    if (page_words) memcpy(w + page_start, pages, page_words * sizeof *w);
+    if (layout_write_pages(l, w + page_start) != VXS_OK) {
+        free(w);
+        return VXS_E_MEMORY;
+    }
     l->out->words               = w;
     l->out->count               = (uint32_t)all;
     l->out->common_kinds        = l->common_kinds;
@@ -159,16 +162,11 @@ static vxs_result assemble(layout *l, const uint32_t *pages, size_t page_words, 
     return VXS_OK;
 }
 
-static vxs_result make_scratch(layout *l)
+static vxs_result make_common(layout *l)
 {
-    l->shape_at = calloc(l->shapes.count + 1, sizeof *l->shape_at);
-    l->block_at = calloc(l->set->blocks.count + 1, sizeof *l->block_at);
-    for (int own = 0; own < 2; own++) {
-        l->code_at[own] = calloc(l->codes[own].count + 1, sizeof *l->code_at[own]);
-        l->common[own]  = calloc(l->codes[own].count + 1, sizeof *l->common[own]);
-        if (!l->code_at[own] || !l->common[own]) return VXS_E_MEMORY;
-    }
-    return l->shape_at && l->block_at ? VXS_OK : VXS_E_MEMORY;
+    for (int own = 0; own < 2; own++)
+        if (!(l->common[own] = calloc(l->codes[own].count + 1, sizeof *l->common[own]))) return VXS_E_MEMORY;
+    return VXS_OK;
 }
 
 static void layout_free(layout *l)
@@ -177,42 +175,29 @@ static void layout_free(layout *l)
     for (int own = 0; own < 2; own++) {
         intern_free(&l->codes[own]);
         free(l->code_of[own]);
-        free(l->code_at[own]);
         free(l->common[own]);
     }
     free(l->nodes);
     free(l->common_kinds);
+    free(l->block_words);
     free(l->page_end);
-    free(l->shape_at);
-    free(l->block_at);
     free(l->top);
 }
 
 vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
 {
-    layout     l     = {.set        = s,
-                        .threads    = threads,
-                        .levels     = levels,
-                        .map_count  = map_count,
-                        .never      = 1u << levels,
-                        .base_shift = levels > 16 ? levels - 16 : 0,
-                        .out        = out};
-    uint32_t  *pages = NULL, *starts = NULL;
-    size_t     page_words = 0;
+    layout     l = {.set        = s,
+                    .threads    = threads,
+                    .levels     = levels,
+                    .map_count  = map_count,
+                    .never      = 1u << levels,
+                    .base_shift = levels > 16 ? levels - 16 : 0,
+                    .out        = out};
     vxs_result r;
     memset(out, 0, sizeof *out);
-    if ((r = encode_patterns(&l)) != VXS_OK) goto done;
-    if ((r = shape_nodes(&l)) != VXS_OK) goto done;
-    if ((r = make_scratch(&l)) != VXS_OK) goto done;
-    if ((r = layout_cut_pages(&l)) != VXS_OK) goto done;
-    starts = malloc((l.page_count + 1) * sizeof *starts);
-    if (!starts) r = VXS_E_MEMORY;
-    if (r == VXS_OK) r = layout_write_pages(&l, &pages, &page_words, starts);
-    if (r == VXS_OK) r = layout_build_top(&l);
-    if (r == VXS_OK) r = assemble(&l, pages, page_words, starts);
-done:
-    free(pages);
-    free(starts);
+    if ((r = encode_patterns(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK && (r = make_common(&l)) == VXS_OK &&
+        (r = layout_cut_pages(&l)) == VXS_OK && (r = layout_build_top(&l)) == VXS_OK)
+        r = assemble(&l);
     layout_free(&l);
     if (r != VXS_OK) memset(out, 0, sizeof *out);
     return r;

@@ -38,16 +38,27 @@ typedef struct in_page {
     uint32_t stamp, at;
 } in_page;
 
+/* What is in the page in work. */
+typedef struct page_scratch {
+    in_page *shape_at, *block_at, *code_at[2];
+    uint32_t stamp;
+} page_scratch;
+
+/* Where a page ends. */
+typedef struct page_end {
+    uint32_t node, word; /* the first node that is not in it; words of all pages up to here */
+} page_end;
+
 typedef struct layout {
     const block_set *set;
     uint32_t         threads, levels, map_count, never, base_shift;
     intern           shapes, codes[2]; /* patterns as halves: shared ones, own ones */
     uint32_t        *code_of[2];       /* by id of a pattern */
     node_place      *nodes;            /* [node_count] in z order, map by map */
-    uint32_t        *page_end;         /* [page_count] the first node that is not in it */
+    uint16_t        *block_words;      /* [blocks] that a block takes, without its patterns */
+    page_end        *page_end;         /* [page_count] */
     size_t           page_count, page_capacity;
-    in_page         *shape_at, *block_at, *code_at[2];
-    uint32_t         stamp;
+    page_scratch     scratch;   /* of the thread that cuts */
     uint32_t        *common[2]; /* [code] 1 + the half of the common pool where it starts; 0: it is not there */
     uint32_t         common_halves;
     uint8_t         *common_kinds; /* [common_count] of patterns as they lie in the common pool */
@@ -66,23 +77,27 @@ static inline const uint16_t *code_halves(const layout *l, int own, uint32_t cod
     return halves + 1;
 }
 
+/* The word where a page begins, from the first one on; of the page behind the last one: where that ends. */
+static inline uint32_t page_place(const layout *l, size_t page)
+{
+    return page ? l->page_end[page - 1].word : 0;
+}
+
 static inline const node_shape *shape_of(const layout *l, const node_place *n)
 {
     return intern_at(&l->shapes, n->shape);
 }
 
-/* Cut the nodes into pages, no more than it takes and alike in size, and choose the patterns that are kept once for all of them. */
+/* Cut the nodes into pages, no more than it takes and alike in size, and place them; choose the patterns that are kept once for all of them. */
 vxs_result layout_cut_pages(layout *l);
 
-/* Write all pages, one after the other, and note where nodes are.
- * words   [out] grown with array_reserve; [count]
- * starts  [page_count] [out] where in them each page begins */
-vxs_result layout_write_pages(layout *l, uint32_t **words, size_t *count, uint32_t *starts);
+/* Write all pages, one behind the other, on all threads; `to` has zeros. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result layout_write_pages(layout *l, uint32_t *to);
 
 /* Write the patterns that are kept once; `to` has zeros. */
 void layout_write_common(const layout *l, uint32_t *to);
 
-/* The tops of all maps, after pages have placed their nodes: cells count from the first word of all tops. */
+/* The tops of all maps, after nodes have their places: cells count from the first word of all tops. */
 vxs_result layout_build_top(layout *l);
 
 #endif

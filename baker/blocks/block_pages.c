@@ -6,11 +6,13 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/parallel.h"
 #include "baker/blocks/pattern_code.h"
 
 enum {
     NODE_HALVES = 11, /* before the arrays of a node */
     PLANE_WORDS = 2,
+    WRITERS_MAX = 8,   /* of pages at once: each takes memory */
     FAR_BASE    = 8192 /* bases of own tiles from here on have words of their own */
 };
 
@@ -98,21 +100,21 @@ static int is_new(in_page *p, uint32_t stamp, uint32_t at)
 }
 
 /* Add a node's words, and those of blocks and patterns that the page has not yet, each at its place: patterns count from half 0. */
-static void add_to_page(layout *l, page_size *page, const node_place *n)
+static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
 {
     const node_shape *shape = shape_of(l, n);
-    if (!is_new(&l->shape_at[n->shape], l->stamp, page->words)) return;
+    if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
     page->words += shape_words(shape);
     for (int b = 0; b < NODE_BLOCKS; b++) {
-        if (!(shape->mixed >> b & 1) || !is_new(&l->block_at[shape->block[b]], l->stamp, page->words)) continue;
+        if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;
         const block *of = block_at(l->set, shape->block[b]);
-        page->words += form_of(of).words;
+        page->words += l->block_words[shape->block[b]];
         for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
             if (!tile_has_pattern(t)) continue;
             int      own  = t->kind == TILE_OWN;
             uint32_t code = l->code_of[own][t->pattern], halves;
             code_halves(l, own, code, &halves);
-            if (l->common[own][code] || !is_new(&l->code_at[own][code], l->stamp, page->halves)) continue;
+            if (l->common[own][code] || !is_new(&s->code_at[own][code], s->stamp, page->halves)) continue;
             page->halves += halves;
         }
     }
@@ -123,34 +125,60 @@ static uint32_t page_words(const page_size *p)
     return p->words + (p->halves + 1) / 2;
 }
 
-/* Pages end where they are full, or where those so far come nearest to `share` words each.
- * all  [out] words of all pages */
-static vxs_result cut(layout *l, uint64_t share, uint64_t *all)
+static vxs_result scratch_init(page_scratch *s, const layout *l)
 {
-    size_t    count = l->set->node_count;
-    page_size page  = {0, 0};
-    l->page_count   = 0;
-    *all            = 0;
-    l->stamp++;
-    for (uint32_t n = 0, first = 0; n < count; n++) {
-        uint32_t before = page_words(&page);
-        add_to_page(l, &page, &l->nodes[n]);
-        uint64_t middle = *all + (before + page_words(&page)) / 2; /* of this node, among all words */
+    *s = (page_scratch){
+        .shape_at = calloc(l->shapes.count + 1, sizeof *s->shape_at),
+        .block_at = calloc(l->set->blocks.count + 1, sizeof *s->block_at),
+        .code_at  = {calloc(l->codes[0].count + 1, sizeof **s->code_at), calloc(l->codes[1].count + 1, sizeof **s->code_at)}};
+    return s->shape_at && s->block_at && s->code_at[0] && s->code_at[1] ? VXS_OK : VXS_E_MEMORY;
+}
+
+static void scratch_free(page_scratch *s)
+{
+    free(s->shape_at);
+    free(s->block_at);
+    free(s->code_at[0]);
+    free(s->code_at[1]);
+}
+
+/* A page ends before node n. */
+static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
+{
+    if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
+    uint64_t end = (uint64_t)page_place(l, l->page_count) + words;
+    if (end > UINT32_MAX / 2) return VXS_E_REFERENCES;
+    l->page_end[l->page_count++] = (page_end){n, (uint32_t)end};
+    l->scratch.stamp++;
+    return VXS_OK;
+}
+
+/* Pages end where they are full, or where those so far come nearest to `share` words each. */
+static vxs_result cut(layout *l, uint64_t share)
+{
+    page_scratch *s     = &l->scratch;
+    uint32_t      count = (uint32_t)l->set->node_count;
+    page_size     page  = {0, 0};
+    vxs_result    r     = VXS_OK;
+    l->page_count       = 0;
+    s->stamp++;
+    for (uint32_t n = 0, first = 0; n < count && r == VXS_OK; n++) {
+        node_place *node   = &l->nodes[n];
+        uint32_t    before = page_words(&page);
+        add_to_page(l, s, &page, node);
+        uint64_t middle =
+            page_place(l, l->page_count) + ((uint64_t)before + page_words(&page)) / 2; /* of this node, among all words */
         if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= share * (l->page_count + 1))) {
             /* this node begins the next page */
-            if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 2, sizeof *l->page_end)) return VXS_E_MEMORY;
-            l->page_end[l->page_count++] = first = n;
-            *all += before;
-            l->stamp++;
-            page = (page_size){0, 0};
-            add_to_page(l, &page, &l->nodes[n]);
+            r     = end_page(l, n, before);
+            first = n;
+            page  = (page_size){0, 0};
+            add_to_page(l, s, &page, node);
         }
-        l->nodes[n].page = (uint32_t)l->page_count;
+        node->page = (uint32_t)l->page_count;
+        node->word = s->shape_at[node->shape].at;
     }
-    *all += page_words(&page);
-    if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
-    if (count) l->page_end[l->page_count++] = (uint32_t)count;
-    return VXS_OK;
+    return r == VXS_OK && count ? end_page(l, count, page_words(&page)) : r;
 }
 
 /* common patterns ------------------------------------------------------------------------------------------------------------- */
@@ -171,21 +199,20 @@ static int by_use(const void *a, const void *b)
 /* In how many pages each pattern is. */
 static void count_pages(layout *l, uint32_t *pages[2])
 {
-    for (size_t p = 0, n = 0; p < l->page_count; p++) {
-        l->stamp++;
-        for (; n < l->page_end[p]; n++) {
+    page_scratch *s = &l->scratch;
+    for (size_t p = 0, n = 0; p < l->page_count; p++, s->stamp++)
+        for (; n < l->page_end[p].node; n++) {
             const node_shape *shape = shape_of(l, &l->nodes[n]);
             for (int b = 0; b < NODE_BLOCKS; b++) {
-                if (!(shape->mixed >> b & 1) || !is_new(&l->block_at[shape->block[b]], l->stamp, 0)) continue;
+                if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, 0)) continue;
                 const block *of = block_at(l->set, shape->block[b]);
                 for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
                     int      own  = t->kind == TILE_OWN;
                     uint32_t code = tile_has_pattern(t) ? l->code_of[own][t->pattern] : 0;
-                    if (tile_has_pattern(t) && is_new(&l->code_at[own][code], l->stamp, 0)) pages[own][code]++;
+                    if (tile_has_pattern(t) && is_new(&s->code_at[own][code], s->stamp, 0)) pages[own][code]++;
                 }
             }
         }
-    }
 }
 
 /* One more pattern of the common pool, if there is room. */
@@ -222,19 +249,41 @@ done:
     return r;
 }
 
+static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const layout *l = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) l->block_words[n] = (uint16_t)form_of(block_at(l->set, (uint32_t)n)).words;
+}
+
 /* First each as full as it gets, which tells how many there have to be; then as many, alike in size, so that threads have as much to do. */
 vxs_result layout_cut_pages(layout *l)
 {
-    uint64_t   all;
-    vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, &all);
+    vxs_result r   = scratch_init(&l->scratch, l);
+    l->block_words = malloc((l->set->blocks.count + 1) * sizeof *l->block_words);
+    if (!l->block_words) r = VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        parallel_for(l->threads, l->set->blocks.count, 4096, size_some_blocks, l);
+        r = cut(l, VXS_PAGE_WORDS_MAX);
+    }
     if (r == VXS_OK && l->page_count > 1) {
         r = choose_common(l);
-        if (r == VXS_OK) r = cut(l, all / l->page_count + 1, &all);
+        if (r == VXS_OK) r = cut(l, page_place(l, l->page_count) / l->page_count + 1);
     }
+    scratch_free(&l->scratch);
     return r == VXS_OK && l->page_count > VXS_PAGES_MAX ? VXS_E_REFERENCES : r;
 }
 
 /* words ----------------------------------------------------------------------------------------------------------------------- */
+
+/* A thread that writes pages. */
+typedef struct page_writer {
+    const layout *l;
+    uint32_t     *to;
+    size_t        first, step; /* its pages */
+    page_scratch  scratch;
+    block_counts  counts;
+} page_writer;
 
 /* Halves and bytes of words, from a place on. */
 typedef struct half_writer {
@@ -259,7 +308,7 @@ static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t cou
     for (uint32_t n = 0; n < count; n++, at++) words[at / 4] |= (value >> 8 * n & 0xff) << 8 * (at & 3);
 }
 
-static void write_node(const layout *l, uint32_t *to, const node_shape *s)
+static void write_node(const page_scratch *places, uint32_t *to, const node_shape *s)
 {
     uint64_t    fresh = fresh_blocks(s);
     int         wide  = is_wide(s);
@@ -270,7 +319,7 @@ static void write_node(const layout *l, uint32_t *to, const node_shape *s)
     put_half(&w, (uint32_t)s->slope.y);
     put_half(&w, wide ? NODE_WIDE : 0);
     for (int b = 0; b < NODE_BLOCKS; b++)
-        if (s->mixed >> b & 1) put_half(&w, l->block_at[s->block[b]].at);
+        if (s->mixed >> b & 1) put_half(&w, places->block_at[s->block[b]].at);
     for (int b = 0; b < NODE_BLOCKS; b++)
         if (s->mixed >> b & 1) put_wide(&w, s->depth[b], wide);
     for (int b = 0; b < NODE_BLOCKS; b++)
@@ -278,7 +327,7 @@ static void write_node(const layout *l, uint32_t *to, const node_shape *s)
 }
 
 /* pool  the half of the page where its patterns begin */
-static void write_block(const layout *l, uint32_t *to, const block *b, uint32_t pool)
+static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block *b, uint32_t pool)
 {
     block_form f    = form_of(b);
     uint32_t   word = 2, byte, nibbles = 0;
@@ -293,7 +342,7 @@ static void write_block(const layout *l, uint32_t *to, const block *b, uint32_t 
         if (!tile_has_pattern(t)) continue;
         int      own  = t->kind == TILE_OWN;
         uint32_t code = l->code_of[own][t->pattern], common = l->common[own][code];
-        uint32_t ref = common ? COMMON | (common - 1) : pool + l->code_at[own][code].at;
+        uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[own][code].at;
         to[word++]   = ref << 14 | (!own ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
     }
     byte = 4 * word;
@@ -318,17 +367,18 @@ static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int own,
 }
 
 /* The patterns that a block is the first of its page to use. */
-static void write_block_patterns(layout *l, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
+static void write_block_patterns(page_writer *w, uint32_t *to, const block *b, uint32_t pool, uint32_t *next_half)
 {
+    const layout *l = w->l;
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (!tile_has_pattern(t)) continue;
         int      own  = t->kind == TILE_OWN;
         uint32_t code = l->code_of[own][t->pattern], count;
-        if (l->common[own][code] || l->code_at[own][code].at != *next_half) continue;
+        if (l->common[own][code] || w->scratch.code_at[own][code].at != *next_half) continue;
         code_halves(l, own, code, &count);
         write_pattern(l, to, pool + *next_half, own, code);
         *next_half += count;
-        own ? l->out->counts.own_patterns++ : l->out->counts.patterns++;
+        own ? w->counts.own_patterns++ : w->counts.patterns++;
     }
 }
 
@@ -340,51 +390,74 @@ static void count_block(block_counts *c, const block_form *f)
     c->own_tiles += (uint32_t)__builtin_popcount(f->own);
 }
 
-/* Place and write what a page holds.   words  zeros;   Returns how many it takes. */
-static uint32_t write_page(layout *l, uint32_t page, uint32_t *words)
+/* Write what a page holds.   words  zeros */
+static void write_page(page_writer *w, size_t page, uint32_t *words)
 {
-    uint32_t      first = page ? l->page_end[page - 1] : 0, end = l->page_end[page], next_word = 0, next_half = 0;
+    const layout *l     = w->l;
+    uint32_t      first = page ? l->page_end[page - 1].node : 0, end = l->page_end[page].node, next_word = 0, next_half = 0;
     page_size     size = {0, 0};
-    block_counts *c    = &l->out->counts;
-    l->stamp++;
-    for (uint32_t n = first; n < end; n++) {
-        add_to_page(l, &size, &l->nodes[n]);
-        l->nodes[n].word = l->shape_at[l->nodes[n].shape].at;
-    }
+    block_counts *c    = &w->counts;
+    w->scratch.stamp++;
+    for (uint32_t n = first; n < end; n++) add_to_page(l, &w->scratch, &size, &l->nodes[n]);
     uint32_t pool = 2 * size.words;
     for (uint32_t n = first; n < end; n++) {
         const node_shape *shape = shape_of(l, &l->nodes[n]);
         if (l->nodes[n].word != next_word) continue;
-        write_node(l, words + next_word, shape);
+        write_node(&w->scratch, words + next_word, shape);
         next_word += shape_words(shape);
         c->nodes++;
         c->node_words += shape_words(shape);
         for (int b = 0; b < NODE_BLOCKS; b++) {
-            if (!(shape->mixed >> b & 1) || l->block_at[shape->block[b]].at != next_word) continue;
+            if (!(shape->mixed >> b & 1) || w->scratch.block_at[shape->block[b]].at != next_word) continue;
             const block *of   = block_at(l->set, shape->block[b]);
             block_form   form = form_of(of);
-            write_block(l, words + next_word, of, pool);
-            write_block_patterns(l, words, of, pool, &next_half);
+            write_block(l, &w->scratch, words + next_word, of, pool);
+            write_block_patterns(w, words, of, pool, &next_half);
             next_word += form.words;
             count_block(c, &form);
         }
     }
     c->pattern_words += (size.halves + 1) / 2;
-    return size.words + (size.halves + 1) / 2;
 }
 
-vxs_result layout_write_pages(layout *l, uint32_t **words, size_t *count, uint32_t *starts)
+static void add_counts(block_counts *to, const block_counts *c)
 {
-    size_t capacity = 0;
-    *count          = 0;
-    for (uint32_t page = 0; page < l->page_count; page++) {
-        if (!array_reserve(words, &capacity, *count + VXS_PAGE_WORDS_MAX, sizeof **words)) return VXS_E_MEMORY;
-        memset(*words + *count, 0, VXS_PAGE_WORDS_MAX * sizeof **words);
-        starts[page] = (uint32_t)*count;
-        *count += write_page(l, page, *words + *count);
-        if (*count > UINT32_MAX / 2) return VXS_E_REFERENCES;
+    to->nodes += c->nodes;
+    to->blocks += c->blocks;
+    to->tiles += c->tiles;
+    to->own_tiles += c->own_tiles;
+    to->patterns += c->patterns;
+    to->own_patterns += c->own_patterns;
+    to->node_words += c->node_words;
+    to->block_words += c->block_words;
+    to->pattern_words += c->pattern_words;
+}
+
+/* Each writer takes every so many pages: what it needs to know of a page is as large as all that pages can hold. */
+static void write_some_pages(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    page_writer *w = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++)
+        for (size_t page = w[n].first; page < w[n].l->page_count; page += w[n].step)
+            write_page(&w[n], page, w[n].to + page_place(w[n].l, page));
+}
+
+vxs_result layout_write_pages(layout *l, uint32_t *to)
+{
+    page_writer writers[WRITERS_MAX];
+    uint32_t    count = min_u32(min_u32(max_u32(l->threads, 1), WRITERS_MAX), (uint32_t)l->page_count), made = 0;
+    vxs_result  r = VXS_OK;
+    for (; made < count && r == VXS_OK; made++) {
+        writers[made] = (page_writer){.l = l, .to = to, .first = made, .step = count};
+        r             = scratch_init(&writers[made].scratch, l);
     }
-    return VXS_OK;
+    if (r == VXS_OK) parallel_for(count, count, 1, write_some_pages, writers);
+    for (uint32_t n = 0; n < made; n++) {
+        add_counts(&l->out->counts, &writers[n].counts);
+        scratch_free(&writers[n].scratch);
+    }
+    return r;
 }
 
 void layout_write_common(const layout *l, uint32_t *to)
