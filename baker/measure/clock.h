@@ -8,7 +8,8 @@
 /* Seconds since some moment, steady. */
 double clock_seconds(void);
 
-/* Start a new peak: later calls of memory_peak_bytes count from here. Does nothing where the system cannot. */
+/* Start a new peak: later calls of memory_peak_bytes count from here. Does nothing where the system cannot. For programs that measure
+ * themselves: what the system tells others of the process (ru_maxrss) is then the new peak, too. */
 void memory_peak_reset(void);
 
 /* Most resident memory since memory_peak_reset, or since the start; 0 when unknown. */

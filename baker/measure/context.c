@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "baker/base/integer.h"
+#include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/measure/clock.h"
 #include "baker/measure/progress.h"
@@ -17,6 +19,13 @@ const char *bake_stage_name(bake_stage stage)
     return stage_names[stage];
 }
 
+/* The system's high-water mark is left alone, as others may ask for it: of a stage that does not raise it, the ends are known. */
+static uint64_t stage_peak(const bake_context *ctx)
+{
+    uint64_t peak = memory_peak_bytes();
+    return peak > ctx->past_peak ? peak : max_u64(ctx->held_bytes, memory_held_bytes());
+}
+
 static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
 {
     stage_report *s = &ctx->stage[stage];
@@ -26,8 +35,9 @@ static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
 
 static void enter(bake_context *ctx, bake_stage stage)
 {
-    if (stage != STAGE_NONE) memory_peak_reset();
     ctx->at          = stage;
+    ctx->held_bytes  = stage == STAGE_NONE ? 0 : memory_held_bytes();
+    ctx->past_peak   = stage == STAGE_NONE ? 0 : memory_peak_bytes();
     ctx->stage_since = stage == STAGE_NONE ? 0 : clock_seconds();
 }
 
@@ -35,7 +45,7 @@ void stage_begin(bake_context *ctx, bake_stage stage)
 {
     if (ctx->stage_since > 0) {
         ctx->stage[ctx->at].seconds += clock_seconds() - ctx->stage_since;
-        note_peak(ctx, ctx->at, memory_peak_bytes());
+        note_peak(ctx, ctx->at, stage_peak(ctx));
     }
     enter(ctx, stage);
 }
@@ -43,7 +53,7 @@ void stage_begin(bake_context *ctx, bake_stage stage)
 void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, const double *seconds, uint32_t count)
 {
     double   wall = clock_seconds() - ctx->stage_since, all = 0;
-    uint64_t peak = memory_peak_bytes();
+    uint64_t peak = stage_peak(ctx);
     for (uint32_t n = 0; n < count; n++) all += seconds[n];
     for (uint32_t n = 0; n < count; n++) {
         ctx->stage[first + n].seconds += all > 0 ? wall * seconds[n] / all : wall / count;

@@ -35,8 +35,10 @@ typedef enum bake_stage {
 } bake_stage;
 
 typedef struct stage_report {
-    double   seconds;    /* wall time over all tiles and lights */
-    uint64_t peak_bytes; /* most memory that the process held while in this stage; 0 where the system does not tell */
+    double seconds; /* wall time over all tiles and lights */
+    uint64_t
+        peak_bytes; /* most memory that the process held while in this stage, where that is more than ever before; else what it held when
+                            the stage began or ended; 0 where the system does not tell */
 } stage_report;
 
 /* Zero it, but for what is marked. */
@@ -52,6 +54,8 @@ typedef struct bake_context {
 
     bake_stage at;          /* the stage in work; meaningful while stage_since > 0 */
     double     stage_since; /* of the clock */
+    uint64_t   held_bytes;  /* when it began */
+    uint64_t   past_peak;   /* of the process, before it */
 
     /* progress through steps of known length: the tiles of a light */
     double   begun;         /* [in] of the clock, when the whole began */

@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "baker/base/memory.h"
 #include "baker/files/png_encode.h"
-#include "baker/measure/clock.h"
 #include "baker/measure/progress.h"
 #include "baker/picture/asset_picture.h"
 #include "baker/report/page.h"
@@ -218,13 +218,9 @@ static json_t *scene_date_json(const char *path)
 
 vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, const vxs_bytes *file, message *m)
 {
-    bake_page *p = page;
-    if (o->memory_bytes) {
-        memory_peak_reset();
-        if (memory_peak_bytes() + PICTURE_BYTES + PICTURE_TRIANGLE_BYTES * c->triangle_count + 8 * file->size_bytes >
-            o->memory_bytes)
-            return VXS_OK;
-    }
+    bake_page *p     = page;
+    uint64_t   bytes = PICTURE_BYTES + PICTURE_TRIANGLE_BYTES * c->triangle_count + 8 * file->size_bytes;
+    if (o->memory_bytes && memory_held_bytes() + bytes > o->memory_bytes) return VXS_OK;
     progress_say(o->progress, "drawing the shadows");
     p->rgb = malloc((size_t)3 * PICTURE_WIDTH_PX * PICTURE_HEIGHT_PX);
     if (!p->rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of the shadows");

@@ -1,6 +1,6 @@
 /* The picture of a bake's page keeps within the memory that the bake was given (baker/report/bake_page.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/measure/clock.h" /* before cmocka, whose fail() is a macro */
+#include "baker/base/memory.h" /* before cmocka, whose fail() is a macro */
 #include "baker/report/bake_page.h"
 
 #include <setjmp.h>
@@ -43,8 +43,7 @@ static void picture_keeps_within_memory(void **state)
     casters  c;
     vxs_bytes file = golden_asset();
     assert_int_equal(casters_from_scene(&c, &one, CLOSED_OFF, &(message){0}), VXS_OK);
-    memory_peak_reset();
-    uint64_t held = memory_peak_bytes();
+    uint64_t held = memory_held_bytes();
     assert_true(is_drawn(&c, &file, 0));
     assert_true(is_drawn(&c, &file, held + (64 << 20)));
     assert_false(is_drawn(&c, &file, held + (1 << 20)));
