@@ -151,7 +151,7 @@ static void count_depths(node_builder *b)
         pierce_group groups[64];
         if (t->kind != TILE_PATTERN) continue;
         add_tile(&s, t);
-        t->depths = pierce(&s, groups, 64);
+        t->depths = pierce(&s, groups, 64, b->set->patterns.cpu);
     }
 }
 
@@ -203,7 +203,7 @@ static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
             s.high[0] = first->high[0];
             s.count   = 1;
         }
-        int count = pierce(&s, groups, PALETTE_MAX + 1);
+        int count = pierce(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
         if (count >= OWN_FROM && !counted) {
             counted = 1;
             count_depths(b);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/cpu.h"
 #include "baker/base/simd.h"
 #include "baker/blocks/pattern_code.h"
 #include "baker/blocks/patterns.h"
@@ -172,7 +173,7 @@ static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
     uint8_t      low[64], high[64], index[64];
     memcpy(s.low, t->low, sizeof t->low);
     memcpy(s.high, t->high, sizeof t->high);
-    int count = pierce(&s, groups, 64);
+    int count = pierce(&s, groups, 64, CPU_SSE2); /* seldom asked */
     for (int n = 0; n < count; n++) points[n] = groups[n].low;
     points_of_ranges(t->low, t->high, points, count, low, high);
     pattern_choose_within(low, high, index);

@@ -4,15 +4,26 @@
 
 #include <string.h>
 
+#include "baker/base/cpu.h"
 #include "baker/base/simd.h"
 
-int pierce(intervals *s, pierce_group *groups, int most)
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+/* Fill the last vector with what is there already. */
+static void pad(intervals *s, int lanes)
 {
-    const i16x8 far = i16x8_all(INT16_MAX);
-    for (; s->count & 7; s->count++) {
+    for (; s->count % lanes; s->count++) {
         s->low[s->count]  = s->low[0];
         s->high[s->count] = s->high[0];
     }
+}
+
+static int pierce_plain(intervals *s, pierce_group *groups, int most)
+{
+    const i16x8 far = i16x8_all(INT16_MAX);
+    pad(s, 8);
     i16x8 next = far;
     for (int n = 0; n < s->count; n += 8) next = i16x8_min(next, i16x8_load(s->high + n));
 
@@ -33,6 +44,91 @@ int pierce(intervals *s, pierce_group *groups, int most)
         groups[count++] = (pierce_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
         if (!kept || count == most) return count;
     }
+}
+
+#ifdef __x86_64__
+
+/* The least and the greatest of numbers that are not below 0. */
+CPU_TARGET_AVX2 static ALWAYS_INLINE int least_avx2(__m256i v)
+{
+    __m128i half = _mm_min_epi16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    return _mm_extract_epi16(_mm_minpos_epu16(half), 0);
+}
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE int greatest_avx2(__m256i v)
+{
+    return INT16_MAX - least_avx2(_mm256_sub_epi16(_mm256_set1_epi16(INT16_MAX), v));
+}
+
+/* The same 16 at a time. */
+CPU_TARGET_AVX2 static int pierce_avx2(intervals *s, pierce_group *groups, int most)
+{
+    const __m256i far  = _mm256_set1_epi16(INT16_MAX);
+    __m256i       next = far;
+    pad(s, 16);
+    for (int n = 0; n < s->count; n += 16)
+        next = _mm256_min_epi16(next, _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)));
+    for (int count = 0;;) {
+        int     point = least_avx2(next), kept = 0;
+        __m256i at = _mm256_set1_epi16((int16_t)point), last_low = _mm256_setzero_si256();
+        next = far;
+        for (int n = 0; n < s->count; n += 16) {
+            __m256i low  = _mm256_loadu_si256((const __m256i *)(const void *)(s->low + n));
+            __m256i high = _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)), behind = _mm256_cmpgt_epi16(low, at);
+            last_low = _mm256_max_epi16(last_low, _mm256_andnot_si256(behind, low));
+            next     = _mm256_min_epi16(next, _mm256_blendv_epi8(far, high, behind));
+            _mm256_storeu_si256((__m256i *)(void *)(s->low + kept), low);
+            _mm256_storeu_si256((__m256i *)(void *)(s->high + kept), high);
+            kept += _mm256_testz_si256(behind, behind) ? 0 : 16;
+        }
+        s->count        = kept;
+        groups[count++] = (pierce_group){(int16_t)greatest_avx2(last_low), (int16_t)point};
+        if (!kept || count == most) return count;
+    }
+}
+
+CPU_TARGET_AVX512 static ALWAYS_INLINE __m256i halves_avx512(__m512i v, int greatest)
+{
+    __m256i a = _mm512_castsi512_si256(v), b = _mm512_extracti64x4_epi64(v, 1);
+    return greatest ? _mm256_max_epi16(a, b) : _mm256_min_epi16(a, b);
+}
+
+/* The same 32 at a time. */
+CPU_TARGET_AVX512 static int pierce_avx512(intervals *s, pierce_group *groups, int most)
+{
+    const __m512i far  = _mm512_set1_epi16(INT16_MAX);
+    __m512i       next = far;
+    pad(s, 32);
+    for (int n = 0; n < s->count; n += 32) next = _mm512_min_epi16(next, _mm512_loadu_si512(s->high + n));
+    for (int count = 0;;) {
+        int     point = least_avx2(halves_avx512(next, 0)), kept = 0;
+        __m512i at = _mm512_set1_epi16((int16_t)point), last_low = _mm512_setzero_si512();
+        next = far;
+        for (int n = 0; n < s->count; n += 32) {
+            __m512i   low = _mm512_loadu_si512(s->low + n), high = _mm512_loadu_si512(s->high + n);
+            __mmask32 behind = _mm512_cmpgt_epi16_mask(low, at);
+            last_low         = _mm512_mask_max_epi16(last_low, ~behind, last_low, low);
+            next             = _mm512_mask_min_epi16(next, behind, next, high);
+            _mm512_storeu_si512(s->low + kept, low);
+            _mm512_storeu_si512(s->high + kept, high);
+            kept += behind ? 32 : 0;
+        }
+        s->count        = kept;
+        groups[count++] = (pierce_group){(int16_t)greatest_avx2(halves_avx512(last_low, 1)), (int16_t)point};
+        if (!kept || count == most) return count;
+    }
+}
+
+#endif
+
+int pierce(intervals *s, pierce_group *groups, int most, int cpu)
+{
+#ifdef __x86_64__
+    if (cpu == CPU_AVX512) return pierce_avx512(s, groups, most);
+    if (cpu == CPU_AVX2) return pierce_avx2(s, groups, most);
+#endif
+    (void)cpu;
+    return pierce_plain(s, groups, most);
 }
 
 void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],

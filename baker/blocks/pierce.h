@@ -9,11 +9,11 @@
 
 #include <stdint.h>
 
-enum { INTERVALS_MAX = 1024 + 16 };
+enum { INTERVALS_MAX = 1024 + 16, INTERVALS_SPARE = 32 };
 
 /* Intervals [low, high], both 0..32767. Zero the count. */
 typedef struct intervals {
-    int16_t low[INTERVALS_MAX + 8], high[INTERVALS_MAX + 8];
+    int16_t low[INTERVALS_MAX + INTERVALS_SPARE], high[INTERVALS_MAX + INTERVALS_SPARE];
     int     count;
 } intervals;
 
@@ -26,8 +26,9 @@ typedef struct pierce_group {
  * s       at least one interval
  * groups  [most]
  * most    the search ends there
+ * cpu     what may be used, of cpu.h: it decides on time alone
  * Returns their number. */
-int pierce(intervals *s, pierce_group *groups, int most);
+int pierce(intervals *s, pierce_group *groups, int most, int cpu);
 
 /* Which points each texel of a tile may have: those in its range.
  * points       [count] ascending, at most 127

@@ -409,8 +409,14 @@ static void piercing(void **state)
             low[n] = s.low[n] = (int16_t)a;
             high[n] = s.high[n] = (int16_t)(a + b > range ? range : a + b);
         }
-        int points = pierce(&s, groups, 1040);
-        assert_int_equal(points, fewest_points(low, high, count));
+        int points = 0;
+        for (int cpu = CPU_SSE2; cpu <= cpu_level_of_machine(); cpu++) {
+            intervals    used = s; /* each use takes it up */
+            pierce_group same[1040];
+            points = pierce(&used, cpu ? same : groups, 1040, cpu);
+            if (cpu) assert_memory_equal(same, groups, (size_t)points * sizeof *groups);
+            assert_int_equal(points, fewest_points(low, high, count));
+        }
         for (int n = 0; n < count; n++) { /* each interval holds all of some group */
             int in = 0;
             for (int g = 0; g < points; g++) in |= low[n] <= groups[g].low && groups[g].high <= high[n];
