@@ -14,6 +14,9 @@
 #include <string.h>
 
 #include "baker/base/box.h"
+#include "baker/base/group.h"
+#include "baker/base/pages.h"
+#include "baker/base/parallel.h"
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_weld.h"
@@ -21,6 +24,8 @@
 #define NONE UINT32_MAX
 
 enum { EDGE_OPEN = 0x80 }; /* beside the scene's TRIANGLE_* */
+
+enum { GRAIN = 1 << 14 };
 
 typedef struct component {
     uint32_t       triangle_count;
@@ -34,6 +39,7 @@ typedef struct component {
 
 /* Everything between the scene and the result; vertex numbers are welded ones. */
 typedef struct work {
+    uint32_t  threads;
     mesh_weld mesh;
     uint8_t  *flags;        /* [triangle_count] TRIANGLE_*, EDGE_OPEN */
     uint32_t *hole_of;      /* [triangle_count] which of the scene's holed_triangles, or NONE; NULL: the scene has none */
@@ -42,6 +48,8 @@ typedef struct work {
     size_t     component_count;
     component *components; /* in the order of their first triangles */
     box       *boxes;      /* [component_count] */
+    uint32_t  *first_of;   /* [component_count + 1] a component's triangles are members from its entry to the next */
+    uint32_t  *members;    /* [triangle_count] */
 } work;
 
 static void work_free(work *w)
@@ -52,6 +60,8 @@ static void work_free(work *w)
     free(w->component_of);
     free(w->components);
     free(w->boxes);
+    free(w->first_of);
+    free(w->members);
 }
 
 /* Zeroed; a count of 0 is no failure, as it may be for calloc. */
@@ -88,7 +98,7 @@ static void note_materials(work *w, const scene *s)
 
 static vxs_result weld(work *w, const scene *s, message *m)
 {
-    vxs_result r = mesh_weld_scene(&w->mesh, s, m);
+    vxs_result r = mesh_weld_scene(&w->mesh, s, w->threads, m);
     if (r != VXS_OK) return r;
     w->flags = allocate(w->mesh.triangle_count, 1);
     if (s->holed_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
@@ -99,30 +109,33 @@ static vxs_result weld(work *w, const scene *s, message *m)
 
 /* --- edges ------------------------------------------------------------------------------------------------------------ */
 
+typedef struct edges {
+    work     *of;
+    uint32_t *sorted; /* as mesh_sort_edges makes it */
+} edges;
+
 /* Mark a triangle of each edge that is not used equally often in both directions. An edge of four or six faces may well
  * balance: two boxes that touch along an edge are still two closed boxes. */
-static void mark_open_edges(work *w, const uint32_t *sorted)
+static void mark_open_edge(void *user, uint32_t begin, uint32_t end)
 {
-    uint32_t edge_count = (uint32_t)(3 * w->mesh.triangle_count);
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end = mesh_edge_run(w->mesh.indices, sorted, begin, edge_count);
-        if (mesh_edge_balance(w->mesh.indices, sorted, begin, end)) w->flags[sorted[begin] / 3] |= EDGE_OPEN;
-    }
+    const edges *e = user;
+    if (mesh_edge_balance(e->of->mesh.indices, e->sorted, begin, end))
+        __atomic_fetch_or(&e->of->flags[e->sorted[begin] / 3], EDGE_OPEN, __ATOMIC_RELAXED);
 }
 
 static vxs_result connect(work *w, message *m)
 {
-    uint32_t *sorted = malloc(3 * w->mesh.triangle_count * sizeof *sorted);
-    w->component_of  = malloc(w->mesh.triangle_count * sizeof *w->component_of);
-    if (!sorted || !w->component_of ||
-        mesh_sort_edges(sorted, w->mesh.indices, w->mesh.triangle_count, w->mesh.vertex_count) != VXS_OK) {
-        free(sorted);
-        return out_of_memory(m, w->mesh.triangle_count);
+    const mesh_weld *mesh = &w->mesh;
+    edges            e    = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted)};
+    vxs_result       r    = VXS_E_MEMORY;
+    if (e.sorted) r = mesh_sort_edges(e.sorted, mesh->indices, mesh->triangle_count, mesh->vertex_count, w->threads);
+    if (r == VXS_OK && !(w->component_of = pages_alloc(mesh->triangle_count * sizeof *w->component_of))) r = VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        w->component_count = mesh_find_components(w->component_of, e.sorted, mesh->indices, mesh->triangle_count, w->threads);
+        mesh_for_each_edge(mesh->indices, e.sorted, mesh->triangle_count, w->threads, mark_open_edge, &e);
     }
-    w->component_count = mesh_find_components(w->component_of, sorted, w->mesh.indices, w->mesh.triangle_count);
-    mark_open_edges(w, sorted);
-    free(sorted);
-    return VXS_OK;
+    free(e.sorted);
+    return r == VXS_OK ? r : out_of_memory(m, mesh->triangle_count);
 }
 
 /* --- measure ---------------------------------------------------------------------------------------------------------- */
@@ -137,27 +150,45 @@ static double tetrahedron_volume(const double *o, const double *const p[3])
            6;
 }
 
-static vxs_result measure_components(work *w, const scene *s, message *m)
+static void measure_component(work *w, size_t number)
 {
-    uint32_t part = 0;
-    w->components = allocate(w->component_count, sizeof *w->components);
-    w->boxes      = allocate(w->component_count, sizeof *w->boxes);
-    if (!w->components || !w->boxes) return out_of_memory(m, w->mesh.triangle_count);
-
-    for (size_t i = 0; i < w->component_count; i++) w->boxes[i] = box_empty();
-    for (size_t t = 0; t < w->mesh.triangle_count; t++) {
-        const uint32_t *v = &w->mesh.indices[3 * t];
-        component      *c = &w->components[w->component_of[t]];
-        const double   *p[3];
+    component *c      = &w->components[number];
+    box        b      = box_empty();
+    c->triangle_count = w->first_of[number + 1] - w->first_of[number];
+    for (const uint32_t *t = w->members + w->first_of[number]; t < w->members + w->first_of[number + 1]; t++) {
+        const double *p[3];
         for (int i = 0; i < 3; i++) {
-            p[i] = &w->mesh.positions_ws[3 * (size_t)v[i]];
-            box_add(&w->boxes[w->component_of[t]], p[i]);
+            p[i] = &w->mesh.positions_ws[3 * (size_t)w->mesh.indices[3 * (size_t)*t + (size_t)i]];
+            box_add(&b, p[i]);
         }
-        if (!c->triangle_count++) memcpy(c->origin, p[0], sizeof c->origin);
-        c->flags |= w->flags[t];
-        part_span_add(&c->parts, part = scene_part_at(s, part, w->mesh.from[t]));
+        if (t == w->members + w->first_of[number]) memcpy(c->origin, p[0], sizeof c->origin);
+        c->flags |= w->flags[*t];
         c->volume += tetrahedron_volume(c->origin, p);
     }
+    w->boxes[number] = b;
+}
+
+static void measure_some(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    (void)worker;
+    for (size_t n = begin; n < end; n++) measure_component(user, n);
+}
+
+static vxs_result measure_components(work *w, const scene *s, message *m)
+{
+    size_t   triangles = w->mesh.triangle_count;
+    uint32_t part      = 0;
+    w->components      = allocate(w->component_count, sizeof *w->components);
+    w->boxes           = allocate(w->component_count, sizeof *w->boxes);
+    w->first_of        = pages_alloc((w->component_count + 1) * sizeof *w->first_of);
+    w->members         = pages_alloc(triangles * sizeof *w->members);
+    if (!w->components || !w->boxes || !w->first_of || !w->members ||
+        group_by_key(w->first_of, w->members, w->component_of, triangles, w->component_count, w->threads) != VXS_OK)
+        return out_of_memory(m, triangles);
+
+    parallel_for(w->threads, w->component_count, 16, measure_some, w);
+    for (size_t t = 0; t < triangles; t++)
+        part_span_add(&w->components[w->component_of[t]].parts, part = scene_part_at(s, part, w->mesh.from[t]));
     return VXS_OK;
 }
 
@@ -216,27 +247,24 @@ static vxs_result evict_occupied(work *w, const scene *s, message *m)
 {
     vxs_result r        = VXS_OK;
     double    *points   = allocate(s->light_count + s->camera_count, 3 * sizeof *points);
-    uint32_t  *first    = malloc((w->component_count + 1) * sizeof *first);
-    uint32_t  *members  = malloc(w->mesh.triangle_count * sizeof *members);
     uint8_t   *wanted   = allocate(w->component_count, 1);
     uint8_t   *occupied = allocate(w->component_count, 1);
 
-    if (!points || !first || !members || !wanted || !occupied) {
+    if (!points || !wanted || !occupied) {
         r = out_of_memory(m, w->mesh.triangle_count);
         goto done;
     }
-    mesh_group(first, members, w->component_of, w->mesh.triangle_count, w->component_count);
     for (size_t i = 0; i < w->component_count; i++) wanted[i] = w->components[i].kind == COMPONENT_SOLID;
 
     shell_set shells = {.positions_ws = w->mesh.positions_ws,
                         .indices      = w->mesh.indices,
                         .count        = w->component_count,
-                        .first        = first,
-                        .members      = members,
+                        .first        = w->first_of,
+                        .members      = w->members,
                         .boxes        = w->boxes,
                         .point_count  = collect_points(points, s),
                         .points       = points};
-    if ((r = shells_find_occupied(&shells, wanted, occupied)) != VXS_OK) {
+    if ((r = shells_find_occupied(&shells, wanted, occupied, w->threads)) != VXS_OK) {
         out_of_memory(m, w->mesh.triangle_count);
         goto done;
     }
@@ -244,8 +272,6 @@ static vxs_result evict_occupied(work *w, const scene *s, message *m)
         if (occupied[i]) w->components[i].kind = COMPONENT_SHEET_OCCUPIED;
 done:
     free(points);
-    free(first);
-    free(members);
     free(wanted);
     free(occupied);
     return r;
@@ -279,16 +305,6 @@ static void number_by_kind(casters *c, work *w)
     }
 }
 
-/* A vertex gets its number when it is first used; those of collapsed triangles alone get none. */
-static uint32_t emit_vertex(casters *c, const work *w, uint32_t *emitted_as, uint32_t v)
-{
-    if (emitted_as[v] == NONE) {
-        memcpy(&c->positions_ws[3 * c->vertex_count], &w->mesh.positions_ws[3 * (size_t)v], 3 * sizeof *c->positions_ws);
-        emitted_as[v] = (uint32_t)c->vertex_count++;
-    }
-    return emitted_as[v];
-}
-
 /* Which corner has the least position, by x, then y, then z. Triangles begin there, wherever a file begins them: rasterizers interpolate
  * from the first corner, and the same surface in another encoding has to give the same depths. */
 static unsigned least_corner(const work *w, size_t t)
@@ -318,27 +334,65 @@ static uint32_t group_of(const work *w, const scene *s, size_t t)
     return w->components[w->component_of[t]].kind == COMPONENT_SOLID ? GROUP_SOLIDS : GROUP_SHEETS;
 }
 
-/* Append triangle t of the work to the result. */
-static void emit_triangle(casters *c, const work *w, const scene *s, uint32_t *emitted_as, size_t t)
+typedef struct emission {
+    casters     *c;
+    const work  *w;
+    const scene *s;
+    uint32_t    *order;      /* [triangle_count] of the work, as they come in the result */
+    uint32_t    *emitted_as; /* [vertex_count] the result's number of a vertex, or NONE */
+} emission;
+
+/* Triangle t of the work as triangle `at` of the result, with the work's vertices so far. */
+static void emit_triangle(const emission *e, size_t at, size_t t)
 {
+    casters         *c     = e->c;
+    const work      *w     = e->w;
+    const scene     *s     = e->s;
     const uint32_t  *from  = &w->mesh.indices[3 * t];
     const component *of    = &w->components[w->component_of[t]];
-    size_t           at    = c->triangle_count++;
     unsigned         begin = least_corner(w, t);
     int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid by --closed on alone */
-    for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = emit_vertex(c, w, emitted_as, from[(begin + (turn ? 3 - n : n)) % 3]);
+    for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(begin + (turn ? 3 - n : n)) % 3];
     c->component_of[at] = of->number;
     for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
         memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], s->holed_triangles[w->hole_of[t]].uv[(begin + n) % 3],
                2 * sizeof *c->hole_uvs);
 }
 
+static void emit_triangles(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const emission *e = user;
+    (void)worker;
+    for (size_t at = begin; at < end; at++) emit_triangle(e, at, e->order[at]);
+}
+
+/* A vertex gets its number when it is first used; those of collapsed triangles alone get none. */
+static void number_vertices(const emission *e)
+{
+    casters *c = e->c;
+    memset(e->emitted_as, 0xff, e->w->mesh.vertex_count * sizeof *e->emitted_as);
+    for (uint32_t *v = c->indices; v < c->indices + 3 * c->triangle_count; v++) {
+        uint32_t *as = &e->emitted_as[*v];
+        if (*as == NONE) *as = (uint32_t)c->vertex_count++;
+        *v = *as;
+    }
+}
+
+static void emit_vertices(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const emission *e = user;
+    (void)worker;
+    for (size_t v = begin; v < end; v++)
+        if (e->emitted_as[v] != NONE)
+            memcpy(&e->c->positions_ws[3 * (size_t)e->emitted_as[v]], &e->w->mesh.positions_ws[3 * v], 3 * sizeof(double));
+}
+
 /* Room for the result, which casters_free releases.  first  [GROUP_MASKS + alpha_mask_count + 1] where each group begins */
 static int make_room(casters *c, const work *w, const scene *s, const uint32_t *first)
 {
-    c->positions_ws     = malloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
-    c->indices          = malloc(3 * w->mesh.triangle_count * sizeof *c->indices);
-    c->component_of     = malloc(w->mesh.triangle_count * sizeof *c->component_of);
+    c->positions_ws     = pages_alloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
+    c->indices          = pages_alloc(3 * w->mesh.triangle_count * sizeof *c->indices);
+    c->component_of     = pages_alloc(w->mesh.triangle_count * sizeof *c->component_of);
     c->kind_of          = malloc(w->component_count * sizeof *c->kind_of);
     c->parts_of         = malloc(w->component_count * sizeof *c->parts_of);
     c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
@@ -359,32 +413,29 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
 
 static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
-    vxs_result r          = VXS_OK;
-    size_t     groups     = GROUP_MASKS + s->alpha_mask_count;
-    uint32_t  *emitted_as = malloc(w->mesh.vertex_count * sizeof *emitted_as);
-    uint32_t  *group      = malloc(w->mesh.triangle_count * sizeof *group);
-    uint32_t  *order      = malloc(w->mesh.triangle_count * sizeof *order);
-    uint32_t  *first      = malloc((groups + 1) * sizeof *first);
-    if (!emitted_as || !group || !order || !first) {
-        r = out_of_memory(m, w->mesh.triangle_count);
-        goto done;
-    }
-    for (size_t t = 0; t < w->mesh.triangle_count; t++) group[t] = group_of(w, s, t);
-    mesh_group(first, order, group, w->mesh.triangle_count, groups);
+    vxs_result r     = VXS_E_MEMORY;
+    size_t     count = w->mesh.triangle_count, groups = GROUP_MASKS + s->alpha_mask_count;
+    uint32_t  *group = w->members; /* components are measured and judged */
+    uint32_t  *first = malloc((groups + 1) * sizeof *first);
+    emission   e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
+    if (!first || !e.order || !e.emitted_as) goto done;
+    for (size_t t = 0; t < count; t++) group[t] = group_of(w, s, t);
+    if ((r = group_by_key(first, e.order, group, count, groups, w->threads)) != VXS_OK) goto done;
     if (!make_room(c, w, s, first)) {
-        r = out_of_memory(m, w->mesh.triangle_count);
+        r = VXS_E_MEMORY;
         goto done;
     }
     count_kinds(c, w);
     number_by_kind(c, w);
-    memset(emitted_as, 0xff, w->mesh.vertex_count * sizeof *emitted_as);
-    for (size_t i = 0; i < w->mesh.triangle_count; i++) emit_triangle(c, w, s, emitted_as, order[i]);
+    c->triangle_count = count;
+    parallel_for(w->threads, count, GRAIN, emit_triangles, &e);
+    number_vertices(&e);
+    parallel_for(w->threads, w->mesh.vertex_count, GRAIN, emit_vertices, &e);
 done:
-    free(emitted_as);
-    free(group);
-    free(order);
     free(first);
-    return r;
+    free(e.order);
+    free(e.emitted_as);
+    return r == VXS_OK ? r : out_of_memory(m, count);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------------- */
@@ -409,10 +460,10 @@ static vxs_result no_caster(const scene *s, message *m)
                 s->triangle_count);
 }
 
-vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, message *m)
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m)
 {
     vxs_result r;
-    work       w = {0};
+    work       w = {.threads = threads};
 
     *c = (casters){0};
     if ((r = weld(&w, s, m)) != VXS_OK) goto done;

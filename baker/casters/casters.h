@@ -68,8 +68,8 @@ typedef struct casters {
  * CLOSED_OFF  everything is a sheet.
  * A sheet is always right, only larger, so every doubt makes a sheet.
  * c  [out] zeroed on failure; released with casters_free.
- * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  Deterministic; threads: none. */
-vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, message *m);
+ * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  The same at any thread count. */
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
 
 /* Fill solid_meets and meeting. A solid meets another when their surfaces have a point in common, or one is inside the other; it
  * meets itself when its surface has a point in common with another part of it that is more than an edge or a corner of both.

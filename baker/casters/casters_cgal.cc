@@ -19,11 +19,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <iterator>
 #include <new>
 #include <vector>
 
 #include "baker/base/box.h"
+#include "baker/base/parallel.h"
 
 namespace
 {
@@ -240,23 +242,39 @@ bool is_occupied(const shell_set &s, const guest_tree &guests, uint32_t componen
     }) || (!batch.empty() && holds_any(s, component, batch));
 }
 
-bool is_occupied_or_unknown(const shell_set &s, const guest_tree &guests, uint32_t component)
-{
-    try {
-        return is_occupied(s, guests, component);
-    } catch (const std::bad_alloc &) {
-        throw;
-    } catch (...) {
-        return true;
+/* Of all components, several at once. */
+struct search {
+    const shell_set  &s;
+    const uint8_t    *wanted;
+    uint8_t          *occupied;
+    const guest_tree  guests{s};
+    std::atomic<bool> no_memory{false};
+
+    void look(uint32_t component)
+    {
+        try {
+            occupied[component] = is_occupied(s, guests, component);
+        } catch (const std::bad_alloc &) {
+            no_memory = true;
+        } catch (...) {
+            occupied[component] = 1;
+        }
     }
+};
+
+void look_at_some(void *user, size_t begin, size_t end, uint32_t)
+{
+    search *work = (search *)user;
+    for (size_t i = begin; i < end; i++)
+        if (work->wanted[i]) work->look((uint32_t)i);
 }
 
-void find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied)
+vxs_result find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied, uint32_t threads)
 {
-    if (!s.count) return;
-    const guest_tree guests(s);
-    for (uint32_t i = 0; i < s.count; i++)
-        if (wanted[i]) occupied[i] = is_occupied_or_unknown(s, guests, i);
+    if (!s.count) return VXS_OK;
+    search work{s, wanted, occupied};
+    parallel_for(threads, s.count, 64, look_at_some, &work);
+    return work.no_memory ? VXS_E_MEMORY : VXS_OK;
 }
 
 /* The pairs [begin, end) of one outer component. */
@@ -287,10 +305,10 @@ vxs_result shells_find_inside(const shell_set *s, shell_pair *pairs, size_t coun
     return VXS_OK;
 }
 
-vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied)
+vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied, uint32_t threads)
 {
     try {
-        find_occupied(*s, wanted, occupied);
+        return find_occupied(*s, wanted, occupied, threads);
     } catch (const std::bad_alloc &) {
         return VXS_E_MEMORY;
     } catch (...) {

@@ -33,8 +33,8 @@ typedef struct shell_set {
  * counts as occupied.
  * A component of more than 4096 vertices is judged by 4096 of them, evenly spread: one that reaches out only between
  * these counts as inside.
- * Returns VXS_OK or VXS_E_MEMORY; never throws.  Deterministic; threads: none. */
-vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied);
+ * Returns VXS_OK or VXS_E_MEMORY; never throws.  The same at any thread count. */
+vxs_result shells_find_occupied(const shell_set *s, const uint8_t *wanted, uint8_t *occupied, uint32_t threads);
 
 /* A component and another one that may be inside it. */
 typedef struct shell_pair {

@@ -1,4 +1,4 @@
-/* The edges of welded triangles, and groups of them.
+/* The edges of welded triangles, and what they connect.
  *
  * Half-edge h = 3 t + i runs from corner i of triangle t to the next one. Those of one edge, whichever way they run, are together once
  * they are sorted:
@@ -65,23 +65,22 @@ static inline int64_t mesh_edge_balance(const uint32_t *indices, const uint32_t 
     return balance;
 }
 
-/* Sort all half-edges by (low, high), equal ones by number: linear, however many faces meet in a vertex.
+/* Sort all half-edges by (low, high), equal ones by number.
  * sorted   [out] [3 * triangle_count]
  * indices  [3 * triangle_count] < vertex_count; triangle_count < UINT32_MAX / 3
- * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result mesh_sort_edges(uint32_t *sorted, const uint32_t *indices, size_t triangle_count, size_t vertex_count);
+ * Returns VXS_OK or VXS_E_MEMORY.  The same at any thread count. */
+vxs_result mesh_sort_edges(uint32_t *sorted, const uint32_t *indices, size_t triangle_count, size_t vertex_count, uint32_t threads);
+
+/* Call body with the run [begin, end) of each edge, from several threads at once. */
+void mesh_for_each_edge(const uint32_t *indices, const uint32_t *sorted, size_t triangle_count, uint32_t threads,
+                        void (*body)(void *user, uint32_t begin, uint32_t end), void *user);
 
 /* Number the components of triangles that are connected by edges, in the order of their first triangles.
  * component_of  [out] [triangle_count]
  * sorted        as mesh_sort_edges has made it
  * Returns their count. */
-size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count);
-
-/* Bring items together by key, in their order within each.
- * first    [out] [key_count + 1] key k owns members[first[k]] .. members[first[k + 1] - 1]
- * members  [out] [count] item numbers
- * key_of   [count] < key_count */
-void mesh_group(uint32_t *first, uint32_t *members, const uint32_t *key_of, size_t count, size_t key_count);
+size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count,
+                            uint32_t threads);
 
 #ifdef __cplusplus
 }

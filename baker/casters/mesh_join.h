@@ -1,25 +1,40 @@
-/* Sets that are joined (union-find): items are numbers, and each set is named by its lowest.
+/* Sets that are joined (union-find): items are numbers, and each set is named by its lowest, whoever joins first.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MESH_JOIN_H
 #define MESH_JOIN_H
 
 #include <stdint.h>
 
-/* parents  parents[i] = i before anything is joined */
+/* Several threads may find and join at once. What one reads may be old, but is an ancestor still: only roots are hung onto others, by
+ * exchange, and all else is hung higher.
+ * parents  parents[i] = i before anything is joined */
 static inline uint32_t mesh_find(uint32_t *parents, uint32_t i)
 {
-    while (parents[i] != i) i = parents[i] = parents[parents[i]];
-    return i;
+    for (;;) {
+        uint32_t up = __atomic_load_n(&parents[i], __ATOMIC_RELAXED), top = __atomic_load_n(&parents[up], __ATOMIC_RELAXED);
+        if (up == top) return up;
+        __atomic_store_n(&parents[i], top, __ATOMIC_RELAXED);
+        i = top;
+    }
+}
+
+/* Once nothing is joined any more: hang an item onto its root. Several threads may do so, each to items of its own. */
+static inline void mesh_settle(uint32_t *parents, uint32_t item)
+{
+    uint32_t i = item, up;
+    while ((up = __atomic_load_n(&parents[i], __ATOMIC_RELAXED)) != i) i = up;
+    __atomic_store_n(&parents[item], i, __ATOMIC_RELAXED);
 }
 
 static inline void mesh_join(uint32_t *parents, uint32_t a, uint32_t b)
 {
-    a = mesh_find(parents, a);
-    b = mesh_find(parents, b);
-    if (a < b)
-        parents[b] = a;
-    else
-        parents[a] = b;
+    for (;;) {
+        a = mesh_find(parents, a);
+        b = mesh_find(parents, b);
+        if (a == b) return;
+        uint32_t low = a < b ? a : b, high = a < b ? b : a, root = high;
+        if (__atomic_compare_exchange_n(&parents[high], &root, low, 0, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) return;
+    }
 }
 
 /* The same with items that may be turned: turned[i] is 1 when i is turned against its parent. */

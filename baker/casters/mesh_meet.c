@@ -11,8 +11,8 @@
 
 #include "baker/base/array.h"
 #include "baker/base/box.h"
+#include "baker/base/group.h"
 #include "baker/casters/casters_cgal.h"
-#include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_intersect.h"
 
 /* A few seconds each. */
@@ -189,10 +189,10 @@ static vxs_result search(meeting *w, uint32_t threads, message *m)
     const casters *c = w->c;
     vxs_result     r = VXS_E_MEMORY;
     if (make_room(w)) {
-        mesh_group(w->first, w->members, c->component_of, c->solid_triangle_count, w->solids);
+        r = group_by_key(w->first, w->members, c->component_of, c->solid_triangle_count, w->solids, threads);
         measure_boxes(w);
         search_corners(w);
-        r = w->open ? search_surfaces(w, threads) : VXS_OK;
+        if (r == VXS_OK && w->open) r = search_surfaces(w, threads);
         if (r == VXS_OK && w->open && !w->gave_up) r = search_insides(w);
     }
     return r == VXS_OK ? r : fail(m, VXS_E_MEMORY, "out of memory while finding out which of %zu solids meet", w->solids);

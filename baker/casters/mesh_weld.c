@@ -1,4 +1,7 @@
 /* Welding; see mesh_weld.h.
+ *
+ *     vertices ---hash of the position---> buckets ---equal---> the first at each position ---in the order of triangles---> welded
+ *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/casters/mesh_weld.h"
 
@@ -10,39 +13,101 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "baker/base/group.h"
+#include "baker/base/pages.h"
+#include "baker/base/parallel.h"
+
 #define NONE UINT32_MAX
 
+enum { GRAIN = 1 << 14 };
+
 typedef struct welder {
-    uint32_t *slots; /* [mask + 1] open addressing: welded vertex or NONE; at most half full */
-    size_t    mask;
+    const double *positions_ws; /* the scene's */
+    uint32_t     *bucket_of;    /* [the scene's vertex_count] vertices at one position are in one bucket */
+    uint32_t      bucket_mask;
+    uint32_t     *first, *members; /* vertices by bucket, ascending in each */
+    uint32_t     *alike;           /* [the scene's vertex_count] the first vertex at the same position */
+    uint32_t     *welded_as;       /* [the scene's vertex_count] what is made of the first vertex at a position, or NONE */
 } welder;
 
-static vxs_result welder_init(welder *d, size_t vertex_count)
+static void welder_free(welder *d)
 {
-    size_t slot_count = 16;
-    while (slot_count < 2 * vertex_count) slot_count *= 2;
-    d->mask  = slot_count - 1;
-    d->slots = malloc(slot_count * sizeof *d->slots);
-    if (!d->slots) return VXS_E_MEMORY;
-    memset(d->slots, 0xff, slot_count * sizeof *d->slots);
-    return VXS_OK;
+    free(d->bucket_of);
+    free(d->first);
+    free(d->members);
+    free(d->alike);
+    free(d->welded_as);
 }
 
-/* The welded vertex at a position, a new one when there is none yet. */
-static uint32_t weld_position(mesh_weld *w, welder *d, const double *position_ws)
+/* -0 becomes +0 */
+static void take_position(double p[3], const double *positions_ws, size_t vertex)
 {
-    double p[3];
-    for (int axis = 0; axis < 3; axis++) p[axis] = position_ws[axis] + 0.0; /* -0 becomes +0 */
+    for (int axis = 0; axis < 3; axis++) p[axis] = positions_ws[3 * vertex + (size_t)axis] + 0.0;
+}
 
-    for (size_t at = XXH3_64bits(p, sizeof p) & d->mask;; at = (at + 1) & d->mask) {
-        uint32_t v = d->slots[at];
-        if (v == NONE) {
-            d->slots[at] = v = (uint32_t)w->vertex_count++;
-            memcpy(&w->positions_ws[3 * (size_t)v], p, sizeof p);
-            return v;
-        }
-        if (!memcmp(&w->positions_ws[3 * (size_t)v], p, sizeof p)) return v;
+static void find_buckets(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    double  p[3];
+    (void)worker;
+    for (size_t v = begin; v < end; v++) {
+        take_position(p, d->positions_ws, v);
+        d->bucket_of[v] = (uint32_t)XXH3_64bits(p, sizeof p) & d->bucket_mask;
     }
+}
+
+/* The first vertices at each position of a bucket are brought to its front: there are few, and others are compared with them. */
+static void match_buckets(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    double  p[3], q[3];
+    (void)worker;
+    for (size_t bucket = begin; bucket < end; bucket++) {
+        uint32_t *front = d->members + d->first[bucket], *back = front;
+        for (uint32_t *v = front; v < d->members + d->first[bucket + 1]; v++) {
+            uint32_t *like = front;
+            take_position(p, d->positions_ws, *v);
+            for (; like < back; like++) {
+                take_position(q, d->positions_ws, *like);
+                if (!memcmp(p, q, sizeof p)) break;
+            }
+            if (like == back) *back++ = *v;
+            d->alike[*v] = *like;
+        }
+    }
+}
+
+/* Find vertices at equal positions. */
+static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
+{
+    size_t buckets = 16;
+    while (4 * buckets < vertex_count) buckets *= 2;
+    d->bucket_mask = (uint32_t)(buckets - 1);
+    d->bucket_of   = pages_alloc((vertex_count + 1) * sizeof *d->bucket_of);
+    d->first       = pages_alloc((buckets + 1) * sizeof *d->first);
+    d->members     = pages_alloc((vertex_count + 1) * sizeof *d->members);
+    d->alike       = pages_alloc((vertex_count + 1) * sizeof *d->alike);
+    if (!d->bucket_of || !d->first || !d->members || !d->alike) return VXS_E_MEMORY;
+    parallel_for(threads, vertex_count, GRAIN, find_buckets, d);
+    vxs_result r = group_by_key(d->first, d->members, d->bucket_of, vertex_count, buckets, threads);
+    if (r == VXS_OK) parallel_for(threads, buckets, GRAIN / 4, match_buckets, d);
+    free(d->members);
+    free(d->first);
+    d->members = d->first = NULL;
+    d->welded_as          = d->bucket_of; /* which has done its work */
+    d->bucket_of          = NULL;
+    return r;
+}
+
+/* The welded vertex of a corner, a new one when there is none yet. */
+static uint32_t weld_vertex(mesh_weld *w, const welder *d, uint32_t vertex)
+{
+    uint32_t *as = &d->welded_as[d->alike[vertex]];
+    if (*as == NONE) {
+        *as = (uint32_t)w->vertex_count++;
+        take_position(&w->positions_ws[3 * (size_t)*as], d->positions_ws, vertex);
+    }
+    return *as;
 }
 
 static int is_finite_position(const double *p)
@@ -51,7 +116,7 @@ static int is_finite_position(const double *p)
 }
 
 /* Vertices that no triangle uses are left out: they may be anything and must not widen the bounds. */
-static vxs_result weld_triangles(mesh_weld *w, welder *d, const scene *s, message *m)
+static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, message *m)
 {
     for (size_t t = 0; t < s->triangle_count; t++) {
         uint32_t *corners = &w->indices[3 * w->triangle_count];
@@ -63,7 +128,7 @@ static vxs_result weld_triangles(mesh_weld *w, welder *d, const scene *s, messag
                 if (!is_finite_position(p))
                     return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
                                 p[2]);
-                w->welded_of[v] = weld_position(w, d, p);
+                w->welded_of[v] = weld_vertex(w, d, v);
             }
             corners[i] = w->welded_of[v];
         }
@@ -73,27 +138,34 @@ static vxs_result weld_triangles(mesh_weld *w, welder *d, const scene *s, messag
     return VXS_OK;
 }
 
-vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, message *m)
+static int make_room(mesh_weld *w, const scene *s)
 {
-    vxs_result r = VXS_OK;
-    welder     d = {0};
+    w->positions_ws = pages_alloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
+    w->indices      = pages_alloc((3 * s->triangle_count + 3) * sizeof *w->indices);
+    w->from         = pages_alloc((s->triangle_count + 1) * sizeof *w->from);
+    w->welded_of    = pages_alloc((s->vertex_count + 1) * sizeof *w->welded_of);
+    return w->positions_ws && w->indices && w->from && w->welded_of;
+}
+
+vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, message *m)
+{
+    welder d = {.positions_ws = s->positions_ws};
 
     *w = (mesh_weld){0};
     /* half-edges are numbered with 32 bits */
     if (s->triangle_count >= NONE / 3 || s->vertex_count >= NONE)
         return fail(m, VXS_E_SCENE, "%zu triangles with %zu vertices, expected fewer than %u and %u", s->triangle_count,
                     s->vertex_count, NONE / 3, NONE);
-    w->positions_ws = malloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
-    w->indices      = malloc((3 * s->triangle_count + 3) * sizeof *w->indices);
-    w->from         = malloc((s->triangle_count + 1) * sizeof *w->from);
-    w->welded_of    = malloc((s->vertex_count + 1) * sizeof *w->welded_of);
-    if (!w->positions_ws || !w->indices || !w->from || !w->welded_of || welder_init(&d, s->vertex_count) != VXS_OK) {
-        r = fail(m, VXS_E_MEMORY, "out of memory while welding %zu triangles", s->triangle_count);
-    } else {
+    vxs_result r = find_alike(&d, s->vertex_count, threads);
+    if (r == VXS_OK && !make_room(w, s)) r = VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        memset(d.welded_as, 0xff, s->vertex_count * sizeof *d.welded_as);
         memset(w->welded_of, 0xff, s->vertex_count * sizeof *w->welded_of);
         r = weld_triangles(w, &d, s, m);
+    } else {
+        fail(m, r, "out of memory while welding %zu triangles", s->triangle_count);
     }
-    free(d.slots);
+    welder_free(&d);
     if (r != VXS_OK) mesh_weld_free(w);
     return r;
 }

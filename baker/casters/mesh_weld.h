@@ -20,8 +20,8 @@ typedef struct mesh_weld {
 
 /* Weld vertices at bit-equal positions, and leave out triangles with two corners in one place.
  * w  [out] zeroed on failure; released with mesh_weld_free
- * Returns VXS_OK, VXS_E_MEMORY, or VXS_E_SCENE: a corner that is not finite, or 2^32 / 3 triangles. */
-vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, message *m);
+ * Returns VXS_OK, VXS_E_MEMORY, or VXS_E_SCENE: a corner that is not finite, or 2^32 / 3 triangles.  The same at any thread count. */
+vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, message *m);
 
 void mesh_weld_free(mesh_weld *w);
 

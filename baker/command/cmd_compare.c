@@ -181,7 +181,7 @@ static vxs_result check_scene(compare_command *c, const scene *s, message *m)
 
 static vxs_result traced_scene_make(traced_scene *t, const compare_command *c, closed_mode closed, message *m)
 {
-    vxs_result r = casters_from_scene(&t->casters, &c->scene, closed, m);
+    vxs_result r = casters_from_scene(&t->casters, &c->scene, closed, c->report.options.threads, m);
     if (r == VXS_OK) r = truth_create(&t->truth, &t->casters, c->report.options.threads, m);
     return r;
 }

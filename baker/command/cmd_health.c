@@ -171,7 +171,7 @@ static vxs_result run(void *command, message *m)
     vxs_result      r;
 
     if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
-    if ((r = casters_from_scene(&casting, &s, (closed_mode)c->closed, m)) != VXS_OK) goto done;
+    if ((r = casters_from_scene(&casting, &s, (closed_mode)c->closed, 1, m)) != VXS_OK) goto done;
     r = mesh_health_examine(&h, &casting, progress_wanted(m) ? show_progress : NULL, m);
     progress_clear();
     if (r != VXS_OK) goto done;

@@ -121,7 +121,7 @@ static json_t *report_json(const mend_command *c, const scene *s)
 static vxs_result count_solids(mend_command *c, const scene *s, int when, message *m)
 {
     casters    casting;
-    vxs_result r = casters_from_scene(&casting, s, CLOSED_AUTO, m);
+    vxs_result r = casters_from_scene(&casting, s, CLOSED_AUTO, 1, m);
     if (r != VXS_OK) return r;
     c->solids[when]    = casting.component_count[COMPONENT_SOLID];
     c->triangles[when] = casting.solid_triangle_count;

@@ -69,7 +69,7 @@ static vxs_result run(void *command, message *m)
     r = asset_check_scene(asset, made, c->asset_path, &s, c->scene_path, "its shadows may not fit", m);
     if (r != VXS_OK) goto done;
     /* rays meet solids and sheets alike: nothing needs to be sorted */
-    if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
+    if ((r = casters_from_scene(&casting, &s, CLOSED_OFF, c->options.threads, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &casting, c->options.threads, m)) != VXS_OK) goto done;
     if ((r = output_file_open(&out, c->out, m)) != VXS_OK) goto done;
     if ((r = draw(c, t, &casting, lights, light_count, &out, m)) != VXS_OK) goto done;

@@ -112,7 +112,7 @@ static vxs_result run(void *command, message *m)
     if (o->like_path) r = asset_check_scene(asset, made, o->like_path, &s, o->scene_path, "it may answer otherwise", m);
     if (r != VXS_OK) goto done;
     /* solids and sheets cast the same shadow: nothing needs to be sorted */
-    if ((r = casters_from_scene(&c, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
+    if ((r = casters_from_scene(&c, &s, CLOSED_OFF, o->threads, m)) != VXS_OK) goto done;
     if ((r = truth_create(&t, &c, o->threads, m)) != VXS_OK) goto done;
     like.truth = t;
     r          = o->like_path ? points_answer(trace_like, &like, like.light_count, o->threads, m)

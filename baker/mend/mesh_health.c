@@ -320,7 +320,7 @@ static int examine(examination *x, mesh_health *h, const casters *c, void (*prog
     for (size_t i = 0; i < h->count; i++)
         h->components[i] = (component_health){
             .kind = (component_kind)c->kind_of[i], .closed = 1, .orientable = 1, .oriented = 1, .box_ws = box_empty()};
-    if (mesh_sort_edges(x->sorted, c->indices, c->triangle_count, c->vertex_count) != VXS_OK) return 0;
+    if (mesh_sort_edges(x->sorted, c->indices, c->triangle_count, c->vertex_count, 1) != VXS_OK) return 0;
     for_each_edge(x, examine_edge);
     for_each_edge(x, find_repeated);
     start_joining(x, c->triangle_count);

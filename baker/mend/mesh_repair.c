@@ -8,6 +8,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/box.h"
+#include "baker/base/group.h"
 #include "baker/base/scratch.h"
 #include "baker/base/vec3.h"
 #include "baker/casters/mesh_edges.h"
@@ -89,7 +90,7 @@ static vxs_result take_snapshot(repair *x, message *m)
     snapshot  *v = &x->v;
     vxs_result r;
     snapshot_free(v);
-    if ((r = mesh_weld_scene(&v->mesh, x->s, m)) != VXS_OK) return r;
+    if ((r = mesh_weld_scene(&v->mesh, x->s, 1, m)) != VXS_OK) return r;
     size_t count    = v->mesh.triangle_count;
     v->edge_count   = (uint32_t)(3 * count);
     v->sorted       = scratch_take(&v->memory, v->edge_count, sizeof *v->sorted);
@@ -97,13 +98,13 @@ static vxs_result take_snapshot(repair *x, message *m)
     v->component_of = scratch_take(&v->memory, count, sizeof *v->component_of);
     v->broken       = scratch_take(&v->memory, count, sizeof *v->broken);
     v->masked       = scratch_take(&v->memory, count, sizeof *v->masked);
-    if (v->memory.missing || mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count) != VXS_OK)
+    if (v->memory.missing || mesh_sort_edges(v->sorted, v->mesh.indices, count, v->mesh.vertex_count, 1) != VXS_OK)
         return out_of_memory(x, m);
     for (uint32_t begin = 0, end; begin < v->edge_count; begin = end) {
         end = mesh_edge_run(v->mesh.indices, v->sorted, begin, v->edge_count);
         for (uint32_t i = begin; i < end; i++) v->faces[v->sorted[i]] = end - begin;
     }
-    v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count);
+    v->component_count = mesh_find_components(v->component_of, v->sorted, v->mesh.indices, count, 1);
     judge_components(x, v);
     return VXS_OK;
 }
@@ -340,7 +341,7 @@ static int filling_init(filling *f, const snapshot *v)
 
 /* Gather border half-edges by the vertex where they end. Components with other edges that do not balance stay open.
  * ends  [half-edges] scratch */
-static void gather_borders(const snapshot *v, filling *f, uint32_t *ends)
+static vxs_result gather_borders(const snapshot *v, filling *f, uint32_t *ends)
 {
     uint32_t *borders = f->path; /* which is empty so far */
     size_t    count   = 0;
@@ -354,8 +355,9 @@ static void gather_borders(const snapshot *v, filling *f, uint32_t *ends)
         ends[count]      = mesh_edge_end(v->mesh.indices, h);
         borders[count++] = h;
     }
-    mesh_group(f->ends_at, f->at, ends, count, v->mesh.vertex_count);
-    for (size_t i = 0; i < count; i++) f->at[i] = borders[f->at[i]];
+    vxs_result r = group_by_key(f->ends_at, f->at, ends, count, v->mesh.vertex_count, 1);
+    for (size_t i = 0; i < count && r == VXS_OK; i++) f->at[i] = borders[f->at[i]];
+    return r;
 }
 
 static void measure_boxes(const snapshot *v, box *boxes)
@@ -473,7 +475,7 @@ static vxs_result fill(repair *x, message *m)
     if (!filling_init(&f, v)) goto done;
     for (size_t i = 0; i < x->s->vertex_count; i++)
         if (v->mesh.welded_of[i] != NONE) f.vertex_of[v->mesh.welded_of[i]] = (uint32_t)i;
-    gather_borders(v, &f, ends);
+    if (gather_borders(v, &f, ends) != VXS_OK) goto done;
     measure_boxes(v, f.boxes);
     for (size_t i = 0; i < f.ends_at[v->mesh.vertex_count]; i++)
         if (!f.used[f.at[i]]) follow_border(x, &f, f.at[i]);

@@ -53,7 +53,7 @@ static void check_lights(const scene *s)
 static void check_casters(const scene *s, message *m)
 {
     casters    c;
-    vxs_result r = casters_from_scene(&c, s, CLOSED_AUTO, m);
+    vxs_result r = casters_from_scene(&c, s, CLOSED_AUTO, 2, m);
     FUZZ_CHECK(r == VXS_OK || m->error[0]);
     FUZZ_CHECK(c.solid_triangle_count <= c.triangle_count && c.triangle_count <= s->triangle_count);
     for (size_t i = 0; i < 3 * c.triangle_count; i++) FUZZ_CHECK(c.indices[i] < c.vertex_count);

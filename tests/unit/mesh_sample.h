@@ -164,7 +164,7 @@ static inline void sample_map(sample *b, double scale, double offset)
 static inline void sample_sort(sample *b, closed_mode closed)
 {
     casters_free(&b->c);
-    assert_int_equal(casters_from_scene(&b->c, &b->s, closed, &b->m), VXS_OK);
+    assert_int_equal(casters_from_scene(&b->c, &b->s, closed, 2, &b->m), VXS_OK);
 }
 
 static inline void sample_clear(sample *b)

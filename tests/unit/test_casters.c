@@ -210,7 +210,7 @@ static void check_invariants(const fixture *b)
 static void sort_out(fixture *b, closed_mode closed)
 {
     casters_free(&b->c);
-    assert_int_equal(casters_from_scene(&b->c, &b->s, closed, &b->m), VXS_OK);
+    assert_int_equal(casters_from_scene(&b->c, &b->s, closed, 2, &b->m), VXS_OK);
     check_invariants(b);
 }
 
@@ -451,7 +451,7 @@ static void test_infinite_corner_is_refused(void **state)
     fixture b = {0};
     add_box(&b, 0, 0, 0, 1, 1, 1);
     b.s.positions_ws[3 * 3 + 1] = INFINITY;
-    assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_AUTO, &b.m), VXS_E_SCENE);
+    assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_AUTO, 2, &b.m), VXS_E_SCENE);
     assert_non_null(strstr(b.m.error, "triangle 1"));
     assert_null(b.c.indices);
     clear(&b);
@@ -461,13 +461,13 @@ static void test_nothing_to_cast(void **state)
 {
     (void)state;
     fixture b = {0};
-    assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_AUTO, &b.m), VXS_E_NO_CASTER);
+    assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_AUTO, 2, &b.m), VXS_E_NO_CASTER);
     assert_non_null(strstr(b.m.error, "no triangles"));
     clear(&b);
 
     const double a[3] = {0, 0, 0}, p[3] = {1, 1, 1};
     add_triangle(&b, a, p, p, 0);
-    assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_OFF, &b.m), VXS_E_NO_CASTER);
+    assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_OFF, 2, &b.m), VXS_E_NO_CASTER);
     assert_non_null(strstr(b.m.error, "collapse"));
     assert_int_equal(b.c.collapsed_count, 0);
     clear(&b);
@@ -930,7 +930,7 @@ static void test_real_scenes(void **state)
         casters c;
         message m = {.quiet = 1};
         assert_int_equal(scene_load_gltf(&s, path, NULL, &m), VXS_OK);
-        assert_int_equal(casters_from_scene(&c, &s, cases[i].mode, &m), VXS_OK);
+        assert_int_equal(casters_from_scene(&c, &s, cases[i].mode, 2, &m), VXS_OK);
         assert_int_equal(c.component_count[COMPONENT_SOLID], cases[i].solids);
         assert_int_equal(c.solid_triangle_count, cases[i].solid_triangles);
         casters_free(&c);
@@ -939,10 +939,55 @@ static void test_real_scenes(void **state)
     }
 }
 
+/* Hills of many loose triangles, with boxes beside each other and in each other. */
+static void add_hills_and_boxes(fixture *b)
+{
+    enum { SIDE = 60 };
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) {
+            double p[4][3];
+            for (int n = 0; n < 4; n++) {
+                p[n][0] = x + n % 2;
+                p[n][1] = sin(0.7 * (x + n % 2)) * cos(0.4 * (y + n / 2));
+                p[n][2] = y + n / 2;
+            }
+            add_triangle(b, p[0], p[2], p[1], 0);
+            add_triangle(b, p[1], p[2], p[3], 0);
+        }
+    for (int n = 0; n < 200; n++) {
+        double x = 3 * (n % 20), z = 3 * (n / 20);
+        add_box(b, x, 5, z, x + 2, 7, z + 2);
+        if (n % 3 == 0) add_box(b, x + 0.5, 5.5, z + 0.5, x + 1, 6, z + 1);
+    }
+}
+
+static void test_threads_make_no_difference(void **state)
+{
+    (void)state;
+    fixture b = {0};
+    casters one;
+    add_hills_and_boxes(&b);
+    assert_int_equal(casters_from_scene(&one, &b.s, CLOSED_AUTO, 1, &b.m), VXS_OK);
+    assert_int_equal(one.component_count[COMPONENT_SOLID], 133 + 67);
+    assert_int_equal(one.component_count[COMPONENT_SHEET_OCCUPIED], 67);
+    for (uint32_t threads = 2; threads <= 5; threads += 3) {
+        assert_int_equal(casters_from_scene(&b.c, &b.s, CLOSED_AUTO, threads, &b.m), VXS_OK);
+        assert_int_equal(b.c.vertex_count, one.vertex_count);
+        assert_int_equal(b.c.triangle_count, one.triangle_count);
+        assert_memory_equal(b.c.positions_ws, one.positions_ws, 3 * one.vertex_count * sizeof *one.positions_ws);
+        assert_memory_equal(b.c.indices, one.indices, 3 * one.triangle_count * sizeof *one.indices);
+        assert_memory_equal(b.c.component_of, one.component_of, one.triangle_count * sizeof *one.component_of);
+        casters_free(&b.c);
+    }
+    casters_free(&one);
+    clear(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_box_is_solid),
+        cmocka_unit_test(test_threads_make_no_difference),
         cmocka_unit_test(test_missing_triangle_is_open),
         cmocka_unit_test(test_flipped_triangle_is_open),
         cmocka_unit_test(test_repeated_triangle_is_open),

@@ -300,7 +300,7 @@ static size_t patches_of(sample *b, uint32_t patch_of[8], int8_t facing)
     assert_int_equal(projection_init(&p, &b->c, &light, 0, 1, &b->m), VXS_OK);
     assert_true(p.triangle_count <= 8);
     memset(facings, facing, sizeof facings);
-    assert_int_equal(patches_find(patch_of, ends, facings, &p), VXS_OK);
+    assert_int_equal(patches_find(patch_of, ends, facings, &p, 2), VXS_OK);
     for (size_t t = 0; t < p.triangle_count; t++) count += (size_t)__builtin_popcount(ends[t]);
     projection_free(&p);
     sample_clear(b);

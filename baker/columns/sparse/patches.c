@@ -3,39 +3,62 @@
 #include "baker/columns/sparse/patches.h"
 
 #include <stdlib.h>
-#include <string.h>
 
+#include "baker/base/pages.h"
+#include "baker/base/parallel.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_join.h"
 
-enum { ALL_ENDS = 7 };
+enum { ALL_ENDS = 7, GRAIN = 1 << 14 };
+
+typedef struct finder {
+    const projection *p;
+    const int8_t     *facing;
+    uint32_t         *sorted; /* as mesh_sort_edges makes it */
+    uint32_t         *patch_of;
+    uint8_t          *ends;
+    uint8_t          *inner; /* [3 * p->triangle_count] 1: the half-edge is no end */
+} finder;
 
 /* What has holes covers nothing. Solids and sheets have no edge in common. */
-static int may_join(const projection *p, const int8_t *facing, uint32_t a, uint32_t b)
+static int may_join(const finder *f, uint32_t a, uint32_t b)
 {
-    return facing[a] && facing[a] == facing[b] && a < p->holed_first && b < p->holed_first;
+    return f->facing[a] && f->facing[a] == f->facing[b] && a < f->p->holed_first && b < f->p->holed_first;
 }
 
-vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p)
+static void join_edge(void *user, uint32_t begin, uint32_t end)
 {
-    uint32_t  edge_count = (uint32_t)(3 * p->triangle_count);
-    uint32_t *sorted     = malloc((edge_count + (size_t)1) * sizeof *sorted);
-    if (!sorted || mesh_sort_edges(sorted, p->indices, p->triangle_count, p->vertex_count) != VXS_OK) {
-        free(sorted);
-        return VXS_E_MEMORY;
+    const finder *f = user;
+    if (end - begin != 2 || mesh_edge_balance(f->p->indices, f->sorted, begin, end)) return;
+    uint32_t a = f->sorted[begin], b = f->sorted[begin + 1];
+    if (!may_join(f, a / 3, b / 3)) return;
+    f->inner[a] = f->inner[b] = 1;
+    mesh_join(f->patch_of, a / 3, b / 3);
+}
+
+static void settle(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const finder *f = user;
+    (void)worker;
+    for (size_t t = begin; t < end; t++) {
+        const uint8_t *inner = f->inner + 3 * t;
+        f->ends[t]           = (uint8_t)(ALL_ENDS & ~(inner[0] | inner[1] << 1 | inner[2] << 2));
+        mesh_settle(f->patch_of, (uint32_t)t);
     }
-    memset(ends, ALL_ENDS, p->triangle_count);
-    for (uint32_t t = 0; t < p->triangle_count; t++) patch_of[t] = t;
-    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
-        end = mesh_edge_run(p->indices, sorted, begin, edge_count);
-        if (end - begin != 2 || mesh_edge_balance(p->indices, sorted, begin, end)) continue;
-        uint32_t a = sorted[begin], b = sorted[begin + 1];
-        if (!may_join(p, facing, a / 3, b / 3)) continue;
-        ends[a / 3] &= (uint8_t) ~(1u << a % 3);
-        ends[b / 3] &= (uint8_t) ~(1u << b % 3);
-        mesh_join(patch_of, a / 3, b / 3);
+}
+
+vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p, uint32_t threads)
+{
+    size_t     edge_count = 3 * p->triangle_count;
+    finder     f = {p, facing, pages_alloc((edge_count + 1) * sizeof *f.sorted), patch_of, ends, calloc(edge_count + 1, 1)};
+    vxs_result r = VXS_E_MEMORY;
+    if (f.sorted && f.inner) r = mesh_sort_edges(f.sorted, p->indices, p->triangle_count, p->vertex_count, threads);
+    if (r == VXS_OK) {
+        for (uint32_t t = 0; t < p->triangle_count; t++) patch_of[t] = t;
+        mesh_for_each_edge(p->indices, f.sorted, p->triangle_count, threads, join_edge, &f);
+        parallel_for(threads, p->triangle_count, GRAIN, settle, &f);
     }
-    free(sorted);
-    for (uint32_t t = 0; t < p->triangle_count; t++) patch_of[t] = mesh_find(patch_of, t);
-    return VXS_OK;
+    free(f.sorted);
+    free(f.inner);
+    return r;
 }

@@ -13,7 +13,7 @@
  * patch_of  [out] [p->triangle_count] the number of its first triangle; triangles with holes, and those that face no way, are alone
  * ends      [out] [p->triangle_count] bit k: the edge from corner k to the next is an end of the patch
  * facing    [p->triangle_count] 1 and -1 the two ways, 0: seen from its edge
- * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p);
+ * Returns VXS_OK or VXS_E_MEMORY.  The same at any thread count. */
+vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p, uint32_t threads);
 
 #endif

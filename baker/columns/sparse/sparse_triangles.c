@@ -5,8 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "baker/base/group.h"
+#include "baker/base/pages.h"
 #include "baker/base/parallel.h"
-#include "baker/casters/mesh_edges.h"
 #include "baker/columns/sparse/patches.h"
 
 enum { GRAIN = 4096 };
@@ -120,22 +121,21 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
 }
 
 /* All that face some way, by patch; those with holes are patches of their own, and come last. */
-static vxs_result order_by_patch(maker *w)
+static vxs_result order_by_patch(maker *w, uint32_t threads)
 {
-    size_t    count   = w->p->triangle_count;
-    uint32_t *first   = malloc((count + 1) * sizeof *first);
-    uint32_t *members = malloc((count + 1) * sizeof *members);
-    if (first && members) {
-        mesh_group(first, members, w->patch_of, count, count);
+    size_t     count   = w->p->triangle_count;
+    uint32_t  *first   = pages_alloc((count + 1) * sizeof *first);
+    uint32_t  *members = pages_alloc((count + 1) * sizeof *members);
+    vxs_result r       = VXS_E_MEMORY;
+    if (first && members && (r = group_by_key(first, members, w->patch_of, count, count, threads)) == VXS_OK)
         for (size_t n = 0; n < count; n++) {
             if (!w->facing[members[n]]) continue;
             w->s->holed_first += members[n] < w->p->holed_first;
             members[w->s->count++] = members[n];
         }
-    }
     free(first);
     w->order = members;
-    return first && members ? VXS_OK : VXS_E_MEMORY;
+    return r;
 }
 
 static vxs_result take_masks(const maker *w)
@@ -158,13 +158,13 @@ static vxs_result make(maker *w, uint32_t threads)
     size_t     count = w->p->triangle_count;
     vxs_result r     = VXS_E_MEMORY;
     w->facing        = malloc(count + 1);
-    w->patch_of      = malloc((count + 1) * sizeof *w->patch_of);
+    w->patch_of      = pages_alloc((count + 1) * sizeof *w->patch_of);
     w->ends          = malloc(count + 1);
     if (!w->facing || !w->patch_of || !w->ends) return r;
     parallel_for(threads, count, GRAIN, find_facing, w);
-    if ((r = patches_find(w->patch_of, w->ends, w->facing, w->p)) != VXS_OK) return r;
-    if ((r = order_by_patch(w)) != VXS_OK || (r = take_masks(w)) != VXS_OK) return r;
-    if (!(w->s->all = malloc((w->s->count + 1) * sizeof *w->s->all))) return VXS_E_MEMORY;
+    if ((r = patches_find(w->patch_of, w->ends, w->facing, w->p, threads)) != VXS_OK) return r;
+    if ((r = order_by_patch(w, threads)) != VXS_OK || (r = take_masks(w)) != VXS_OK) return r;
+    if (!(w->s->all = pages_alloc((w->s->count + 1) * sizeof *w->s->all))) return VXS_E_MEMORY;
     parallel_for(threads, w->s->count, GRAIN, make_triangles, w);
     return VXS_OK;
 }
