@@ -78,15 +78,17 @@ static reach measure(const vxs_light *light, const casters *c, double range_m)
     reach     r    = {INFINITY, 0};
     int       maps = (int)vxs_light_map_count(light);
     map_sides s    = map_sides_of(light, 0);
-    for (int map = 0; map < maps; map++)
+    for (int map = 0; map < maps; map++) {
+        map_frame frame = map_frame_of(light, map);
         for (size_t n = 0; n < c->triangle_count; n++) {
             map_polygon triangle = {.count = 3}, kept;
             for (int k = 0; k < 3; k++)
-                map_space_from_ws(light, map, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
+                map_space_from_ws(&frame, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
             if (!map_sides_touch(&s, &triangle) || map_space_behind(light, map, &triangle) || edge_on(&triangle)) continue;
             map_sides_clip(&s, &triangle, &kept);
             extend(&r, &kept, range_m);
         }
+    }
     return r;
 }
 

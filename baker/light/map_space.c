@@ -3,23 +3,19 @@
 #include "baker/light/map_space.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "formats/vxs_space.h"
 
 /* A caster may come nearer than the near plane of a light that hangs in it; what is nearer than this share of it is cut off. */
 #define NEAREST_SHARE (1.0 / 1024)
 
-void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3])
+map_frame map_frame_of(const vxs_light *light, int map)
 {
     const int face = vxs_face_of_map(light, map);
-    for (int n = 0; n < 3; n++) {
-        const double *m = light->ls_from_ws + 4 * vxs_ls_axis_from_face(face, n);
-        out[n]          = m[0] * point_ws[0] + m[1] * point_ws[1] + m[2] * point_ws[2] + m[3];
-    }
-    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
-        out[2] = ldexp(out[2], -(int)light->levels);
-    else
-        out[2] *= vxs_face_sign(face);
+    map_frame f    = {.unit = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? ldexp(1, -(int)light->levels) : vxs_face_sign(face)};
+    for (int n = 0; n < 3; n++) memcpy(f.rows[n], light->ls_from_ws + 4 * vxs_ls_axis_from_face(face, n), sizeof f.rows[n]);
+    return f;
 }
 
 /* Metres along a spot's direction. */

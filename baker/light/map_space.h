@@ -27,8 +27,21 @@ typedef struct map_sides {
     double n[MAP_SIDES][4];
 } map_sides;
 
-/* A point in the space of map `map` of a light (runtime/vxs.h numbers them). */
-void map_space_from_ws(const vxs_light *light, int map, const double point_ws[3], double out[3]);
+/* The way from the world into the space of a map. */
+typedef struct map_frame {
+    double rows[3][4];
+    double unit; /* of the third coordinate */
+} map_frame;
+
+/* Of map `map` of a light (runtime/vxs.h numbers them). */
+map_frame map_frame_of(const vxs_light *light, int map);
+
+static inline void map_space_from_ws(const map_frame *f, const double point_ws[3], double out[3])
+{
+    for (int n = 0; n < 3; n++)
+        out[n] = f->rows[n][0] * point_ws[0] + f->rows[n][1] * point_ws[1] + f->rows[n][2] * point_ws[2] + f->rows[n][3];
+    out[2] *= f->unit;
+}
 
 /* 1 when a triangle lies behind a spot light, which no cone covers, but some of a cube's maps do. */
 int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle);

@@ -7,16 +7,20 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/light/map_space.h"
 
 #define NONE UINT32_MAX
+
+enum { GRAIN = 4096 };
 
 typedef struct projector {
     projection      *p;
     const vxs_light *light;
     int              map;
     double           side_px;
+    map_frame        frame;
     map_corner      *corners; /* [casters->vertex_count] in map space */
     map_sides        touch, keep;
     uint32_t        *slot; /* [casters->vertex_count] its vertex in the projection, or NONE */
@@ -34,12 +38,20 @@ static vertex_ls project(const projector *w, const double at[3])
 
 static void transform_vertices(void *user, size_t begin, size_t end, uint32_t worker)
 {
+    projector *w = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) map_space_from_ws(&w->frame, w->p->casters->positions_ws + 3 * n, w->corners[n].at);
+}
+
+/* Those of a sun, which all may be in bounds. */
+static void project_vertices(void *user, size_t begin, size_t end, uint32_t worker)
+{
     projector *w    = user;
-    double     side = w->side_px;
+    double     side = w->side_px, at[3];
     for (size_t n = begin; n < end; n++) {
-        double *at = w->corners[n].at;
-        map_space_from_ws(w->light, w->map, w->p->casters->positions_ws + 3 * n, at);
+        map_space_from_ws(&w->frame, w->p->casters->positions_ws + 3 * n, at);
         if (!(at[0] >= -side && at[0] <= 2 * side && at[1] >= -side && at[1] <= 2 * side)) w->leaves_bounds[worker] = 1;
+        w->p->vertices[n] = project(w, at);
     }
 }
 
@@ -140,14 +152,16 @@ static int add_run(projector *w, size_t first, size_t end)
     return 1;
 }
 
-static int add_casters(projector *w)
+static int add_casters(projector *w, uint32_t threads)
 {
     projection    *p = w->p;
     const casters *c = p->casters;
     w->touch         = map_sides_of(w->light, 1);
     w->keep          = map_sides_of(w->light, w->side_px);
-    w->slot          = malloc((c->vertex_count + 1) * sizeof *w->slot);
-    if (!w->slot) return 0;
+    w->corners       = pages_alloc((c->vertex_count + 1) * sizeof *w->corners);
+    w->slot          = pages_alloc((c->vertex_count + 1) * sizeof *w->slot);
+    if (!w->corners || !w->slot) return 0;
+    parallel_for(threads, c->vertex_count, GRAIN, transform_vertices, w);
     memset(w->slot, 0xff, c->vertex_count * sizeof *w->slot);
 
     if (!add_run(w, 0, c->solid_triangle_count)) return 0;
@@ -164,14 +178,26 @@ static int add_casters(projector *w)
     return 1;
 }
 
+/* Project all vertices. Returns 0 when some are not in bounds, or there is no memory. */
+static int project_all(projector *w, uint32_t threads)
+{
+    projection *p       = w->p;
+    size_t      count   = p->casters->vertex_count;
+    int         outside = 0;
+    if (!(p->vertices = pages_alloc((count + 1) * sizeof *p->vertices))) return 0;
+    parallel_for(threads, count, GRAIN, project_vertices, w);
+    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) outside |= w->leaves_bounds[n];
+    if (!outside) return 1;
+    free(p->vertices);
+    p->vertices = NULL;
+    return 0;
+}
+
 /* All vertices are in bounds: the casters' own triangles serve. */
 static int take_casters(projector *w)
 {
-    projection    *p = w->p;
-    const casters *c = p->casters;
-    p->vertices      = malloc((c->vertex_count + 1) * sizeof *p->vertices);
-    if (!p->vertices) return 0;
-    for (size_t n = 0; n < c->vertex_count; n++) p->vertices[n] = project(w, w->corners[n].at);
+    projection    *p        = w->p;
+    const casters *c        = p->casters;
     p->vertex_count         = c->vertex_count;
     p->triangle_count       = c->triangle_count;
     p->solid_triangle_count = c->solid_triangle_count;
@@ -190,16 +216,11 @@ static int take_casters(projector *w)
 
 vxs_result projection_init(projection *p, const casters *c, const vxs_light *light, int map, uint32_t threads, message *m)
 {
-    *p                 = (projection){.casters = c, .reversed = light->kind != VXS_LIGHT_KIND_DIRECTIONAL};
-    projector w        = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels)};
-    int       complete = 0, some_leave = p->reversed;
-    w.corners           = malloc((c->vertex_count + 1) * sizeof *w.corners);
+    *p          = (projection){.casters = c, .reversed = light->kind != VXS_LIGHT_KIND_DIRECTIONAL};
+    projector w = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels), .frame = map_frame_of(light, map)};
     p->alpha_mask_first = malloc((c->alpha_mask_count + 1) * sizeof *p->alpha_mask_first);
-    if (!w.corners || !p->alpha_mask_first) goto done;
-    parallel_for(threads, c->vertex_count, 4096, transform_vertices, &w);
-    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) some_leave |= w.leaves_bounds[n];
-    complete = some_leave ? add_casters(&w) : take_casters(&w);
-done:
+    int complete        = p->alpha_mask_first != NULL;
+    if (complete) complete = !p->reversed && project_all(&w, threads) ? take_casters(&w) : add_casters(&w, threads);
     free(w.corners);
     free(w.slot);
     return complete ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the vertices of a map");

@@ -69,7 +69,8 @@ static void map_space_is_that_of_lookups(void **state)
         double side = ldexp(1, (int)l.light.levels), at[3], point[3], p[3], wanted[3];
         for (int c = 0; c < 3; c++) at[c] = uniform(&r, 0.01, side - 0.01);
         vxs_point(&l.light, map, at, point);
-        map_space_from_ws(&l.light, map, point, p);
+        map_frame frame = map_frame_of(&l.light, map);
+        map_space_from_ws(&frame, point, p);
         if (n % KINDS < LAMP_SHAPES) {
             map_space(&l, map, point, wanted);
             for (int c = 0; c < 3; c++) assert_true(fabs(p[c] - wanted[c]) < 1e-9 * (1 + p[2]));
