@@ -5,6 +5,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Memory without contents, released with free(); NULL when there is none. */
 void *pages_alloc(size_t size_bytes);
 
@@ -12,4 +16,7 @@ void *pages_alloc(size_t size_bytes);
  * and small ones that lie between them hold their memory: a bake of many lights grew with each. */
 void pages_return_large(void);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

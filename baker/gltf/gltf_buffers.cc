@@ -53,22 +53,25 @@ void check_files_beside(loader &l, const json &root)
     for (const json &object : items(root, "images")) check_file_beside(l, label("image", index++), object);
 }
 
-bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit)
+file_bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit)
 {
     std::string path = path_beside(l, uri);
     if (path.find('\0') != std::string::npos) l.broken(what, "uri '%s' holds a zero byte", uri.c_str());
     if (!l.files_beside)
         l.error(VXS_E_READ, "%s is in another file, '%s', and only this one is read", what.c_str(), percent_decoded(uri).c_str());
-    int   reason;
-    bytes found = read_bytes(l, path.c_str(), limit, true, reason);
+    int        reason;
+    file_bytes found = read_bytes(l, path.c_str(), limit, true, reason);
     if (reason) l.error(VXS_E_READ, "cannot read %s, '%s': %s", what.c_str(), path.c_str(), strerror(reason));
     return found;
 }
 
-bool decode_base64(const std::string &text, bytes &out)
+bool decode_base64(const std::string &text, file_bytes &out)
 {
     std::string kind;
-    return tinygltf::DecodeDataURI(&out, kind, "data:application/octet-stream;base64," + text, 0, false);
+    bytes       decoded;
+    if (!tinygltf::DecodeDataURI(&decoded, kind, "data:application/octet-stream;base64," + text, 0, false)) return false;
+    out.assign(decoded.begin(), decoded.end());
+    return true;
 }
 
 static bool is_fallback(const json &object)

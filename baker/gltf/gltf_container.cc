@@ -12,11 +12,11 @@
 namespace gltf
 {
 
-bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error)
+file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error)
 {
-    bytes out;
-    int   file = regular_only ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : input_open(path);
-    error      = file < 0 ? errno : 0;
+    file_bytes out;
+    int        file = regular_only ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : input_open(path);
+    error           = file < 0 ? errno : 0;
     if (error) return out;
 
     struct stat status;
@@ -65,7 +65,7 @@ void read_scene_file(loader &l, const char *path)
 
 static constexpr uint32_t JSON_CHUNK = 0x4e4f534a, BIN_CHUNK = 0x004e4942;
 
-static uint32_t u32_at(const bytes &file, size_t offset)
+static uint32_t u32_at(const file_bytes &file, size_t offset)
 {
     const unsigned char *b = file.data() + offset;
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
@@ -73,8 +73,8 @@ static uint32_t u32_at(const bytes &file, size_t offset)
 
 container open_container(loader &l)
 {
-    const bytes &file = l.file;
-    container    c    = {(const char *)file.data(), file.size(), nullptr, 0};
+    const file_bytes &file = l.file;
+    container         c    = {(const char *)file.data(), file.size(), nullptr, 0};
     if (file.size() < 4 || memcmp(file.data(), "glTF", 4)) return c;
 
     if (file.size() < 20) l.broken("GLB header", "%zu bytes found, at least 20 expected", file.size());

@@ -91,7 +91,7 @@ static void read_image(loader &l, const std::string &where, const json &object, 
         return decode(l, where, view_bytes(l, view), l.views[view].length, out);
     }
     std::string uri = object.value("uri", "");
-    bytes       owned;
+    file_bytes  owned;
     if (uri.empty()) l.error(VXS_E_SCENE, "%s has neither a uri nor a bufferView", where.c_str());
     if (uri.rfind("data:", 0) == 0) {
         size_t comma = uri.find(";base64,");

@@ -9,11 +9,15 @@
 #ifndef GLTF_LOADER_H
 #define GLTF_LOADER_H
 
+#include "baker/base/pages.h"
 #include "baker/scene/scene.h"
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -29,6 +33,26 @@ namespace gltf
 
 using json  = nlohmann::json;
 using bytes = std::vector<unsigned char>;
+
+/* For arrays that lie on large pages, and are not filled with zeros before something is read into them. */
+template <typename item> struct unfilled {
+    using value_type = item;
+
+    item *allocate(size_t count)
+    {
+        void *memory = pages_alloc(count * sizeof(item));
+        if (!memory) throw std::bad_alloc();
+        return (item *)memory;
+    }
+    void deallocate(item *memory, size_t) { free(memory); }
+
+    void                           construct(item *at) { ::new ((void *)at) item; }
+    template <typename value> void construct(item *at, value &&from) { ::new ((void *)at) item(from); }
+
+    bool operator==(const unfilled &) const { return true; }
+    bool operator!=(const unfilled &) const { return false; }
+};
+using file_bytes = std::vector<unsigned char, unfilled<unsigned char>>;
 
 constexpr size_t FILE_BYTES_MAX   = UINT32_MAX;      /* GLB and tinygltf count in 32 bits */
 constexpr size_t TRIANGLES_MAX    = (size_t)1 << 26; /* of the whole scene: instancing makes scenes much larger than files */
@@ -73,7 +97,7 @@ struct buffer {
     const unsigned char *data; /* NULL: a fallback for readers that know no compression, never read */
     size_t               size_bytes;
     bool                 missing; /* neither a uri nor a GLB chunk */
-    bytes                owned;   /* unless data is the GLB's own */
+    file_bytes           owned;   /* unless data is the GLB's own */
 };
 
 /* EXT_meshopt_compression, KHR_meshopt_compression: the bytes of a bufferView as they are stored. */
@@ -170,8 +194,8 @@ struct loader {
     std::string         folder;       /* of those: "" or with a slash at its end */
     tinygltf::Model     model;
 
-    bytes file; /* a GLB's buffer 0 lies in it */
-    json  rest; /* what tinygltf does not get: materials, textures, samplers, images */
+    file_bytes file; /* a GLB's buffer 0 lies in it */
+    json       rest; /* what tinygltf does not get: materials, textures, samplers, images */
 
     std::vector<buffer>           buffers;
     std::vector<buffer_view>      views;
@@ -208,7 +232,7 @@ struct loader {
     };
     std::vector<slot> slots;
     uint32_t          generation      = 0;
-    size_t            vertex_capacity = 0;
+    size_t            vertex_capacity = 0; /* of the scene; as many as are expected, before any is emitted */
 
     /* Write "'path': where: ..." (an empty `where` is left out) and throw. broken: VXS_E_SCENE; unsupported: VXS_E_UNSUPPORTED. */
     [[noreturn]] void error(vxs_result code, const char *format, ...) __attribute__((format(printf, 3, 4)));
@@ -250,9 +274,9 @@ struct container {
 };
 
 /* The first `limit` bytes of a file; `error` is 0 or an errno. A file that a scene refers to must be a regular one: a pipe may never end. */
-bytes     read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error);
-void      read_scene_file(loader &l, const char *path);
-container open_container(loader &l);
+file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_only, int &error);
+void       read_scene_file(loader &l, const char *path);
+container  open_container(loader &l);
 
 /* ---- gltf_json.cc, gltf_parse.cc ---- */
 
@@ -296,10 +320,10 @@ void check_buffers(loader &l);
 void check_files_beside(loader &l, const json &root);
 
 /* At most `limit` bytes of a file beside the scene, by the uri of a buffer or an image, `what`. */
-bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit);
+file_bytes read_beside(loader &l, const std::string &what, const std::string &uri, size_t limit);
 
 /* The bytes of base64 text. */
-bool decode_base64(const std::string &text, bytes &out);
+bool decode_base64(const std::string &text, file_bytes &out);
 
 /* The `length` bytes of a bufferView, decompressed once. */
 const unsigned char *view_bytes(loader &l, size_t view);
@@ -340,7 +364,17 @@ transform instance_transform(loader &l, size_t node, size_t i);
 
 /* ---- gltf_nodes.cc ---- */
 
-vec3 apply(const transform &t, vec3 v);
+inline vec3 rotate_scale(const transform &t, vec3 v)
+{
+    return {t.axis[0].x * v.x + t.axis[1].x * v.y + t.axis[2].x * v.z, t.axis[0].y * v.x + t.axis[1].y * v.y + t.axis[2].y * v.z,
+            t.axis[0].z * v.x + t.axis[1].z * v.y + t.axis[2].z * v.z};
+}
+
+inline vec3 apply(const transform &t, vec3 v)
+{
+    vec3 p = rotate_scale(t, v);
+    return {p.x + t.origin.x, p.y + t.origin.y, p.z + t.origin.z};
+}
 
 /* First b, then a. */
 transform multiply(const transform &a, const transform &b);
@@ -348,7 +382,10 @@ transform multiply(const transform &a, const transform &b);
 /* Scale, then rotation by a quaternion (x, y, z, w) of any length but 0, then translation; false when it has none. */
 bool trs_transform(const double translation[3], const double rotation[4], const double scale[3], transform &t);
 
-bool finite(vec3 v);
+inline bool finite(vec3 v)
+{
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /* The triangles of a mirrored node turn their backs, unless two corners are swapped (3.7.4). */
 bool is_mirrored(const transform &t);

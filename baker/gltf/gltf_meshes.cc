@@ -156,7 +156,7 @@ struct mesh_counts {
 /* The arrays of a scene, and those that all who read one make of it: welded vertices, then edges (mesh_weld.c, casters.c). */
 static uint64_t scene_bytes(uint64_t triangles, uint64_t vertices)
 {
-    return std::max(29 * triangles + 60 * vertices, 58 * triangles + 28 * vertices);
+    return std::max(29 * triangles + 60 * vertices, 66 * triangles + 28 * vertices);
 }
 
 /* What of a node's mesh casts, once; triangles that do not are counted where they are excluded. */
@@ -200,6 +200,7 @@ size_t measure(loader &l)
     if (skip.points) warn(l.m, "primitives of points skipped: %zu; what is to cast a shadow needs triangles", skip.points);
     if (skip.lines) warn(l.m, "primitives of lines skipped: %zu; what is to cast a shadow needs triangles", skip.lines);
     finish_selection(l);
+    l.vertex_capacity = vertices;
     if (total)
         l.need(scene_bytes(total, vertices), std::to_string(total) + " triangles with " + std::to_string(vertices) +
                                                  " vertices, meshes placed " + std::to_string(placed) + " times");

@@ -8,18 +8,6 @@
 namespace gltf
 {
 
-static vec3 rotate_scale(const transform &t, vec3 v)
-{
-    return {t.axis[0].x * v.x + t.axis[1].x * v.y + t.axis[2].x * v.z, t.axis[0].y * v.x + t.axis[1].y * v.y + t.axis[2].y * v.z,
-            t.axis[0].z * v.x + t.axis[1].z * v.y + t.axis[2].z * v.z};
-}
-
-vec3 apply(const transform &t, vec3 v)
-{
-    vec3 p = rotate_scale(t, v);
-    return {p.x + t.origin.x, p.y + t.origin.y, p.z + t.origin.z};
-}
-
 transform multiply(const transform &a, const transform &b)
 {
     return {{rotate_scale(a, b.axis[0]), rotate_scale(a, b.axis[1]), rotate_scale(a, b.axis[2])}, apply(a, b.origin)};
@@ -37,11 +25,6 @@ bool trs_transform(const double translation[3], const double rotation[4], const 
           {sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y))}},
          {translation[0], translation[1], translation[2]}};
     return true;
-}
-
-bool finite(vec3 v)
-{
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 bool is_mirrored(const transform &t)

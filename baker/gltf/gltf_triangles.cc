@@ -166,9 +166,11 @@ static void place_node(loader &l, size_t node)
 
 static void make_room(loader &l, size_t triangles)
 {
-    l.s->indices        = (uint32_t *)malloc(3 * triangles * sizeof(uint32_t));
-    l.s->triangle_flags = (uint8_t *)malloc(triangles);
-    if (!l.s->indices || !l.s->triangle_flags) l.error(VXS_E_MEMORY, "out of memory for %zu triangles", triangles);
+    l.s->positions_ws   = (double *)pages_alloc((3 * l.vertex_capacity + 1) * sizeof(double));
+    l.s->indices        = (uint32_t *)pages_alloc(3 * triangles * sizeof(uint32_t));
+    l.s->triangle_flags = (uint8_t *)pages_alloc(triangles);
+    if (!l.s->positions_ws || !l.s->indices || !l.s->triangle_flags)
+        l.error(VXS_E_MEMORY, "out of memory for %zu triangles", triangles);
 }
 
 void place_meshes(loader &l, size_t triangles)
