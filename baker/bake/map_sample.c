@@ -11,6 +11,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/integer.h"
+#include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/blocks/block_build.h"
 #include "baker/blocks/block_words.h"
@@ -19,12 +20,18 @@
 
 enum { CELLS_MAX = 32 }; /* windows a side */
 
-/* What a sample may cost, however many triangles lie over each other: some two seconds, and 100 MiB beside what follows the triangles.
- * Real scenes need a tenth of it. */
+/* What a sample may cost, however many triangles lie over each other: some two seconds, and 100 MiB beside what follows the triangles, and
+ * threads. Real scenes need a tenth of it. */
 enum {
-    ENTRIES_MAX          = 1 << 24, /* of triangles in the lists of windows: beyond it, windows are left out */
-    FRAGMENTS_MAX        = 1 << 25, /* of all windows: then no other is begun */
-    WINDOW_FRAGMENTS_MAX = 1 << 21, /* of one: its other triangles are not looked at */
+    ENTRIES_MAX          = 1 << 24, /* of triangles in windows: beyond it, windows are left out */
+    FRAGMENTS_MAX        = 1 << 25, /* of all windows: then no others are begun */
+    WINDOW_FRAGMENTS_MAX = 1 << 19, /* of one: its other triangles are not looked at */
+};
+
+enum {
+    CHUNKS    = 64, /* of triangles, each counted and placed alone: the same at any thread count */
+    BATCH     = 16, /* windows that are drawn at once */
+    PLACE_MAX = 8,  /* threads that count triangles: each for itself */
 };
 
 typedef enum face_kind { FACE_FRONT, FACE_BACK, FACE_SHEET } face_kind; /* fronts first among faces at one depth */
@@ -35,21 +42,33 @@ typedef struct fragment {
     face_kind kind;
 } fragment;
 
-typedef struct fragment_list {
-    fragment *items;
-    size_t    count, capacity;
-} fragment_list;
-
-typedef struct triangle_list {
-    uint32_t *items;
-    size_t    count, capacity;
-} triangle_list;
+/* Triangles of sheets, of solids that meet nothing, and of those that meet another. */
+enum { CLASS_SHEET, CLASS_APART, CLASS_MEETS, CLASSES };
 
 /* Counts of triangles by block, as differences along both axes until they are summed up. */
 typedef struct triangle_counts {
     uint32_t side;
-    int32_t *all, *solid, *meet; /* [(side + 1)^2] */
+    size_t   size;       /* (side + 1)^2 */
+    int32_t *of_workers; /* [PLACE_MAX][CLASSES][size]; in the end the first worker has all */
 } triangle_counts;
+
+enum { WINDOW_TEXELS_MAX = SAMPLE_WINDOW_PX * SAMPLE_WINDOW_PX, FRAGMENTS_ROOM = WINDOW_FRAGMENTS_MAX + WINDOW_TEXELS_MAX };
+
+/* What a thread draws windows with: it allocates nothing, so that no heap is begun for it, whose size would be left to chance. */
+typedef struct canvas {
+    fragment *fragments; /* [fragment_count] of FRAGMENTS_ROOM */
+    size_t    fragment_count;
+    fragment *sorted;                       /* by texel, in each from near to far */
+    uint32_t  first[WINDOW_TEXELS_MAX + 1]; /* of each texel */
+} canvas;
+
+/* A window that is drawn. */
+typedef struct window {
+    uint32_t   number;
+    size_t     triangles, looked_at, fragments;
+    uint32_t   layers; /* the most of its texels */
+    depth_maps maps;
+} window;
 
 typedef struct sampler {
     map_sample       *s;
@@ -58,22 +77,23 @@ typedef struct sampler {
     int               peels_all;
     coding_choice     coding;
     build_options     build; /* of a DAG */
+    uint32_t          threads;
     uint32_t          side_px, window_px, cells, cell_px;
+    uint32_t          cell_shift, block_shift;      /* the exponents of cell_px and of a block's side */
     triangle_counts   blocks;                       /* of depth_block.h */
     uint32_t          at[CELLS_MAX * CELLS_MAX][2]; /* texel where each window starts */
-    triangle_list     lists[CELLS_MAX * CELLS_MAX]; /* what may touch it */
     uint32_t          windows;                      /* those of a rank below this are looked at */
-    size_t            entries;                      /* in all lists */
-    uint64_t          fragments_made;
-    fragment_list     fragments;
-    fragment         *sorted; /* by texel, in each from near to far */
-    size_t            sorted_capacity;
-    uint32_t         *first; /* [window texels + 1] */
-    depth_maps        maps;
-    uint64_t         *hashes[SAMPLE_LEVELS + 1]; /* of all inserted nodes by level, masks last */
-    size_t            hash_count[SAMPLE_LEVELS + 1], hash_capacity[SAMPLE_LEVELS + 1];
-    block_set         set; /* of all windows: a node of one block each */
-    int               out_of_memory;
+    uint8_t          *in_window;                    /* [p->triangle_count] 1: may touch one */
+    size_t (*place)[CELLS_MAX * CELLS_MAX];         /* [CHUNKS] how many triangles of a chunk are in a window, then where they go */
+    size_t    list_first[CELLS_MAX * CELLS_MAX + 1];
+    uint32_t *lists; /* what may touch each window */
+    uint64_t  fragments_made;
+    canvas   *canvases; /* [threads] */
+    window    batch[BATCH];
+    uint64_t *hashes[SAMPLE_LEVELS + 1]; /* of all inserted nodes by level, masks last */
+    size_t    hash_count[SAMPLE_LEVELS + 1], hash_capacity[SAMPLE_LEVELS + 1];
+    block_set set; /* of all windows: a node of one block each */
+    int       out_of_memory;
 } sampler;
 
 /* what lies where --------------------------------------------------------------------------------------------------------------- */
@@ -116,81 +136,133 @@ static uint32_t window_of_rank(const sampler *job, uint32_t rank)
     return n;
 }
 
-/* Many large triangles lie over each other: look at fewer windows. */
-static void leave_out_windows(sampler *job)
+/* Of a triangle, what is in the map. Returns 0 when that is nothing. */
+static int box_in_map(const sampler *job, size_t triangle, texel_box *b)
 {
-    for (; job->entries > ENTRIES_MAX && job->windows > 1; job->windows--) {
-        triangle_list *l = &job->lists[window_of_rank(job, job->windows - 1)];
-        job->entries -= l->count;
-        free(l->items);
-        *l = (triangle_list){0};
-    }
+    int32_t last = (int32_t)job->side_px - 1;
+    *b           = texel_box_of(job->p, triangle);
+    if (b->u0 > b->u1 || b->v0 > b->v1 || b->u1 < 0 || b->v1 < 0 || b->u0 > last || b->v0 > last) return 0;
+    *b = (texel_box){max_i32(b->u0, 0), max_i32(b->v0, 0), min_i32(b->u1, last), min_i32(b->v1, last)};
+    return 1;
 }
 
-static void add_to_windows(sampler *job, uint32_t triangle, const texel_box *b)
+static void count_in_blocks(sampler *job, size_t t, const texel_box *b, uint32_t worker)
 {
-    uint32_t i0 = (uint32_t)b->u0 / job->cell_px, i1 = (uint32_t)b->u1 / job->cell_px;
-    uint32_t j0 = (uint32_t)b->v0 / job->cell_px, j1 = (uint32_t)b->v1 / job->cell_px;
+    const projection *p     = job->p;
+    uint32_t          shift = job->block_shift;
+    int of = t >= p->solid_triangle_count ? CLASS_SHEET : job->peels_all || !p->meets || p->meets[t] ? CLASS_MEETS : CLASS_APART;
+    count_square(job->blocks.of_workers + (worker * CLASSES + (size_t)of) * job->blocks.size, job->blocks.side,
+                 (uint32_t)b->u0 >> shift, (uint32_t)b->v0 >> shift, (uint32_t)b->u1 >> shift, (uint32_t)b->v1 >> shift);
+}
+
+/* Count a triangle in the windows that it may touch, or place it there. Returns how many they are. */
+static uint32_t walk_windows(sampler *job, size_t t, const texel_box *b, size_t *at, int place)
+{
+    uint32_t i0 = (uint32_t)b->u0 >> job->cell_shift, i1 = (uint32_t)b->u1 >> job->cell_shift;
+    uint32_t j0 = (uint32_t)b->v0 >> job->cell_shift, j1 = (uint32_t)b->v1 >> job->cell_shift, count = 0;
     for (uint32_t y = j0; y <= j1; y++)
         for (uint32_t x = i0; x <= i1; x++) {
             uint32_t n = y * job->cells + x;
             if (!texel_box_touches(b, (int32_t)job->at[n][0], (int32_t)job->at[n][1], (int32_t)job->window_px)) continue;
-            if (job->windows < job->cells * job->cells && window_of_rank(job, n) >= job->windows) continue;
-            triangle_list *l = &job->lists[n];
-            if (!array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) {
-                job->out_of_memory = 1;
-                return;
-            }
-            l->items[l->count++] = triangle;
-            job->entries++;
+            count++;
+            if (!place)
+                at[n]++;
+            else if (window_of_rank(job, n) < job->windows)
+                job->lists[at[n]++] = (uint32_t)t;
         }
-    if (job->entries > ENTRIES_MAX) leave_out_windows(job);
+    return count;
 }
 
-static void place_triangles(sampler *job)
+static void count_chunks(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    const projection *p    = job->p;
-    int32_t           last = (int32_t)job->side_px - 1;
-    uint32_t          px   = min_u32(job->side_px, BLOCK_MAX_PX);
-    for (size_t t = 0; t < p->triangle_count && !job->out_of_memory; t++) {
-        texel_box b = texel_box_of(p, t);
-        if (b.u0 > b.u1 || b.v0 > b.v1 || b.u1 < 0 || b.v1 < 0 || b.u0 > last || b.v0 > last) continue;
-        b.u0        = b.u0 < 0 ? 0 : b.u0;
-        b.v0        = b.v0 < 0 ? 0 : b.v0;
-        b.u1        = b.u1 > last ? last : b.u1;
-        b.v1        = b.v1 > last ? last : b.v1;
-        uint32_t u0 = (uint32_t)b.u0 / px, v0 = (uint32_t)b.v0 / px, u1 = (uint32_t)b.u1 / px, v1 = (uint32_t)b.v1 / px;
-        count_square(job->blocks.all, job->blocks.side, u0, v0, u1, v1);
-        if (t < p->solid_triangle_count) count_square(job->blocks.solid, job->blocks.side, u0, v0, u1, v1);
-        if (t < p->solid_triangle_count && (job->peels_all || !p->meets || p->meets[t]))
-            count_square(job->blocks.meet, job->blocks.side, u0, v0, u1, v1);
-        add_to_windows(job, (uint32_t)t, &b);
+    sampler  *job   = user;
+    size_t    count = job->p->triangle_count;
+    texel_box b;
+    for (size_t chunk = begin; chunk < end; chunk++)
+        for (size_t t = count * chunk / CHUNKS; t < count * (chunk + 1) / CHUNKS; t++) {
+            if (!(job->in_window[t] = (uint8_t)box_in_map(job, t, &b))) continue;
+            count_in_blocks(job, t, &b, worker);
+            job->in_window[t] = walk_windows(job, t, &b, job->place[chunk], 0) > 0;
+        }
+}
+
+static void place_chunks(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    sampler  *job   = user;
+    size_t    count = job->p->triangle_count;
+    texel_box b;
+    (void)worker;
+    for (size_t chunk = begin; chunk < end; chunk++)
+        for (size_t t = count * chunk / CHUNKS; t < count * (chunk + 1) / CHUNKS; t++)
+            if (job->in_window[t] && box_in_map(job, t, &b)) walk_windows(job, t, &b, job->place[chunk], 1);
+}
+
+/* Many large triangles lie over each other: look at fewer windows. */
+static void leave_out_windows(sampler *job)
+{
+    size_t entries = 0;
+    for (uint32_t rank = 0; rank < job->windows; rank++) {
+        uint32_t n = window_of_rank(job, rank);
+        for (size_t chunk = 0; chunk < CHUNKS; chunk++) entries += job->place[chunk][n];
+        if (rank && entries > ENTRIES_MAX) job->windows = rank;
     }
+}
+
+/* Triangles go window by window, in their order in each. Returns how many they are. */
+static size_t counts_to_places(sampler *job)
+{
+    size_t sum = 0;
+    for (uint32_t n = 0; n < job->cells * job->cells; n++) {
+        job->list_first[n] = sum;
+        for (size_t chunk = 0; chunk < CHUNKS && window_of_rank(job, n) < job->windows; chunk++) {
+            size_t count         = job->place[chunk][n];
+            job->place[chunk][n] = sum;
+            sum += count;
+        }
+    }
+    return job->list_first[job->cells * job->cells] = sum;
+}
+
+static int place_triangles(sampler *job)
+{
+    job->in_window = malloc(job->p->triangle_count + 1);
+    job->place     = calloc(CHUNKS, sizeof *job->place);
+    if (!job->in_window || !job->place) return 0;
+    parallel_for(min_u32(job->threads, PLACE_MAX), CHUNKS, 1, count_chunks, job);
+    leave_out_windows(job);
+    job->lists = malloc((counts_to_places(job) + 1) * sizeof *job->lists);
+    if (!job->lists) return 0;
+    parallel_for(job->threads, CHUNKS, 1, place_chunks, job);
+    return 1;
 }
 
 static void count_blocks(sampler *job)
 {
-    map_sample      *s = job->s;
-    triangle_counts *b = &job->blocks;
-    sum_up(b->all, b->side);
-    sum_up(b->solid, b->side);
-    sum_up(b->meet, b->side);
+    map_sample      *s   = job->s;
+    triangle_counts *b   = &job->blocks;
+    int32_t         *sum = b->of_workers;
+    for (size_t worker = 1; worker < job->threads && worker < PLACE_MAX; worker++)
+        for (size_t n = 0; n < CLASSES * b->size; n++) sum[n] += sum[worker * CLASSES * b->size + n];
+    for (size_t n = 0; n < CLASSES; n++) sum_up(sum + n * b->size, b->side);
     s->blocks = (uint64_t)b->side * b->side;
     for (uint32_t n = 0; n < s->blocks; n++) {
-        size_t at = (size_t)(n / b->side) * (b->side + 1) + n % b->side;
-        s->blocks_empty += b->all[at] == 0;
-        s->blocks_peeled += b->meet[at] > 0;
-        s->blocks_not_peeled += b->solid[at] > 0 && b->meet[at] == 0;
-        s->block_triangles += (uint64_t)b->all[at];
-        s->block_most = max_u64(s->block_most, (uint64_t)b->all[at]);
-        s->peeled_triangles += b->meet[at] > 0 ? (uint64_t)b->solid[at] : 0;
+        size_t   at    = (size_t)(n / b->side) * (b->side + 1) + n % b->side;
+        uint64_t sheet = (uint64_t)sum[CLASS_SHEET * b->size + at], apart = (uint64_t)sum[CLASS_APART * b->size + at];
+        uint64_t meets = (uint64_t)sum[CLASS_MEETS * b->size + at], all = sheet + apart + meets;
+        s->blocks_empty += all == 0;
+        s->blocks_peeled += meets > 0;
+        s->blocks_not_peeled += apart > 0 && meets == 0;
+        s->block_triangles += all;
+        s->block_most = max_u64(s->block_most, all);
+        s->peeled_triangles += meets > 0 ? apart + meets : 0;
     }
 }
 
 static int tile_has_triangles(const triangle_counts *b, uint32_t u0, uint32_t v0, uint32_t across)
 {
     for (uint32_t n = 0; n < across * across; n++)
-        if (b->all[(size_t)(v0 + n / across) * (b->side + 1) + u0 + n % across] > 0) return 1;
+        for (size_t of = 0; of < CLASSES; of++)
+            if (b->of_workers[of * b->size + (size_t)(v0 + n / across) * (b->side + 1) + u0 + n % across] > 0) return 1;
     return 0;
 }
 
@@ -215,25 +287,41 @@ static int inside(double value, double du, double dv)
     return value > 0 || (value == 0 && (dv > 0 || (dv == 0 && du < 0)));
 }
 
-static void rasterize(sampler *job, uint32_t n, uint32_t t)
+static double least(const double x[3])
 {
-    const projection *p = job->p;
-    const uint32_t   *c = p->indices + 3 * (size_t)t;
+    double a = x[0] < x[1] ? x[0] : x[1];
+    return a < x[2] ? a : x[2];
+}
+
+static double most(const double x[3])
+{
+    double a = x[0] > x[1] ? x[0] : x[1];
+    return a > x[2] ? a : x[2];
+}
+
+static double within(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+static void rasterize(const sampler *job, canvas *c, uint32_t n, uint32_t t)
+{
+    const projection *p      = job->p;
+    const uint32_t   *corner = p->indices + 3 * (size_t)t;
     double            u[3], v[3], z[3];
     for (int k = 0; k < 3; k++) {
-        u[k] = p->vertices[c[k]].u - job->at[n][0];
-        v[k] = p->vertices[c[k]].v - job->at[n][1];
-        z[k] = p->reversed ? -p->vertices[c[k]].z : p->vertices[c[k]].z;
+        u[k] = p->vertices[corner[k]].u - job->at[n][0];
+        v[k] = p->vertices[corner[k]].v - job->at[n][1];
+        z[k] = p->reversed ? -p->vertices[corner[k]].z : p->vertices[corner[k]].z;
     }
     double area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
     if (area == 0) return;
     face_kind kind = t >= p->solid_triangle_count ? FACE_SHEET : area < 0 ? FACE_FRONT : FACE_BACK;
     double    side = area < 0 ? -1 : 1, low = p->reversed ? -1 : 0, high = p->reversed ? 0 : 1;
     double    last = job->window_px - 1;
-    int       u0   = (int)fmax(0, ceil(fmin(fmin(u[0], u[1]), u[2]) - 0.5)),
-        u1         = (int)fmin(last, floor(fmax(fmax(u[0], u[1]), u[2]) - 0.5));
-    int v0         = (int)fmax(0, ceil(fmin(fmin(v[0], v[1]), v[2]) - 0.5)),
-        v1         = (int)fmin(last, floor(fmax(fmax(v[0], v[1]), v[2]) - 0.5));
+    int       u0 = (int)within(ceil(least(u) - 0.5), 0, last + 1), u1 = (int)within(floor(most(u) - 0.5), -1, last);
+    int       v0 = (int)within(ceil(least(v) - 0.5), 0, last + 1), v1 = (int)within(floor(most(v) - 0.5), -1, last);
+    if (u0 > u1 || v0 > v1) return;
     for (int y = v0; y <= v1; y++)
         for (int x = u0; x <= u1; x++) {
             double w[3];
@@ -245,14 +333,9 @@ static void rasterize(sampler *job, uint32_t n, uint32_t t)
                 in   = inside(w[k], du, dv);
             }
             if (!in) continue;
-            fragment_list *l = &job->fragments;
-            if (!array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) {
-                job->out_of_memory = 1;
-                return;
-            }
             double depth = (w[0] * z[0] + w[1] * z[1] + w[2] * z[2]) / (side * area);
-            l->items[l->count++] =
-                (fragment){(float)fmin(fmax(depth, low), high), (uint32_t)y * job->window_px + (uint32_t)x, kind};
+            c->fragments[c->fragment_count++] =
+                (fragment){(float)within(depth, low, high), (uint32_t)y * job->window_px + (uint32_t)x, kind};
         }
 }
 
@@ -280,18 +363,17 @@ static void sort_near_to_far(fragment *items, uint32_t count)
 }
 
 /* Fragments by texel, in each from near to far. */
-static void sort_fragments(sampler *job, uint32_t texels)
+static void sort_fragments(canvas *c, uint32_t texels)
 {
-    const fragment_list *l = &job->fragments;
-    memset(job->first, 0, (texels + 1) * sizeof *job->first);
-    for (size_t n = 0; n < l->count; n++) job->first[l->items[n].texel + 1]++;
-    for (uint32_t n = 0; n < texels; n++) job->first[n + 1] += job->first[n];
-    for (size_t n = l->count; n-- > 0;) job->sorted[--job->first[l->items[n].texel + 1]] = l->items[n];
+    memset(c->first, 0, (texels + 1) * sizeof *c->first);
+    for (size_t n = 0; n < c->fragment_count; n++) c->first[c->fragments[n].texel + 1]++;
+    for (uint32_t n = 0; n < texels; n++) c->first[n + 1] += c->first[n];
+    for (size_t n = c->fragment_count; n-- > 0;) c->sorted[--c->first[c->fragments[n].texel + 1]] = c->fragments[n];
     /* every first[n + 1] has become the start of texel n */
-    memmove(job->first, job->first + 1, texels * sizeof *job->first);
-    job->first[texels] = (uint32_t)l->count;
+    memmove(c->first, c->first + 1, texels * sizeof *c->first);
+    c->first[texels] = (uint32_t)c->fragment_count;
     for (uint32_t texel = 0; texel < texels; texel++)
-        sort_near_to_far(job->sorted + job->first[texel], job->first[texel + 1] - job->first[texel]);
+        sort_near_to_far(c->sorted + c->first[texel], c->first[texel + 1] - c->first[texel]);
 }
 
 /* The column of a texel, as depth_block.c means it. Returns the back faces up to the exit. */
@@ -330,10 +412,10 @@ static void take_hash(sampler *job, int level, uint64_t hash)
     job->hashes[level][job->hash_count[level]++] = hash;
 }
 
-static vxs_result insert_window(sampler *job)
+static vxs_result insert_window(sampler *job, const window *w)
 {
     dag           d       = {0};
-    column_square columns = depth_maps_square(&job->maps);
+    column_square columns = depth_maps_square(&w->maps);
     build_stats   stats   = {0};
     vxs_result    r       = dag_build_square(&d, &columns, square_level(job->window_px), 0, 0, &job->build, &stats);
     if (r != VXS_OK) return r;
@@ -358,48 +440,54 @@ static int has_pattern(const block_set *set, const block_node *node)
     return 0;
 }
 
-/* Window n as a node of its own. Where no tile needs a pattern nothing is kept: among its neighbours, the slope that it would have with
+/* A window as a node of its own. Where no tile needs a pattern nothing is kept: among its neighbours, the slope that it would have with
  * them settles it. */
-static vxs_result build_window(sampler *job, uint32_t n)
+static vxs_result build_window(sampler *job, const window *w)
 {
     block_set    *set     = &job->set;
     size_t        before  = set->node_count;
-    column_square columns = depth_maps_square(&job->maps);
-    columns.u_px          = n % CELLS_MAX * NODE_PX;
-    columns.v_px          = n / CELLS_MAX * NODE_PX;
+    column_square columns = depth_maps_square(&w->maps);
+    columns.u_px          = w->number % CELLS_MAX * NODE_PX;
+    columns.v_px          = w->number / CELLS_MAX * NODE_PX;
     vxs_result r          = block_build_node(set, &columns, 0, 0, 0);
     if (set->node_count > before && !has_pattern(set, &set->nodes[before])) set->node_count = before;
     return r;
 }
 
-static vxs_result sample_window(sampler *job, uint32_t n)
+static void draw_window(const sampler *job, canvas *c, window *w)
 {
-    uint32_t    texels = job->window_px * job->window_px;
-    map_sample *s      = job->s;
-    s->texels += texels;
-    if (!job->lists[n].count) return VXS_OK; /* all lit */
-
-    size_t looked_at     = 0;
-    job->fragments.count = 0;
-    while (looked_at < job->lists[n].count && job->fragments.count < WINDOW_FRAGMENTS_MAX && !job->out_of_memory)
-        rasterize(job, n, job->lists[n].items[looked_at++]);
-    job->fragments_made += job->fragments.count;
-    if (job->out_of_memory || !array_reserve(&job->sorted, &job->sorted_capacity, job->fragments.count + 1, sizeof *job->sorted))
-        return VXS_E_MEMORY;
-    sort_fragments(job, texels);
-
-    uint32_t layers = 0;
+    const uint32_t *triangles = job->lists + job->list_first[w->number];
+    uint32_t        texels    = job->window_px * job->window_px;
+    c->fragment_count         = 0;
+    while (w->looked_at < w->triangles && c->fragment_count < WINDOW_FRAGMENTS_MAX)
+        rasterize(job, c, w->number, triangles[w->looked_at++]);
+    w->fragments = c->fragment_count;
+    sort_fragments(c, texels);
     for (uint32_t texel = 0; texel < texels; texel++) {
-        uint32_t from = job->first[texel], count = job->first[texel + 1] - from;
-        job->maps.enter[texel] = job->maps.exit[texel] = job->p->reversed ? 0 : 1;
-        uint32_t backs = walk(job->sorted + from, count, &job->maps.enter[texel], &job->maps.exit[texel]);
-        layers         = backs > layers ? backs : layers;
+        uint32_t from = c->first[texel], count = c->first[texel + 1] - from;
+        w->maps.enter[texel] = w->maps.exit[texel] = job->p->reversed ? 0 : 1;
+        w->layers = max_u32(w->layers, walk(c->sorted + from, count, &w->maps.enter[texel], &w->maps.exit[texel]));
     }
-    uint64_t all = (uint64_t)layers * job->lists[n].count / looked_at;
+    depth_maps_reduce(&w->maps, 1);
+}
+
+static void draw_some(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    sampler *job = user;
+    for (size_t n = begin; n < end; n++)
+        if (job->batch[n].triangles) draw_window(job, &job->canvases[worker], &job->batch[n]);
+}
+
+static vxs_result take_window(sampler *job, const window *w)
+{
+    map_sample *s = job->s;
+    s->texels += job->window_px * job->window_px;
+    if (!w->triangles) return VXS_OK; /* all lit */
+    job->fragments_made += w->fragments;
+    uint64_t all = (uint64_t)w->layers * w->triangles / w->looked_at;
     s->layers += all < PEEL_PASSES_MAX ? all : PEEL_PASSES_MAX;
-    s->peeled_windows += layers > 0;
-    depth_maps_reduce(&job->maps, 1);
-    return job->coding == CODING_BLOCKS ? build_window(job, n) : insert_window(job);
+    s->peeled_windows += w->layers > 0;
+    return job->coding == CODING_BLOCKS ? build_window(job, w) : insert_window(job, w);
 }
 
 /* all windows ------------------------------------------------------------------------------------------------------------------- */
@@ -441,8 +529,16 @@ static vxs_result sample_windows(sampler *job)
 {
     map_sample *s = job->s;
     vxs_result  r = VXS_OK;
-    for (uint32_t rank = 0; rank < job->windows && job->fragments_made < FRAGMENTS_MAX && r == VXS_OK; rank++)
-        r = sample_window(job, window_of_rank(job, rank));
+    for (uint32_t rank = 0; rank < job->windows && job->fragments_made < FRAGMENTS_MAX && r == VXS_OK; rank += BATCH) {
+        uint32_t count = min_u32(BATCH, job->windows - rank);
+        for (uint32_t k = 0; k < count; k++) {
+            uint32_t n = window_of_rank(job, rank + k);
+            job->batch[k] =
+                (window){.number = n, .triangles = job->list_first[n + 1] - job->list_first[n], .maps = job->batch[k].maps};
+        }
+        parallel_for(job->threads, count, 1, draw_some, job);
+        for (uint32_t k = 0; k < count && r == VXS_OK; k++) r = take_window(job, &job->batch[k]);
+    }
     if (r != VXS_OK || job->out_of_memory) return VXS_E_MEMORY;
     if (job->coding == CODING_BLOCKS) return count_blocks_kept(job);
     s->unique_masks = different(job->hashes[SAMPLE_LEVELS], job->hash_count[SAMPLE_LEVELS]);
@@ -452,14 +548,18 @@ static vxs_result sample_windows(sampler *job)
 
 static void sampler_free(sampler *job)
 {
-    for (int n = 0; n < CELLS_MAX * CELLS_MAX; n++) free(job->lists[n].items);
     for (int l = 0; l <= SAMPLE_LEVELS; l++) free(job->hashes[l]);
+    for (uint32_t n = 0; n < job->threads && job->canvases; n++) {
+        free(job->canvases[n].fragments);
+        free(job->canvases[n].sorted);
+    }
+    for (int n = 0; n < BATCH; n++) depth_maps_free(&job->batch[n].maps);
     block_set_free(&job->set);
-    free(job->blocks.all);
-    free(job->fragments.items);
-    free(job->sorted);
-    free(job->first);
-    depth_maps_free(&job->maps);
+    free(job->blocks.of_workers);
+    free(job->in_window);
+    free(job->place);
+    free(job->lists);
+    free(job->canvases);
     free(job);
 }
 
@@ -469,6 +569,28 @@ static uint32_t windows_a_side(uint32_t side_px)
     uint32_t windows = side_px / SAMPLE_WINDOW_PX, cells = side_px / 256;
     cells = cells < 8 ? 8 : cells > CELLS_MAX ? CELLS_MAX : cells;
     return windows < 1 ? 1 : min_u32(windows, cells);
+}
+
+static vxs_result make_room(sampler *job, message *m)
+{
+    uint32_t   block_px    = min_u32(job->side_px, BLOCK_MAX_PX);
+    double     log         = job->light->kind != VXS_LIGHT_KIND_DIRECTIONAL ? job->light->voxel_metres : 0;
+    vxs_result r           = VXS_OK;
+    job->cell_shift        = log2_u32(job->cell_px);
+    job->block_shift       = log2_u32(block_px);
+    job->blocks.side       = job->side_px / block_px;
+    job->blocks.size       = (size_t)(job->blocks.side + 1) * (job->blocks.side + 1);
+    job->blocks.of_workers = calloc(PLACE_MAX * CLASSES * job->blocks.size, sizeof *job->blocks.of_workers);
+    job->canvases          = calloc(job->threads, sizeof *job->canvases);
+    for (int n = 0; n < BATCH && r == VXS_OK; n++)
+        r = depth_maps_init(&job->batch[n].maps, job->window_px, job->side_px, log, 1, m);
+    if (!job->blocks.of_workers || !job->canvases) return VXS_E_MEMORY;
+    for (canvas *c = job->canvases; c < job->canvases + job->threads; c++) {
+        c->fragments = malloc(FRAGMENTS_ROOM * sizeof *c->fragments);
+        c->sorted    = malloc(FRAGMENTS_ROOM * sizeof *c->sorted);
+        if (!c->fragments || !c->sorted) r = VXS_E_MEMORY;
+    }
+    return r;
 }
 
 vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, const bake_options *o,
@@ -483,27 +605,22 @@ vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *
     job->peels_all = peels_all;
     job->coding    = o->coding;
     job->build     = (build_options){.rule = o->rule, .reuse = o->reuse};
+    job->threads   = min_u32(max_u32(o->threads, 1), BATCH);
     job->side_px   = 1u << light->levels;
     job->window_px = min_u32(job->side_px, SAMPLE_WINDOW_PX);
     job->cells     = windows_a_side(job->side_px);
     job->cell_px   = job->side_px / job->cells;
     job->windows   = job->cells * job->cells;
 
-    uint32_t   texels = job->window_px * job->window_px;
-    vxs_result r      = VXS_E_MEMORY;
-    job->blocks.side  = job->side_px / min_u32(job->side_px, BLOCK_MAX_PX);
-    size_t blocks     = (size_t)(job->blocks.side + 1) * (job->blocks.side + 1);
-    job->blocks.all   = calloc(3 * blocks, sizeof *job->blocks.all);
-    job->first        = malloc((texels + 1) * sizeof *job->first);
-    double log        = light->kind != VXS_LIGHT_KIND_DIRECTIONAL ? light->voxel_metres : 0;
-    if (job->blocks.all && job->first && depth_maps_init(&job->maps, job->window_px, job->side_px, log, 1, m) == VXS_OK) {
-        job->blocks.solid = job->blocks.all + blocks;
-        job->blocks.meet  = job->blocks.solid + blocks;
+    vxs_result r = make_room(job, m);
+    if (r == VXS_OK) {
         place_windows(job);
-        place_triangles(job);
+        if (!place_triangles(job)) r = VXS_E_MEMORY;
+    }
+    if (r == VXS_OK) {
         count_blocks(job);
         count_tiles(job);
-        r         = job->out_of_memory ? VXS_E_MEMORY : sample_windows(job);
+        r         = sample_windows(job);
         s->weight = s->texels ? (double)job->side_px * job->side_px / (double)s->texels : 0;
     }
     sampler_free(job);

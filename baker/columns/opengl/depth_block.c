@@ -103,9 +103,35 @@ void depth_block_free(depth_block *b)
 /* what a block draws ---------------------------------------------------------------------------------------------------------- */
 
 /* A texel index within int32_t whatever the coordinate; boxes far outside the map stay far outside. */
-static int32_t texel_index(double t)
+static double in_range(double t)
 {
-    return (int32_t)fmin(fmax(t, -1e9), 1e9);
+    t = t > -1e9 ? t : -1e9;
+    return t < 1e9 ? t : 1e9;
+}
+
+/* The first texel at t or after it, and the last one at t or before it. */
+static int32_t texel_from(double t)
+{
+    int32_t index = (int32_t)in_range(t);
+    return index + (index < in_range(t));
+}
+
+static int32_t texel_to(double t)
+{
+    int32_t index = (int32_t)in_range(t);
+    return index - (index > in_range(t));
+}
+
+static double least(double a, double b, double c)
+{
+    a = a < b ? a : b;
+    return a < c ? a : c;
+}
+
+static double most(double a, double b, double c)
+{
+    a = a > b ? a : b;
+    return a > c ? a : c;
 }
 
 texel_box texel_box_of(const projection *p, size_t triangle)
@@ -115,10 +141,10 @@ texel_box texel_box_of(const projection *p, size_t triangle)
     /* centres lie at half texels; snapping may move an edge by half a subtexel */
     const double     slack = 0.5 / SUBTEXELS;
     return (texel_box){
-        texel_index(ceil(fmin(fmin(a->u, b->u), c->u) - 0.5 - slack)),
-        texel_index(ceil(fmin(fmin(a->v, b->v), c->v) - 0.5 - slack)),
-        texel_index(floor(fmax(fmax(a->u, b->u), c->u) - 0.5 + slack)),
-        texel_index(floor(fmax(fmax(a->v, b->v), c->v) - 0.5 + slack)),
+        texel_from(least(a->u, b->u, c->u) - 0.5 - slack),
+        texel_from(least(a->v, b->v, c->v) - 0.5 - slack),
+        texel_to(most(a->u, b->u, c->u) - 0.5 + slack),
+        texel_to(most(a->v, b->v, c->v) - 0.5 + slack),
     };
 }
 
