@@ -143,8 +143,9 @@ bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
 class guest_tree
 {
   public:
-    explicit guest_tree(const shell_set &s)
+    guest_tree(const shell_set &s, uint32_t threads) : threads(threads)
     {
+        guests.reserve(s.count + s.point_count);
         for (uint32_t i = 0; i < s.count + s.point_count; i++) {
             const CGAL::Bbox_3 b = guest_box(s, i);
             guests.push_back({{b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()}, i});
@@ -169,6 +170,7 @@ class guest_tree
         uint32_t number;
     };
     static constexpr size_t leaf_guests = 8;
+    const uint32_t          threads;
     std::vector<guest>      guests;
     std::vector<bounds>     greatest; /* by part; part n is divided into 2 n and 2 n + 1 */
 
@@ -196,8 +198,20 @@ class guest_tree
             if (most[k] - least[k] > most[widest] - least[widest]) widest = k;
         std::nth_element(guests.begin() + (ptrdiff_t)begin, guests.begin() + (ptrdiff_t)middle, guests.begin() + (ptrdiff_t)end,
                          [widest](const guest &a, const guest &b) { return a.at[widest] < b.at[widest]; });
-        build(2 * part, begin, middle);
-        build(2 * part + 1, middle, end);
+        halves both = {*this, 2 * part, {begin, middle, end}};
+        /* halves of halves, until there is one for each thread */
+        parallel_for(part < threads ? 2 : 1, 2, 1, build_halves, &both);
+    }
+
+    struct halves {
+        guest_tree &tree;
+        size_t      part, bounds[3];
+    };
+
+    static void build_halves(void *user, size_t begin, size_t end, uint32_t)
+    {
+        const halves *h = (const halves *)user;
+        for (size_t n = begin; n < end; n++) h->tree.build(h->part + n, h->bounds[n], h->bounds[n + 1]);
     }
 
     template <class visitor> bool any_inside(const bounds &box, const visitor &visit, size_t part, size_t begin, size_t end) const
@@ -247,7 +261,8 @@ struct search {
     const shell_set  &s;
     const uint8_t    *wanted;
     uint8_t          *occupied;
-    const guest_tree  guests{s};
+    const uint32_t    threads;
+    const guest_tree  guests{s, threads};
     std::atomic<bool> no_memory{false};
 
     void look(uint32_t component)
@@ -272,7 +287,7 @@ void look_at_some(void *user, size_t begin, size_t end, uint32_t)
 vxs_result find_occupied(const shell_set &s, const uint8_t *wanted, uint8_t *occupied, uint32_t threads)
 {
     if (!s.count) return VXS_OK;
-    search work{s, wanted, occupied};
+    search work{s, wanted, occupied, threads};
     parallel_for(threads, s.count, 64, look_at_some, &work);
     return work.no_memory ? VXS_E_MEMORY : VXS_OK;
 }
