@@ -2,13 +2,11 @@
  *
  *     offset  size  what
  *          0     8  "vxs part"
- *          8     4  version, 1
+ *          8     4  version, 2
  *         12     4  levels of the merged DAG, [1, 16]
  *         16     4  maps, 1 or 6
- *         20     4  masks
- *         24     4  stacks
- *         28   4 n  nodes of each level, slice nodes first
- *                   masks, 8 bytes each; then nodes of each level, 8 references of 4 bytes each
+ *         20     4  stacks
+ *         24        the merged DAG (dag_file.h)
  *                   stacks: map, level, i, j, runs, each 4 bytes; then its runs: reference and end, each 4 bytes
  *    end - 8     8  XXH64 of all bytes before
  *
@@ -17,36 +15,13 @@
 #include <string.h>
 #include <xxhash.h>
 
-#include "baker/base/array.h"
+#include "baker/dag/dag_file.h"
 #include "baker/dag/merge.h"
-#include "formats/vxs_bytes.h"
 
 static const char magic[8] = {'v', 'x', 's', ' ', 'p', 'a', 'r', 't'};
-enum { PART_VERSION = 1, FIXED_BYTES = 28, STACK_BYTES = 20, RUN_BYTES = 8, NODE_BYTES = 32, TRAILER_BYTES = 8 };
+enum { PART_VERSION = 2, FIXED_BYTES = 24, STACK_BYTES = 20, RUN_BYTES = 8, TRAILER_BYTES = 8 };
 
 /* saving ---------------------------------------------------------------------------------------------------------------------- */
-
-static int put(vxs_bytes *out, const void *bytes, size_t size_bytes)
-{
-    if (!array_reserve(&out->data, &out->capacity_bytes, out->size_bytes + size_bytes, 1)) return 0;
-    if (size_bytes) memcpy(out->data + out->size_bytes, bytes, size_bytes);
-    out->size_bytes += size_bytes;
-    return 1;
-}
-
-static int put32(vxs_bytes *out, uint32_t value)
-{
-    uint8_t bytes[4];
-    vxs_store32(bytes, value);
-    return put(out, bytes, sizeof bytes);
-}
-
-static int put64(vxs_bytes *out, uint64_t value)
-{
-    uint8_t bytes[8];
-    vxs_store64(bytes, value);
-    return put(out, bytes, sizeof bytes);
-}
 
 static int put_stack(vxs_bytes *out, const dag_stack *s, uint32_t map, uint32_t level, uint32_t i, uint32_t j)
 {
@@ -76,13 +51,8 @@ vxs_result dag_merger_save(const dag_merger *g, vxs_bytes *out)
     uint32_t   stacks = 0;
     size_t     start  = out->size_bytes;
     if (!g->unify) return VXS_E_ARGUMENT;
-    int ok = put(out, magic, sizeof magic) && put32(out, PART_VERSION) && put32(out, d->level_count) && put32(out, g->map_count) &&
-             put32(out, d->mask_count) && put32(out, 0);
-    for (uint32_t l = 0; l < d->level_count && ok; l++) ok = put32(out, d->level[l].count);
-    for (uint32_t n = 0; n < d->mask_count && ok; n++) ok = put64(out, d->masks[n]);
-    for (uint32_t l = 0; l < d->level_count; l++)
-        for (uint32_t n = 0; n < d->level[l].count && ok; n++)
-            for (int c = 0; c < 8 && ok; c++) ok = put32(out, d->level[l].nodes[n].child[c]);
+    int ok = put_bytes(out, magic, sizeof magic) && put32(out, PART_VERSION) && put32(out, d->level_count) &&
+             put32(out, g->map_count) && put32(out, 0) && dag_put(d, out);
     for (uint32_t map = 0; map < g->map_count && ok; map++) ok = put_squares(g, out, map, map, d->level_count - 1, 0, 0, &stacks);
     if (!ok) return VXS_E_MEMORY;
     vxs_store32(out->data + start + FIXED_BYTES - 4, stacks);
@@ -91,49 +61,7 @@ vxs_result dag_merger_save(const dag_merger *g, vxs_bytes *out)
 
 /* loading --------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct reader {
-    const uint8_t *at;
-    size_t         left; /* bytes */
-} reader;
-
-static uint32_t take32(reader *r)
-{
-    uint32_t value = vxs_load32(r->at);
-    r->at += 4;
-    r->left -= 4;
-    return value;
-}
-
-/* Whether there are `count` things of so many bytes. */
-static int has(const reader *r, uint64_t count, uint64_t bytes)
-{
-    return count <= r->left / bytes;
-}
-
-static vxs_result load_masks(reader *r, dag *d, uint32_t count)
-{
-    if (!has(r, count, 8)) return VXS_E_CORRUPT;
-    for (uint32_t n = 0; n < count; n++, r->at += 8, r->left -= 8)
-        if (!dag_add_mask(d, vxs_load64(r->at))) return dag_failure(d);
-    return VXS_OK;
-}
-
-static vxs_result load_level(reader *r, dag *d, uint32_t level, uint32_t count)
-{
-    uint32_t below = level ? d->level[level - 1].count : d->mask_count;
-    if (!has(r, count, NODE_BYTES)) return VXS_E_CORRUPT;
-    for (uint32_t n = 0; n < count; n++) {
-        dag_node node;
-        for (int c = 0; c < 8; c++) {
-            node.child[c] = take32(r);
-            if (node.child[c] >= REF_FIRST && node.child[c] - REF_FIRST >= below) return VXS_E_CORRUPT;
-        }
-        if (!dag_add_node(d, level, &node)) return dag_failure(d);
-    }
-    return VXS_OK;
-}
-
-static vxs_result load_runs(reader *r, const dag *d, uint32_t level, dag_stack *s)
+static vxs_result load_runs(byte_reader *r, const dag *d, uint32_t level, dag_stack *s)
 {
     uint32_t slabs = 1u << (d->level_count - 1 - level), end = 0;
     for (uint32_t n = 0; n < s->count; n++) {
@@ -146,7 +74,7 @@ static vxs_result load_runs(reader *r, const dag *d, uint32_t level, dag_stack *
     return end == slabs ? VXS_OK : VXS_E_CORRUPT;
 }
 
-static vxs_result load_stack(reader *r, dag_merger *g)
+static vxs_result load_stack(byte_reader *r, dag_merger *g)
 {
     if (!has(r, 1, STACK_BYTES)) return VXS_E_CORRUPT;
     uint32_t   map = take32(r), level = take32(r), i = take32(r), j = take32(r);
@@ -163,16 +91,13 @@ static vxs_result load_stack(reader *r, dag_merger *g)
 }
 
 /* What the bytes hold, as it lies there: equal subtrees are not unified yet. */
-static vxs_result load_parts(reader *r, dag_merger *stored)
+static vxs_result load_parts(byte_reader *r, dag_merger *stored)
 {
-    uint32_t   counts[DAG_LEVELS_MAX], levels = take32(r), maps = take32(r), masks = take32(r), stacks = take32(r);
+    uint32_t   levels = take32(r), maps = take32(r), stacks = take32(r);
     vxs_result result;
-    if (levels < 1 || levels > DAG_LEVELS_MAX || (maps != 1 && maps != VXS_CUBE_FACES) || !has(r, levels, 4)) return VXS_E_CORRUPT;
-    for (uint32_t l = 0; l < levels; l++) counts[l] = take32(r);
+    if (levels < 1 || levels > DAG_LEVELS_MAX || (maps != 1 && maps != VXS_CUBE_FACES)) return VXS_E_CORRUPT;
     if ((result = dag_merger_init(stored, 4u << levels, maps, 1)) != VXS_OK) return result;
-    if ((result = load_masks(r, &stored->merged, masks)) != VXS_OK) return result;
-    for (uint32_t l = 0; l < levels; l++)
-        if ((result = load_level(r, &stored->merged, l, counts[l])) != VXS_OK) return result;
+    if ((result = dag_take(&stored->merged, r)) != VXS_OK) return result;
     for (uint32_t n = 0; n < stacks; n++)
         if ((result = load_stack(r, stored)) != VXS_OK) return result;
     return r->left == 0 ? VXS_OK : VXS_E_CORRUPT;
@@ -180,15 +105,15 @@ static vxs_result load_parts(reader *r, dag_merger *stored)
 
 vxs_result dag_merger_load(dag_merger *g, const void *bytes, size_t size_bytes)
 {
-    dag_merger stored = {0};
-    reader     r      = {bytes, size_bytes};
-    vxs_result result;
+    dag_merger  stored = {0};
+    byte_reader r      = {bytes, size_bytes};
+    vxs_result  result;
     memset(g, 0, sizeof *g);
     if (size_bytes < FIXED_BYTES + TRAILER_BYTES) return VXS_E_TRUNCATED;
     if (memcmp(bytes, magic, sizeof magic)) return VXS_E_CORRUPT;
     if (vxs_load32(r.at + sizeof magic) != PART_VERSION) return VXS_E_VERSION;
     if (vxs_load64(r.at + size_bytes - TRAILER_BYTES) != XXH64(bytes, size_bytes - TRAILER_BYTES, 0)) return VXS_E_CORRUPT;
-    r = (reader){r.at + sizeof magic + 4, size_bytes - sizeof magic - 4 - TRAILER_BYTES};
+    r = (byte_reader){r.at + sizeof magic + 4, size_bytes - sizeof magic - 4 - TRAILER_BYTES};
 
     result = load_parts(&r, &stored);
     if (result == VXS_OK) result = dag_merger_init(g, 4u << stored.merged.level_count, stored.map_count, 1);
