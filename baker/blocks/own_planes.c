@@ -171,3 +171,13 @@ void own_plane_pair(own_planes *to, const tile_ranges *t)
     }
     if (!to->count) to->count = encode_pair(to, found, BY_MASK, t, from);
 }
+
+int own_planes_are_sound(const uint16_t *halves, uint32_t count)
+{
+    if (count < OWN_PLANE_HALVES) return 0;
+    uint32_t kind = halves[0] >> 12, shift = halves[0] >> 8 & 15, parts = halves[0] & 0xff, far_shift = parts & 7;
+    if (shift > PLANE_SHIFT_MAX) return 0;
+    if (kind == ONE_PLANE) return count == OWN_PLANE_HALVES && !(parts & ~(3u << FIRST_PARTS));
+    return count == (kind == BY_MASK ? OWN_PLANES_HALVES_MAX : OWN_PAIR_HALVES) && kind > ONE_PLANE && kind <= BY_MASK &&
+           far_shift <= FAR_SHIFT_MAX && parts < 1u << (SECOND_PARTS + 2);
+}

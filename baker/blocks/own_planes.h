@@ -18,6 +18,9 @@ typedef struct own_planes {
     int32_t  depth[64], base;               /* what they give from the base on; none is below 0 */
 } own_planes;
 
+/* Whether halves that anyone may have written are planes, as many as `count` says. */
+int own_planes_are_sound(const uint16_t *halves, uint32_t count);
+
 /* One plane: count is OWN_PLANE_HALVES, or 0. */
 void own_plane(own_planes *to, const tile_ranges *t);
 

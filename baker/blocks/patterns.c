@@ -188,11 +188,8 @@ static size_t search(int cpu, const pattern_class *c, const tile_needs t, int ma
     return search_plain(c, t, masks);
 }
 
-vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint32_t *id)
+static void halves_of_needs(tile_needs t, const mask_need *needs, int masks)
 {
-    pattern_class *c     = &s->by_depths[depths];
-    int            masks = depths - 1;
-    tile_needs     t;
     for (int mask = 0; mask < masks; mask++) {
         uint32_t dark[2], lit[2];
         mask_halves(needs[mask].dark, dark);
@@ -202,17 +199,42 @@ vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint
             t[mask][half][LIT]  = lit[half];
         }
     }
+}
+
+/* One more pattern, where searches begin. */
+static vxs_result append(pattern_class *c, const tile_needs t, int masks, uint32_t id)
+{
+    if (c->count == c->capacity && class_grow(c, masks) != VXS_OK) return VXS_E_MEMORY;
+    for (int mask = 0; mask < masks; mask++)
+        for (int half = 0; half < 2; half++)
+            for (int which = DARK; which <= LIT; which++) needs_row(c, mask, half, which)[c->count] = t[mask][half][which];
+    c->ids[c->count++] = id;
+    return VXS_OK;
+}
+
+vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint32_t *id)
+{
+    pattern_class *c     = &s->by_depths[depths];
+    int            masks = depths - 1;
+    tile_needs     t;
+    halves_of_needs(t, needs, masks);
     size_t at = c->count ? search(s->cpu, c, t, masks) : 0;
     if (at < c->count) {
         *id = take(c, at, t, masks);
         return VXS_OK;
     }
-    if (c->count == c->capacity && class_grow(c, masks) != VXS_OK) return VXS_E_MEMORY;
-    for (int mask = 0; mask < masks; mask++)
-        for (int half = 0; half < 2; half++)
-            for (int which = DARK; which <= LIT; which++) needs_row(c, mask, half, which)[c->count] = t[mask][half][which];
-    *id = c->ids[c->count++] = s->count++;
+    *id = s->count;
+    if (append(c, t, masks, *id) != VXS_OK) return VXS_E_MEMORY;
+    s->count++;
     return VXS_OK;
+}
+
+vxs_result pattern_put(pattern_set *s, int depths, const mask_need *needs, uint32_t id)
+{
+    tile_needs t;
+    halves_of_needs(t, needs, depths - 1);
+    s->count++;
+    return append(&s->by_depths[depths], t, depths - 1, id);
 }
 
 void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)

@@ -51,6 +51,10 @@ typedef struct pattern_set {
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint32_t *id);
 
+/* The next pattern of its class, as it was in a set that was saved. Ids are in no order; the caller sees to it that each is given once.
+ * Returns the same. */
+vxs_result pattern_put(pattern_set *s, int depths, const mask_need *needs, uint32_t id);
+
 /* What a pattern needs in the end; place n of its class. */
 void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs);
 
