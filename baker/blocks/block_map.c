@@ -5,6 +5,7 @@
 #include "baker/base/cpu.h"
 #include "baker/base/z_order.h"
 #include "baker/blocks/block_build.h"
+#include "baker/blocks/block_file.h"
 #include "baker/columns/descent.h"
 
 enum { SQUARE_PX_MAX = 1024 };
@@ -58,6 +59,27 @@ static vxs_result add_slot(void *user, uint32_t slot, uint32_t level, uint32_t i
     return block_set_merge(b->set, &b->batch[slot]);
 }
 
+static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
+{
+    map_builder *b = user;
+    return block_set_save(&b->batch[slot], out);
+}
+
+static vxs_result load_slot(void *user, uint32_t slot, const vxs_bytes *bytes, uint32_t level, uint32_t i, uint32_t j)
+{
+    map_builder *b    = user;
+    uint32_t     side = max_u32((8u << level) / NODE_PX, 1);
+    block_area   area = {b->map, b->depth_vx, i * side, j * side, side};
+    if (level != b->square_level) return VXS_E_CORRUPT;
+    return block_set_load(&b->batch[slot], bytes->data, bytes->size_bytes, &area);
+}
+
+static void drop_slot(void *user, uint32_t slot)
+{
+    map_builder *b = user;
+    block_set_free(&b->batch[slot]);
+}
+
 /* Squares are merged while others are built. */
 static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count)
 {
@@ -79,7 +101,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
                                     .depth_vx     = columns->depth_vx,
                                     .fetch_px     = columns->fetch_px};
     s->patterns.cpu = b->cpu;
-    descent    d    = {b, look, build_slot, add_slot, time_batch, 1};
+    descent    d    = {b, look, build_slot, add_slot, save_slot, load_slot, drop_slot, time_batch, 1};
     vxs_result r    = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);
     free(b);

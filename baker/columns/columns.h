@@ -46,6 +46,13 @@ typedef struct column_square {
     vxs_result (*tile)(void *data, uint32_t i, uint32_t j, column_tile *out);
 } column_square;
 
+/* Stands for all that decides the columns of a square: where keys are equal, columns are. */
+typedef struct column_key {
+    uint64_t low, high;
+} column_key;
+
+typedef struct square_keeper square_keeper; /* square_keeper.h */
+
 /* An open map. Threads: one at a time, unless a source says otherwise. */
 typedef struct column_map {
     void    *data;
@@ -61,6 +68,11 @@ typedef struct column_map {
     void (*release)(void *data, column_square *square);
 
     void (*close)(void *data);
+
+    /* The key of a square that may be fetched, which does not depend on what is elsewhere in the map. NULL: the source knows of none. */
+    vxs_result (*key)(void *data, uint32_t level, uint32_t i, uint32_t j, column_key *out);
+
+    const square_keeper *keeper; /* of what becomes of its squares, set by whoever opened it; NULL: nobody */
 } column_map;
 
 /* The maps of a light. */

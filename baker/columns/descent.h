@@ -2,15 +2,17 @@
  *
  * A square whose bounds settle it is added as it is. What is left is fetched, in squares as wide as the source can give, and descended
  * further, until a square is small enough to be built. Squares are built on all threads, a batch at once, and added in z order:
- * behind the batch, or while others of it are still built.
+ * behind the batch, or while others of it are still built. Where somebody keeps what becomes of fetched squares (square_keeper.h), a
+ * square that is known is neither fetched nor built, and what was built is added in the same order.
  * Source: [CPVS16] 4.3, 6.1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef DESCENT_H
 #define DESCENT_H
 
 #include "baker/columns/columns.h"
+#include "formats/vxs_file.h"
 
-enum { DESCENT_BATCH = 64 }; /* squares that are in memory at once */
+enum { DESCENT_BATCH = 64 }; /* squares that are in memory at once; where squares are kept, a fetched one has no more of them */
 
 /* What becomes of a square. */
 typedef enum descent_step {
@@ -33,6 +35,15 @@ typedef struct descent {
 
     /* Add what was built in a slot; level, i, j as look was given them. Called in z order, once at a time, and not where building failed. */
     vxs_result (*add)(void *user, uint32_t slot, uint32_t level, uint32_t i, uint32_t j);
+
+    /* What was built in a slot as bytes, before it is added, and back, in the place of building; level, i, j as look was given them. Each from
+     * any thread, once for each slot. load returns VXS_E_CORRUPT for bytes that are none of its own.
+     * out  [out] zeroed; released by the caller with free(out->data) */
+    vxs_result (*save)(void *user, uint32_t slot, vxs_bytes *out);
+    vxs_result (*load)(void *user, uint32_t slot, const vxs_bytes *bytes, uint32_t level, uint32_t i, uint32_t j);
+
+    /* Release what is in a slot, whatever that is. */
+    void (*drop)(void *user, uint32_t slot);
 
     /* Of a batch: before it is built; between building and adding; behind it. Stages of time belong there. May be NULL. */
     void (*batch)(void *user, bake_context *ctx, int phase, uint32_t count);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/columns/descent.h"
+#include "baker/dag/dag_file.h"
 #include "baker/measure/clock.h"
 
 uint32_t sub_dag_side(uint32_t map_side_px)
@@ -61,7 +62,7 @@ typedef struct map_builder {
     dag_merger          *g;
     const build_options *o;
     build_stats         *stats;
-    uint32_t             map, sub_level, fetch_px;
+    uint32_t             map, sub_level, slabs, fetch_px;
     sub_dag              batch[DESCENT_BATCH];
 } map_builder;
 
@@ -116,6 +117,67 @@ static void add_stats(build_stats *to, const build_stats *from)
     to->squares_built += from->squares_built;
 }
 
+enum { STAT_COUNT = 5 };
+
+/* What is told of a square, whenever it was built. */
+static void stats_of(build_stats *s, uint64_t *of[STAT_COUNT])
+{
+    of[0] = &s->mask_tiles;
+    of[1] = &s->mask_runs;
+    of[2] = &s->inserted_nodes;
+    of[3] = &s->inserted_masks;
+    of[4] = &s->squares_built;
+}
+
+/* A sub-DAG as bytes: what is told of it, 8 each; roots, how many, and the rest (dag_file.h), 4 each. */
+static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
+{
+    map_builder *b  = user;
+    sub_dag     *s  = &b->batch[slot];
+    int          ok = 1;
+    uint64_t    *of[STAT_COUNT];
+    stats_of(&s->stats, of);
+    for (int n = 0; n < STAT_COUNT && ok; n++) ok = put64(out, *of[n]);
+    ok = ok && put32(out, s->dag.root_count) && put32s(out, s->dag.roots, s->dag.root_count) && dag_put(&s->dag, out);
+    return ok ? VXS_OK : VXS_E_MEMORY;
+}
+
+static vxs_result take_roots(dag *d, byte_reader *from, uint32_t count)
+{
+    if (!has(from, (uint64_t)count + 1, 4) || take32(from) != count) return VXS_E_CORRUPT;
+    if (!(d->roots = malloc(count * sizeof *d->roots))) return VXS_E_MEMORY;
+    take32s(from, d->roots, count);
+    d->root_count = count;
+    return VXS_OK;
+}
+
+static vxs_result load_slot(void *user, uint32_t slot, const vxs_bytes *bytes, uint32_t level, uint32_t i, uint32_t j)
+{
+    map_builder *b    = user;
+    sub_dag     *s    = &b->batch[slot];
+    byte_reader  from = {bytes->data, bytes->size_bytes};
+    uint64_t    *of[STAT_COUNT];
+    (void)i;
+    (void)j;
+    s->stats = (build_stats){0};
+    s->dag   = (dag){.level_count = b->sub_level + 1};
+    if (level < b->sub_level || !has(&from, STAT_COUNT, 8)) return VXS_E_CORRUPT;
+    stats_of(&s->stats, of);
+    for (int n = 0; n < STAT_COUNT; n++) *of[n] = take64(&from);
+    vxs_result r = take_roots(&s->dag, &from, b->slabs);
+    if (r == VXS_OK) r = dag_take(&s->dag, &from);
+    const dag_level *top = &s->dag.level[b->sub_level];
+    for (uint32_t n = 0; n < s->dag.root_count && r == VXS_OK; n++)
+        if (s->dag.roots[n] >= REF_FIRST && s->dag.roots[n] - REF_FIRST >= top->count) r = VXS_E_CORRUPT;
+    return r == VXS_OK && from.left ? VXS_E_CORRUPT : r;
+}
+
+static void drop_slot(void *user, uint32_t slot)
+{
+    map_builder *b = user;
+    dag_free(&b->batch[slot].dag);
+}
+
 /* Stages of a square take turns on all threads. */
 static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count)
 {
@@ -139,8 +201,9 @@ vxs_result dag_build_map(dag_merger *g, uint32_t map, const column_map *columns,
                                  .stats     = stats,
                                  .map       = map,
                                  .sub_level = square_level(sub_dag_side(columns->side_px)),
+                                 .slabs     = columns->depth_vx / sub_dag_side(columns->side_px),
                                  .fetch_px  = columns->fetch_px};
-    descent    d = {b, look, build_slot, add_slot, time_batch, 0};
+    descent    d = {b, look, build_slot, add_slot, save_slot, load_slot, drop_slot, time_batch, 0};
     vxs_result r = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) dag_free(&b->batch[n].dag);
     free(b);

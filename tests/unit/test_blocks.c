@@ -93,7 +93,14 @@ static void islet_close(void *data)
 
 static column_map islet_map(islet *s)
 {
-    return (column_map){s, s->side_px, s->side_px, s->fetch_px, islet_bounds, islet_fetch, islet_release, islet_close};
+    return (column_map){.data     = s,
+                        .side_px  = s->side_px,
+                        .depth_vx = s->side_px,
+                        .fetch_px = s->fetch_px,
+                        .bounds   = islet_bounds,
+                        .fetch    = islet_fetch,
+                        .release  = islet_release,
+                        .close    = islet_close};
 }
 
 /* a light of depth maps ---------------------------------------------------------------------------------------------------------- */
