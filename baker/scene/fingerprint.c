@@ -83,9 +83,8 @@ static void take_geometry(hasher *h, const scene *s, char text[FINGERPRINT_BYTES
     hash_end_text(h, text);
 }
 
-static XXH128_hash_t hash_of_mask(hasher *h, const scene *s, const alpha_mask *mask)
+static XXH128_hash_t hash_of_mask(hasher *h, const alpha_mask *mask, const alpha_image *image)
 {
-    const alpha_image *image = &s->images[mask->image];
     hash_begin(h);
     hash_word(h, image->width_px);
     hash_bytes(h, image->alpha, (size_t)image->width_px * image->height_px);
@@ -96,12 +95,20 @@ static XXH128_hash_t hash_of_mask(hasher *h, const scene *s, const alpha_mask *m
     return hash_end(h);
 }
 
+mask_fingerprint alpha_mask_fingerprint(const alpha_mask *mask, const alpha_image *image)
+{
+    hasher        h;
+    XXH128_hash_t hash = hash_of_mask(&h, mask, image);
+    return (mask_fingerprint){hash.low64, hash.high64};
+}
+
 /* Which triangles they are, the geometry tells. */
 static vxs_result take_alpha_masks(hasher *h, const scene *s, char text[FINGERPRINT_BYTES], message *m)
 {
     XXH128_hash_t *masks = calloc(s->alpha_mask_count + 1, sizeof *masks);
     if (!masks) return fail(m, VXS_E_MEMORY, "out of memory for the fingerprint of %zu alpha masks", s->alpha_mask_count);
-    for (size_t n = 0; n < s->alpha_mask_count; n++) masks[n] = hash_of_mask(h, s, &s->alpha_masks[n]);
+    for (size_t n = 0; n < s->alpha_mask_count; n++)
+        masks[n] = hash_of_mask(h, &s->alpha_masks[n], &s->images[s->alpha_masks[n].image]);
     hash_begin(h);
     for (size_t n = 0; n < s->holed_triangle_count; n++) {
         const holed_triangle *t = &s->holed_triangles[n];

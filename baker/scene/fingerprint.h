@@ -25,4 +25,11 @@ typedef struct scene_fingerprint {
  * Cost: one pass over what the scene holds, 10 to 50 ns for each triangle; loading takes ten times as long. */
 vxs_result scene_fingerprint_take(scene_fingerprint *f, const scene *s, message *m);
 
+/* The fingerprint of one alpha mask: of what it makes opaque, not of how images are shared. */
+typedef struct mask_fingerprint {
+    uint64_t low, high;
+} mask_fingerprint;
+
+mask_fingerprint alpha_mask_fingerprint(const alpha_mask *mask, const alpha_image *image);
+
 #endif

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/base/cpu.h"
+#include "baker/columns/sparse/sparse_key.h"
 #include "baker/columns/sparse/sparse_square.h"
 
 typedef struct sparse_map {
@@ -15,6 +16,7 @@ typedef struct sparse_map {
     leaf_desc           desc;
     const sparse_level *level;
     sparse_square       fetched;
+    sparse_keys         keys;
 } sparse_map;
 
 /* Where no triangle's box is, there is no caster. */
@@ -50,6 +52,13 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     return r;
 }
 
+static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, column_key *out)
+{
+    sparse_map *o    = data;
+    uint32_t    side = 8u << level;
+    return sparse_key(&o->keys, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, out);
+}
+
 static void map_release(void *data, column_square *square)
 {
     sparse_map *o = data;
@@ -60,6 +69,7 @@ static void map_release(void *data, column_square *square)
 static void map_close(void *data)
 {
     sparse_map *o = data;
+    sparse_keys_free(&o->keys);
     triangle_bins_free(&o->bins);
     sparse_triangles_free(&o->triangles);
     free(o);
@@ -144,7 +154,8 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
                         .bounds   = map_bounds,
                         .fetch    = map_fetch,
                         .release  = map_release,
-                        .close    = map_close};
+                        .close    = map_close,
+                        .key      = map_key};
     return VXS_OK;
 }
 

@@ -11,6 +11,7 @@
  *       square_list.c        what a triangle is to a square
  *       square_bound.c       what a list tells of a square
  *       leaf.c               the texels of a tile
+ *     sparse_key.c         what a square's columns follow from, as a hash
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_COLUMNS_H
 #define SPARSE_COLUMNS_H
