@@ -11,6 +11,7 @@
 #include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
 #include "baker/bake/chosen_coder.h"
+#include "baker/bake/kept_squares.h"
 #include "baker/bake/light_columns.h"
 #include "baker/bake/provenance.h"
 #include "baker/bake/scene_warnings.h"
@@ -90,16 +91,19 @@ static vxs_result measure_baseline(light_columns *columns, uint32_t map_count, l
 
 /* picture  NULL: nobody wants one */
 static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
-                               gl_context *gl, light_picture *picture, coded_light *out, light_report *light, bake_context *ctx)
+                               gl_context *gl, kept_squares *kept, light_picture *picture, coded_light *out, light_report *light,
+                               bake_context *ctx)
 {
     light_columns columns;
+    kept_light    keeper;
     chosen_coder  coding;
     chosen_coder_init(&coding, o, plan->compress, picture);
     stage_begin(ctx, STAGE_GL);
     vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
-        column_source source = light_columns_source(&columns);
+        uint32_t      number = (uint32_t)(planned - plan->lights);
+        column_source source = kept_light_source(&keeper, kept, light_columns_source(&columns), number, light);
         r                    = bake_light(planned, &source, &coding.coder, out, ctx);
     }
     report_light(light, planned, &columns, &coding, plan->tile_px);
@@ -112,7 +116,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
 
 /* Bake the next light, and its picture where one is wanted. */
 static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, gl_context *gl, coded_light *coded,
-                            bake_report *report, bake_context *ctx)
+                            kept_squares *kept, bake_report *report, bake_context *ctx)
 {
     uint32_t      baked   = report->light_count++;
     light_picture picture = {0};
@@ -120,7 +124,8 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
     vxs_result    r       = VXS_OK;
     if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->message);
     if (r == VXS_OK)
-        r = bake_planned(o, report->plan, planned, c, gl, wanted ? &picture : NULL, &coded[baked], &report->lights[baked], ctx);
+        r = bake_planned(o, report->plan, planned, c, gl, kept, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
+                         ctx);
     if (r == VXS_OK && wanted)
         keep_picture(report, coded, &picture);
     else
@@ -157,22 +162,24 @@ static vxs_result begin_rendering(gl_context **gl, const bake_options *o, bake_r
     return r;
 }
 
-static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, bake_report *report, bake_context *ctx)
+static vxs_result bake_lights(const bake_options *o, const casters *c, coded_light *coded, kept_squares *kept, bake_report *report,
+                              bake_context *ctx)
 {
     const bake_plan *plan = report->plan;
     gl_context      *gl;
     vxs_result       r = begin_rendering(&gl, o, report, ctx);
-    if (r != VXS_OK) return r;
+    if (r == VXS_OK) r = kept_squares_open(kept, o, report, ctx->message);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
-        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, coded, report, ctx);
+        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, coded, kept, report, ctx);
     if (gl) gl_context_destroy(gl);
     return r;
 }
 
 /* All lights, and their file. */
-static vxs_result bake_file(const bake_options *o, const casters *c, vxs_bytes *file, bake_report *report, bake_context *ctx)
+static vxs_result bake_file(const bake_options *o, const casters *c, kept_squares *kept, vxs_bytes *file, bake_report *report,
+                            bake_context *ctx)
 {
     size_t       count = report->plan->baked_count;
     coded_light *coded = calloc(count, sizeof *coded);
@@ -182,10 +189,10 @@ static vxs_result bake_file(const bake_options *o, const casters *c, vxs_bytes *
         fail(ctx->message, r, "out of memory for %zu lights", count);
         goto done;
     }
-    if ((r = bake_lights(o, c, coded, report, ctx)) != VXS_OK) goto done;
+    if ((r = bake_lights(o, c, coded, kept, report, ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
-    report->warning_count = ctx->message->warning_count - report->warnings_before;
+    report->warning_count = ctx->message->warning_count - report->warnings_before - kept->store.warnings;
     if ((r = asset_encode(o, coded, report, file, ctx->message)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_within_memory(ctx);
@@ -292,23 +299,26 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     bake_context ctx  = context_of(o, m);
     scene        s    = {0};
     casters      c    = {0};
+    kept_squares kept = {0};
     vxs_bytes    file = {0};
     vxs_result   r;
 
     pages_return_large();
     if ((r = prepare(o, &s, &c, report, &ctx)) != VXS_OK) goto done;
     if (report->unchanged) goto done;
-    if ((r = bake_file(o, &c, &file, report, &ctx)) != VXS_OK) goto done;
+    if ((r = bake_file(o, &c, &kept, &file, report, &ctx)) != VXS_OK) goto done;
 
     stage_begin(&ctx, STAGE_WRITE);
     progress_say(o->progress, "writing %s", o->output_path);
     if ((r = asset_write(o, &file, report, m)) != VXS_OK) goto done;
+    if (kept.is_open) square_store_clean(&kept.store);
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
     if (observer) r = observer->look(observer->user, o, &c, &file, m);
 done:
     if (report->unchanged) report_stages(report, &ctx);
     progress_clear();
+    kept_squares_close(&kept);
     free(file.data);
     casters_free(&c);
     scene_free(&s);

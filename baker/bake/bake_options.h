@@ -71,6 +71,7 @@ typedef struct bake_options {
     uint32_t        zstd_level; /* 1..19 */
     baseline_mode   baseline;
     uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    const char     *resume_path;  /* a folder where squares are kept; NULL: none */
     int             if_changed;   /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
     int             progress;     /* 1: say on standard error how far it is */
 } bake_options;

@@ -63,6 +63,16 @@ vxs_result bake_report_begin(bake_report *report, const scene *s, const casters 
     return report_left_out(report, s, m);
 }
 
+square_counts report_squares(const bake_report *r)
+{
+    square_counts sum = {0, 0};
+    for (uint32_t n = 0; n < r->light_count; n++) {
+        sum.all += r->lights[n].squares;
+        sum.made += r->lights[n].squares_made;
+    }
+    return sum;
+}
+
 json_t *report_left_out_json(const bake_report *r)
 {
     json_t *lights = json_array();

@@ -17,9 +17,10 @@ typedef struct part_report {
 typedef struct light_report {
     vxs_light      light;
     depth_stats    depth;
-    uint64_t       tiles, tiles_skipped;           /* map tiles of TILE_MAX_PX at most; without casters */
-    uint64_t       mask_tiles;                     /* 8 x 8 tiles that no single depth parts into lit and shadowed */
-    uint64_t       mask_runs;                      /* of a DAG: their masks, before merging */
+    uint64_t       tiles, tiles_skipped;  /* map tiles of TILE_MAX_PX at most; without casters */
+    uint64_t       squares, squares_made; /* where squares are kept: those of tiles with casters; of them, made in this run */
+    uint64_t       mask_tiles;            /* 8 x 8 tiles that no single depth parts into lit and shadowed */
+    uint64_t       mask_runs;             /* of a DAG: their masks, before merging */
     uint64_t       inserted_nodes, inserted_masks; /* the same, before compression */
     palette_counts palette;                        /* of palette blocks */
     uint64_t       memory_bytes, stored_bytes;
@@ -39,6 +40,11 @@ static inline double light_depth16_bytes(const light_report *l)
 {
     return 2 * light_texels(l);
 }
+
+/* Squares of all lights, where they are kept. */
+typedef struct square_counts {
+    uint64_t all, made; /* with casters; of them, made in this run */
+} square_counts;
 
 /* A light of the scene that was not baked. */
 typedef struct light_left_out {
@@ -76,6 +82,8 @@ typedef struct bake_report {
 /* What is known before the work: counts of casters, and which lights of the scene are left out. Lights that reach nothing are a warning.
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m);
+
+square_counts report_squares(const bake_report *r);
 
 /* The lights that are left out: [{"name", "why"}]. */
 json_t *report_left_out_json(const bake_report *r);

@@ -197,13 +197,21 @@ static uint64_t picture_bytes(const bake_plan *plan)
     return largest * (plan->baked_count < PICTURES_MAX ? plan->baked_count : PICTURES_MAX + 1);
 }
 
+/* Squares that are kept are an eighth of the map, so that what has changed is a small part of it; those that are rendered are as large as can
+ * be, because each draws all that it may see. */
+static uint32_t largest_tile(uint32_t side, uint32_t least, const bake_options *o)
+{
+    uint32_t most = o->resume_path && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
+    return min_u32(most, TILE_MAX_PX);
+}
+
 /* Smaller tiles until it fits; the last one is as small as a sub-DAG, or a block. */
 static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, message *m)
 {
     uint32_t side       = largest_map(plan);
     uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
-    plan->tile_px       = min_u32(side, TILE_MAX_PX);
-    plan->baseline      = o->maps == MAPS_SPARSE ? BASELINE_OFF : o->baseline;
+    plan->tile_px       = largest_tile(side, least, o);
+    plan->baseline      = o->maps == MAPS_SPARSE || o->resume_path ? BASELINE_OFF : o->baseline;
     plan->budget_bytes  = o->memory_bytes;
     plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, o, c, plan->tile_px);

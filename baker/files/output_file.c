@@ -276,9 +276,10 @@ vxs_result output_file_commit(output_file *f, message *m)
         output_file_abort(f);
         return r;
     }
-    if (!error && f->target) error = sync_to_disk(fileno(f->stream));
+    int synced = f->target && !f->unsynced;
+    if (!error && synced) error = sync_to_disk(fileno(f->stream));
     /* a folder that may be written and not read is never brought to the disk by hand */
-    if (!error && f->target && (folder = open_folder(f, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0 && errno != EACCES) error = errno;
+    if (!error && synced && (folder = open_folder(f, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0 && errno != EACCES) error = errno;
     if (!error && f->target && !f->temporary) r = name_temporary(f, fileno(f->stream), &linked, m);
     if (f->stream != stdout && fclose(f->stream) && !error) error = errno;
     if (!error && f->temporary && rename(f->temporary, f->target)) error = errno;

@@ -38,6 +38,8 @@ typedef struct output_file {
     char *target;    /* where the file goes, links resolved; NULL when written directly; owned */
     char *temporary; /* what the file is called until then; NULL while it has no name, or when written directly; owned */
     int   pending;   /* what a signal removes; 0: nothing */
+    int unsynced; /* may be set when it is open: 1: whole or not there after any end of the process, but not brought to the disk. For what
+                        is checked when it is read, and can be made again after a power cut; a hundredth of the time */
 } output_file;
 
 /* From now on SIGINT, SIGTERM and SIGHUP remove the temporary files first, and then end the process: SIGINT with the exit status of an

@@ -44,11 +44,23 @@ static vxs_result choose_maps(bake_arguments *a, message *m)
     return VXS_OK;
 }
 
+/* Squares are kept for their file: nothing else sees those that are not made again. */
+static vxs_result check_resume(const bake_arguments *a, message *m)
+{
+    const char *why = a->o.page_path                                         ? "--report draws depth maps"
+                      : a->baseline_given && a->o.baseline != BASELINE_OFF   ? "--baseline measures depth maps"
+                      : a->o.coding == CODING_DAG && a->o.stop != STOP_FINAL ? "--stop leaves nodes where they were made"
+                                                                             : NULL;
+    if (!a->o.resume_path || !why) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "%s, and --resume may leave squares as they were: expected one of them", why);
+}
+
 vxs_result bake_arguments_check(bake_arguments *a, message *m)
 {
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);
     if (r == VXS_OK) r = choose_maps(a, m);
+    if (r == VXS_OK) r = check_resume(a, m);
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
@@ -81,6 +93,10 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "where the asset goes; - is standard output", NULL},
         {"--if-changed", OPTION_SWITCH, &a->o.if_changed, 0, 0, NULL, NULL,
          "do nothing when OUT.vxs is sound, and was baked from the same scene, lights and options by this version", NULL},
+        {"--resume", OPTION_TEXT, &a->o.resume_path, 0, 0, NULL, "DIR",
+         "keep finished squares of the maps in this folder, and take from there what is finished: after a kill, or a change of the "
+         "scene",
+         NULL},
         {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default all lights)",
          NULL},
         {"--sun", OPTION_NAMED_VECTOR, &a->o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",

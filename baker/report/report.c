@@ -9,6 +9,7 @@
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
 #include "baker/report/plan_text.h"
+#include "baker/report/summary.h"
 
 /* for people ------------------------------------------------------------------------------------------------------------------ */
 
@@ -88,6 +89,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
     report_print_casters(to, r);
     plan_print_decisions(to, r->plan, o, r);
     for (uint32_t n = 0; n < r->light_count; n++) print_light(to, &r->lights[n]);
+    squares_print(to, o, r);
     for (size_t n = 0; n < r->left_out_count; n++) {
         char name[VXS_LIGHT_NAME_BYTES];
         fprintf(to, "left out     light %s: %s\n", one_line(strcpy(name, r->left_out[n].name)), r->left_out[n].why);
@@ -184,17 +186,26 @@ static json_t *plan_json(const bake_options *o, const bake_report *r)
                      "memory_bytes", (json_int_t)memory_bytes);
 }
 
+static json_t *squares_json(const bake_options *o, const bake_report *r)
+{
+    square_counts squares = report_squares(r);
+    return json_pack("{s:o, s:I, s:I}", "folder", json_text(o->resume_path), "made", (json_int_t)squares.made, "kept",
+                     (json_int_t)(squares.all - squares.made));
+}
+
 json_t *report_json(const bake_options *o, const bake_report *r, const message *m)
 {
     json_t *lights = json_array();
     for (uint32_t n = 0; n < r->light_count; n++) json_array_append_new(lights, light_json(&r->lights[n]));
-    return json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
-                     "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
-                     bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes",
-                     (json_int_t)r->file_bytes, "casters", report_casters_json(r), "lights", lights, "lights_left_out",
-                     report_left_out_json(r), "warnings", report_warnings_json(m), "stages", stages_json(r), "plan",
-                     plan_json(o, r), "total_seconds", r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes,
-                     "baseline_seconds", r->baseline_seconds);
+    json_t *root =
+        json_pack("{s:s, s:o, s:o, s:b, s:o, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:I, s:f}", "vxs", VXS_VERSION,
+                  "scene", json_text(o->scene_path), "output", json_text(o->output_path), "unchanged", 0, "options",
+                  bake_options_json(o), "renderer", r->renderer, "cpu_class", r->cpu_class, "file_bytes", (json_int_t)r->file_bytes,
+                  "casters", report_casters_json(r), "lights", lights, "lights_left_out", report_left_out_json(r), "warnings",
+                  report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
+                  "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
+    if (o->resume_path) json_object_set_new(root, "squares", squares_json(o, r));
+    return root;
 }
 
 vxs_result report_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)

@@ -131,11 +131,20 @@ static void print_time(FILE *to, const bake_options *o, const bake_report *r)
             size_text(memory, r->peak_bytes));
 }
 
+void squares_print(FILE *to, const bake_options *o, const bake_report *r)
+{
+    square_counts squares = report_squares(r);
+    if (!o->resume_path) return;
+    fprintf(to, "squares      %llu of %llu made, %llu kept in %s\n", (unsigned long long)squares.made,
+            (unsigned long long)squares.all, (unsigned long long)(squares.all - squares.made), o->resume_path);
+}
+
 void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
 {
     print_scene(to, o, r);
     print_lights(to, r->plan);
     print_left_out(to, r);
+    squares_print(to, o, r);
     print_file(to, o, r);
     print_time(to, o, r);
 }

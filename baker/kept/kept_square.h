@@ -1,0 +1,32 @@
+/* A square's record as it lies in a file: with its key, its size and a checksum.
+ *
+ *     offset  size  what
+ *          0     8  "vxs kept"
+ *          8     4  version, 1
+ *         12     4  0
+ *         16    16  key
+ *         32     8  size of the record
+ *         40        the record (square_record.h)
+ *    end - 8     8  XXH64 of all bytes before
+ *
+ * All numbers are little-endian. The key says which version of vxs made it: others make other keys.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef KEPT_SQUARE_H
+#define KEPT_SQUARE_H
+
+#include "baker/columns/columns.h"
+#include "formats/vxs_file.h"
+
+enum { KEPT_HEAD_BYTES = 40, KEPT_TRAILER_BYTES = 8 };
+
+/* Append a record. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result kept_square_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out);
+
+/* Take the record out of bytes, which become it: what was around it is gone.
+ * Returns VXS_OK; VXS_E_CORRUPT: it is another square's, or none. */
+vxs_result kept_square_read(vxs_bytes *bytes, const column_key *key);
+
+/* The hash of some bytes and of what came before: keys are made step by step. */
+column_key column_key_with(column_key before, const void *bytes, size_t size_bytes);
+
+#endif
