@@ -381,6 +381,33 @@ static void built_bytes_of_another(void **state)
         }
 }
 
+/* One of many that is not what it was, whichever: none of the others was added before that was seen. */
+static void one_unsound_square_of_many(void **state)
+{
+    (void)state;
+    for (int coding = 0; coding < 2; coding++) {
+        damaged       t;
+        square_record record = {0};
+        damaged_begin(&t, coding, 1024, MAPS_NOISE);
+        vxs_bytes whole = copy_of(&t.kept.record[0]);
+        assert_int_equal(record_read(&record, whole.data, whole.size_bytes, square_level(1024), 0, 0, 1024), VXS_OK);
+        assert_int_equal(record.built_count, 16);
+        for (size_t spoilt = 0; spoilt < 16; spoilt += 5) {
+            vxs_bytes other = copy_of(&whole);
+            memset(other.data + (record.steps[spoilt].frame - whole.data), 0, 4);
+            t.kept.instead = other;
+            t.kept.asked = t.c.fetches = 0;
+            assert_equal_and_free(&t.want, t.build(&t.m, 2));
+            assert_int_equal(t.c.fetches, 1);
+            t.kept.instead = (vxs_bytes){0};
+            free(other.data);
+        }
+        record_free(&record);
+        free(whole.data);
+        damaged_end(&t);
+    }
+}
+
 /* Steps that are not in the order of the Z, lie outside the square, or leave a part of it out. */
 static void steps_tile_the_square(void **state)
 {
@@ -413,7 +440,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kept_squares_are_what_was_built), cmocka_unit_test(squares_kept_apart),
         cmocka_unit_test(records_that_are_damaged),        cmocka_unit_test(built_bytes_of_another),
-        cmocka_unit_test(steps_tile_the_square),
+        cmocka_unit_test(one_unsound_square_of_many),      cmocka_unit_test(steps_tile_the_square),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
