@@ -129,10 +129,10 @@ static vxs_result make_batch(walker *w)
     w->result = VXS_OK;
     batch_phase(w, 0);
     parallel_for(w->ctx->threads, w->count, 1, build_slots, w);
+    int unsound = is_unsound(w);
+    for (uint32_t n = 0; n < w->count && unsound; n++) w->d->drop(w->d->user, n);
     batch_phase(w, 1);
-    if (!is_unsound(w)) return VXS_OK;
-    for (uint32_t n = 0; n < w->count; n++) w->d->drop(w->d->user, n);
-    return VXS_E_CORRUPT;
+    return unsound ? VXS_E_CORRUPT : VXS_OK;
 }
 
 /* Add them in the order in which they came. */

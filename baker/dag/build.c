@@ -174,7 +174,8 @@ static vxs_result load_slot(void *user, uint32_t slot, const vxs_bytes *bytes, u
 
 static void drop_slot(void *user, uint32_t slot)
 {
-    map_builder *b = user;
+    map_builder *b       = user;
+    b->batch[slot].stats = (build_stats){0};
     dag_free(&b->batch[slot].dag);
 }
 
