@@ -4,27 +4,25 @@
 
 #include <stdlib.h>
 
-#include "baker/bake/provenance.h"
 #include "baker/base/parallel.h"
 #include "baker/files/output_file.h"
 #include "runtime/vxs.h"
 
-vxs_result asset_encode(const bake_options *o, const coded_light *coded, const bake_report *report, vxs_bytes *out, message *m)
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata, vxs_bytes *out,
+                        message *m)
 {
-    vxs_write_light *lights = calloc(report->light_count, sizeof *lights);
-    char            *text   = provenance_text(report);
+    vxs_write_light *lights = calloc(light_count, sizeof *lights);
     vxs_result       r      = VXS_E_MEMORY;
-    if (lights && text) {
-        for (uint32_t n = 0; n < report->light_count; n++) lights[n] = coded[n].written;
+    if (lights && metadata) {
+        for (uint32_t n = 0; n < light_count; n++) lights[n] = coded[n].written;
         vxs_parallel   threads = parallel_lent(o->threads);
         vxs_write_desc desc    = {.lights      = lights,
-                                  .light_count = report->light_count,
-                                  .metadata    = text,
+                                  .light_count = light_count,
+                                  .metadata    = metadata,
                                   .zstd_level  = (int)o->zstd_level,
                                   .parallel    = &threads};
         r                      = vxs_write(out, &desc);
     }
-    free(text);
     free(lights);
     return r == VXS_OK ? r : fail(m, r, "the asset cannot be encoded: %s", r == VXS_E_MEMORY ? "out of memory" : "it is too large");
 }

@@ -6,11 +6,13 @@
 #include "baker/bake/bake_report.h"
 #include "baker/bake/light_coder.h"
 
-/* Encode the lights of a report, in its order.
- * coded  [report->light_count]
- * out    [out] zero it first, release with free(out->data)
+/* Encode lights.
+ * coded     [light_count]
+ * metadata  of the file (provenance.h); NULL: memory has run out
+ * out       [out] zero it first, release with free(out->data)
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for it. */
-vxs_result asset_encode(const bake_options *o, const coded_light *coded, const bake_report *report, vxs_bytes *out, message *m);
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata, vxs_bytes *out,
+                        message *m);
 
 /* Read back what was encoded, as a game would, tell the report what it holds, and give it the name of the output. */
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m);

@@ -102,9 +102,9 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     vxs_result r = light_columns_init(&columns, gl, o, plan, planned, c, picture, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r == VXS_OK) {
-        uint32_t      number = (uint32_t)(planned - plan->lights);
-        column_source source = kept_light_source(&keeper, kept, light_columns_source(&columns), number, light);
-        r                    = bake_light(planned, &source, &coding.coder, out, ctx);
+        column_source source = light_columns_source(&columns);
+        r                    = kept_light_source(&keeper, kept, &source, &planned->light, light, ctx->message);
+        if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, o->parts ? NULL : out, ctx);
     }
     report_light(light, planned, &columns, &coding, plan->tile_px);
     chosen_coder_free(&coding);
@@ -183,6 +183,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
 {
     size_t       count = report->plan->baked_count;
     coded_light *coded = calloc(count, sizeof *coded);
+    char        *text  = NULL;
     vxs_result   r     = VXS_E_MEMORY;
     report->lights     = calloc(count, sizeof *report->lights);
     if (!coded || !report->lights) {
@@ -190,13 +191,16 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
         goto done;
     }
     if ((r = bake_lights(o, c, coded, kept, report, ctx)) != VXS_OK) goto done;
+    report->warning_count = ctx->message->warning_count - report->warnings_before - kept->store.warnings;
+    if (o->parts) goto done; /* others add its squares to those of other parts */
     progress_say(o->progress, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
-    report->warning_count = ctx->message->warning_count - report->warnings_before - kept->store.warnings;
-    if ((r = asset_encode(o, coded, report, file, ctx->message)) != VXS_OK) goto done;
+    text = provenance_text(report);
+    if ((r = asset_encode(o, coded, report->light_count, text, file, ctx->message)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_within_memory(ctx);
 done:
+    free(text);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
     free(coded);
     return r;
@@ -310,8 +314,9 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
 
     stage_begin(&ctx, STAGE_WRITE);
     progress_say(o->progress, "writing %s", o->output_path);
-    if ((r = asset_write(o, &file, report, m)) != VXS_OK) goto done;
-    if (kept.is_open) square_store_clean(&kept.store);
+    r = o->parts ? kept_squares_end_part(&kept, report, m) : asset_write(o, &file, report, m);
+    if (r != VXS_OK) goto done;
+    if (kept.has_store && !o->parts) square_store_clean(&kept.store); /* other parts use the rest of it */
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
     if (observer) r = observer->look(observer->user, o, &c, &file, m);

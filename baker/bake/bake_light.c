@@ -33,7 +33,7 @@ vxs_result bake_light(const plan_light *planned, const column_source *source, co
     vxs_result r = coder->begin(coder->data, &planned->light);
     for (uint32_t map = 0; map < source->map_count && r == VXS_OK; map++) r = bake_map(coder, map, source, ctx);
     stage_begin(ctx, STAGE_MERGE);
-    if (r == VXS_OK) r = coder->finish(coder->data, out);
+    if (r == VXS_OK && out) r = coder->finish(coder->data, out);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) fail(ctx->message, r, "%s while baking light '%s'", vxs_result_text(r), planned->name);
     return r;

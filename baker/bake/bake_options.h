@@ -72,9 +72,16 @@ typedef struct bake_options {
     baseline_mode   baseline;
     uint64_t        memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
     const char     *resume_path;  /* a folder where squares are kept; NULL: none */
+    uint32_t        part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
     int             if_changed;   /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
     int             progress;     /* 1: say on standard error how far it is */
 } bake_options;
+
+/* Whether squares of the maps are kept, in a folder or as a part. */
+static inline int keeps_squares(const bake_options *o)
+{
+    return o->resume_path || o->parts;
+}
 
 /* The order that a choice names; auto: top-down, where sub-DAGs are compressed at all. */
 compress_order compress_order_of(compress_choice choice);

@@ -2,9 +2,12 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/kept_squares.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/bake/provenance.h"
+#include "baker/base/array.h"
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
 #include "baker/kept/kept_square.h"
@@ -36,22 +39,58 @@ static vxs_result bake_key(column_key *key, const bake_report *report, message *
     return VXS_OK;
 }
 
+/* What is known of the bake before its first light. */
+static vxs_result begin_common(part_common *c, const bake_options *o, const bake_report *report, message *m)
+{
+    c->o = *o;
+    if (asprintf(&c->made_by, "%s, %s, %s", SQUARES_MADE_BY, report->renderer, report->cpu_class) >= 0) return VXS_OK;
+    c->made_by = NULL;
+    return fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
+}
+
 vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_report *report, message *m)
 {
-    if (!o->resume_path) return VXS_OK;
-    vxs_result r = square_store_open(&k->store, o->resume_path, m);
-    k->is_open   = r == VXS_OK;
+    vxs_result r = VXS_OK;
     k->coding    = coding_key(o);
-    return r == VXS_OK ? bake_key(&k->bake, report, m) : r;
+    if (o->resume_path) {
+        r            = square_store_open(&k->store, o->resume_path, m);
+        k->has_store = r == VXS_OK;
+    }
+    if (r == VXS_OK && o->parts) {
+        k->has_part = 1;
+        r           = part_begin(&k->part, o->output_path, o->part, o->parts, m);
+        if (r == VXS_OK) r = begin_common(&k->common, o, report, m);
+    }
+    return r == VXS_OK && keeps_squares(o) ? bake_key(&k->bake, report, m) : r;
+}
+
+vxs_result kept_squares_end_part(kept_squares *k, bake_report *report, message *m)
+{
+    vxs_bytes common   = {0};
+    k->common.metadata = provenance_text(report);
+    vxs_result r       = k->common.metadata ? part_common_write(&k->common, &common) : VXS_E_MEMORY;
+    if (r != VXS_OK) fail(m, r, "out of memory for the part of a bake");
+    if (r == VXS_OK) r = part_end(&k->part, &common, m);
+    report->file_bytes = k->part.at;
+    free(common.data);
+    return r;
 }
 
 void kept_squares_close(kept_squares *k)
 {
     square_store_close(&k->store);
-    *k = (kept_squares){.is_open = 0};
+    part_abort(&k->part);
+    part_common_free(&k->common);
+    *k = (kept_squares){.has_store = 0};
 }
 
 /* a light --------------------------------------------------------------------------------------------------------------------- */
+
+column_key part_square_key(uint64_t number, uint32_t light, uint32_t map, uint32_t level, uint32_t i, uint32_t j)
+{
+    const uint64_t place[] = {number, light, map, level, i, j};
+    return column_key_with((column_key){0, 0}, place, sizeof place);
+}
 
 static vxs_result square_key(const kept_light *l, const column_map *columns, uint32_t level, uint32_t i, uint32_t j,
                              column_key *key)
@@ -67,42 +106,84 @@ static vxs_result square_key(const kept_light *l, const column_map *columns, uin
     return r;
 }
 
+/* A square in the folder. */
+static vxs_result find_stored(kept_light *l, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, vxs_bytes *record,
+                              int *found, message *m)
+{
+    vxs_result r = square_key(l, columns, level, i, j, &l->asked);
+    if (r != VXS_OK) return fail(m, r, "out of memory for the key of a square");
+    return square_store_find(&l->squares->store, &l->asked, record, found, m);
+}
+
 static vxs_result ask(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
                       vxs_bytes *record, bake_context *ctx)
 {
-    kept_light *l     = data;
-    int         found = 0;
-    stage_begin(ctx, STAGE_MAPS);
-    vxs_result r = square_key(l, columns, level, i, j, &l->asked);
-    if (r != VXS_OK) fail(ctx->message, r, "out of memory for the key of a square");
-    if (r == VXS_OK) r = square_store_find(&l->squares->store, &l->asked, record, &found, ctx->message);
-    stage_begin(ctx, STAGE_NONE);
-    if (found) *fate = SQUARE_KNOWN;
+    kept_light   *l     = data;
+    kept_squares *k     = l->squares;
+    int           found = 0;
+    vxs_result    r     = VXS_OK;
+    l->number           = k->next++;
+    *fate               = SQUARE_LEAVE;
+    if (k->has_part && !part_has(&k->part, l->number)) return VXS_OK;
     l->report->squares++;
+    l->part_key = part_square_key(l->number, l->light, l->map, level, i, j);
+    stage_begin(ctx, STAGE_MAPS);
+    if (k->has_store) r = find_stored(l, columns, level, i, j, record, &found, ctx->message);
+    if (r == VXS_OK && found && k->has_part) r = part_add(&k->part, l->number, &l->part_key, record, ctx->message);
+    stage_begin(ctx, STAGE_NONE);
+    *fate = !found ? SQUARE_MAKE : k->has_part ? SQUARE_LEAVE : SQUARE_KNOWN;
     return r;
 }
 
 static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
 {
-    kept_light *l = data;
+    kept_light   *l = data;
+    kept_squares *k = l->squares;
+    vxs_result    r = VXS_OK;
     l->report->squares_made++;
     stage_begin(ctx, STAGE_MAPS);
-    vxs_result r = square_store_keep(&l->squares->store, &l->asked, record, ctx->message);
+    if (k->has_store) r = square_store_keep(&k->store, &l->asked, record, ctx->message);
+    if (r == VXS_OK && k->has_part) r = part_add(&k->part, l->number, &l->part_key, record, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     return r;
 }
 
-static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
+/* For a part, the answers of its maps go to what is common. */
+static vxs_result note(void *data, const column_bounds *bounds)
 {
     kept_light *l = data;
-    vxs_result  r = l->under.open(l->under.data, map, out, ctx);
-    l->map        = map;
-    if (r == VXS_OK) out->keeper = &l->keeper;
-    return r;
+    part_map   *p = &l->squares->common.lights[l->squares->common.light_count - 1].maps[l->map];
+    if (!array_reserve(&p->answers, &p->capacity, p->count + 1, sizeof *p->answers)) return VXS_E_MEMORY;
+    p->answers[p->count++] = *bounds;
+    return VXS_OK;
 }
 
-column_source kept_light_source(kept_light *l, kept_squares *k, column_source under, uint32_t light, light_report *report)
+static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
 {
-    *l = (kept_light){.squares = k, .under = under, .keeper = {l, 0, ask, keep}, .report = report, .light = light};
-    return k->is_open ? (column_source){l, under.map_count, open_map} : under;
+    kept_light  *l      = data;
+    part_common *common = &l->squares->common;
+    vxs_result   r      = l->under.open(l->under.data, map, out, ctx);
+    l->map              = map;
+    if (r != VXS_OK) return r;
+    out->keeper = &l->keeper;
+    if (l->squares->has_part) common->lights[common->light_count - 1].maps[map].fetch_px = out->fetch_px;
+    return VXS_OK;
+}
+
+vxs_result kept_light_source(kept_light *l, kept_squares *k, column_source *source, const vxs_light *light, light_report *report,
+                             message *m)
+{
+    part_common *c = &k->common;
+    if (!k->has_store && !k->has_part) return VXS_OK;
+    *l      = (kept_light){.squares = k,
+                           .under   = *source,
+                           .keeper  = {l, k->has_part, k->has_part ? note : NULL, ask, keep},
+                           .report  = report,
+                           .light   = k->lights++};
+    *source = (column_source){l, l->under.map_count, open_map};
+    if (!k->has_part) return VXS_OK;
+    if (!array_reserve(&c->lights, &c->light_capacity, c->light_count + 1, sizeof *c->lights))
+        return fail(m, VXS_E_MEMORY, "out of memory for the part of a bake");
+    c->lights[c->light_count++] = (part_light){.light = *light};
+    return VXS_OK;
 }

@@ -201,7 +201,7 @@ static uint64_t picture_bytes(const bake_plan *plan)
  * be, because each draws all that it may see. */
 static uint32_t largest_tile(uint32_t side, uint32_t least, const bake_options *o)
 {
-    uint32_t most = o->resume_path && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
+    uint32_t most = keeps_squares(o) && o->maps == MAPS_SPARSE ? max_u32(least, side / 8) : side;
     return min_u32(most, TILE_MAX_PX);
 }
 
@@ -211,7 +211,7 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     uint32_t side       = largest_map(plan);
     uint32_t least      = min_u32(side, max_u32(TILE_MIN_PX, min_u32(side / 4, SUB_DAG_MAX_PX)));
     plan->tile_px       = largest_tile(side, least, o);
-    plan->baseline      = o->maps == MAPS_SPARSE || o->resume_path ? BASELINE_OFF : o->baseline;
+    plan->baseline      = o->maps == MAPS_SPARSE || keeps_squares(o) ? BASELINE_OFF : o->baseline;
     plan->budget_bytes  = o->memory_bytes;
     plan->picture_bytes = o->page_path ? picture_bytes(plan) : 0;
     plan->peak_bytes    = plan_peak_bytes(plan, o, c, plan->tile_px);

@@ -266,7 +266,11 @@ static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
 
 static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
-    if (!w->fetched) return w->columns->bounds(w->columns->data, level, i, j, out);
+    if (!w->fetched) {
+        const square_keeper *keeper = w->columns->keeper;
+        vxs_result           r      = w->columns->bounds(w->columns->data, level, i, j, out);
+        return r == VXS_OK && keeper && keeper->note ? keeper->note(keeper->data, out) : r;
+    }
     uint32_t inner = w->fetched_level - level;
     return w->fetched->bounds(w->fetched->data, level, i - (w->fetched_i << inner), j - (w->fetched_j << inner), out);
 }

@@ -19,6 +19,9 @@ struct square_keeper {
     void *data;
     int   apart; /* 1: what is made is kept for others to add, and nothing is added here */
 
+    /* What a map has answered before a square is fetched, in the order in which it was asked: what decides which squares are. May be NULL. */
+    vxs_result (*note)(void *data, const column_bounds *bounds);
+
     /* What to do with the square (i, j) of `level` of a map that cannot be settled before it is fetched. Called in z order.
      * record  [out] of SQUARE_KNOWN: what became of it; released by the caller with free(record->data). Where it is not sound, the square is
      *         made after all */

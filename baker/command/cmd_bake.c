@@ -5,6 +5,7 @@
 #include "baker/command/commands.h"
 #include "baker/options/bake_arguments.h"
 #include "baker/report/bake_page.h"
+#include "baker/report/part_report.h"
 #include "baker/report/report.h"
 #include "baker/report/summary.h"
 #include "baker/report/unchanged.h"
@@ -19,6 +20,10 @@ static vxs_result write_reports(const bake_arguments *a, const bake_page *page, 
     if (report->unchanged) {
         if (to) unchanged_print(to, o, report);
         return a->json_path ? unchanged_write_json(a->json_path, o, report, m) : VXS_OK;
+    }
+    if (o->parts) {
+        if (to) part_print(to, o, report);
+        return a->json_path ? part_write_json(a->json_path, o, report, m) : VXS_OK;
     }
     if (to) (m->verbose ? report_print : bake_summary_print)(to, o, report);
     if (a->json_path && (r = report_write_json(a->json_path, o, report, m)) != VXS_OK) return r;

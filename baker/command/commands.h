@@ -5,6 +5,7 @@
 
 /* argv[0] is the command's own name; the result is the exit status (docs/manual.md). */
 int cmd_bake(int argc, char **argv);
+int cmd_merge(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_validate(int argc, char **argv);
 int cmd_query(int argc, char **argv);

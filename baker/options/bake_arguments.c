@@ -3,10 +3,13 @@
 #include "baker/options/bake_arguments.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "baker/base/parallel.h"
+#include "baker/kept/part_file.h"
 #include "baker/options/scene_rows.h"
 
 static vxs_result check_map_sizes(bake_options *o, message *m)
@@ -44,15 +47,47 @@ static vxs_result choose_maps(bake_arguments *a, message *m)
     return VXS_OK;
 }
 
-/* Squares are kept for their file: nothing else sees those that are not made again. */
-static vxs_result check_resume(const bake_arguments *a, message *m)
+/* "3/8" */
+static vxs_result read_part(bake_arguments *a, message *m)
 {
-    const char *why = a->o.page_path                                         ? "--report draws depth maps"
-                      : a->baseline_given && a->o.baseline != BASELINE_OFF   ? "--baseline measures depth maps"
-                      : a->o.coding == CODING_DAG && a->o.stop != STOP_FINAL ? "--stop leaves nodes where they were made"
-                                                                             : NULL;
-    if (!a->o.resume_path || !why) return VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "%s, and --resume may leave squares as they were: expected one of them", why);
+    unsigned number, parts;
+    char     rest;
+    if (!a->part) return VXS_OK;
+    if (strspn(a->part, "0123456789/") != strlen(a->part) || sscanf(a->part, "%6u/%6u%c", &number, &parts, &rest) != 2 || !number ||
+        number > parts || parts > PARTS_MAX)
+        return fail(m, VXS_E_ARGUMENT,
+                    "--part %s: expected I/N, the number of a part and how many there are, 1/N to N/N, N at most %d", a->part,
+                    PARTS_MAX);
+    a->o.part  = number;
+    a->o.parts = parts;
+    return VXS_OK;
+}
+
+/* What is written says in its name what it is. */
+static vxs_result check_part_name(const bake_options *o, message *m)
+{
+    const char *dot = o->output_path ? strrchr(o->output_path, '.') : NULL;
+    if (o->parts && dot && !strcasecmp(dot, ".vxs"))
+        return fail(m, VXS_E_ARGUMENT, "-o %s: with --part, what is written is a part, .part, of which vxs merge makes a .vxs file",
+                    o->output_path);
+    if (!o->parts && dot && !strcasecmp(dot, ".part"))
+        return fail(m, VXS_E_ARGUMENT, "-o %s: '.part' is the extension of other files: what is written is .vxs", o->output_path);
+    return VXS_OK;
+}
+
+/* Squares are kept for their file: nothing else sees those that are not made, or not here. */
+static vxs_result check_kept(const bake_arguments *a, message *m)
+{
+    const char *given = a->o.resume_path ? "--resume" : "--part";
+    const char *why   = a->o.page_path                                         ? "--report draws depth maps"
+                        : a->baseline_given && a->o.baseline != BASELINE_OFF   ? "--baseline measures depth maps"
+                        : a->o.coding == CODING_DAG && a->o.stop != STOP_FINAL ? "--stop leaves nodes where they were made"
+                                                                               : NULL;
+    if (keeps_squares(&a->o) && why)
+        return fail(m, VXS_E_ARGUMENT, "%s, and with %s not every square is made: expected one of them", why, given);
+    if (a->o.parts && a->o.if_changed)
+        return fail(m, VXS_E_ARGUMENT, "--if-changed looks into an asset, and --part writes none: expected one of them");
+    return VXS_OK;
 }
 
 vxs_result bake_arguments_check(bake_arguments *a, message *m)
@@ -60,7 +95,9 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     bake_options *o = &a->o;
     vxs_result    r = check_map_sizes(o, m);
     if (r == VXS_OK) r = choose_maps(a, m);
-    if (r == VXS_OK) r = check_resume(a, m);
+    if (r == VXS_OK) r = read_part(a, m);
+    if (r == VXS_OK) r = check_kept(a, m);
+    if (r == VXS_OK) r = check_part_name(o, m);
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
@@ -89,7 +126,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
                                             .threads    = parallel_default_threads()};
     const option options[] = {
         {"SCENE", OPTION_INPUT, &a->o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
-        {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, OUTPUT_CHECKED_BY_COMMAND, ".vxs", "OUT.vxs",
+        {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, OUTPUT_CHECKED_BY_COMMAND, ".vxs|.part", "OUT.vxs",
          "where the asset goes; - is standard output", NULL},
         {"--if-changed", OPTION_SWITCH, &a->o.if_changed, 0, 0, NULL, NULL,
          "do nothing when OUT.vxs is sound, and was baked from the same scene, lights and options by this version", NULL},
@@ -97,6 +134,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "keep finished squares of the maps in this folder, and take from there what is finished: after a kill, or a change of the "
          "scene",
          NULL},
+        {"--part", OPTION_TEXT, &a->part, 0, 0, NULL, "I/N",
+         "make every N-th square of the maps, from the I-th on, and write a part, of which vxs merge makes the asset", NULL},
         {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME", "bake this light; repeat for more (default all lights)",
          NULL},
         {"--sun", OPTION_NAMED_VECTOR, &a->o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",

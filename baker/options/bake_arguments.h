@@ -9,6 +9,7 @@
 typedef struct bake_arguments {
     bake_options o;
     const char  *json_path; /* NULL: none */
+    const char  *part;      /* "I/N"; NULL: all */
 
     int baseline_given; /* --baseline, whatever its value */
     int pack_given;

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "baker/kept/part_file.h"
 #include "formats/vxs_format.h"
 
 enum { LOOKED_AT = 4096 };
@@ -39,6 +40,7 @@ static file_kind kind_of_bytes(char bytes[LOOKED_AT + 1], size_t size)
     if (begins(bytes, size, VXS_MAGIC, VXS_MAGIC_BYTES)) return FILE_ASSET;
     if (is_glb(bytes, size)) return FILE_SCENE;
     if (begins(bytes, size, png, sizeof png - 1)) return FILE_PICTURE;
+    if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
     bytes[size] = '\0';
     return kind_of_text(bytes);
 }
@@ -58,8 +60,8 @@ file_kind file_kind_of(const char *path)
 
 const char *file_kind_text(file_kind kind)
 {
-    static const char *const texts[] = {"something else",  "a glTF scene",  "a .vxs file", "JSON",
-                                        "a report of vxs", "a PNG picture", "a folder"};
+    static const char *const texts[] = {"something else",  "a glTF scene",  "a .vxs file",      "JSON",
+                                        "a report of vxs", "a PNG picture", "a part of a bake", "a folder"};
     return texts[kind];
 }
 

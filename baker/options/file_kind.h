@@ -10,6 +10,7 @@ typedef enum file_kind {
     FILE_JSON,    /* text that begins as JSON does, and neither of the following */
     FILE_REPORT,  /* JSON that vxs wrote, beginning with its version */
     FILE_PICTURE, /* PNG */
+    FILE_PART,    /* of a bake */
     FILE_FOLDER
 } file_kind;
 

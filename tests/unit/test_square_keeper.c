@@ -205,7 +205,7 @@ static void kept_squares_are_what_was_built(void **state)
                 depth_maps    d    = random_maps(side, side, kind, side + kind);
                 counted_map   c    = {.maps = &d};
                 shelf         kept = {.known = 0};
-                square_keeper k    = {&kept, 0, shelf_ask, shelf_keep};
+                square_keeper k    = {&kept, 0, NULL, shelf_ask, shelf_keep};
                 uint32_t      px   = min_u32(side, 2 * least);
                 column_map    bare = counted_columns(&c, px, NULL), m = counted_columns(&c, px, &k);
                 vxs_bytes     want = codings[coding](&bare, 1);
@@ -230,7 +230,7 @@ static void squares_kept_apart(void **state)
         depth_maps    d     = random_maps(1024, 1024, MAPS_BOXES, 3);
         counted_map   c     = {.maps = &d};
         shelf         kept  = {.known = 0};
-        square_keeper apart = {&kept, 1, shelf_ask, shelf_keep}, here = {&kept, 0, shelf_ask, shelf_keep};
+        square_keeper apart = {&kept, 1, NULL, shelf_ask, shelf_keep}, here = {&kept, 0, NULL, shelf_ask, shelf_keep};
         column_map    bare = counted_columns(&c, 256, NULL), m = counted_columns(&c, 256, &apart),
                    all = counted_columns(&c, 256, &here);
         vxs_bytes want = codings[coding](&bare, 1), nothing = codings[coding](&m, 2);
@@ -262,7 +262,7 @@ static void damaged_begin(damaged *t, int coding, uint32_t side, map_kind kind)
 {
     *t            = (damaged){.d = random_maps(side, side, kind, 11), .build = codings[coding]};
     t->c          = (counted_map){.maps = &t->d};
-    t->k          = (square_keeper){&t->kept, 0, shelf_ask, shelf_keep};
+    t->k          = (square_keeper){&t->kept, 0, NULL, shelf_ask, shelf_keep};
     t->m          = counted_columns(&t->c, side, &t->k);
     t->want       = t->build(&t->m, 1);
     t->kept.known = 1;

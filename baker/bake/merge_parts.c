@@ -1,0 +1,266 @@
+/* Merging parts; see merge_parts.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/merge_parts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/bake/asset_file.h"
+#include "baker/bake/bake_light.h"
+#include "baker/bake/chosen_coder.h"
+#include "baker/bake/kept_squares.h"
+#include "baker/base/pages.h"
+#include "baker/files/input_file.h"
+#include "baker/measure/clock.h"
+#include "baker/measure/progress.h"
+
+/* All parts of a bake. */
+typedef struct part_set {
+    part_reader *parts; /* [count] as they were given; of those that are open */
+    size_t       count;
+    uint32_t    *at; /* [parts of the bake] 1 + where each of them is among those; 0: it was not given */
+    part_common  common;
+    uint64_t     next; /* the square that is asked about next */
+} part_set;
+
+/* the parts ------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result is_damaged(const part_reader *p, message *m)
+{
+    return fail(m, VXS_E_CORRUPT, "'%s' is a part of a bake, and damaged: make it again", input_name(p->path));
+}
+
+/* A part is another one than those before it, and of the same bake. */
+static vxs_result check_part(const part_set *s, const part_reader *p, message *m)
+{
+    const part_reader *first = &s->parts[0];
+    if (p->parts != first->parts)
+        return fail(m, VXS_E_CORRUPT, "'%s' is one of %u parts, and '%s' is one of %u: they are not of one bake",
+                    input_name(p->path), p->parts, input_name(first->path), first->parts);
+    if (p->common.size_bytes != first->common.size_bytes || memcmp(p->common.data, first->common.data, p->common.size_bytes) != 0)
+        return fail(
+            m, VXS_E_CORRUPT,
+            "'%s' and '%s' are parts of different bakes: of other scenes, lights, options, versions, renderers, or --memory",
+            input_name(p->path), input_name(first->path));
+    if (s->at[p->number - 1])
+        return fail(m, VXS_E_ARGUMENT, "'%s' and '%s' are both part %u of %u", input_name(s->parts[s->at[p->number - 1] - 1].path),
+                    input_name(p->path), p->number, p->parts);
+    return VXS_OK;
+}
+
+static vxs_result check_all_there(const part_set *s, message *m)
+{
+    uint32_t parts = s->parts[0].parts, missing = 0;
+    while (missing < parts && s->at[missing]) missing++;
+    if (missing == parts) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "part %u of %u is missing: %zu were given", missing + 1, parts, s->count);
+}
+
+static vxs_result open_part(part_set *s, const char *path, message *m)
+{
+    part_reader *p = &s->parts[s->count++];
+    vxs_result   r = part_open(p, path, m);
+    if (r == VXS_OK && !s->at && !(s->at = calloc(p->parts, sizeof *s->at))) r = fail(m, VXS_E_MEMORY, "out of memory for parts");
+    if (r == VXS_OK) r = check_part(s, p, m);
+    if (r == VXS_OK) s->at[p->number - 1] = (uint32_t)s->count;
+    return r;
+}
+
+static vxs_result open_parts(part_set *s, const text_list *paths, message *m)
+{
+    vxs_result r = VXS_OK;
+    s->parts     = calloc(paths->count + 1, sizeof *s->parts);
+    if (!s->parts) return fail(m, VXS_E_MEMORY, "out of memory for %zu parts", paths->count);
+    for (size_t n = 0; n < paths->count && r == VXS_OK; n++) r = open_part(s, paths->items[n], m);
+    if (r == VXS_OK) r = check_all_there(s, m);
+    if (r != VXS_OK) return r;
+    r = part_common_read(&s->common, s->parts[0].common.data, s->parts[0].common.size_bytes);
+    return r == VXS_E_CORRUPT ? is_damaged(&s->parts[0], m) : r == VXS_OK ? r : fail(m, r, "out of memory for parts");
+}
+
+static void close_parts(part_set *s)
+{
+    for (size_t n = 0; n < s->count; n++) part_close(&s->parts[n]);
+    free(s->parts);
+    free(s->at);
+    part_common_free(&s->common);
+}
+
+/* columns --------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct part_columns {
+    part_set         *set;
+    const part_light *of;
+    uint32_t          light, map; /* their numbers */
+    size_t            answered;
+    square_keeper     keeper;
+} part_columns;
+
+/* The part that a square is in. */
+static const part_reader *part_of(const part_set *s, uint64_t number)
+{
+    return &s->parts[s->at[number % s->parts[0].parts] - 1];
+}
+
+/* The map answers as it did. */
+static vxs_result answer(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
+{
+    part_columns   *c = data;
+    const part_map *p = &c->of->maps[c->map];
+    (void)level;
+    (void)i;
+    (void)j;
+    if (c->answered == p->count) return VXS_E_CORRUPT;
+    *out = p->answers[c->answered++];
+    return VXS_OK;
+}
+
+static vxs_result ask(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
+                      vxs_bytes *record, bake_context *ctx)
+{
+    part_columns      *c      = data;
+    uint64_t           number = c->set->next++;
+    const part_reader *p      = part_of(c->set, number);
+    const part_square *s      = part_find(p, number);
+    column_key         key    = part_square_key(number, c->light, c->map, level, i, j);
+    (void)columns;
+    *fate = SQUARE_KNOWN;
+    return s ? part_read(p, s, &key, record, ctx->message) : is_damaged(p, ctx->message);
+}
+
+/* What was known of a square was not sound. */
+static vxs_result fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
+{
+    const part_columns *c = data;
+    (void)level;
+    (void)i;
+    (void)j;
+    *out = (column_square){0};
+    return is_damaged(part_of(c->set, c->set->next - 1), ctx->message);
+}
+
+static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
+{
+    (void)data;
+    (void)record;
+    (void)ctx;
+    return VXS_OK; /* nothing is made */
+}
+
+static void release(void *data, column_square *square)
+{
+    (void)data;
+    *square = (column_square){0};
+}
+
+static void close_map(void *data)
+{
+    (void)data;
+}
+
+static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_context *ctx)
+{
+    part_columns *c    = data;
+    uint32_t      side = 1u << c->of->light.levels;
+    (void)ctx;
+    c->map      = map;
+    c->answered = 0;
+    *out        = (column_map){.data     = c,
+                               .side_px  = side,
+                               .depth_vx = side,
+                               .fetch_px = c->of->maps[map].fetch_px,
+                               .bounds   = answer,
+                               .fetch    = fetch,
+                               .release  = release,
+                               .close    = close_map,
+                               .keeper   = &c->keeper};
+    return VXS_OK;
+}
+
+/* the merge ------------------------------------------------------------------------------------------------------------------- */
+
+static uint64_t squares_of(const part_light *l)
+{
+    uint64_t squares = 0;
+    for (uint32_t map = 0; map < vxs_light_map_count(&l->light); map++) {
+        uint64_t across = (1u << l->light.levels) / l->maps[map].fetch_px;
+        squares += across * across;
+    }
+    return squares;
+}
+
+static vxs_result merge_light(part_set *s, uint32_t light, const bake_options *o, coded_light *out, bake_context *ctx)
+{
+    const part_light *of      = &s->common.lights[light];
+    plan_light        planned = {.light = of->light, .map_count = vxs_light_map_count(&of->light), .tiles = squares_of(of)};
+    part_columns      columns = {.set = s, .of = of, .light = light, .keeper = {&columns, 0, NULL, ask, keep}};
+    column_source     source  = {&columns, planned.map_count, open_map};
+    chosen_coder      coding;
+    snprintf(planned.name, sizeof planned.name, "%.*s", VXS_LIGHT_NAME_BYTES - 1, of->light.name);
+    chosen_coder_init(&coding, o, COMPRESS_NONE, NULL);
+    vxs_result r = bake_light(&planned, &source, &coding.coder, out, ctx);
+    chosen_coder_free(&coding);
+    return r;
+}
+
+static vxs_result merge_lights(part_set *s, const bake_options *o, coded_light *coded, bake_report *report, bake_context *ctx)
+{
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < s->common.light_count && r == VXS_OK; n++) {
+        report->light_count++;
+        report->lights[n].light = s->common.lights[n].light;
+        r                       = merge_light(s, n, o, &coded[n], ctx);
+    }
+    uint64_t there = 0;
+    for (size_t n = 0; n < s->count; n++) there += s->parts[n].squares.count;
+    return r == VXS_OK && there != s->next ? is_damaged(&s->parts[0], ctx->message) : r;
+}
+
+/* From parts to a file. */
+static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *report, bake_context *ctx)
+{
+    size_t       count = s->common.light_count;
+    coded_light *coded = calloc(count, sizeof *coded);
+    vxs_bytes    file  = {0};
+    report->lights     = calloc(count, sizeof *report->lights);
+    vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory for %zu lights", count);
+    if (r == VXS_OK) r = merge_lights(s, o, coded, report, ctx);
+    progress_say(o->progress, "compressing the file");
+    if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, &file, ctx->message);
+    for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
+    free(coded);
+    if (r == VXS_OK) r = asset_write(o, &file, report, ctx->message);
+    free(file.data);
+    return r;
+}
+
+vxs_result merge_parts(const merge_options *o, merge_report *report, message *m)
+{
+    part_set     set = {.count = 0};
+    bake_context ctx = {
+        .message = m, .threads = o->threads, .progress = o->progress, .subject = o->output_path, .begun = clock_seconds()};
+    pages_return_large();
+    stage_begin(&ctx, STAGE_MERGE);
+    vxs_result r = open_parts(&set, &o->paths, m);
+    if (r == VXS_OK) {
+        bake_options of = set.common.o;
+        of.output_path  = o->output_path;
+        of.threads      = o->threads;
+        of.progress     = o->progress;
+        r               = merge_file(&set, &of, &report->lights, &ctx);
+        report->parts   = set.parts[0].parts;
+        report->squares = set.next;
+    }
+    stage_begin(&ctx, STAGE_NONE);
+    report->lights.peak_bytes    = ctx.peak_bytes;
+    report->lights.total_seconds = clock_seconds() - ctx.begun;
+    progress_clear();
+    close_parts(&set);
+    return r;
+}
+
+void merge_report_free(merge_report *r)
+{
+    bake_report_free(&r->lights);
+}

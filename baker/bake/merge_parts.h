@@ -1,0 +1,30 @@
+/* The asset of parts that were baked apart: vxs merge. A part is a column source all of whose squares are known, so that they are added as a
+ * bake adds them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef MERGE_PARTS_H
+#define MERGE_PARTS_H
+
+#include "baker/bake/bake_report.h"
+
+typedef struct merge_options {
+    text_list   paths; /* of the parts, in any order */
+    const char *output_path;
+    uint32_t    threads;
+    int         progress; /* 1: say on standard error how far it is */
+} merge_options;
+
+typedef struct merge_report {
+    bake_report lights; /* what there is in the file, its size, and how long it took: the rest is not known */
+    uint32_t    parts;
+    uint64_t    squares;
+} merge_report;
+
+/* Merge all parts of a bake.
+ * report  [out] zero it first; released with merge_report_free, whatever is returned
+ * Returns VXS_OK; VXS_E_ARGUMENT: a part is missing, or there twice; what part_open returns, VXS_E_CORRUPT also for parts of different bakes;
+ * VXS_E_WRITE, VXS_E_MEMORY, VXS_E_REFERENCES. */
+vxs_result merge_parts(const merge_options *o, merge_report *report, message *m);
+
+void merge_report_free(merge_report *r);
+
+#endif

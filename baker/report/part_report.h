@@ -1,0 +1,16 @@
+/* What is said of a part of a bake: --part.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PART_REPORT_H
+#define PART_REPORT_H
+
+#include <stdio.h>
+
+#include "baker/bake/bake.h"
+
+/* A few lines. */
+void part_print(FILE *to, const bake_options *o, const bake_report *r);
+
+/* In the place of the report: "part" is in it. */
+vxs_result part_write_json(const char *path, const bake_options *o, const bake_report *r, message *m);
+
+#endif
