@@ -219,9 +219,10 @@ struct loader {
     std::vector<scene_exclusion> exclusions;           /* all rules, by number */
     size_t                       skinned_excluded = 0; /* nodes */
 
-    std::vector<scene_part> parts;
-    std::vector<uint32_t>   name_at[KINDS]; /* in names, 0: not there */
-    std::string             names;
+    std::vector<scene_part>   parts;
+    std::vector<uint32_t>     name_at[KINDS]; /* in names, 0: not there */
+    std::string               names;
+    std::vector<scene_origin> origins;
 
     std::vector<size_t>    roots, order; /* the scene's nodes, parents first */
     std::vector<transform> ws_from_node; /* by node */
@@ -415,8 +416,8 @@ size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p);
 /* What was excluded, into the scene; with a warning where nobody asked for it. */
 void finish_selection(loader &l);
 
-/* The triangles from here on are of that primitive. */
-void begin_part(loader &l, size_t node, const tinygltf::Primitive &p);
+/* The triangles from here on are of that primitive, placed from that origin. */
+void begin_part(loader &l, size_t node, const tinygltf::Primitive &p, vec3 origin);
 void finish_parts(loader &l);
 
 /* ---- gltf_meshes.cc, gltf_triangles.cc ---- */

@@ -17,8 +17,16 @@ static uint32_t name_at(loader &l, kind k, size_t index, const std::string &name
     return at;
 }
 
-void begin_part(loader &l, size_t node, const tinygltf::Primitive &p)
+static void begin_origin(loader &l, vec3 origin)
 {
+    scene_origin from = {(uint32_t)l.s->triangle_count, {origin.x, origin.y, origin.z}};
+    if (!l.origins.empty() && !memcmp(l.origins.back().at_ws, from.at_ws, sizeof from.at_ws)) return;
+    l.origins.push_back(from);
+}
+
+void begin_part(loader &l, size_t node, const tinygltf::Primitive &p, vec3 origin)
+{
+    begin_origin(l, origin);
     scene_part part = {};
     part.node       = (uint32_t)node;
     part.mesh       = (uint32_t)l.model.nodes[node].mesh;
@@ -36,9 +44,11 @@ void begin_part(loader &l, size_t node, const tinygltf::Primitive &p)
 
 void finish_parts(loader &l)
 {
-    l.s->parts      = copied(l.parts);
-    l.s->part_count = l.parts.size();
-    l.s->names      = copied(std::vector<char>(l.names.begin(), l.names.end()));
+    l.s->parts        = copied(l.parts);
+    l.s->part_count   = l.parts.size();
+    l.s->origins      = copied(l.origins);
+    l.s->origin_count = l.origins.size();
+    l.s->names        = copied(std::vector<char>(l.names.begin(), l.names.end()));
 }
 
 } // namespace gltf

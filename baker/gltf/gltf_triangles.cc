@@ -134,7 +134,7 @@ static void place_primitive(loader &l, size_t node, const placement &p, const el
     last = p.targets.empty() ? p.positions : nullptr;
     if (l.slots.size() < p.positions->count) l.slots.resize(p.positions->count);
 
-    begin_part(l, node, *p.primitive);
+    begin_part(l, node, *p.primitive, p.ws_from_node.origin);
     uint32_t *out = s->indices + 3 * s->triangle_count;
     for (size_t t = 0; t < p.triangles; t++, out += 3) {
         uint32_t element[3];

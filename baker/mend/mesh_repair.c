@@ -561,6 +561,7 @@ vxs_result scene_repair(scene *s, const repair_options *o, repair_report *out, m
     if ((r = remove_triangles(&x, m)) != VXS_OK) goto done;
     if ((r = orient(&x, m)) != VXS_OK) goto done;
     if ((r = fill(&x, m)) != VXS_OK) goto done;
+    s->origin_count = 0; /* triangles have moved in the order, and new ones are of no node */
     note_closed(&x);
     sum_up(out);
 done:

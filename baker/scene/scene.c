@@ -17,6 +17,7 @@ void scene_free(scene *s)
     free(s->images);
     free(s->parts);
     free(s->names);
+    free(s->origins);
     free(s->exclusions);
     free(s->alpha_masks);
     free(s->holed_triangles);

@@ -69,6 +69,12 @@ typedef struct scene_part {
 
 #define SCENE_NO_MATERIAL UINT32_MAX
 
+/* Triangles that follow each other, all placed from one origin: their coordinates are floats that are counted from there. */
+typedef struct scene_origin {
+    uint32_t triangle_first; /* to where the next one begins */
+    double   at_ws[3];
+} scene_origin;
+
 /* The parts that something is made of, whose triangles are seen in order. */
 typedef struct part_span {
     uint32_t first, last, count;
@@ -97,6 +103,9 @@ typedef struct scene {
     size_t      part_count;
     scene_part *parts; /* in the order of their triangles, all of which they hold; none in a scene that came from no file */
     char       *names; /* each ended by 0, as the file has them */
+
+    size_t        origin_count;
+    scene_origin *origins; /* as parts; without any, positions are as fine as doubles */
 
     size_t           exclusion_count;
     scene_exclusion *exclusions; /* what was asked for, and what else left triangles out */
