@@ -258,7 +258,7 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
     stage_begin(ctx, STAGE_SOLIDS);
     if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
     progress_say(o->progress, "telling solids from sheets");
-    if ((r = casters_from_scene(c, s, o->closed, o->threads, m)) != VXS_OK) goto done;
+    if ((r = casters_for_maps(c, s, o->closed, o->threads, m)) != VXS_OK) goto done;
     warn_about_scene(o, c, &chosen, m);
     if ((r = message_check(m)) != VXS_OK) goto done;
 

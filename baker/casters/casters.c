@@ -13,12 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/array.h"
 #include "baker/base/box.h"
 #include "baker/base/group.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
+#include "baker/casters/mesh_split.h"
 #include "baker/casters/mesh_weld.h"
 
 #define NONE UINT32_MAX
@@ -42,8 +44,14 @@ typedef struct work {
     uint32_t  threads;
     mesh_weld mesh;
     uint8_t  *flags;        /* [triangle_count] TRIANGLE_*, EDGE_OPEN */
-    uint32_t *hole_of;      /* [triangle_count] which of the scene's holed_triangles, or NONE; NULL: the scene has none */
+    uint32_t *hole_of;      /* [triangle_count] which of holes, or NONE; NULL: the scene has none */
     uint32_t *component_of; /* [triangle_count] */
+
+    const holed_triangle *holes;     /* the scene's; own_holes once triangles with holes are split */
+    holed_triangle       *own_holes; /* the scene's, and those of pieces */
+
+    size_t    border_count, border_capacity;
+    uint32_t *border; /* [border_count] half-edges that are open, those of one edge together; none where nobody asks */
 
     size_t     component_count;
     component *components; /* in the order of their first triangles */
@@ -58,6 +66,8 @@ static void work_free(work *w)
     free(w->flags);
     free(w->hole_of);
     free(w->component_of);
+    free(w->own_holes);
+    free(w->border);
     free(w->components);
     free(w->boxes);
     free(w->first_of);
@@ -100,6 +110,7 @@ static vxs_result weld(work *w, const scene *s, message *m)
 {
     vxs_result r = mesh_weld_scene(&w->mesh, s, w->threads, m);
     if (r != VXS_OK) return r;
+    w->holes = s->holed_triangles;
     w->flags = allocate(w->mesh.triangle_count, 1);
     if (s->holed_triangle_count) w->hole_of = allocate(w->mesh.triangle_count, sizeof *w->hole_of);
     if (!w->flags || (s->holed_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
@@ -112,21 +123,37 @@ static vxs_result weld(work *w, const scene *s, message *m)
 typedef struct edges {
     work     *of;
     uint32_t *sorted; /* as mesh_sort_edges makes it */
+    int       open;   /* 1: some edge is */
 } edges;
 
 /* Mark a triangle of each edge that is not used equally often in both directions. An edge of four or six faces may well
  * balance: two boxes that touch along an edge are still two closed boxes. */
 static void mark_open_edge(void *user, uint32_t begin, uint32_t end)
 {
-    const edges *e = user;
-    if (mesh_edge_balance(e->of->mesh.indices, e->sorted, begin, end))
-        __atomic_fetch_or(&e->of->flags[e->sorted[begin] / 3], EDGE_OPEN, __ATOMIC_RELAXED);
+    edges *e = user;
+    if (!mesh_edge_balance(e->of->mesh.indices, e->sorted, begin, end)) return;
+    __atomic_fetch_or(&e->of->flags[e->sorted[begin] / 3], EDGE_OPEN, __ATOMIC_RELAXED);
+    __atomic_store_n(&e->open, 1, __ATOMIC_RELAXED);
 }
 
-static vxs_result connect(work *w, message *m)
+/* Keep the half-edges of all open edges. Returns 0 without memory. */
+static int gather_border(work *w, const uint32_t *sorted)
+{
+    uint32_t edge_count = (uint32_t)(3 * w->mesh.triangle_count);
+    for (uint32_t begin = 0, end; begin < edge_count; begin = end) {
+        end = mesh_edge_run(w->mesh.indices, sorted, begin, edge_count);
+        if (!mesh_edge_balance(w->mesh.indices, sorted, begin, end)) continue;
+        if (!array_reserve(&w->border, &w->border_capacity, w->border_count + end - begin, sizeof *w->border)) return 0;
+        memcpy(w->border + w->border_count, sorted + begin, (end - begin) * sizeof *sorted);
+        w->border_count += end - begin;
+    }
+    return 1;
+}
+
+static vxs_result connect(work *w, int wants_border, message *m)
 {
     const mesh_weld *mesh = &w->mesh;
-    edges            e    = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted)};
+    edges            e    = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted), 0};
     vxs_result       r    = VXS_E_MEMORY;
     if (e.sorted) r = mesh_sort_edges(e.sorted, mesh->indices, mesh->triangle_count, mesh->vertex_count, w->threads);
     if (r == VXS_OK && !(w->component_of = pages_alloc(mesh->triangle_count * sizeof *w->component_of))) r = VXS_E_MEMORY;
@@ -134,6 +161,7 @@ static vxs_result connect(work *w, message *m)
         w->component_count = mesh_find_components(w->component_of, e.sorted, mesh->indices, mesh->triangle_count, w->threads);
         mesh_for_each_edge(mesh->indices, e.sorted, mesh->triangle_count, w->threads, mark_open_edge, &e);
     }
+    if (r == VXS_OK && wants_border && e.open && !gather_border(w, e.sorted)) r = VXS_E_MEMORY;
     free(e.sorted);
     return r == VXS_OK ? r : out_of_memory(m, mesh->triangle_count);
 }
@@ -283,6 +311,65 @@ static vxs_result judge_components(work *w, const scene *s, closed_mode closed, 
     return closed == CLOSED_AUTO ? evict_occupied(w, s, m) : VXS_OK;
 }
 
+/* --- split ------------------------------------------------------------------------------------------------------------ */
+
+/* Triangles with holes that were split have entries of their own behind the scene's, with what their corners have in the image. */
+static int split_holes(work *w, const scene *s, const mesh_split *split)
+{
+    size_t count = s->holed_triangle_count;
+    if (!w->hole_of) return 1;
+    if (!(w->own_holes = malloc((count + split->piece_count) * sizeof *w->own_holes))) return 0;
+    memcpy(w->own_holes, s->holed_triangles, count * sizeof *w->own_holes);
+    for (const mesh_piece *p = split->pieces; p < split->pieces + split->piece_count; p++) {
+        uint32_t hole = w->hole_of[p->triangle];
+        if (hole == NONE) continue;
+        const holed_triangle *whole = &s->holed_triangles[hole];
+        holed_triangle       *piece = &w->own_holes[w->hole_of[p->triangle] = (uint32_t)count++];
+        *piece                      = (holed_triangle){.triangle = whole->triangle, .mask = whole->mask};
+        for (int n = 0; n < 3; n++)
+            for (int axis = 0; axis < 2; axis++)
+                for (int k = 0; k < 3; k++) piece->uv[n][axis] += (float)(p->weights[n][k] * (double)whole->uv[k][axis]);
+    }
+    w->holes = w->own_holes;
+    return 1;
+}
+
+/* What is known of triangles, for those that stand in their places. */
+static int spread(work *w, const scene *s, const mesh_split *split)
+{
+    size_t   count = w->mesh.triangle_count;
+    uint8_t *flags = realloc(w->flags, count * sizeof *w->flags);
+    if (flags) w->flags = flags;
+    uint32_t *component_of = realloc(w->component_of, count * sizeof *w->component_of);
+    if (component_of) w->component_of = component_of;
+    uint32_t *hole_of = w->hole_of ? realloc(w->hole_of, count * sizeof *w->hole_of) : NULL;
+    if (hole_of) w->hole_of = hole_of;
+    if (!flags || !component_of || (w->hole_of && !hole_of)) return 0;
+    for (size_t t = count; t-- > 0;) { /* from behind: none is before its parent */
+        w->flags[t]        = w->flags[split->parents[t]];
+        w->component_of[t] = w->component_of[split->parents[t]];
+        if (w->hole_of) w->hole_of[t] = w->hole_of[split->parents[t]];
+    }
+    return split_holes(w, s, split);
+}
+
+/* Borders that meet get the same vertices. Solids are told before: none of them has a border, so none is split, and what the split closes stays
+ * a sheet, as a gap that a tolerance closes is no proof of an inside. */
+static vxs_result split_borders(work *w, casters *c, const scene *s, message *m)
+{
+    mesh_split split = {0};
+    vxs_result r     = VXS_OK;
+    if (!w->border_count) return VXS_OK;
+    if ((r = mesh_split_borders(&split, &w->mesh, w->border, w->border_count, s, m)) != VXS_OK) return r;
+    c->borders = (border_counts){split.open_count, split.split_count, split.left_count, split.added_count, split.joined_count};
+    if (split.left_count)
+        warn(m, "%zu edges are left as they are, and may let light through where sheets meet: too many of them lie upon each other",
+             split.left_count);
+    if (split.parents && !spread(w, s, &split)) r = out_of_memory(m, s->triangle_count);
+    mesh_split_free(&split);
+    return r;
+}
+
 /* --- emit ------------------------------------------------------------------------------------------------------------- */
 
 static void count_kinds(casters *c, const work *w)
@@ -305,21 +392,6 @@ static void number_by_kind(casters *c, work *w)
     }
 }
 
-/* Which corner has the least position, by x, then y, then z. Triangles begin there, wherever a file begins them: rasterizers interpolate
- * from the first corner, and the same surface in another encoding has to give the same depths. */
-static unsigned least_corner(const work *w, size_t t)
-{
-    const uint32_t *v     = &w->mesh.indices[3 * t];
-    unsigned        least = 0;
-    for (unsigned n = 1; n < 3; n++) {
-        const double *a = &w->mesh.positions_ws[3 * (size_t)v[n]], *b = &w->mesh.positions_ws[3 * (size_t)v[least]];
-        int           axis = 0;
-        while (axis < 2 && a[axis] == b[axis]) axis++;
-        if (a[axis] < b[axis]) least = n;
-    }
-    return least;
-}
-
 static int has_holes(const work *w, size_t t)
 {
     return w->hole_of && w->hole_of[t] != NONE;
@@ -328,9 +400,9 @@ static int has_holes(const work *w, size_t t)
 /* The casters come in groups: solids, sheets, and the triangles with holes of each alpha mask. */
 enum { GROUP_SOLIDS, GROUP_SHEETS, GROUP_MASKS };
 
-static uint32_t group_of(const work *w, const scene *s, size_t t)
+static uint32_t group_of(const work *w, size_t t)
 {
-    if (has_holes(w, t)) return GROUP_MASKS + s->holed_triangles[w->hole_of[t]].mask;
+    if (has_holes(w, t)) return GROUP_MASKS + w->holes[w->hole_of[t]].mask;
     return w->components[w->component_of[t]].kind == COMPONENT_SOLID ? GROUP_SOLIDS : GROUP_SHEETS;
 }
 
@@ -342,20 +414,20 @@ typedef struct emission {
     uint32_t    *emitted_as; /* [vertex_count] the result's number of a vertex, or NONE */
 } emission;
 
-/* Triangle t of the work as triangle `at` of the result, with the work's vertices so far. */
+/* Triangle t of the work as triangle `at` of the result, with the work's vertices so far. It begins at its least corner, wherever a file begins
+ * it: rasterizers interpolate from the first corner, and the same surface in another encoding has to give the same depths. */
 static void emit_triangle(const emission *e, size_t at, size_t t)
 {
     casters         *c     = e->c;
     const work      *w     = e->w;
-    const scene     *s     = e->s;
     const uint32_t  *from  = &w->mesh.indices[3 * t];
     const component *of    = &w->components[w->component_of[t]];
-    unsigned         begin = least_corner(w, t);
+    unsigned         begin = mesh_least_corner(w->mesh.positions_ws, from);
     int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid by --closed on alone */
     for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(begin + (turn ? 3 - n : n)) % 3];
     c->component_of[at] = of->number;
     for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
-        memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], s->holed_triangles[w->hole_of[t]].uv[(begin + n) % 3],
+        memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], w->holes[w->hole_of[t]].uv[(begin + n) % 3],
                2 * sizeof *c->hole_uvs);
 }
 
@@ -415,11 +487,11 @@ static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
     vxs_result r     = VXS_E_MEMORY;
     size_t     count = w->mesh.triangle_count, groups = GROUP_MASKS + s->alpha_mask_count;
-    uint32_t  *group = w->members; /* components are measured and judged */
+    uint32_t  *group = pages_alloc(count * sizeof *group);
     uint32_t  *first = malloc((groups + 1) * sizeof *first);
     emission   e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
-    if (!first || !e.order || !e.emitted_as) goto done;
-    for (size_t t = 0; t < count; t++) group[t] = group_of(w, s, t);
+    if (!group || !first || !e.order || !e.emitted_as) goto done;
+    for (size_t t = 0; t < count; t++) group[t] = group_of(w, t);
     if ((r = group_by_key(first, e.order, group, count, groups, w->threads)) != VXS_OK) goto done;
     if (!make_room(c, w, s, first)) {
         r = VXS_E_MEMORY;
@@ -432,6 +504,7 @@ static vxs_result emit(casters *c, work *w, const scene *s, message *m)
     number_vertices(&e);
     parallel_for(w->threads, w->mesh.vertex_count, GRAIN, emit_vertices, &e);
 done:
+    free(group);
     free(first);
     free(e.order);
     free(e.emitted_as);
@@ -460,7 +533,7 @@ static vxs_result no_caster(const scene *s, message *m)
                 s->triangle_count);
 }
 
-vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m)
+static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int splits_borders, uint32_t threads, message *m)
 {
     vxs_result r;
     work       w = {.threads = threads};
@@ -473,14 +546,25 @@ vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, ui
         r = no_caster(s, m);
         goto done;
     }
-    if ((r = connect(&w, m)) != VXS_OK) goto done;
+    if ((r = connect(&w, splits_borders, m)) != VXS_OK) goto done;
     if ((r = measure_components(&w, s, m)) != VXS_OK) goto done;
     if ((r = judge_components(&w, s, closed, m)) != VXS_OK) goto done;
+    if (splits_borders && (r = split_borders(&w, c, s, m)) != VXS_OK) goto done;
     r = emit(c, &w, s, m);
 done:
     if (r != VXS_OK) casters_free(c);
     work_free(&w);
     return r;
+}
+
+vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m)
+{
+    return sort_out(c, s, closed, 0, threads, m);
+}
+
+vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m)
+{
+    return sort_out(c, s, closed, 1, threads, m);
 }
 
 void casters_free(casters *c)

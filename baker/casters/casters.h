@@ -31,6 +31,15 @@ typedef struct meeting_counts {
     size_t assumed;      /* of those that meet: not known, the search was given up */
 } meeting_counts;
 
+/* What became of borders of sheets that meet (mesh_split.h). */
+typedef struct border_counts {
+    size_t edges;  /* that are open; none where nobody asked */
+    size_t split;  /* of them, split at vertices that lie on them */
+    size_t left;   /* of them, not looked at */
+    size_t added;  /* triangles more than before */
+    size_t joined; /* vertices that took another one's place */
+} border_counts;
+
 typedef struct casters {
     size_t  vertex_count;
     double *positions_ws; /* [3 * vertex_count] welded: no two vertices have the same position */
@@ -56,10 +65,11 @@ typedef struct casters {
     uint8_t       *solid_meets; /* [solid_triangle_count] 1: its solid meets another or itself; NULL before casters_find_meeting */
     meeting_counts meeting;
 
-    size_t component_count[COMPONENT_KINDS]; /* components of each kind */
-    size_t triangles_of_kind[COMPONENT_KINDS];
-    size_t scene_vertex_count; /* before welding */
-    size_t collapsed_count;    /* triangles dropped because two corners welded together */
+    size_t        component_count[COMPONENT_KINDS];   /* components of each kind */
+    size_t        triangles_of_kind[COMPONENT_KINDS]; /* before any were split */
+    border_counts borders;
+    size_t        scene_vertex_count; /* before welding */
+    size_t        collapsed_count;    /* triangles dropped because two corners welded together */
 } casters;
 
 /* Weld vertices at bit-equal world positions (-0 equals +0), drop triangles that collapse, split into components connected by
@@ -70,6 +80,11 @@ typedef struct casters {
  * c  [out] zeroed on failure; released with casters_free.
  * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  The same at any thread count. */
 vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
+
+/* The same for maps: where borders of sheets meet, they have the same vertices, so that no light falls between them (mesh_split.h). Which
+ * components are solids is told before.
+ * Time: as casters_from_scene where nothing is open; else some microseconds more for each open edge. */
+vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
 
 /* Fill solid_meets and meeting. A solid meets another when their surfaces have a point in common, or one is inside the other; it
  * meets itself when its surface has a point in common with another part of it that is more than an edge or a corner of both.
@@ -82,6 +97,12 @@ vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, ui
 vxs_result casters_find_meeting(casters *c, uint32_t threads, message *m);
 
 void casters_free(casters *c);
+
+/* How many triangles there were before any were split. */
+static inline size_t casters_whole_count(const casters *c)
+{
+    return c->triangle_count - c->borders.added;
+}
 
 /* "solid", "open", ... for reports. */
 const char *component_kind_name(component_kind kind);

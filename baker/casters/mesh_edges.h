@@ -43,6 +43,19 @@ static inline uint32_t mesh_edge_high(const uint32_t *indices, uint32_t h)
     return a < b ? b : a;
 }
 
+/* Which corner of a triangle has the least position, by x, then y, then z: the same wherever a file begins it. */
+static inline uint32_t mesh_least_corner(const double *positions, const uint32_t corners[3])
+{
+    uint32_t least = 0;
+    for (uint32_t n = 1; n < 3; n++) {
+        const double *a = &positions[3 * (size_t)corners[n]], *b = &positions[3 * (size_t)corners[least]];
+        int           axis = 0;
+        while (axis < 2 && a[axis] == b[axis]) axis++;
+        if (a[axis] < b[axis]) least = n;
+    }
+    return least;
+}
+
 static inline int mesh_same_edge(const uint32_t *indices, uint32_t h, uint32_t g)
 {
     return mesh_edge_low(indices, h) == mesh_edge_low(indices, g) && mesh_edge_high(indices, h) == mesh_edge_high(indices, g);

@@ -35,7 +35,7 @@ vxs_result light_maps_render(light_maps *out, const bake_options *o, message *m)
     vxs_result   r;
     memset(out, 0, sizeof *out);
     if ((r = scene_load_gltf(&out->scene, o->scene_path, NULL, m)) != VXS_OK) goto done;
-    if ((r = casters_from_scene(&out->casters, &out->scene, o->closed, 2, m)) != VXS_OK) goto done;
+    if ((r = casters_for_maps(&out->casters, &out->scene, o->closed, 2, m)) != VXS_OK) goto done;
     if ((r = lights_choose(&out->scene, &o->light_names, &o->suns, &chosen, m)) != VXS_OK) goto done;
     if ((r = plan_make(&out->plan, o, &out->casters, &chosen, 0, m)) != VXS_OK) goto done;
 

@@ -455,7 +455,7 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
     for (size_t closed = 0; closed < o->value_count[CHOICE_CLOSED]; closed++) {
         bake.closed = (closed_mode)o->value[CHOICE_CLOSED][closed];
         casters_free(&w.c);
-        if ((r = casters_from_scene(&w.c, &w.s, bake.closed, 2, m)) != VXS_OK) goto done;
+        if ((r = casters_for_maps(&w.c, &w.s, bake.closed, 2, m)) != VXS_OK) goto done;
         if (!w.gl && (r = gl_context_create(&w.gl, GL_BACKEND_OSMESA, bake.threads, m)) != VXS_OK) goto done;
         for (size_t sun = 0; sun < suns; sun++) {
             if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
