@@ -152,10 +152,17 @@ void report_print_excluded(FILE *to, const bake_report *r, const char *head)
         fprintf(to, "%-12s %zu triangles excluded: %s\n", head, e->triangles, exclusion_text(rule, e));
 }
 
+static void print_borders(FILE *to, const border_counts *b)
+{
+    if (b->split || b->joined)
+        fprintf(to, "             %zu edges split where borders meet, %zu triangles more, %zu vertices joined\n", b->split,
+                b->added, b->joined);
+}
+
 void report_print_casters(FILE *to, const bake_report *r)
 {
     const casters *c = &r->casters;
-    fprintf(to, "casters      %zu triangles, %zu solids with %zu triangles\n", c->triangle_count,
+    fprintf(to, "casters      %zu triangles, %zu solids with %zu triangles\n", casters_whole_count(c),
             c->component_count[COMPONENT_SOLID], c->solid_triangle_count);
     for (int kind = COMPONENT_SOLID + 1; kind < COMPONENT_KINDS; kind++)
         if (c->component_count[kind])
@@ -163,6 +170,7 @@ void report_print_casters(FILE *to, const bake_report *r)
                     component_kind_name((component_kind)kind));
     report_print_excluded(to, r, "");
     if (c->collapsed_count) fprintf(to, "             %zu triangles left out: two corners in one place\n", c->collapsed_count);
+    print_borders(to, &c->borders);
     fprintf(to, "             %.6g x %.6g x %.6g m\n", r->casters_max_ws[0] - r->casters_min_ws[0],
             r->casters_max_ws[1] - r->casters_min_ws[1], r->casters_max_ws[2] - r->casters_min_ws[2]);
 }
@@ -236,6 +244,13 @@ static json_t *exclusions_json(const bake_report *r)
     return excluded;
 }
 
+static json_t *borders_json(const border_counts *b)
+{
+    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "open_edges", (json_int_t)b->edges, "split_edges", (json_int_t)b->split,
+                     "added_triangles", (json_int_t)b->added, "joined_vertices", (json_int_t)b->joined, "left_edges",
+                     (json_int_t)b->left);
+}
+
 json_t *report_casters_json(const bake_report *r)
 {
     const casters *c      = &r->casters;
@@ -244,11 +259,12 @@ json_t *report_casters_json(const bake_report *r)
         json_object_set_new(sheets, component_kind_name((component_kind)kind),
                             json_pack("{s:I, s:I}", "components", (json_int_t)c->component_count[kind], "triangles",
                                       (json_int_t)c->triangles_of_kind[kind]));
-    return json_pack("{s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:[f,f,f], s:[f,f,f]}", "triangles", (json_int_t)c->triangle_count,
-                     "collapsed_triangles", (json_int_t)c->collapsed_count, "excluded", exclusions_json(r), "solids", "components",
-                     (json_int_t)c->component_count[COMPONENT_SOLID], "triangles", (json_int_t)c->solid_triangle_count, "sheets",
-                     sheets, "min_m", r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m",
-                     r->casters_max_ws[0], r->casters_max_ws[1], r->casters_max_ws[2]);
+    return json_pack("{s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:o, s:[f,f,f], s:[f,f,f]}", "triangles",
+                     (json_int_t)casters_whole_count(c), "collapsed_triangles", (json_int_t)c->collapsed_count, "excluded",
+                     exclusions_json(r), "solids", "components", (json_int_t)c->component_count[COMPONENT_SOLID], "triangles",
+                     (json_int_t)c->solid_triangle_count, "sheets", sheets, "borders", borders_json(&c->borders), "min_m",
+                     r->casters_min_ws[0], r->casters_min_ws[1], r->casters_min_ws[2], "max_m", r->casters_max_ws[0],
+                     r->casters_max_ws[1], r->casters_max_ws[2]);
 }
 
 json_t *report_warnings_json(const message *m)

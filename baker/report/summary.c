@@ -35,8 +35,9 @@ static void print_names(FILE *to, name_list *l)
 static void print_scene(FILE *to, const bake_options *o, const bake_report *r)
 {
     const casters *c     = &r->casters;
-    double         share = c->triangle_count ? 100 * (double)c->solid_triangle_count / (double)c->triangle_count : 0;
-    fprintf(to, "scene        %s: %zu triangles, %.3g %% of them in solids\n", input_name(o->scene_path), c->triangle_count, share);
+    double         share = c->triangle_count ? 100 * (double)c->solid_triangle_count / (double)casters_whole_count(c) : 0;
+    fprintf(to, "scene        %s: %zu triangles, %.3g %% of them in solids\n", input_name(o->scene_path), casters_whole_count(c),
+            share);
 }
 
 /* The lights that are baked, and the texels of their maps. */
