@@ -7,6 +7,7 @@
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
+#   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps: some minutes
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
@@ -90,7 +91,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $B/baker/main.c.o $(baker.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-tsan bench packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-cracks check-tsan bench packages format clean
 all: $B/vxs $B/libvxs.a $B/libvxs.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -198,6 +199,8 @@ check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit
 check-memory: all
 	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
+check-cracks: $B/tests/bench/cracks
+	@$<
 check-tsan: packages
 	@$(MAKE) config=tsan packages=skip all check-unit
 	@VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py
