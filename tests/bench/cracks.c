@@ -166,7 +166,9 @@ static vxs_result judge_scene(const char *path, gl_context *gl, int maps, caster
     casters    whole = {0}, made = {0};
     vxs_result r;
     if ((r = scene_load_gltf(&s, path, NULL, m)) != VXS_OK) goto done;
-    if ((r = casters_from_scene(&whole, &s, CLOSED_OFF, m)) != VXS_OK || (r = make(&made, &s, CLOSED_OFF, m)) != VXS_OK) goto done;
+    if ((r = casters_from_scene(&whole, &s, CLOSED_OFF, ctx->threads, m)) != VXS_OK ||
+        (r = make(&made, &s, CLOSED_OFF, ctx->threads, m)) != VXS_OK)
+        goto done;
     for (int source = 0; source < SOURCES && r == VXS_OK; source++) {
         deep_counts n = {0};
         for (int sun = 0; sun < SUNS && r == VXS_OK && (!maps || maps == source + 1); sun++)

@@ -190,14 +190,15 @@ static inline void panel_sides(double sides[4][3], const double q[4][3])
 
 static inline panel_map panels_in_map(const panels *p, const vxs_light *light, int map, double grid_px)
 {
-    panel_map m    = {.p = p, .grid_px = grid_px, .bounds = box_empty()};
-    double    side = ldexp(1, (int)light->levels);
-    int       sun  = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    panel_map m     = {.p = p, .grid_px = grid_px, .bounds = box_empty()};
+    map_frame frame = map_frame_of(light, map);
+    double    side  = ldexp(1, (int)light->levels);
+    int       sun   = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
     for (int n = 0; n < PANELS; n++) {
         double q[4][3];
         m.seen[n] = 1;
         for (int k = 0; k < 4; k++) {
-            map_space_from_ws(light, map, p->corners[n][k], q[k]);
+            map_space_from_ws(&frame, p->corners[n][k], q[k]);
             double metre = 1 / (light->texel_metres * (sun ? 1 : q[k][2]));
             for (int axis = 0; axis < 2 && !sun; axis++) q[k][axis] = 0.5 * side + q[k][axis] * metre;
             if (!sun && !(q[k][2] > 0.05)) m.seen[n] = 0; /* beside the map, or behind it */
@@ -277,7 +278,7 @@ static inline vxs_result panels_count(leak_counts *sum, const panels *p, const v
     return r;
 }
 
-typedef vxs_result casters_maker(casters *c, const scene *s, closed_mode closed, message *m);
+typedef vxs_result casters_maker(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
 
 /* Count columns and leaks of the panels that a seed makes, in a light of some kind.
  * gl    NULL: straight from triangles, else rendered
@@ -292,7 +293,8 @@ static inline vxs_result panels_leaks(leak_counts *sum, gl_context *gl, uint64_t
     vxs_light      light;
     vxs_result     r;
     if (!p.s.positions_ws) return fail(ctx->message, VXS_E_MEMORY, "out of memory");
-    if ((r = make(&c, &p.s, CLOSED_AUTO, ctx->message)) == VXS_OK && (r = light_fit(&light, &c, &fit, ctx->message)) == VXS_OK) {
+    if ((r = make(&c, &p.s, CLOSED_AUTO, ctx->threads, ctx->message)) == VXS_OK &&
+        (r = light_fit(&light, &c, &fit, ctx->message)) == VXS_OK) {
         uint32_t       fetch    = min_u32(side_px, TILE_MAX_PX);
         opengl_columns rendered = {.gl = gl, .casters = &c, .light = &light, .tile_px = fetch};
         sparse_columns sparse   = {.casters = &c, .light = &light, .fetch_px = fetch};

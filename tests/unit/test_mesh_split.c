@@ -43,7 +43,7 @@ static size_t count_open(const casters *c, int (*counts)(const void *user, const
     uint32_t *sorted = malloc(edges * sizeof *sorted);
     size_t    count  = 0;
     assert_non_null(sorted);
-    assert_int_equal(mesh_sort_edges(sorted, c->indices, c->triangle_count, c->vertex_count), VXS_OK);
+    assert_int_equal(mesh_sort_edges(sorted, c->indices, c->triangle_count, c->vertex_count, 1), VXS_OK);
     for (uint32_t begin = 0, end; begin < edges; begin = end) {
         uint32_t h = sorted[begin];
         end        = mesh_edge_run(c->indices, sorted, begin, edges);
