@@ -18,7 +18,7 @@
 #include "baker/columns/opengl/depth_block.h"
 #include "baker/columns/stored/depth_maps.h"
 
-enum { CELLS_MAX = 32 }; /* windows a side */
+enum { CELLS_MAX = 32, MAPS_FEW = 8 }; /* windows a side; maps that are looked at closely */
 
 /* What a sample may cost, however many triangles lie over each other: some two seconds, and 100 MiB beside what follows the triangles, and
  * threads. Real scenes need a tenth of it. */
@@ -563,10 +563,11 @@ static void sampler_free(sampler *job)
     free(job);
 }
 
-/* Every 64th texel of a map of 4096; all of small ones. */
-static uint32_t windows_a_side(uint32_t side_px)
+/* Every 64th texel of a map of 4096; all of small ones; of many maps, fewer. */
+static uint32_t windows_a_side(uint32_t side_px, uint32_t maps)
 {
     uint32_t windows = side_px / SAMPLE_WINDOW_PX, cells = side_px / 256;
+    for (; maps > MAPS_FEW; maps /= 4) cells /= 2;
     cells = cells < 8 ? 8 : cells > CELLS_MAX ? CELLS_MAX : cells;
     return windows < 1 ? 1 : min_u32(windows, cells);
 }
@@ -593,8 +594,8 @@ static vxs_result make_room(sampler *job, message *m)
     return r;
 }
 
-vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, const bake_options *o,
-                           message *m)
+vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, uint32_t maps,
+                           const bake_options *o, message *m)
 {
     memset(s, 0, sizeof *s);
     sampler *job = calloc(1, sizeof *job);
@@ -608,7 +609,7 @@ vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *
     job->threads   = min_u32(max_u32(o->threads, 1), BATCH);
     job->side_px   = 1u << light->levels;
     job->window_px = min_u32(job->side_px, SAMPLE_WINDOW_PX);
-    job->cells     = windows_a_side(job->side_px);
+    job->cells     = windows_a_side(job->side_px, maps);
     job->cell_px   = job->side_px / job->cells;
     job->windows   = job->cells * job->cells;
 

@@ -42,8 +42,9 @@ typedef struct map_sample {
 } map_sample;
 
 /* Look at map `map` of a light; p is its projection. peels_all: solids count as meeting whatever is known of them.
+ * maps  how many are looked at, of all lights: of many, each gets less
  * s  [out] zeroed on failure.   Returns VXS_OK or VXS_E_MEMORY.  Same input, same result. */
-vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, const bake_options *o,
-                           message *m);
+vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *light, int peels_all, uint32_t maps,
+                           const bake_options *o, message *m);
 
 #endif

@@ -131,7 +131,16 @@ static void add_sample(map_sample *sum, const map_sample *s)
     sum->palette.pattern_words += s->palette.pattern_words;
 }
 
-static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, message *m)
+static uint32_t count_maps(const bake_plan *plan)
+{
+    uint32_t maps = 0;
+    for (size_t n = 0; n < plan->light_count; n++) maps += plan->lights[n].left_out ? 0 : plan->lights[n].map_count;
+    return maps;
+}
+
+/* maps  of all lights */
+static vxs_result sample_light(const bake_plan *plan, uint32_t maps, plan_light *l, const bake_options *o, const casters *c,
+                               message *m)
 {
     casters    near;
     vxs_result r = reach_casters(&near, &plan->reach, c, &l->shape, m);
@@ -141,7 +150,7 @@ static vxs_result sample_light(const bake_plan *plan, plan_light *l, const bake_
         projection p;
         map_sample s = {0};
         r            = projection_init(&p, &near, &l->light, (int)map, o->threads, m);
-        if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, o, m);
+        if (r == VXS_OK) r = map_sample_take(&s, &p, &l->light, plan->peels_all, maps, o, m);
         l->triangles += p.triangle_count;
         projection_free(&p);
         add_sample(&l->sample, &s);
@@ -256,7 +265,7 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const l
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
         plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
-        r = sample_light(plan, l, o, c, m);
+        r = sample_light(plan, count_maps(plan), l, o, c, m);
         plan_estimate_light(l, o);
     }
     if (r != VXS_OK) goto done;

@@ -214,11 +214,12 @@ def test_classes_of_processors(vxs, scenes, tmp_path, monkeypatch):
 # --- address space --------------------------------------------------------------------------------------------------------------------
 
 
-def test_address_space_that_ends(vxs_path, tmp_path):
+@pytest.mark.parametrize("maps, limits", [("gl", range(150, 1400, 25)), ("sparse", range(68, 150, 2))])
+def test_address_space_that_ends(vxs_path, tmp_path, maps, limits):
     """Whatever the limit, a bake succeeds or says why not: Mesa is not begun where it would run out."""
     scene, out, statuses = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.vxs", []
-    for mib in range(150, 1400, 25):
-        done = subprocess.run([vxs_path, "bake", scene, "-o", out, "--resolution", "512", "--threads", "2", "--baseline", "off"],
+    for mib in limits:
+        done = subprocess.run([vxs_path, "bake", scene, "-o", out, "--resolution", "512", "--threads", "2", "--maps", maps],
                               capture_output=True, text=True,
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (mib * MIB, mib * MIB)))
         assert done.returncode == 0 and not done.stderr or refused(done), (mib, done)
