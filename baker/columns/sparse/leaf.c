@@ -15,7 +15,7 @@
 
 enum {
     OPEN_BITS = 8, /* of the count of solids that are open; texels in more of them are sorted alone */
-    FEW_FACES = 16 /* so many are sorted by insertion */
+    FEW_FACES = 32 /* so many are sorted by insertion */
 };
 
 #define ALL_TEXELS UINT64_MAX
@@ -23,13 +23,19 @@ enum {
 /* A triangle that may touch the tile. */
 typedef struct leaf_face {
     const sparse_triangle *t;
-    double                 lo, hi, place; /* depths in the tile from the plane of lean() on; and what faces are sorted by */
-    double                 hi_most;       /* of faces up to this one that have `met` */
-    uint64_t               texels;        /* that it covers: bit u + 8 v; of `asked` ones */
+    double                 lo, hi;  /* depths in the tile from the plane of lean() on */
+    double                 hi_most; /* of faces up to this one that were met */
+    uint64_t               texels;  /* that it covers: bit u + 8 v; of `asked` ones */
     uint64_t               asked;
     uint64_t               met; /* of texels, those that had not left when it was met */
     uint32_t               id, covers;
 } leaf_face;
+
+/* What faces are sorted by. */
+typedef struct leaf_place {
+    double   depth;
+    uint32_t face;
+} leaf_place;
 
 /* The texels of a tile while it is looked at. */
 typedef struct leaf {
@@ -41,7 +47,11 @@ typedef struct leaf {
     uint64_t            tangled; /* where depths are not apart */
     uint64_t            open[OPEN_BITS];
     leaf_face          *faces;
-    double             *depths; /* [LANES * count] INFINITY where a texel is not met */
+    leaf_place         *places; /* [count] in order; [met] of those that texels have met which had not left */
+    size_t              met;
+    size_t              solids;
+    double             *depths; /* [LANES * solids] of those that some texels of a row meet; INFINITY where one does not */
+    uint8_t            *backs;  /* [solids] 1: of a back face */
     size_t              count;
     double              e[64], x[64]; /* depths, INFINITY where there is none */
 } leaf;
@@ -241,28 +251,34 @@ static void lean(leaf *f, const square_list *l)
         face->covers                  = e->bits & ENTRY_COVERS;
         face->lo                      = greatest(middle - rise, e->lo - steep - slack);
         face->hi                      = least(middle + rise, e->hi + steep + slack);
-        face->place                   = sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo;
+        f->places[f->count]           = (leaf_place){sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo, (uint32_t)f->count};
     }
 }
 
-static int compare_faces(const void *a, const void *b)
+static int compare_places(const void *a, const void *b)
 {
-    const leaf_face *p = a, *q = b;
-    return p->place < q->place ? -1 : p->place > q->place ? 1 : p->id < q->id ? -1 : 1;
+    const leaf_place *p = a, *q = b;
+    return p->depth < q->depth ? -1 : p->depth > q->depth ? 1 : p->face < q->face ? -1 : 1;
 }
 
-static void sort_faces(leaf_face *faces, size_t count)
+static void sort_places(leaf_place *places, size_t count)
 {
     if (count > FEW_FACES) {
-        qsort(faces, count, sizeof *faces, compare_faces);
+        qsort(places, count, sizeof *places, compare_places);
         return;
     }
     for (size_t n = 1; n < count; n++) {
-        leaf_face face = faces[n];
-        size_t    to   = n;
-        for (; to && faces[to - 1].place > face.place; to--) faces[to] = faces[to - 1];
-        faces[to] = face;
+        leaf_place place = places[n];
+        size_t     to    = n;
+        for (; to && places[to - 1].depth > place.depth; to--) places[to] = places[to - 1];
+        places[to] = place;
     }
+}
+
+/* Face n in order. */
+static leaf_face *face_at(const leaf *f, size_t n)
+{
+    return &f->faces[f->places[n].face];
 }
 
 /* Find out which of some texels a face covers. */
@@ -287,14 +303,13 @@ static uint64_t meets_no_later(const leaf *f, const sparse_triangle *t, const sp
     return texels & ~later;
 }
 
-/* Which of its texels meet face n behind one that they have met already, and is not nearer. */
-static uint64_t tangles(const leaf *f, size_t n)
+/* Which of its texels meet a face that is no later than another one which they have met already. */
+static uint64_t tangles(const leaf *f, const leaf_face *face)
 {
-    const leaf_face *face    = &f->faces[n];
+    const leaf_face *before;
     uint64_t         tangled = 0;
-    while (n-- && f->faces[n].hi_most >= face->lo) {
-        const leaf_face *before = &f->faces[n];
-        const uint64_t   both   = before->met & face->texels & ~tangled;
+    for (size_t n = f->met; n-- && (before = face_at(f, n))->hi_most >= face->lo;) {
+        const uint64_t both = before->met & face->texels & ~tangled;
         if (both && before->hi >= face->lo) tangled |= before->lo > face->hi ? both : meets_no_later(f, face->t, before->t, both);
     }
     return tangled;
@@ -305,17 +320,18 @@ static void meet_all(leaf *f)
 {
     double hi_most = -INFINITY;
     for (size_t n = 0; n < f->count; n++) {
-        leaf_face *face    = &f->faces[n];
-        uint64_t   pending = f->unmet | f->inside;
-        face->texels = face->asked = face->met = 0;
-        if (pending || face->lo <= hi_most) {
-            ask(f, face, ALL_TEXELS);
-            f->tangled |= tangles(f, n);
-            face->met = face->texels & pending;
-            meet(f, face->t, face->met);
-            if (face->met) hi_most = greatest(hi_most, face->hi);
-        }
-        face->hi_most = hi_most;
+        leaf_face     *face    = face_at(f, n);
+        const uint64_t pending = f->unmet | f->inside;
+        face->texels = face->asked = 0;
+        if (!pending && face->lo > hi_most) continue;
+        ask(f, face, ALL_TEXELS);
+        if (!face->texels) continue;
+        f->tangled |= tangles(f, face);
+        face->met = face->texels & pending;
+        if (!face->met) continue;
+        meet(f, face->t, face->met);
+        face->hi_most = hi_most  = greatest(hi_most, face->hi);
+        f->places[f->met++].face = (uint32_t)(face - f->faces); /* those that were met stay, in order */
     }
 }
 
@@ -326,12 +342,11 @@ static f64s count_open(const leaf *f, f64s layer, f64s *next)
 {
     const f64s none = f64s_all(INFINITY), one = f64s_all(1);
     f64s       open = f64s_all(0);
-    for (size_t n = 0; n < f->count; n++) {
-        if (sparse_is_sheet(f->faces[n].t)) continue;
+    for (size_t n = 0; n < f->solids; n++) {
         f64s z      = f64s_load(f->depths + n * LANES);
         i64s before = (i64s)(z <= layer);
         f64s counts = (f64s)((i64s)one & before);
-        if (sparse_is_exit(f->faces[n].t)) {
+        if (f->backs[n]) {
             open -= counts;
             *next = f64s_min(*next, f64s_choose(before, none, z));
         } else {
@@ -366,15 +381,19 @@ static void untangle(leaf *f, uint32_t texels, int first)
 {
     const f64s none = f64s_all(INFINITY), x0 = f64s_ramp(x_of(f, first), (double)px_of(f));
     f64s       sheet = none, solid = none, back = none;
-    for (size_t n = 0; n < f->count; n++) {
-        const leaf_face *face = &f->faces[n];
-        f64s z = f64s_select((uint32_t)(face->texels >> first) & texels, lanes_depth(face->t, x0, y_of(f, first)), none);
-        f64s_store(f->depths + n * LANES, z);
-        if (sparse_is_sheet(face->t))
+    f->solids = 0;
+    for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
+        const uint32_t met = (uint32_t)(face->texels >> first) & texels;
+        if (!met) continue;
+        f64s z = f64s_select(met, lanes_depth(face->t, x0, y_of(f, first)), none);
+        if (sparse_is_sheet(face->t)) {
             sheet = f64s_min(sheet, z);
-        else
-            solid = f64s_min(solid, z);
+            continue;
+        }
+        solid = f64s_min(solid, z);
         if (sparse_is_exit(face->t)) back = f64s_min(back, z);
+        f->backs[f->solids] = (uint8_t)sparse_is_exit(face->t);
+        f64s_store(f->depths + LANES * f->solids++, z);
     }
     i64s solid_first = (i64s)(solid < sheet);
     f64s e = f64s_min(solid, sheet), x = f64s_choose(solid_first, exits_of(f, back, solid_first), e);
@@ -445,6 +464,8 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
 {
     leaf f;
     if (!array_reserve(&s->faces, &s->face_capacity, l->count, sizeof *s->faces)) return 0;
+    if (!array_reserve(&s->places, &s->place_capacity, l->count, sizeof *s->places)) return 0;
+    if (!array_reserve(&s->backs, &s->back_capacity, l->count, sizeof *s->backs)) return 0;
     if (!array_reserve(&s->depths, &s->depth_capacity, l->count * LANES, sizeof *s->depths)) return 0;
     f.d       = d;
     f.bound   = b;
@@ -453,11 +474,14 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     f.unmet   = ALL_TEXELS;
     f.inside  = 0;
     f.tangled = 0;
+    f.met     = 0;
     f.faces   = s->faces;
+    f.places  = s->places;
+    f.backs   = s->backs;
     f.depths  = s->depths;
     memset(f.open, 0, sizeof f.open);
     lean(&f, l);
-    sort_faces(f.faces, f.count);
+    sort_places(f.places, f.count);
     meet_all(&f);
     put_depth(f.e, f.unmet, INFINITY);
     put_depth(f.x, f.unmet, INFINITY);

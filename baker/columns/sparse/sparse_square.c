@@ -184,7 +184,9 @@ vxs_result sparse_square_init(sparse_square *q, const sparse_level *level, const
         free(s->list.items);
         for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(s->quarter[k / 4][k % 4].items);
         free(s->leaf.faces);
+        free(s->leaf.places);
         free(s->leaf.depths);
+        free(s->leaf.backs);
     }
     free(w.scratch);
     if (w.out_of_memory) return VXS_E_MEMORY;
