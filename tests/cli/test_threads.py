@@ -42,7 +42,7 @@ def scene(request, run, tmp_path_factory):
     return path, resolution
 
 
-@pytest.mark.parametrize("options", [("--coding", "dag"), (), ("--maps", "sparse")], ids=["dag", "blocks", "sparse"])
+@pytest.mark.parametrize("options", [("--coding", "dag"), (), ("--maps", "gl")], ids=["dag", "blocks", "gl"])
 def test_bake(run, scene, tmp_path, options):
     path, resolution = scene
     out = {}
@@ -50,6 +50,21 @@ def test_bake(run, scene, tmp_path, options):
         run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--threads", threads, "--baseline", "off", *options)
         out[threads] = (tmp_path / "a.vxs").read_bytes()
     assert out[1] == out[2] == out[8]
+
+
+@pytest.mark.parametrize("coding", ["dag", "blocks"])
+def test_processors(run, scene, tmp_path, monkeypatch, coding):
+    """Loops that are compiled for several processors, and the C library's, which has other functions where numbers can be multiplied and added
+    at once."""
+    path, resolution = scene
+    out = set()
+    for most in ("avx512", "avx2", "sse2"):
+        monkeypatch.setenv("VXS_CPU", most)
+        if most == "sse2":
+            monkeypatch.setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX512F,-AVX2,-AVX,-FMA,-FMA4")
+        run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", resolution, "--coding", coding)
+        out.add((tmp_path / "a.vxs").read_bytes())
+    assert len(out) == 1
 
 
 @pytest.mark.parametrize("threads", [2, 8])
