@@ -428,6 +428,24 @@ static void suns(void **state)
            sum.early);
 }
 
+/* More faces over each other than are held against each other, or counted in bits. */
+static void piles(void **state)
+{
+    (void)state;
+    for (uint32_t n = 0; n < 3; n++) {
+        rng       r     = rng_split(n, 4);
+        vxs_light light = identity_light(32);
+        sample    b     = {.m.quiet = 1};
+        if (n == 0) add_nested(&b, &r, 32, 40);
+        if (n == 1) add_nested(&b, &r, 32, 300);
+        for (int k = 0; n == 2 && k < 200; k++) sample_cube(&b, 16 + 0.01 * (k % 7), 16, 16, 9);
+        sample_sort(&b, CLOSED_ON);
+        for (int nearest_back = 0; nearest_back < 2; nearest_back++)
+            assert_true(compare_light(&b.c, &light, nearest_back, 32, 1).texels > 100);
+        sample_clear(&b);
+    }
+}
+
 static void lamps(void **state)
 {
     counts sum = {0};
@@ -462,6 +480,7 @@ int main(void)
         cmocka_unit_test(depths_stay_within_their_lists),
         cmocka_unit_test(sheets_end_on_centres),
         cmocka_unit_test(suns),
+        cmocka_unit_test(piles),
         cmocka_unit_test(lamps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,8 +14,9 @@
 #include "baker/scene/alpha_mask.h"
 
 enum {
-    OPEN_BITS = 8, /* of the count of solids that are open; texels in more of them are sorted alone */
-    FEW_FACES = 32 /* so many are sorted by insertion */
+    OPEN_BITS = 8,   /* of the count of solids that are open; texels in more of them are sorted alone */
+    MET_MAX   = 256, /* faces that are held against others; where more lie over each other, texels are sorted alone */
+    FEW_FACES = 32   /* so many are sorted by insertion */
 };
 
 #define ALL_TEXELS UINT64_MAX
@@ -248,10 +249,11 @@ static void lean(leaf *f, const square_list *l)
         leaf_face             *face   = &f->faces[f->count];
         face->t                       = t;
         face->id                      = e->id;
-        face->covers                  = e->bits & ENTRY_COVERS;
-        face->lo                      = greatest(middle - rise, e->lo - steep - slack);
-        face->hi                      = least(middle + rise, e->hi + steep + slack);
-        f->places[f->count]           = (leaf_place){sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo, (uint32_t)f->count};
+        face->texels = face->asked = 0;
+        face->covers               = e->bits & ENTRY_COVERS;
+        face->lo                   = greatest(middle - rise, e->lo - steep - slack);
+        face->hi                   = least(middle + rise, e->hi + steep + slack);
+        f->places[f->count]        = (leaf_place){sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo, (uint32_t)f->count};
     }
 }
 
@@ -322,13 +324,16 @@ static void meet_all(leaf *f)
     for (size_t n = 0; n < f->count; n++) {
         leaf_face     *face    = face_at(f, n);
         const uint64_t pending = f->unmet | f->inside;
-        face->texels = face->asked = 0;
         if (!pending && face->lo > hi_most) continue;
         ask(f, face, ALL_TEXELS);
         if (!face->texels) continue;
         f->tangled |= tangles(f, face);
         face->met = face->texels & pending;
         if (!face->met) continue;
+        if (f->met == MET_MAX) {
+            f->tangled = ALL_TEXELS;
+            return;
+        }
         meet(f, face->t, face->met);
         face->hi_most = hi_most  = greatest(hi_most, face->hi);
         f->places[f->met++].face = (uint32_t)(face - f->faces); /* those that were met stay, in order */
@@ -376,6 +381,35 @@ static f64s exits_of(const leaf *f, f64s layer, i64s open)
     }
 }
 
+/* The same of one texel, by sorting all that it meets.   lane  of depths */
+static double exit_of(leaf *f, int lane)
+{
+    size_t  count = 0;
+    int64_t open  = 0;
+    for (size_t n = 0; n < f->solids; n++) {
+        double z = f->depths[LANES * n + (size_t)lane];
+        if (z < INFINITY) f->places[count++] = (leaf_place){z, f->backs[n]}; /* front faces first of those at one depth */
+    }
+    sort_places(f->places, count);
+    for (size_t n = 0; n < count; n++) {
+        const leaf_place *hit = &f->places[n];
+        if (!hit->face) {
+            open++;
+            continue;
+        }
+        if (hit->depth > f->bound->enter_most) return least(hit->depth, f->bound->left_out);
+        if (--open <= 0 || f->d->nearest_back) return hit->depth;
+    }
+    return f->bound->left_out;
+}
+
+static f64s exits_by_sorting(leaf *f, uint32_t texels)
+{
+    double exits[LANES];
+    for (int lane = 0; lane < LANES; lane++) exits[lane] = texels >> lane & 1 ? exit_of(f, lane) : INFINITY;
+    return f64s_load(exits);
+}
+
 /* A few texels of a row by the depths of all that they meet.   texels  bits, as f64s_select has them; `first` is the first */
 static void untangle(leaf *f, uint32_t texels, int first)
 {
@@ -396,7 +430,8 @@ static void untangle(leaf *f, uint32_t texels, int first)
         f64s_store(f->depths + LANES * f->solids++, z);
     }
     i64s solid_first = (i64s)(solid < sheet);
-    f64s e = f64s_min(solid, sheet), x = f64s_choose(solid_first, exits_of(f, back, solid_first), e);
+    f64s exits       = f->solids > FEW_FACES ? exits_by_sorting(f, i64s_negative(solid_first)) : exits_of(f, back, solid_first);
+    f64s e = f64s_min(solid, sheet), x = f64s_choose(solid_first, exits, e);
     f64s_store(f->e + first, f64s_select(texels, e, f64s_load(f->e + first)));
     f64s_store(f->x + first, f64s_select(texels, x, f64s_load(f->x + first)));
 }

@@ -10,8 +10,9 @@
 #include "baker/base/parallel.h"
 
 enum {
-    PAGE_TILES = 63,
-    EXACT_PX   = 16, /* a square as small as this is looked at texel by texel */
+    PAGE_TILES  = 63,
+    TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
+    EXACT_PX    = 16,   /* a square as small as this is looked at texel by texel */
 };
 
 struct leaf_page {
@@ -170,10 +171,11 @@ static void reduce(const sparse_square *q)
 vxs_result sparse_square_init(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
                               texel_square at, uint32_t threads)
 {
-    square_maker w      = {.q = q, .level = level, .d = d, .bins = bins, .task_px = min_u32(at.side, bins->cell_px)};
-    uint32_t     across = at.side / w.task_px;
-    *q                  = (sparse_square){.at = at, .scale = d->scale};
-    w.scratch           = calloc(PARALLEL_THREADS_MAX, sizeof *w.scratch);
+    square_maker w = {
+        .q = q, .level = level, .d = d, .bins = bins, .task_px = min_u32(at.side, min_u32(bins->cell_px, TASK_PX_MAX))};
+    uint32_t across = at.side / w.task_px;
+    *q              = (sparse_square){.at = at, .scale = d->scale};
+    w.scratch       = calloc(PARALLEL_THREADS_MAX, sizeof *w.scratch);
     if (!w.scratch || !allocate(q)) {
         free(w.scratch);
         return VXS_E_MEMORY;

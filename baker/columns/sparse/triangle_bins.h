@@ -5,7 +5,7 @@
 
 #include "baker/columns/sparse/sparse_triangles.h"
 
-enum { BINS_A_SIDE_MAX = 32 };
+enum { BINS_A_SIDE_MAX = 64 };
 
 typedef struct triangle_bins {
     uint32_t  cells, cell_px; /* a side; of a cell */
