@@ -434,7 +434,7 @@ def test_interrupts_stop_a_long_bake(vxs_path, city, tmp_path):
     took = []
     numbers = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
     for n, delay in enumerate([0.005, 0.02, 0.04, 0.06, 0.1, 0.3, 0.7, 1.5, 3]):
-        with subprocess.Popen([vxs_path, "bake", city, "-o", out, "--resolution", "16384"],
+        with subprocess.Popen([vxs_path, "bake", city, "-o", out, "--resolution", "262144"],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
             time.sleep(delay)
             assert process.poll() is None
@@ -495,7 +495,7 @@ CLEAR = b"\r\x1b[K"
 def test_progress_on_a_terminal(vxs_path, city, tmp_path):
     """Each stage is named before it begins, tiles come with an estimate, several times each, no line is longer than a terminal, and in
     the end none is left."""
-    status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "8192"])
+    status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "8192", "--maps", "gl"])
     lines = said.split(CLEAR)
     assert status == 0 and lines[0] == lines[-1] == b"" and b"\n" not in said
     assert all(line.startswith(b"vxs: ") and len(line) < 80 for line in lines[1:-1])
