@@ -22,8 +22,8 @@ const char *bake_stage_name(bake_stage stage)
 /* The system's high-water mark is left alone, as others may ask for it: of a stage that does not raise it, the ends are known. */
 static uint64_t stage_peak(const bake_context *ctx)
 {
-    uint64_t peak = memory_peak_bytes();
-    return peak > ctx->past_peak ? peak : max_u64(ctx->held_bytes, memory_held_bytes());
+    uint64_t peak = memory_peak_bytes(), held = memory_held_bytes(); /* both are asked for, so that all runs make the same calls */
+    return peak > ctx->past_peak ? peak : max_u64(ctx->held_bytes, held);
 }
 
 static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
