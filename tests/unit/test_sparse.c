@@ -263,6 +263,7 @@ static counts compare_light(const casters *c, const vxs_light *light, int neares
             size_t before = sum.texels;
             assert_int_equal(columns.bounds(columns.data, level, n % across, n / across, &known), VXS_OK);
             assert_int_equal(columns.fetch(columns.data, level, n % across, n / across, &square, &ctx), VXS_OK);
+            assert_true(square.side_px == columns.fetch_px && square.depth_vx == columns.depth_vx);
             compare_square(&b, &square, &sum);
             columns.release(columns.data, &square);
             assert_true(known.emin < known.emax || sum.texels == before); /* where nothing was said to be, nothing is */

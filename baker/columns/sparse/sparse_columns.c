@@ -42,7 +42,7 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     *out             = (column_square){0};
     stage_begin(ctx, STAGE_MAPS);
     vxs_result r =
-        sparse_square_init(&o->fetched, o->level, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, ctx->threads);
+        sparse_square_make(&o->fetched, o->level, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) {
         sparse_square_free(&o->fetched);
@@ -62,7 +62,7 @@ static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, co
 static void map_release(void *data, column_square *square)
 {
     sparse_map *o = data;
-    sparse_square_free(&o->fetched);
+    sparse_square_clear(&o->fetched);
     *square = (column_square){0};
 }
 
@@ -70,6 +70,7 @@ static void map_close(void *data)
 {
     sparse_map *o = data;
     sparse_keys_free(&o->keys);
+    sparse_square_free(&o->fetched);
     triangle_bins_free(&o->bins);
     sparse_triangles_free(&o->triangles);
     free(o);
@@ -118,7 +119,7 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
                     .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1}};
     vxs_result r = prepare(&o, owner, map, side_px, ctx);
     if (r == VXS_OK) {
-        r = sparse_square_init(&o.fetched, o.level, &o.desc, &o.bins, (texel_square){0, 0, side_px}, ctx->threads);
+        r = sparse_square_make(&o.fetched, o.level, &o.desc, &o.bins, (texel_square){0, 0, side_px}, ctx->threads);
         if (r != VXS_OK) fail(ctx->message, r, "out of memory for the depths of %u x %u texels", side_px, side_px);
     }
     if (r == VXS_OK) {

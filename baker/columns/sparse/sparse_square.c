@@ -5,14 +5,16 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 
 enum {
-    PAGE_TILES  = 63,
-    TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
-    EXACT_PX    = 16,   /* a square as small as this is looked at texel by texel */
+    PAGE_TILES    = 63,
+    ROWS_TO_SHARE = 128,  /* of a level of the pyramid; fewer are done sooner than shared */
+    TASK_PX_MAX   = 1024, /* a square from which the descent begins: there are enough of them for all threads */
+    EXACT_PX      = 16,   /* a square as small as this is looked at texel by texel */
 };
 
 struct leaf_page {
@@ -144,42 +146,62 @@ static column_bounds unite(column_bounds a, column_bounds b)
     return (column_bounds){min_u32(a.emin, b.emin), max_u32(a.emax, b.emax), min_u32(a.xmin, b.xmin), max_u32(a.xmax, b.xmax)};
 }
 
-static int allocate(sparse_square *q)
+/* Arrays for a square of its side. Those of a square of the same side serve again: fresh pages cost as much as what goes into them. */
+static int make_room(sparse_square *q, texel_square at)
 {
-    size_t   squares = 0, tiles = (size_t)(q->at.side / 8) * (q->at.side / 8);
-    uint32_t l = 0;
-    for (uint32_t side = q->at.side / 8; side; side /= 2) squares += (size_t)side * side;
+    size_t   squares = 0, tiles = (size_t)(at.side / 8) * (at.side / 8);
+    uint32_t l = 0, was = q->at.side;
+    if (was != at.side) sparse_square_free(q);
+    q->at = at;
+    if (was == at.side) {
+        memset(q->tiles, 0, tiles * sizeof *q->tiles);
+        return 1;
+    }
+    for (uint32_t side = at.side / 8; side; side /= 2) squares += (size_t)side * side;
     q->pyramid[0] = malloc(squares * sizeof *q->pyramid[0]);
     q->tiles      = calloc(tiles, sizeof *q->tiles);
     q->pages      = calloc(PARALLEL_THREADS_MAX, sizeof *q->pages);
     if (!q->pyramid[0] || !q->tiles || !q->pages) return 0;
-    for (uint32_t side = q->at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
+    for (uint32_t side = at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
     return 1;
 }
 
-static void reduce(const sparse_square *q)
+/* A level of the pyramid from the finer one. */
+typedef struct reduction {
+    const sparse_square *q;
+    uint32_t             level, side;
+} reduction;
+
+static void reduce_rows(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    for (uint32_t l = 1, side = q->at.side / 16; side; side /= 2, l++)
-        for (uint32_t j = 0; j < side; j++)
-            for (uint32_t i = 0; i < side; i++) {
-                const column_bounds *near           = q->pyramid[l - 1] + (size_t)4 * j * side + 2 * i;
-                const column_bounds *next           = near + (size_t)2 * side;
-                q->pyramid[l][(size_t)j * side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
-            }
+    const reduction *r = user;
+    (void)worker;
+    for (size_t j = begin; j < end; j++)
+        for (size_t i = 0; i < r->side; i++) {
+            const column_bounds *near                = r->q->pyramid[r->level - 1] + 4 * j * r->side + 2 * i;
+            const column_bounds *next                = near + (size_t)2 * r->side;
+            r->q->pyramid[r->level][j * r->side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
+        }
 }
 
-vxs_result sparse_square_init(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
+static void reduce(const sparse_square *q, uint32_t threads)
+{
+    for (uint32_t l = 1, side = q->at.side / 16; side; side /= 2, l++)
+        parallel_for(side >= ROWS_TO_SHARE ? threads : 1, side, ROWS_TO_SHARE / 2, reduce_rows, &(reduction){q, l, side});
+}
+
+vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
                               texel_square at, uint32_t threads)
 {
     square_maker w = {
         .q = q, .level = level, .d = d, .bins = bins, .task_px = min_u32(at.side, min_u32(bins->cell_px, TASK_PX_MAX))};
     uint32_t across = at.side / w.task_px;
-    *q              = (sparse_square){.at = at, .scale = d->scale};
     w.scratch       = calloc(PARALLEL_THREADS_MAX, sizeof *w.scratch);
-    if (!w.scratch || !allocate(q)) {
+    if (!w.scratch || !make_room(q, at)) {
         free(w.scratch);
         return VXS_E_MEMORY;
     }
+    q->scale = d->scale;
     parallel_for(threads, (size_t)across * across, 1, make_tasks, &w);
     for (int n = 0; n < PARALLEL_THREADS_MAX; n++) {
         descent_scratch *s = &w.scratch[n];
@@ -192,17 +214,24 @@ vxs_result sparse_square_init(sparse_square *q, const sparse_level *level, const
     }
     free(w.scratch);
     if (w.out_of_memory) return VXS_E_MEMORY;
-    reduce(q);
+    reduce(q, threads);
     return VXS_OK;
 }
 
-void sparse_square_free(sparse_square *q)
+void sparse_square_clear(sparse_square *q)
 {
-    for (int n = 0; n < PARALLEL_THREADS_MAX && q->pages; n++)
+    for (int n = 0; n < PARALLEL_THREADS_MAX && q->pages; n++) {
         for (leaf_page *page = q->pages[n], *next; page; page = next) {
             next = page->next;
             free(page);
         }
+        q->pages[n] = NULL;
+    }
+}
+
+void sparse_square_free(sparse_square *q)
+{
+    sparse_square_clear(q);
     free(q->pages);
     free(q->tiles);
     free(q->pyramid[0]);
