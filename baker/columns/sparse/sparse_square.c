@@ -9,12 +9,12 @@
 
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
+#include "baker/columns/bounds_pyramid.h"
 
 enum {
-    PAGE_TILES    = 63,
-    ROWS_TO_SHARE = 128,  /* of a level of the pyramid; fewer are done sooner than shared */
-    TASK_PX_MAX   = 1024, /* a square from which the descent begins: there are enough of them for all threads */
-    EXACT_PX      = 16,   /* a square as small as this is looked at texel by texel */
+    PAGE_TILES  = 63,
+    TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
+    EXACT_PX    = 16,   /* a square as small as this is looked at texel by texel */
 };
 
 struct leaf_page {
@@ -139,12 +139,7 @@ static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
     }
 }
 
-/* the pyramid ----------------------------------------------------------------------------------------------------------------- */
-
-static column_bounds unite(column_bounds a, column_bounds b)
-{
-    return (column_bounds){min_u32(a.emin, b.emin), max_u32(a.emax, b.emax), min_u32(a.xmin, b.xmin), max_u32(a.xmax, b.xmax)};
-}
+/* the square ------------------------------------------------------------------------------------------------------------------ */
 
 /* Arrays for a square of its side. Those of a square of the same side serve again: fresh pages cost as much as what goes into them. */
 static int make_room(sparse_square *q, texel_square at)
@@ -164,30 +159,6 @@ static int make_room(sparse_square *q, texel_square at)
     if (!q->pyramid[0] || !q->tiles || !q->pages) return 0;
     for (uint32_t side = at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
     return 1;
-}
-
-/* A level of the pyramid from the finer one. */
-typedef struct reduction {
-    const sparse_square *q;
-    uint32_t             level, side;
-} reduction;
-
-static void reduce_rows(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    const reduction *r = user;
-    (void)worker;
-    for (size_t j = begin; j < end; j++)
-        for (size_t i = 0; i < r->side; i++) {
-            const column_bounds *near                = r->q->pyramid[r->level - 1] + 4 * j * r->side + 2 * i;
-            const column_bounds *next                = near + (size_t)2 * r->side;
-            r->q->pyramid[r->level][j * r->side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
-        }
-}
-
-static void reduce(const sparse_square *q, uint32_t threads)
-{
-    for (uint32_t l = 1, side = q->at.side / 16; side; side /= 2, l++)
-        parallel_for(side >= ROWS_TO_SHARE ? threads : 1, side, ROWS_TO_SHARE / 2, reduce_rows, &(reduction){q, l, side});
 }
 
 vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
@@ -214,7 +185,7 @@ vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const
     }
     free(w.scratch);
     if (w.out_of_memory) return VXS_E_MEMORY;
-    reduce(q, threads);
+    bounds_pyramid_reduce(q->pyramid, at.side / 8, threads);
     return VXS_OK;
 }
 

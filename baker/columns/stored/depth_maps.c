@@ -8,6 +8,7 @@
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/base/simd.h"
+#include "baker/columns/bounds_pyramid.h"
 #include "baker/columns/depth_scale.h"
 
 vxs_result depth_maps_init(depth_maps *d, uint32_t side_px, uint32_t depth_vx, double voxel_log, int with_exit, message *m)
@@ -94,29 +95,10 @@ static void reduce_tiles(void *user, size_t begin, size_t end, uint32_t worker)
         }
 }
 
-static column_bounds unite(column_bounds a, column_bounds b)
-{
-    return (column_bounds){
-        a.emin < b.emin ? a.emin : b.emin,
-        a.emax > b.emax ? a.emax : b.emax,
-        a.xmin < b.xmin ? a.xmin : b.xmin,
-        a.xmax > b.xmax ? a.xmax : b.xmax,
-    };
-}
-
 void depth_maps_reduce(depth_maps *d, uint32_t threads)
 {
     parallel_for(threads, d->side_px / 8, 4, reduce_tiles, d);
-    for (uint32_t l = 1; l < d->pyramid_levels; l++) {
-        uint32_t             side  = d->side_px >> (3 + l);
-        const column_bounds *below = d->pyramid[l - 1];
-        for (uint32_t j = 0; j < side; j++)
-            for (uint32_t i = 0; i < side; i++) {
-                const column_bounds *near           = below + (size_t)2 * j * 2 * side + 2 * i;
-                const column_bounds *next           = near + (size_t)2 * side;
-                d->pyramid[l][(size_t)j * side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
-            }
-    }
+    bounds_pyramid_reduce(d->pyramid, d->side_px / 8, threads);
 }
 
 static vxs_result maps_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)

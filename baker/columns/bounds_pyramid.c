@@ -1,0 +1,37 @@
+/* Reducing bounds; see bounds_pyramid.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/columns/bounds_pyramid.h"
+
+#include "baker/base/parallel.h"
+
+enum { ROWS_TO_SHARE = 128 }; /* of a level; fewer are done sooner than shared */
+
+/* A level from the finer one. */
+typedef struct reduction {
+    const column_bounds *finer;
+    column_bounds       *level;
+    uint32_t             side;
+} reduction;
+
+static column_bounds unite(column_bounds a, column_bounds b)
+{
+    return (column_bounds){min_u32(a.emin, b.emin), max_u32(a.emax, b.emax), min_u32(a.xmin, b.xmin), max_u32(a.xmax, b.xmax)};
+}
+
+static void reduce_rows(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const reduction *r = user;
+    (void)worker;
+    for (size_t j = begin; j < end; j++)
+        for (size_t i = 0; i < r->side; i++) {
+            const column_bounds *near = r->finer + 4 * j * r->side + 2 * i, *next = near + (size_t)2 * r->side;
+            r->level[j * r->side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
+        }
+}
+
+void bounds_pyramid_reduce(column_bounds *const *pyramid, uint32_t tiles, uint32_t threads)
+{
+    for (uint32_t l = 1, side = tiles / 2; side; side /= 2, l++)
+        parallel_for(side >= ROWS_TO_SHARE ? threads : 1, side, ROWS_TO_SHARE / 2, reduce_rows,
+                     &(reduction){pyramid[l - 1], pyramid[l], side});
+}
