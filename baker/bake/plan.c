@@ -261,11 +261,12 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const l
     if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
     if ((r = fit_lights(plan, o, c, chosen, m)) != VXS_OK) goto done;
     plan_exit(plan, o, c);
+    uint32_t maps = count_maps(plan);
     if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
         plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
-        r = sample_light(plan, count_maps(plan), l, o, c, m);
+        r = sample_light(plan, maps, l, o, c, m);
         plan_estimate_light(l, o);
     }
     if (r != VXS_OK) goto done;

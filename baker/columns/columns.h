@@ -102,6 +102,19 @@ static inline int bounds_alike(const column_bounds *b)
     return b->emin == b->emax && b->xmin == b->xmax;
 }
 
+/* Of a tile's own columns. */
+static inline column_bounds tile_bounds(const column_tile *t)
+{
+    column_bounds b = {UINT32_MAX, 0, UINT32_MAX, 0};
+    for (int n = 0; n < 64; n++) {
+        b.emin = min_u32(b.emin, t->e[n]);
+        b.emax = max_u32(b.emax, t->e[n]);
+        b.xmin = min_u32(b.xmin, t->x[n]);
+        b.xmax = max_u32(b.xmax, t->x[n]);
+    }
+    return b;
+}
+
 /* No caster. */
 static inline column_bounds bounds_empty(uint32_t depth_vx)
 {

@@ -88,22 +88,9 @@ static uint64_t mask_at_far(const column_tile *c, uint32_t k0, mask_rule rule, u
     return shadow;
 }
 
-/* Bounds of a source may be loose; runs must not depend on how loose, so the tile's own columns decide. */
-static column_bounds bounds_of_tile(const column_tile *columns)
-{
-    column_bounds b = {columns->e[0], columns->e[0], columns->x[0], columns->x[0]};
-    for (int n = 1; n < 64; n++) {
-        b.emin = columns->e[n] < b.emin ? columns->e[n] : b.emin;
-        b.emax = columns->e[n] > b.emax ? columns->e[n] : b.emax;
-        b.xmin = columns->x[n] < b.xmin ? columns->x[n] : b.xmin;
-        b.xmax = columns->x[n] > b.xmax ? columns->x[n] : b.xmax;
-    }
-    return b;
-}
-
 uint32_t tile_runs(const column_tile *columns, mask_rule rule, mask_run runs[TILE_RUNS_MAX], column_bounds *bounds)
 {
-    column_bounds b     = bounds_of_tile(columns);
+    column_bounds b     = tile_bounds(columns); /* a source's may be loose, and runs must not depend on how loose */
     uint32_t      count = 0;
     *bounds             = b;
     if (b.emax <= b.xmin) return 0;

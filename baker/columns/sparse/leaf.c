@@ -153,15 +153,16 @@ static void put_depths(const leaf *f, double depths[64], const sparse_triangle *
     }
 }
 
-/* Which of the texels a triangle meets behind F, where not all that there is in the list. */
-static uint64_t depths_behind(const leaf *f, const sparse_triangle *t, uint64_t texels)
+/* Which of the texels a triangle meets behind another one, or, without another, behind a depth. */
+static uint64_t met_behind(const leaf *f, const sparse_triangle *t, const sparse_triangle *other, double depth, uint64_t texels)
 {
-    const f64s known  = f64s_all(f->bound->enter_most);
-    uint64_t   behind = 0;
+    f64s     limit  = f64s_all(depth);
+    uint64_t behind = 0;
     for (int first = 0; first < 64; first += LANES) {
         if (!(texels >> first & ((1u << LANES) - 1))) continue;
-        f64s z = lanes_depth(t, f64s_ramp(x_of(f, first), (double)px_of(f)), y_of(f, first));
-        behind |= (uint64_t)i64s_negative((i64s)(z > known)) << first;
+        f64s x = f64s_ramp(x_of(f, first), (double)px_of(f));
+        if (other) limit = lanes_depth(other, x, y_of(f, first));
+        behind |= (uint64_t)i64s_negative((i64s)(lanes_depth(t, x, y_of(f, first)) > limit)) << first;
     }
     return behind & texels;
 }
@@ -211,8 +212,9 @@ static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
         count_up(f, met | within);
         return;
     }
-    uint64_t behind = t->zmax > f->bound->enter_most && (met | within) ? depths_behind(f, t, met | within) : 0;
-    done            = met | behind | (f->d->nearest_back ? within : count_down(f, within & ~behind));
+    uint64_t behind = 0; /* F, behind which the list lacks some */
+    if (t->zmax > f->bound->enter_most) behind = met_behind(f, t, NULL, f->bound->enter_most, met | within);
+    done = met | behind | (f->d->nearest_back ? within : count_down(f, within & ~behind));
     put_depths(f, f->x, t, done);
     for (uint64_t rest = behind; rest; rest &= rest - 1) {
         int n   = __builtin_ctzll(rest);
@@ -292,19 +294,6 @@ static void ask(const leaf *f, leaf_face *face, uint64_t texels)
     face->asked |= texels;
 }
 
-/* Which of the texels meet a triangle no later than another one. */
-static uint64_t meets_no_later(const leaf *f, const sparse_triangle *t, const sparse_triangle *other, uint64_t texels)
-{
-    uint64_t later = 0;
-    for (int first = 0; first < 64; first += LANES) {
-        if (!(texels >> first & ((1u << LANES) - 1))) continue;
-        f64s x = f64s_ramp(x_of(f, first), (double)px_of(f));
-        later |= (uint64_t)i64s_negative((i64s)(lanes_depth(t, x, y_of(f, first)) > lanes_depth(other, x, y_of(f, first))))
-                 << first;
-    }
-    return texels & ~later;
-}
-
 /* Which of its texels meet a face that is no later than another one which they have met already. */
 static uint64_t tangles(const leaf *f, const leaf_face *face)
 {
@@ -312,7 +301,8 @@ static uint64_t tangles(const leaf *f, const leaf_face *face)
     uint64_t         tangled = 0;
     for (size_t n = f->met; n-- && (before = face_at(f, n))->hi_most >= face->lo;) {
         const uint64_t both = before->met & face->texels & ~tangled;
-        if (both && before->hi >= face->lo) tangled |= before->lo > face->hi ? both : meets_no_later(f, face->t, before->t, both);
+        if (both && before->hi >= face->lo)
+            tangled |= before->lo > face->hi ? both : both & ~met_behind(f, face->t, before->t, 0, both);
     }
     return tangled;
 }
@@ -468,18 +458,6 @@ static void round_depths(depth_scale s, const double depths[64], int up, uint32_
     }
 }
 
-static column_bounds bounds_of(const column_tile *t)
-{
-    column_bounds b = {UINT32_MAX, 0, UINT32_MAX, 0};
-    for (int n = 0; n < 64; n++) {
-        b.emin = min_u32(b.emin, t->e[n]);
-        b.emax = max_u32(b.emax, t->e[n]);
-        b.xmin = min_u32(b.xmin, t->x[n]);
-        b.xmax = max_u32(b.xmax, t->x[n]);
-    }
-    return b;
-}
-
 /* Whether one depth parts the columns; then their bounds say so. */
 static int is_parted(const leaf *f, column_bounds *b)
 {
@@ -525,6 +503,6 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     if (!d->every_texel && is_parted(&f, bounds)) return 1;
     round_depths(d->scale, f.e, 0, out->e);
     round_depths(d->scale, f.x, 1, out->x);
-    *bounds = bounds_of(out);
+    *bounds = tile_bounds(out);
     return 1;
 }

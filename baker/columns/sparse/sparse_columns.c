@@ -66,14 +66,18 @@ static void map_release(void *data, column_square *square)
     *square = (column_square){0};
 }
 
-static void map_close(void *data)
+static void map_free(sparse_map *o)
 {
-    sparse_map *o = data;
     sparse_keys_free(&o->keys);
     sparse_square_free(&o->fetched);
     triangle_bins_free(&o->bins);
     sparse_triangles_free(&o->triangles);
-    free(o);
+}
+
+static void map_close(void *data)
+{
+    map_free(data);
+    free(data);
 }
 
 /* side  of the map, or less for one that is coarser */
@@ -126,9 +130,7 @@ vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint3
         column_square square = sparse_square_columns(&o.fetched);
         r                    = take_enter(&square, enter);
     }
-    sparse_square_free(&o.fetched);
-    triangle_bins_free(&o.bins);
-    sparse_triangles_free(&o.triangles);
+    map_free(&o);
     return r;
 }
 
