@@ -8,7 +8,9 @@
 #include <math.h>
 
 #include "baker/bake/plan.h"
+#include "baker/columns/descent.h"
 #include "baker/columns/opengl/depth_block.h"
+#include "baker/columns/sparse/sparse_columns.h"
 
 /* counts ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -161,17 +163,19 @@ static double array_bytes(const casters *c)
     return 54 * (double)c->triangle_count + 24 * (double)c->scene_vertex_count + 56 * (double)c->vertex_count;
 }
 
-/* While a square straight from triangles is made: triangles and their lists, bounds of all of its tiles, columns of some. Those are unevenly
- * spread. */
-static uint64_t sparse_peak_bytes(const bake_plan *plan, const casters *c, uint32_t tile_px)
+/* While squares straight from triangles are made: triangles and their lists; for each thread a square, with bounds of all of its tiles and
+ * columns of some, which are unevenly spread; and what was built of those that wait for their turn. */
+static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
 {
     double square = 0, built = 0;
     for (size_t n = 0; n < plan->light_count; n++) {
         const plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
-        double map = ldexp(1, (int)l->light.levels), side = fmin(map, tile_px), part = side * side / (map * map) / l->map_count;
+        double map = ldexp(1, (int)l->light.levels), side = fmin(fmin(map / 4, tile_px), SPARSE_PARALLEL_PX);
+        double part  = side * side / (map * map) / l->map_count;
         double tiles = fmin(side * side / 64, (part < 1 ? 2 : 1) * part * l->mask_tiles);
-        square       = fmax(square, side * side / 64 * 30 + 540 * tiles + part * l->part_bytes + 100 * (double)l->triangles);
+        square = fmax(square, o->threads * (side * side / 64 * 30 + 540 * tiles) + fmin(1, DESCENT_BATCH * part) * l->part_bytes +
+                                  100 * (double)l->triangles);
         built += l->built_bytes;
     }
     return (uint64_t)(1.1 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
@@ -201,6 +205,6 @@ static uint64_t rendered_peak_bytes(const bake_plan *plan, const casters *c, uin
 
 uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
 {
-    if (o->maps == MAPS_SPARSE) return sparse_peak_bytes(plan, c, tile_px) + plan->picture_bytes;
+    if (o->maps == MAPS_SPARSE) return sparse_peak_bytes(plan, o, c, tile_px) + plan->picture_bytes;
     return rendered_peak_bytes(plan, c, tile_px);
 }

@@ -17,23 +17,22 @@ uint32_t block_square_side(uint32_t map_side_px)
 
 typedef struct map_builder {
     block_set *set;
-    uint32_t   map, square_level, depth_vx, fetch_px;
+    uint32_t   map, square_level, depth_vx;
     int        cpu;
     block_set  batch[DESCENT_BATCH];
 } map_builder;
 
 /* Before a fetch, only what would give each part of the square the same depth settles it: bounds may be looser than those after it. */
-static vxs_result look(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j, int fetched,
-                       descent_step *step)
+static descent_step look(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
+{
+    const map_builder *b = user;
+    if (!fetched && (bounds->xmin >= b->depth_vx || bounds_alike(bounds))) return DESCENT_SETTLED;
+    return level == b->square_level ? DESCENT_BUILD : DESCENT_SPLIT;
+}
+
+static vxs_result settle(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j)
 {
     map_builder *b = user;
-    *step          = level == b->square_level ? DESCENT_BUILD : DESCENT_SPLIT;
-    if (fetched) return VXS_OK;
-    if (bounds->xmin < b->depth_vx && !bounds_alike(bounds)) {
-        b->set->squares_fetched += 8u << level <= b->fetch_px;
-        return VXS_OK;
-    }
-    *step = DESCENT_SETTLED;
     return block_set_add_uniform(b->set, &(uniform_square){b->map, level, i, j, uniform_depth(bounds, b->depth_vx)});
 }
 
@@ -81,11 +80,12 @@ static void drop_slot(void *user, uint32_t slot)
 }
 
 /* Squares are merged while others are built. */
-static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count)
+static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count, const double seconds[2])
 {
     (void)user;
     (void)count;
-    stage_begin(ctx, phase == 0 ? STAGE_MASKS : STAGE_NONE);
+    if (phase == 0) stage_begin(ctx, STAGE_MASKS);
+    if (phase == 1) stage_begin_after(ctx, STAGE_NONE, STAGE_MAPS, (double[]){seconds[0], 0, seconds[1]}, 3);
 }
 
 vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns, bake_context *ctx)
@@ -94,14 +94,20 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (columns->fetch_px < side) return VXS_E_ARGUMENT;
     map_builder *b = calloc(1, sizeof *b);
     if (!b) return VXS_E_MEMORY;
-    *b              = (map_builder){.cpu          = cpu_level(),
-                                    .set          = s,
-                                    .map          = map,
-                                    .square_level = square_level(side),
-                                    .depth_vx     = columns->depth_vx,
-                                    .fetch_px     = columns->fetch_px};
+    *b = (map_builder){.cpu = cpu_level(), .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
     s->patterns.cpu = b->cpu;
-    descent    d    = {b, look, build_slot, add_slot, save_slot, load_slot, drop_slot, time_batch, 1};
+    descent    d    = {.user            = b,
+                       .square_px       = side,
+                       .squares_fetched = &s->squares_fetched,
+                       .look            = look,
+                       .settle          = settle,
+                       .build           = build_slot,
+                       .add             = add_slot,
+                       .save            = save_slot,
+                       .load            = load_slot,
+                       .drop            = drop_slot,
+                       .batch           = time_batch,
+                       .add_early       = 1};
     vxs_result r    = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);
     free(b);

@@ -58,11 +58,14 @@ typedef struct column_map {
     void    *data;
     uint32_t side_px, depth_vx; /* [8, 2^18], powers of two */
     uint32_t fetch_px;          /* [8, side_px] a power of two: the widest square that can be fetched */
+    uint32_t
+        parallel_px; /* [8, fetch_px] a power of two: squares of so much, or less, can be fetched by many threads at once; 0: none */
 
     /* What is known of a square of any level, at next to no cost: bounds of what may be there, [0, depth_vx] where nothing is known. */
     vxs_result (*bounds)(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out);
 
     /* Compute the columns of a square of at most fetch_px a side; released before the next one is fetched.
+     * ctx  NULL: the calling thread does it alone, of a square of at most parallel_px, while others may fetch and release others
      * out  [out] zeroed on failure */
     vxs_result (*fetch)(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx);
     void (*release)(void *data, column_square *square);

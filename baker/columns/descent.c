@@ -4,19 +4,32 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/base/parallel.h"
+#include "baker/base/z_order.h"
 #include "baker/columns/square_keeper.h"
 #include "baker/columns/square_record.h"
+#include "baker/measure/clock.h"
 
-/* A square that waits to be built. */
+/* What becomes of a square that waits. */
+typedef enum waiting_kind {
+    WAITING_SETTLED, /* by its bounds */
+    WAITING_KNOWN,   /* it was built before */
+    WAITING_BUILT,   /* of fetched columns */
+    WAITING_FETCHED, /* by the thread that builds it, or finds that its bounds settle it */
+} waiting_kind;
+
 typedef struct waiting {
-    uint32_t   level, i, j;      /* of the map */
-    uint32_t   inner_i, inner_j; /* the same square, of the fetched columns */
-    vxs_result result;
-    int        built;
+    waiting_kind kind;
+    uint32_t     level, i, j;      /* of the map */
+    uint32_t     inner_i, inner_j; /* built: the same square, of the fetched columns */
+    vxs_result   result;
+    int          done;
 
-    const record_step *known; /* what it was before; NULL: it is built */
+    column_bounds      bounds;     /* settled: of its columns */
+    const record_step *known;      /* what it was before */
+    double             seconds[2]; /* of fetching and building it */
 } waiting;
 
 typedef struct walker {
@@ -27,10 +40,11 @@ typedef struct walker {
     uint32_t             fetched_level, fetched_i, fetched_j;
     waiting              batch[DESCENT_BATCH];
     uint32_t             count;
+    uint32_t             steps; /* of progress, that the batch ends */
 
     /* of the fetched square, where somebody keeps what becomes of it; NULL: nobody does */
     square_record *record;
-    vxs_bytes      frames[DESCENT_BATCH]; /* what was built */
+    vxs_bytes      frames[DESCENT_BATCH]; /* what was built, in its slot */
     uint64_t       built_bytes[DESCENT_BATCH];
 
     /* of the batch: what one thread at a time adds, in order, while others build */
@@ -43,19 +57,36 @@ typedef struct walker {
 /* Whether the next square waits only for being added. */
 static int next_is_ready(const walker *w)
 {
-    return w->result == VXS_OK && w->added < w->count && w->batch[w->added].built;
+    return w->result == VXS_OK && w->added < w->count && w->batch[w->added].done;
+}
+
+/* Note in the record what becomes of a square. Frames move up to where those before it end. */
+static vxs_result record_square(walker *w, uint32_t slot)
+{
+    const waiting *s  = &w->batch[slot];
+    uint32_t       to = w->record->built_count;
+    if (s->kind == WAITING_SETTLED) return record_add_settled(w->record, s->level, s->i, s->j, &s->bounds);
+    if (to != slot) {
+        w->frames[to]      = w->frames[slot];
+        w->built_bytes[to] = w->built_bytes[slot];
+        w->frames[slot]    = (vxs_bytes){0};
+    }
+    return record_add_built(w->record, s->level, s->i, s->j);
 }
 
 static vxs_result add_square(walker *w, uint32_t slot)
 {
     const waiting *s = &w->batch[slot];
-    if (s->result != VXS_OK) return s->result;
+    vxs_result     r = s->result;
+    if (r == VXS_OK && w->record) r = record_square(w, slot);
+    if (r != VXS_OK) return r;
+    if (s->kind == WAITING_SETTLED) return w->d->settle(w->d->user, &s->bounds, s->level, s->i, s->j);
     if (!w->columns->keeper || !w->columns->keeper->apart) return w->d->add(w->d->user, slot, s->level, s->i, s->j);
     w->d->drop(w->d->user, slot);
     return VXS_OK;
 }
 
-/* Add all that can be. Where another thread does so, it goes on with what is built meanwhile. */
+/* Add all that can be. Where another thread does so, it goes on with what is done meanwhile. */
 static void add_ready(walker *w)
 {
     while (!w->adding && next_is_ready(w)) {
@@ -69,6 +100,8 @@ static void add_ready(walker *w)
     }
 }
 
+/* making the squares of a batch ----------------------------------------------------------------------------------------------- */
+
 /* What was built, as it is kept. */
 static vxs_result pack_slot(walker *w, uint32_t slot)
 {
@@ -80,38 +113,78 @@ static vxs_result pack_slot(walker *w, uint32_t slot)
     return r;
 }
 
-static vxs_result build_slot(walker *w, uint32_t slot, const waiting *s)
+/* inner_i, inner_j  of the columns' squares of its level */
+static vxs_result build_slot(walker *w, uint32_t slot, const column_square *columns, uint32_t inner_i, uint32_t inner_j)
 {
-    vxs_result r = w->d->build(w->d->user, slot, w->fetched, s->level, s->inner_i, s->inner_j);
+    waiting   *s     = &w->batch[slot];
+    double     since = clock_seconds();
+    vxs_result r     = w->d->build(w->d->user, slot, columns, s->level, inner_i, inner_j);
+    s->seconds[1]    = clock_seconds() - since;
     return r == VXS_OK && w->record ? pack_slot(w, slot) : r;
 }
 
-static vxs_result load_slot(const walker *w, uint32_t slot, const waiting *s)
+static vxs_result fetch_slot(walker *w, uint32_t slot)
 {
-    vxs_bytes  built = {0};
-    vxs_result r     = record_unpack(s->known, &built);
+    waiting          *s       = &w->batch[slot];
+    const column_map *columns = w->columns;
+    double            since   = clock_seconds();
+    column_square     square;
+    vxs_result        r = columns->fetch(columns->data, s->level, s->i, s->j, &square, NULL);
+    if (r != VXS_OK) return r;
+    s->seconds[0] = clock_seconds() - since;
+    if ((r = square.bounds(square.data, s->level, 0, 0, &s->bounds)) == VXS_OK) {
+        if (w->d->look(w->d->user, &s->bounds, s->level, 1) == DESCENT_SETTLED)
+            s->kind = WAITING_SETTLED;
+        else
+            r = build_slot(w, slot, &square, 0, 0);
+    }
+    columns->release(columns->data, &square);
+    return r;
+}
+
+static vxs_result load_slot(const walker *w, uint32_t slot)
+{
+    const waiting *s     = &w->batch[slot];
+    vxs_bytes      built = {0};
+    vxs_result     r     = record_unpack(s->known, &built);
     if (r == VXS_OK) r = w->d->load(w->d->user, slot, &built, s->level, s->i, s->j);
     free(built.data);
     return r;
 }
 
-static void build_slots(void *user, size_t begin, size_t end, uint32_t worker)
+static vxs_result make_slot(walker *w, uint32_t slot)
+{
+    const waiting *s = &w->batch[slot];
+    switch (s->kind) {
+    case WAITING_KNOWN: return load_slot(w, slot);
+    case WAITING_BUILT: return build_slot(w, slot, w->fetched, s->inner_i, s->inner_j);
+    case WAITING_FETCHED: return fetch_slot(w, slot);
+    case WAITING_SETTLED: break;
+    }
+    return VXS_OK;
+}
+
+static void make_slots(void *user, size_t begin, size_t end, uint32_t worker)
 {
     walker *w = user;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
         waiting *s = &w->batch[n];
-        s->result  = s->known ? load_slot(w, (uint32_t)n, s) : build_slot(w, (uint32_t)n, s);
+        s->result  = context_has_memory(w->ctx) ? make_slot(w, (uint32_t)n) : VXS_E_MEMORY;
         pthread_mutex_lock(&w->lock);
-        s->built = 1;
-        if (w->d->add_early && !s->known) add_ready(w);
+        s->done = 1;
+        if (w->d->add_early && s->kind != WAITING_KNOWN) add_ready(w);
         pthread_mutex_unlock(&w->lock);
     }
 }
 
 static void batch_phase(const walker *w, int phase)
 {
-    if (w->d->batch) w->d->batch(w->d->user, w->ctx, phase, w->count);
+    double seconds[2] = {0, 0};
+    if (!w->d->batch) return;
+    for (uint32_t n = 0; n < w->count; n++)
+        for (int k = 0; k < 2; k++) seconds[k] += w->batch[n].seconds[k];
+    w->d->batch(w->d->user, w->ctx, phase, w->count, seconds);
 }
 
 /* Whether a square that was known turned out not to be. */
@@ -122,13 +195,13 @@ static int is_unsound(const walker *w)
     return unsound;
 }
 
-/* Build the squares that wait, or load them. VXS_E_CORRUPT: one that was known was not sound, and nothing is left of any. */
+/* Make the squares that wait. VXS_E_CORRUPT: one that was known was not sound, and nothing is left of any. */
 static vxs_result make_batch(walker *w)
 {
     w->added  = 0;
     w->result = VXS_OK;
     batch_phase(w, 0);
-    parallel_for(w->ctx->threads, w->count, 1, build_slots, w);
+    parallel_for(w->ctx->threads, w->count, 1, make_slots, w);
     int unsound = is_unsound(w);
     for (uint32_t n = 0; n < w->count && unsound; n++) w->d->drop(w->d->user, n);
     batch_phase(w, 1);
@@ -144,21 +217,26 @@ static vxs_result add_batch(walker *w)
     return w->result;
 }
 
-static vxs_result build_batch(walker *w)
+/* Make and add what waits, none of which is known. */
+static vxs_result end_batch(walker *w)
 {
-    if (!w->count) return VXS_OK;
-    make_batch(w); /* none of them is known */
-    return add_batch(w);
+    vxs_result made = VXS_OK;
+    if (w->count) {
+        make_batch(w);
+        made = add_batch(w);
+    }
+    steps_done(w->ctx, w->steps);
+    w->steps     = 0;
+    vxs_result r = context_within_memory(w->ctx);
+    return r == VXS_OK ? made : r;
 }
 
-static vxs_result build_later(walker *w, uint32_t level, uint32_t i, uint32_t j)
+/* The next square waits. What becomes of a square that is kept waits together. */
+static vxs_result wait_with(walker *w, const waiting *s)
 {
-    uint32_t inner = w->fetched_level - level;
-    if (w->count == DESCENT_BATCH) return VXS_E_ARGUMENT; /* kept squares are no larger */
-    w->batch[w->count++] =
-        (waiting){.level = level, .i = i, .j = j, .inner_i = i - (w->fetched_i << inner), .inner_j = j - (w->fetched_j << inner)};
-    if (w->record) return record_add_built(w->record, level, i, j);
-    return w->count < DESCENT_BATCH ? VXS_OK : build_batch(w);
+    vxs_result r = w->count < DESCENT_BATCH ? VXS_OK : w->record ? VXS_E_ARGUMENT : end_batch(w);
+    if (r == VXS_OK) w->batch[w->count++] = *s;
+    return r;
 }
 
 /* Of the steps of progress, one for each square of fetch_px a side. */
@@ -172,31 +250,26 @@ static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j);
 
 /* squares that are kept ------------------------------------------------------------------------------------------------------- */
 
-/* Begin what is kept of the square that is fetched. */
+/* Begin what is kept of a square. */
 static void record_begin(walker *w, square_record *record)
 {
     *record   = (square_record){0};
     w->record = w->columns->keeper ? record : NULL;
 }
 
-static vxs_result record_keep(walker *w)
+/* End it, with what was built. */
+static vxs_result record_end(walker *w, square_record *record, vxs_result r)
 {
     const square_keeper *keeper = w->columns->keeper;
     vxs_bytes            bytes  = {0};
-    vxs_result           r      = record_write(w->record, w->frames, w->built_bytes, &bytes);
-    if (r == VXS_OK) r = keeper->keep(keeper->data, &bytes, w->ctx);
+    if (r == VXS_OK && keeper) r = record_write(record, w->frames, w->built_bytes, &bytes);
+    if (r == VXS_OK && keeper) r = keeper->keep(keeper->data, &bytes, w->ctx);
+    for (uint32_t n = 0; n < DESCENT_BATCH; n++) free(w->frames[n].data);
+    memset(w->frames, 0, sizeof w->frames);
     free(bytes.data);
-    return r;
-}
-
-static void record_end(walker *w, square_record *record)
-{
-    for (uint32_t n = 0; n < DESCENT_BATCH; n++) {
-        free(w->frames[n].data);
-        w->frames[n] = (vxs_bytes){0};
-    }
     record_free(record);
     w->record = NULL;
+    return r;
 }
 
 /* What bounds settled is settled by them again. */
@@ -204,9 +277,10 @@ static vxs_result settle_known(const walker *w, const square_record *known)
 {
     vxs_result r = VXS_OK;
     for (const record_step *s = known->steps; s < known->steps + known->count && r == VXS_OK; s++) {
-        descent_step step = DESCENT_SETTLED;
-        if (!s->is_built) r = w->d->look(w->d->user, &s->bounds, s->level, s->i, s->j, 1, &step);
-        if (step != DESCENT_SETTLED) r = VXS_E_VERSION; /* sound, and made by another program */
+        if (s->is_built) continue;
+        if (w->d->look(w->d->user, &s->bounds, s->level, 1) != DESCENT_SETTLED)
+            return VXS_E_VERSION; /* sound, and made by another program */
+        r = w->d->settle(w->d->user, &s->bounds, s->level, s->i, s->j);
     }
     return r;
 }
@@ -218,7 +292,8 @@ static vxs_result recall(walker *w, uint32_t level, uint32_t i, uint32_t j, cons
     vxs_result    r     = record_read(&known, bytes->data, bytes->size_bytes, level, i, j, w->columns->depth_vx);
     if (r == VXS_OK && known.built_count > DESCENT_BATCH) r = VXS_E_CORRUPT;
     for (const record_step *s = known.steps; s < known.steps + known.count && r == VXS_OK; s++)
-        if (s->is_built) w->batch[w->count++] = (waiting){.level = s->level, .i = s->i, .j = s->j, .known = s};
+        if (s->is_built)
+            w->batch[w->count++] = (waiting){.kind = WAITING_KNOWN, .level = s->level, .i = s->i, .j = s->j, .known = s};
     if (r == VXS_OK && w->count) r = make_batch(w);
     if (r == VXS_OK) r = settle_known(w, &known);
     if (r == VXS_OK && w->count) r = add_batch(w);
@@ -227,24 +302,51 @@ static vxs_result recall(walker *w, uint32_t level, uint32_t i, uint32_t j, cons
     return r;
 }
 
+/* squares that are made ------------------------------------------------------------------------------------------------------- */
+
+/* Fetch a square, and go on with its parts. */
 static vxs_result fetch(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
     column_square square;
-    square_record record;
     vxs_result    r = w->columns->fetch(w->columns->data, level, i, j, &square, w->ctx);
     if (r != VXS_OK) return r;
-    record_begin(w, &record);
     w->fetched       = &square;
     w->fetched_level = level;
     w->fetched_i     = i;
     w->fetched_j     = j;
     r                = visit(w, level, i, j);
-    if (r == VXS_OK) r = build_batch(w);
-    if (r == VXS_OK && w->record) r = record_keep(w);
+    if (r == VXS_OK) r = end_batch(w);
     w->fetched = NULL;
-    record_end(w, &record);
     w->columns->release(w->columns->data, &square);
     return r;
+}
+
+/* The side of the parts of a square that threads fetch; 0: they do not. */
+static uint32_t part_px(const walker *w, uint32_t level)
+{
+    uint32_t side = min_u32(8u << level, w->d->square_px);
+    return side <= w->columns->parallel_px ? side : 0;
+}
+
+/* Leave the parts of a square to the threads. */
+static vxs_result fetch_parts(walker *w, uint32_t level, uint32_t i, uint32_t j, uint32_t side)
+{
+    uint32_t   part = square_level(side), across = 1u << (level - part);
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < across * across && r == VXS_OK; n++) {
+        z_place at = z_order(n);
+        r = wait_with(w, &(waiting){.kind = WAITING_FETCHED, .level = part, .i = i * across + at.i, .j = j * across + at.j});
+    }
+    return r == VXS_OK && w->record ? end_batch(w) : r;
+}
+
+static vxs_result make(walker *w, uint32_t level, uint32_t i, uint32_t j)
+{
+    uint32_t      side = part_px(w, level);
+    square_record record;
+    record_begin(w, &record);
+    vxs_result r = side ? fetch_parts(w, level, i, j, side) : fetch(w, level, i, j);
+    return record_end(w, &record, r);
 }
 
 /* A square that cannot be settled as a whole before it is fetched. */
@@ -253,13 +355,14 @@ static vxs_result make_square(walker *w, uint32_t level, uint32_t i, uint32_t j)
     const square_keeper *keeper = w->columns->keeper;
     square_fate          fate   = SQUARE_MAKE;
     vxs_bytes            known  = {0};
-    vxs_result           r      = VXS_OK;
-    if (keeper) r = keeper->ask(keeper->data, w->columns, level, i, j, &fate, &known, w->ctx);
+    vxs_result           r      = keeper ? end_batch(w) : VXS_OK;
+    ++*w->d->squares_fetched;
+    w->steps += steps_of(w, level);
+    if (r == VXS_OK && keeper) r = keeper->ask(keeper->data, w->columns, level, i, j, &fate, &known, w->ctx);
     if (r == VXS_OK && fate == SQUARE_KNOWN) r = recall(w, level, i, j, &known);
     free(known.data);
-    if ((r == VXS_OK && fate == SQUARE_MAKE) || (r == VXS_E_CORRUPT && fate == SQUARE_KNOWN)) r = fetch(w, level, i, j);
-    steps_done(w->ctx, steps_of(w, level));
-    return r == VXS_OK ? context_within_memory(w->ctx) : r;
+    if ((r == VXS_OK && fate == SQUARE_MAKE) || (r == VXS_E_CORRUPT && fate == SQUARE_KNOWN)) r = make(w, level, i, j);
+    return r == VXS_OK && keeper ? end_batch(w) : r;
 }
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
@@ -278,17 +381,23 @@ static vxs_result bounds_of(const walker *w, uint32_t level, uint32_t i, uint32_
 /* The square (i, j) of `level` of the map. */
 static vxs_result visit(walker *w, uint32_t level, uint32_t i, uint32_t j)
 {
-    column_bounds bounds;
-    descent_step  step;
-    vxs_result    r = bounds_of(w, level, i, j, &bounds);
-    if (r == VXS_OK) r = w->d->look(w->d->user, &bounds, level, i, j, w->fetched != NULL, &step);
+    waiting    s = {.level = level, .i = i, .j = j};
+    vxs_result r = bounds_of(w, level, i, j, &s.bounds);
     if (r != VXS_OK) return r;
+    descent_step step = w->d->look(w->d->user, &s.bounds, level, w->fetched != NULL);
     if (step == DESCENT_SETTLED) {
-        if (!w->fetched) steps_done(w->ctx, steps_of(w, level));
-        return w->record ? record_add_settled(w->record, level, i, j, &bounds) : VXS_OK;
+        s.kind = WAITING_SETTLED;
+        if (!w->fetched) w->steps += steps_of(w, level);
+        return wait_with(w, &s);
     }
     if (!w->fetched && 8u << level <= w->columns->fetch_px) return make_square(w, level, i, j);
-    if (w->fetched && step == DESCENT_BUILD) return build_later(w, level, i, j);
+    if (w->fetched && step == DESCENT_BUILD) {
+        uint32_t inner = w->fetched_level - level;
+        s.kind         = WAITING_BUILT;
+        s.inner_i      = i - (w->fetched_i << inner);
+        s.inner_j      = j - (w->fetched_j << inner);
+        return wait_with(w, &s);
+    }
     for (uint32_t c = 0; c < 4 && r == VXS_OK; c++) r = visit(w, level - 1, 2 * i + (c & 1), 2 * j + (c >> 1));
     return r;
 }
@@ -297,6 +406,7 @@ vxs_result descend(const descent *d, const column_map *columns, bake_context *ct
 {
     walker     w = {.d = d, .columns = columns, .ctx = ctx, .lock = PTHREAD_MUTEX_INITIALIZER};
     vxs_result r = visit(&w, square_level(columns->side_px), 0, 0);
+    if (r == VXS_OK) r = end_batch(&w);
     pthread_mutex_destroy(&w.lock);
     return r;
 }

@@ -2,7 +2,7 @@
  *
  * A square whose bounds settle it is added as it is. What is left is fetched, in squares as wide as the source can give, and descended
  * further, until a square is small enough to be built. Squares are built on all threads, a batch at once, and added in z order:
- * behind the batch, or while others of it are still built. Where somebody keeps what becomes of fetched squares (square_keeper.h), a
+ * behind the batch, or while others of it are still built. Of a source that many threads may ask, each thread fetches what it builds. Where somebody keeps what becomes of fetched squares (square_keeper.h), a
  * square that is known is neither fetched nor built, and what was built is added in the same order.
  * Source: [CPVS16] 4.3, 6.1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -12,11 +12,11 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
-enum { DESCENT_BATCH = 64 }; /* squares that are in memory at once; where squares are kept, a fetched one has no more of them */
+enum { DESCENT_BATCH = 32 }; /* squares that are in memory at once; where squares are kept, a fetched one has no more of them */
 
 /* What becomes of a square. */
 typedef enum descent_step {
-    DESCENT_SETTLED, /* nothing is left to do: it was added */
+    DESCENT_SETTLED, /* its bounds are all that matters */
     DESCENT_BUILD,   /* it is small enough, or as good as small; as DESCENT_SPLIT until it is fetched */
     DESCENT_SPLIT,   /* on with its quarters */
 } descent_step;
@@ -24,10 +24,15 @@ typedef enum descent_step {
 typedef struct descent {
     void *user;
 
-    /* What to do with the square (i, j) of `level` of the map, by its bounds; one that is settled is added by this call.
-     * fetched  1: they are bounds of fetched columns, else what is known before. Returns VXS_OK, or what ends the descent. */
-    vxs_result (*look)(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j, int fetched,
-                       descent_step *step);
+    uint32_t  square_px;       /* side of the squares that are built, at least */
+    uint64_t *squares_fetched; /* [in, out] how many had to be, of fetch_px or what the map has: so many more */
+
+    /* What to do with a square of `level`, by its bounds.   fetched  1: they are bounds of fetched columns, else what is known before.
+     * From any thread. */
+    descent_step (*look)(const void *user, const column_bounds *bounds, uint32_t level, int fetched);
+
+    /* Add the square (i, j) of `level` of the map, which its bounds settle. Called in z order with add. */
+    vxs_result (*settle)(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j);
 
     /* Build the square (i, j) of `level` of fetched columns, counted from where these start. From any thread, once for each slot,
      * [0, DESCENT_BATCH), before it is added. */
@@ -45,8 +50,9 @@ typedef struct descent {
     /* Release what is in a slot, whatever that is. */
     void (*drop)(void *user, uint32_t slot);
 
-    /* Of a batch: before it is built; between building and adding; behind it. Stages of time belong there. May be NULL. */
-    void (*batch)(void *user, bake_context *ctx, int phase, uint32_t count);
+    /* Of a batch: before it is built; between building and adding; behind it. Stages of time belong there. May be NULL.
+     * seconds  over all threads, since the batch began: of fetching, where threads do that; of building */
+    void (*batch)(void *user, bake_context *ctx, int phase, uint32_t count, const double seconds[2]);
 
     /* 1: add is called from any thread, as soon as a square and all before it are built: there is nothing between building and adding. */
     int add_early;

@@ -62,7 +62,7 @@ typedef struct map_builder {
     dag_merger          *g;
     const build_options *o;
     build_stats         *stats;
-    uint32_t             map, sub_level, slabs, fetch_px;
+    uint32_t             map, sub_level, slabs;
     sub_dag              batch[DESCENT_BATCH];
 } map_builder;
 
@@ -78,16 +78,21 @@ static int is_decided(const map_builder *b, const column_bounds *bounds, uint32_
     return bounds->emax <= boundary && (level == b->sub_level || bounds->xmax >> shift == *lit_slabs);
 }
 
-static vxs_result look(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j, int fetched,
-                       descent_step *step)
+static descent_step look(const void *user, const column_bounds *bounds, uint32_t level, int fetched)
+{
+    const map_builder *b = user;
+    uint32_t           lit_slabs;
+    (void)fetched;
+    if (is_decided(b, bounds, level, &lit_slabs)) return DESCENT_SETTLED;
+    return level == b->sub_level || (b->o->share && bounds_alike(bounds)) ? DESCENT_BUILD : DESCENT_SPLIT;
+}
+
+static vxs_result settle(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j)
 {
     map_builder *b = user;
     uint32_t     lit_slabs;
-    *step = DESCENT_SETTLED;
-    if (is_decided(b, bounds, level, &lit_slabs)) return dag_merger_add_split(b->g, b->map, level, i, j, b->sub_level, lit_slabs);
-    b->stats->squares_fetched += !fetched && 8u << level <= b->fetch_px;
-    *step = level == b->sub_level || (b->o->share && bounds_alike(bounds)) ? DESCENT_BUILD : DESCENT_SPLIT;
-    return VXS_OK;
+    is_decided(b, bounds, level, &lit_slabs);
+    return dag_merger_add_split(b->g, b->map, level, i, j, b->sub_level, lit_slabs);
 }
 
 static vxs_result build_slot(void *user, uint32_t slot, const column_square *columns, uint32_t level, uint32_t i, uint32_t j)
@@ -180,13 +185,20 @@ static void drop_slot(void *user, uint32_t slot)
 }
 
 /* Stages of a square take turns on all threads. */
-static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count)
+static void time_batch(void *user, bake_context *ctx, int phase, uint32_t count, const double seconds[2])
 {
     map_builder *b     = user;
     build_stats  batch = {0};
-    for (uint32_t n = 0; n < count && phase == 1; n++) add_stats(&batch, &b->batch[n].stats);
+    for (uint32_t n = 0; n < count && phase == 1; n++) {
+        add_stats(&batch, &b->batch[n].stats);
+        b->batch[n].stats = (build_stats){0};
+    }
     if (phase == 0) stage_begin(ctx, STAGE_MASKS);
-    if (phase == 1) stage_begin_after(ctx, STAGE_MERGE, STAGE_MASKS, batch.seconds, SQUARE_STAGES);
+    if (phase == 1) {
+        double all[2 + SQUARE_STAGES] = {seconds[0], 0}; /* from the maps on */
+        memcpy(all + 2, batch.seconds, sizeof batch.seconds);
+        stage_begin_after(ctx, STAGE_MERGE, STAGE_MAPS, all, 2 + SQUARE_STAGES);
+    }
     if (phase == 2) stage_begin(ctx, STAGE_NONE);
     add_stats(b->stats, &batch);
 }
@@ -202,9 +214,18 @@ vxs_result dag_build_map(dag_merger *g, uint32_t map, const column_map *columns,
                                  .stats     = stats,
                                  .map       = map,
                                  .sub_level = square_level(sub_dag_side(columns->side_px)),
-                                 .slabs     = columns->depth_vx / sub_dag_side(columns->side_px),
-                                 .fetch_px  = columns->fetch_px};
-    descent    d = {b, look, build_slot, add_slot, save_slot, load_slot, drop_slot, time_batch, 0};
+                                 .slabs     = columns->depth_vx / sub_dag_side(columns->side_px)};
+    descent    d = {.user            = b,
+                    .square_px       = sub_dag_side(columns->side_px),
+                    .squares_fetched = &stats->squares_fetched,
+                    .look            = look,
+                    .settle          = settle,
+                    .build           = build_slot,
+                    .add             = add_slot,
+                    .save            = save_slot,
+                    .load            = load_slot,
+                    .drop            = drop_slot,
+                    .batch           = time_batch};
     vxs_result r = descend(&d, columns, ctx);
     for (uint32_t n = 0; n < DESCENT_BATCH; n++) dag_free(&b->batch[n].dag);
     free(b);

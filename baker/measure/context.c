@@ -56,6 +56,7 @@ void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, co
     uint64_t peak = stage_peak(ctx);
     for (uint32_t n = 0; n < count; n++) all += seconds[n];
     for (uint32_t n = 0; n < count; n++) {
+        if (all > 0 && seconds[n] <= 0) continue;
         ctx->stage[first + n].seconds += all > 0 ? wall * seconds[n] / all : wall / count;
         note_peak(ctx, (bake_stage)(first + n), peak);
     }
@@ -68,6 +69,11 @@ vxs_result context_within_memory(const bake_context *ctx)
     if (!ctx->memory_bytes || ctx->peak_bytes <= ctx->memory_bytes) return VXS_OK;
     return fail(ctx->message, VXS_E_MEMORY, "--memory %s is too little for '%s': the bake has come to hold %s, and is given up",
                 size_text(budget, ctx->memory_bytes), ctx->subject, size_text(held, ctx->peak_bytes));
+}
+
+int context_has_memory(const bake_context *ctx)
+{
+    return !ctx->memory_bytes || memory_held_bytes() <= ctx->memory_bytes;
 }
 
 void steps_begin(bake_context *ctx, uint32_t steps, double seconds_each, const char *doing)

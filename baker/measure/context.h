@@ -78,6 +78,9 @@ const char *bake_stage_name(bake_stage stage);
 /* VXS_E_MEMORY when more was held than memory_bytes: estimates may be wrong, the promise is kept. */
 vxs_result context_within_memory(const bake_context *ctx);
 
+/* 0 when more is held at the moment: what goes on would break the promise. From any thread. */
+int context_has_memory(const bake_context *ctx);
+
 /* Begin `steps` steps that take so long each; `doing` is what a line of progress calls them, as in "light sun: tile". */
 void steps_begin(bake_context *ctx, uint32_t steps, double seconds_each, const char *doing);
 

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -75,7 +76,8 @@ static void shelf_free(shelf *s)
 typedef struct counted_map {
     const depth_maps *maps;
     column_map        under;
-    uint32_t          fetches;
+    atomic_uint       fetches;
+    atomic_uint       alone; /* of them, by a thread that fetches alone */
 } counted_map;
 
 typedef struct window {
@@ -111,8 +113,8 @@ static vxs_result counted_fetch(void *data, uint32_t level, uint32_t i, uint32_t
     counted_map *c    = data;
     uint32_t     side = 8u << level;
     window      *w    = malloc(sizeof *w);
-    (void)ctx;
     c->fetches++;
+    c->alone += !ctx;
     *w   = (window){c->maps, i * side / 8, j * side / 8};
     *out = (column_square){w, side, c->maps->depth_vx, i * side, j * side, window_bounds, window_tile};
     return VXS_OK;
@@ -244,6 +246,38 @@ static void squares_kept_apart(void **state)
         shelf_free(&kept);
         depth_maps_free(&d);
     }
+}
+
+/* Squares that threads fetch are those that are fetched for all of them; kept ones are, too, whoever fetched them. */
+static void squares_fetched_by_threads(void **state)
+{
+    const uint32_t sides[] = {8, 64, 512, 1024};
+    (void)state;
+    for (size_t s = 0; s < sizeof sides / sizeof *sides; s++)
+        for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? 3 : 1)
+            for (int coding = 0; coding < 2; coding++) {
+                uint32_t      side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
+                depth_maps    d     = random_maps(side, side, kind, side + kind);
+                counted_map   c     = {.maps = &d};
+                shelf         kept  = {.known = 0};
+                square_keeper k     = {&kept, 0, NULL, shelf_ask, shelf_keep};
+                uint32_t      px    = min_u32(side, 2 * least);
+                column_map    whole = counted_columns(&c, px, NULL), parts = whole, both = counted_columns(&c, px, &k);
+                vxs_bytes     want = codings[coding](&whole, 1);
+                assert_int_equal(c.alone, 0);
+                parts.parallel_px = both.parallel_px = least;
+                assert_equal_and_free(&want, codings[coding](&parts, 1));
+                assert_int_equal(c.alone, (side / least) * (side / least));
+                assert_equal_and_free(&want, codings[coding](&parts, 3));
+                assert_equal_and_free(&want, codings[coding](&both, 2));
+                both.parallel_px = 0;
+                kept.known       = 2;
+                kept.asked       = 0;
+                assert_equal_and_free(&want, codings[coding](&both, 2));
+                free(want.data);
+                shelf_free(&kept);
+                depth_maps_free(&d);
+            }
 }
 
 /* Damage ---------------------------------------------------------------------------------------------------------------------- */
@@ -439,8 +473,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kept_squares_are_what_was_built), cmocka_unit_test(squares_kept_apart),
-        cmocka_unit_test(records_that_are_damaged),        cmocka_unit_test(built_bytes_of_another),
-        cmocka_unit_test(one_unsound_square_of_many),      cmocka_unit_test(steps_tile_the_square),
+        cmocka_unit_test(squares_fetched_by_threads),      cmocka_unit_test(records_that_are_damaged),
+        cmocka_unit_test(built_bytes_of_another),          cmocka_unit_test(one_unsound_square_of_many),
+        cmocka_unit_test(steps_tile_the_square),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "baker/columns/sparse/sparse_columns.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,13 +11,20 @@
 #include "baker/columns/sparse/sparse_key.h"
 #include "baker/columns/sparse/sparse_square.h"
 
+/* A fetched square, or one that was released and waits for the next fetch. */
+typedef struct pooled_square {
+    sparse_square         square;
+    struct pooled_square *next;
+} pooled_square;
+
 typedef struct sparse_map {
     sparse_triangles    triangles;
     triangle_bins       bins;
     leaf_desc           desc;
     const sparse_level *level;
-    sparse_square       fetched;
     sparse_keys         keys;
+    pthread_mutex_t     lock;  /* of the pool */
+    pooled_square      *spare; /* squares that were released */
 } sparse_map;
 
 /* Where no triangle's box is, there is no caster. */
@@ -35,21 +43,46 @@ static vxs_result map_bounds(void *data, uint32_t level, uint32_t i, uint32_t j,
     return VXS_OK;
 }
 
+/* NULL without memory. */
+static pooled_square *take_square(sparse_map *o)
+{
+    pthread_mutex_lock(&o->lock);
+    pooled_square *p = o->spare;
+    if (p) o->spare = p->next;
+    pthread_mutex_unlock(&o->lock);
+    return p ? p : calloc(1, sizeof *p);
+}
+
+static void put_square(sparse_map *o, pooled_square *p)
+{
+    pthread_mutex_lock(&o->lock);
+    p->next  = o->spare;
+    o->spare = p;
+    pthread_mutex_unlock(&o->lock);
+}
+
+static vxs_result fetch_square(sparse_map *o, texel_square at, column_square *out, uint32_t threads)
+{
+    pooled_square *p = take_square(o);
+    vxs_result     r = p ? sparse_square_make(&p->square, o->level, &o->desc, &o->bins, at, threads) : VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        *out = sparse_square_columns(&p->square);
+    } else if (p) {
+        sparse_square_free(&p->square);
+        free(p);
+    }
+    return r;
+}
+
 static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, column_square *out, bake_context *ctx)
 {
-    sparse_map *o    = data;
-    uint32_t    side = 8u << level;
-    *out             = (column_square){0};
+    uint32_t side = 8u << level;
+    *out          = (column_square){0};
+    if (!ctx) return fetch_square(data, (texel_square){i * side, j * side, side}, out, 1);
     stage_begin(ctx, STAGE_MAPS);
-    vxs_result r =
-        sparse_square_make(&o->fetched, o->level, &o->desc, &o->bins, (texel_square){i * side, j * side, side}, ctx->threads);
+    vxs_result r = fetch_square(data, (texel_square){i * side, j * side, side}, out, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
-    if (r != VXS_OK) {
-        sparse_square_free(&o->fetched);
-        return fail(ctx->message, r, "out of memory for the columns of %u x %u texels", side, side);
-    }
-    *out = sparse_square_columns(&o->fetched);
-    return r;
+    return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the columns of %u x %u texels", side, side);
 }
 
 static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, column_key *out)
@@ -61,15 +94,21 @@ static vxs_result map_key(void *data, uint32_t level, uint32_t i, uint32_t j, co
 
 static void map_release(void *data, column_square *square)
 {
-    sparse_map *o = data;
-    sparse_square_clear(&o->fetched);
+    pooled_square *p = square->data; /* whose first member it is */
+    sparse_square_clear(&p->square);
+    put_square(data, p);
     *square = (column_square){0};
 }
 
 static void map_free(sparse_map *o)
 {
+    for (pooled_square *p = o->spare, *next; p; p = next) {
+        next = p->next;
+        sparse_square_free(&p->square);
+        free(p);
+    }
+    pthread_mutex_destroy(&o->lock);
     sparse_keys_free(&o->keys);
-    sparse_square_free(&o->fetched);
     triangle_bins_free(&o->bins);
     sparse_triangles_free(&o->triangles);
 }
@@ -119,16 +158,18 @@ static depth_scale scale_of(const vxs_light *light, uint32_t depth_vx)
 vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint32_t side_px, uint32_t depth_vx, uint32_t *enter,
                                 bake_context *ctx)
 {
-    sparse_map o = {.level = &sparse_levels[cpu_level()],
-                    .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1}};
-    vxs_result r = prepare(&o, owner, map, side_px, ctx);
+    sparse_map    o = {.level = &sparse_levels[cpu_level()],
+                       .desc  = {.triangles = &o.triangles, .scale = scale_of(owner->light, depth_vx), .every_texel = 1},
+                       .lock  = PTHREAD_MUTEX_INITIALIZER};
+    column_square square;
+    vxs_result    r = prepare(&o, owner, map, side_px, ctx);
     if (r == VXS_OK) {
-        r = sparse_square_make(&o.fetched, o.level, &o.desc, &o.bins, (texel_square){0, 0, side_px}, ctx->threads);
+        r = fetch_square(&o, (texel_square){0, 0, side_px}, &square, ctx->threads);
         if (r != VXS_OK) fail(ctx->message, r, "out of memory for the depths of %u x %u texels", side_px, side_px);
     }
     if (r == VXS_OK) {
-        column_square square = sparse_square_columns(&o.fetched);
-        r                    = take_enter(&square, enter);
+        r = take_enter(&square, enter);
+        map_release(&o, &square);
     }
     map_free(&o);
     return r;
@@ -143,6 +184,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     if (!o) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the triangles of a map");
     o->desc  = (leaf_desc){.triangles = &o->triangles, .scale = scale_of(owner->light, side), .nearest_back = owner->nearest_back};
     o->level = &sparse_levels[cpu_level()];
+    pthread_mutex_init(&o->lock, NULL);
     stage_begin(ctx, STAGE_MAPS);
     vxs_result r = prepare(o, owner, map, side, ctx);
     stage_begin(ctx, STAGE_NONE);
@@ -150,15 +192,16 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
         map_close(o);
         return r;
     }
-    *out = (column_map){.data     = o,
-                        .side_px  = side,
-                        .depth_vx = side,
-                        .fetch_px = min_u32(side, owner->fetch_px),
-                        .bounds   = map_bounds,
-                        .fetch    = map_fetch,
-                        .release  = map_release,
-                        .close    = map_close,
-                        .key      = map_key};
+    *out = (column_map){.data        = o,
+                        .side_px     = side,
+                        .depth_vx    = side,
+                        .fetch_px    = min_u32(side, owner->fetch_px),
+                        .parallel_px = min_u32(min_u32(side, owner->fetch_px), SPARSE_PARALLEL_PX),
+                        .bounds      = map_bounds,
+                        .fetch       = map_fetch,
+                        .release     = map_release,
+                        .close       = map_close,
+                        .key         = map_key};
     return VXS_OK;
 }
 

@@ -20,6 +20,8 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
+enum { SPARSE_PARALLEL_PX = 1024 }; /* squares of so much, or less, may be fetched by many threads at once */
+
 typedef struct sparse_columns {
     const casters   *casters;      /* that the light may reach; borrowed, as is the light */
     const vxs_light *light;        /* fitted */

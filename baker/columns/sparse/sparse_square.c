@@ -23,11 +23,12 @@ struct leaf_page {
     column_tile tiles[PAGE_TILES];
 };
 
-/* The lists of the quarters of a square, at each level, and what a leaf needs. */
-typedef struct descent_scratch {
+/* The lists of the quarters of a square, at each level, what a leaf needs, and the tiles that it has found. */
+struct square_worker {
     square_list  list, quarter[SPARSE_LEVELS_MAX][4];
     leaf_scratch leaf;
-} descent_scratch;
+    leaf_page   *pages, *spare; /* the first of them is filled; those of squares before */
+};
 
 typedef struct square_maker {
     sparse_square       *q;
@@ -35,7 +36,6 @@ typedef struct square_maker {
     const leaf_desc     *d;
     const triangle_bins *bins;
     uint32_t             task_px;
-    descent_scratch     *scratch; /* [PARALLEL_THREADS_MAX], or fewer */
     atomic_int           out_of_memory;
 } square_maker;
 
@@ -62,33 +62,40 @@ static void set_bounds(const sparse_square *q, texel_square at, column_bounds b)
         for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
 }
 
-/* Returns 0 without memory. */
-static int keep_tile(square_maker *w, uint32_t worker, texel_square at, const column_tile *tile)
+/* A page that is empty, before the others of the worker. Returns 0 without memory. */
+static int next_page(square_worker *worker)
 {
-    leaf_page **pages = &w->q->pages[worker];
-    if (!*pages || (*pages)->count == PAGE_TILES) {
-        leaf_page *page = malloc(sizeof *page);
-        if (!page) return 0;
-        page->next  = *pages;
-        page->count = 0;
-        *pages      = page;
-    }
-    column_tile *kept              = &(*pages)->tiles[(*pages)->count++];
-    *kept                          = *tile;
-    w->q->tiles[tile_at(w->q, at)] = kept;
+    leaf_page *page = worker->spare;
+    if (page)
+        worker->spare = page->next;
+    else if (!(page = malloc(sizeof *page)))
+        return 0;
+    page->next    = worker->pages;
+    page->count   = 0;
+    worker->pages = page;
+    return 1;
+}
+
+/* Returns 0 without memory. */
+static int keep_tile(const sparse_square *q, square_worker *worker, texel_square at, const column_tile *tile)
+{
+    if ((!worker->pages || worker->pages->count == PAGE_TILES) && !next_page(worker)) return 0;
+    column_tile *kept        = &worker->pages->tiles[worker->pages->count++];
+    *kept                    = *tile;
+    q->tiles[tile_at(q, at)] = kept;
     return 1;
 }
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
 
 /* Look at all texels. Columns that one depth parts are not kept. */
-static int make_leaf(square_maker *w, uint32_t worker, texel_square at, const square_bound *bound, const square_list *l)
+static int make_leaf(const square_maker *w, square_worker *worker, texel_square at, const square_bound *bound, const square_list *l)
 {
     column_tile   tile;
     column_bounds b;
-    if (!w->level->leaf(&w->scratch[worker].leaf, w->d, l, bound, at, &tile, &b)) return 0;
+    if (!w->level->leaf(&worker->leaf, w->d, l, bound, at, &tile, &b)) return 0;
     set_bounds(w->q, at, b);
-    return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
+    return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w->q, worker, at, &tile);
 }
 
 /* Whether one depth parts all that is lit from all that is in shadow; then it is said so. */
@@ -106,14 +113,14 @@ static int settle(const square_maker *w, texel_square at, const square_bound *bo
 }
 
 /* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
-static int make_square(square_maker *w, uint32_t worker, texel_square at, square_bound bound, square_list *l)
+static int make_square(const square_maker *w, square_worker *worker, texel_square at, square_bound bound, square_list *l)
 {
     int decides = !l->count || (at.side > EXACT_PX && !w->d->every_texel);
     if (decides) square_bound_tighten(&bound, l, w->d->triangles);
     if (decides && settle(w, at, &bound, l->count)) return 1;
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
     uint32_t     half    = at.side / 2;
-    square_list *quarter = w->scratch[worker].quarter[log2_u32(at.side)];
+    square_list *quarter = worker->quarter[log2_u32(at.side)];
     if (!w->level->split(quarter, w->d->triangles, l, at)) return 0;
     for (uint32_t n = 0; n < 4; n++) {
         texel_square part = {at.u + (n & 1) * half, at.v + (n >> 1) * half, half};
@@ -131,10 +138,10 @@ static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
         texel_square at      = {w->q->at.u + (uint32_t)n % across * w->task_px, w->q->at.v + (uint32_t)n / across * w->task_px,
                                 w->task_px};
         size_t       cell    = (size_t)(at.v / bins->cell_px) * bins->cells + at.u / bins->cell_px;
-        square_list *l       = &w->scratch[worker].list;
+        square_list *l       = &w->q->workers[worker].list;
         square_bound nothing = {.enter_most = depth_none(w->d->scale), .left_out = INFINITY, .exit_least = INFINITY};
         if (!w->level->gather(l, w->d->triangles, bins->ids + bins->first[cell], bins->first[cell + 1] - bins->first[cell], at) ||
-            !make_square(w, worker, at, nothing, l))
+            !make_square(w, &w->q->workers[worker], at, nothing, l))
             w->out_of_memory = 1;
     }
 }
@@ -142,21 +149,22 @@ static void make_tasks(void *user, size_t begin, size_t end, uint32_t worker)
 /* the square ------------------------------------------------------------------------------------------------------------------ */
 
 /* Arrays for a square of its side. Those of a square of the same side serve again: fresh pages cost as much as what goes into them. */
-static int make_room(sparse_square *q, texel_square at)
+static int make_room(sparse_square *q, texel_square at, uint32_t threads)
 {
     size_t   squares = 0, tiles = (size_t)(at.side / 8) * (at.side / 8);
-    uint32_t l = 0, was = q->at.side;
-    if (was != at.side) sparse_square_free(q);
+    uint32_t l = 0;
+    if (q->at.side != at.side || q->worker_count < threads) sparse_square_free(q);
     q->at = at;
-    if (was == at.side) {
+    if (q->pyramid[0]) {
         memset(q->tiles, 0, tiles * sizeof *q->tiles);
         return 1;
     }
     for (uint32_t side = at.side / 8; side; side /= 2) squares += (size_t)side * side;
     q->pyramid[0] = malloc(squares * sizeof *q->pyramid[0]);
     q->tiles      = calloc(tiles, sizeof *q->tiles);
-    q->pages      = calloc(PARALLEL_THREADS_MAX, sizeof *q->pages);
-    if (!q->pyramid[0] || !q->tiles || !q->pages) return 0;
+    q->workers    = calloc(threads, sizeof *q->workers);
+    if (!q->pyramid[0] || !q->tiles || !q->workers) return 0;
+    q->worker_count = threads;
     for (uint32_t side = at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
     return 1;
 }
@@ -166,24 +174,11 @@ vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const
 {
     square_maker w = {
         .q = q, .level = level, .d = d, .bins = bins, .task_px = min_u32(at.side, min_u32(bins->cell_px, TASK_PX_MAX))};
-    uint32_t across = at.side / w.task_px;
-    w.scratch       = calloc(PARALLEL_THREADS_MAX, sizeof *w.scratch);
-    if (!w.scratch || !make_room(q, at)) {
-        free(w.scratch);
-        return VXS_E_MEMORY;
-    }
+    uint32_t across = at.side / w.task_px, tasks = across * across;
+    threads = min_u32(max_u32(threads, 1), min_u32(tasks, PARALLEL_THREADS_MAX));
+    if (!make_room(q, at, threads)) return VXS_E_MEMORY;
     q->scale = d->scale;
-    parallel_for(threads, (size_t)across * across, 1, make_tasks, &w);
-    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) {
-        descent_scratch *s = &w.scratch[n];
-        free(s->list.items);
-        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(s->quarter[k / 4][k % 4].items);
-        free(s->leaf.faces);
-        free(s->leaf.places);
-        free(s->leaf.depths);
-        free(s->leaf.backs);
-    }
-    free(w.scratch);
+    parallel_for(threads, tasks, 1, make_tasks, &w);
     if (w.out_of_memory) return VXS_E_MEMORY;
     bounds_pyramid_reduce(q->pyramid, at.side / 8, threads);
     return VXS_OK;
@@ -191,19 +186,36 @@ vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const
 
 void sparse_square_clear(sparse_square *q)
 {
-    for (int n = 0; n < PARALLEL_THREADS_MAX && q->pages; n++) {
-        for (leaf_page *page = q->pages[n], *next; page; page = next) {
-            next = page->next;
-            free(page);
+    for (uint32_t n = 0; n < q->worker_count; n++) {
+        square_worker *worker = &q->workers[n];
+        for (leaf_page *page = worker->pages, *next; page; page = next) {
+            next          = page->next;
+            page->next    = worker->spare;
+            worker->spare = page;
         }
-        q->pages[n] = NULL;
+        worker->pages = NULL;
     }
+}
+
+static void free_worker(square_worker *worker)
+{
+    for (leaf_page *page = worker->spare, *next; page; page = next) {
+        next = page->next;
+        free(page);
+    }
+    free(worker->list.items);
+    for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(worker->quarter[k / 4][k % 4].items);
+    free(worker->leaf.faces);
+    free(worker->leaf.places);
+    free(worker->leaf.depths);
+    free(worker->leaf.backs);
 }
 
 void sparse_square_free(sparse_square *q)
 {
     sparse_square_clear(q);
-    free(q->pages);
+    for (uint32_t n = 0; n < q->worker_count; n++) free_worker(&q->workers[n]);
+    free(q->workers);
     free(q->tiles);
     free(q->pyramid[0]);
     *q = (sparse_square){0};

@@ -13,14 +13,16 @@
 
 enum { SPARSE_LEVELS_MAX = 20 };
 
-typedef struct leaf_page leaf_page;
+typedef struct leaf_page     leaf_page;
+typedef struct square_worker square_worker;
 
 typedef struct sparse_square {
     texel_square   at;
     depth_scale    scale;
     column_bounds *pyramid[SPARSE_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
     column_tile  **tiles;                      /* [(side / 8)^2] NULL: all columns are as the bounds say */
-    leaf_page    **pages;                      /* [PARALLEL_THREADS_MAX] that own the tiles, by worker */
+    square_worker *workers;                    /* [worker_count] what each thread needs, and the pages that own the tiles */
+    uint32_t       worker_count;
 } sparse_square;
 
 /* The functions of a level of cpu.h. */
