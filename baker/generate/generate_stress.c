@@ -7,8 +7,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/random.h"
 #include "baker/generate/generate_parts.h"
 
 static const double slanted[3] = {1, -1, 0}, straight_down[3] = {0, -1, 0};
@@ -66,6 +68,25 @@ static void near_far(parts *p)
     sheet_at(p, -0.1, -0.05, -1, 0.3, 0.35);
     parts_spot(p, "spot", (double[3]){0, 0, 0}, straight_down, 30, 2000);
     parts_point(p, "point", (double[3]){0, 0, 0}, 2000);
+}
+
+/* As far away as far_coordinates, but by the vertices themselves: whole metres are what floats can tell apart there. */
+static void far_vertices(parts *p)
+{
+    const double x = 1e7, z = -1e7;
+    parts_box_at(p, "ground", x - 60, x + 60, -1, 0, z - 60, z + 60);
+    parts_box_at(p, "block", x - 10, x + 10, 20, 30, z - 10, z + 10);
+    parts_sun(p, slanted);
+}
+
+/* Boxes of a millimetre beside one of 200 km. */
+static void huge_and_tiny(parts *p)
+{
+    parts_box_at(p, "ground", -1e6, 1e6, -1e5, 0, -1e6, 1e6);
+    parts_box_at(p, "huge", -1e5, 1e5, 1e5, 2e5, -1e5, 1e5);
+    parts_mesh(p, "tiny", 0);
+    for (int i = 0; i < 100; i++) parts_box_at(p, NULL, -1.001 - i * 0.01, -1 - i * 0.01, 0, 0.001, 0, 0.001);
+    parts_sun(p, slanted);
 }
 
 static void empty_scene(parts *p)
@@ -156,6 +177,156 @@ static void zero_area_and_needles(parts *p)
     parts_sun(p, slanted);
 }
 
+/* A closed one, whatever the order of its corners. */
+static void tetrahedron(parts *p, double corner[4][3])
+{
+    double   edge[3][3], volume = 0;
+    uint32_t at[4];
+    for (int n = 0; n < 3; n++)
+        for (int k = 0; k < 3; k++) edge[n][k] = corner[n + 1][k] - corner[0][k];
+    for (int k = 0; k < 3; k++)
+        volume += edge[0][k] * (edge[1][(k + 1) % 3] * edge[2][(k + 2) % 3] - edge[1][(k + 2) % 3] * edge[2][(k + 1) % 3]);
+    for (int n = 0; n < 4; n++) at[n] = parts_vertex(p, corner[n][0], corner[n][1], corner[n][2]);
+    uint32_t a = at[volume < 0 ? 2 : 1], b = at[volume < 0 ? 1 : 2];
+    parts_triangle(p, at[0], b, a);
+    parts_triangle(p, at[0], a, at[3]);
+    parts_triangle(p, a, b, at[3]);
+    parts_triangle(p, b, at[0], at[3]);
+}
+
+/* Solids of 6 m by 10 micrometres to a millimetre, in all directions of a plane that slopes. */
+static void solid_needles(parts *p)
+{
+    ground(p, 8);
+    parts_mesh(p, "needles", 0);
+    for (uint32_t i = 0; i < 200; i++) {
+        double c, s, thick = i % 2 ? 1e-3 : 1e-5, y = 3 + i * 0.002;
+        parts_turn(i, 200, &c, &s);
+        tetrahedron(p, (double[4][3]){{-3 * c, y - c, -3 * s},
+                                      {3 * c, y + c, 3 * s},
+                                      {3 * c - thick * s, y + c, 3 * s + thick * c},
+                                      {3 * c, y + c + thick, 3 * s}});
+    }
+    parts_box_at(p, "block", -1, 1, 1, 2, 4, 6);
+    parts_sun(p, slanted);
+}
+
+/* Solids of a tenth of a millimetre to a centimetre. */
+static void dust(parts *p)
+{
+    rng r = rng_split(1, 0);
+    ground(p, 8);
+    parts_mesh(p, "dust", 0);
+    for (int i = 0; i < 5000; i++) {
+        double corner[4][3], size = i % 100 ? 1e-4 * (1 + i % 10) : 1e-2;
+        double at[3] = {2 * rng_unit(&r) - 1, 1 + 2 * rng_unit(&r), 2 + rng_unit(&r)};
+        for (int n = 0; n < 4; n++)
+            for (int k = 0; k < 3; k++) corner[n][k] = at[k] + size * (rng_unit(&r) + (n == k + 1));
+        tetrahedron(p, corner);
+    }
+    parts_box_at(p, "block", -1, 1, 1, 2, -4, -2);
+    parts_sun(p, slanted);
+}
+
+/* Two cones base to base: 100 000 triangles meet at each tip. */
+static void fan_100000(parts *p)
+{
+    enum { AROUND = 100000 };
+    ground(p, 8);
+    parts_mesh(p, "cones", 0);
+    uint32_t top = parts_vertex(p, 0, 4, 0), bottom = parts_vertex(p, 0, 2, 0), first = bottom + 1;
+    for (uint32_t i = 0; i < AROUND; i++) {
+        double c, s;
+        parts_turn(i, AROUND, &c, &s);
+        parts_vertex(p, 2 * c, 3, 2 * s);
+    }
+    for (uint32_t i = 0; i < AROUND; i++) {
+        uint32_t a = first + i, b = first + (i + 1) % AROUND;
+        parts_triangle(p, top, b, a);
+        parts_triangle(p, bottom, a, b);
+    }
+    parts_sun(p, slanted);
+}
+
+/* Quads whose sides cross, three sheets with a common edge, solids that have only a corner or an edge in common. */
+static void bow_ties(parts *p)
+{
+    ground(p, 8);
+    parts_mesh(p, "bow-tie", 0);
+    triangle(p, (double[3]){-4, 2, -2}, (double[3]){-4, 2, 2}, (double[3]){-2, 2, 0});
+    triangle(p, (double[3]){-2, 2, 0}, (double[3]){0, 2, 2}, (double[3]){0, 2, -2});
+    parts_mesh(p, "quad that crosses itself", 0);
+    parts_quad(p, (double[3]){-4, 1, 4}, (double[3]){-2, 1, 6}, (double[3]){-4, 1, 6}, (double[3]){-2, 1, 4});
+    parts_mesh(p, "book", 0);
+    for (int i = -1; i <= 1; i++)
+        parts_quad(p, (double[3]){2, 2, -6}, (double[3]){2, 2, -4}, (double[3]){4, 2 + i, -4}, (double[3]){4, 2 + i, -6});
+    parts_box_at(p, "at corners", 0, 1, 1, 2, 4, 5);
+    parts_box_at(p, NULL, 1, 2, 2, 3, 5, 6);
+    parts_box_at(p, "at edges", 2, 3, 1, 2, 0, 1);
+    parts_box_at(p, NULL, 3, 4, 2, 3, 0, 1);
+    parts_sun(p, slanted);
+}
+
+/* Borders with 7 and 11 quads on either side, across a fold. */
+static void t_junctions(parts *p)
+{
+    ground(p, 8);
+    parts_mesh(p, "level", 0);
+    parts_grid(p, (double[3]){-2, 2, -2}, (double[3]){0, 0, 4}, (double[3]){2, 0, 0}, 7, 3);
+    parts_mesh(p, "sloped", 0);
+    parts_grid(p, (double[3]){0, 2, -2}, (double[3]){0, 0, 4}, (double[3]){2, 0.5, 0.25}, 11, 5);
+    parts_sun(p, slanted);
+}
+
+/* Sheets over each other that are the same but for rounding, and for how their cells are split. */
+static void z_fighting(parts *p)
+{
+    enum { CELLS = 20, SHEETS = 6 };
+    ground(p, 8);
+    for (int sheet = 0; sheet < SHEETS; sheet++) {
+        parts_mesh(p, "sheet", 0);
+        uint32_t first = 0;
+        for (uint32_t n = 0; n < (CELLS + 1) * (CELLS + 1); n++) {
+            rng      r = rng_split(2, n);
+            uint32_t i = n % (CELLS + 1), j = n / (CELLS + 1);
+            uint32_t at = parts_vertex(p, -2 + i * 0.2, 2 + 0.2 * rng_unit(&r) + sheet * 1e-7, -2 + j * 0.2);
+            if (!n) first = at;
+        }
+        for (uint32_t n = 0; n < CELLS * CELLS; n++) {
+            uint32_t a = first + n / CELLS * (CELLS + 1) + n % CELLS, b = a + 1, c = a + CELLS + 1, d = c + 1;
+            if (sheet % 2) {
+                parts_triangle(p, a, c, d);
+                parts_triangle(p, a, d, b);
+            } else {
+                parts_triangle(p, a, c, b);
+                parts_triangle(p, b, c, d);
+            }
+        }
+    }
+    parts_sun(p, slanted);
+}
+
+/* A sheet with large holes, the nearest pixel, over one with fine ones, bilinear; both lean. */
+static void checkered_masks(parts *p)
+{
+    ground(p, 8);
+    for (int fine = 0; fine < 2; fine++) {
+        uint32_t side = fine ? 256 : 4, at[4];
+        double   low = fine ? 1 : 2, x0 = fine ? 2 : -2;
+        uint8_t *rgba = malloc((size_t)4 * side * side);
+        for (uint32_t n = 0; rgba && n < side * side; n++)
+            memcpy(rgba + 4 * (size_t)n, (uint8_t[4]){128, 128, 128, (n + n / side) % 2 ? 0 : 255}, 4);
+        uint32_t image = parts_image(p, side, side, rgba);
+        parts_mesh(p, "checkered",
+                   parts_material(p, (glb_material){.name = "checkered", .alpha_cutoff = 0.5, .image = image, .nearest = !fine}));
+        for (int n = 0; n < 4; n++)
+            at[n] = parts_vertex_uv(p, (double[3]){x0 + 4 * (n >> 1), low + (n >> 1) * fine, -2 + 4 * (n & 1)}, n >> 1, n & 1);
+        parts_triangle(p, at[0], at[1], at[3]);
+        parts_triangle(p, at[0], at[3], at[2]);
+    }
+    parts_sun(p, slanted);
+}
+
 /* The same boxes and sheets again, boxes that share planes, and a sheet with its own back. */
 static void coplanar_duplicates(parts *p)
 {
@@ -225,6 +396,78 @@ static void intersecting_100(parts *p)
         parts_frame f = {{0, 3 + i * 0.002, 0}, 1, 0};
         parts_turn(i, 200, &f.cosine, &f.sine);
         parts_box(p, f, (double[3]){-4, -0.5, -0.15}, (double[3]){4, 0.5, 0.15});
+    }
+    parts_sun(p, slanted);
+}
+
+/* Blocks of 3 x 3 x 3 boxes whose faces lie on each other. */
+static void touching_27(parts *p)
+{
+    ground(p, 8);
+    parts_mesh(p, "boxes", 0);
+    for (int n = 0; n < 27; n++) {
+        double x = -1.5 + n % 3, y = 1 + n / 3 % 3, z = -1.5 + n / 9;
+        parts_box_at(p, NULL, x, x + 1, y, y + 1, z, z + 1);
+    }
+    parts_sun(p, slanted);
+}
+
+/* Boxes that reach into each other, and have tops and bottoms in common. */
+static void common_planes_50(parts *p)
+{
+    ground(p, 8);
+    parts_mesh(p, "boxes", 0);
+    for (int i = 0; i < 50; i++) parts_box_at(p, NULL, -2 + i * 0.05, -1 + i * 0.0625, 1, 2, -1 - i * 0.01, 1 - i * 0.02);
+    parts_sun(p, slanted);
+}
+
+/* A star of five points, drawn in one line: its middle is inside twice. */
+static void crossing_itself(parts *p)
+{
+    static const double tip[5][2] = {
+        {2, 0}, {-1.618034, 1.1755705}, {0.618034, -1.902113}, {0.618034, 1.902113}, {-1.618034, -1.1755705}};
+    ground(p, 8);
+    parts_mesh(p, "star", 0);
+    uint32_t low = parts_vertex(p, 0, 1, 0), high = parts_vertex(p, 0, 1.5, 0), first = high + 1;
+    for (int n = 0; n < 10; n++) parts_vertex(p, tip[n / 2][0], n % 2 ? 1.5 : 1, tip[n / 2][1]);
+    for (uint32_t n = 0; n < 5; n++) {
+        uint32_t a = first + 2 * n, b = first + 2 * ((n + 1) % 5);
+        parts_triangle(p, low, a, b);
+        parts_triangle(p, high, b + 1, a + 1);
+        parts_triangle(p, a, a + 1, b + 1);
+        parts_triangle(p, a, b + 1, b);
+    }
+    parts_sun(p, slanted);
+}
+
+/* A strip a millimetre thick, rolled up 50 times. */
+static void spiral(parts *p)
+{
+    enum { SEGMENTS = 64, STEPS = 50 * SEGMENTS };
+    ground(p, 8);
+    parts_mesh(p, "roll", 0);
+    uint32_t first = 0;
+    for (uint32_t n = 0; n <= STEPS; n++) {
+        double c, s, radius = 0.5 + (double)n / STEPS;
+        parts_turn(n % SEGMENTS, SEGMENTS, &c, &s);
+        for (int k = 0; k < 4; k++) {
+            double   at     = radius - (k % 2 ? 0.001 : 0);
+            uint32_t vertex = parts_vertex(p, at * c, k / 2 ? 2 : 1, at * s);
+            if (!n && !k) first = vertex;
+        }
+    }
+    /* corners of a cross section: outside and inside below, outside and inside above */
+    static const uint32_t about[5] = {0, 2, 3, 1, 0};
+    for (uint32_t n = 0; n < STEPS; n++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t a = first + 4 * n + about[k], b = first + 4 * n + about[k + 1];
+            parts_triangle(p, a, b, a + 4);
+            parts_triangle(p, b, b + 4, a + 4);
+        }
+    for (int end = 0; end < 2; end++) {
+        uint32_t a = end ? first + 4 * STEPS : first, b = a + (end ? 2 : 1), c = a + (end ? 1 : 2);
+        parts_triangle(p, a, b, c);
+        parts_triangle(p, b, a + 3, c);
     }
     parts_sun(p, slanted);
 }
@@ -347,6 +590,19 @@ static const struct {
     {"light-in-wall", "a point light inside a solid wall", light_in_wall},
     {"caster-behind-light", "casters behind a spot, and beside it", caster_behind_light},
     {"tiny-scene", "a scene of a thousandth of a millimetre", tiny_scene},
+    {"far-vertices", "vertices 10 000 km from the origin, where floats are whole metres", far_vertices},
+    {"huge-and-tiny", "boxes of a millimetre and of 200 km", huge_and_tiny},
+    {"solid-needles", "solids of 6 m by 10 micrometres", solid_needles},
+    {"dust", "5000 solids smaller than a texel", dust},
+    {"fan-100000", "100 000 triangles that meet at a vertex", fan_100000},
+    {"bow-ties", "sheets that cross themselves, solids that touch at a corner and an edge", bow_ties},
+    {"t-junctions", "borders of sheets with other vertices on either side", t_junctions},
+    {"z-fighting", "six sheets that differ by rounding", z_fighting},
+    {"checkered-masks", "alpha masks of 4 and of 256 pixels a side, in turns", checkered_masks},
+    {"touching-27", "boxes whose faces lie on each other", touching_27},
+    {"common-planes-50", "solids that meet, with tops and bottoms in common", common_planes_50},
+    {"crossing-itself", "a solid that crosses itself", crossing_itself},
+    {"spiral", "a strip of a millimetre, rolled up 50 times", spiral},
 };
 enum { CASES = sizeof cases / sizeof *cases };
 

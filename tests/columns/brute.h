@@ -29,7 +29,7 @@ typedef struct brute {
     uint32_t         *ids;
 } brute;
 
-enum { BRUTE_HITS_MAX = 1024 };
+enum { BRUTE_HITS_MAX = 4096 };
 
 typedef struct brute_hit {
     double depth; /* voxels */
