@@ -7,6 +7,8 @@
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
+#   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
+#                       sources or columns (tests/exact/sparse.py)
 #   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps: some minutes
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
@@ -91,7 +93,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $B/baker/main.c.o $(baker.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-cracks check-tsan bench packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-sparse check-cracks check-tsan bench packages format clean
 all: $B/vxs $B/libvxs.a $B/libvxs.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -199,6 +201,8 @@ check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit
 check-memory: all
 	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
+check-sparse: $B/vxs $B/tests/exact/exact $B/tests/bench/sources
+	@$(python) tests/exact/sparse.py --build $B $(if $(part),--part $(part))
 check-cracks: $B/tests/bench/cracks
 	@$<
 check-tsan: packages

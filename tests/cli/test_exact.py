@@ -110,6 +110,19 @@ def test_every_voxel_straight_from_triangles_whatever_is_solid(exact, scene, nam
                           exit=["peel", "back"], coding=CODINGS), 128)
 
 
+def test_tiles_around_silhouettes(exact, scene):
+    """make check-sparse does so at 262144."""
+    few = "--maps", "sparse", "--sun", SUNS[0], "--resolution", 4096, "--columns", 640
+    random, = exact(scene("city"), *few)
+    counts, = exact(scene("city"), *few, "--silhouettes", 3)
+    assert random["columns"] == 640 and counts["columns"] > 640 + 9 * 64 and counts["voxels"] == 4096 * counts["columns"]
+    assert 18 * counts["columns"] < counts["lookups"] <= 32 * counts["columns"]
+    counts, = exact(scene("city"), *few, "--silhouettes", 3, "--fault", "word", status=1)
+    assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
+    for refused in (("--maps", "sparse", "--silhouettes", 3), ("--maps", "gl", "--columns", 640, "--silhouettes", 3)):
+        assert exact(scene("city"), "--sun", SUNS[0], *refused, status=2) == []
+
+
 def test_a_wrong_word_of_a_file_straight_from_triangles_is_seen(exact, scene):
     counts, = exact(scene("city"), "--maps", "sparse", "--sun", SUNS[0], "--fault", "word", status=1)
     assert counts["wrong_lit"] + counts["wrong_shadow"] > 0

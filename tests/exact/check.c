@@ -14,6 +14,7 @@
 #include "baker/columns/sparse/sparse_triangles.h"
 #include "tests/columns/brute.h"
 #include "tests/exact/coded_runs.h"
+#include "tests/exact/silhouettes.h"
 
 enum { WINDOW_VX = 3, RANDOM_VOXELS = 16, EACH_VOXEL_MAX_VX = 64 };
 
@@ -33,6 +34,7 @@ typedef struct check {
     uint32_t          side_vx;
     uint32_t          i0, j0; /* first texel of the rendered tile in the map */
     uint64_t          seed;
+    const map_tile   *listed; /* tiles to be asked; NULL: random ones */
     tally            *worker; /* [PARALLEL_THREADS_MAX * file_count] */
 } check;
 
@@ -73,7 +75,7 @@ static void ask_voxel(const check *c, uint32_t file, tally *t, uint32_t i, uint3
     size_t   at = (size_t)j * c->depths.side_px + i;
     int32_t  u = (int32_t)(c->i0 + i), v = (int32_t)(c->j0 + j);
     uint32_t dark = vxs_shadow_taps(c->d->files[file].words, c->d->files[file].light, (int32_t)c->map, u, v, k, 1);
-    t->voxels++;
+    t->lookups++;
     t->wrong_shadow += dark && (double)k + 1 <= c->depths.enter[at];
     t->wrong_lit += !dark && (double)k >= c->depths.exit[at];
 }
@@ -85,6 +87,17 @@ static void ask_window(const check *c, uint32_t file, tally *t, uint32_t i, uint
         if (k >= 0 && k < c->side_vx) ask_voxel(c, file, t, i, j, (uint32_t)k);
 }
 
+/* Voxels around both depths of a column, at both ends, and anywhere. */
+static void ask_column(const check *c, uint32_t file, tally *t, uint32_t i, uint32_t j, rng *random)
+{
+    size_t at = (size_t)j * c->depths.side_px + i;
+    ask_window(c, file, t, i, j, c->depths.enter[at]);
+    ask_window(c, file, t, i, j, c->depths.exit[at]);
+    ask_voxel(c, file, t, i, j, 0);
+    ask_voxel(c, file, t, i, j, c->side_vx - 1);
+    for (int k = 0; k < RANDOM_VOXELS; k++) ask_voxel(c, file, t, i, j, rng_below(random, c->side_vx));
+}
+
 static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const check *c = user;
@@ -93,12 +106,9 @@ static void ask_random_columns(void *user, size_t begin, size_t end, uint32_t wo
         for (size_t n = begin; n < end; n++) {
             rng      random = rng_split(c->seed, n);
             uint32_t i = rng_below(&random, c->depths.side_px), j = rng_below(&random, c->depths.side_px);
-            size_t   at = (size_t)j * c->depths.side_px + i;
-            ask_window(c, file, t, i, j, c->depths.enter[at]);
-            ask_window(c, file, t, i, j, c->depths.exit[at]);
-            ask_voxel(c, file, t, i, j, 0);
-            ask_voxel(c, file, t, i, j, c->side_vx - 1);
-            for (int k = 0; k < RANDOM_VOXELS; k++) ask_voxel(c, file, t, i, j, rng_below(&random, c->side_vx));
+            uint64_t before = t->lookups;
+            ask_column(c, file, t, i, j, &random);
+            t->voxels += t->lookups - before;
             t->columns++;
         }
     }
@@ -154,7 +164,6 @@ static void ask_tile(const check *c, uint32_t x, uint32_t y, uint32_t worker)
         t->columns += 64;
         for (uint32_t n = 0; c->side_vx <= EACH_VOXEL_MAX_VX && n < 64 * c->side_vx; n++)
             ask_voxel(c, file, t, 8 * x + n % 8, 8 * y + n / 8 % 8, n / 64);
-        if (c->side_vx <= EACH_VOXEL_MAX_VX) t->voxels -= (uint64_t)64 * c->side_vx; /* asked twice, counted once */
     }
 }
 
@@ -163,6 +172,20 @@ static void ask_rows(void *user, size_t begin, size_t end, uint32_t worker)
     const check *c = user;
     for (size_t y = begin; y < end; y++)
         for (uint32_t x = 0; x < c->depths.side_px / 8; x++) ask_tile(c, x, (uint32_t)y, worker);
+}
+
+static void add_tallies(const check *c)
+{
+    for (size_t n = 0; n < (size_t)PARALLEL_THREADS_MAX * c->d->file_count; n++) {
+        tally *to = &c->d->files[n % c->d->file_count].sum, *from = &c->worker[n];
+        to->columns += from->columns;
+        to->voxels += from->voxels;
+        to->lookups += from->lookups;
+        to->wrong_lit += from->wrong_lit;
+        to->wrong_shadow += from->wrong_shadow;
+        to->misread += from->misread;
+        memset(from, 0, sizeof *from);
+    }
 }
 
 /* a few tiles, by brute force
@@ -188,13 +211,38 @@ static void ask_tiles(void *user, size_t begin, size_t end, uint32_t worker)
         double   enter[64], exit[64];
         rng      random = rng_split(c.seed, n);
         uint32_t u, v;
-        choose_texel(&c, &random, &u, &v);
+        if (c.listed)
+            u = 8 * c.listed[n].i, v = 8 * c.listed[n].j;
+        else
+            choose_texel(&c, &random, &u, &v);
         c.depths = (tile_depths){8, enter, exit};
         c.i0     = u / 8 * 8;
         c.j0     = v / 8 * 8;
         fill_rows(&c, 0, 8, worker);
         ask_tile(&c, 0, 0, worker);
+        for (uint32_t file = 0; file < c.d->file_count; file++)
+            for (uint32_t texel = 0; texel < 64; texel++)
+                ask_column(&c, file, &c.worker[worker * c.d->file_count + file], texel % 8, texel / 8, &random);
     }
+}
+
+/* Random tiles, and those around silhouettes. */
+static vxs_result ask_some_tiles(check *c, message *m)
+{
+    const check_desc *d      = c->d;
+    map_tile         *listed = NULL;
+    size_t            count  = 0;
+    c->seed                  = rng_split(d->seed, c->map).state;
+    parallel_for(d->threads, (d->columns + 63) / 64, 1, ask_tiles, c);
+    if (d->silhouettes) {
+        vxs_result r = silhouette_tiles(&listed, &count, c->brute->p, c->side_vx, d->silhouettes, c->seed);
+        if (r != VXS_OK) return fail(m, r, "out of memory for tiles around silhouettes");
+        c->listed = listed;
+        parallel_for(d->threads, count, 1, ask_tiles, c);
+        free(listed);
+    }
+    add_tallies(c);
+    return VXS_OK;
 }
 
 /* a map
@@ -222,19 +270,6 @@ static vxs_result render(const check_desc *d, const casters *c, exit_mode exit, 
     if (r == VXS_OK) r = depth_renderer_tile(renderer, maps, i, j, m);
     depth_renderer_destroy(renderer);
     return r;
-}
-
-static void add_tallies(const check *c)
-{
-    for (size_t n = 0; n < (size_t)PARALLEL_THREADS_MAX * c->d->file_count; n++) {
-        tally *to = &c->d->files[n % c->d->file_count].sum, *from = &c->worker[n];
-        to->columns += from->columns;
-        to->voxels += from->voxels;
-        to->wrong_lit += from->wrong_lit;
-        to->wrong_shadow += from->wrong_shadow;
-        to->misread += from->misread;
-        memset(from, 0, sizeof *from);
-    }
 }
 
 /* Render the tile (i, j) and count what cannot be in it. */
@@ -302,10 +337,8 @@ vxs_result check_map(const check_desc *d, int map, message *m)
         if (r == VXS_OK && !brute_init(&b, &p, side, 1 << sparse_grid(side), voxel_log, d->exit == EXIT_BACK))
             r = fail(m, VXS_E_MEMORY, "out of memory");
     }
-    if (r == VXS_OK && d->brute && d->columns) {
-        c.seed = rng_split(d->seed, c.map).state;
-        parallel_for(d->threads, (d->columns + 63) / 64, 1, ask_tiles, &c);
-        add_tallies(&c);
+    if (d->brute && d->columns) {
+        if (r == VXS_OK) r = ask_some_tiles(&c, m);
         tiles = 0;
     }
     for (uint32_t n = 0; n < tiles * tiles && r == VXS_OK; n++) r = check_tile(&c, &maps, &solids, tiles, n, m);

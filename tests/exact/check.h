@@ -9,6 +9,7 @@
 
 typedef struct tally {
     uint64_t columns, voxels, wrong_lit, wrong_shadow;
+    uint64_t lookups; /* through the runtime; the other voxels are told by what a file says of whole tiles (coded_runs.h) */
     uint64_t misread; /* runs of voxels that a lookup does not find as they are stored */
     uint64_t insane;  /* texels whose depths cannot be */
     uint64_t maps;
@@ -28,8 +29,9 @@ typedef struct check_desc {
     exit_mode        exit;
     int              brute; /* 1: by brute force (tests/columns/brute.h), else rendered */
     uint32_t         threads;
-    uint64_t         columns; /* random ones of each map; 0: all voxels */
-    uint64_t         seed;    /* of the columns */
+    uint64_t         columns;     /* random ones of each map; 0: all voxels */
+    uint32_t         silhouettes; /* with columns and brute force: all tiles around so many random ones, too */
+    uint64_t         seed;        /* of the columns */
     checked_file    *files;
     uint32_t         file_count;
 } check_desc;

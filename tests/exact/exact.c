@@ -14,7 +14,8 @@
  * coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
  * others by its stages.
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
- * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle passes.
+ * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle passes, and
+ * besides for the former through the runtime; --silhouettes COUNT for all tiles around so many random silhouettes of the map, too.
  * --spot and --point put lights into the scene, in place of its own; where is told in shares of the scene's box, how far in shares of
  * its diagonal, so that the same light fits every scene. DEGREES is the whole cone.
  * --fault builds the DAG here, stage by stage, and spoils one thing after one of them: the check must see it.
@@ -79,6 +80,7 @@ typedef struct exact_options {
     int          value[CHOICES][CHOICE_VALUES_MAX];
     size_t       value_count[CHOICES]; /* at least 1 */
     uint64_t     columns;              /* 0: all */
+    uint32_t     silhouettes;
     fault        fault;
     text_list    spots, points;
 } exact_options;
@@ -300,16 +302,17 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
 {
     const vxs_light *light = &vxs_asset_light(ways[0].asset, n)->light;
     checked_file     files[WAYS_MAX];
-    check_desc       d    = {.gl         = w->gl,
-                             .casters    = &w->c,
-                             .light      = light,
-                             .exit       = ways[0].bake.exit,
-                             .brute      = ways[0].bake.maps == MAPS_SPARSE,
-                             .threads    = o->bake.threads,
-                             .columns    = o->columns,
-                             .seed       = ways[0].seed,
-                             .files      = files,
-                             .file_count = count};
+    check_desc       d    = {.gl          = w->gl,
+                             .casters     = &w->c,
+                             .light       = light,
+                             .exit        = ways[0].bake.exit,
+                             .brute       = ways[0].bake.maps == MAPS_SPARSE,
+                             .threads     = o->bake.threads,
+                             .columns     = o->columns,
+                             .silhouettes = o->silhouettes,
+                             .seed        = ways[0].seed,
+                             .files       = files,
+                             .file_count  = count};
     int              maps = (int)vxs_light_map_count(light);
     vxs_result       r    = VXS_OK;
     memset(files, 0, sizeof files);
@@ -335,6 +338,7 @@ done:
         tally *to = &ways[y].sum, *from = &files[y].sum;
         to->columns += from->columns;
         to->voxels += from->voxels;
+        to->lookups += from->lookups;
         to->wrong_lit += from->wrong_lit;
         to->wrong_shadow += from->wrong_shadow;
         to->misread += from->misread;
@@ -349,12 +353,13 @@ static int print_result(const exact_options *o, const way *y)
 {
     const tally *t          = &y->sum;
     const double sunless[3] = {0}, *sun = y->bake.suns.count ? y->bake.suns.items[0].numbers : sunless;
-    json_t *line = json_pack("{s:s, s:I, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
-                             (json_int_t)y->bake.resolution, "sun", sun[0], sun[1], sun[2], "seed", (json_int_t)y->seed, "maps",
-                             (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "wrong_lit",
-                             (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow, "misread",
-                             (json_int_t)t->misread, "insane_depths", (json_int_t)t->insane);
-    json_t *told = bake_options_json(&y->bake);
+    json_t      *line =
+        json_pack("{s:s, s:I, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
+                  (json_int_t)y->bake.resolution, "sun", sun[0], sun[1], sun[2], "seed", (json_int_t)y->seed, "maps",
+                  (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "lookups",
+                  (json_int_t)t->lookups, "wrong_lit", (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow,
+                  "misread", (json_int_t)t->misread, "insane_depths", (json_int_t)t->insane);
+    json_t *told   = bake_options_json(&y->bake);
     int     failed = !line || !told || json_object_update_missing(line, told) || json_dumpf(line, stdout, JSON_COMPACT) ||
                  puts("") < 0 || fflush(stdout);
     json_decref(line);
@@ -501,8 +506,12 @@ static vxs_result check_options(exact_options *o, const char *columns, message *
         o->columns = strtoull(columns, &end, 10);
         if (*end || !o->columns) return fail(m, VXS_E_ARGUMENT, "--columns %s: expected all or a number from 1", columns);
     }
+    if (o->silhouettes && !o->columns) return fail(m, VXS_E_ARGUMENT, "--silhouettes: only with --columns COUNT");
     if (lamps_asked_for(o) && (o->suns.count || o->bake.light_names.count || (o->fault != FAULT_NONE && o->fault != FAULT_WORD)))
         return fail(m, VXS_E_ARGUMENT, "--spot and --point: not with --sun, --light or a --fault but word");
+    for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
+        if (o->value[CHOICE_MAPS][n] != MAPS_SPARSE && o->silhouettes)
+            return fail(m, VXS_E_ARGUMENT, "--silhouettes: only with --maps sparse");
     for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
         if (o->value[CHOICE_MAPS][n] == MAPS_SPARSE && o->fault != FAULT_NONE && o->fault != FAULT_WORD)
             return fail(m, VXS_E_ARGUMENT, "--maps sparse: with no --fault but word, the others are of rendered maps");
@@ -514,7 +523,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     text_list   given[CHOICES]        = {{0}};
     int         planted               = FAULT_NONE;
     const char *columns               = "all";
-    option      options[CHOICES + 10] = {
+    option      options[CHOICES + 11] = {
              {"SCENE", OPTION_INPUT, &o->scene_path, FILE_SCENE, 0, NULL, NULL, NULL, NULL},
              {"--sun", OPTION_TEXTS, &o->suns, 0, 0, NULL, "X,Y,Z", "as bake; repeated for more", NULL},
              {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
@@ -524,11 +533,13 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
               "as bake (default 512); repeated for more", NULL},
              {"--threads", OPTION_U32, &o->bake.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "as bake", NULL},
              {"--columns", OPTION_TEXT, &columns, 0, 0, NULL, "COUNT", "random columns to look at, or all (default)", NULL},
+             {"--silhouettes", OPTION_U32, &o->silhouettes, 0, 1000000, NULL, "COUNT",
+              "with --columns COUNT: tiles around them (default 0)", NULL},
              {"--seed", OPTION_U32S, &o->seeds, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
              {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
     };
     for (int c = 0; c < CHOICES; c++)
-        options[10 + c] =
+        options[11 + c] =
             (option){choices[c].option, OPTION_TEXTS, &given[c], 0, 0, NULL, choices[c].words, "as bake; repeated for more", NULL};
     const command_line line =
         COMMAND_LINE("exact", "SCENE [options]", "Bake a scene and compare voxels with its depth maps.", options);
