@@ -13,6 +13,7 @@
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
+#   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: ten minutes; JSON to build/large.json
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -93,7 +94,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $B/baker/main.c.o $(baker.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-sparse check-cracks check-tsan bench packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-sparse check-cracks check-tsan bench bench-large packages format clean
 all: $B/vxs $B/libvxs.a $B/libvxs.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -211,6 +212,8 @@ check-tsan: packages
 
 bench: all $(helper)
 	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
+bench-large: $B/vxs $B/tests/bench/two_maps
+	@$(python) tests/bench/large.py --build $B --json build/large.json
 
 # --- other goals -----------------------------------------------------------------------------------------------------------
 

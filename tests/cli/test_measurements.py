@@ -80,3 +80,17 @@ def test_plots(vxs, tmp_path):
         assert {"city.glb", "it's", "forest.glb", "64", "128", "%"} <= set(words[name].split()), words[name]
     assert {"maps", "64", "128", "s"} <= set(words["stages-city"].split())
     assert {"pages", "tops", "KiB"} <= set(words["bytes-city"].split())
+
+
+def test_large_maps(measure, tmp_path):
+    printed = measure("large.py", "--json", tmp_path / "large.json", LARGE_ROWS="small:512 sponza small:1024", LARGE_RUNS="1")
+    result = json.loads((tmp_path / "large.json").read_text())
+    schema("large").validate(result)
+    first, second = result["rows"]
+    assert [(r["scene"], r["resolution_px"]) for r in result["rows"]] == [("small", 512), ("small", 1024)] and result["runs"] == 1
+    (row, stages) = rows(printed, "small", "1024")
+    assert row[4] == f"{second['seconds']['median'] / second['two_maps_seconds']:.3f}"
+    assert row[8] == f"{second['file_bytes'] / first['file_bytes']:.2f}" and rows(printed, "small", "512")[0][8] == ""
+    assert stages[-1] == f"{second['processor_seconds'] / 2:.3g} s"
+    for stage in second["stages"]:
+        assert stage["three_threads_seconds"] <= stage["seconds"] + 1e-9
