@@ -1,7 +1,7 @@
 # What disks, memory and people do to a run: kills at random and at chosen moments, full disks, files cut short or changed, calls that
 # fail, closed standard streams, interrupts. Every time: one clear line and the exit status for it, and the old output as it was.
 # VXS_EVERY_BIT=1 checks every prefix and every flipped bit of a file instead of one bit in each byte (two minutes more); the unit tests
-# of the format always do.
+# of the format always do. VXS_EVERY_ALLOCATION=1 lets every allocation of a bake fail instead of one at each place that allocates.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import collections
 import concurrent.futures
@@ -26,6 +26,7 @@ from small_scene import MORNING, NOON
 
 SMALL = ("--resolution", "64", "--threads", "2")
 OLD = b"the output of an earlier run"
+EVERY_ALLOCATION = bool(os.environ.get("VXS_EVERY_ALLOCATION"))
 TEMPORARY = ".vxs-*.tmp"
 
 
@@ -253,7 +254,7 @@ def test_failing_allocation_of_bake(faulty, scene, asset, tmp_path, source, ever
     calls, places = faulty.places("alloc", *bake, **options)
     sample = [*range(2, calls, max(1, calls // 40)), *range(max(2, calls - 30), calls + 1, 6)]
     statuses = collections.Counter()
-    for n in sorted({1, calls, *(sample if every else range(1, calls + 1) if source else places)}):
+    for n in sorted({1, calls, *(sample if every else range(1, calls + 1) if source or EVERY_ALLOCATION else places)}):
         out.write_bytes(OLD)
         done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bake, **options)
         check_fault(done, out, asset, {6})
@@ -269,7 +270,7 @@ def test_failing_allocation_of_a_dag(faulty, vxs, scene, tmp_path):
     vxs(*bake)
     asset, (calls, places) = out.read_bytes(), faulty.places("alloc", *bake)
     statuses = collections.Counter()
-    for n in sorted({calls, *places}):
+    for n in sorted({calls, *(range(1, calls + 1) if EVERY_ALLOCATION else places)}):
         out.write_bytes(OLD)
         done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bake)
         check_fault(done, out, asset, {6})

@@ -78,14 +78,18 @@ def real_scenes():
     return sorted(path.stem for path in folder.glob("*.glb"))
 
 
+LARGE = [(name, resolution, coding) for name in ("sponza", "stanford_bunny_closed", "room_with_spheres_closed")
+         for resolution in (16384, 65536) for coding in ("dag", "blocks")]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", real_scenes() if EVERY else ["kaykit_city", "sunlit_primitives"])
-@pytest.mark.parametrize("resolution", [1024, 4096] if EVERY else [2048])
-def test_memory_is_a_promise(outside, scenes, tmp_path, name, resolution):
+@pytest.mark.parametrize("name, resolution, coding", [(name, resolution, "blocks") for name in real_scenes() for resolution in (1024, 4096)]
+                         + LARGE if EVERY else [("kaykit_city", 2048, "blocks"), ("sunlit_primitives", 2048, "blocks")])
+def test_memory_is_a_promise(outside, scenes, tmp_path, name, resolution, coding):
     """At twice of what a bake needs it succeeds and stays below; at half of it, and all the way up, it does, or is refused and stays
     below all the same."""
     scene, out = scenes / "real" / f"{name}.glb", tmp_path / "a.vxs"
-    bake = ("bake", scene, "-o", out, *SUN, "--resolution", resolution)
+    bake = ("bake", scene, "-o", out, *SUN, "--resolution", resolution, "--coding", coding)
     free = outside(*bake)
     assert free.returncode == 0, free
     whole = out.read_bytes()
