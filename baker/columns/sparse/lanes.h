@@ -122,7 +122,7 @@ static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 #ifdef __AVX512DQ__
     return (f64s)_mm512_mask_blend_pd((__mmask8)bits, (__m512d)b, (__m512d)a);
 #else
-    i64s mask;
+    i64s mask = {0};
     for (int n = 0; n < LANES; n++) mask[n] = -(int64_t)(bits >> n & 1);
     return (f64s)(((i64s)a & mask) | ((i64s)b & ~mask));
 #endif
