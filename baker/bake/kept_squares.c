@@ -13,7 +13,7 @@
 #include "baker/kept/kept_square.h"
 
 /* Raise it with any change of what a square becomes that a version number does not tell of. */
-#define SQUARES_MADE_BY "vxs " VXS_VERSION " squares 1"
+#define SQUARES_MADE_BY "vxs " VXS_VERSION " squares 2"
 
 static column_key with_text(column_key before, const char *text)
 {

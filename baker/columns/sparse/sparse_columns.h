@@ -10,6 +10,7 @@
  *     sparse_square.c      the descent: squares, quarters, tiles
  *       square_list.c        what a triangle is to a square
  *       square_bound.c       what a list tells of a square
+ *       square_settle.c      whether that is as much as its texels would tell
  *       leaf.c               the texels of a tile
  *     sparse_key.c         what a square's columns follow from, as a hash
  * SPDX-License-Identifier: GPL-3.0-or-later */

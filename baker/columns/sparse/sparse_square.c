@@ -10,11 +10,12 @@
 #include "baker/base/integer.h"
 #include "baker/base/parallel.h"
 #include "baker/columns/bounds_pyramid.h"
+#include "baker/columns/sparse/square_settle.h"
 
 enum {
     PAGE_TILES  = 63,
     TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
-    EXACT_PX    = 16,   /* a square as small as this is looked at texel by texel */
+    SMALL_PX    = 16,   /* a square as small as this is settled only if that tells as much as its texels would */
 };
 
 struct leaf_page {
@@ -98,26 +99,41 @@ static int make_leaf(const square_maker *w, square_worker *worker, texel_square 
     return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w->q, worker, at, &tile);
 }
 
-/* Whether one depth parts all that is lit from all that is in shadow; then it is said so. */
-static int settle(const square_maker *w, texel_square at, const square_bound *bound, size_t triangles)
+/* Whether one depth parts all that is lit from all that is in shadow, with so much room; then it is said so. */
+static int settle(const square_maker *w, texel_square at, double enter_most, double exit_least, uint32_t room)
 {
     depth_scale s = w->d->scale;
-    uint32_t    e = s.depth_vx, x = s.depth_vx;
-    if (triangles) {
-        e = depth_down(s, depth_clamped(s, bound->enter_most));
-        x = depth_up(s, depth_clamped(s, bound->exit_least));
-    }
-    if (e > x) return 0;
+    uint32_t    e = depth_down(s, depth_clamped(s, enter_most)), x = depth_up(s, depth_clamped(s, exit_least));
+    if (x < e || x - e < room) return 0;
     set_bounds(w->q, at, (column_bounds){e, e, x, x});
     return 1;
+}
+
+/* Nothing is in it. */
+static int settle_empty(const square_maker *w, texel_square at)
+{
+    return settle(w, at, depth_none(w->d->scale), depth_none(w->d->scale), 0);
+}
+
+static int settle_large(const square_maker *w, texel_square at, square_bound *bound, square_list *l)
+{
+    square_bound_tighten(bound, l, w->d->triangles);
+    return l->count ? settle(w, at, bound->enter_most, bound->exit_least, 0) : settle_empty(w, at);
+}
+
+static int settle_small(const square_maker *w, texel_square at, const square_bound *bound, const square_list *l)
+{
+    square_parting p;
+    if (!square_settle(l, w->d->triangles, at, bound, w->d->nearest_back, &p)) return 0;
+    if (at.side == 8) return p.is_certain && settle(w, at, p.enter_most, p.exit_least, 0);
+    return settle(w, at, p.enter_most, p.exit_least, at.side); /* else its tiles, of which each has more room, are worth more */
 }
 
 /* A square, what is known of the one around it, and its own list, which is used up. Returns 0 without memory. */
 static int make_square(const square_maker *w, square_worker *worker, texel_square at, square_bound bound, square_list *l)
 {
-    int decides = !l->count || (at.side > EXACT_PX && !w->d->every_texel);
-    if (decides) square_bound_tighten(&bound, l, w->d->triangles);
-    if (decides && settle(w, at, &bound, l->count)) return 1;
+    if (!l->count) return settle_empty(w, at);
+    if (!w->d->every_texel && (at.side > SMALL_PX ? settle_large(w, at, &bound, l) : settle_small(w, at, &bound, l))) return 1;
     if (at.side == 8) return make_leaf(w, worker, at, &bound, l);
     uint32_t     half    = at.side / 2;
     square_list *quarter = worker->quarter[log2_u32(at.side)];

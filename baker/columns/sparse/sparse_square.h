@@ -2,8 +2,9 @@
  *
  * A square is split until what is known of it decides it: when nothing in it is entered behind where something is left, all of its columns
  * are said to be alike, entered at F and left at xmin. Whoever keeps to that keeps to what is there, but has less to choose from than
- * there is. So squares of EXACT_PX are not decided any more unless nothing is in them: each of their tiles is looked at texel by texel,
- * and keeps all that is free before F. Files get smaller by it: a city at 16384 texels from 12 to 2 % more than when it is rendered.
+ * there is. So small squares are decided only where their lists tell as much as their texels would (square_settle.h), and lose nothing to
+ * those who look at them; tiles of the others are looked at texel by texel, and keep all that is free before F. Files get smaller by it: a city
+ * at 16384 texels from 12 to 2 % more than when it is rendered.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SPARSE_SQUARE_H
 #define SPARSE_SQUARE_H
