@@ -22,6 +22,9 @@ typedef enum stop_stage {
 /* Where depths come from. auto: sparse, or gl where other options ask for it; a bake is told which. */
 typedef enum maps_choice { MAPS_AUTO, MAPS_GL, MAPS_SPARSE } maps_choice;
 
+/* What is baked of where a ray leaves the last surface of the scene. */
+typedef enum behind_choice { BEHIND_SHADOW, BEHIND_FREE } behind_choice;
+
 /* How the words of a light hold its maps, in the order of VXS_CODING_DAG and after. */
 typedef enum coding_choice { CODING_DAG, CODING_BLOCKS } coding_choice;
 
@@ -35,6 +38,7 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 
 /* The words of the options below, in the order of their enums. */
 #define MAPS_CHOICES     "auto|gl|sparse"
+#define BEHIND_CHOICES   "shadow|free"
 #define CODING_CHOICES   "dag|blocks"
 #define PACK_CHOICES     "small|fast"
 #define EXIT_CHOICES     "auto|peel|back"
@@ -60,6 +64,8 @@ typedef struct bake_options {
     maps_choice     maps;
     closed_mode     closed;
     exit_mode       exit;
+    behind_choice   behind;
+    double          thickness_m; /* of sheets that face the light; 0: none */
     coding_choice   coding;
     pack_choice     pack; /* of palette blocks */
     mask_rule       rule;
@@ -81,6 +87,12 @@ typedef struct bake_options {
 static inline int keeps_squares(const bake_options *o)
 {
     return o->resume_path || o->parts;
+}
+
+/* Whether more is left free than the insides of solids, as only the sparse source can tell. */
+static inline int leaves_more_free(const bake_options *o)
+{
+    return o->behind == BEHIND_FREE || o->thickness_m > 0;
 }
 
 /* The order that a choice names; auto: top-down, where sub-DAGs are compressed at all. */

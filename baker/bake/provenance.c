@@ -119,8 +119,9 @@ static int is_provenance(json_t *root)
     return HAS_TYPES(root, "{s:s, s?I, s?I, s?I, s?I}", "generator", "triangles", "solids", "solid_triangles", "warnings") &&
            (!input || HAS_TYPES(input, "{s:s, s:I, s:s, s:s, s:s, s:s}", "name", "triangles", "geometry", "alpha_masks", "cameras",
                                 "lights")) &&
-           (!options || HAS_TYPES(options, "{s?s, s?s, s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit",
-                                  "coding", "pack", "rule", "stop", "reuse", "gl", "zstd_level", "region_m")) &&
+           (!options ||
+            HAS_TYPES(options, "{s?s, s?s, s?s, s?F, s?s, s?s, s?s, s?s, s?s, s?s, s?I, s?[F, F, F, F, F, F!]}", "closed", "exit",
+                      "behind", "thickness_m", "coding", "pack", "rule", "stop", "reuse", "gl", "zstd_level", "region_m")) &&
            is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out);
 }
 

@@ -426,6 +426,7 @@ static void emit_triangle(const emission *e, size_t at, size_t t)
     int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid by --closed on alone */
     for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(begin + (turn ? 3 - n : n)) % 3];
     c->component_of[at] = of->number;
+    if (c->double_sided) c->double_sided[at] = (w->flags[t] & TRIANGLE_DOUBLE_SIDED) != 0;
     for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
         memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], w->holes[w->hole_of[t]].uv[(begin + n) % 3],
                2 * sizeof *c->hole_uvs);
@@ -459,19 +460,27 @@ static void emit_vertices(void *user, size_t begin, size_t end, uint32_t worker)
             memcpy(&e->c->positions_ws[3 * (size_t)e->emitted_as[v]], &e->w->mesh.positions_ws[3 * v], 3 * sizeof(double));
 }
 
+static int any_double_sided(const work *w)
+{
+    for (size_t n = 0; n < w->component_count; n++)
+        if (w->components[n].flags & TRIANGLE_DOUBLE_SIDED) return 1;
+    return 0;
+}
+
 /* Room for the result, which casters_free releases.  first  [GROUP_MASKS + alpha_mask_count + 1] where each group begins */
 static int make_room(casters *c, const work *w, const scene *s, const uint32_t *first)
 {
     c->positions_ws     = pages_alloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
     c->indices          = pages_alloc(3 * w->mesh.triangle_count * sizeof *c->indices);
     c->component_of     = pages_alloc(w->mesh.triangle_count * sizeof *c->component_of);
+    c->double_sided     = any_double_sided(w) ? malloc(w->mesh.triangle_count) : NULL;
     c->kind_of          = malloc(w->component_count * sizeof *c->kind_of);
     c->parts_of         = malloc(w->component_count * sizeof *c->parts_of);
     c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
     c->alpha_mask_first = allocate(s->alpha_mask_count + 1, sizeof *c->alpha_mask_first);
     c->hole_uvs         = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
     if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->alpha_masks ||
-        !c->alpha_mask_first || !c->hole_uvs)
+        !c->alpha_mask_first || !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
         return 0;
 
     c->solid_triangle_count = first[GROUP_SHEETS];
@@ -571,6 +580,7 @@ void casters_free(casters *c)
 {
     free(c->positions_ws);
     free(c->indices);
+    free(c->double_sided);
     free(c->component_of);
     free(c->kind_of);
     free(c->parts_of);

@@ -57,6 +57,8 @@ typedef struct casters {
     float  *hole_uvs;          /* [6 * (triangle_count - holed_first)] u, v of each corner, as holed_triangle.uv */
     const alpha_image *images; /* the scene's: borrowed, it must outlive the casters */
 
+    uint8_t *double_sided; /* [triangle_count] 1: both sides of its material are seen; NULL: of none */
+
     uint32_t *component_of; /* [triangle_count] components are numbered, solids first, each in the order of its first triangle */
     uint8_t  *kind_of;      /* [all components] component_kind */
 

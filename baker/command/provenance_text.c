@@ -134,6 +134,9 @@ static void print_options(FILE *to, const json_t *made)
     }
     print_word(to, options, "closed", CLOSED_CHOICES, (int)defaults.o.closed);
     print_word(to, options, "exit", EXIT_CHOICES, (int)defaults.o.exit);
+    print_word(to, options, "behind", BEHIND_CHOICES, (int)defaults.o.behind);
+    if (json_object_get(options, "thickness_m"))
+        fprintf(to, " --thickness %.9g", json_number_value(json_object_get(options, "thickness_m")));
     if (!json_object_get(options, "maps")) fprintf(to, " --maps gl");
     print_coding(to, options, defaults.o.coding);
     print_word(to, options, "pack", PACK_CHOICES, (int)defaults.o.pack);

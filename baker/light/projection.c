@@ -24,8 +24,9 @@ typedef struct projector {
     map_corner      *corners; /* [casters->vertex_count] in map space */
     map_sides        touch, keep;
     uint32_t        *slot; /* [casters->vertex_count] its vertex in the projection, or NONE */
-    size_t           vertex_capacity, triangle_capacity, uvq_capacity, meets_capacity;
+    size_t           vertex_capacity, triangle_capacity, uvq_capacity, meets_capacity, sides_capacity;
     uint8_t          meets;                               /* of the caster that is added: 1: its solid meets another or itself */
+    uint8_t          double_sided;                        /* the same: 1: both its sides are seen */
     int              leaves_bounds[PARALLEL_THREADS_MAX]; /* by worker: 1: a vertex is far outside the map */
 } projector;
 
@@ -86,6 +87,10 @@ static int add_triangle(projector *w, const uint32_t corners[3])
     if (!array_reserve(&p->own_indices, &w->triangle_capacity, p->triangle_count + 1, 3 * sizeof *p->own_indices)) return 0;
     if (!array_reserve(&p->own_meets, &w->meets_capacity, p->triangle_count + 1, sizeof *p->own_meets)) return 0;
     p->own_meets[p->triangle_count] = w->meets;
+    if (p->casters->double_sided) {
+        if (!array_reserve(&p->own_double_sided, &w->sides_capacity, p->triangle_count + 1, sizeof *p->own_double_sided)) return 0;
+        p->own_double_sided[p->triangle_count] = w->double_sided;
+    }
     memcpy(p->own_indices + 3 * p->triangle_count++, corners, 3 * sizeof *corners);
     return 1;
 }
@@ -127,6 +132,7 @@ static int add_caster(projector *w, size_t n)
     const uint32_t *caster   = c->indices + 3 * n;
     map_polygon     triangle = {.count = 3}, kept;
     w->meets                 = n < c->solid_triangle_count && (!c->solid_meets || c->solid_meets[n]);
+    w->double_sided          = c->double_sided && c->double_sided[n];
     int has_holes            = c->alpha_mask_count && n >= c->holed_first;
     for (int k = 0; k < 3; k++) triangle.corners[k] = w->corners[caster[k]];
     for (int k = 0; k < 6 && has_holes; k++)
@@ -175,6 +181,7 @@ static int add_casters(projector *w, uint32_t threads)
     p->alpha_mask_first[c->alpha_mask_count] = p->triangle_count;
     p->indices                               = p->own_indices;
     p->meets                                 = p->own_meets;
+    p->double_sided                          = p->own_double_sided;
     return 1;
 }
 
@@ -204,6 +211,7 @@ static int take_casters(projector *w)
     p->holed_first          = opaque_end(c);
     p->indices              = c->indices;
     p->meets                = c->solid_meets;
+    p->double_sided         = c->double_sided;
     for (size_t mask = 0; mask <= c->alpha_mask_count; mask++)
         p->alpha_mask_first[mask] = c->alpha_mask_count ? c->alpha_mask_first[mask] : c->triangle_count;
 
@@ -233,5 +241,6 @@ void projection_free(projection *p)
     free(p->alpha_mask_first);
     free(p->uvq);
     free(p->own_meets);
+    free(p->own_double_sided);
     *p = (projection){0};
 }

@@ -43,7 +43,9 @@ typedef struct projection {
         alpha_mask_first; /* [casters->alpha_mask_count + 1] triangles [alpha_mask_first[i], alpha_mask_first[i + 1]) have mask i */
     hole_uvq (*uvq)[3];   /* [triangle_count - holed_first] of each corner */
     const uint8_t *meets; /* [solid_triangle_count] as the casters' solid_meets, or NULL: all do */
-    uint8_t       *own_meets; /* the same, or NULL */
+    uint8_t       *own_meets;        /* the same, or NULL */
+    const uint8_t *double_sided;     /* [triangle_count] as the casters', or NULL: none is */
+    uint8_t       *own_double_sided; /* the same, or NULL */
 } projection;
 
 /* Project the casters into map `map` of a light (vxs.h numbers them); casters are borrowed.

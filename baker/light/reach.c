@@ -81,6 +81,7 @@ static void keep_triangle(keeper *k, size_t t)
     for (size_t n = 0; n < 3; n++) out->indices[3 * to + n] = keep_vertex(k, c->indices[3 * t + n]);
     if (t < c->solid_triangle_count && c->solid_meets) out->solid_meets[to] = c->solid_meets[t];
     if (t < c->solid_triangle_count) out->solid_triangle_count = to + 1;
+    if (c->double_sided) out->double_sided[to] = c->double_sided[t];
     if (t < c->holed_first) {
         out->holed_first = to + 1;
         return;
@@ -114,9 +115,10 @@ static int allocate(keeper *k, size_t triangles)
     out->hole_uvs         = malloc((6 * triangles + 1) * sizeof *out->hole_uvs);
     out->alpha_mask_first = calloc(c->alpha_mask_count + 1, sizeof *out->alpha_mask_first);
     out->solid_meets      = c->solid_meets ? malloc(triangles + 1) : NULL;
+    out->double_sided     = c->double_sided ? malloc(triangles + 1) : NULL;
     k->slot               = calloc(c->vertex_count + 1, sizeof *k->slot);
     return out->positions_ws && out->indices && out->hole_uvs && out->alpha_mask_first && k->slot &&
-           (out->solid_meets || !c->solid_meets);
+           (out->solid_meets || !c->solid_meets) && (out->double_sided || !c->double_sided);
 }
 
 vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, message *m)
@@ -149,6 +151,7 @@ void reach_release(casters *out, const casters *c)
         free(out->hole_uvs);
         free(out->alpha_mask_first);
         free(out->solid_meets);
+        free(out->double_sided);
     }
     memset(out, 0, sizeof *out);
 }

@@ -41,6 +41,10 @@ static vxs_result choose_maps(bake_arguments *a, message *m)
 {
     int wanted = a->o.gl != GL_BACKEND_OSMESA || (a->baseline_given && a->o.baseline != BASELINE_OFF);
     if (a->o.maps == MAPS_AUTO) a->o.maps = wanted ? MAPS_GL : MAPS_SPARSE;
+    if (a->o.maps == MAPS_GL && leaves_more_free(&a->o))
+        return fail(m, VXS_E_ARGUMENT, "%s asks what lies behind surfaces, which depth maps do not show: expected --maps sparse%s",
+                    a->o.behind == BEHIND_FREE ? "--behind free" : "--thickness",
+                    wanted ? ", and neither --gl nor --baseline" : "");
     if (a->o.maps != MAPS_SPARSE) return VXS_OK;
     if (a->baseline_given && a->o.baseline != BASELINE_OFF)
         return fail(m, VXS_E_ARGUMENT, "--baseline measures depth maps, and --maps sparse makes none: expected --maps gl");
@@ -154,6 +158,10 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
          "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},
+        {"--behind", OPTION_CHOICE, &a->o.behind, 0, 0, BEHIND_CHOICES, NULL,
+         "what lies behind the last surface of the scene: in shadow, or left open, as nobody asks there (default shadow)", NULL},
+        {"--thickness", OPTION_F64, &a->o.thickness_m, 1e-9, 1e9, NULL, "METRES",
+         "single-sided sheets that face the light are so thick, or as what lies behind them leaves room (default none)", NULL},
         {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--coding", OPTION_CHOICE, &a->o.coding, 0, 0, CODING_CHOICES, NULL,

@@ -23,6 +23,8 @@ typedef struct brute {
     uint32_t          side_px;
     depth_scale       scale;
     int               nearest_back;
+    int               free_behind; /* 1: free behind the last surface; set by whoever wants it, as is thickness */
+    double            thickness;   /* of sheets: voxels of a directional light, else near distances */
     int64_t           grid;
     uint32_t          cell_px, across; /* of a cell; cells a side */
     size_t           *first;           /* [across^2 + 1] cell n may be touched by triangles ids[first[n]] to ids[first[n + 1]] */
@@ -34,6 +36,7 @@ enum { BRUTE_HITS_MAX = 4096 };
 typedef struct brute_hit {
     double depth; /* voxels */
     int    solid, front;
+    int    thick; /* of a sheet that faces the light, and is seen from one side */
 } brute_hit;
 
 static inline int64_t brute_grid(const brute *b, double texels)
@@ -139,7 +142,11 @@ static inline int brute_meet(const brute *b, uint32_t t, uint32_t u, uint32_t v,
         if (!alpha_mask_opaque(m, &p->casters->images[m->image], (double)(hu / hq), (double)(hv / hq))) return 0;
     }
     double z = p->reversed ? -(double)depth : (double)depth, far = p->reversed ? 0 : 1;
-    *out = (brute_hit){depth_in_voxels(b->scale, z < far - 1 ? far - 1 : z > far ? far : z), t < p->solid_triangle_count, area < 0};
+    int    solid = t < p->solid_triangle_count, two_sided = p->double_sided && p->double_sided[t];
+    *out = (brute_hit){depth_in_voxels(b->scale, z < far - 1 ? far - 1
+                                                 : z > far   ? far
+                                                             : z),
+                       solid, area < 0, area < 0 && !solid && !two_sided && t < p->holed_first};
     return 1;
 }
 
@@ -156,6 +163,13 @@ static inline int brute_open(const brute_hit *hits, size_t count, double fronts_
     for (size_t n = 0; n < count; n++)
         if (hits[n].solid) open += hits[n].front ? hits[n].depth <= fronts_to : -(hits[n].depth <= backs_to);
     return open;
+}
+
+/* Where a sheet of a depth in voxels ends that is thick: voxels are equal, or shares of the logarithm of the distance. */
+static inline double brute_through(const brute *b, double depth)
+{
+    const double log_vx = b->scale.voxel_log;
+    return log_vx == 0 ? depth + b->thickness : log(exp(depth * log_vx) + b->thickness) / log_vx;
 }
 
 /* The column of texel (u, v). Of more than BRUTE_HITS_MAX hits the rest is not looked at. */
@@ -177,10 +191,15 @@ static inline brute_column brute_at(const brute *b, uint32_t u, uint32_t v)
         if (!found_least && (b->nearest_back || brute_open(hits, count, d - hair, d + hair) <= 0)) found_least = 1, least = d;
         if (!found_most && (b->nearest_back || brute_open(hits, count, d + hair, d + hair) <= 0)) found_most = 1, most = d;
     }
-    double e = fmin(fmin(sheet, solid), far);
-    if (sheet <= solid + hair) least = fmin(e, least);
-    if (sheet <= solid - hair || solid == INFINITY) most = e;
     if (count == 0) return (brute_column){far, far, far, far};
+    double e = fmin(fmin(sheet, solid), far), next = count > 1 ? hits[1].depth : far, sheet_x = e, last = hits[count - 1].depth;
+    int    sheet_alone = sheet <= solid - hair || solid == INFINITY;
+    if (hits[0].thick && b->thickness > 0) sheet_x = fmin(brute_through(b, e), next);
+    if (sheet <= solid + hair) least = fmin(sheet_x, least);
+    if (sheet_alone) most = sheet_x;
+    if (e <= hair) least = e; /* what lies before the map may have been thick there */
+    if (b->free_behind && last <= (sheet_alone ? e : most) + hair) most = far;
+    if (b->free_behind && count == 1 && sheet_alone) least = far;
     return (brute_column){e - hair, e + hair, least - hair, most + hair};
 }
 

@@ -336,6 +336,8 @@ vxs_result check_map(const check_desc *d, int map, message *m)
         r       = projection_init(&p, d->casters, d->light, map, d->threads, m);
         if (r == VXS_OK && !brute_init(&b, &p, side, 1 << sparse_grid(side), voxel_log, d->exit == EXIT_BACK))
             r = fail(m, VXS_E_MEMORY, "out of memory");
+        b.free_behind = d->behind;
+        b.thickness   = d->thickness / (voxel_log == 0 ? d->light->voxel_metres : d->light->near_metres);
     }
     if (d->brute && d->columns) {
         if (r == VXS_OK) r = ask_some_tiles(&c, m);

@@ -27,7 +27,9 @@ typedef struct check_desc {
     const casters   *casters;
     const vxs_light *light; /* as all files have it, but for the words */
     exit_mode        exit;
-    int              brute; /* 1: by brute force (tests/columns/brute.h), else rendered */
+    int              behind;    /* 1: free behind the last surface: brute alone, as the next */
+    double           thickness; /* of sheets that face the light, metres */
+    int              brute;     /* 1: by brute force (tests/columns/brute.h), else rendered */
     uint32_t         threads;
     uint64_t         columns;     /* random ones of each map; 0: all voxels */
     uint32_t         silhouettes; /* with columns and brute force: all tiles around so many random ones, too */

@@ -7,6 +7,7 @@
  * (tests/columns/brute.h), which has only the projection in common with it.
  *
  *     exact SCENE [--sun X,Y,Z]... [--resolution N]... [--columns all|COUNT] [bake's options]... [--fault NAME]
+ *     exact SCENE [--behind free] [--thickness METRES] ...
  *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
  * --sun, --resolution, --maps, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
@@ -306,6 +307,8 @@ static vxs_result check_light(const exact_options *o, const world *w, way *ways,
                              .casters     = &w->c,
                              .light       = light,
                              .exit        = ways[0].bake.exit,
+                             .behind      = ways[0].bake.behind == BEHIND_FREE,
+                             .thickness   = ways[0].bake.thickness_m,
                              .brute       = ways[0].bake.maps == MAPS_SPARSE,
                              .threads     = o->bake.threads,
                              .columns     = o->columns,
@@ -515,6 +518,9 @@ static vxs_result check_options(exact_options *o, const char *columns, message *
     for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
         if (o->value[CHOICE_MAPS][n] == MAPS_SPARSE && o->fault != FAULT_NONE && o->fault != FAULT_WORD)
             return fail(m, VXS_E_ARGUMENT, "--maps sparse: with no --fault but word, the others are of rendered maps");
+    for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
+        if (o->value[CHOICE_MAPS][n] != MAPS_SPARSE && leaves_more_free(&o->bake))
+            return fail(m, VXS_E_ARGUMENT, "--behind free and --thickness: with --maps sparse alone");
     return VXS_OK;
 }
 
@@ -523,7 +529,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     text_list   given[CHOICES]        = {{0}};
     int         planted               = FAULT_NONE;
     const char *columns               = "all";
-    option      options[CHOICES + 11] = {
+    option      options[CHOICES + 13] = {
              {"SCENE", OPTION_INPUT, &o->scene_path, FILE_SCENE, 0, NULL, NULL, NULL, NULL},
              {"--sun", OPTION_TEXTS, &o->suns, 0, 0, NULL, "X,Y,Z", "as bake; repeated for more", NULL},
              {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
@@ -537,9 +543,11 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
               "with --columns COUNT: tiles around them (default 0)", NULL},
              {"--seed", OPTION_U32S, &o->seeds, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
              {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
+             {"--behind", OPTION_CHOICE, &o->bake.behind, 0, 0, BEHIND_CHOICES, NULL, "as bake", NULL},
+             {"--thickness", OPTION_F64, &o->bake.thickness_m, 1e-9, 1e9, NULL, "METRES", "as bake", NULL},
     };
     for (int c = 0; c < CHOICES; c++)
-        options[11 + c] =
+        options[13 + c] =
             (option){choices[c].option, OPTION_TEXTS, &given[c], 0, 0, NULL, choices[c].words, "as bake; repeated for more", NULL};
     const command_line line =
         COMMAND_LINE("exact", "SCENE [options]", "Bake a scene and compare voxels with its depth maps.", options);

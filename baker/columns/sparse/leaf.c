@@ -42,10 +42,13 @@ typedef struct leaf_place {
 typedef struct leaf {
     const leaf_desc    *d;
     const square_bound *bound;
-    int64_t             x0, y0;  /* centre of the first texel, subtexels */
-    uint64_t            unmet;   /* texels that have met nothing */
-    uint64_t            inside;  /* that are in a solid */
+    int64_t             x0, y0; /* centre of the first texel, subtexels */
+    uint64_t            unmet;  /* texels that have met nothing */
+    uint64_t            inside; /* that are in a solid */
+    uint64_t            left;   /* that light has left, and of which it matters what lies behind; none where nothing more is free */
     uint64_t            tangled; /* where depths are not apart */
+    int                 frees;   /* 1: free behind the last surface */
+    double              known;   /* the list lacks nothing that begins before it */
     uint64_t            open[OPEN_BITS];
     leaf_face          *faces;
     leaf_place         *places; /* [count] in order; [met] of those that texels have met which had not left */
@@ -167,6 +170,23 @@ static uint64_t met_behind(const leaf *f, const sparse_triangle *t, const sparse
     return behind & texels;
 }
 
+/* Depths that are not behind a triangle, in texels that it covers. */
+static void end_depths(const leaf *f, double depths[64], const sparse_triangle *t, uint64_t texels)
+{
+    double met[64];
+    put_depths(f, met, t, texels);
+    for (; texels; texels &= texels - 1) {
+        int n     = __builtin_ctzll(texels);
+        depths[n] = least(depths[n], met[n]);
+    }
+}
+
+/* Whether light leaves the triangle where its thickness ends. */
+static int is_thick(const leaf *f, const sparse_triangle *t)
+{
+    return f->d->freedom.thickness > 0 && t->kind & SPARSE_FACES;
+}
+
 static void put_depth(double depths[64], uint64_t texels, double depth)
 {
     for (; texels; texels &= texels - 1) depths[__builtin_ctzll(texels)] = depth;
@@ -197,14 +217,27 @@ static uint64_t count_down(leaf *f, uint64_t texels)
     return texels & ~some;
 }
 
+/* Texels meet a sheet first, and light leaves it. */
+static void meet_sheet(leaf *f, const sparse_triangle *t, uint64_t texels)
+{
+    put_depths(f, f->x, t, texels);
+    if (f->frees || is_thick(f, t)) f->left |= texels;
+    for (uint64_t rest = is_thick(f, t) ? texels : 0; rest; rest &= rest - 1) {
+        int n   = __builtin_ctzll(rest);
+        f->x[n] = freedom_through(&f->d->freedom, f->x[n]);
+    }
+}
+
 /* Texels meet a triangle that is apart from all before it. */
 static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
 {
-    uint64_t met = texels & f->unmet, within = texels & f->inside, done;
+    uint64_t met = texels & f->unmet, within = texels & f->inside, next = texels & f->left, done;
+    if (next) end_depths(f, f->x, t, next);
+    f->left &= ~next;
     put_depths(f, f->e, t, met);
     f->unmet &= ~met;
     if (sparse_is_sheet(t)) {
-        put_depths(f, f->x, t, met);
+        meet_sheet(f, t, met);
         return;
     }
     if (!sparse_is_exit(t)) {
@@ -212,8 +245,8 @@ static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
         count_up(f, met | within);
         return;
     }
-    uint64_t behind = 0; /* F, behind which the list lacks some */
-    if (t->zmax > f->bound->enter_most) behind = met_behind(f, t, NULL, f->bound->enter_most, met | within);
+    uint64_t behind = 0; /* where the list lacks some */
+    if (t->zmax > f->known) behind = met_behind(f, t, NULL, f->known, met | within);
     done = met | behind | (f->d->nearest_back ? within : count_down(f, within & ~behind));
     put_depths(f, f->x, t, done);
     for (uint64_t rest = behind; rest; rest &= rest - 1) {
@@ -221,6 +254,7 @@ static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
         f->x[n] = least(f->x[n], f->bound->left_out);
     }
     f->inside &= ~done;
+    if (f->frees) f->left |= done;
 }
 
 /* all triangles --------------------------------------------------------------------------------------------------------------- */
@@ -307,13 +341,14 @@ static uint64_t tangles(const leaf *f, const leaf_face *face)
     return tangled;
 }
 
-/* Meet all faces in order. Only texels that have not left yet matter, and those that may have left too early. */
+/* Meet all faces in order. Only texels that have not left yet matter, those of which it matters what is next, and those that may have left
+ * too early. */
 static void meet_all(leaf *f)
 {
     double hi_most = -INFINITY;
     for (size_t n = 0; n < f->count; n++) {
         leaf_face     *face    = face_at(f, n);
-        const uint64_t pending = f->unmet | f->inside;
+        const uint64_t pending = f->unmet | f->inside | f->left;
         if (!pending && face->lo > hi_most) continue;
         ask(f, face, ALL_TEXELS);
         if (!face->texels) continue;
@@ -354,7 +389,7 @@ static f64s count_open(const leaf *f, f64s layer, f64s *next)
 /* Where light leaves the solids that it has entered, in the texels that are `open`. */
 static f64s exits_of(const leaf *f, f64s layer, i64s open)
 {
-    const f64s none = f64s_all(INFINITY), known = f64s_all(f->bound->enter_most), left_out = f64s_all(f->bound->left_out);
+    const f64s none = f64s_all(INFINITY), known = f64s_all(f->known), left_out = f64s_all(f->bound->left_out);
     f64s       exit = left_out;
     for (;;) {
         open &= (i64s)(layer < none);
@@ -387,7 +422,7 @@ static double exit_of(leaf *f, int lane)
             open++;
             continue;
         }
-        if (hit->depth > f->bound->enter_most) return least(hit->depth, f->bound->left_out);
+        if (hit->depth > f->known) return least(hit->depth, f->bound->left_out);
         if (--open <= 0 || f->d->nearest_back) return hit->depth;
     }
     return f->bound->left_out;
@@ -400,16 +435,44 @@ static f64s exits_by_sorting(leaf *f, uint32_t texels)
     return f64s_load(exits);
 }
 
+/* All that texels of a row meet, as far as it says what is free besides the insides of solids. */
+typedef struct free_depths {
+    f64s first, next, last;
+    f64s thick; /* the first of what is thick */
+} free_depths;
+
+static void add_depths(free_depths *d, f64s z, uint32_t met, int thick)
+{
+    d->next  = f64s_min(d->next, f64s_max(d->first, z));
+    d->first = f64s_min(d->first, z);
+    d->last  = f64s_max(d->last, f64s_select(met, z, f64s_all(-INFINITY)));
+    if (thick) d->thick = f64s_min(d->thick, z);
+}
+
+/* Exits where more is free. */
+static f64s later_exits(const leaf *f, const free_depths *d, f64s exits)
+{
+    const f64s none = f64s_all(INFINITY);
+    double     through[LANES];
+    f64s_store(through, d->first);
+    for (int n = 0; n < LANES; n++) through[n] = freedom_through(&f->d->freedom, through[n]);
+    f64s x = f64s_choose((i64s)(d->thick == d->first), f64s_min(f64s_load(through), d->next), exits);
+    return f->frees ? f64s_choose((i64s)(d->last <= exits), none, x) : x;
+}
+
 /* A few texels of a row by the depths of all that they meet.   texels  bits, as f64s_select has them; `first` is the first */
 static void untangle(leaf *f, uint32_t texels, int first)
 {
-    const f64s none = f64s_all(INFINITY), x0 = f64s_ramp(x_of(f, first), (double)px_of(f));
-    f64s       sheet = none, solid = none, back = none;
-    f->solids = 0;
+    const f64s  none = f64s_all(INFINITY), x0 = f64s_ramp(x_of(f, first), (double)px_of(f));
+    const int   looks_on = freedom_looks_on(&f->d->freedom);
+    f64s        sheet = none, solid = none, back = none;
+    free_depths all = {none, none, f64s_all(-INFINITY), none};
+    f->solids       = 0;
     for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
         const uint32_t met = (uint32_t)(face->texels >> first) & texels;
         if (!met) continue;
         f64s z = f64s_select(met, lanes_depth(face->t, x0, y_of(f, first)), none);
+        if (looks_on) add_depths(&all, z, met, is_thick(f, face->t));
         if (sparse_is_sheet(face->t)) {
             sheet = f64s_min(sheet, z);
             continue;
@@ -422,6 +485,7 @@ static void untangle(leaf *f, uint32_t texels, int first)
     i64s solid_first = (i64s)(solid < sheet);
     f64s exits       = f->solids > FEW_FACES ? exits_by_sorting(f, i64s_negative(solid_first)) : exits_of(f, back, solid_first);
     f64s e = f64s_min(solid, sheet), x = f64s_choose(solid_first, exits, e);
+    if (looks_on) x = later_exits(f, &all, x);
     f64s_store(f->e + first, f64s_select(texels, e, f64s_load(f->e + first)));
     f64s_store(f->x + first, f64s_select(texels, x, f64s_load(f->x + first)));
 }
@@ -486,7 +550,10 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     f.y0      = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
     f.unmet   = ALL_TEXELS;
     f.inside  = 0;
+    f.left    = 0;
     f.tangled = 0;
+    f.frees   = d->freedom.behind && !b->behind;
+    f.known   = f.frees ? INFINITY : b->enter_most;
     f.met     = 0;
     f.faces   = s->faces;
     f.places  = s->places;
@@ -499,6 +566,7 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     put_depth(f.e, f.unmet, INFINITY);
     put_depth(f.x, f.unmet, INFINITY);
     put_depth(f.x, f.inside, b->left_out);
+    if (f.frees) put_depth(f.x, f.left, INFINITY);
     untangle_all(&f);
     if (!d->every_texel && is_parted(&f, bounds)) return 1;
     round_depths(d->scale, f.e, 0, out->e);

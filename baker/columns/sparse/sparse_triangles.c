@@ -105,6 +105,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         size_t           from   = w->order[n];
         int              facing = w->facing[from], back = facing > 0, was[3]; /* seen from the light, the map is mirrored */
         int              solid = from < p->solid_triangle_count, holed = from >= p->holed_first;
+        int              faces = !solid && !holed && !back && !(p->double_sided && p->double_sided[from]);
         corner           c[3];
         sparse_triangle *t = &w->s->all[n];
         order_corners(w, from, c, was);
@@ -114,7 +115,8 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         }
         set_plane(t, c, w->extent);
         t->patch = w->patch_of[from];
-        t->kind  = (uint8_t)((solid ? SPARSE_SOLID : 0) | (back ? SPARSE_BACK : 0) | (holed ? SPARSE_HOLED : 0));
+        t->kind  = (uint8_t)((solid ? SPARSE_SOLID : 0) | (back ? SPARSE_BACK : 0) | (holed ? SPARSE_HOLED : 0) |
+                            (faces ? SPARSE_FACES : 0));
         t->ends  = ends_in_order(w->ends[from], was, facing);
         for (int k = 0; k < 3 && holed; k++) w->s->uvq[n - w->s->holed_first][k] = p->uvq[from - p->holed_first][was[k]];
     }

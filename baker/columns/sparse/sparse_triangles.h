@@ -18,6 +18,7 @@ enum {
     SPARSE_SOLID = 1, /* of a solid; else a sheet */
     SPARSE_BACK  = 2, /* faces away from the light */
     SPARSE_HOLED = 4, /* has holes where its alpha mask says so */
+    SPARSE_FACES = 8, /* of a sheet without holes, only one side of which is seen, and that side faces the light */
 };
 
 typedef struct sparse_triangle {

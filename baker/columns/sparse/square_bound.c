@@ -12,18 +12,26 @@ typedef struct patch_run {
     size_t   begin, end;
     uint32_t sampled; /* how many cover the middle of the square */
     int      ends;    /* an end of the patch may cross the square */
-    double   hi;      /* of all */
+    double   lo, hi;  /* of all */
     double   covered; /* hi of the nearest that covers the square alone */
+    int      exits;   /* some are back faces of solids */
+    int      sheets;  /* some are of sheets */
+    int      faces;   /* all are of sheets that face the light, and are seen from there alone */
 } patch_run;
 
 static patch_run run_from(const square_list *l, const sparse_triangles *s, size_t begin)
 {
-    patch_run r     = {.begin = begin, .end = begin, .hi = -INFINITY, .covered = INFINITY};
+    patch_run r     = {.begin = begin, .end = begin, .lo = INFINITY, .hi = -INFINITY, .covered = INFINITY, .faces = 1};
     uint32_t  patch = s->all[l->items[begin].id].patch;
     for (; r.end < l->count && s->all[l->items[r.end].id].patch == patch; r.end++) {
-        const square_entry *e = &l->items[r.end];
+        const square_entry    *e = &l->items[r.end];
+        const sparse_triangle *t = &s->all[e->id];
+        r.exits |= sparse_is_exit(t);
+        r.sheets |= sparse_is_sheet(t);
+        r.faces &= (t->kind & SPARSE_FACES) != 0;
         r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
         r.ends |= (e->bits & ENTRY_END) != 0;
+        r.lo = least(r.lo, e->lo);
         r.hi = greatest(r.hi, e->hi);
         if (e->bits & ENTRY_COVERS) r.covered = least(r.covered, e->hi);
     }
@@ -71,14 +79,15 @@ static double covered_by(const square_list *l, const sparse_triangles *s, const 
     return least(r->covered, nearest_layer(l, r, known));
 }
 
-static void find_enter_most(square_bound *b, square_list *l, const sparse_triangles *s)
+/* complete  nothing that begins before it was left out of the list */
+static void find_enter_most(square_bound *b, square_list *l, const sparse_triangles *s, double complete)
 {
     double known = b->enter_most;
     size_t kept  = 0;
     for (size_t begin = 0; begin < l->count;) {
         patch_run r = run_from(l, s, begin);
         begin       = r.end;
-        if (is_missed(&r, known)) continue;
+        if (is_missed(&r, complete)) continue;
         b->enter_most = least(b->enter_most, covered_by(l, s, &r, known));
         memmove(l->items + kept, l->items + r.begin, (r.end - r.begin) * sizeof *l->items);
         kept += r.end - r.begin;
@@ -86,15 +95,91 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
     l->count = kept;
 }
 
-void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s)
+/* more that is free ----------------------------------------------------------------------------------------------------------- */
+
+/* Whether a surface lies behind F in all texels. Back faces of solids do not tell: light may leave there. */
+static int is_followed(const square_bound *b, const square_list *l, const sparse_triangles *s)
+{
+    for (size_t begin = 0; begin < l->count;) {
+        patch_run r      = run_from(l, s, begin);
+        int       covers = r.covered < INFINITY || (r.sampled && !r.ends);
+        if (covers && r.lo > b->enter_most && !r.exits) return 1;
+        begin = r.end;
+    }
+    return 0;
+}
+
+/* Depths of the runs of a list, to tell those of all others from. */
+typedef struct run_depths {
+    double lo[2], hi[2]; /* the least, the greatest, and the next ones */
+    size_t lo_of, hi_of; /* where the runs of the first ones begin */
+} run_depths;
+
+static run_depths depths_of_runs(const square_list *l, const sparse_triangles *s)
+{
+    run_depths d = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, 0, 0};
+    for (size_t begin = 0; begin < l->count;) {
+        patch_run r = run_from(l, s, begin);
+        if (r.lo < d.lo[0])
+            d = (run_depths){{r.lo, d.lo[0]}, {d.hi[0], d.hi[1]}, begin, d.hi_of};
+        else
+            d.lo[1] = least(d.lo[1], r.lo);
+        if (r.hi > d.hi[0])
+            d = (run_depths){{d.lo[0], d.lo[1]}, {r.hi, d.hi[0]}, d.lo_of, begin};
+        else
+            d.hi[1] = greatest(d.hi[1], r.hi);
+        begin = r.end;
+    }
+    return d;
+}
+
+/* Before where light leaves a run of sheets, or of back faces of solids. What is said of a run holds where every texel meets it once, and so
+ * nothing of it lies behind it; one that reaches what was left out may only seem so. */
+static double run_exit_least(const square_bound *b, const column_freedom *f, const patch_run *r, const run_depths *d,
+                             double left_out)
+{
+    const double nearest = d->lo[d->lo_of == r->begin], farthest = d->hi[d->hi_of == r->begin]; /* of the others */
+    if (r->sampled != 1 || r->ends || r->hi > left_out) return r->lo;
+    if (f->behind && !b->behind && farthest < r->lo) return INFINITY;
+    if (!r->faces || !(f->thickness > 0)) return r->lo;
+    const double rounded = ldexp(1, -50); /* more than freedom_through is off */
+    return greatest(r->lo, least(freedom_through(f, r->lo) - rounded, nearest));
+}
+
+/* xmin, where more is free than the insides of solids.   left_out  what begins behind it may not be in the list */
+static double later_exit_least(const square_bound *b, const square_list *l, const sparse_triangles *s, const column_freedom *f,
+                               double left_out)
+{
+    run_depths d    = depths_of_runs(l, s);
+    double     exit = b->left_out;
+    for (size_t begin = 0; begin < l->count;) {
+        patch_run r = run_from(l, s, begin);
+        if (r.exits || r.sheets) exit = least(exit, run_exit_least(b, f, &r, &d, left_out));
+        begin = r.end;
+    }
+    return exit;
+}
+
+/* the square ------------------------------------------------------------------------------------------------------------------ */
+
+/* Where what begins no longer matters. */
+static double limit_of(const square_bound *b, const column_freedom *f)
+{
+    if (!freedom_looks_on(f)) return b->enter_most;
+    return f->behind && !b->behind ? INFINITY : freedom_through(f, b->enter_most);
+}
+
+void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const column_freedom *f)
 {
     size_t kept   = 0;
     double nearer = INFINITY;
-    find_enter_most(b, l, s);
+    find_enter_most(b, l, s, f->behind && !b->behind ? INFINITY : b->enter_most);
+    if (f->behind && !b->behind) b->behind = is_followed(b, l, s);
+    const double limit = limit_of(b, f);
     for (size_t n = 0; n < l->count; n++) {
         const square_entry    *e = &l->items[n];
         const sparse_triangle *t = &s->all[e->id];
-        if (e->lo > b->enter_most) {
+        if (e->lo > limit) {
             if (sparse_is_exit(t)) b->left_out = least(b->left_out, e->lo);
             continue;
         }
@@ -102,5 +187,5 @@ void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangle
         l->items[kept++] = *e;
     }
     l->count      = kept;
-    b->exit_least = least(nearer, b->left_out);
+    b->exit_least = freedom_looks_on(f) ? later_exit_least(b, l, s, f, limit) : least(nearer, b->left_out);
 }
