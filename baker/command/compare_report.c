@@ -142,6 +142,10 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
         print_counts(to, kind_names[kind], &result->counts[kind]);
         wrong |= compare_wrong(&result->counts[kind]) > 0;
     }
+    for (int kind = 0; kind < kind_count(r); kind++)
+        if (result->counts[kind].left_free)
+            fprintf(to, "  %-9s %10llu besides: lit where no light comes, as the bake was asked to leave it open\n",
+                    kind_names[kind], (unsigned long long)result->counts[kind].left_free);
     if (wrong)
         fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s   texels from a wrong answer to the nearest boundary\n", "wrong", "found",
                 "beyond", "mean", "median", "95 %", "most");
@@ -312,12 +316,12 @@ static json_t *distance_json(const compare_distance *d)
 
 static json_t *counts_json(const compare_counts *n, compare_kind kind)
 {
-    json_t *counts = json_pack("{s:I, s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "points", (json_int_t)n->points,
-                               "outside", (json_int_t)n->outside, "inside_solid", (json_int_t)n->inside_solid, "checked",
-                               (json_int_t)n->checked, "wrong", (json_int_t)compare_wrong(n), "wrong_share", wrong_share(n),
-                               "leaks", (json_int_t)n->leaks, "false_shadows", (json_int_t)n->false_shadows, "near_boundary",
-                               (json_int_t)n->near_boundary, "near_surface", (json_int_t)n->near_surface, "unexplained",
-                               (json_int_t)n->unexplained, "boundary_texels", distance_json(&n->boundary));
+    json_t *counts = json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o}", "points", (json_int_t)n->points, "outside",
+        (json_int_t)n->outside, "inside_solid", (json_int_t)n->inside_solid, "left_free", (json_int_t)n->left_free, "checked",
+        (json_int_t)n->checked, "wrong", (json_int_t)compare_wrong(n), "wrong_share", wrong_share(n), "leaks", (json_int_t)n->leaks,
+        "false_shadows", (json_int_t)n->false_shadows, "near_boundary", (json_int_t)n->near_boundary, "near_surface",
+        (json_int_t)n->near_surface, "unexplained", (json_int_t)n->unexplained, "boundary_texels", distance_json(&n->boundary));
     if (kind == COMPARE_RANDOM) return counts;
     json_object_set_new(counts, "checked_at_surface", json_integer((json_int_t)n->checked_at_surface));
     json_object_set_new(counts, "wrong_at_surface", json_integer((json_int_t)n->wrong_at_surface));

@@ -53,6 +53,7 @@ typedef enum verdict {
     VERDICT_NEAR_BOUNDARY,
     VERDICT_NEAR_SURFACE,
     VERDICT_UNEXPLAINED,
+    VERDICT_LEFT_FREE,
     VERDICT_CAUSE            = 7,  /* a mask for the above */
     VERDICT_LEAK             = 8,  /* a flag for the wrong ones: asset lit, truth shadow */
     VERDICT_AT_SURFACE       = 16, /* flags for points with a normal: checked at the surface, */
@@ -138,9 +139,17 @@ static int holds_about(const comparison *c, const centre *at, int lit,
     return 0;
 }
 
+/* 1 when the asset was asked to leave it open. */
+static int is_left_free(const comparison *c, const centre *at, double u, double v, int unused)
+{
+    (void)unused;
+    return compare_left_free(c, at->map, u, v, at->near_vx, at->far_vx);
+}
+
 static verdict explain(const comparison *c, const sample *s, int asset_lit)
 {
     centre at = centre_of(c, s);
+    if (asset_lit && compare_leaves_free(c) && holds_about(c, &at, asset_lit, is_left_free)) return VERDICT_LEFT_FREE;
     if (holds_about(c, &at, asset_lit, truth_agrees)) return VERDICT_NEAR_BOUNDARY;
     return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
@@ -160,7 +169,8 @@ static uint8_t judge_lookup(const comparison *c, const sample *s, int asset_lit)
 {
     if (truth_inside_solid(c->truth, s->truth_ws)) return VERDICT_INSIDE_SOLID;
     if (truth_lit(c->truth, s->truth_ws, &c->shape) == asset_lit) return VERDICT_RIGHT;
-    return (uint8_t)(explain(c, s, asset_lit) | (asset_lit ? VERDICT_LEAK : 0));
+    verdict v = explain(c, s, asset_lit);
+    return (uint8_t)(v | (asset_lit && v != VERDICT_LEFT_FREE ? VERDICT_LEAK : 0));
 }
 
 static uint8_t judge(const judgement *j, size_t index)
@@ -170,7 +180,8 @@ static uint8_t judge(const judgement *j, size_t index)
     if (!compare_point(c, j->kind, index, 1, &s)) return VERDICT_OUTSIDE;
     float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
     if (lookup < 0) return VERDICT_OUTSIDE;
-    return judge_lookup(c, &s, lookup > 0) | (s.normal ? judge_at_surface(c, &s, lookup > 0) : 0);
+    uint8_t v = judge_lookup(c, &s, lookup > 0);
+    return s.normal && v != VERDICT_LEFT_FREE ? v | judge_at_surface(c, &s, lookup > 0) : v;
 }
 
 static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
@@ -184,7 +195,8 @@ static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
 
 static int is_wrong(uint8_t v)
 {
-    return (v & VERDICT_CAUSE) > VERDICT_RIGHT;
+    int cause = v & VERDICT_CAUSE;
+    return cause > VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
 }
 
 static void add_example(const judgement *j, size_t index, int asset_lit, compare_result *out)
@@ -207,7 +219,8 @@ static void count_verdicts(const judgement *j, compare_result *out)
         int cause = j->verdicts[i] & VERDICT_CAUSE, leak = (j->verdicts[i] & VERDICT_LEAK) != 0;
         n->outside += cause == VERDICT_OUTSIDE;
         n->inside_solid += cause == VERDICT_INSIDE_SOLID;
-        n->checked += cause >= VERDICT_RIGHT;
+        n->left_free += cause == VERDICT_LEFT_FREE;
+        n->checked += cause >= VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
         n->leaks += leak;
         n->false_shadows += is_wrong(j->verdicts[i]) && !leak;
         n->near_boundary += cause == VERDICT_NEAR_BOUNDARY;
@@ -255,12 +268,13 @@ static vxs_result compare_points_of_kind(const comparison *c, compare_kind kind,
 }
 
 vxs_result compare_light(compare_result *out, const truth *t, const casters *c, const vxs_baked_light *light,
-                         const compare_options *o, message *m)
+                         const compare_freedom *freedom, const compare_options *o, message *m)
 {
     comparison work;
     vxs_result r = VXS_OK;
     memset(out, 0, sizeof *out);
     comparison_init(&work, t, c, light, o);
+    work.freedom = *freedom;
     for (int kind = 0; kind < COMPARE_KINDS && r == VXS_OK; kind++) r = compare_points_of_kind(&work, (compare_kind)kind, out, m);
     return r == VXS_OK ? compare_measure_time(&work, out, m) : r;
 }

@@ -19,6 +19,16 @@ typedef struct filter_pass {
     float            *errors; /* [count] of the lookup, signed; INFINITY: not compared */
 } filter_pass;
 
+/* Whether some tap is where the asset was asked to leave it open. */
+static int is_left_free(const comparison *c, int map, const int32_t voxel[3], int filter_px)
+{
+    for (int n = 0; n < filter_px * filter_px; n++) {
+        double u = voxel[0] + n % filter_px - filter_px / 2 + 0.5, v = voxel[1] + n / filter_px - filter_px / 2 + 0.5;
+        if (compare_left_free(c, map, u, v, voxel[2], voxel[2] + 1)) return 1;
+    }
+    return 0;
+}
+
 static float filter_error(const filter_pass *f, size_t n)
 {
     const comparison *c     = f->comparison;
@@ -30,6 +40,7 @@ static float filter_error(const filter_pass *f, size_t n)
     float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
     if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
     vxs_voxel(c->light, s.point_ws, s.normal, filter_px, voxel);
+    if (compare_leaves_free(c) && is_left_free(c, s.map, voxel, filter_px)) return INFINITY;
     return (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, s.map, voxel, filter_px));
 }
 

@@ -17,6 +17,7 @@ typedef struct comparison {
     const vxs_light       *light; /* of baked */
     light_shape            shape; /* of the light, for the truth */
     const compare_options *options;
+    compare_freedom        freedom;
     light_volume           volume; /* that random points are drawn from */
     camera_view            view;   /* of options->camera, where there is one */
     uint32_t               width_px, height_px;
@@ -42,6 +43,15 @@ int compare_point(const comparison *c, compare_kind kind, size_t index, uint32_t
 
 /* The truth at a place of a map: texels, texels, voxels. 1: lit. */
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
+
+/* Whether it was asked to leave anything open. */
+static inline int compare_leaves_free(const comparison *c)
+{
+    return c->freedom.behind || c->freedom.thickness_m > 0;
+}
+
+/* compare_free.c: 1 when the asset was asked to leave open whether a voxel is lit, of the ray through (u, v) of a map, between two depths. */
+int compare_left_free(const comparison *c, int map, double u, double v, double near_vx, double far_vx);
 
 /* compare_boundary.c: how far wrong answers are from a place where they would be right. */
 

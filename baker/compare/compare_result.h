@@ -28,6 +28,12 @@ typedef enum compare_kind {
     COMPARE_KINDS
 } compare_kind;
 
+/* What an asset leaves free besides the insides of solids, as it was baked. */
+typedef struct compare_freedom {
+    int    behind;      /* 1: behind the last surface */
+    double thickness_m; /* of single-sided sheets that face the light */
+} compare_freedom;
+
 typedef struct compare_options {
     uint32_t           points; /* of each kind; a camera's are as many as make a picture */
     uint32_t           seed;
@@ -44,12 +50,13 @@ typedef struct compare_distance {
     double   mean, median, p95, max; /* of points; 0 when there are none */
 } compare_distance;
 
-/* points = outside + inside_solid + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
+/* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
  * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for. */
 typedef struct compare_counts {
     uint64_t points;
     uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
     uint64_t inside_solid; /* where answers are undefined */
+    uint64_t left_free;    /* lit, though in shadow by the truth, where the asset was asked to leave that open */
     uint64_t checked;
     uint64_t leaks;         /* lit in the asset, in shadow by the truth */
     uint64_t false_shadows; /* in shadow in the asset, lit by the truth */

@@ -33,7 +33,7 @@ def city(vxs, tmp_path_factory):
 
 def check_counts(counts, points):
     texels = counts["boundary_texels"]
-    assert counts["points"] == points == counts["outside"] + counts["inside_solid"] + counts["checked"]
+    assert counts["points"] == points == counts["outside"] + counts["inside_solid"] + counts["left_free"] + counts["checked"]
     assert counts["wrong"] == counts["leaks"] + counts["false_shadows"] == texels["points"] + texels["beyond"]
     assert counts["wrong"] == counts["near_boundary"] + counts["near_surface"] + counts["unexplained"]
     assert counts.get("wrong_at_surface", 0) <= counts.get("checked_at_surface", 0) <= counts["points"]

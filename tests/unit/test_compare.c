@@ -58,12 +58,12 @@ static compare_result compared_scene(const casters *c, vxs_baked_light light, co
     truth         *t = NULL;
     compare_result result;
     assert_int_equal(truth_create(&t, c, 1, &m), VXS_OK);
-    assert_int_equal(compare_light(&result, t, c, &light, &o, &m), VXS_OK);
+    assert_int_equal(compare_light(&result, t, c, &light, &(compare_freedom){0}, &o, &m), VXS_OK);
     truth_destroy(t);
     for (int kind = 0; kind < COMPARE_KINDS; kind++) {
         const compare_counts *n = &result.counts[kind];
         assert_int_equal(n->points, kind == COMPARE_CAMERA ? pixels_of(&o) : o.points);
-        assert_int_equal(n->points, n->outside + n->inside_solid + n->checked);
+        assert_int_equal(n->points, n->outside + n->inside_solid + n->left_free + n->checked);
         assert_int_equal(compare_wrong(n), n->near_boundary + n->near_surface + n->unexplained);
         assert_int_equal(compare_wrong(n), n->boundary.points + n->boundary.beyond);
     }
