@@ -336,6 +336,11 @@ vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m
     scene        s   = {0};
     casters      c   = {0};
     vxs_result   r   = prepare(o, &s, &c, report, &ctx);
+    if (r == VXS_OK && !report->unchanged) {
+        stage_begin(&ctx, STAGE_PLAN);
+        r = plan_find_savings(report->plan, o, &c, m);
+        stage_begin(&ctx, STAGE_NONE);
+    }
     report_stages(report, &ctx);
     casters_free(&c);
     scene_free(&s);

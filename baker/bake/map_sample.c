@@ -16,6 +16,7 @@
 #include "baker/blocks/block_build.h"
 #include "baker/blocks/block_words.h"
 #include "baker/columns/opengl/depth_block.h"
+#include "baker/columns/sparse/freedom.h"
 #include "baker/columns/stored/depth_maps.h"
 
 enum { CELLS_MAX = 32, MAPS_FEW = 8 }; /* windows a side; maps that are looked at closely */
@@ -34,7 +35,8 @@ enum {
     PLACE_MAX = 8,  /* threads that count triangles: each for itself */
 };
 
-typedef enum face_kind { FACE_FRONT, FACE_BACK, FACE_SHEET } face_kind; /* fronts first among faces at one depth */
+/* Fronts first among faces at one depth. A facing sheet is seen from one side, and there by the light. */
+typedef enum face_kind { FACE_FRONT, FACE_BACK, FACE_SHEET, FACE_FACING_SHEET } face_kind;
 
 typedef struct fragment {
     float     depth;
@@ -77,6 +79,7 @@ typedef struct sampler {
     int               peels_all;
     coding_choice     coding;
     build_options     build; /* of a DAG */
+    column_freedom    freedom;
     uint32_t          threads;
     uint32_t          side_px, window_px, cells, cell_px;
     uint32_t          cell_shift, block_shift;      /* the exponents of cell_px and of a block's side */
@@ -316,7 +319,8 @@ static void rasterize(const sampler *job, canvas *c, uint32_t n, uint32_t t)
     }
     double area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
     if (area == 0) return;
-    face_kind kind = t >= p->solid_triangle_count ? FACE_SHEET : area < 0 ? FACE_FRONT : FACE_BACK;
+    int       thin = area > 0 || t >= p->holed_first || (p->double_sided && p->double_sided[t]);
+    face_kind kind = t >= p->solid_triangle_count ? thin ? FACE_SHEET : FACE_FACING_SHEET : area < 0 ? FACE_FRONT : FACE_BACK;
     double    side = area < 0 ? -1 : 1, low = p->reversed ? -1 : 0, high = p->reversed ? 0 : 1;
     double    last = job->window_px - 1;
     int       u0 = (int)within(ceil(least(u) - 0.5), 0, last + 1), u1 = (int)within(floor(most(u) - 0.5), -1, last);
@@ -376,6 +380,15 @@ static void sort_fragments(canvas *c, uint32_t texels)
         sort_near_to_far(c->sorted + c->first[texel], c->first[texel + 1] - c->first[texel]);
 }
 
+/* The exit where more is free than the insides of solids. */
+static float later_exit(const column_freedom *free, const fragment *f, uint32_t count, float exit)
+{
+    const float none = free->perspective ? 0 : 1;
+    if (free->behind && f[count - 1].depth <= exit) return none;
+    if (!(free->thickness > 0) || f->kind != FACE_FACING_SHEET) return exit;
+    return fminf(fminf((float)freedom_through(free, (double)exit), count > 1 ? f[1].depth : none), none);
+}
+
 /* The column of a texel, as depth_block.c means it. Returns the back faces up to the exit. */
 static uint32_t walk(const fragment *f, uint32_t count, float *enter, float *exit)
 {
@@ -383,7 +396,7 @@ static uint32_t walk(const fragment *f, uint32_t count, float *enter, float *exi
     uint32_t backs = 0;
     float    solid = INFINITY, first_back = INFINITY, sheet = INFINITY, last = INFINITY;
     for (uint32_t n = 0; n < count; n++) {
-        if (f[n].kind == FACE_SHEET) {
+        if (f[n].kind >= FACE_SHEET) {
             sheet = fminf(sheet, f[n].depth);
             continue;
         }
@@ -467,6 +480,8 @@ static void draw_window(const sampler *job, canvas *c, window *w)
         uint32_t from = c->first[texel], count = c->first[texel + 1] - from;
         w->maps.enter[texel] = w->maps.exit[texel] = job->p->reversed ? 0 : 1;
         w->layers = max_u32(w->layers, walk(c->sorted + from, count, &w->maps.enter[texel], &w->maps.exit[texel]));
+        if (count && freedom_looks_on(&job->freedom))
+            w->maps.exit[texel] = later_exit(&job->freedom, c->sorted + from, count, w->maps.exit[texel]);
     }
     depth_maps_reduce(&w->maps, 1);
 }
@@ -606,6 +621,7 @@ vxs_result map_sample_take(map_sample *s, const projection *p, const vxs_light *
     job->peels_all = peels_all;
     job->coding    = o->coding;
     job->build     = (build_options){.rule = o->rule, .reuse = o->reuse};
+    job->freedom   = freedom_of(light, o->behind == BEHIND_FREE, o->thickness_m);
     job->threads   = min_u32(max_u32(o->threads, 1), BATCH);
     job->side_px   = 1u << light->levels;
     job->window_px = min_u32(job->side_px, SAMPLE_WINDOW_PX);

@@ -131,16 +131,15 @@ static void add_sample(map_sample *sum, const map_sample *s)
     sum->palette.pattern_words += s->palette.pattern_words;
 }
 
-static uint32_t count_maps(const bake_plan *plan)
+uint32_t plan_count_maps(const bake_plan *plan)
 {
     uint32_t maps = 0;
     for (size_t n = 0; n < plan->light_count; n++) maps += plan->lights[n].left_out ? 0 : plan->lights[n].map_count;
     return maps;
 }
 
-/* maps  of all lights */
-static vxs_result sample_light(const bake_plan *plan, uint32_t maps, plan_light *l, const bake_options *o, const casters *c,
-                               message *m)
+vxs_result plan_sample_light(const bake_plan *plan, uint32_t maps, plan_light *l, const bake_options *o, const casters *c,
+                             message *m)
 {
     casters    near;
     vxs_result r = reach_casters(&near, &plan->reach, c, &l->shape, m);
@@ -261,12 +260,12 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const l
     if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
     if ((r = fit_lights(plan, o, c, chosen, m)) != VXS_OK) goto done;
     plan_exit(plan, o, c);
-    uint32_t maps = count_maps(plan);
+    uint32_t maps = plan_count_maps(plan);
     if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
         plan_light *l = &plan->lights[n];
         if (l->left_out) continue;
-        r = sample_light(plan, maps, l, o, c, m);
+        r = plan_sample_light(plan, maps, l, o, c, m);
         plan_estimate_light(l, o);
     }
     if (r != VXS_OK) goto done;

@@ -13,6 +13,8 @@
 #include "baker/measure/context.h"
 #include "baker/scene/light_choice.h"
 
+enum { PLAN_SAVINGS_MAX = 2 };
+
 /* Palette blocks that a light will take, different ones alone. */
 typedef struct palette_estimate {
     double blocks, patterns, own_patterns; /* own ones are among the patterns */
@@ -44,6 +46,13 @@ typedef struct plan_light {
     map_sample       sample;     /* of all maps together */
 } plan_light;
 
+/* What an option would save that nobody has asked for, as it changes what the file promises. */
+typedef struct plan_saving {
+    const char *option; /* "--behind free" */
+    uint64_t    file_bytes;
+    double      seconds; /* of the whole bake */
+} plan_saving;
+
 typedef struct bake_plan {
     /* solids: where exit depths are peeled */
     int    has_exit_map;                     /* 0: nothing is solid, and x = e */
@@ -68,6 +77,9 @@ typedef struct bake_plan {
     double   seconds[STAGE_COUNT], total_seconds;
     uint64_t peak_bytes, file_bytes, memory_bytes;
     double   plan_seconds; /* measured: what the plan itself took */
+
+    plan_saving savings[PLAN_SAVINGS_MAX]; /* plan_savings.c: none before it is asked */
+    size_t      saving_count;
 } bake_plan;
 
 /* Why a light reaches nothing. */
@@ -85,6 +97,16 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const l
 
 /* Accepts a zeroed object. */
 void plan_free(bake_plan *plan);
+
+/* plan_savings.c: what would be saved if more were left free, where that is worth it: a sample of all maps for each option.
+ * c  as they were planned.   Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const casters *c, message *m);
+
+/* Sample all maps of a light.
+ * maps  of all lights */
+vxs_result plan_sample_light(const bake_plan *plan, uint32_t maps, plan_light *l, const bake_options *o, const casters *c,
+                             message *m);
+uint32_t   plan_count_maps(const bake_plan *plan);
 
 /* plan_estimate.c: from the samples to seconds and bytes. */
 void plan_estimate_light(plan_light *l, const bake_options *o);

@@ -214,6 +214,14 @@ void plan_print_estimate(FILE *to, const bake_plan *plan)
             size_text(a, plan->peak_bytes), size_text(b, plan->file_bytes), size_text(c, plan->memory_bytes));
 }
 
+void plan_print_savings(FILE *to, const bake_plan *plan)
+{
+    char a[32];
+    for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++)
+        fprintf(to, "%-12s %s: %.15g s, a file of %s, which promises less\n", s == plan->savings ? "would save" : "",
+                s->option, rounded(s->seconds, 2), size_text(a, s->file_bytes));
+}
+
 void plan_print(FILE *to, const bake_options *o, const bake_report *report)
 {
     const bake_plan *plan = report->plan;
@@ -227,6 +235,7 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
             fprintf(to, "light %s is left out: %s\n", one_line(strcpy(name, report->left_out[n].name)), report->left_out[n].why);
         }
     plan_print_estimate(to, plan);
+    plan_print_savings(to, plan);
 }
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
@@ -327,14 +336,23 @@ json_t *plan_lights_json(const bake_plan *plan)
     return lights;
 }
 
+static json_t *savings_json(const bake_plan *plan)
+{
+    json_t *savings = json_array();
+    for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++)
+        json_array_append_new(savings, json_pack("{s:s, s:I, s:f}", "option", s->option, "file_bytes", (json_int_t)s->file_bytes,
+                                                 "total_seconds", s->seconds));
+    return savings;
+}
+
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m)
 {
     const bake_plan *plan = report->plan;
     json_t          *root =
-        json_pack("{s:s, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:f}", "vxs", VXS_VERSION, "scene",
+        json_pack("{s:s, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:o, s:f}", "vxs", VXS_VERSION, "scene",
                   json_text(o->scene_path), "unchanged", 0, "options", bake_options_json(o), "casters", report_casters_json(report),
                   "decisions", plan_decisions_json(plan, o, report), "lights", plan_lights_json(plan), "lights_left_out",
                   report_left_out_json(report), "warnings", report_warnings_json(m), "estimate", plan_estimate_json(plan),
-                  "least_bytes", (json_int_t)plan->least_bytes, "plan_seconds", plan->plan_seconds);
+                  "least_bytes", (json_int_t)plan->least_bytes, "savings", savings_json(plan), "plan_seconds", plan->plan_seconds);
     return json_write(path, root, m);
 }

@@ -13,6 +13,9 @@ void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o
 /* A line: time, memory and size as they are expected. */
 void plan_print_estimate(FILE *to, const bake_plan *plan);
 
+/* A line for each option that nobody asked for, and that would save something. */
+void plan_print_savings(FILE *to, const bake_plan *plan);
+
 /* The whole of vxs plan. */
 void plan_print(FILE *to, const bake_options *o, const bake_report *report);
 

@@ -156,4 +156,5 @@ void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     print_lights(to, r->plan);
     print_left_out(to, r);
     plan_print_estimate(to, r->plan);
+    plan_print_savings(to, r->plan);
 }

@@ -6,11 +6,23 @@
 #ifndef FREEDOM_H
 #define FREEDOM_H
 
+#include <math.h>
+
+#include "formats/vxs_file.h"
+
 typedef struct column_freedom {
     int    behind;    /* 1: nobody asks behind the last surface */
     double thickness; /* of the sheets, >= 0: in depths of a directional light, in near distances of others, along the map's axis */
     int    perspective; /* 1: depths are -near / z (depth_scale.h) */
 } column_freedom;
+
+/* Of a fitted light's maps. A voxel of a directional light is so many metres deep. */
+static inline column_freedom freedom_of(const vxs_light *light, int behind, double thickness_m)
+{
+    const int perspective = light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
+    return (column_freedom){
+        behind, thickness_m / (perspective ? light->near_metres : ldexp(light->voxel_metres, (int)light->levels)), perspective};
+}
 
 /* Whether it matters what lies behind where light leaves. */
 static inline int freedom_looks_on(const column_freedom *f)

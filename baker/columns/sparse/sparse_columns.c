@@ -155,15 +155,6 @@ static depth_scale scale_of(const vxs_light *light, uint32_t depth_vx)
     return (depth_scale){depth_vx, ldexp(log, (int)light->levels) / depth_vx};
 }
 
-/* A voxel of a directional light is so many metres deep; depths of a lamp are told from its near distance. */
-static column_freedom freedom_of(const sparse_columns *o)
-{
-    const vxs_light *light       = o->light;
-    int              perspective = light->kind != VXS_LIGHT_KIND_DIRECTIONAL;
-    double           metres      = perspective ? light->near_metres : ldexp(light->voxel_metres, (int)light->levels);
-    return (column_freedom){o->free_behind, o->thickness_m / metres, perspective};
-}
-
 vxs_result sparse_columns_enter(const sparse_columns *owner, uint32_t map, uint32_t side_px, uint32_t depth_vx, uint32_t *enter,
                                 bake_context *ctx)
 {
@@ -194,7 +185,7 @@ static vxs_result open_map(void *data, uint32_t map, column_map *out, bake_conte
     o->desc  = (leaf_desc){.triangles    = &o->triangles,
                            .scale        = scale_of(owner->light, side),
                            .nearest_back = owner->nearest_back,
-                           .freedom      = freedom_of(owner)};
+                           .freedom      = freedom_of(owner->light, owner->free_behind, owner->thickness_m)};
     o->level = &sparse_levels[cpu_level()];
     pthread_mutex_init(&o->lock, NULL);
     stage_begin(ctx, STAGE_MAPS);
