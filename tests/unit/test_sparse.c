@@ -425,6 +425,139 @@ static void sheets_end_on_centres(void **state)
     }
 }
 
+/* --- what is free besides the insides of solids
+ * ----------------------------------------------------------------------------------------------------------------------------- */
+
+/* A sheet across the map, and somewhat more across than others: it has corners of its own. */
+static void add_sheet(sample *b, double z, char kind)
+{
+    double  more = 8 + (double)b->s.triangle_count, low = -more, high = 64 + more;
+    double  p[4][3] = {{low, low, z}, {high, low, z}, {high, high, z}, {low, high, z}};
+    uint8_t flags   = kind == 'd' ? TRIANGLE_DOUBLE_SIDED : 0;
+    sample_points(b, p[0], p[kind == 'b' ? 1 : 2], p[kind == 'b' ? 2 : 1]);
+    b->s.triangle_flags[b->s.triangle_count - 1] = flags;
+    sample_points(b, p[0], p[kind == 'b' ? 2 : 3], p[kind == 'b' ? 3 : 2]);
+    b->s.triangle_flags[b->s.triangle_count - 1] = flags;
+}
+
+/* Sheets that face the light, f, or not, b, or are seen from both sides, d; and solids 10 deep, s. Then where they begin. */
+static void add_layers(sample *b, const char *kinds, const double z[3])
+{
+    for (int n = 0; kinds[n]; n++) {
+        const double low[3] = {-9 - n, -9 - n, z[n]}, high[3] = {73 + n, 73 + n, z[n] + 10};
+        if (kinds[n] == 's')
+            sample_box(b, low, high);
+        else
+            add_sheet(b, z[n], kinds[n]);
+    }
+    sample_sort(b, CLOSED_AUTO);
+}
+
+/* A texel of a map, by its leaf at all levels, and the bound of the square of 32 around it. */
+static void assert_column(const sample *b, const vxs_light *light, const ways *w, uint32_t e, uint32_t x, uint32_t square_x,
+                          const char *what)
+{
+    const int        sun     = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    message          m       = {0};
+    uint32_t        *ids     = NULL;
+    square_list      list    = {0};
+    leaf_scratch     scratch = {0};
+    projection       p;
+    sparse_triangles s;
+    column_bounds    bounds;
+    column_tile      tile;
+    leaf_desc        d = {.triangles   = &s,
+                          .scale       = {64, sun ? 0 : light->voxel_metres},
+                          .every_texel = 1,
+                          .freedom     = freedom_of(light, w->free_behind, w->thickness_m)};
+    assert_int_equal(projection_init(&p, &b->c, light, 0, 1, &m), VXS_OK);
+    assert_int_equal(sparse_triangles_init(&s, &p, 64, 1), VXS_OK);
+    ids = calloc(s.count, sizeof *ids);
+    assert_non_null(ids);
+    for (uint32_t n = 0; n < s.count; n++) ids[n] = n;
+    for (int level = 0; level <= (int)cpu_level_of_machine(); level++) {
+        square_bound bound = {.enter_most = depth_none(d.scale), .left_out = INFINITY, .exit_least = INFINITY};
+        assert_true(sparse_levels[level].gather(&list, &s, ids, s.count, (texel_square){32, 32, 8}));
+        assert_true(sparse_levels[level].leaf(&scratch, &d, &list, &bound, (texel_square){32, 32, 8}, &tile, &bounds));
+        if (tile.e[9] != e || tile.x[9] != x) fail_msg("%s: %u and %u, expected %u and %u", what, tile.e[9], tile.x[9], e, x);
+        assert_true(sparse_levels[level].gather(&list, &s, ids, s.count, (texel_square){32, 32, 32}));
+        square_bound_tighten(&bound, &list, &s, &d.freedom);
+        uint32_t least_x = depth_up(d.scale, depth_clamped(d.scale, bound.exit_least));
+        if (least_x != square_x) fail_msg("%s: a square says %u, expected %u", what, least_x, square_x);
+    }
+    free(ids);
+    free(list.items);
+    free(scratch.faces);
+    free(scratch.places);
+    free(scratch.depths);
+    free(scratch.backs);
+    sparse_triangles_free(&s);
+    projection_free(&p);
+}
+
+static void more_is_free_where_it_is_asked_for(void **state)
+{
+    static const struct {
+        const char *kinds;
+        double      z[3];
+        int         behind;
+        double      thickness;
+        uint32_t    e, x;
+        uint32_t    square_x; /* what a square knows, where that is less; 0: it is not */
+    } cases[] = {
+        {"f", {20.25}, 0, 0, 20, 21, 0},
+        {"f", {20.25}, 1, 0, 20, 64, 0},
+        {"f", {20.25}, 0, 5, 20, 26, 0},
+        {"f", {20.25}, 0, 100, 20, 64, 0}, /* beyond the map */
+        {"f", {20.25}, 1, 5, 20, 64, 0},
+        {"ff", {20.25, 22.5}, 1, 0, 20, 21, 0},
+        {"ff", {20.25, 22.5}, 0, 5, 20, 23, 0}, /* no farther than the next surface */
+        {"ff", {20.25, 22.5}, 1, 5, 20, 23, 0},
+        {"ff", {20.25, 20.25}, 0, 5, 20, 21, 0},  /* in one plane: the next is there */
+        {"ff", {20.25, 20.25}, 1, 0, 20, 64, 21}, /* and so is the last */
+        {"fs", {20.25, 40.5}, 1, 0, 20, 21, 0},
+        {"fs", {20.25, 40.5}, 0, 30, 20, 41, 0},
+        {"d", {20.25}, 0, 5, 20, 21, 0}, /* both sides are seen */
+        {"d", {20.25}, 1, 5, 20, 64, 0},
+        {"fd", {20.25, 20.25}, 0, 5, 20, 21, 0},
+        {"b", {20.25}, 0, 5, 20, 21, 0}, /* the side that is not seen faces the light */
+        {"b", {20.25}, 1, 0, 20, 64, 0},
+        {"s", {20.25}, 0, 5, 20, 31, 0}, /* of a solid the inside is free already */
+        {"s", {20.25}, 1, 0, 20, 64, 0},
+        {"sf", {20.25, 40}, 1, 5, 20, 31, 0},
+        {"fdb", {20.25, 24, 30}, 0, 100, 20, 24, 0},
+    };
+    (void)state;
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        vxs_light light = identity_light(64);
+        sample    b     = {.m.quiet = 1};
+        char      what[64];
+        snprintf(what, sizeof what, "%s, behind %d, thickness %g", cases[n].kinds, cases[n].behind, cases[n].thickness);
+        add_layers(&b, cases[n].kinds, cases[n].z);
+        assert_column(&b, &light, &(ways){0, cases[n].behind, cases[n].thickness}, cases[n].e, cases[n].x,
+                      cases[n].square_x ? cases[n].square_x : cases[n].x, what);
+        sample_clear(&b);
+    }
+}
+
+/* Metres of thickness are those along the axis of a lamp's map. */
+static void sheets_are_as_thick_for_a_lamp(void **state)
+{
+    light_shape shape = {
+        .kind = LIGHT_SPOT, .position_ws = {32, 32, -10}, .direction_ws = {0, 0, 1}, .outer_rad = 0.5, .range_m = 90};
+    light_fit_desc fit = {.name = "lamp", .shape = &shape, .resolution = 64};
+    vxs_light      light;
+    sample         b    = {.m.quiet = 1};
+    const double   z[3] = {20.25, 50};
+    (void)state;
+    add_layers(&b, "ff", z);
+    assert_int_equal(light_fit(&light, &b.c, &fit, &b.m), VXS_OK);
+    const double e = log(30.25 / light.near_metres) / light.voxel_metres, x = log(37.5 / light.near_metres) / light.voxel_metres;
+    assert_true(ceil(x) > ceil(e) + 1);
+    assert_column(&b, &light, &(ways){.thickness_m = 7.25}, (uint32_t)(e - 1e-9), (uint32_t)ceil(x), (uint32_t)ceil(x), "a lamp");
+    sample_clear(&b);
+}
+
 enum { MESHES = 72 };
 
 static void suns(void **state)
@@ -504,6 +637,8 @@ int main(void)
         cmocka_unit_test(patches_end_where_surfaces_do),
         cmocka_unit_test(depths_stay_within_their_lists),
         cmocka_unit_test(sheets_end_on_centres),
+        cmocka_unit_test(more_is_free_where_it_is_asked_for),
+        cmocka_unit_test(sheets_are_as_thick_for_a_lamp),
         cmocka_unit_test(suns),
         cmocka_unit_test(piles),
         cmocka_unit_test(lamps),
