@@ -123,6 +123,14 @@ def test_tiles_around_silhouettes(exact, scene):
         assert exact(scene("city"), "--sun", SUNS[0], *refused, status=2) == []
 
 
+@pytest.mark.parametrize("free", [("--behind", "free"), ("--thickness", 0.2), ("--behind", "free", "--thickness", 0.02)])
+@pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
+def test_every_voxel_where_more_is_left_free(exact, scene, name, free):
+    assert_complete(exact(scene(name), "--maps", "sparse", "--sun", SUNS[1], *free, "--resolution", 256, closed=["auto", "off"],
+                          coding=CODINGS), 256)
+    assert_complete_lamps(exact(scene(name), "--maps", "sparse", *LAMPS, *free, "--closed", "off", "--resolution", 64, coding=CODINGS), 64)
+
+
 def test_a_wrong_word_of_a_file_straight_from_triangles_is_seen(exact, scene):
     counts, = exact(scene("city"), "--maps", "sparse", "--sun", SUNS[0], "--fault", "word", status=1)
     assert counts["wrong_lit"] + counts["wrong_shadow"] > 0
