@@ -540,6 +540,41 @@ static void more_is_free_where_it_is_asked_for(void **state)
     }
 }
 
+/* A ramp that winds about a point on the diagonal, from one angle to another: it lies over itself, and faces one way. */
+static void add_ramp(sample *b, double about, double from, double to, double rise)
+{
+    enum { PARTS = 90 };
+    for (int n = 0; n < PARTS; n++) {
+        double p[4][3];
+        for (int k = 0; k < 4; k++) {
+            double angle = from + (to - from) * (n + (k == 1 || k == 2)) / PARTS, radius = k < 2 ? 3 : 75;
+            p[k][0] = about + radius * cos(angle);
+            p[k][1] = about + radius * sin(angle);
+            p[k][2] = 5 + rise * (angle - from);
+        }
+        sample_points(b, p[0], p[1], p[2]);
+        sample_points(b, p[0], p[2], p[3]);
+    }
+}
+
+/* What covers the middle of a square once may cover other texels twice, by itself. */
+static void sheets_over_themselves(void **state)
+{
+    static const double turns[][2] = {{0, 1.1}, {0.05, 1.1}, {0.5, 2.6}, {0.2, 1.4}, {-0.12, 1.02}};
+    size_t              texels     = 0;
+    (void)state;
+    for (uint32_t n = 0; n < 40; n++) {
+        vxs_light  light = identity_light(64);
+        sample     b     = {.m.quiet = 1};
+        const ways w     = {0, n / 5 % 2, n / 10 % 2 ? 12 : 0};
+        add_ramp(&b, n % 2 ? 32 : 20, 6.2831853 * turns[n % 5][0], 6.2831853 * turns[n % 5][1], n < 20 ? 1.5 : 3);
+        sample_sort(&b, CLOSED_AUTO);
+        texels += compare_light(&b.c, &light, &w, 64, 1).texels;
+        sample_clear(&b);
+    }
+    assert_true(texels > 100000);
+}
+
 /* Metres of thickness are those along the axis of a lamp's map. */
 static void sheets_are_as_thick_for_a_lamp(void **state)
 {
@@ -639,6 +674,7 @@ int main(void)
         cmocka_unit_test(sheets_end_on_centres),
         cmocka_unit_test(more_is_free_where_it_is_asked_for),
         cmocka_unit_test(sheets_are_as_thick_for_a_lamp),
+        cmocka_unit_test(sheets_over_themselves),
         cmocka_unit_test(suns),
         cmocka_unit_test(piles),
         cmocka_unit_test(lamps),
