@@ -13,45 +13,45 @@ namespace gltf
 {
 
 /* clang-format off */
-static const shape root_shape = {
+static constexpr shape root_shape = {
     {"asset", is::object, true}, {"extensionsUsed", is::texts}, {"extensionsRequired", is::texts}, {"scene", is::index},
     {"scenes", is::objects}, {"nodes", is::objects}, {"meshes", is::objects}, {"materials", is::objects},
     {"accessors", is::objects}, {"bufferViews", is::objects}, {"buffers", is::objects}, {"skins", is::objects},
     {"cameras", is::objects}, {"extensions", is::extensions}};
-static const shape scene_shape = {
+static constexpr shape scene_shape = {
     {"name", is::text}, {"nodes", is::indices}};
-static const shape node_shape = {
+static constexpr shape node_shape = {
     {"name", is::text}, {"children", is::indices}, {"mesh", is::index}, {"skin", is::index}, {"camera", is::index},
     {"matrix", is::numbers, false, 16}, {"translation", is::numbers, false, 3}, {"rotation", is::numbers, false, 4},
     {"scale", is::numbers, false, 3}, {"weights", is::numbers}, {"extensions", is::extensions}};
-static const shape mesh_shape = {
+static constexpr shape mesh_shape = {
     {"name", is::text}, {"primitives", is::objects, true}, {"weights", is::numbers}};
-static const shape primitive_shape = {
+static constexpr shape primitive_shape = {
     {"attributes", is::index_map, true}, {"indices", is::index}, {"material", is::index}, {"mode", is::index},
     {"targets", is::objects}, {"extensions", is::extensions}};
-static const shape material_shape = {
+static constexpr shape material_shape = {
     {"name", is::text}, {"alphaMode", is::text}, {"doubleSided", is::flag}};
-static const shape accessor_shape = {
+static constexpr shape accessor_shape = {
     {"bufferView", is::index}, {"byteOffset", is::size}, {"componentType", is::index, true}, {"count", is::size, true},
     {"type", is::text, true}, {"normalized", is::flag}, {"sparse", is::object}};
-static const shape sparse_shape = {
+static constexpr shape sparse_shape = {
     {"count", is::index, true}, {"indices", is::object, true}, {"values", is::object, true}};
-static const shape sparse_indices_shape = {
+static constexpr shape sparse_indices_shape = {
     {"bufferView", is::index, true}, {"byteOffset", is::index}, {"componentType", is::index, true}};
-static const shape sparse_values_shape = {
+static constexpr shape sparse_values_shape = {
     {"bufferView", is::index, true}, {"byteOffset", is::index}};
-static const shape buffer_view_shape = {
+static constexpr shape buffer_view_shape = {
     {"buffer", is::index, true}, {"byteOffset", is::size}, {"byteLength", is::size, true}, {"byteStride", is::size},
     {"extensions", is::extensions}};
-static const shape buffer_shape = {
+static constexpr shape buffer_shape = {
     {"byteLength", is::size, true}, {"uri", is::text}, {"extensions", is::extensions}};
-static const shape skin_shape = {
+static constexpr shape skin_shape = {
     {"name", is::text}, {"joints", is::indices, true}};
-static const shape draco_shape = {
+static constexpr shape draco_shape = {
     {"bufferView", is::index, true}, {"attributes", is::index_map, true}};
-static const shape instancing_shape = {
+static constexpr shape instancing_shape = {
     {"attributes", is::index_map, true}};
-static const shape light_use_shape = {
+static constexpr shape light_use_shape = {
     {"light", is::index, true}};
 /* clang-format on */
 

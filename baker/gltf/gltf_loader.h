@@ -289,7 +289,7 @@ struct property {
     bool        required = false;
     size_t      count    = 0; /* of numbers; 0: any */
 };
-using shape = std::vector<property>;
+using shape = std::initializer_list<property>;
 
 /* Members of an object, and of each object of a list, have the types that are given. */
 void check_shape(loader &l, const std::string &where, const json &object, const shape &expected);

@@ -66,7 +66,7 @@ static void read_sampler(loader &l, const std::string &where, const json &textur
 /* Scaled, then turned counter-clockwise as seen in the image, whose v goes down, then moved. */
 static void read_texture_transform(loader &l, const std::string &where, const json &info, material &m)
 {
-    static const shape members = {
+    static constexpr shape members = {
         {"offset", is::numbers, false, 2}, {"scale", is::numbers, false, 2}, {"texCoord", is::index}, {"rotation", is::number}};
     const json *moved = check_extension(l, where, info, "KHR_texture_transform", members);
     m.uv_set          = info.value("texCoord", (size_t)0);

@@ -43,13 +43,13 @@ static void check_compressed_view(loader &l, const std::string &where, size_t le
 
 void read_compressed_view(loader &l, const std::string &where, const json &view, compressed_view &c)
 {
-    static const shape members = {{"buffer", is::index, true},
-                                  {"byteOffset", is::size},
-                                  {"byteLength", is::size, true},
-                                  {"byteStride", is::size, true},
-                                  {"count", is::size, true},
-                                  {"mode", is::text, true},
-                                  {"filter", is::text}};
+    static constexpr shape members = {{"buffer", is::index, true},
+                                      {"byteOffset", is::size},
+                                      {"byteLength", is::size, true},
+                                      {"byteStride", is::size, true},
+                                      {"count", is::size, true},
+                                      {"mode", is::text, true},
+                                      {"filter", is::text}};
     for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
         const json *e = check_extension(l, where, view, name, members);
         if (!e) continue;
