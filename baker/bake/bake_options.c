@@ -2,29 +2,29 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bake/bake_options.h"
 
-#include "baker/files/json_file.h"
+#include "baker/files/json_value.h"
 
-static int set_word(json_t *object, const char *key, const char *choices, int index)
+static void set_word(json_t **object, const char *key, const char *choices, int index)
 {
     char word[32];
-    return json_object_set_new(object, key, json_string(choice_word(word, choices, index)));
+    json_set(object, key, json_string(choice_word(word, choices, index)));
 }
 
 /* Where depths come from. Files say nothing of OpenGL's, which all of them were once. */
-static void set_maps(json_t *object, const bake_options *o)
+static void set_maps(json_t **object, const bake_options *o)
 {
     if (o->maps == MAPS_SPARSE) set_word(object, "maps", MAPS_CHOICES, (int)o->maps);
 }
 
 /* What is free besides the insides of solids, where it was asked for. */
-static void set_freedom(json_t *object, const bake_options *o)
+static void set_freedom(json_t **object, const bake_options *o)
 {
     if (o->behind != BEHIND_SHADOW) set_word(object, "behind", BEHIND_CHOICES, (int)o->behind);
-    if (o->thickness_m > 0) json_object_set_new(object, "thickness_m", json_real(o->thickness_m));
+    if (o->thickness_m > 0) json_set(object, "thickness_m", json_real(o->thickness_m));
 }
 
 /* A coding, and what it alone knows. Files say nothing of a DAG, which all of them were once, nor of pages that are small. */
-static void set_coding(json_t *object, const bake_options *o)
+static void set_coding(json_t **object, const bake_options *o)
 {
     if (o->coding != CODING_DAG) {
         set_word(object, "coding", CODING_CHOICES, (int)o->coding);
@@ -40,28 +40,36 @@ json_t *bake_choices_json(const bake_options *o)
 {
     json_t       *object = json_object();
     const double *b      = o->region_ws;
-    set_word(object, "closed", CLOSED_CHOICES, (int)o->closed);
-    set_word(object, "exit", EXIT_CHOICES, (int)o->exit);
-    set_maps(object, o);
-    set_freedom(object, o);
-    set_coding(object, o);
-    set_word(object, "gl", GL_CHOICES, (int)o->gl);
-    json_object_set_new(object, "zstd_level", json_integer(o->zstd_level));
-    if (o->region_given) json_object_set_new(object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
-    if (o->scene.exclude.count) json_object_set_new(object, "exclude", json_texts(&o->scene.exclude));
-    if (o->scene.include.count) json_object_set_new(object, "include", json_texts(&o->scene.include));
-    if (o->scene.skinned != SKINNED_EXCLUDE) set_word(object, "skinned", SKINNED_CHOICES, o->scene.skinned);
+    set_word(&object, "closed", CLOSED_CHOICES, (int)o->closed);
+    set_word(&object, "exit", EXIT_CHOICES, (int)o->exit);
+    set_maps(&object, o);
+    set_freedom(&object, o);
+    set_coding(&object, o);
+    set_word(&object, "gl", GL_CHOICES, (int)o->gl);
+    json_set(&object, "zstd_level", json_integer(o->zstd_level));
+    if (o->region_given) json_set(&object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
+    if (o->scene.exclude.count) json_set(&object, "exclude", json_texts(&o->scene.exclude));
+    if (o->scene.include.count) json_set(&object, "include", json_texts(&o->scene.include));
+    if (o->scene.skinned != SKINNED_EXCLUDE) set_word(&object, "skinned", SKINNED_CHOICES, o->scene.skinned);
     return object;
 }
 
+/* Without memory there are no values, and then no object. */
+static void set_unless_empty(json_t **object, const char *key, json_t *values, size_t count)
+{
+    if (!values || count)
+        json_set(object, key, values);
+    else
+        json_decref(values);
+}
+
 /* {"noon": [0, -1, 0]}, or {"noon": 1024}, of those that have a name; absent where none has. */
-static void set_named(json_t *object, const char *key, const named_list *list, json_t *(*value_json)(const double numbers[3]))
+static void set_named(json_t **object, const char *key, const named_list *list, json_t *(*value_json)(const double numbers[3]))
 {
     json_t *values = json_object();
     for (const named_value *v = list->items; v < list->items + list->count; v++)
-        if (v->name) json_object_set_new(values, v->name, value_json(v->numbers));
-    if (json_object_size(values)) json_object_set(object, key, values);
-    json_decref(values);
+        if (v->name) json_set(&values, v->name, value_json(v->numbers));
+    set_unless_empty(object, key, values, json_object_size(values));
 }
 
 static json_t *whole_json(const double numbers[3])
@@ -75,17 +83,16 @@ static json_t *real_json(const double numbers[3])
 }
 
 /* Which lights, and how large their maps are. */
-static void set_lights(json_t *object, const bake_options *o)
+static void set_lights(json_t **object, const bake_options *o)
 {
     json_t *names = json_array();
-    for (size_t n = 0; n < o->light_names.count; n++) json_array_append_new(names, json_text(o->light_names.items[n]));
-    if (json_array_size(names)) json_object_set(object, "light", names);
-    json_decref(names);
+    for (size_t n = 0; n < o->light_names.count; n++) json_append(&names, json_text(o->light_names.items[n]));
+    set_unless_empty(object, "light", names, json_array_size(names));
     set_named(object, "sun", &o->suns, json_vector);
     if (o->resolution)
-        json_object_set_new(object, "resolution_px", json_integer(o->resolution));
+        json_set(object, "resolution_px", json_integer(o->resolution));
     else
-        json_object_set_new(object, "texel_m", json_real(o->texel_metres));
+        json_set(object, "texel_m", json_real(o->texel_metres));
     set_named(object, "light_resolution_px", &o->resolutions, whole_json);
     set_named(object, "light_texel_m", &o->texels, real_json);
 }
@@ -93,16 +100,16 @@ static void set_lights(json_t *object, const bake_options *o)
 json_t *bake_options_json(const bake_options *o)
 {
     json_t *object = bake_choices_json(o);
-    set_lights(object, o);
-    set_word(object, "coding", CODING_CHOICES, (int)o->coding);
+    set_lights(&object, o);
+    set_word(&object, "coding", CODING_CHOICES, (int)o->coding);
     if (o->coding == CODING_DAG) {
-        set_word(object, "reuse", REUSE_CHOICES, o->reuse);
-        set_word(object, "compress", COMPRESS_CHOICES, (int)o->compress);
+        set_word(&object, "reuse", REUSE_CHOICES, o->reuse);
+        set_word(&object, "compress", COMPRESS_CHOICES, (int)o->compress);
     } else
-        set_word(object, "pack", PACK_CHOICES, (int)o->pack);
-    set_word(object, "baseline", BASELINE_CHOICES, (int)o->baseline);
-    json_object_set_new(object, "threads", json_integer(o->threads));
-    if (o->memory_bytes) json_object_set_new(object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
+        set_word(&object, "pack", PACK_CHOICES, (int)o->pack);
+    set_word(&object, "baseline", BASELINE_CHOICES, (int)o->baseline);
+    json_set(&object, "threads", json_integer(o->threads));
+    if (o->memory_bytes) json_set(&object, "memory_bytes", json_integer((json_int_t)o->memory_bytes));
     return object;
 }
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "baker/base/box.h"
-#include "baker/files/json_file.h"
+#include "baker/files/json_value.h"
 
 static void report_casters(bake_report *report, const casters *c)
 {
@@ -77,7 +77,7 @@ json_t *report_left_out_json(const bake_report *r)
 {
     json_t *lights = json_array();
     for (size_t n = 0; n < r->left_out_count; n++)
-        json_array_append_new(lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
+        json_append(&lights, json_pack("{s:o, s:s}", "name", json_text(r->left_out[n].name), "why", r->left_out[n].why));
     return lights;
 }
 

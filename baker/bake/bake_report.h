@@ -85,7 +85,7 @@ vxs_result bake_report_begin(bake_report *report, const scene *s, const casters 
 
 square_counts report_squares(const bake_report *r);
 
-/* The lights that are left out: [{"name", "why"}]. */
+/* The lights that are left out: [{"name", "why"}]. NULL without memory. */
 json_t *report_left_out_json(const bake_report *r);
 
 /* Accepts a zeroed object. */

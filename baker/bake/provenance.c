@@ -7,9 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "baker/base/text.h"
 #include "baker/base/version.h"
-#include "baker/files/json_file.h"
+#include "baker/files/json_value.h"
 #include "baker/scene/fingerprint.h"
 
 /* More than this is not what vxs writes. JSON takes some twenty times its text in memory. */
@@ -28,15 +27,14 @@ static json_t *vector_json(const double v[3])
     return json_pack("[o, o, o]", number_json(v[0]), number_json(v[1]), number_json(v[2]));
 }
 
-/* What a light's kind gives a meaning to. */
-static void set_shape(json_t *object, const light_shape *l)
+void provenance_set_shape(json_t **object, const light_shape *l)
 {
-    json_object_set_new(object, "kind", json_string(light_kind_name(l->kind)));
-    if (l->kind != LIGHT_POINT) json_object_set_new(object, "direction", vector_json(l->direction_ws));
+    json_set(object, "kind", json_string(light_kind_name(l->kind)));
+    if (l->kind != LIGHT_POINT) json_set(object, "direction", vector_json(l->direction_ws));
     if (l->kind == LIGHT_DIRECTIONAL) return;
-    json_object_set_new(object, "position_m", vector_json(l->position_ws));
-    if (isfinite(l->range_m)) json_object_set_new(object, "range_m", number_json(l->range_m));
-    if (l->kind == LIGHT_SPOT) json_object_set_new(object, "outer_rad", number_json(l->outer_rad));
+    json_set(object, "position_m", vector_json(l->position_ws));
+    if (isfinite(l->range_m)) json_set(object, "range_m", number_json(l->range_m));
+    if (l->kind == LIGHT_SPOT) json_set(object, "outer_rad", number_json(l->outer_rad));
 }
 
 static json_t *light_json(const bake_options *o, const chosen_light *light)
@@ -44,11 +42,11 @@ static json_t *light_json(const bake_options *o, const chosen_light *light)
     double   texel_metres;
     uint32_t side   = light_resolution(o, light->name, &texel_metres);
     json_t  *object = json_pack("{s:o, s:b}", "name", json_text(light->name), "in_scene", !light->is_option);
-    set_shape(object, &light->shape);
+    provenance_set_shape(&object, &light->shape);
     if (side)
-        json_object_set_new(object, "resolution_px", json_integer(side));
+        json_set(&object, "resolution_px", json_integer(side));
     else
-        json_object_set_new(object, "texel_m", number_json(texel_metres));
+        json_set(&object, "texel_m", number_json(texel_metres));
     return object;
 }
 
@@ -65,7 +63,7 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const scene
     vxs_result r = scene_fingerprint_take(&f, s, m);
     if (r != VXS_OK) return r;
     json_t *lights = json_array();
-    for (size_t n = 0; n < chosen->count; n++) json_array_append_new(lights, light_json(o, &chosen->lights[n]));
+    for (size_t n = 0; n < chosen->count; n++) json_append(&lights, light_json(o, &chosen->lights[n]));
     *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(s, &f), "lights", lights,
                         "options", bake_choices_json(o));
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
@@ -80,7 +78,7 @@ char *provenance_text(const bake_report *report)
                                 "solids", (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
                                 (json_int_t)report->casters.solid_triangle_count, "left_out", report_left_out_json(report),
                                 "warnings", (json_int_t)report->warning_count);
-    char   *text    = root && outcome && !json_object_update(root, outcome) ? json_print(root, JSON_COMPACT) : NULL;
+    char   *text    = root && outcome && !json_object_update(root, outcome) ? json_dumps(root, JSON_COMPACT) : NULL;
     json_decref(outcome);
     json_decref(root);
     return text;
@@ -125,23 +123,13 @@ static int is_provenance(json_t *root)
            is_list(json_object_get(root, "lights"), is_light) && is_list(json_object_get(root, "left_out"), is_left_out);
 }
 
-/* NULL when it is not what vxs writes. */
-static json_t *parsed(const vxs_contents *contents)
+json_t *provenance_parse(const vxs_contents *contents)
 {
     if (!contents->metadata || contents->metadata_bytes > METADATA_MAX_BYTES) return NULL;
     json_t *root = json_loadb(contents->metadata, contents->metadata_bytes, JSON_REJECT_DUPLICATES, NULL);
     if (is_provenance(root)) return root;
     json_decref(root);
     return NULL;
-}
-
-vxs_result provenance_read(json_t **made, const vxs_contents *contents, message *m)
-{
-    *made = parsed(contents);
-    if (!json_memory_missing()) return VXS_OK;
-    json_decref(*made);
-    *made = NULL;
-    return fail(m, VXS_E_MEMORY, "out of memory for the metadata of a file");
 }
 
 static int has_inputs(const json_t *made, const json_t *inputs)
@@ -159,107 +147,11 @@ int provenance_is_current(const char *path, const json_t *inputs, uint64_t *file
     const vxs_read_desc desc  = {.metadata = 1};
     if (stat(path, &status) || !S_ISREG(status.st_mode)) return 0; /* reading a pipe would wait for what nobody writes */
     if (vxs_asset_open_file(&asset, path, &desc) != VXS_OK) return 0;
-    json_t *made    = parsed(vxs_asset_contents(asset));
+    json_t *made    = provenance_parse(vxs_asset_contents(asset));
     int     current = has_inputs(made, inputs);
     *file_bytes     = (uint64_t)status.st_size;
     *warning_count  = (size_t)json_integer_value(json_object_get(made, "warnings"));
     json_decref(made);
     vxs_asset_close(asset);
     return current;
-}
-
-/* another scene --------------------------------------------------------------------------------------------------------------- */
-
-/* Of a light that the metadata tells of: names in the file may be cut short. */
-static int is_baked(const vxs_contents *contents, const char *name)
-{
-    for (uint32_t n = 0; n < contents->light_count; n++) {
-        const char *baked = contents->lights[n].light.name;
-        if (strlen(name) < VXS_LIGHT_NAME_BYTES ? !strcmp(baked, name) : !strncmp(baked, name, strlen(baked))) return 1;
-    }
-    return 0;
-}
-
-static const scene_light *find_light(const scene *s, const char *name)
-{
-    for (size_t n = 0; n < s->light_count; n++)
-        if (!strcmp(s->lights[n].name, name)) return &s->lights[n];
-    return NULL;
-}
-
-/* "light 'lamp': position, range" */
-static void add_light_difference(json_t *differences, const json_t *made, const scene *s)
-{
-    static const struct {
-        const char *key, *word;
-    } members[] = {
-        {"kind", "kind"}, {"direction", "direction"}, {"position_m", "position"}, {"range_m", "range"}, {"outer_rad", "cone"}};
-    const char        *name = json_string_value(json_object_get(made, "name")), *before = ": ";
-    const scene_light *l         = find_light(s, name);
-    json_t            *is        = json_object();
-    char               words[64] = "";
-    if (l) set_shape(is, &l->shape);
-    for (size_t n = 0; l && n < sizeof members / sizeof *members; n++) {
-        const json_t *a = json_object_get(made, members[n].key), *b = json_object_get(is, members[n].key);
-        if (a == b || json_equal(a, b)) continue;
-        strcat(strcat(words, before), members[n].word);
-        before = ", ";
-    }
-    if (!l || words[0]) json_array_append_new(differences, json_sprintf("light '%s'%s", name, l ? words : ": not there"));
-    json_decref(is);
-}
-
-static json_t *differences_of(const json_t *made, const vxs_contents *contents, const scene *s, const scene_fingerprint *f)
-{
-    const struct {
-        const char *key, *word, *is;
-    } prints[] = {
-        {"geometry", "geometry", f->geometry}, {"alpha_masks", "alpha masks", f->alpha_masks}, {"cameras", "cameras", f->cameras}};
-    json_t *differences = json_array(), *was = json_object_get(made, "scene"), *light;
-    size_t  index;
-    for (size_t n = 0; was && n < sizeof prints / sizeof *prints; n++)
-        if (strcmp(json_string_value(json_object_get(was, prints[n].key)), prints[n].is) != 0)
-            json_array_append_new(differences, json_string(prints[n].word));
-    json_array_foreach(json_object_get(made, "lights"), index, light)
-    {
-        if (!json_is_true(json_object_get(light, "in_scene"))) continue;
-        if (is_baked(contents, json_string_value(json_object_get(light, "name")))) add_light_difference(differences, light, s);
-    }
-    /* the name alone makes no difference, and where there is one it says which scene of a file is meant */
-    const char *name = json_string_value(json_object_get(was, "name"));
-    if (name && name[0] && json_array_size(differences) && strcmp(name, s->name))
-        json_array_insert_new(differences, 0, json_sprintf("name, which was '%s'", name));
-    return differences;
-}
-
-vxs_result provenance_differences(json_t **differences, const json_t *made, const vxs_contents *contents, const scene *s,
-                                  message *m)
-{
-    scene_fingerprint f;
-    *differences = NULL;
-    vxs_result r = scene_fingerprint_take(&f, s, m);
-    if (r != VXS_OK) return r;
-    *differences = differences_of(made, contents, s, &f);
-    if (!json_memory_missing()) return VXS_OK;
-    json_decref(*differences);
-    *differences = NULL;
-    return fail(m, VXS_E_MEMORY, "out of memory for what differs from the scene that was baked");
-}
-
-enum { DIFFERENCES_SAID = 4 };
-
-const char *provenance_differences_text(char text[PROVENANCE_TEXT_BYTES], const json_t *differences)
-{
-    size_t  used = 0, size = PROVENANCE_TEXT_BYTES, n;
-    json_t *one;
-    text[0] = '\0';
-    json_array_foreach(differences, n, one)
-    {
-        if (n < DIFFERENCES_SAID) used += (size_t)snprintf(text + used, size - used, "%s%s", n ? "; " : "", json_string_value(one));
-        if (used >= size) break;
-    }
-    if (used < size && n > DIFFERENCES_SAID)
-        used += (size_t)snprintf(text + used, size - used, "; and %zu more", n - DIFFERENCES_SAID);
-    if (used >= size) memcpy(text + size - sizeof "...", "...", sizeof "...");
-    return one_line(text);
 }

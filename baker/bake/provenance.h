@@ -21,6 +21,12 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const scene
 /* The metadata of a bake, as text: its inputs and what came of them. NULL without memory; released with free(). */
 char *provenance_text(const bake_report *report);
 
+/* Members of an object: what a light's kind gives a meaning to. */
+void provenance_set_shape(json_t **object, const light_shape *l);
+
+/* The metadata of a file; NULL where there is none, it is not what vxs writes, or there is no memory for it. Released with json_decref. */
+json_t *provenance_parse(const vxs_contents *contents);
+
 /* The metadata of a file that anyone may have written. "generator" is there; of the other members, those that are have the types that
  * vxs writes.
  * made  [out] NULL where there is none, or it is not what vxs writes; released with json_decref

@@ -41,23 +41,6 @@ char *json_print(const json_t *value, size_t flags)
     return NULL;
 }
 
-json_t *json_vector(const double v[3])
-{
-    return json_pack("[f,f,f]", v[0], v[1], v[2]);
-}
-
-json_t *json_text(const char *text)
-{
-    json_t *value = json_string(text);
-    char   *ascii = value ? NULL : strdup(text);
-    if (!ascii) return value;
-    for (char *c = ascii; *c; c++)
-        if ((unsigned char)*c > 0x7f) *c = '?';
-    value = json_string(ascii);
-    free(ascii);
-    return value;
-}
-
 vxs_result json_write(const char *path, json_t *value, message *m)
 {
     char       *text = value ? json_print(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
@@ -112,11 +95,4 @@ vxs_result json_read(json_t **value, const char *path, message *m)
     if (r != VXS_OK) *value = NULL;
     if (in.descriptor >= 0) close(in.descriptor);
     return r;
-}
-
-json_t *json_texts(const text_list *texts)
-{
-    json_t *array = json_array();
-    for (size_t i = 0; i < texts->count; i++) json_array_append_new(array, json_text(texts->items[i]));
-    return array;
 }

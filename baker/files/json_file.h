@@ -3,10 +3,8 @@
 #ifndef JSON_FILE_H
 #define JSON_FILE_H
 
-#include <jansson.h>
-
 #include "baker/base/message.h"
-#include "baker/base/text.h"
+#include "baker/files/json_value.h"
 
 /* Call this first: from then on json_memory_missing and json_print notice when any value could not be allocated. jansson reports that
  * call by call where an object is filled, and not always where one is printed. */
@@ -26,14 +24,5 @@ vxs_result json_write(const char *path, json_t *value, message *m);
  * value  [out] NULL on failure; released with json_decref
  * Returns VXS_OK, VXS_E_READ: it cannot be read, or is no JSON; VXS_E_MEMORY. */
 vxs_result json_read(json_t **value, const char *path, message *m);
-
-/* [x, y, z]. NULL without memory. */
-json_t *json_vector(const double v[3]);
-
-/* A text as JSON; what is not UTF-8, as a file's name may be, gets '?' for each byte beyond ASCII. NULL without memory. */
-json_t *json_text(const char *text);
-
-/* An array of them. NULL without memory. */
-json_t *json_texts(const text_list *texts);
 
 #endif
