@@ -19,7 +19,6 @@
 #include "baker/base/pages.h"
 #include "baker/files/output_file.h"
 #include "baker/measure/clock.h"
-#include "baker/measure/progress.h"
 #include "baker/scene/light_warnings.h"
 
 /* Who drew the maps, where nobody did. */
@@ -193,7 +192,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
     if ((r = bake_lights(o, c, coded, kept, report, ctx)) != VXS_OK) goto done;
     report->warning_count = ctx->message->warning_count - report->warnings_before - kept->store.warnings;
     if (o->parts) goto done; /* others add its squares to those of other parts */
-    progress_say(o->progress, "compressing the file");
+    watch_say(o->watch, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
     text = provenance_text(report);
     if ((r = asset_encode(o, coded, report->light_count, text, file, ctx->message)) != VXS_OK) goto done;
@@ -247,8 +246,8 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
     vxs_result     r;
     report->warnings_before = m->warning_count;
     stage_begin(ctx, STAGE_LOAD);
-    progress_say(o->progress, "reading %s", o->scene_path);
-    memory_budget_set(o->memory_bytes);
+    watch_say(o->watch, "reading %s", o->scene_path);
+    m->memory_bytes   = o->memory_bytes;
     scene_check check = light_question_check(&question);
     if ((r = scene_load_gltf_checked(s, o->scene_path, &o->scene, &check, m)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
@@ -257,14 +256,14 @@ static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_repo
 
     stage_begin(ctx, STAGE_SOLIDS);
     if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
-    progress_say(o->progress, "telling solids from sheets");
+    watch_say(o->watch, "telling solids from sheets");
     if ((r = casters_for_maps(c, s, o->closed, o->threads, m)) != VXS_OK) goto done;
     warn_about_scene(o, c, &chosen, m);
     if ((r = message_check(m)) != VXS_OK) goto done;
 
     stage_begin(ctx, STAGE_PLAN);
     if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
-    progress_say(o->progress, "making a plan");
+    watch_say(o->watch, "making a plan");
     if (!(report->plan = calloc(1, sizeof *report->plan))) {
         r = fail(m, VXS_E_MEMORY, "out of memory for a plan");
         goto done;
@@ -283,7 +282,7 @@ static bake_context context_of(const bake_options *o, message *m)
 {
     return (bake_context){.message      = m,
                           .threads      = o->threads,
-                          .progress     = o->progress,
+                          .watch        = o->watch,
                           .subject      = o->scene_path,
                           .memory_bytes = o->memory_bytes,
                           .begun        = clock_seconds()};
@@ -313,7 +312,7 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if ((r = bake_file(o, &c, &kept, &file, report, &ctx)) != VXS_OK) goto done;
 
     stage_begin(&ctx, STAGE_WRITE);
-    progress_say(o->progress, "writing %s", o->output_path);
+    watch_say(o->watch, "writing %s", o->output_path);
     r = o->parts ? kept_squares_end_part(&kept, report, m) : asset_write(o, &file, report, m);
     if (r != VXS_OK) goto done;
     if (kept.has_store && !o->parts) square_store_clean(&kept.store); /* other parts use the rest of it */
@@ -322,7 +321,6 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if (observer) r = observer->look(observer->user, o, &c, &file, m);
 done:
     if (report->unchanged) report_stages(report, &ctx);
-    progress_clear();
     kept_squares_close(&kept);
     free(file.data);
     casters_free(&c);

@@ -13,7 +13,6 @@
 #include "baker/base/pages.h"
 #include "baker/files/input_file.h"
 #include "baker/measure/clock.h"
-#include "baker/measure/progress.h"
 
 /* All parts of a bake. */
 typedef struct part_set {
@@ -226,7 +225,7 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
     report->lights     = calloc(count, sizeof *report->lights);
     vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory for %zu lights", count);
     if (r == VXS_OK) r = merge_lights(s, o, coded, report, ctx);
-    progress_say(o->progress, "compressing the file");
+    watch_say(o->watch, "compressing the file");
     if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, &file, ctx->message);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
     free(coded);
@@ -239,7 +238,7 @@ vxs_result merge_parts(const merge_options *o, merge_report *report, message *m)
 {
     part_set     set = {.count = 0};
     bake_context ctx = {
-        .message = m, .threads = o->threads, .progress = o->progress, .subject = o->output_path, .begun = clock_seconds()};
+        .message = m, .threads = o->threads, .watch = o->watch, .subject = o->output_path, .begun = clock_seconds()};
     pages_return_large();
     stage_begin(&ctx, STAGE_MERGE);
     vxs_result r = open_parts(&set, &o->paths, m);
@@ -247,7 +246,7 @@ vxs_result merge_parts(const merge_options *o, merge_report *report, message *m)
         bake_options of = set.common.o;
         of.output_path  = o->output_path;
         of.threads      = o->threads;
-        of.progress     = o->progress;
+        of.watch        = o->watch;
         r               = merge_file(&set, &of, &report->lights, &ctx);
         report->parts   = set.parts[0].parts;
         report->squares = set.next;
@@ -255,7 +254,6 @@ vxs_result merge_parts(const merge_options *o, merge_report *report, message *m)
     stage_begin(&ctx, STAGE_NONE);
     report->lights.peak_bytes    = ctx.peak_bytes;
     report->lights.total_seconds = clock_seconds() - ctx.begun;
-    progress_clear();
     close_parts(&set);
     return r;
 }

@@ -7,10 +7,10 @@
 #include "baker/bake/bake_report.h"
 
 typedef struct merge_options {
-    text_list   paths; /* of the parts, in any order */
-    const char *output_path;
-    uint32_t    threads;
-    int         progress; /* 1: say on standard error how far it is */
+    text_list        paths; /* of the parts, in any order */
+    const char      *output_path;
+    uint32_t         threads;
+    const run_watch *watch; /* who is told how far it is; NULL: nobody */
 } merge_options;
 
 typedef struct merge_report {

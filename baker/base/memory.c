@@ -16,13 +16,6 @@
 
 enum { WORTH_A_LOOK = 1 << 20 }; /* bytes */
 
-static uint64_t budget_bytes; /* 0: none */
-
-void memory_budget_set(uint64_t bytes)
-{
-    budget_bytes = bytes;
-}
-
 /* The address space and the resident set of the process. */
 static void own_sizes(uint64_t *address, uint64_t *resident)
 {
@@ -118,7 +111,7 @@ vxs_result memory_check(uint64_t bytes, message *m, const char *format, ...)
 {
     char what[512], needed[32], there[32];
     if (bytes < WORTH_A_LOOK) return VXS_OK;
-    uint64_t held = memory_held_bytes(), available = memory_available_bytes();
+    uint64_t held = memory_held_bytes(), available = memory_available_bytes(), budget_bytes = m->memory_bytes;
     if ((!budget_bytes || held + bytes <= budget_bytes) && bytes <= available) return VXS_OK;
 
     va_list args;

@@ -1,7 +1,7 @@
 /* Memory is asked for before it is taken: what a run may hold (--memory), what the machine has, and what the address space still holds.
  *
  * Where the size of what comes is known from counts, memory_check says no before the arrays are made: a run that is too large ends with
- * one line instead of being killed. The budget is that of the process, as memory is.
+ * one line instead of being killed. The budget is counted against what the process holds, as memory is.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MEMORY_H
 #define MEMORY_H
@@ -14,9 +14,6 @@
 extern "C" {
 #endif
 
-/* From now on memory_check allows the process to hold so much; 0: as much as there is. */
-void memory_budget_set(uint64_t bytes);
-
 /* What the process holds: its resident set. 0 where the system does not say. */
 uint64_t memory_held_bytes(void);
 
@@ -24,7 +21,7 @@ uint64_t memory_held_bytes(void);
  * address space. UINT64_MAX where nothing is known. */
 uint64_t memory_available_bytes(void);
 
-/* VXS_OK when so many bytes may be taken beside what is held; VXS_E_MEMORY with a line that begins with the format's text and says how much is
+/* VXS_OK when so many bytes may be taken beside what is held, of m->memory_bytes; VXS_E_MEMORY with a line that begins with the format's text and says how much is
  * needed, and how much there is: the text says what it is for, with its counts. */
 vxs_result memory_check(uint64_t bytes, message *m, const char *format, ...) MESSAGE_PRINTF;
 

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "baker/base/array.h"
-#include "baker/base/progress_line.h"
 #include "baker/base/text.h"
 
 vxs_result fail(message *m, vxs_result code, const char *format, ...)
@@ -25,7 +24,7 @@ vxs_result fail(message *m, vxs_result code, const char *format, ...)
 
 void warn(message *m, const char *format, ...)
 {
-    char    text[1024], word[COLORED_BYTES];
+    char    text[1024];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -38,10 +37,9 @@ void warn(message *m, const char *format, ...)
     }
     for (size_t i = 0; i < m->warning_count; i++)
         if (!strcmp(m->warnings[i], text)) return;
-    if (!m->quiet) progress_clear();
-    if (!m->quiet) fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_YELLOW, "warning"), text);
+    if (m->tell) m->tell(m, text);
 
-    /* out of memory while warning: the line was printed, the report goes without it */
+    /* out of memory while warning: it was told, the report goes without it */
     char *copy = strdup(text);
     if (copy && array_reserve(&m->warnings, &m->warning_capacity, m->warning_count + 1, sizeof *m->warnings))
         m->warnings[m->warning_count++] = copy;

@@ -6,6 +6,7 @@
 #define MESSAGE_H
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include "baker/base/terminal.h"
@@ -19,12 +20,17 @@ typedef struct message {
     char   error[1024]; /* one line without a newline; "" when nothing failed */
     char **warnings;    /* [warning_count] one line each, owned */
     size_t warning_count, warning_capacity;
-    int    quiet;  /* nonzero: warnings are kept, not printed */
-    int    strict; /* nonzero: a warning is an error, the first of them the one that counts */
-    int    force;  /* nonzero: files are replaced that are read-only, or of which something is lost (baker/files/replaced_file.h) */
-    int    wrong;  /* nonzero: the command works, and what it looked at is wrong: its exit status is 1 */
+    void (*tell)(const struct message *m, const char *warning); /* is told of each as it comes; NULL: they are kept alone */
+    void *tell_user;
+
+    int strict; /* nonzero: a warning is an error, the first of them the one that counts */
+    int force;  /* nonzero: files are replaced that are read-only, or of which something is lost (baker/files/replaced_file.h) */
+    int wrong;  /* nonzero: the command works, and what it looked at is wrong: its exit status is 1 */
 
     struct run_files *files; /* what this run writes (baker/files/run_files.h); borrowed; NULL: nothing is known of it */
+    struct temporary_files
+            *temporary;    /* what a signal would have to remove (baker/files/temporary_files.h); borrowed; NULL: nobody does */
+    uint64_t memory_bytes; /* what the process may hold at most (baker/base/memory.h); 0: as much as there is */
 
     /* how much is said, and how: for people alone, no data depends on it */
     int        verbose;   /* nonzero: reports at full length */
@@ -44,8 +50,8 @@ typedef struct message {
  * The text is one line (control characters become '?'): what (file, element), where, what was found, what was expected. */
 vxs_result fail(message *m, vxs_result code, const char *format, ...) MESSAGE_PRINTF;
 
-/* Keep a warning for the report and print "vxs: warning: ..." to standard error. Equal warnings are kept once. Where warnings are errors,
- * the first becomes the error instead, and message_check says so. */
+/* Keep a warning for the report, and tell of it. Equal warnings are kept once. Where warnings are errors, the first becomes the error instead,
+ * and message_check says so. */
 void warn(message *m, const char *format, ...) MESSAGE_PRINTF_WARN;
 
 /* VXS_OK, or VXS_E_STRICT when a warning has become an error. Called before an output appears. */

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "baker/command/commands.h"
+#include "baker/measure/progress.h"
 #include "baker/options/bake_arguments.h"
 #include "baker/report/bake_page.h"
 #include "baker/report/part_report.h"
@@ -38,8 +39,9 @@ static vxs_result run(void *command, message *m)
     bake_page       page   = {0};
     bake_observer   drawn  = {bake_page_look, &page};
     vxs_result      r      = bake_arguments_check(a, m);
-    a->o.progress          = progress_wanted(m);
+    a->o.watch             = progress_wanted(m) ? &progress_watch : NULL;
     if (r == VXS_OK) r = bake(&a->o, a->o.page_path ? &drawn : NULL, &report, m);
+    progress_clear();
     if (r == VXS_OK) r = write_reports(a, &page, &report, m);
     bake_page_free(&page);
     bake_report_free(&report);

@@ -8,6 +8,7 @@
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
 #include "baker/files/json_file.h"
+#include "baker/measure/progress.h"
 #include "baker/options/options.h"
 
 typedef struct merge_command {
@@ -36,9 +37,10 @@ static vxs_result run(void *command, message *m)
 {
     merge_command *c      = command;
     merge_report   report = {.parts = 0};
-    c->o.progress         = progress_wanted(m);
+    c->o.watch            = progress_wanted(m) ? &progress_watch : NULL;
     vxs_result r          = merge_parts(&c->o, &report, m);
     FILE      *to         = report_stream(m, is_standard_output(c->o.output_path) || is_standard_output(c->json_path));
+    progress_clear();
     if (r == VXS_OK && to) print_report(to, c, &report);
     if (r == VXS_OK && c->json_path) r = json_write(c->json_path, report_json(c, &report), m);
     merge_report_free(&report);

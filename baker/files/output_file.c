@@ -6,75 +6,18 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "baker/base/progress_line.h"
 #include "baker/base/text.h"
 #include "baker/files/input_file.h"
 #include "baker/files/replaced_file.h"
+#include "baker/files/temporary_files.h"
 
 /* enough for the files of earlier runs that were killed and had the same process number */
-enum { TEMPORARY_NAMES = 1000, PENDING_MAX = 8 };
-
-/* The temporary files that there are, for a signal handler: it may not lock or allocate, so names are copied to where they are
- * never freed, and a state marks those that count. Files may be opened and closed by several threads. */
-enum { SLOT_FREE, SLOT_TAKEN, SLOT_PENDING };
-
-static struct {
-    atomic_int state;
-    char       name[PATH_MAX];
-} pending[PENDING_MAX];
-
-/* The number of a slot for `name`, from 1; 0 when there is none. */
-static int remember(const char *name)
-{
-    if (strlen(name) >= PATH_MAX) return 0;
-    for (int n = 0; n < PENDING_MAX; n++) {
-        int state = SLOT_FREE;
-        if (!atomic_compare_exchange_strong(&pending[n].state, &state, SLOT_TAKEN)) continue;
-        strcpy(pending[n].name, name);
-        atomic_store(&pending[n].state, SLOT_PENDING);
-        return n + 1;
-    }
-    return 0;
-}
-
-static void forget(int slot)
-{
-    if (slot) atomic_store(&pending[slot - 1].state, SLOT_FREE);
-}
-
-void output_file_remove_temporary(void)
-{
-    for (int n = 0; n < PENDING_MAX; n++)
-        if (atomic_load(&pending[n].state) == SLOT_PENDING) unlink(pending[n].name);
-}
-
-/* The signal handler: only what is safe in one. A file that another thread commits meanwhile is either complete or gone. */
-static void end_run(int number)
-{
-    output_file_remove_temporary();
-    progress_clear();
-    if (number == SIGINT) _exit(exit_status(VXS_E_INTERRUPTED));
-    signal(number, SIG_DFL);
-    raise(number); /* takes effect when the handler returns */
-}
-
-void output_file_catch_signals(void)
-{
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
-        struct sigaction action;
-        if (sigaction(numbers[n], NULL, &action) || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL) continue;
-        action = (struct sigaction){.sa_handler = end_run, .sa_flags = SA_RESTART};
-        sigfillset(&action.sa_mask);
-        sigaction(numbers[n], &action, NULL);
-    }
-}
+enum { TEMPORARY_NAMES = 1000 };
 
 static vxs_result out_of_memory(const char *path, message *m)
 {
@@ -110,16 +53,17 @@ static int take_name(const char *name, int descriptor)
     return linkat(AT_FDCWD, from, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
-/* The same, and remember the name for as long as the file has it. No signal comes between the two steps: the name alone would not do,
- * since the file may be that of another process until it was made. */
+/* The same, and remember the name for as long as the file has it, where somebody does. No signal comes between the two steps: the name
+ * alone would not do, since the file may be that of another process until it was made. */
 static int take_and_remember_name(output_file *f, int descriptor)
 {
     sigset_t all, before;
+    if (!f->remembered) return take_name(f->temporary, descriptor);
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
     int taken = take_name(f->temporary, descriptor);
     int error = errno;
-    if (taken >= 0) f->pending = remember(f->temporary);
+    if (taken >= 0) f->pending = temporary_files_remember(f->remembered, f->temporary);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     errno = error;
     return taken;
@@ -206,7 +150,7 @@ static vxs_result open_beside(output_file *f, const char *path, const struct sta
 
 static void release(output_file *f)
 {
-    forget(f->pending);
+    if (f->remembered) temporary_files_forget(f->remembered, f->pending);
     free(f->name);
     free(f->target);
     free(f->temporary);
@@ -216,7 +160,7 @@ static void release(output_file *f)
 vxs_result output_file_open(output_file *f, const char *path, message *m)
 {
     int is_stdout = !strcmp(path, "-");
-    *f            = (output_file){.name = strdup(is_stdout ? "standard output" : path)};
+    *f            = (output_file){.name = strdup(is_stdout ? "standard output" : path), .remembered = m->temporary};
     if (!f->name) return out_of_memory(path, m);
     if (is_stdout) {
         f->stream = stdout;

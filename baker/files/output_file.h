@@ -37,18 +37,11 @@ typedef struct output_file {
     char *name;      /* how messages call it: the path as given, or "standard output"; owned */
     char *target;    /* where the file goes, links resolved; NULL when written directly; owned */
     char *temporary; /* what the file is called until then; NULL while it has no name, or when written directly; owned */
-    int   pending;   /* what a signal removes; 0: nothing */
+    struct temporary_files *remembered; /* what a signal removes; NULL: nothing is */
+    int                     pending;    /* its slot there; 0: none */
     int unsynced; /* may be set when it is open: 1: whole or not there after any end of the process, but not brought to the disk. For what
                         is checked when it is read, and can be made again after a power cut; a hundredth of the time */
 } output_file;
-
-/* From now on SIGINT, SIGTERM and SIGHUP remove the temporary files first, and then end the process: SIGINT with the exit status of an
- * interrupted run, the others as they do by default. A signal that is ignored stays ignored, a handler of the caller's stays too.
- * Call once, before threads are started. Up to 8 files are remembered at a time; further ones would be left behind. */
-void output_file_catch_signals(void);
-
-/* Remove the temporary files that there are, before a process ends that cannot go on. Safe in a signal handler. */
-void output_file_remove_temporary(void);
 
 /* Start writing `path`. A new file gets the permissions that umask leaves of 0666.
  * f  [out] zeroed on failure; otherwise ends with output_file_commit or output_file_abort.

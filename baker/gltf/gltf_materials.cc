@@ -172,8 +172,8 @@ void warn_about_colors(loader &l, const std::string &where, const placement &p)
 {
     int accessor = attribute(p.primitive->attributes, "COLOR_0");
     if (accessor < 0 || l.accessors[accessor].type != TINYGLTF_TYPE_VEC4) return;
-    message kept = {}; /* a broken colour is not this baker's business */
-    kept.quiet   = 1;
+    message kept      = {}; /* a broken colour is not this baker's business */
+    kept.memory_bytes = l.m->memory_bytes;
     std::swap(kept, *l.m);
     const elements *e = nullptr;
     try {

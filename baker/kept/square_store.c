@@ -141,7 +141,7 @@ static vxs_result write_file(const square_store *s, const char *name, const vxs_
 vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, message *m)
 {
     char      name[NAME_BYTES];
-    message   why   = {.quiet = 1};
+    message   why   = {.temporary = m->temporary};
     vxs_bytes bytes = {0};
     if (s->is_full) return VXS_OK;
     name_of(name, key);

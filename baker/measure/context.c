@@ -9,7 +9,6 @@
 #include "baker/base/memory.h"
 #include "baker/base/text.h"
 #include "baker/measure/clock.h"
-#include "baker/measure/progress.h"
 
 static const char *const stage_names[STAGE_COUNT] = {"load",  "solids", "plan",     "gl",    "maps",   "pyramid",
                                                      "masks", "insert", "compress", "merge", "encode", "write"};
@@ -83,18 +82,17 @@ void steps_begin(bake_context *ctx, uint32_t steps, double seconds_each, const c
     ctx->steps        = steps;
     ctx->steps_done   = 0;
     ctx->step_seconds = seconds_each;
-    if (first_of_all) /* said even when the line before it is younger than progress_share asks for */
-        progress_say(ctx->progress, "%s 1 of %u", ctx->doing, steps);
+    if (first_of_all) /* said even when the line before it is younger than a share has to be */
+        watch_say(ctx->watch, "%s 1 of %u", ctx->doing, steps);
     else
         step_part(ctx, 0);
 }
 
 void step_part(bake_context *ctx, double part)
 {
-    if (!ctx->progress || !(ctx->total_seconds > 0) || ctx->steps_done >= ctx->steps) return;
-    double   share   = fmin(1, (ctx->past_seconds + part * ctx->step_seconds) / ctx->total_seconds);
-    unsigned percent = (unsigned)(100 * share);
-    progress_share(1, share, ctx->begun, "%u %%: %s %u of %u", percent, ctx->doing, ctx->steps_done + 1, ctx->steps);
+    if (!ctx->watch || !(ctx->total_seconds > 0) || ctx->steps_done >= ctx->steps) return;
+    double share = fmin(1, (ctx->past_seconds + part * ctx->step_seconds) / ctx->total_seconds);
+    watch_share(ctx->watch, share, ctx->begun, "%s %u of %u", ctx->doing, ctx->steps_done + 1, ctx->steps);
 }
 
 void steps_done(bake_context *ctx, uint32_t steps)

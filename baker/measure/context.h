@@ -14,6 +14,7 @@
 #include <stdint.h>
 
 #include "baker/base/message.h"
+#include "baker/measure/watch.h"
 
 typedef enum bake_stage {
     STAGE_LOAD,                   /* glTF to triangles */
@@ -43,11 +44,11 @@ typedef struct stage_report {
 
 /* Zero it, but for what is marked. */
 typedef struct bake_context {
-    message    *message;      /* [in] borrowed */
-    uint32_t    threads;      /* [in] [1, PARALLEL_THREADS_MAX] for stages that share their work */
-    int         progress;     /* [in] 1: progress goes to standard error */
-    const char *subject;      /* [in] what messages call the work: the scene's path; borrowed */
-    uint64_t    memory_bytes; /* [in] what the process may hold at most; 0: any amount */
+    message         *message;      /* [in] borrowed */
+    uint32_t         threads;      /* [in] [1, PARALLEL_THREADS_MAX] for stages that share their work */
+    const run_watch *watch;        /* [in] who is told how far it is; NULL: nobody; borrowed */
+    const char      *subject;      /* [in] what messages call the work: the scene's path; borrowed */
+    uint64_t         memory_bytes; /* [in] what the process may hold at most; 0: any amount */
 
     stage_report stage[STAGE_NONE];
     uint64_t     peak_bytes; /* over the stages that make an asset */

@@ -57,3 +57,17 @@ void progress_share(int shown, double share, double since, const char *format, .
     print_line(left, format, args);
     va_end(args);
 }
+
+static void watch_shown(void *user, const char *doing)
+{
+    (void)user;
+    progress_say(1, "%s", doing);
+}
+
+static void watch_shared(void *user, double share, double since, const char *doing)
+{
+    (void)user;
+    progress_share(1, share, since, "%u %%: %s", (unsigned)(100 * share), doing);
+}
+
+const run_watch progress_watch = {.say = watch_shown, .share = watch_shared};

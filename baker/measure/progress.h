@@ -11,6 +11,7 @@
 #define PROGRESS_H
 
 #include "baker/base/progress_line.h"
+#include "baker/measure/watch.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,6 +29,9 @@ void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
 /* The same, and how long the rest may take: "vxs: TEXT, about 12 s left". At most ten times a second.
  * share  of the work that is done, 0 to 1;   since  clock_seconds() when it was begun */
 void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
+
+/* Who watches from a terminal. */
+extern const run_watch progress_watch;
 
 #ifdef __cplusplus
 }

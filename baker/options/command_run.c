@@ -4,9 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "baker/files/output_file.h"
+#include "baker/files/run_files.h"
 #include "baker/measure/progress.h"
 #include "baker/options/options.h"
+#include "baker/process/process.h"
 
 /* What a command returns when it worked and found something wrong. */
 enum { STATUS_WRONG = 1 };
@@ -26,10 +27,18 @@ int command_end(message *m, vxs_result code)
     return status;
 }
 
+/* Between lines of progress. */
+static void print_warning(const message *m, const char *warning)
+{
+    char word[COLORED_BYTES];
+    progress_clear();
+    fprintf(stderr, "vxs: %s: %s\n", colored(word, m->color, stderr, COLOR_YELLOW, "warning"), warning);
+}
+
 int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(void *command, message *m), void *command)
 {
     run_files  files = {0};
-    message    m     = {.files = &files};
+    message    m     = {.tell = print_warning, .files = &files, .temporary = process_temporary_files()};
     int        help_shown;
     vxs_result r = options_parse(c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = options_check_files(c, &m);

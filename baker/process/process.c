@@ -6,8 +6,10 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "baker/base/message.h"
+#include "baker/base/progress_line.h"
 #include "baker/files/json_file.h"
-#include "baker/files/output_file.h"
+#include "baker/files/temporary_files.h"
 
 /* A number that is free is given to what can only be used the wrong way round: reading standard input is then an error, like writing
  * the other two. open takes the lowest number that is free. */
@@ -17,12 +19,46 @@ static void fill_standard_descriptors(void)
         if (fcntl(number, F_GETFD) < 0) open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
+static temporary_files temporary;
+
+struct temporary_files *process_temporary_files(void)
+{
+    return &temporary;
+}
+
+void process_remove_temporary(void)
+{
+    temporary_files_remove(&temporary);
+}
+
+/* The signal handler: only what is safe in one. A file that another thread commits meanwhile is either complete or gone. */
+static void end_run(int number)
+{
+    process_remove_temporary();
+    progress_clear();
+    if (number == SIGINT) _exit(exit_status(VXS_E_INTERRUPTED));
+    signal(number, SIG_DFL);
+    raise(number); /* takes effect when the handler returns */
+}
+
+static void catch_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
+        struct sigaction action;
+        if (sigaction(numbers[n], NULL, &action) || (action.sa_flags & SA_SIGINFO) || action.sa_handler != SIG_DFL) continue;
+        action = (struct sigaction){.sa_handler = end_run, .sa_flags = SA_RESTART};
+        sigfillset(&action.sa_mask);
+        sigaction(numbers[n], &action, NULL);
+    }
+}
+
 void process_begin(void)
 {
     fill_standard_descriptors();
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
-    output_file_catch_signals();
+    catch_signals();
     process_catch_terminate();
     json_watch_memory();
 }

@@ -10,12 +10,19 @@ extern "C" {
 /* Call first, before a file is opened or a thread is started.
  * A closed standard input, output or error stays useless, and using it an error, but no file that is opened later takes its number: a
  * report would go into the asset. A reader that has gone away (terminal.h) and a file that grows beyond a limit are errors of writing, not the end
- * of the process. Signals that end it take temporary files with them (output_file.h). Memory that is missing where C++ cannot throw,
+ * of the process. SIGINT, SIGTERM and SIGHUP take the temporary files of a run with them, and then end it: SIGINT with the exit status of an
+ * interrupted run, the others as they do by default. A signal that is ignored stays ignored, a handler of the caller's stays too. Memory that is missing where C++ cannot throw,
  * in a destructor, ends the process as it does elsewhere: one line, and the exit status for it. */
 void process_begin(void);
 
 /* The last part, which is C++. */
 void process_catch_terminate(void);
+
+/* The temporary files that a signal removes: those of a run whose messages borrow this (message.h). */
+struct temporary_files *process_temporary_files(void);
+
+/* Remove those that there are, before a process ends that cannot go on. Safe in a signal handler. */
+void process_remove_temporary(void);
 
 #ifdef __cplusplus
 }

@@ -7,8 +7,8 @@
 #include <exception>
 #include <new>
 
+#include "baker/base/message.h"
 #include "baker/base/progress_line.h"
-#include "baker/files/output_file.h"
 #include "baker/process/process.h"
 
 /* Where a function may not throw, the exception is at times not caught but still under way, and cannot be looked at; nothing but
@@ -29,7 +29,7 @@ static bool out_of_memory()
 {
     static const char text[] = "vxs: error: out of memory\n";
     if (!out_of_memory()) abort();
-    output_file_remove_temporary();
+    process_remove_temporary();
     progress_clear();
     if (write(STDERR_FILENO, text, sizeof text - 1) < 0) abort();
     _exit(exit_status(VXS_E_MEMORY));

@@ -10,7 +10,7 @@
 
 #include "baker/base/memory.h"
 #include "baker/files/png_encode.h"
-#include "baker/measure/progress.h"
+#include "baker/measure/watch.h"
 #include "baker/picture/asset_picture.h"
 #include "baker/report/page.h"
 #include "baker/report/report.h"
@@ -221,7 +221,7 @@ vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, c
     bake_page *p     = page;
     uint64_t   bytes = PICTURE_BYTES + PICTURE_TRIANGLE_BYTES * c->triangle_count + 8 * file->size_bytes;
     if (o->memory_bytes && memory_held_bytes() + bytes > o->memory_bytes) return VXS_OK;
-    progress_say(o->progress, "drawing the shadows");
+    watch_say(o->watch, "drawing the shadows");
     p->rgb = malloc((size_t)3 * PICTURE_WIDTH_PX * PICTURE_HEIGHT_PX);
     if (!p->rgb) return fail(m, VXS_E_MEMORY, "out of memory for a picture of the shadows");
     return asset_picture(p->rgb, PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX, c, file->data, file->size_bytes, o->threads, m);

@@ -10,7 +10,7 @@
 
 static vxs_result blocks_build(light_maps *maps, const void *options, vxs_bytes *file)
 {
-    message      m       = {.quiet = 1};
+    message      m       = {0};
     bake_context ctx     = {.message = &m, .threads = maps->threads};
     column_map   columns = depth_maps_map(&maps->maps);
     block_set    set     = {0};

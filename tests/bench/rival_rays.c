@@ -15,7 +15,7 @@ typedef struct tracer {
 
 static vxs_result rays_open(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset)
 {
-    message m = {.quiet = 1};
+    message m = {0};
     tracer *t = calloc(1, sizeof *t);
     (void)options;
     (void)file;

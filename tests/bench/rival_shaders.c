@@ -95,7 +95,7 @@ static GLuint program_of(const char *body)
 
 static vxs_result share_context(void)
 {
-    message    m = {.quiet = 1};
+    message    m = {0};
     vxs_result r = shared.users++ ? VXS_OK : gl_context_create(&shared.gl, GL_BACKEND_OSMESA, 1, &m);
     message_free(&m);
 #define SHADER_LOAD(type, name) shared.name = (type)OSMesaGetProcAddress("gl" #name);

@@ -140,7 +140,7 @@ int main(int argc, char **argv)
         .threads = 1,
     };
     run_files files = {0};
-    message   m     = {.quiet = 1, .files = &files};
+    message   m     = {.files = &files};
     int       help_shown, right = 1;
     process_begin();
     vxs_result r = parse(&c, argc, argv, &help_shown, &m);

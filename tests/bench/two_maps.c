@@ -89,7 +89,7 @@ int main(int argc, char **argv)
             {"--tiles", OPTION_U32, &o.tiles, 1, 1000000, NULL, "K", "that are rendered (default 8)", NULL},
             {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default: all)", NULL}};
     const command_line line  = COMMAND_LINE("two_maps", "SCENE [options]", "The time that two depth maps take to render.", options);
-    message            m     = {.quiet = 1};
+    message            m     = {0};
     scene              s     = {0};
     casters            c     = {0};
     gl_context        *gl    = NULL;

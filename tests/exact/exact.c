@@ -563,7 +563,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
 int main(int argc, char **argv)
 {
     exact_options o = {.bake = {.zstd_level = 1, .baseline = BASELINE_OFF}};
-    message       m = {.quiet = 1};
+    message       m = {0};
     int           help_shown, right = 1;
     vxs_result    r;
 

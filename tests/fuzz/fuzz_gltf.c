@@ -63,7 +63,7 @@ static void check_casters(const scene *s, message *m)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     scene      s;
-    message    m = {.quiet = 1};
+    message    m = {0};
     vxs_result r = scene_load_gltf_memory(&s, data, size, "fuzzed", &m);
     if (r == VXS_OK) {
         FUZZ_CHECK(!m.error[0]);

@@ -11,7 +11,7 @@
 
 static inline vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
 {
-    message      m   = {.quiet = 1};
+    message      m   = {0};
     bake_context ctx = {.message = &m, .threads = threads};
     block_set    set = {0};
     vxs_result   r   = VXS_OK;
@@ -26,7 +26,7 @@ static inline vxs_result build_words(block_words *out, const column_map *maps, u
 static inline depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kind, uint64_t seed)
 {
     depth_maps d;
-    message    m = {.quiet = 1};
+    message    m = {0};
     rng        r = {seed};
     assert_int_equal(depth_maps_init(&d, side, depth, 0, 1, &m), VXS_OK);
     fill_maps(&d, kind, &r);
@@ -36,7 +36,7 @@ static inline depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kin
 
 static inline vxs_result build_analytic(block_words *w, analytic *a, uint32_t threads)
 {
-    message       m      = {.quiet = 1};
+    message       m      = {0};
     bake_context  ctx    = {.message = &m, .threads = threads};
     column_source source = analytic_source(a);
     column_map    map;

@@ -74,7 +74,6 @@ static inline void forget(void)
     scene_free(&s);
     message_free(&m);
     memset(&m, 0, sizeof m);
-    m.quiet = 1;
 }
 
 static inline vxs_result load_file(const char *file, const char *which)
@@ -135,7 +134,6 @@ static inline const char *scenes_folder(void)
 static inline int make_folder(void **state)
 {
     (void)state;
-    m.quiet = 1;
     return mkdtemp(folder) ? 0 : -1;
 }
 

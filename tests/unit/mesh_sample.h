@@ -179,7 +179,7 @@ static inline void sample_clear(sample *b)
     free(s->alpha_masks);
     free(s->holed_triangles);
     free(s->camera_positions_ws);
-    *b = (sample){.m.quiet = 1};
+    *b = (sample){0};
 }
 
 static inline uint32_t sample_random(uint32_t *seed, uint32_t below)

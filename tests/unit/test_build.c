@@ -28,7 +28,7 @@ static bake_context context_of(message *m, uint32_t threads)
 
 static vxs_result add_map(dag_merger *g, analytic *a, const build_options *o, uint32_t threads, build_stats *stats)
 {
-    message       m      = {.quiet = 1};
+    message       m      = {0};
     bake_context  ctx    = context_of(&m, threads);
     column_source source = analytic_source(a);
     column_map    map;
@@ -215,7 +215,7 @@ static void work_follows_silhouettes(void **state)
 /* A quarter of a map as a map of its own would be fetched: the columns of square (i, j) of half the side. */
 static void add_quarter(dag_merger *g, analytic *a, uint32_t i, uint32_t j)
 {
-    message       m     = {.quiet = 1};
+    message       m     = {0};
     bake_context  ctx   = context_of(&m, 1);
     build_stats   stats = {0};
     uint32_t      sub = square_level(sub_dag_side(a->side_px)), half = square_level(a->side_px) - 1, across = 1u << (half - sub);

@@ -140,7 +140,7 @@ static void clear(fixture *b)
     free(b->s.camera_positions_ws);
     free(b->s.alpha_masks);
     free(b->s.holed_triangles);
-    *b = (fixture){.m.quiet = 1};
+    *b = (fixture){0};
 }
 
 /* --- what must hold --------------------------------------------------------------------------------------------------- */
@@ -928,7 +928,7 @@ static void test_real_scenes(void **state)
         }
         scene   s = {0};
         casters c;
-        message m = {.quiet = 1};
+        message m = {0};
         assert_int_equal(scene_load_gltf(&s, path, NULL, &m), VXS_OK);
         assert_int_equal(casters_from_scene(&c, &s, cases[i].mode, 2, &m), VXS_OK);
         assert_int_equal(c.component_count[COMPONENT_SOLID], cases[i].solids);

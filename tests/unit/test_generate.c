@@ -505,7 +505,7 @@ static scene reread(glb_scene *s)
 {
     char        path[] = "/tmp/test_generate-XXXXXX.glb";
     output_file out    = {0};
-    message     m      = {.quiet = 1};
+    message     m      = {0};
     scene       loaded;
     int         file = mkstemps(path, 4);
     assert_true(file >= 0);

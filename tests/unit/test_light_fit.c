@@ -254,7 +254,7 @@ static void long_names(void **state)
     const double   down[3] = {0, -1, 0};
     light_fit_desc d       = desc_of(down, 64);
     vxs_light      l;
-    message        m = {.quiet = 1};
+    message        m = {0};
     d.name           = name;
     assert_int_equal(light_fit(&l, &k.c, &d, &m), VXS_OK);
     assert_int_equal(strlen(l.name), sizeof l.name - 1);

@@ -83,7 +83,7 @@ static void expect_borders(const sample *b, size_t edges, size_t split, size_t a
 
 static void edges_are_split_at_vertices(void **state)
 {
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     (void)state;
     add_flat(&b, 0, 0, 2, 1);
     add_flat(&b, 0, 1, 0.5, 2);
@@ -141,7 +141,7 @@ static void seams_of_panels_close(void **state)
     for (uint64_t seed = 0; seed < 200; seed++) {
         panels  p = panels_make(seed, 0);
         casters c;
-        message m = {.quiet = 1};
+        message m = {0};
         assert_non_null(p.s.positions_ws);
         assert_int_equal(casters_from_scene(&c, &p.s, CLOSED_AUTO, 2, &m), VXS_OK);
         before += count_open(&c, is_inner, &p);
@@ -159,7 +159,7 @@ static void seams_of_panels_close(void **state)
 /* Two sheets at a distance across their seam; what becomes one of it, counted from that far. */
 static size_t joined_at(double gap, double from)
 {
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     add_origin(&b, -from, 0, 0);
     add_flat(&b, 0, 0, 1, 1);
     add_flat(&b, 0, 1 + gap, 1, 2);
@@ -180,7 +180,7 @@ static void rounding_is_joined_and_gaps_are_not(void **state)
     assert_int_equal(joined_at(1e-3, 1e5), 2);
 
     /* what came from no file is a double; and a scene far from everything is as fine as what its nodes are counted from */
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     for (int n = 0; n < 2; n++) {
         if (n) add_origin(&b, 1e7, 0, 0);
         add_flat(&b, 1e7, 0, 1e7 + 1, 1);
@@ -195,7 +195,7 @@ static void rounding_is_joined_and_gaps_are_not(void **state)
 static void no_triangle_collapses(void **state)
 {
     rng    r = rng_split(3, 3);
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     (void)state;
     add_origin(&b, -1e4, 0, 0); /* eight steps are 8 mm there */
     for (int n = 0; n < 3000; n++) {
@@ -216,7 +216,7 @@ static void no_triangle_collapses(void **state)
 
 static void holes_stay_where_they_are(void **state)
 {
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     (void)state;
     add_flat(&b, 0, 0, 3, 1);
     for (int n = 0; n < 3; n++) add_flat(&b, n, 1, n + 1, 2);
@@ -252,7 +252,7 @@ static void solids_are_told_before(void **state)
 {
     const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, right[3] = {1, 0, 1}, middle[3] = {1, 0.5, 1}, far[3] = {1, 1, 1},
                  left[3] = {0, 0, 1}, back[3] = {0, 1, 1}, up[3] = {1, 0.5, 2};
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     (void)state;
     sample_box(&b, low, high);
     sample_points(&b, right, back, up); /* has two of its corners, across its top */
@@ -291,7 +291,7 @@ static void order_does_not_matter(void **state)
         double sums[2][4];
         for (int turn = 0; turn < 2; turn++) {
             casters c;
-            message m        = {.quiet = 1};
+            message m        = {0};
             p.s.origin_count = 1; /* or the order would decide what is counted from where */
             assert_int_equal(casters_for_maps(&c, &p.s, CLOSED_AUTO, 2, &m), VXS_OK);
             memset(sums[turn], 0, sizeof sums[turn]);
@@ -323,7 +323,7 @@ enum { MANY = 100000 };
 /* Work follows the size: a vertex on many edges, many vertices on an edge, long edges through a crowd. */
 static void crowds_are_no_trouble(void **state)
 {
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     rng    r = rng_split(1, 9);
     (void)state;
     for (int n = 0; n < MANY; n++) { /* a fan that is cut into its triangles, all about one vertex */
@@ -361,7 +361,7 @@ static void crowds_are_no_trouble(void **state)
 static void endless_work_is_given_up(void **state)
 {
     enum { FLAGS = 20000 };
-    sample b = {.m.quiet = 1};
+    sample b = {0};
     rng    r = rng_split(1, 10);
     (void)state;
     for (int n = 0; n < FLAGS; n++) {

@@ -246,7 +246,7 @@ static void test_modes_are_kept(void **state)
 static void test_hard_links_are_not_parted(void **state)
 {
     (void)state;
-    message     forced = {.quiet = 1, .force = 1}, strict = {.quiet = 1, .force = 1, .strict = 1};
+    message     forced = {.force = 1}, strict = {.force = 1, .strict = 1};
     output_file f;
     write_file("a", "old");
     assert_int_equal(link("a", "b"), 0);

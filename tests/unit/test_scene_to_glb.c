@@ -19,7 +19,7 @@ static scene written_and_read(const scene *s)
 {
     char        path[] = "/tmp/test_scene_to_glb-XXXXXX.glb";
     output_file out    = {0};
-    message     m      = {.quiet = 1};
+    message     m      = {0};
     glb_scene   glb;
     scene       loaded;
     int         file = mkstemps(path, 4);
@@ -174,7 +174,7 @@ static void test_nothing_and_too_far(void **state)
 {
     (void)state;
     scene   empty = {.name = ""}, r = written_and_read(&empty), far = sample_scene();
-    message m = {.quiet = 1};
+    message m = {0};
     assert_int_equal(r.triangle_count + r.light_count + r.camera_count, 0);
     scene_free(&r);
     assert_int_equal(glb_round_positions(&far, &m), VXS_OK);

@@ -334,7 +334,7 @@ static void patches_end_where_surfaces_do(void **state)
     const double corner[4][3] = {{0, 0, 5}, {9, 0, 5}, {9, 9, 5}, {0, 9, 7}};
     const double spine[2][3] = {{0, 0, 5}, {0, 9, 5}}, page[4][3] = {{9, 4, 1}, {9, 4, 2}, {9, 4, 3}, {9, 4, 4}};
     uint32_t     patch_of[8];
-    sample       b = {.m.quiet = 1};
+    sample       b = {0};
     (void)state;
     for (int turned = 0; turned < 2; turned++) {
         sample_points(&b, corner[0], corner[1], corner[2]);
@@ -416,7 +416,7 @@ static void sheets_end_on_centres(void **state)
         double u0 = 8 + 0.5 * (n % 3 - 1), v0 = 8 + 0.5 * (n / 3 % 3 - 1), u1 = 32 + 0.5 * (n / 9 % 3 - 1),
                v1      = 24 + 0.5 * (n / 27 % 3 - 1);
         double p[4][3] = {{u0, v0, 10}, {u1, v0, 11}, {u1, v1, 12}, {u0, v1, 11}};
-        sample b       = {.m.quiet = 1};
+        sample b       = {0};
         sample_points(&b, p[0], p[n < 81 ? 1 : 2], p[n < 81 ? 2 : 1]);
         sample_points(&b, p[0], p[n < 81 ? 2 : 3], p[n < 81 ? 3 : 2]);
         sample_sort(&b, CLOSED_AUTO);
@@ -530,7 +530,7 @@ static void more_is_free_where_it_is_asked_for(void **state)
     (void)state;
     for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
         vxs_light light = identity_light(64);
-        sample    b     = {.m.quiet = 1};
+        sample    b     = {0};
         char      what[64];
         snprintf(what, sizeof what, "%s, behind %d, thickness %g", cases[n].kinds, cases[n].behind, cases[n].thickness);
         add_layers(&b, cases[n].kinds, cases[n].z);
@@ -565,7 +565,7 @@ static void sheets_over_themselves(void **state)
     (void)state;
     for (uint32_t n = 0; n < 40; n++) {
         vxs_light  light = identity_light(64);
-        sample     b     = {.m.quiet = 1};
+        sample     b     = {0};
         const ways w     = {0, n / 5 % 2, n / 10 % 2 ? 12 : 0};
         add_ramp(&b, n % 2 ? 32 : 20, 6.2831853 * turns[n % 5][0], 6.2831853 * turns[n % 5][1], n < 20 ? 1.5 : 3);
         sample_sort(&b, CLOSED_AUTO);
@@ -582,7 +582,7 @@ static void sheets_are_as_thick_for_a_lamp(void **state)
         .kind = LIGHT_SPOT, .position_ws = {32, 32, -10}, .direction_ws = {0, 0, 1}, .outer_rad = 0.5, .range_m = 90};
     light_fit_desc fit = {.name = "lamp", .shape = &shape, .resolution = 64};
     vxs_light      light;
-    sample         b    = {.m.quiet = 1};
+    sample         b    = {0};
     const double   z[3] = {20.25, 50};
     (void)state;
     add_layers(&b, "ff", z);
@@ -604,7 +604,7 @@ static void suns(void **state)
         uint32_t                 side     = n % 16 == 15 ? 512 : 64u << n % 2;
         rng                      r        = rng_split(n, 1);
         vxs_light                light    = identity_light(side);
-        sample                   b        = {.m.quiet = 1};
+        sample                   b        = {0};
         ways                     w        = some_ways(n / 2);
         add_mesh(&b, &r, side, n / 2);
         sample_sort(&b, closed[n / 3 % 3]);
@@ -626,7 +626,7 @@ static void piles(void **state)
     for (uint32_t n = 0; n < 3; n++) {
         rng       r     = rng_split(n, 4);
         vxs_light light = identity_light(32);
-        sample    b     = {.m.quiet = 1};
+        sample    b     = {0};
         if (n == 0) add_nested(&b, &r, 32, 40);
         if (n == 1) add_nested(&b, &r, 32, 300);
         for (int k = 0; n == 2 && k < 200; k++) sample_cube(&b, 16 + 0.01 * (k % 7), 16, 16, 9);
@@ -649,7 +649,7 @@ static void lamps(void **state)
         light_shape    shape = {.kind = n % 2 ? LIGHT_SPOT : LIGHT_POINT, .outer_rad = uniform(&r, 0.1, 1.5), .range_m = INFINITY};
         light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = side};
         vxs_light      light;
-        sample         b = {.m.quiet = 1};
+        sample         b = {0};
         ways           w = some_ways(n / 2);
         random_point(&r, n % 3 ? 0 : -40, n % 3 ? 100 : 0, shape.position_ws);
         random_direction(&r, shape.direction_ws);

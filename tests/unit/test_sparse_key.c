@@ -63,7 +63,7 @@ static void add_hills(sample *b, int parts)
 static void make(sample *b, alpha_image images[2], uint8_t pixels[2][IMAGE_PX * IMAGE_PX], difference d)
 {
     double low[3] = {100, 780, 200}, high[3] = {330, 990, 420}, a[3], c[3];
-    *b = (sample){.m.quiet = 1};
+    *b = (sample){0};
     if (d == DIFFERENCE_FIRST) sample_points(b, (double[]){5, 5, 9}, (double[]){9, 5, 9}, (double[]){5, 9, 9});
     add_hills(b, 24);
     if (d == DIFFERENCE_NEIGHBOUR) {
@@ -100,7 +100,7 @@ typedef struct known_square {
 /* Keys and columns of all squares.   nearest_back  as sparse_columns */
 static uint32_t look(const casters *c, const vxs_light *light, int nearest_back, known_square *out)
 {
-    message        m      = {.quiet = 1};
+    message        m      = {0};
     bake_context   ctx    = {.message = &m, .threads = 2};
     sparse_columns own    = {.casters = c, .light = light, .nearest_back = nearest_back, .fetch_px = FETCH};
     column_source  source = sparse_columns_source(&own);
@@ -136,7 +136,7 @@ static vxs_light light_of(int is_lamp, const casters *c)
     vxs_light      l     = {.kind = VXS_LIGHT_KIND_DIRECTIONAL, .levels = log2_u32(SIDE), .texel_metres = 1, .voxel_metres = 1};
     light_shape    shape = {.kind = LIGHT_SPOT, .outer_rad = 0.6, .range_m = INFINITY, .direction_ws = {0, 0, 1}};
     light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = SIDE};
-    message        m     = {.quiet = 1};
+    message        m     = {0};
     l.ls_from_ws[0] = l.ls_from_ws[5] = l.ls_from_ws[10] = 1;
     l.direction_ws[2]                                    = 1;
     if (!is_lamp) return l;
@@ -189,7 +189,7 @@ static void equal_keys_have_equal_columns(void **state)
 static void keys_tell_squares_apart(void **state)
 {
     known_square *all = calloc(SQUARES, sizeof *all);
-    sample        b   = {.m.quiet = 1};
+    sample        b   = {0};
     (void)state;
     assert_non_null(all);
     sample_points(&b, (double[]){-4000, -4000, 9}, (double[]){4000, -4000, 9}, (double[]){0, 9000, 9});

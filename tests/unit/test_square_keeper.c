@@ -159,7 +159,7 @@ static vxs_bytes words_of(const column_map *m, uint32_t threads)
 static vxs_bytes dag_file_of(const column_map *m, uint32_t threads)
 {
     const build_options o     = {.rule = MASK_RULE_GREEDY, .reuse = 1, .compress = COMPRESS_TOP_DOWN, .share = 1};
-    message             quiet = {.quiet = 1};
+    message             quiet = {0};
     bake_context        ctx   = {.message = &quiet, .threads = threads};
     build_stats         stats = {0};
     dag_merger          g;
@@ -306,7 +306,7 @@ static void damaged_begin(damaged *t, int coding, uint32_t side, map_kind kind)
 /* What comes of other bytes in the place of the record. 1: the square was made again, and all is as it was. */
 static int remade(damaged *t, vxs_bytes instead)
 {
-    message       quiet = {.quiet = 1};
+    message       quiet = {0};
     bake_context  ctx   = {.message = &quiet, .threads = 1};
     block_set     set   = {0};
     dag_merger    g     = {0};
