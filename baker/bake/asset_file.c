@@ -58,6 +58,7 @@ vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report
     vxs_contents_free(&contents);
     report->file_bytes = file->size_bytes;
 
+    if (!o->output_path) return VXS_OK;
     if ((r = output_file_open(&out, o->output_path, m)) != VXS_OK) return r;
     if ((r = output_file_write(&out, file->data, file->size_bytes, m)) == VXS_OK) r = output_file_commit(&out, m);
     output_file_abort(&out);

@@ -14,7 +14,8 @@
 vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata, vxs_bytes *out,
                         message *m);
 
-/* Read back what was encoded, as a game would, tell the report what it holds, and give it the name of the output. */
+/* Read back what was encoded, as a game would, tell the report what it holds, and give it the name of the output,
+ * where there is one. */
 vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report *report, message *m);
 
 #endif

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
@@ -16,20 +15,12 @@
 #include "baker/bake/provenance.h"
 #include "baker/bake/scene_warnings.h"
 #include "baker/base/memory.h"
-#include "baker/base/pages.h"
 #include "baker/files/output_file.h"
 #include "baker/measure/clock.h"
 #include "baker/scene/light_warnings.h"
 
 /* Who drew the maps, where nobody did. */
 #define SPARSE_RENDERER "nobody: straight from triangles"
-
-/* Of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted. */
-static uint64_t file_bytes(const char *path)
-{
-    struct stat s;
-    return stat(path, &s) || s.st_size < 0 ? 0 : (uint64_t)s.st_size;
-}
 
 /* pictures -------------------------------------------------------------------------------------------------------------------- */
 
@@ -150,10 +141,11 @@ static vxs_result begin_rendering(gl_context **gl, const bake_options *o, bake_r
     *gl = NULL;
     snprintf(report->renderer, sizeof report->renderer, "%s", SPARSE_RENDERER);
     if (o->maps == MAPS_SPARSE) return VXS_OK;
+    if (!o->rendering) return fail(ctx->message, VXS_E_GL, "this program bakes straight from triangles alone: it has no OpenGL");
     vxs_result r = check_address_space(o, report->plan, ctx->message);
     if (r != VXS_OK) return r;
     stage_begin(ctx, STAGE_GL);
-    r = gl_context_create(gl, o->gl, o->threads, ctx->message);
+    r = o->rendering->create(gl, o->gl, o->threads, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     if (r != VXS_OK) return r;
     snprintf(report->renderer, sizeof report->renderer, "%s", (*gl)->renderer);
@@ -172,7 +164,7 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, coded_lig
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
         if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, gl, coded, kept, report, ctx);
-    if (gl) gl_context_destroy(gl);
+    if (gl) o->rendering->destroy(gl);
     return r;
 }
 
@@ -197,7 +189,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
     text = provenance_text(report);
     if ((r = asset_encode(o, coded, report->light_count, text, file, ctx->message)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
-    r = context_within_memory(ctx);
+    r = context_check(ctx);
 done:
     free(text);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
@@ -236,43 +228,44 @@ vxs_result bake_check_outputs(const bake_options *o, message *m)
     return r == VXS_OK && o->page_path ? output_file_check(o->page_path, m) : r;
 }
 
-/* From the scene's file to the plan of its bake; or to the finding that there is nothing to do. */
-static vxs_result prepare(const bake_options *o, scene *s, casters *c, bake_report *report, bake_context *ctx)
+/* A scene, and the lights of it that are baked. One that is there already is not read again. */
+static vxs_result begin_scene(const bake_options *o, bake_scene *s, light_choice *chosen, bake_context *ctx)
 {
-    light_choice   chosen   = {0};
-    light_question question = {&o->light_names, &o->suns, &chosen, judge_lights};
-    message       *m        = ctx->message;
-    uint64_t       bytes    = file_bytes(o->scene_path);
-    vxs_result     r;
+    light_question question = {&o->light_names, &o->suns, chosen, judge_lights};
+    scene_check    check    = light_question_check(&question);
+    return o->prepared ? check.check(check.user, &s->scene, ctx->message) : bake_scene_read(s, o, &check, ctx);
+}
+
+/* From the scene's file to the plan of its bake; or to the finding that there is nothing to do. */
+static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *report, bake_context *ctx)
+{
+    light_choice chosen = {0};
+    message     *m      = ctx->message;
+    vxs_result   r;
     report->warnings_before = m->warning_count;
     stage_begin(ctx, STAGE_LOAD);
-    watch_say(o->watch, "reading %s", o->scene_path);
-    m->memory_bytes   = o->memory_bytes;
-    scene_check check = light_question_check(&question);
-    if ((r = scene_load_gltf_checked(s, o->scene_path, &o->scene, &check, m)) != VXS_OK) goto done;
+    m->memory_bytes = o->memory_bytes;
+    if ((r = begin_scene(o, s, &chosen, ctx)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
     if ((report->unchanged = is_unchanged(o, report, m))) goto done;
     if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else it was asked before the scene was read */
 
-    stage_begin(ctx, STAGE_SOLIDS);
-    if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
-    watch_say(o->watch, "telling solids from sheets");
-    if ((r = casters_for_maps(c, s, o->closed, o->threads, m)) != VXS_OK) goto done;
-    warn_about_scene(o, c, &chosen, m);
+    if (!o->prepared && (r = bake_scene_find_casters(s, o, ctx)) != VXS_OK) goto done;
+    warn_about_scene(o, &s->casters, &chosen, m);
     if ((r = message_check(m)) != VXS_OK) goto done;
 
     stage_begin(ctx, STAGE_PLAN);
-    if ((r = context_within_memory(ctx)) != VXS_OK) goto done;
+    if ((r = context_check(ctx)) != VXS_OK) goto done;
     watch_say(o->watch, "making a plan");
     if (!(report->plan = calloc(1, sizeof *report->plan))) {
         r = fail(m, VXS_E_MEMORY, "out of memory for a plan");
         goto done;
     }
-    if ((r = plan_make(report->plan, o, c, &chosen, bytes, m)) != VXS_OK) goto done;
-    if ((r = bake_report_begin(report, s, c, m)) != VXS_OK) goto done;
+    if ((r = plan_make(report->plan, o, &s->casters, &chosen, s->file_bytes, m)) != VXS_OK) goto done;
+    if ((r = bake_report_begin(report, &s->scene, &s->casters, m)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     if ((r = message_check(m)) != VXS_OK) goto done;
-    r = context_within_memory(ctx);
+    r = context_check(ctx);
 done:
     light_choice_free(&chosen);
     return r;
@@ -299,48 +292,43 @@ static void report_stages(bake_report *report, const bake_context *ctx)
 
 vxs_result bake(const bake_options *o, const bake_observer *observer, bake_report *report, message *m)
 {
-    bake_context ctx  = context_of(o, m);
-    scene        s    = {0};
-    casters      c    = {0};
+    bake_context ctx = context_of(o, m);
+    bake_scene   own = {0}, *s = o->prepared ? o->prepared : &own;
     kept_squares kept = {0};
     vxs_bytes    file = {0};
     vxs_result   r;
 
-    pages_return_large();
-    if ((r = prepare(o, &s, &c, report, &ctx)) != VXS_OK) goto done;
+    if ((r = prepare(o, s, report, &ctx)) != VXS_OK) goto done;
     if (report->unchanged) goto done;
-    if ((r = bake_file(o, &c, &kept, &file, report, &ctx)) != VXS_OK) goto done;
+    if ((r = bake_file(o, &s->casters, &kept, &file, report, &ctx)) != VXS_OK) goto done;
 
     stage_begin(&ctx, STAGE_WRITE);
-    watch_say(o->watch, "writing %s", o->output_path);
+    if (o->output_path) watch_say(o->watch, "writing %s", o->output_path);
     r = o->parts ? kept_squares_end_part(&kept, report, m) : asset_write(o, &file, report, m);
     if (r != VXS_OK) goto done;
     if (kept.has_store && !o->parts) square_store_clean(&kept.store); /* other parts use the rest of it */
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
-    if (observer) r = observer->look(observer->user, o, &c, &file, m);
+    if (observer) r = observer->look(observer->user, o, &s->casters, &file, m);
 done:
     if (report->unchanged) report_stages(report, &ctx);
     kept_squares_close(&kept);
     free(file.data);
-    casters_free(&c);
-    scene_free(&s);
+    bake_scene_free(&own);
     return r;
 }
 
 vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m)
 {
     bake_context ctx = context_of(o, m);
-    scene        s   = {0};
-    casters      c   = {0};
-    vxs_result   r   = prepare(o, &s, &c, report, &ctx);
+    bake_scene   s   = {0};
+    vxs_result   r   = prepare(o, &s, report, &ctx);
     if (r == VXS_OK && !report->unchanged) {
         stage_begin(&ctx, STAGE_PLAN);
-        r = plan_find_savings(report->plan, o, &c, m);
+        r = plan_find_savings(report->plan, o, &s.casters, m);
         stage_begin(&ctx, STAGE_NONE);
     }
     report_stages(report, &ctx);
-    casters_free(&c);
-    scene_free(&s);
+    bake_scene_free(&s);
     return r;
 }

@@ -4,10 +4,11 @@
 #define BAKE_H
 
 #include "baker/bake/bake_report.h"
+#include "baker/bake/bake_scene.h"
 
-/* What may look at the casters and the asset's bytes when the file is there; its time is no part of the bake's. */
+/* What may look at the casters and the asset's bytes when the file is there, and may take these; its time is no part of the bake's. */
 typedef struct bake_observer {
-    vxs_result (*look)(void *user, const bake_options *o, const casters *c, const vxs_bytes *file, message *m);
+    vxs_result (*look)(void *user, const bake_options *o, const casters *c, vxs_bytes *file, message *m);
     void *user;
 } bake_observer;
 
@@ -16,7 +17,7 @@ typedef struct bake_observer {
  * Returns what output_file_check returns. */
 vxs_result bake_check_outputs(const bake_options *o, message *m);
 
-/* Bake a scene. The output is complete under its name, or untouched.
+/* Bake a scene. The output is complete under its name, or untouched; VXS_E_INTERRUPTED when the run is given up before.
  * observer  NULL: nobody looks
  * report    [out] zero it first; released with bake_report_free, whatever is returned.
  * Same scene and options, same bytes, at any thread count. */

@@ -8,7 +8,7 @@
 #include "baker/base/text.h"
 #include "baker/casters/casters.h"
 #include "baker/columns/opengl/exit_depth.h"
-#include "baker/columns/opengl/gl.h"
+#include "baker/columns/opengl/opengl_columns.h"
 #include "baker/dag/build.h"
 #include "baker/measure/watch.h"
 
@@ -51,37 +51,40 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 #define BASELINE_CHOICES "sample|full|off"
 
 typedef struct bake_options {
-    const char      *scene_path;
-    const char      *output_path; /* "-" is standard output */
-    const char      *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
-    scene_choice     scene;       /* which one of the file, and what of it casts */
-    text_list        light_names; /* none: all lights, or the suns */
-    named_list       suns;        /* all have a name; the way sunlight travels, of any length but zero */
-    uint32_t         resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
-    double           texel_metres;
-    named_list       resolutions, texels; /* by light; none is in both */
-    int              region_given;
-    double           region_ws[6]; /* min xyz, max xyz */
-    maps_choice      maps;
-    closed_mode      closed;
-    exit_mode        exit;
-    behind_choice    behind;
-    double           thickness_m; /* of sheets that face the light; 0: none */
-    coding_choice    coding;
-    pack_choice      pack; /* of palette blocks */
-    mask_rule        rule;
-    int              reuse;
-    compress_choice  compress;
-    stop_stage       stop;
-    gl_backend       gl;
-    uint32_t         threads;
-    uint32_t         zstd_level; /* 1..19 */
-    baseline_mode    baseline;
-    uint64_t         memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
-    const char      *resume_path;  /* a folder where squares are kept; NULL: none */
-    uint32_t         part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
-    int              if_changed;   /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
-    const run_watch *watch;        /* who is told how far it is; NULL: nobody; borrowed */
+    const char *scene_path;
+    struct bake_scene
+        *prepared; /* NULL: the scene is read from its path; else it is there, with its casters (bake_scene.h), and read only */
+    const char             *output_path; /* "-" is standard output; NULL: nothing is written */
+    const char             *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
+    scene_choice            scene;       /* which one of the file, and what of it casts */
+    text_list               light_names; /* none: all lights, or the suns */
+    named_list              suns;        /* all have a name; the way sunlight travels, of any length but zero */
+    uint32_t                resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
+    double                  texel_metres;
+    named_list              resolutions, texels; /* by light; none is in both */
+    int                     region_given;
+    double                  region_ws[6]; /* min xyz, max xyz */
+    maps_choice             maps;
+    closed_mode             closed;
+    exit_mode               exit;
+    behind_choice           behind;
+    double                  thickness_m; /* of sheets that face the light; 0: none */
+    coding_choice           coding;
+    pack_choice             pack; /* of palette blocks */
+    mask_rule               rule;
+    int                     reuse;
+    compress_choice         compress;
+    stop_stage              stop;
+    gl_backend              gl;
+    const opengl_rendering *rendering; /* with MAPS_GL; NULL: this program has none */
+    uint32_t                threads;
+    uint32_t                zstd_level; /* 1..19 */
+    baseline_mode           baseline;
+    uint64_t                memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
+    const char             *resume_path;  /* a folder where squares are kept; NULL: none */
+    uint32_t                part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
+    int              if_changed; /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
+    const run_watch *watch;      /* who is told how far it is; NULL: nobody; borrowed */
 } bake_options;
 
 /* Whether squares of the maps are kept, in a folder or as a part. */

@@ -30,6 +30,7 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
     memset(c, 0, sizeof *c);
     c->all          = all;
     c->maps         = o->maps;
+    c->rendering    = o->rendering;
     c->wants_depths = plan->baseline != BASELINE_OFF;
     c->picture      = picture;
     baseline_init(&c->depths, side, tile, plan->baseline == BASELINE_FULL ? 0 : SAMPLE_TEXELS / planned->map_count);
@@ -52,7 +53,7 @@ vxs_result light_columns_init(light_columns *c, gl_context *gl, const bake_optio
 
 column_source light_columns_source(light_columns *c)
 {
-    return c->maps == MAPS_SPARSE ? sparse_columns_source(&c->sparse) : opengl_columns_source(&c->rendered);
+    return c->maps == MAPS_SPARSE ? sparse_columns_source(&c->sparse) : c->rendering->source(&c->rendered);
 }
 
 vxs_result light_columns_draw(const light_columns *c, light_picture *picture, bake_context *ctx)
@@ -73,7 +74,7 @@ vxs_result light_columns_draw(const light_columns *c, light_picture *picture, ba
 
 void light_columns_free(light_columns *c)
 {
-    opengl_columns_free(&c->rendered);
+    if (c->rendering) c->rendering->free(&c->rendered);
     if (c->all) reach_release(&c->near, c->all);
     baseline_free(&c->depths);
     memset(c, 0, sizeof *c);

@@ -10,14 +10,15 @@
 #include "baker/columns/sparse/sparse_columns.h"
 
 typedef struct light_columns {
-    maps_choice    maps;
-    opengl_columns rendered; /* one of these two */
-    sparse_columns sparse;
-    casters        near; /* that the light may reach */
-    const casters *all;
-    baseline       depths; /* sampled, unless the plan leaves it out */
-    int            wants_depths;
-    light_picture *picture; /* NULL: nobody wants one; borrowed */
+    maps_choice             maps;
+    const opengl_rendering *rendering; /* of rendered maps */
+    opengl_columns          rendered;  /* one of these two */
+    sparse_columns          sparse;
+    casters                 near; /* that the light may reach */
+    const casters          *all;
+    baseline                depths; /* sampled, unless the plan leaves it out */
+    int                     wants_depths;
+    light_picture          *picture; /* NULL: nobody wants one; borrowed */
 } light_columns;
 
 /* gl  NULL where nothing is rendered

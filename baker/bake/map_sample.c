@@ -18,6 +18,7 @@
 #include "baker/columns/opengl/depth_block.h"
 #include "baker/columns/sparse/freedom.h"
 #include "baker/columns/stored/depth_maps.h"
+#include "baker/light/texel_box.h"
 
 enum { CELLS_MAX = 32, MAPS_FEW = 8 }; /* windows a side; maps that are looked at closely */
 

@@ -10,7 +10,6 @@
 #include "baker/bake/bake_light.h"
 #include "baker/bake/chosen_coder.h"
 #include "baker/bake/kept_squares.h"
-#include "baker/base/pages.h"
 #include "baker/files/input_file.h"
 #include "baker/measure/clock.h"
 
@@ -239,7 +238,6 @@ vxs_result merge_parts(const merge_options *o, merge_report *report, message *m)
     part_set     set = {.count = 0};
     bake_context ctx = {
         .message = m, .threads = o->threads, .watch = o->watch, .subject = o->output_path, .begun = clock_seconds()};
-    pages_return_large();
     stage_begin(&ctx, STAGE_MERGE);
     vxs_result r = open_parts(&set, &o->paths, m);
     if (r == VXS_OK) {

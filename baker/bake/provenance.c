@@ -56,16 +56,12 @@ static json_t *scene_json(const scene *s, const scene_fingerprint *f)
                      "geometry", f->geometry, "alpha_masks", f->alpha_masks, "cameras", f->cameras, "lights", f->lights);
 }
 
-vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const scene *s, const light_choice *chosen, message *m)
+vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m)
 {
-    scene_fingerprint f;
-    *inputs      = NULL;
-    vxs_result r = scene_fingerprint_take(&f, s, m);
-    if (r != VXS_OK) return r;
     json_t *lights = json_array();
     for (size_t n = 0; n < chosen->count; n++) json_append(&lights, light_json(o, &chosen->lights[n]));
-    *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(s, &f), "lights", lights,
-                        "options", bake_choices_json(o));
+    *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(&s->scene, &s->fingerprint),
+                        "lights", lights, "options", bake_choices_json(o));
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
 }
 

@@ -12,11 +12,12 @@
 #define PROVENANCE_H
 
 #include "baker/bake/bake_report.h"
+#include "baker/bake/bake_scene.h"
 
 /* What goes into a bake.
  * inputs  [out] NULL on failure; released with json_decref
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const scene *s, const light_choice *chosen, message *m);
+vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m);
 
 /* The metadata of a bake, as text: its inputs and what came of them. NULL without memory; released with free(). */
 char *provenance_text(const bake_report *report);

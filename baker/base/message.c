@@ -60,16 +60,6 @@ void message_free(message *m)
     m->warning_count = m->warning_capacity = 0;
 }
 
-FILE *report_stream(const message *m, int stdout_is_taken)
-{
-    return m->no_report ? NULL : stdout_is_taken ? stderr : stdout;
-}
-
-int progress_wanted(const message *m)
-{
-    return !m->no_report && terminal_can_clear(stderr);
-}
-
 int exit_status(vxs_result code)
 {
     switch (code) {

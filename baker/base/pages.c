@@ -5,9 +5,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <sys/mman.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 void *pages_alloc(size_t size_bytes)
 {
@@ -18,11 +15,4 @@ void *pages_alloc(size_t size_bytes)
     void  *memory = aligned_alloc(page, size);
     if (memory) madvise(memory, size, MADV_HUGEPAGE); /* a wish: without it only time is lost */
     return memory;
-}
-
-void pages_return_large(void)
-{
-#ifdef __GLIBC__
-    mallopt(M_MMAP_THRESHOLD, 4 << 20);
-#endif
 }

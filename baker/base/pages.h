@@ -12,10 +12,6 @@ extern "C" {
 /* Memory without contents, released with free(); NULL when there is none. */
 void *pages_alloc(size_t size_bytes);
 
-/* From now on every array of a few megabytes goes back to the system when it is freed. Else glibc keeps such arrays once some were freed,
- * and small ones that lie between them hold their memory: a bake of many lights grew with each. */
-void pages_return_large(void);
-
 #ifdef __cplusplus
 }
 #endif

@@ -6,6 +6,8 @@
 #include <sched.h>
 #include <stdatomic.h>
 
+#include "baker/base/gate.h"
+
 typedef struct loop {
     atomic_size_t next; /* the chunk to hand out next; counts chunks, so that it cannot wrap */
     size_t        chunk_count;
@@ -13,6 +15,7 @@ typedef struct loop {
     size_t        grain;
     void (*body)(void *user, size_t begin, size_t end, uint32_t worker);
     void *user;
+    gate *gate; /* of whoever started it */
 } loop;
 
 typedef struct worker {
@@ -21,17 +24,26 @@ typedef struct worker {
     pthread_t thread;
 } worker;
 
-static void *work(void *argument)
+static void work(const worker *w)
 {
-    const worker *w = argument;
-    loop         *l = w->shared;
+    loop *l = w->shared;
     for (;;) {
+        gate_pass();
         size_t chunk = atomic_fetch_add_explicit(&l->next, 1, memory_order_relaxed);
-        if (chunk >= l->chunk_count) return NULL;
+        if (chunk >= l->chunk_count) return;
         size_t begin = chunk * l->grain;
         size_t end   = l->count - begin > l->grain ? begin + l->grain : l->count;
         l->body(l->user, begin, end, w->index);
     }
+}
+
+static void *work_on_thread(void *argument)
+{
+    const worker *w = argument;
+    gate_enter(w->shared->gate);
+    work(w);
+    gate_leave(w->shared->gate);
+    return NULL;
 }
 
 void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
@@ -42,7 +54,8 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     if (threads < 1) threads = 1;
     if (threads > PARALLEL_THREADS_MAX) threads = PARALLEL_THREADS_MAX;
 
-    loop l = {.chunk_count = (count - 1) / grain + 1, .count = count, .grain = grain, .body = body, .user = user};
+    loop l = {
+        .chunk_count = (count - 1) / grain + 1, .count = count, .grain = grain, .body = body, .user = user, .gate = gate_here()};
     atomic_init(&l.next, 0);
     if (threads > l.chunk_count) threads = (uint32_t)l.chunk_count;
 
@@ -53,11 +66,14 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
     while (started < threads) {
         worker *w = &workers[started];
         *w        = (worker){.shared = &l, .index = started};
-        if (pthread_create(&w->thread, NULL, work, w) != 0) break;
+        if (pthread_create(&w->thread, NULL, work_on_thread, w) != 0) break;
         started++;
     }
     work(&workers[0]);
+    if (started == 1) return;
+    gate_leave(l.gate); /* not at work while others are */
     for (uint32_t i = 1; i < started; i++) pthread_join(workers[i].thread, NULL);
+    gate_enter(l.gate);
 }
 
 typedef struct lent_loop {

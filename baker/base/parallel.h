@@ -22,7 +22,8 @@ extern "C" {
  * Which worker gets which range is left to chance, where ranges begin is not: every begin is a multiple of grain. For the
  * same result at any thread count, body writes only to slots named by item, never by worker or by order of arrival. Runs in
  * the caller alone when count <= grain. A thread that cannot be started leaves its work to the others, so this never fails.
- * Returns when all work is done and seen by the caller. Loops may be nested, and run from several threads at once. */
+ * Returns when all work is done and seen by the caller. Loops may be nested, and run from several threads at once.
+ * Between ranges the threads pass the caller's gate (gate.h): the caller holds no lock that body takes. */
 void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
                   void *user);
 

@@ -227,7 +227,7 @@ static vxs_result end_batch(walker *w)
     }
     steps_done(w->ctx, w->steps);
     w->steps     = 0;
-    vxs_result r = context_within_memory(w->ctx);
+    vxs_result r = context_check(w->ctx);
     return r == VXS_OK ? made : r;
 }
 

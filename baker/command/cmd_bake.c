@@ -5,6 +5,7 @@
 #include "baker/command/commands.h"
 #include "baker/measure/progress.h"
 #include "baker/options/bake_arguments.h"
+#include "baker/process/process.h"
 #include "baker/report/bake_page.h"
 #include "baker/report/part_report.h"
 #include "baker/report/report.h"
@@ -39,7 +40,8 @@ static vxs_result run(void *command, message *m)
     bake_page       page   = {0};
     bake_observer   drawn  = {bake_page_look, &page};
     vxs_result      r      = bake_arguments_check(a, m);
-    a->o.watch             = progress_wanted(m) ? &progress_watch : NULL;
+    process_return_large();
+    a->o.watch = progress_wanted(m) ? &progress_watch : NULL;
     if (r == VXS_OK) r = bake(&a->o, a->o.page_path ? &drawn : NULL, &report, m);
     progress_clear();
     if (r == VXS_OK) r = write_reports(a, &page, &report, m);

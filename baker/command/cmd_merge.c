@@ -10,6 +10,7 @@
 #include "baker/files/json_file.h"
 #include "baker/measure/progress.h"
 #include "baker/options/options.h"
+#include "baker/process/process.h"
 
 typedef struct merge_command {
     merge_options o;
@@ -37,9 +38,10 @@ static vxs_result run(void *command, message *m)
 {
     merge_command *c      = command;
     merge_report   report = {.parts = 0};
-    c->o.watch            = progress_wanted(m) ? &progress_watch : NULL;
-    vxs_result r          = merge_parts(&c->o, &report, m);
-    FILE      *to         = report_stream(m, is_standard_output(c->o.output_path) || is_standard_output(c->json_path));
+    process_return_large();
+    c->o.watch    = progress_wanted(m) ? &progress_watch : NULL;
+    vxs_result r  = merge_parts(&c->o, &report, m);
+    FILE      *to = report_stream(m, is_standard_output(c->o.output_path) || is_standard_output(c->json_path));
     progress_clear();
     if (r == VXS_OK && to) print_report(to, c, &report);
     if (r == VXS_OK && c->json_path) r = json_write(c->json_path, report_json(c, &report), m);

@@ -126,6 +126,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
                                             .coding     = CODING_BLOCKS,
                                             .reuse      = 1,
                                             .stop       = STOP_FINAL,
+                                            .rendering  = &opengl_rendered,
                                             .zstd_level = 12,
                                             .threads    = parallel_default_threads()};
     const option options[] = {

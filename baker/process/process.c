@@ -3,6 +3,9 @@
 #include "baker/process/process.h"
 
 #include <fcntl.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <signal.h>
 #include <unistd.h>
 
@@ -24,6 +27,13 @@ static temporary_files temporary;
 struct temporary_files *process_temporary_files(void)
 {
     return &temporary;
+}
+
+void process_return_large(void)
+{
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, 4 << 20);
+#endif
 }
 
 void process_remove_temporary(void)

@@ -18,6 +18,10 @@ void process_begin(void);
 /* The last part, which is C++. */
 void process_catch_terminate(void);
 
+/* From now on every array of a few megabytes goes back to the system when it is freed. Else glibc keeps such arrays once some were freed,
+ * and small ones that lie between them hold their memory: a bake of many lights grew with each. */
+void process_return_large(void);
+
 /* The temporary files that a signal removes: those of a run whose messages borrow this (message.h). */
 struct temporary_files *process_temporary_files(void);
 

@@ -216,7 +216,7 @@ static json_t *scene_date_json(const char *path)
     return json_string(text);
 }
 
-vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, const vxs_bytes *file, message *m)
+vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m)
 {
     bake_page *p     = page;
     uint64_t   bytes = PICTURE_BYTES + PICTURE_TRIANGLE_BYTES * c->triangle_count + 8 * file->size_bytes;

@@ -11,7 +11,7 @@ typedef struct bake_page {
 } bake_page;
 
 /* Look at a bake (bake_observer): draw its shadows, unless that would need more memory than the bake may hold. */
-vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, const vxs_bytes *file, message *m);
+vxs_result bake_page_look(void *page, const bake_options *o, const casters *c, vxs_bytes *file, message *m);
 
 /* Write the page. path  "-" is standard output.   Returns VXS_OK, VXS_E_WRITE or VXS_E_MEMORY. */
 vxs_result bake_page_write(const char *path, const bake_page *page, const bake_options *o, const bake_report *r, message *m);

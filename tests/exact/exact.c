@@ -449,6 +449,7 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
     size_t       suns    = o->suns.count ? o->suns.count : 1;
     named_value  sun_now = {.name = (char[]){SUN_NAME}};
     vxs_result   r;
+    bake.rendering = &opengl_rendered;
     if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
         way ways[WAYS_MAX];
         bake.maps       = (maps_choice)o->value[CHOICE_MAPS][0];

@@ -22,7 +22,7 @@ static vxs_bytes golden_asset(void)
 }
 
 /* Whether shadows are drawn where a bake may hold so much. */
-static int is_drawn(const casters *c, const vxs_bytes *file, uint64_t memory_bytes)
+static int is_drawn(const casters *c, vxs_bytes *file, uint64_t memory_bytes)
 {
     bake_options o    = {.threads = 1, .memory_bytes = memory_bytes};
     bake_page    page = {0};

@@ -10,26 +10,15 @@
 #include "baker/columns/opengl/exit_depth.h"
 #include "baker/columns/opengl/gl.h"
 #include "baker/columns/opengl/holes_pass.h"
-#include "baker/light/projection.h"
+#include "baker/light/texel_box.h"
 
-enum { BLOCK_MAX_PX = 512, CELL_PX = 32, SUBTEXELS = 256 };
+enum { BLOCK_MAX_PX = 512, CELL_PX = 32 };
 
 /* Triangles that are drawn at once. */
 enum { DRAW_MAX = 1 << 19 };
 
 /* So many passes peel the deepest block: a texel counts no more front faces, and every pass takes one away. */
 enum { PEEL_PASSES_MAX = 255 };
-
-/* Texels whose centres a triangle's bounding box covers; empty when u0 > u1 or v0 > v1. */
-typedef struct texel_box {
-    int32_t u0, v0, u1, v1;
-} texel_box;
-
-/* The box of a triangle of a projection. */
-texel_box texel_box_of(const projection *p, size_t triangle);
-
-/* 1 when the triangle may touch the square of `side` texels at (u0, v0). */
-int texel_box_touches(const texel_box *box, int32_t u0, int32_t v0, int32_t side);
 
 /* How OpenGL's depths become depths that grow away from the light. Where those of OpenGL shrink, they are negated. */
 typedef struct depth_order {

@@ -117,3 +117,5 @@ void opengl_columns_free(opengl_columns *o)
 {
     depth_maps_free(&o->spare);
 }
+
+const opengl_rendering opengl_rendered = {gl_context_create, gl_context_destroy, opengl_columns_source, opengl_columns_free};

@@ -32,4 +32,14 @@ column_source opengl_columns_source(opengl_columns *o);
 
 void opengl_columns_free(opengl_columns *o);
 
+/* All of OpenGL that a bake asks for, as a value: a program that has no such value is linked without OpenGL. */
+typedef struct opengl_rendering {
+    vxs_result (*create)(gl_context **gl, gl_backend backend, uint32_t threads, message *m); /* gl_context_create, and so on */
+    void (*destroy)(gl_context *gl);
+    column_source (*source)(opengl_columns *o);
+    void (*free)(opengl_columns *o);
+} opengl_rendering;
+
+extern const opengl_rendering opengl_rendered;
+
 #endif

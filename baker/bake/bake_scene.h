@@ -1,0 +1,29 @@
+/* A scene that was read, and its casters: what bakes of any of its lights begin with.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BAKE_SCENE_H
+#define BAKE_SCENE_H
+
+#include "baker/bake/bake_options.h"
+#include "baker/measure/context.h"
+#include "baker/scene/fingerprint.h"
+
+/* Zero it. */
+typedef struct bake_scene {
+    scene             scene;
+    scene_fingerprint fingerprint;
+    casters           casters;
+    uint64_t          file_bytes; /* of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted */
+} bake_scene;
+
+/* Read o->scene_path, and take its fingerprint.
+ * check  NULL: none
+ * Returns what scene_load_gltf_checked returns. */
+vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_check *check, bake_context *ctx);
+
+/* Find the casters of a scene that is there.   Returns what casters_for_maps and context_check return. */
+vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_context *ctx);
+
+/* Accepts a zeroed object. */
+void bake_scene_free(bake_scene *s);
+
+#endif
