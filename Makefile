@@ -1,6 +1,6 @@
 # vxs: precomputed voxelized shadows. The only build description, with runtime/install/install.mk.
 #
-#   make                build the command and the runtime library: build/release/vxs, build/release/libvxs.a and .so
+#   make                build the command, the runtime library and the bake library: build/release/vxs, libvxs.a and .so, libvxs_bake.a and .so
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
@@ -60,15 +60,20 @@ endif
 warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
 flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt)
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
+pic         := -fPIC -fno-semantic-interposition
 cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
-libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs libzstd libxxhash jansson libpng libwebp) -ldraco -lmeshoptimizer -lembree3 -lgmp -lmpfr -ldl -lm)$(libs)
+bake.pc      := libzstd libxxhash jansson libpng libwebp
+bake.libs    := -ldraco -lmeshoptimizer -lgmp -lmpfr -lm
+libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) -lembree3 -ldl)$(libs)
 
 # --- what is built --------------------------------------------------------------------------------------------------------
 
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
-baker.c   := $(wildcard baker/*/*.c baker/*/*/*.c)
+library.c := $(wildcard baker/library/*.c)
+baker.c   := $(filter-out $(library.c),$(wildcard baker/*/*.c baker/*/*/*.c))
+library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
 # what takes longest to compile comes first, so that no processor waits for it in the end
 baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
@@ -91,18 +96,18 @@ fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o
-objects    = $B/baker/main.c.o $(baker.o) $(runtime.o) $(pic.o) $(test.o)
+objects    = $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
 .PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-sparse check-cracks check-tsan bench bench-large packages format clean
-all: $B/vxs $B/libvxs.a $B/libvxs.so
+all: $B/vxs $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
 
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
 # an archive: what a test does not call is not linked into it, which takes the linker a quarter of the time
-$B/baker.a: $(baker.o)
+$B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
@@ -133,6 +138,9 @@ $B/libvxs.a: $(runtime.o)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 
+# the command's objects are those of a shared library, too
+$(baker.o) $(library.o): cflags += $(pic)
+$(baker.o) $(library.o): cxxflags += $(pic)
 $B/%.c.avx2.o: cflags += -mavx2
 $B/%.c.avx512.o: cflags += -mavx512f -mavx512bw -mavx512dq -mavx512vl
 define compile

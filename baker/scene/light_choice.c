@@ -132,6 +132,11 @@ vxs_result light_choice_require(const light_choice *chosen, const char *option, 
     return VXS_OK;
 }
 
+int light_name_is_sound(const char *name)
+{
+    return name[0] && strlen(name) < VXS_LIGHT_NAME_BYTES && is_utf8(name);
+}
+
 void light_choice_free(light_choice *chosen)
 {
     free(chosen->lights);

@@ -46,6 +46,9 @@ scene_check light_question_check(light_question *q);
  * option  "--resolution" */
 vxs_result light_choice_require(const light_choice *chosen, const char *option, const named_list *values, message *m);
 
+/* 1 when a light may have the name: 1 to VXS_LIGHT_NAME_BYTES - 1 bytes of UTF-8. */
+int light_name_is_sound(const char *name);
+
 /* Accepts a zeroed object. */
 void light_choice_free(light_choice *chosen);
 

@@ -1,6 +1,7 @@
 # The shared library, manual pages, completion, and what goes where: make install, make deb.
 # SPDX-License-Identifier: MIT
 
+OBJCOPY    ?= objcopy
 prefix     ?= /usr/local
 bindir     ?= $(prefix)/bin
 libdir     ?= $(prefix)/lib
@@ -23,11 +24,35 @@ $B/libvxs.so: $(pic.o) $B/libvxs.map
 
 $B/pic/%.c.o: %.c
 	@echo "  pic  $<"
-	$Q mkdir -p $(@D) && $(CC) $(cflags) -fPIC -fno-semantic-interposition $(CPPFLAGS) $(CFLAGS) -c $< -o $@
+	$Q mkdir -p $(@D) && $(CC) $(cflags) $(pic) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
 
 $B/libvxs.map: runtime/vxs.h formats/vxs_file.h
 	$Q mkdir -p $(@D) && { echo "VXS_$(major) { global:"; \
 	    sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_[a-z_]*\)(.*/    \1;/p' $^; echo "local: *; };"; } >$@
+
+# --- libvxs_bake: of the command's objects, those that baker/vxs_bake.h leads to, in one, whose other names are its own -----------------
+
+bake.names = sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_bake[a-z_]*\)(.*/$(1)/p' baker/vxs_bake.h
+
+$B/pic.a: $(pic.o)
+	$Q$(RM) $@ && $(AR) rcsT $@ $^
+
+$B/vxs_bake.o: $B/baker/library/vxs_bake.c.o $B/baker.a $B/pic.a baker/vxs_bake.h
+	@echo "  link $@"
+	$Q$(LD) -r --force-group-allocation -o $@ $(filter %.o,$^) --start-group $(filter %.a,$^) --end-group
+	$Q$(call bake.names,\1) >$@.names && $(OBJCOPY) --keep-global-symbols=$@.names $@
+
+$B/libvxs_bake.a: $B/vxs_bake.o
+	@echo "  ar   $@"
+	$Q$(RM) $@ && $(AR) rcs $@ $^
+
+$B/libvxs_bake.so: $B/vxs_bake.o $B/libvxs_bake.map
+	@echo "  link $@"
+	$Q$(CXX) $(opt) -pthread -shared -Wl,-soname,libvxs_bake.so.$(major) -Wl,--version-script=$B/libvxs_bake.map -o $@ $< \
+	    $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) $(LDFLAGS)
+
+$B/libvxs_bake.map: baker/vxs_bake.h
+	$Q mkdir -p $(@D) && { echo "VXS_BAKE_$(major) { global:"; $(call bake.names,    \1;); echo "local: *; };"; } >$@
 
 # --- manual pages and completion, which the command makes of its own options ------------------------------------------------------
 

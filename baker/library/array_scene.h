@@ -1,0 +1,14 @@
+/* A scene of a program's arrays.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef ARRAY_SCENE_H
+#define ARRAY_SCENE_H
+
+#include "baker/scene/scene.h"
+#include "baker/vxs_bake.h"
+
+/* Copy arrays into a scene; nothing is borrowed.
+ * s  [out] zeroed on failure; released with scene_free
+ * Returns VXS_OK, VXS_E_MEMORY, or VXS_E_ARGUMENT: an index without a vertex, a number that is none, a light that cannot be one. */
+vxs_result scene_from_arrays(scene *s, const vxs_bake_arrays *arrays, message *m);
+
+#endif

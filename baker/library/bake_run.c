@@ -1,0 +1,129 @@
+/* Work of the library; see bake_run.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/library/bake_run.h"
+
+#include <fenv.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "baker/bake/bake.h"
+#include "baker/library/array_scene.h"
+#include "baker/measure/clock.h"
+#include "runtime/vxs.h"
+
+/* telling --------------------------------------------------------------------------------------------------------------------- */
+
+static void tell_progress(bake_run *run, double seconds_left, const char *doing)
+{
+    const vxs_bake_options *asked = &run->options.asked;
+    vxs_bake_progress       now   = {.share = run->share, .seconds_left = seconds_left, .doing = doing};
+    if (asked->progress && asked->progress(asked->user, &now)) gate_cancel(&run->gate);
+}
+
+static void say(void *user, const char *doing)
+{
+    tell_progress(user, -1, doing);
+}
+
+static void share(void *user, double share, double since, const char *doing)
+{
+    bake_run *run   = user;
+    double    spent = clock_seconds() - since - run->held_seconds;
+    run->share      = share;
+    tell_progress(run, share > 0 ? spent / share * (1 - share) : -1, doing);
+}
+
+static void tell_warning(const message *m, const char *warning)
+{
+    const vxs_bake_options *asked = m->tell_user;
+    if (asked->warning) asked->warning(asked->user, warning);
+}
+
+/* ----------------------------------------------------------------------------------------------------------------------------- */
+
+/* The output is no input, and can be written. */
+static vxs_result check_output(bake_run *run)
+{
+    const vxs_bake_options *asked = &run->options.asked;
+    bake_options           *o     = &run->options.o;
+    vxs_result              r     = VXS_OK;
+    if (asked->output_path) r = run_files_add_output("output_path", asked->output_path, &run->m);
+    if (r == VXS_OK && asked->scene_path) r = run_files_check_input(asked->scene_path, "scene_path", &run->m);
+    return r == VXS_OK && !o->if_changed ? bake_check_outputs(o, &run->m) : r;
+}
+
+/* What an open scene was asked for is what is baked. */
+static void use_scene(bake_options *o, const vxs_bake_scene *opened)
+{
+    const bake_options *of = &opened->options.o;
+    o->prepared            = (bake_scene *)&opened->scene; /* only read */
+    o->scene_path          = of->scene_path;
+    o->closed              = of->closed;
+    text_list mine[2]      = {o->scene.exclude, o->scene.include};
+    o->scene               = of->scene;
+    free(mine[0].items);
+    free(mine[1].items);
+}
+
+vxs_result bake_run_init(bake_run *run, const vxs_bake_options *options, int lights)
+{
+    *run         = (bake_run){.share = -1};
+    run->m       = (message){.tell = tell_warning, .tell_user = &run->options.asked, .files = &run->files};
+    run->watch   = (run_watch){.say = say, .share = share, .user = run};
+    vxs_result r = asked_options_init(&run->options, options, lights, &run->m);
+    run->m.force = run->options.asked.replace != 0;
+    gate_init(&run->gate);
+    if (r != VXS_OK) return r;
+    run->options.o.watch = &run->watch;
+    if (run->options.asked.scene) use_scene(&run->options.o, run->options.asked.scene);
+    return lights ? check_output(run) : VXS_OK;
+}
+
+vxs_result bake_run_guarded(bake_run *run, vxs_result (*work)(bake_run *run, void *user), void *user)
+{
+    fenv_t callers;
+    fegetenv(&callers);
+    fesetenv(FE_DFL_ENV);
+    gate_enter(&run->gate);
+    vxs_result r = gate_is_cancelled() ? fail(&run->m, VXS_E_INTERRUPTED, "given up before it was begun") : work(run, user);
+    gate_leave(&run->gate);
+    fesetenv(&callers);
+    return r;
+}
+
+vxs_result bake_run_open_scene(bake_run *run, bake_scene *s)
+{
+    const bake_options *o   = &run->options.o;
+    bake_context        ctx = {.message      = &run->m,
+                               .threads      = o->threads,
+                               .watch        = o->watch,
+                               .subject      = o->scene_path,
+                               .memory_bytes = o->memory_bytes,
+                               .begun        = clock_seconds()};
+    vxs_result          r;
+    run->m.memory_bytes = o->memory_bytes;
+    if (run->options.asked.arrays) {
+        r = scene_from_arrays(&s->scene, run->options.asked.arrays, &run->m);
+        if (r == VXS_OK) r = scene_fingerprint_take(&s->fingerprint, &s->scene, &run->m);
+    } else
+        r = bake_scene_read(s, o, NULL, &ctx);
+    if (r == VXS_OK) r = bake_scene_find_casters(s, o, &ctx);
+    stage_begin(&ctx, STAGE_NONE);
+    return r == VXS_OK ? context_check(&ctx) : r;
+}
+
+void bake_run_free(bake_run *run)
+{
+    if (run->options.o.prepared) run->options.o.scene = (scene_choice){0}; /* the scene's */
+    asked_options_free(&run->options);
+    run_files_free(&run->files);
+    message_free(&run->m);
+    gate_free(&run->gate);
+}
+
+vxs_result bake_run_error(const bake_run *run, vxs_result result, char *error)
+{
+    const char *text = result == VXS_OK ? "" : run->m.error[0] ? run->m.error : vxs_result_text(result);
+    if (error) snprintf(error, VXS_BAKE_ERROR_BYTES, "%s", text);
+    return result;
+}

@@ -1,0 +1,266 @@
+/* The library's functions; see vxs_bake.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/vxs_bake.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "baker/bake/bake.h"
+#include "baker/library/bake_run.h"
+#include "baker/measure/clock.h"
+
+void vxs_bake_bytes_free(vxs_bake_bytes *bytes)
+{
+    if (bytes) free(bytes->data);
+    if (bytes) *bytes = (vxs_bake_bytes){0};
+}
+
+/* scenes ---------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result open_scene(bake_run *run, void *user)
+{
+    return bake_run_open_scene(run, user);
+}
+
+vxs_result vxs_bake_scene_open(vxs_bake_scene **opened, const vxs_bake_options *options, char *error)
+{
+    bake_run        run;
+    vxs_bake_scene *s = calloc(1, sizeof *s);
+    vxs_result      r = bake_run_init(&run, options, 0);
+    if (!s && r == VXS_OK) r = fail(&run.m, VXS_E_MEMORY, "out of memory for a scene");
+    if (r == VXS_OK) r = bake_run_guarded(&run, open_scene, &s->scene);
+    bake_run_error(&run, r, error);
+    if (r == VXS_OK) {
+        s->options         = run.options;
+        s->options.o.watch = NULL;
+        run.options        = (asked_options){0};
+    } else {
+        if (s) bake_scene_free(&s->scene);
+        free(s);
+    }
+    *opened = r == VXS_OK ? s : NULL;
+    bake_run_free(&run);
+    return r;
+}
+
+void vxs_bake_scene_close(vxs_bake_scene *s)
+{
+    if (!s) return;
+    bake_scene_free(&s->scene);
+    asked_options_free(&s->options);
+    free(s);
+}
+
+/* jobs ------------------------------------------------------------------------------------------------------------------------ */
+
+struct vxs_bake_job {
+    bake_run        run;
+    vxs_bake_bytes  file;
+    pthread_mutex_t lock;
+    pthread_cond_t  ended;
+    vxs_bake_state  state; /* under the lock while there is a thread */
+    vxs_result      result;
+    int             has_thread; /* that bakes, or waits at the gate */
+    int             bad_budget; /* of the last call */
+    pthread_t       thread;
+    double          held_since;
+    char            error[VXS_BAKE_ERROR_BYTES];
+};
+
+static vxs_result take_file(void *user, const bake_options *o, const casters *c, vxs_bytes *file, message *m)
+{
+    vxs_bake_job *job = user;
+    (void)o;
+    (void)c;
+    (void)m;
+    job->file = (vxs_bake_bytes){file->data, file->size_bytes};
+    *file     = (vxs_bytes){0};
+    return VXS_OK;
+}
+
+/* The whole of it. */
+static vxs_result bake_all(bake_run *run, void *user)
+{
+    bake_options  o        = run->options.o;
+    bake_scene    own      = {0};
+    bake_report   report   = {0};
+    bake_observer observer = {take_file, user};
+    vxs_result    r        = VXS_OK;
+    if (run->options.asked.arrays) { /* a file is read by the bake itself, which asks for its lights first */
+        r          = bake_run_open_scene(run, &own);
+        o.prepared = &own;
+    }
+    if (r == VXS_OK) r = bake(&o, &observer, &report, &run->m);
+    bake_report_free(&report);
+    bake_scene_free(&own);
+    return r;
+}
+
+static void work(vxs_bake_job *job)
+{
+    vxs_result r = bake_run_guarded(&job->run, bake_all, job);
+    pthread_mutex_lock(&job->lock);
+    job->result = bake_run_error(&job->run, r, job->error);
+    job->state  = r == VXS_OK ? VXS_BAKE_DONE : VXS_BAKE_FAILED;
+    if (r != VXS_OK) vxs_bake_bytes_free(&job->file);
+    pthread_cond_signal(&job->ended);
+    pthread_mutex_unlock(&job->lock);
+}
+
+static void *work_on_thread(void *job)
+{
+    work(job);
+    return NULL;
+}
+
+vxs_result vxs_bake_job_open(vxs_bake_job **job, const vxs_bake_options *options, char *error)
+{
+    pthread_condattr_t steady;
+    vxs_bake_job      *j = calloc(1, sizeof *j);
+    *job                 = NULL;
+    if (error) snprintf(error, VXS_BAKE_ERROR_BYTES, j ? "" : "out of memory for a job");
+    if (!j) return VXS_E_MEMORY;
+    vxs_result r = bake_run_error(&j->run, bake_run_init(&j->run, options, 1), error);
+    if (r != VXS_OK) {
+        bake_run_free(&j->run);
+        free(j);
+        return r;
+    }
+    pthread_condattr_init(&steady);
+    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+    pthread_mutex_init(&j->lock, NULL);
+    pthread_cond_init(&j->ended, &steady);
+    pthread_condattr_destroy(&steady);
+    *job = j;
+    return VXS_OK;
+}
+
+static void join(vxs_bake_job *job)
+{
+    pthread_join(job->thread, NULL);
+    job->has_thread = 0;
+}
+
+/* Open the gate after a step. */
+static void go_on(vxs_bake_job *job)
+{
+    if (job->held_since > 0) job->run.held_seconds += clock_seconds() - job->held_since;
+    gate_open(&job->run.gate);
+}
+
+vxs_result vxs_bake_job_run(vxs_bake_job *job)
+{
+    job->bad_budget = 0;
+    if (job->has_thread) {
+        go_on(job);
+        join(job);
+    } else if (job->state == VXS_BAKE_MORE)
+        work(job);
+    return job->result;
+}
+
+/* The program's signals are for its own threads. */
+static int start_thread(vxs_bake_job *job)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    job->has_thread = !pthread_create(&job->thread, NULL, work_on_thread, job);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return job->has_thread;
+}
+
+/* Returns 1 when the job has ended before. */
+static int wait_for(vxs_bake_job *job, double until)
+{
+    struct timespec at   = {.tv_sec = (time_t)until, .tv_nsec = (long)(1e9 * (until - floor(until)))};
+    int             late = 0;
+    pthread_mutex_lock(&job->lock);
+    while (job->state == VXS_BAKE_MORE && !late) late = pthread_cond_timedwait(&job->ended, &job->lock, &at) == ETIMEDOUT;
+    int ended = job->state != VXS_BAKE_MORE;
+    pthread_mutex_unlock(&job->lock);
+    return ended;
+}
+
+vxs_bake_state vxs_bake_step(vxs_bake_job *job, double budget_ms)
+{
+    const double longest_ms = 1e12;
+    double       begun      = clock_seconds();
+    job->bad_budget         = !(budget_ms > 0);
+    if (job->bad_budget) return VXS_BAKE_FAILED;
+    if (!job->has_thread && job->state != VXS_BAKE_MORE) return job->state;
+    if (job->has_thread)
+        go_on(job);
+    else if (!start_thread(job)) {
+        job->state  = VXS_BAKE_FAILED;
+        job->result = fail(&job->run.m, VXS_E_MEMORY, "no thread could be started for a bake in steps");
+        bake_run_error(&job->run, job->result, job->error);
+        return job->state;
+    }
+    if (!wait_for(job, begun + 1e-3 * fmin(budget_ms, longest_ms))) {
+        gate_shut(&job->run.gate);
+        job->held_since = clock_seconds();
+        if (!wait_for(job, 0)) return VXS_BAKE_MORE;
+    }
+    join(job);
+    return job->state;
+}
+
+void vxs_bake_job_cancel(vxs_bake_job *job)
+{
+    gate_cancel(&job->run.gate);
+}
+
+vxs_result vxs_bake_job_result(const vxs_bake_job *job)
+{
+    return job->bad_budget ? VXS_E_ARGUMENT : job->result;
+}
+
+const char *vxs_bake_job_error(const vxs_bake_job *job)
+{
+    return job->bad_budget ? "budget_ms: expected more than 0" : job->error;
+}
+
+void vxs_bake_job_take(vxs_bake_job *job, vxs_bake_bytes *file)
+{
+    int is_done = !job->has_thread && job->state == VXS_BAKE_DONE;
+    *file       = is_done ? job->file : (vxs_bake_bytes){0};
+    if (is_done) job->file = (vxs_bake_bytes){0};
+}
+
+void vxs_bake_job_close(vxs_bake_job *job)
+{
+    if (!job) return;
+    vxs_bake_job_cancel(job);
+    if (job->has_thread) {
+        gate_open(&job->run.gate);
+        join(job);
+    }
+    vxs_bake_bytes_free(&job->file);
+    pthread_cond_destroy(&job->ended);
+    pthread_mutex_destroy(&job->lock);
+    bake_run_free(&job->run);
+    free(job);
+}
+
+/* one call -------------------------------------------------------------------------------------------------------------------- */
+
+vxs_result vxs_bake(const vxs_bake_options *options, vxs_bake_bytes *file, char *error)
+{
+    vxs_bake_job *job;
+    if (file) *file = (vxs_bake_bytes){0};
+    vxs_result r = vxs_bake_job_open(&job, options, error);
+    if (r != VXS_OK) return r;
+    if (!file && !options->output_path)
+        r = bake_run_error(&job->run, fail(&job->run.m, VXS_E_ARGUMENT, "expected an output_path, or somewhere to put the bytes"),
+                           error);
+    else
+        r = bake_run_error(&job->run, vxs_bake_job_run(job), error);
+    if (file) vxs_bake_job_take(job, file);
+    vxs_bake_job_close(job);
+    return r;
+}
