@@ -13,6 +13,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stddef.h>
 #include <stdint.h>
 
 typedef struct gate {
@@ -37,6 +38,12 @@ void gate_leave(gate *g);
 
 /* Wait while the gate of the calling thread is shut. A few nanoseconds when it is open. */
 void gate_pass(void);
+
+/* The same once in so many items of a loop, a power of two. */
+static inline void gate_pass_each(size_t items, size_t n)
+{
+    if (!(n & (items - 1))) gate_pass();
+}
 
 /* 1 when the run of the calling thread is given up. */
 int gate_is_cancelled(void);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/gate.h"
 #include "baker/base/parallel.h"
 #include "baker/blocks/pattern_code.h"
 
@@ -403,6 +404,7 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
     for (uint32_t n = first; n < end; n++) {
         const node_shape *shape = shape_of(l, &l->nodes[n]);
         if (l->nodes[n].word != next_word) continue;
+        gate_pass();
         write_node(&w->scratch, words + next_word, shape);
         next_word += shape_words(shape);
         c->nodes++;

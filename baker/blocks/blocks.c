@@ -6,6 +6,9 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/gate.h"
+
+enum { BETWEEN_PASSES = 64 };
 
 vxs_result block_set_add_uniform(block_set *s, const uniform_square *u)
 {
@@ -33,12 +36,14 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
     for (int depths = 2; depths <= PALETTE_MAX; depths++) {
         const pattern_class *c = &from->patterns.by_depths[depths];
         for (size_t n = 0; n < c->count; n++) {
+            gate_pass_each(BETWEEN_PASSES, n);
             pattern_needs(&from->patterns, depths, n, needs);
             vxs_result r = pattern_find(&s->patterns, depths, needs, &ids->pattern[c->ids[n]]);
             if (r != VXS_OK) return r;
         }
     }
     for (size_t n = 0; n < from->own.count; n++) {
+        gate_pass_each(BETWEEN_PASSES, n);
         vxs_result r = own_adopt(&s->own, &from->own.patterns[n], &ids->own[n], &ids->own_base[n]);
         if (r != VXS_OK) return r;
     }
@@ -49,6 +54,7 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
 {
     for (uint32_t n = 0; n < from->blocks.count; n++) {
         block *b = block_at(from, n);
+        gate_pass_each(BETWEEN_PASSES, n);
         for (block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
             if (t->kind == TILE_OWN) t->base += ids->own_base[t->pattern];
             if (tile_has_pattern(t)) t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "baker/base/gate.h"
 #include "baker/base/group.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
@@ -108,6 +109,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
         int              faces = !solid && !holed && !back && !(p->double_sided && p->double_sided[from]);
         corner           c[3];
         sparse_triangle *t = &w->s->all[n];
+        gate_pass_each(256, n);
         order_corners(w, from, c, was);
         for (int k = 0; k < 3; k++) {
             t->x[k] = c[k].x;
