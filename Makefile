@@ -138,9 +138,9 @@ $B/libvxs.a: $(runtime.o)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 
-# the command's objects are those of a shared library, too
+# the command's objects are those of a shared library, too, and of an archive, in which gcc's unique names cannot be hidden
 $(baker.o) $(library.o): cflags += $(pic)
-$(baker.o) $(library.o): cxxflags += $(pic)
+$(baker.o) $(library.o): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
 $B/%.c.avx2.o: cflags += -mavx2
 $B/%.c.avx512.o: cflags += -mavx512f -mavx512bw -mavx512dq -mavx512vl
 define compile

@@ -79,7 +79,13 @@ files     := bindir/vxs=$B/vxs \
              libdir/libvxs.so.$(version)=$B/libvxs.so \
              libdir/libvxs.so.$(major)=@libvxs.so.$(version) \
              libdir/libvxs.so=@libvxs.so.$(major) \
+             libdir/libvxs_bake.a=$B/libvxs_bake.a \
+             libdir/libvxs_bake.so.$(version)=$B/libvxs_bake.so \
+             libdir/libvxs_bake.so.$(major)=@libvxs_bake.so.$(version) \
+             libdir/libvxs_bake.so=@libvxs_bake.so.$(major) \
+             includedir/vxs/vxs_bake.h=baker/vxs_bake.h \
              libdir/pkgconfig/vxs.pc=runtime/install/vxs.pc.in \
+             libdir/pkgconfig/vxs_bake.pc=runtime/install/vxs_bake.pc.in \
              $(foreach f,vxsConfig vxsConfigVersion,libdir/cmake/vxs/$f.cmake=runtime/install/$f.cmake.in) \
              $(foreach f,$(headers),includedir/vxs/$(notdir $f)=$f) \
              $(foreach f,$(man.1),datadir/man/man1/$(notdir $f)=$f) \

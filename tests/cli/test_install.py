@@ -22,7 +22,8 @@ DOCUMENTS = ["README.md", "LICENSE", "LICENSE.MIT", "LICENSE.GPL-3.0", "formats/
              *(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*") if path.is_file())]
 INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}", f"lib/libvxs.so.{VERSION}", "lib/pkgconfig/vxs.pc",
              "lib/cmake/vxs/vxsConfig.cmake", "lib/cmake/vxs/vxsConfigVersion.cmake",
-             *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
+             "lib/libvxs_bake.a", "lib/libvxs_bake.so", f"lib/libvxs_bake.so.{MAJOR}", f"lib/libvxs_bake.so.{VERSION}", "lib/pkgconfig/vxs_bake.pc",
+             *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_bake", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
                                              "vxs_lookup_blocks", "vxs_space")),
              "share/man/man1/vxs.1", *(f"share/man/man1/vxs-{command}.1" for command in COMMANDS),
              "share/bash-completion/completions/vxs", "share/zsh/site-functions/_vxs", "share/fish/vendor_completions.d/vxs.fish",
@@ -197,7 +198,7 @@ def test_install_use_uninstall(build, tmp_path, staged):
     make(build, "install", *where)  # over what is there
     assert files_under(root) == INSTALLED | others
     assert os.access(root / "bin" / "vxs", os.X_OK) and not os.access(root / "lib" / f"libvxs.so.{VERSION}", os.X_OK)
-    for name in ("pkgconfig/vxs.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
+    for name in ("pkgconfig/vxs.pc", "pkgconfig/vxs_bake.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
         assert "@" not in (root / "lib" / name).read_text()
     assert re.match(r'\.TH VXS-BAKE 1 "\d{4}-\d\d-\d\d" ', (root / "share/man/man1/vxs-bake.1").read_text())
 
@@ -314,11 +315,12 @@ def unpacked(packages, tmp_path_factory):
 
 @pytest.mark.slow
 def test_packages_say_what_they_need(build, packages, unpacked):
-    assert set(packages) == {"vxs", f"libvxs{MAJOR}", "libvxs-dev"}
+    assert set(packages) == {"vxs", f"libvxs{MAJOR}", "libvxs-dev", f"libvxs-bake{MAJOR}", "libvxs-bake-dev"}
     told = {name: fields(path) for name, path in packages.items()}
     for name, control in told.items():
         assert control["Package"] == name and control["Version"] == VERSION and control["Maintainer"] == "A Maintainer <a@vxs.test>"
-    for name, path in (("vxs", unpacked / "usr/bin/vxs"), (f"libvxs{MAJOR}", next(unpacked.glob(f"usr/lib/*/libvxs.so.{VERSION}")))):
+    for name, path in (("vxs", unpacked / "usr/bin/vxs"), (f"libvxs{MAJOR}", next(unpacked.glob(f"usr/lib/*/libvxs.so.{VERSION}"))),
+                       (f"libvxs-bake{MAJOR}", next(unpacked.glob(f"usr/lib/*/libvxs_bake.so.{VERSION}")))):
         depends = {one.split()[0] for one in told[name]["Depends"].split(", ")}
         where = dict(re.findall(r"(\S+) => (\S+)", subprocess.run(["ldd", path], capture_output=True, text=True, check=True).stdout))
         found = {library: os.path.basename(os.path.realpath(where[library])) for library in needed(path) if library in where}
@@ -327,6 +329,7 @@ def test_packages_say_what_they_need(build, packages, unpacked):
             assert depends & set(re.findall(rf"^([^:]+):.*/{re.escape(file)}$", owners, re.MULTILINE)), library
     assert "libosmesa6" in told["vxs"]["Depends"]  # which is opened when something is drawn
     assert f"libvxs{MAJOR} (= {VERSION})" in told["libvxs-dev"]["Depends"]
+    assert f"libvxs-bake{MAJOR} (= {VERSION})" in told["libvxs-bake-dev"]["Depends"]
 
 
 @pytest.mark.slow

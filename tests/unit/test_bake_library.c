@@ -405,7 +405,7 @@ static void test_given_up_by_the_callback(void **state)
         char error[VXS_BAKE_ERROR_BYTES];
         c = (counted){.give_up_at = n, .last_share = -1};
         assert_int_equal(vxs_bake(&o, NULL, error), VXS_E_INTERRUPTED);
-        assert_non_null(strstr(error, "given up"));
+        assert_true(strstr(error, "given up") || strstr(error, "interrupted"));
         assert_old();
     }
 }
