@@ -132,6 +132,8 @@ typedef struct vxs_bake_options {
 
     /* what is made of it */
     vxs_bake_exit   exit;
+    int             behind_free; /* 1: what lies behind the last surface is left open: --behind free */
+    double          thickness_m; /* of single-sided sheets that face the light, 1e-9 to 1e9; 0: none: --thickness */
     vxs_bake_coding coding;
     vxs_bake_pack   pack;        /* of VXS_BAKE_BLOCKS */
     uint32_t        zstd_level;  /* 1 to 19; 0: 12 */

@@ -51,31 +51,30 @@ typedef enum baseline_mode { BASELINE_SAMPLE, BASELINE_FULL, BASELINE_OFF } base
 #define BASELINE_CHOICES "sample|full|off"
 
 typedef struct bake_options {
-    const char *scene_path;
-    struct bake_scene
-        *prepared; /* NULL: the scene is read from its path; else it is there, with its casters (bake_scene.h), and read only */
-    const char             *output_path; /* "-" is standard output; NULL: nothing is written */
-    const char             *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
-    scene_choice            scene;       /* which one of the file, and what of it casts */
-    text_list               light_names; /* none: all lights, or the suns */
-    named_list              suns;        /* all have a name; the way sunlight travels, of any length but zero */
-    uint32_t                resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
-    double                  texel_metres;
-    named_list              resolutions, texels; /* by light; none is in both */
-    int                     region_given;
-    double                  region_ws[6]; /* min xyz, max xyz */
-    maps_choice             maps;
-    closed_mode             closed;
-    exit_mode               exit;
-    behind_choice           behind;
-    double                  thickness_m; /* of sheets that face the light; 0: none */
-    coding_choice           coding;
-    pack_choice             pack; /* of palette blocks */
-    mask_rule               rule;
-    int                     reuse;
-    compress_choice         compress;
-    stop_stage              stop;
-    gl_backend              gl;
+    const char        *scene_path;
+    struct bake_scene *prepared;    /* NULL: the scene is read; else it is there, with its casters, and read only (bake_scene.h) */
+    const char        *output_path; /* "-" is standard output; NULL: nothing is written */
+    const char        *page_path;   /* NULL: none. Else pictures of the maps of the largest lights are kept for it */
+    scene_choice       scene;       /* which one of the file, and what of it casts */
+    text_list          light_names; /* none: all lights, or the suns */
+    named_list         suns;        /* all have a name; the way sunlight travels, of any length but zero */
+    uint32_t           resolution;  /* texels a side of a map whose light has none of its own below; 0: from texel_metres */
+    double             texel_metres;
+    named_list         resolutions, texels; /* by light; none is in both */
+    int                region_given;
+    double             region_ws[6]; /* min xyz, max xyz */
+    maps_choice        maps;
+    closed_mode        closed;
+    exit_mode          exit;
+    behind_choice      behind;
+    double             thickness_m; /* of sheets that face the light; 0: none */
+    coding_choice      coding;
+    pack_choice        pack; /* of palette blocks */
+    mask_rule          rule;
+    int                reuse;
+    compress_choice    compress;
+    stop_stage         stop;
+    gl_backend         gl;
     const opengl_rendering *rendering; /* with MAPS_GL; NULL: this program has none */
     uint32_t                threads;
     uint32_t                zstd_level; /* 1..19 */

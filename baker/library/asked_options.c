@@ -46,6 +46,8 @@ static vxs_result check_choices(const vxs_bake_options *a, message *m)
     if (r == VXS_OK) r = check_choice("pack", a->pack, VXS_BAKE_PACK_FAST, m);
     if (r == VXS_OK) r = check_choice("zstd_level", a->zstd_level, ZSTD_MAX, m);
     if (r == VXS_OK) r = check_choice("threads", a->threads, PARALLEL_THREADS_MAX, m);
+    if (r == VXS_OK && a->thickness_m != 0 && !(a->thickness_m >= TEXEL_MIN_METRES && a->thickness_m <= TEXEL_MAX_METRES))
+        r = fail(m, VXS_E_ARGUMENT, "thickness_m %g: expected %g to %g", a->thickness_m, TEXEL_MIN_METRES, TEXEL_MAX_METRES);
     if (r == VXS_OK && a->coding == VXS_BAKE_DAG && a->pack != VXS_BAKE_PACK_SMALL)
         r = fail(m, VXS_E_ARGUMENT, "pack is of the pages of palette blocks, and coding is VXS_BAKE_DAG");
     return r;
@@ -194,6 +196,8 @@ static void translate(asked_options *a)
     o->maps         = MAPS_SPARSE;
     o->closed       = closed[asked->closed];
     o->exit         = exits[asked->exit];
+    o->behind       = asked->behind_free ? BEHIND_FREE : BEHIND_SHADOW;
+    o->thickness_m  = asked->thickness_m;
     o->coding       = asked->coding == VXS_BAKE_DAG ? CODING_DAG : CODING_BLOCKS;
     o->pack         = asked->pack == VXS_BAKE_PACK_FAST ? PACK_FAST : PACK_SMALL;
     o->reuse        = 1;

@@ -17,7 +17,7 @@ from test_install import CXX_COMPILER, C_COMPILER, MAJOR, SANITIZERS, build, con
 GUIDE = (ROOT / "docs" / "bake-library.md").read_text()
 LISTINGS = re.findall(r"^```c\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
 
-# user SCENE OUT RESOLUTION [dag] [fast] [off] [region] [steps] [one]
+# user SCENE OUT RESOLUTION [dag] [fast] [behind] [thick] [off] [region] [steps] [one]
 USER = """
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,6 +39,8 @@ int main(int argc, char **argv)
     for (n = 4; n < argc; n++) {
         if (!strcmp(argv[n], "dag")) o.coding = VXS_BAKE_DAG;
         if (!strcmp(argv[n], "fast")) o.pack = VXS_BAKE_PACK_FAST;
+        if (!strcmp(argv[n], "behind")) o.behind_free = 1;
+        if (!strcmp(argv[n], "thick")) o.thickness_m = 0.25;
         if (!strcmp(argv[n], "off")) o.closed = VXS_BAKE_CLOSED_OFF;
         if (!strcmp(argv[n], "one")) o.threads = 1;
         if (!strcmp(argv[n], "steps")) budget = 3;
@@ -114,7 +116,7 @@ def scenes(vxs, tmp_path_factory):
     return folder
 
 
-OPTIONS = {"dag": ("--coding", "dag"), "fast": ("--pack", "fast"), "off": ("--closed", "off"), "region": ("--region", "0,0,0,4,4,4")}
+OPTIONS = {"dag": ("--coding", "dag"), "fast": ("--pack", "fast"), "off": ("--closed", "off"), "behind": ("--behind", "free"), "thick": ("--thickness", "0.25"), "region": ("--region", "0,0,0,4,4,4")}
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +126,7 @@ def user(compiled):
 
 @pytest.mark.parametrize("scene, words, language", [
     ("city.glb", (), "c"), ("city.glb", ("dag", "one"), "c++"), ("city.glb", ("fast", "steps"), "static"), ("city.glb", ("off", "region"), "c"),
-    ("small.gltf", ("steps",), "c"), ("small.gltf", ("dag", "steps"), "static"), ("room.glb", ("fast",), "c++"),
+    ("small.gltf", ("steps",), "c"), ("small.gltf", ("dag", "steps"), "static"), ("room.glb", ("fast",), "c++"), ("room.glb", ("behind", "thick"), "c"),
 ], ids=str)
 def test_bytes_of_the_command(vxs, run, user, scenes, tmp_path, scene, words, language):
     options = [o for word in words for o in OPTIONS.get(word, ())]

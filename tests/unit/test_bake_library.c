@@ -134,6 +134,9 @@ static void test_options_out_of_range(void **state)
     REFUSED(o.resolution = 0; o.texel_metres = INFINITY, "texel_metres inf");
     REFUSED(o.resolution = 0; o.texel_metres = 1e-30, "texel_metres 1e-30");
     REFUSED(o.threads = 257, "threads 257");
+    REFUSED(o.thickness_m = NAN, "thickness_m");
+    REFUSED(o.thickness_m = -1, "thickness_m -1");
+    REFUSED(o.thickness_m = INFINITY, "thickness_m inf");
     REFUSED(o.zstd_level = 20, "zstd_level 20");
     REFUSED(o.closed = 3, "closed 3");
     REFUSED(o.exit = 99, "exit 99");
