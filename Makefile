@@ -1,6 +1,7 @@
 # vxs: precomputed voxelized shadows. The only build description, with runtime/install/install.mk.
 #
-#   make                build the command, the runtime library and the bake library: build/release/vxs, libvxs.a and .so, libvxs_bake.a and .so
+#   make                build the command, the runtime library and the bake library: build/release/vxs, libvxs.a and .so, libvxs_bake.a and .so;
+#                       and vxs-mpi, where there is an mpicc
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
@@ -30,6 +31,7 @@ config     ?= release
 BENCH_JSON ?= build/bench.json
 CHART_JS   ?= /usr/share/javascript/chart.js/chart.min.js
 PKG_CONFIG ?= pkg-config
+MPICC      ?= mpicc
 B          := build/$(config)
 Q          := $(if $(V),,@)
 
@@ -69,10 +71,14 @@ libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.li
 
 # --- what is built --------------------------------------------------------------------------------------------------------
 
+# a bake by many processes; the program is there where an MPI is
+mpi.c     := $(wildcard baker/mpi/*.c)
+mpi.o     := $(mpi.c:%=$B/%.o)
+mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 library.c := $(wildcard baker/library/*.c)
-baker.c   := $(filter-out $(library.c),$(wildcard baker/*/*.c baker/*/*/*.c))
+baker.c   := $(filter-out $(library.c) $(mpi.c),$(wildcard baker/*/*.c baker/*/*/*.c))
 library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
 # what takes longest to compile comes first, so that no processor waits for it in the end
@@ -96,26 +102,32 @@ fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o
-objects    = $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(pic.o) $(test.o)
+objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
 .PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-sparse check-cracks check-tsan bench bench-large packages format clean
-all: $B/vxs $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
+all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
 
 $B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
+ifdef mpi
+$(mpi): $(mpi.o) $B/baker.a $B/libvxs.a
+$(mpi): test_libs = $(shell $(MPICC) --showme:link)
+$(mpi.o): cflags += $(shell $(MPICC) --showme:compile)
+endif
 # an archive: what a test does not call is not linked into it, which takes the linker a quarter of the time
 $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
 $B/tests/unit/test_lookup_blocks: $B/tests/unit/blocks_scalar.c.o
+$B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(shader)
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
-$B/vxs $(unit) $(helper):
+$B/vxs $(mpi) $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 

@@ -94,7 +94,7 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     if (r == VXS_OK) {
         column_source source = light_columns_source(&columns);
         r                    = kept_light_source(&keeper, kept, &source, &planned->light, light, ctx->message);
-        if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, o->parts ? NULL : out, ctx);
+        if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
     }
     report_light(light, planned, &columns, &coding, plan->tile_px);
     chosen_coder_free(&coding);
@@ -183,7 +183,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
     }
     if ((r = bake_lights(o, c, coded, kept, report, ctx)) != VXS_OK) goto done;
     report->warning_count = ctx->message->warning_count - report->warnings_before - kept->store.warnings;
-    if (o->parts) goto done; /* others add its squares to those of other parts */
+    if (is_baked_apart(o)) goto done;
     watch_say(o->watch, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
     text = provenance_text(report);
@@ -304,9 +304,10 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
 
     stage_begin(&ctx, STAGE_WRITE);
     if (o->output_path) watch_say(o->watch, "writing %s", o->output_path);
-    r = o->parts ? kept_squares_end_part(&kept, report, m) : asset_write(o, &file, report, m);
+    if (o->parts) r = kept_squares_end_part(&kept, report, m);
+    if (!is_baked_apart(o)) r = asset_write(o, &file, report, m);
     if (r != VXS_OK) goto done;
-    if (kept.has_store && !o->parts) square_store_clean(&kept.store); /* other parts use the rest of it */
+    if (kept.has_store && !is_baked_apart(o)) square_store_clean(&kept.store); /* others use the rest of it */
     stage_begin(&ctx, STAGE_NONE);
     report_stages(report, &ctx);
     if (observer) r = observer->look(observer->user, o, &s->casters, &file, m);

@@ -10,6 +10,7 @@
 #include "baker/columns/opengl/exit_depth.h"
 #include "baker/columns/opengl/opengl_columns.h"
 #include "baker/dag/build.h"
+#include "baker/kept/square_exchange.h"
 #include "baker/measure/watch.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
@@ -84,12 +85,20 @@ typedef struct bake_options {
     uint32_t                part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
     int              if_changed; /* 1: where the output was baked from the same by this version, it stays, and nothing is done */
     const run_watch *watch;      /* who is told how far it is; NULL: nobody; borrowed */
+
+    const square_exchange *others; /* processes that make squares of this bake, too; NULL: none */
 } bake_options;
 
-/* Whether squares of the maps are kept, in a folder or as a part. */
+/* Whether squares of the maps are kept, in a folder, as a part, or for others. */
 static inline int keeps_squares(const bake_options *o)
 {
-    return o->resume_path || o->parts;
+    return o->resume_path || o->parts || o->others;
+}
+
+/* Whether squares are made here and added by somebody else, who writes the asset. */
+static inline int is_baked_apart(const bake_options *o)
+{
+    return o->parts || (o->others && !o->others->adds);
 }
 
 /* Whether more is left free than the insides of solids, as only the sparse source can tell. */

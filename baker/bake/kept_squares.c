@@ -52,6 +52,7 @@ vxs_result kept_squares_open(kept_squares *k, const bake_options *o, const bake_
 {
     vxs_result r = VXS_OK;
     k->coding    = coding_key(o);
+    k->others    = o->others;
     if (o->resume_path) {
         r            = square_store_open(&k->store, o->resume_path, m);
         k->has_store = r == VXS_OK;
@@ -86,6 +87,17 @@ void kept_squares_close(kept_squares *k)
 
 /* a light --------------------------------------------------------------------------------------------------------------------- */
 
+/* Whether what is made here goes to the process that adds it; whether anybody but this one adds it. */
+static int is_for_others(const kept_squares *k)
+{
+    return k->others && !k->others->adds;
+}
+
+static int is_apart(const kept_squares *k)
+{
+    return k->has_part || is_for_others(k);
+}
+
 column_key part_square_key(uint64_t number, uint32_t light, uint32_t map, uint32_t level, uint32_t i, uint32_t j)
 {
     const uint64_t place[] = {number, light, map, level, i, j};
@@ -106,32 +118,53 @@ static vxs_result square_key(const kept_light *l, const column_map *columns, uin
     return r;
 }
 
-/* A square in the folder. */
-static vxs_result find_stored(kept_light *l, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, vxs_bytes *record,
-                              int *found, message *m)
+/* A square that another process has made. */
+static vxs_result take_from_other(kept_light *l, vxs_bytes *record, message *m)
 {
-    vxs_result r = square_key(l, columns, level, i, j, &l->asked);
-    if (r != VXS_OK) return fail(m, r, "out of memory for the key of a square");
-    return square_store_find(&l->squares->store, &l->asked, record, found, m);
+    kept_squares *k    = l->squares;
+    int           made = 0;
+    vxs_result    r    = k->others->take(k->others->data, l->number, &l->asked, record, &made, m);
+    l->report->squares_made += (uint64_t)made;
+    return r == VXS_OK && k->has_store ? square_store_use(&k->store, &l->asked, m) : r;
+}
+
+/* Hand a square to whoever adds it. Where nobody else does, nothing happens. */
+static vxs_result hand_over(const kept_light *l, const vxs_bytes *record, int made, message *m)
+{
+    kept_squares *k = l->squares;
+    if (k->has_part) return part_add(&k->part, l->number, &l->part_key, record, m);
+    return is_for_others(k) ? k->others->give(k->others->data, l->number, &l->asked, record, made, m) : VXS_OK;
+}
+
+/* A square that this process sees to: whether it is in the folder. */
+static vxs_result find_stored(kept_light *l, square_fate *fate, vxs_bytes *record, message *m)
+{
+    kept_squares *k     = l->squares;
+    int           found = 0;
+    vxs_result    r     = k->has_store ? square_store_find(&k->store, &l->asked, record, &found, m) : VXS_OK;
+    if (r == VXS_OK && found) r = hand_over(l, record, 0, m);
+    *fate = !found ? SQUARE_MAKE : is_apart(k) ? SQUARE_LEAVE : SQUARE_KNOWN;
+    return r;
 }
 
 static vxs_result ask(void *data, const column_map *columns, uint32_t level, uint32_t i, uint32_t j, square_fate *fate,
                       vxs_bytes *record, bake_context *ctx)
 {
-    kept_light   *l     = data;
-    kept_squares *k     = l->squares;
-    int           found = 0;
-    vxs_result    r     = VXS_OK;
-    l->number           = k->next++;
-    *fate               = SQUARE_LEAVE;
-    if (k->has_part && !part_has(&k->part, l->number)) return VXS_OK;
+    kept_light   *l = data;
+    kept_squares *k = l->squares;
+    vxs_result    r = VXS_OK;
+    l->number       = k->next++;
+    *fate           = k->has_part && !part_has(&k->part, l->number) ? SQUARE_LEAVE : SQUARE_MAKE;
+    if (k->others) r = k->others->claim(k->others->data, l->number, fate, ctx->message);
+    if (r != VXS_OK || *fate == SQUARE_LEAVE) return r;
     l->report->squares++;
     l->part_key = part_square_key(l->number, l->light, l->map, level, i, j);
     stage_begin(ctx, STAGE_MAPS);
-    if (k->has_store) r = find_stored(l, columns, level, i, j, record, &found, ctx->message);
-    if (r == VXS_OK && found && k->has_part) r = part_add(&k->part, l->number, &l->part_key, record, ctx->message);
+    if (k->has_store || k->others) r = square_key(l, columns, level, i, j, &l->asked);
+    if (r != VXS_OK) fail(ctx->message, r, "out of memory for the key of a square");
+    if (r == VXS_OK)
+        r = *fate == SQUARE_KNOWN ? take_from_other(l, record, ctx->message) : find_stored(l, fate, record, ctx->message);
     stage_begin(ctx, STAGE_NONE);
-    *fate = !found ? SQUARE_MAKE : k->has_part ? SQUARE_LEAVE : SQUARE_KNOWN;
     return r;
 }
 
@@ -143,7 +176,7 @@ static vxs_result keep(void *data, const vxs_bytes *record, bake_context *ctx)
     l->report->squares_made++;
     stage_begin(ctx, STAGE_MAPS);
     if (k->has_store) r = square_store_keep(&k->store, &l->asked, record, ctx->message);
-    if (r == VXS_OK && k->has_part) r = part_add(&k->part, l->number, &l->part_key, record, ctx->message);
+    if (r == VXS_OK) r = hand_over(l, record, 1, ctx->message);
     stage_begin(ctx, STAGE_NONE);
     return r;
 }
@@ -174,10 +207,10 @@ vxs_result kept_light_source(kept_light *l, kept_squares *k, column_source *sour
                              message *m)
 {
     part_common *c = &k->common;
-    if (!k->has_store && !k->has_part) return VXS_OK;
+    if (!k->has_store && !k->has_part && !k->others) return VXS_OK;
     *l      = (kept_light){.squares = k,
                            .under   = *source,
-                           .keeper  = {l, k->has_part, k->has_part ? note : NULL, ask, keep},
+                           .keeper  = {l, is_apart(k), k->has_part ? note : NULL, ask, keep},
                            .report  = report,
                            .light   = k->lights++};
     *source = (column_source){l, l->under.map_count, open_map};

@@ -1,5 +1,5 @@
-/* Squares of a bake that are kept, in a folder, or as a part of the bake: what decides their bytes, from options and scene, as keys; and a
- * light's columns with a keeper.
+/* Squares of a bake that are kept, in a folder, as a part of the bake, or for another process: what decides their bytes, from options and
+ * scene, as keys; and a light's columns with a keeper.
  *
  * Where a source has keys of its squares, those and the coding decide. Where it has none, all that goes into the bake does
  * (provenance.h), and who renders.
@@ -15,13 +15,15 @@
 
 /* Of a bake. Zero it. */
 typedef struct kept_squares {
-    int          has_store, has_part; /* neither: nothing is kept */
+    int          has_store, has_part; /* neither, and no others: nothing is kept */
     square_store store;
     part_writer  part;
     part_common  common;       /* of the parts */
     uint32_t     lights;       /* that were begun */
     uint64_t     next;         /* number of the square that is asked about next, over all lights and maps */
     column_key   coding, bake; /* what all squares follow from; of squares without keys of their own */
+
+    const square_exchange *others; /* NULL: none */
 } kept_squares;
 
 /* Open the folder of --resume, and begin the part of --part.

@@ -52,7 +52,13 @@ static vxs_result run(void *command, message *m)
 
 int cmd_bake(int argc, char **argv)
 {
+    return cmd_bake_with(NULL, argc, argv);
+}
+
+int cmd_bake_with(const square_exchange *others, int argc, char **argv)
+{
     bake_arguments a;
     bake_arguments_init(&a, "bake", "SCENE -o OUT.vxs [options]", "Bake the shadows of a scene into a .vxs file.", 1);
+    a.o.others = others;
     return command_run(&a.line, argc, argv, run, &a);
 }

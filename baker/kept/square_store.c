@@ -60,7 +60,7 @@ vxs_result square_store_open(square_store *s, const char *folder, message *m)
 
 /* finding --------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result note_used(square_store *s, const column_key *key, message *m)
+vxs_result square_store_use(square_store *s, const column_key *key, message *m)
 {
     if (!array_reserve(&s->used, &s->used_capacity, s->used_count + 1, sizeof *s->used)) return out_of_memory(m);
     s->used[s->used_count++] = *key;
@@ -111,7 +111,7 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
         *found = read_whole(file, record) && kept_square_read(record, key) == VXS_OK;
     }
     close(file);
-    if (*found) return note_used(s, key, m);
+    if (*found) return square_store_use(s, key, m);
     free(record->data);
     *record = (vxs_bytes){0};
     if (s->is_sound) WARN(s, m, "%s/%s is not what was kept: it is made again, as are any others of that kind", s->folder, name);
@@ -149,7 +149,7 @@ vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_b
     if (r == VXS_OK) r = write_file(s, name, &bytes, &why);
     free(bytes.data);
     message_free(&why);
-    if (r == VXS_OK) return note_used(s, key, m);
+    if (r == VXS_OK) return square_store_use(s, key, m);
     if (r == VXS_E_MEMORY) return out_of_memory(m);
     s->is_full = 1;
     WARN(s, m, "--resume %s: squares cannot be kept any more, and the bake goes on without: %s", s->folder, why.error);

@@ -38,6 +38,9 @@ vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
 vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, message *m);
 
+/* A square of this run that another process has found or kept. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result square_store_use(square_store *s, const column_key *key, message *m);
+
 /* Remove what this run has not used. What is no file of a square stays. */
 void square_store_clean(square_store *s);
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "baker/base/parallel.h"
+#include "baker/files/input_file.h"
 #include "baker/kept/part_file.h"
 #include "baker/options/scene_rows.h"
 
@@ -82,13 +83,18 @@ static vxs_result check_part_name(const bake_options *o, message *m)
 /* Squares are kept for their file: nothing else sees those that are not made, or not here. */
 static vxs_result check_kept(const bake_arguments *a, message *m)
 {
-    const char *given = a->o.resume_path ? "--resume" : "--part";
+    const char *given = a->o.resume_path ? "--resume" : a->o.parts ? "--part" : "several processes";
     const char *why   = a->o.page_path                                         ? "--report draws depth maps"
                         : a->baseline_given && a->o.baseline != BASELINE_OFF   ? "--baseline measures depth maps"
                         : a->o.coding == CODING_DAG && a->o.stop != STOP_FINAL ? "--stop leaves nodes where they were made"
                                                                                : NULL;
     if (keeps_squares(&a->o) && why)
         return fail(m, VXS_E_ARGUMENT, "%s, and with %s not every square is made: expected one of them", why, given);
+    if (a->o.others && a->o.parts)
+        return fail(m, VXS_E_ARGUMENT,
+                    "--part makes a part of a bake, and several processes share all of it: expected one of them");
+    if (a->o.others && is_standard_input(a->o.scene_path))
+        return fail(m, VXS_E_ARGUMENT, "several processes read the scene, and standard input is read once: expected a file");
     if (a->o.parts && a->o.if_changed)
         return fail(m, VXS_E_ARGUMENT, "--if-changed looks into an asset, and --part writes none: expected one of them");
     return VXS_OK;
