@@ -8,6 +8,7 @@
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
+#   make check-faults   kill bakes and ranks 50 times each, flip every bit, and bake large maps with too little memory: some minutes
 #   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
 #                       sources or columns (tests/exact/sparse.py)
 #   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps: some minutes
@@ -105,7 +106,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-sparse check-cracks check-tsan bench bench-large packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-faults check-sparse check-cracks check-tsan bench bench-large packages format clean
 all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -222,6 +223,9 @@ check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit
 check-memory: all
 	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
+check-faults: all
+	@VXS_KILLS=50 VXS_LARGE=1 VXS_EVERY_BIT=1 VXS=$B/vxs $(python) -m pytest -q -rs -p no:cacheprovider \
+	    tests/cli/test_resume.py tests/cli/test_parts.py tests/cli/test_farm.py tests/cli/test_faults.py tests/cli/test_limits.py
 check-sparse: $B/vxs $B/tests/exact/exact $B/tests/bench/sources
 	@$(python) tests/exact/sparse.py --build $B $(if $(part),--part $(part))
 check-cracks: $B/tests/bench/cracks

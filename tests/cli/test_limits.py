@@ -1,5 +1,6 @@
 # Time and memory follow the input: deep piles of geometry, small files that unfold, --memory from outside of the process.
 # VXS_EVERY_SCENE=1 bakes every real scene within half and twice of what it needs (make check-memory); else a few.
+# VXS_LARGE=1 bakes maps of 65536 texels with too little memory (make check-faults); else of 8192.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import collections
 import base64
@@ -70,7 +71,7 @@ def refused(done):
     return done.returncode == 6 and done.stderr.startswith("vxs: error: ") and done.stderr.count("\n") == 1
 
 
-EVERY = bool(os.environ.get("VXS_EVERY_SCENE"))
+EVERY, LARGE = (bool(os.environ.get(name)) for name in ("VXS_EVERY_SCENE", "VXS_LARGE"))
 
 
 def real_scenes():
@@ -103,6 +104,32 @@ def test_memory_is_a_promise(outside, scenes, tmp_path, name, resolution, coding
         assert done.peak <= budget + TOLERANCE, (share, budget, done)
         assert out.exists() == (done.returncode == 0) and (not out.exists() or out.read_bytes() == whole)
         out.unlink(missing_ok=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [(), ("--coding", "dag"), ("--resume", "kept")], ids=["blocks", "dag", "resume"])
+def test_a_large_map_with_half_the_memory(outside, vxs, tmp_path, options):
+    """By --memory, and by the address space: the same bytes, or one line; and the same bytes in the end, with what was kept."""
+    out, options = tmp_path / "a.vxs", (*options[:-1], tmp_path / "kept") if "--resume" in options else options
+    vxs("scene", "city", "--triangles", 100000 if LARGE else 20000, "-o", tmp_path / "city.glb")
+    bake = ("bake", tmp_path / "city.glb", "-o", out, "--resolution", 65536 if LARGE else 8192, "--threads", 2, *options)
+    free = outside(*bake)
+    assert free.returncode == 0, free
+    whole, statuses = out.read_bytes(), []
+    for share in (0.5, 0.75, 1, 1.5):
+        out.unlink()
+        room = int(share * free.peak)
+        done = outside(*bake, "--memory", room)
+        assert done.returncode == 0 or refused(done), (share, done)
+        assert done.peak <= room + TOLERANCE and out.exists() == (done.returncode == 0), (share, done)
+        limited = outside(*bake, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (60 * MIB + room, 60 * MIB + room)))
+        assert limited.returncode == 0 or refused(limited), (share, limited)
+        statuses += [done.returncode, limited.returncode]
+        if statuses[-2:] == [6, 6]:
+            assert not out.exists()
+            assert outside(*bake).returncode == 0
+        assert out.read_bytes() == whole
+    assert statuses[0] == 6
 
 
 @pytest.mark.parametrize("maps", ["gl", "sparse"])

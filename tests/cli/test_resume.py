@@ -1,6 +1,6 @@
 # Squares that are kept: bakes that go on after a kill, bakes after a change, and folders in which something is wrong. Whatever is there, the
 # bytes are those of a bake without.
-# VXS_KILLS: how many times a bake is killed (default 6).
+# VXS_KILLS: how many times a bake of each coding is killed (default 3; make check-faults: 50).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
@@ -156,16 +156,17 @@ def test_gl_squares_are_those_of_one_scene(vxs, tmp_path):
 
 # ends of runs
 
-def test_killed_at_any_moment(vxs_path, city, tmp_path):
+@pytest.mark.parametrize("coding", CODINGS)
+def test_killed_at_any_moment(vxs_path, city, tmp_path, coding):
     scene, want = city
     kept, out, rng = tmp_path / "kept", tmp_path / "out.vxs", random.Random(1)
-    options = (*SPARSE, "--resolution", "8192")
+    options = (*SPARSE, "--resolution", "8192", "--coding", coding)
     command = [vxs_path, "bake", scene, "-o", out, *options]
     begun = time.monotonic()
     subprocess.run([*command, "--resume", tmp_path / "other"], check=True, capture_output=True)
     lasts = time.monotonic() - begun
     cut_short = 0
-    for n in range(int(os.environ.get("VXS_KILLS", "6"))):
+    for n in range(int(os.environ.get("VXS_KILLS", "3"))):
         if n % 3 == 0:
             shutil.rmtree(kept, ignore_errors=True)
         out.unlink(missing_ok=True)
@@ -277,6 +278,49 @@ def test_a_full_disk(vxs_path, city, tmp_path):
         lines = [line for line in done.stderr.decode().splitlines() if "warning" in line]
         assert len(lines) == 1 and re.search(r"cannot be kept any more, and the bake goes on without: .*File too large", lines[0])
         assert all(path.suffix == ".square" for path in kept.iterdir())
+
+
+@pytest.fixture(scope="module")
+def small_disk():
+    """run(folder, size, script, *args): a shell that has a disk of so many bytes in a folder, seen by it alone."""
+    mount = 'mount -t tmpfs -o "size=$2" tmpfs "$1" || exit 99; shift 2; eval "$SCRIPT"'
+
+    def run(folder, size, script, *args):
+        return subprocess.run(["unshare", "-m", "sh", "-c", mount, "sh", folder, str(size), *map(str, args)], capture_output=True, text=True,
+                              env=os.environ | {"SCRIPT": script})
+
+    if not shutil.which("unshare") or run("/mnt", 65536, "true").returncode:
+        pytest.skip("no disk can be mounted: not root, or not allowed")
+    return run
+
+
+@pytest.mark.parametrize("room", (16384, 131072))
+def test_a_disk_that_is_full(small_disk, vxs_path, city, tmp_path, room):
+    """Squares go to a small disk: the bake goes on with one warning, and a bake with more room finds what there was room for."""
+    scene, want = city
+    disk, out, options = tmp_path / "disk", tmp_path / "out.vxs", (*SPARSE, "--resolution", "4096")
+    disk.mkdir()
+    done = small_disk(disk, room, f'"$@" && mount -o remount,size=100M tmpfs "{disk}" && "$@"', vxs_path, "bake", scene, "-o", out,
+                      "--resume", disk / "kept", *options)
+    assert done.returncode == 0, done
+    assert re.fullmatch(r"vxs: warning: --resume .*: squares cannot be kept any more.*No space left on device\n", done.stderr)
+    first, again = re.findall(r"^squares      (\d+) of 16 made, (\d+) kept in ", done.stdout, re.M)
+    assert first == ("16", "0") and int(again[0]) + int(again[1]) == 16 and 0 < int(again[1]) < 16
+    assert out.read_bytes() == want(*options)
+
+
+@pytest.mark.parametrize("options", ((), ("--part", "1/1"), ("--coding", "dag")))
+def test_a_disk_without_room_for_the_file(small_disk, vxs_path, city, tmp_path, options):
+    """An error, and nothing of it is left there; with what was kept, the file comes where there is room."""
+    scene, want = city
+    disk, kept, sizes = tmp_path / "disk", tmp_path / "kept", (*SPARSE, "--resolution", "4096")
+    disk.mkdir()
+    out = disk / ("out.part" if "--part" in options else "out.vxs")
+    done = small_disk(disk, 16384, f'"$@"; echo $? $(ls -A "{disk}")', vxs_path, "bake", scene, "-o", out, "--resume", kept, *sizes, *options)
+    assert re.fullmatch(rf"vxs: error: {out}: cannot write: No space left on device.*\n", done.stderr) and done.stdout == "4\n", done
+    if "--part" not in options:
+        done = subprocess.run([vxs_path, "bake", scene, "-o", out, "--resume", kept, *sizes, *options], capture_output=True, text=True)
+        assert squares(done) == (0, 16, 16) and out.read_bytes() == want(*sizes, *options)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
