@@ -104,13 +104,13 @@ def test_as_one_process_says_it(mpi, scene, tmp_path):
     assert out.read_bytes() == before
 
 
-def test_ranks_that_are_not_alike(mpi, scene, tmp_path):
-    """Another scene there, other options, or none of it: rank 0 says so."""
-    out, other = tmp_path / "out.vxs", small_scene.write(tmp_path / "other.gltf", (small_scene.GROUND, *PILLARS[1:]), lights=LIGHTS)
-    for there, status, says in (([other, *SIZES], 2, r"rank \d makes squares of another bake"),
-                                ([scene, *SIZES, "--coding", "dag"], 2, r"rank \d makes squares of another bake"),
-                                ([tmp_path / "none.glb", *SIZES], 3, r"rank 2: cannot read '.*none.glb'")):
-        _, stderr = mpi(2, scene, "-o", out, *SIZES, [1, *there, "-o", out], status=status)
+def test_ranks_that_are_not_alike(mpi, scene, city, tmp_path):
+    """Another scene there, other options, or none of it: rank 0, which has enough to do until then, says so."""
+    out, (level, _, _), sizes = tmp_path / "out.vxs", city, ("--resolution", "32768")
+    for there, status, says in (([scene, *sizes], 2, "rank 1 makes squares of another bake"),
+                                ([level, *sizes, "--coding", "dag"], 2, "rank 1 makes squares of another bake"),
+                                ([tmp_path / "none.glb", *sizes], 3, "rank 1: cannot read '.*none.glb'")):
+        _, stderr = mpi(1, level, "-o", out, *sizes, [1, *there, "-o", out], status=status)
         assert re.fullmatch(f"vxs: error: {says}.*\n", stderr)
     assert not out.exists()
 
