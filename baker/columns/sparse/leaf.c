@@ -11,6 +11,7 @@
 
 #include "baker/base/array.h"
 #include "baker/columns/sparse/lanes.h"
+#include "baker/columns/sparse/lean.h"
 #include "baker/scene/alpha_mask.h"
 
 enum {
@@ -24,7 +25,7 @@ enum {
 /* A triangle that may touch the tile. */
 typedef struct leaf_face {
     const sparse_triangle *t;
-    double                 lo, hi;  /* depths in the tile from the plane of lean() on */
+    double                 lo, hi;  /* depths in the tile from the plane on that it leans on (lean.h) */
     double                 hi_most; /* of faces up to this one that were met */
     uint64_t               texels;  /* that it covers: bit u + 8 v; of `asked` ones */
     uint64_t               asked;
@@ -259,37 +260,21 @@ static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
 
 /* all triangles --------------------------------------------------------------------------------------------------------------- */
 
-/* The triangle as steep as which a tile leans: the farthest that covers it, which is the ground, or a floor. */
-static const sparse_triangle *plane_of(const leaf *f, const square_list *l)
+/* Front faces are sorted by their nearest depths and back faces by their middles, as walls are: the ones end where a floor begins, the others
+ * begin where a roof ends. */
+static void lean_faces(leaf *f, const square_list *l, texel_square square)
 {
-    const square_entry *farthest = NULL;
-    for (size_t n = 0; n < l->count; n++)
-        if (l->items[n].bits & ENTRY_COVERS && (!farthest || l->items[n].lo > farthest->lo)) farthest = &l->items[n];
-    return farthest ? &f->d->triangles->all[farthest->id] : NULL;
-}
-
-/* Depths of a tile are told from those of a plane on: faces that lie over each other are mostly as steep as each other, and then apart
- * however steep they are. Front faces are sorted by their nearest depths and back faces by their middles, as walls are: the ones end where
- * a floor begins, the others begin where a roof ends. */
-static void lean(leaf *f, const square_list *l)
-{
-    const sparse_triangle *plane = plane_of(f, l);
-    const double           gx = plane ? plane->gx : 0, gy = plane ? plane->gy : 0;
-    const double           half = 3.5 * (double)px_of(f), x = (double)f->x0 + half, y = (double)f->y0 + half;
-    const double           steep = (fabs(gx) + fabs(gy)) * half, slack = ldexp(steep, -45);
+    const lean w = lean_of(l, f->d->triangles, square);
     for (f->count = 0; f->count < l->count; f->count++) {
-        const square_entry    *e      = &l->items[f->count];
-        const sparse_triangle *t      = &f->d->triangles->all[e->id];
-        const double           middle = t->zmin + t->gy * (y - t->y[0]) + t->gx * (x - t->x[0]);
-        const double           rise   = (fabs(t->gx - gx) + fabs(t->gy - gy)) * (half * (1 + 1e-12)) + t->slack + slack;
-        leaf_face             *face   = &f->faces[f->count];
-        face->t                       = t;
-        face->id                      = e->id;
+        const square_entry    *e    = &l->items[f->count];
+        const sparse_triangle *t    = &f->d->triangles->all[e->id];
+        leaf_face             *face = &f->faces[f->count];
+        face->t                     = t;
+        face->id                    = e->id;
         face->texels = face->asked = 0;
         face->covers               = e->bits & ENTRY_COVERS;
-        face->lo                   = greatest(middle - rise, e->lo - steep - slack);
-        face->hi                   = least(middle + rise, e->hi + steep + slack);
-        f->places[f->count]        = (leaf_place){sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo, (uint32_t)f->count};
+        lean_range(&w, e, t, &face->lo, &face->hi);
+        f->places[f->count] = (leaf_place){sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo, (uint32_t)f->count};
     }
 }
 
@@ -560,7 +545,7 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     f.backs   = s->backs;
     f.depths  = s->depths;
     memset(f.open, 0, sizeof f.open);
-    lean(&f, l);
+    lean_faces(&f, l, square);
     sort_places(f.places, f.count);
     meet_all(&f);
     put_depth(f.e, f.unmet, INFINITY);
