@@ -3,7 +3,8 @@
  * Counts are those of the sample times its weight. Different nodes grow with a power of inserted ones, as different words do with the
  * length of a text (Heaps' law), and so do different blocks and patterns; the power follows from how many are different in the sample.
  * Seconds and bytes are linear in the counts; the coefficients were fitted to 45 bakes of 21 scenes at 1024 to 16384 texels, those of
- * palette blocks to 55 bakes of 20 scenes at 256 to 8192.
+ * palette blocks to 55 bakes of 20 scenes at 256 to 8192; their seconds, and those of maps straight from triangles, to the bakes of a city, a
+ * landscape and Sponza at 4096 to 65536 in docs/measurements.md.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -89,10 +90,10 @@ static void estimate_dag_seconds(plan_light *l, double full, double threads)
 
 static void estimate_blocks_seconds(plan_light *l, double full, double threads, int fast)
 {
-    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 1.8e-6 * l->mask_tiles) / threads;
-    l->seconds[STAGE_MERGE]  = 3.5e-6 * l->palette.patterns;
-    l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 1.6e-7) * l->palette.words;
-    l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 1.1e-7) * l->palette.words;
+    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 1.2e-6 * l->mask_tiles) / threads;
+    l->seconds[STAGE_MERGE]  = 7e-7 * l->palette.patterns;
+    l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 9e-8) * l->palette.words;
+    l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 6e-8) * l->palette.words;
 }
 
 static void estimate_seconds(plan_light *l, const bake_options *o)
@@ -109,7 +110,7 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     double            threads = o->threads;
 
     if (o->maps == MAPS_SPARSE) {
-        l->seconds[STAGE_MAPS] = 1.2e-6 * (double)l->triangles + 1.1e-5 * l->mask_tiles / threads;
+        l->seconds[STAGE_MAPS] = (7e-7 * (double)l->triangles + 3e-6 * l->mask_tiles) / threads;
     } else {
         /* rendering waits for one thread of two */
         l->seconds[STAGE_GL] = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
@@ -145,7 +146,7 @@ void plan_estimate_scene(bake_plan *plan, const casters *c, uint64_t scene_bytes
     plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)scene_bytes + 3.6e-8 * (double)c->triangle_count;
     plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
-        (plan->meeting_known ? plan->meeting_seconds : 0) + 2e-7 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
+        (plan->meeting_known ? plan->meeting_seconds : 0) + 6e-8 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
     if (plan->seconds[STAGE_GL] > 0) { /* something is rendered */
         plan->seconds[STAGE_GL] += 0.026;
         plan->seconds[STAGE_MAPS] += 0.02; /* programs are compiled */
