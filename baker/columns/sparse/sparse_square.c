@@ -57,8 +57,13 @@ static size_t tile_at(const sparse_square *q, texel_square at)
     return (size_t)((at.v - q->at.v) / 8) * (q->at.side / 8) + (at.u - q->at.u) / 8;
 }
 
-static void set_bounds(const sparse_square *q, texel_square at, column_bounds b)
+static void set_bounds(sparse_square *q, texel_square at, column_bounds b)
 {
+    if (at.side == q->at.side) {
+        q->is_settled = 1;
+        q->settled    = b;
+        return;
+    }
     uint32_t       across = q->at.side / 8, side = at.side / 8;
     column_bounds *corner = q->pyramid[0] + tile_at(q, at);
     for (uint32_t j = 0; j < side; j++)
@@ -174,7 +179,8 @@ static int make_room(sparse_square *q, texel_square at, uint32_t threads)
     size_t   squares = 0, tiles = (size_t)(at.side / 8) * (at.side / 8);
     uint32_t l = 0;
     if (q->at.side != at.side || q->worker_count < threads) sparse_square_free(q);
-    q->at = at;
+    q->at         = at;
+    q->is_settled = 0;
     if (q->pyramid[0]) {
         memset(q->tiles, 0, tiles * sizeof *q->tiles);
         return 1;
@@ -200,7 +206,7 @@ vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const
     q->scale = d->scale;
     parallel_for(threads, tasks, 1, make_tasks, &w);
     if (w.out_of_memory) return VXS_E_MEMORY;
-    bounds_pyramid_reduce(q->pyramid, at.side / 8, threads);
+    if (!q->is_settled) bounds_pyramid_reduce(q->pyramid, at.side / 8, threads);
     return VXS_OK;
 }
 
@@ -246,7 +252,7 @@ void sparse_square_free(sparse_square *q)
 static vxs_result square_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
     const sparse_square *q = data;
-    *out                   = q->pyramid[level][(size_t)j * (q->at.side >> (3 + level)) + i];
+    *out                   = q->is_settled ? q->settled : q->pyramid[level][(size_t)j * (q->at.side >> (3 + level)) + i];
     return VXS_OK;
 }
 
@@ -258,9 +264,10 @@ static vxs_result square_tile(void *data, uint32_t i, uint32_t j, column_tile *o
         *out = *q->tiles[at];
         return VXS_OK;
     }
+    const column_bounds b = q->is_settled ? q->settled : q->pyramid[0][at];
     for (int n = 0; n < 64; n++) {
-        out->e[n] = q->pyramid[0][at].emax;
-        out->x[n] = q->pyramid[0][at].xmin;
+        out->e[n] = b.emax;
+        out->x[n] = b.xmin;
     }
     return VXS_OK;
 }

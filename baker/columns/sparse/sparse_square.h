@@ -22,7 +22,9 @@ typedef struct sparse_square {
     depth_scale    scale;
     column_bounds *pyramid[SPARSE_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
     column_tile  **tiles;                      /* [(side / 8)^2] NULL: all columns are as the bounds say */
-    square_worker *workers;                    /* [worker_count] what each thread needs, and the pages that own the tiles */
+    int            is_settled;                 /* 1: as a whole, by these bounds, and there is no pyramid */
+    column_bounds  settled;
+    square_worker *workers; /* [worker_count] what each thread needs, and the pages that own the tiles */
     uint32_t       worker_count;
 } sparse_square;
 
