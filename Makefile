@@ -150,6 +150,9 @@ $B/libvxs.a: $(runtime.o)
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
+# CGAL's filling of holes is templates, for which a compiler takes long: without triangulations in a plane, which are off unless asked for;
+# and under sanitizers, with those of addresses alone, not optimised
+$B/baker/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2 $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
 
 # the command's objects are those of a shared library, too, and of an archive, in which gcc's unique names cannot be hidden
 $(baker.o) $(library.o): cflags += $(pic)
