@@ -448,8 +448,8 @@ static vxs_result insert_window(sampler *job, const window *w)
 static int has_pattern(const block_set *set, const block_node *node)
 {
     if (!(node->mixed & 1)) return 0;
-    const block *b = block_at(set, node->block[0]);
-    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++)
+    const block b = block_at(set, node->block[0]);
+    for (const block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++)
         if (t->kind != TILE_UNIFORM) return 1;
     return 0;
 }

@@ -88,7 +88,10 @@ vxs_result block_set_save(const block_set *s, vxs_bytes *out)
     for (const block_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) ok = put_node(out, n);
     for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) ok = put_class(out, &s->patterns, depths);
     for (const own_pattern *p = s->own.patterns; p < s->own.patterns + s->own.count && ok; p++) ok = put_own(out, p);
-    for (uint32_t n = 0; n < s->blocks.count && ok; n++) ok = put_block(out, block_at(s, n));
+    for (uint32_t n = 0; n < s->blocks.count && ok; n++) {
+        const block b = block_at(s, n);
+        ok            = put_block(out, &b);
+    }
     return ok ? VXS_OK : VXS_E_MEMORY;
 }
 
@@ -239,7 +242,7 @@ static vxs_result take_block(set_loader *l)
         t->base       = (int32_t)take32(&l->from);
         if (!is_sound_tile(l, t, b.depths)) return VXS_E_CORRUPT;
     }
-    vxs_result r = intern_find(&l->s->blocks, &b, sizeof b, &number);
+    vxs_result r = block_set_find(l->s, &b, &number);
     return r == VXS_OK && number + 1 != l->s->blocks.count ? VXS_E_CORRUPT : r; /* two of them are equal */
 }
 

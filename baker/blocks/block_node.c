@@ -368,7 +368,7 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
         to->palette = (uint16_t)tile_needs(low, high, count, needs);
         r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
     }
-    return r == VXS_OK ? intern_find(&b->set->blocks, &out, sizeof out, id) : r;
+    return r == VXS_OK ? block_set_find(b->set, &out, id) : r;
 }
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */

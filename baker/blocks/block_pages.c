@@ -8,6 +8,7 @@
 #include "baker/base/array.h"
 #include "baker/base/gate.h"
 #include "baker/base/parallel.h"
+#include "baker/blocks/block_pack.h"
 #include "baker/blocks/pattern_code.h"
 
 enum {
@@ -100,6 +101,25 @@ static int is_new(in_page *p, uint32_t stamp, uint32_t at)
     return 1;
 }
 
+/* The pattern of a tile, as it is written. */
+typedef struct tile_code {
+    int      own;
+    uint32_t code;
+} tile_code;
+
+/* Those of a block. Returns how many there are. */
+static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
+{
+    block_head head;
+    uint32_t   patterns[BLOCK_TILES];
+    const int  count = block_patterns(intern_at(&l->set->blocks, id), &head, patterns);
+    for (uint32_t n = 0, rest = head.patterned; rest; n++, rest &= rest - 1) {
+        const int own = head.own >> __builtin_ctz(rest) & 1;
+        tiles[n]      = (tile_code){own, l->code_of[own][patterns[n]]};
+    }
+    return count;
+}
+
 /* Add a node's words, and those of blocks and patterns that the page has not yet, each at its place: patterns count from half 0. */
 static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
 {
@@ -108,14 +128,13 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
     page->words += shape_words(shape);
     for (int b = 0; b < NODE_BLOCKS; b++) {
         if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;
-        const block *of = block_at(l->set, shape->block[b]);
+        tile_code tiles[BLOCK_TILES];
+        const int count = codes_of(l, shape->block[b], tiles);
         page->words += l->block_words[shape->block[b]];
-        for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
-            if (!tile_has_pattern(t)) continue;
-            int      own  = t->kind == TILE_OWN;
-            uint32_t code = l->code_of[own][t->pattern], halves;
-            code_halves(l, own, code, &halves);
-            if (l->common[own][code] || !is_new(&s->code_at[own][code], s->stamp, page->halves)) continue;
+        for (const tile_code *t = tiles; t < tiles + count; t++) {
+            uint32_t halves;
+            code_halves(l, t->own, t->code, &halves);
+            if (l->common[t->own][t->code] || !is_new(&s->code_at[t->own][t->code], s->stamp, page->halves)) continue;
             page->halves += halves;
         }
     }
@@ -206,12 +225,10 @@ static void count_pages(layout *l, uint32_t *pages[2])
             const node_shape *shape = shape_of(l, &l->nodes[n]);
             for (int b = 0; b < NODE_BLOCKS; b++) {
                 if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, 0)) continue;
-                const block *of = block_at(l->set, shape->block[b]);
-                for (const block_tile *t = of->tile; t < of->tile + BLOCK_TILES; t++) {
-                    int      own  = t->kind == TILE_OWN;
-                    uint32_t code = tile_has_pattern(t) ? l->code_of[own][t->pattern] : 0;
-                    if (tile_has_pattern(t) && is_new(&s->code_at[own][code], s->stamp, 0)) pages[own][code]++;
-                }
+                tile_code tiles[BLOCK_TILES];
+                const int count = codes_of(l, shape->block[b], tiles);
+                for (const tile_code *t = tiles; t < tiles + count; t++)
+                    if (is_new(&s->code_at[t->own][t->code], s->stamp, 0)) pages[t->own][t->code]++;
             }
         }
 }
@@ -254,7 +271,10 @@ static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t work
 {
     const layout *l = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) l->block_words[n] = (uint16_t)form_of(block_at(l->set, (uint32_t)n)).words;
+    for (size_t n = begin; n < end; n++) {
+        const block b     = block_at(l->set, (uint32_t)n);
+        l->block_words[n] = (uint16_t)form_of(&b).words;
+    }
 }
 
 /* First each as full as it gets, which tells how many there have to be; then as many, alike in size, so that threads have as much to do. */
@@ -411,10 +431,10 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
         c->node_words += shape_words(shape);
         for (int b = 0; b < NODE_BLOCKS; b++) {
             if (!(shape->mixed >> b & 1) || w->scratch.block_at[shape->block[b]].at != next_word) continue;
-            const block *of   = block_at(l->set, shape->block[b]);
-            block_form   form = form_of(of);
-            write_block(l, &w->scratch, words + next_word, of, pool);
-            write_block_patterns(w, words, of, pool, &next_half);
+            const block of   = block_at(l->set, shape->block[b]);
+            block_form  form = form_of(&of);
+            write_block(l, &w->scratch, words + next_word, &of, pool);
+            write_block_patterns(w, words, &of, pool, &next_half);
             next_word += form.words;
             count_block(c, &form);
         }

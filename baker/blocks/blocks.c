@@ -7,6 +7,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/gate.h"
+#include "baker/blocks/block_pack.h"
 
 enum { BETWEEN_PASSES = 64 };
 
@@ -22,6 +23,19 @@ vxs_result block_set_add_node(block_set *s, const block_node *n)
     if (!array_reserve(&s->nodes, &s->node_capacity, s->node_count + 1, sizeof *s->nodes)) return VXS_E_MEMORY;
     s->nodes[s->node_count++] = *n;
     return VXS_OK;
+}
+
+vxs_result block_set_find(block_set *s, const block *b, uint32_t *id)
+{
+    uint8_t bytes[BLOCK_PACKED_MAX];
+    return intern_find(&s->blocks, bytes, block_pack(b, bytes), id);
+}
+
+block block_at(const block_set *s, uint32_t id)
+{
+    block b;
+    block_unpack(&b, intern_at(&s->blocks, id));
+    return b;
 }
 
 /* The ids in `s` of the patterns of `from`, both kinds of them. */
@@ -53,13 +67,13 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
 static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids, uint32_t *block_ids)
 {
     for (uint32_t n = 0; n < from->blocks.count; n++) {
-        block *b = block_at(from, n);
+        block b = block_at(from, n);
         gate_pass_each(BETWEEN_PASSES, n);
-        for (block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++) {
             if (t->kind == TILE_OWN) t->base += ids->own_base[t->pattern];
             if (tile_has_pattern(t)) t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];
         }
-        vxs_result r = intern_find(&s->blocks, b, sizeof *b, &block_ids[n]);
+        vxs_result r = block_set_find(s, &b, &block_ids[n]);
         if (r != VXS_OK) return r;
     }
     return VXS_OK;

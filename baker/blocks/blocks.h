@@ -70,7 +70,7 @@ typedef struct block_set {
     uniform_square *uniform;
     block_node     *nodes;
     size_t          uniform_count, uniform_capacity, node_count, node_capacity;
-    intern          blocks;
+    intern          blocks; /* packed (block_pack.h) */
     pattern_set     patterns;
     own_set         own;
     plane           recent[PLANES_RECENT]; /* slopes of blocks */
@@ -78,10 +78,10 @@ typedef struct block_set {
     uint64_t        squares_fetched;       /* of columns */
 } block_set;
 
-static inline block *block_at(const block_set *s, uint32_t id)
-{
-    return intern_at(&s->blocks, id);
-}
+/* The id of a block: of an equal one, or a new one. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
+vxs_result block_set_find(block_set *s, const block *b, uint32_t *id);
+
+block block_at(const block_set *s, uint32_t id);
 
 vxs_result block_set_add_uniform(block_set *s, const uniform_square *u);
 vxs_result block_set_add_node(block_set *s, const block_node *n);

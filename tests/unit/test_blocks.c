@@ -15,6 +15,7 @@
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/base/simd.h"
 #include "baker/blocks/block_build.h"
+#include "baker/blocks/block_pack.h"
 #include "baker/blocks/block_words.h"
 #include "baker/blocks/depth_axis.h"
 #include "baker/blocks/pattern_code.h"
@@ -705,6 +706,47 @@ static void sheet_over_a_map(void **state)
     }
 }
 
+/* Packed and back; where a field is another, bytes are. */
+static void packed_blocks(void **state)
+{
+    rng r = {7};
+    (void)state;
+    for (int n = 0; n < 20000; n++) {
+        uint8_t    bytes[BLOCK_PACKED_MAX], others[BLOCK_PACKED_MAX];
+        block      b, back;
+        block_head head;
+        uint32_t   patterns[BLOCK_TILES], count = 0;
+        memset(&b, 0, sizeof b);
+        b.depths = 1 + rng_below(&r, PALETTE_MAX);
+        for (uint32_t k = 1; k < b.depths; k++) b.depth[k] = b.depth[k - 1] + 1 + (int32_t)rng_below(&r, 1 << 18);
+        if (rng_below(&r, 3) == 0) b.plane = (plane){(int32_t)rng_below(&r, 9) - 4, 0, (int32_t)rng_below(&r, 3) - 1};
+        for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++) {
+            t->kind = (uint16_t)rng_below(&r, 4);
+            if (t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) t->palette = (uint16_t)rng_below(&r, 1 << 14);
+            if (tile_has_pattern(t)) t->pattern = rng_below(&r, 1 << 30);
+            if (t->kind == TILE_OWN) t->base = (int32_t)rng_below(&r, 5) - 2;
+        }
+        size_t size = block_pack(&b, bytes);
+        assert_true(size <= BLOCK_PACKED_MAX);
+        block_unpack(&back, bytes);
+        assert_memory_equal(&b, &back, sizeof b);
+        int with_pattern = block_patterns(bytes, &head, patterns);
+        assert_int_equal(with_pattern, __builtin_popcount(head.patterned));
+        for (int t = 0; t < BLOCK_TILES; t++) {
+            assert_int_equal(head.patterned >> t & 1, tile_has_pattern(&b.tile[t]));
+            assert_int_equal(head.own >> t & 1, b.tile[t].kind == TILE_OWN);
+            if (tile_has_pattern(&b.tile[t])) assert_int_equal(patterns[count++], b.tile[t].pattern);
+        }
+        block_tile *t = &b.tile[rng_below(&r, BLOCK_TILES)];
+        if (t->kind == TILE_OWN)
+            t->base++;
+        else
+            t->kind = t->kind == TILE_PLANE ? TILE_UNIFORM : TILE_PLANE;
+        if (t->kind == TILE_PLANE) t->pattern = t->palette = 0;
+        assert_true(block_pack(&b, others) != size || memcmp(bytes, others, size));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -714,6 +756,7 @@ int main(void)
         cmocka_unit_test(sheets_are_planes),  cmocka_unit_test(sheet_over_a_map),       cmocka_unit_test(two_sheets_are_two_planes),
         cmocka_unit_test(pages_are_cut),      cmocka_unit_test(pages_are_even),         cmocka_unit_test(shapes_of_formulas),
         cmocka_unit_test(failing_calls),      cmocka_unit_test(searches_find_the_same), cmocka_unit_test(quadrants_have_few_depths),
+        cmocka_unit_test(packed_blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
