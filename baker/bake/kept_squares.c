@@ -32,7 +32,7 @@ static column_key coding_key(const bake_options *o)
 /* All that goes in, and who renders. */
 static vxs_result bake_key(column_key *key, const bake_report *report, message *m)
 {
-    char *inputs = json_dumps(report->inputs, JSON_COMPACT | JSON_SORT_KEYS);
+    char *inputs = json_whole_text(report->inputs, JSON_COMPACT | JSON_SORT_KEYS);
     if (!inputs) return fail(m, VXS_E_MEMORY, "out of memory for the key of a bake");
     *key = with_text(with_text(with_text((column_key){0, 0}, inputs), report->renderer), report->cpu_class);
     free(inputs);

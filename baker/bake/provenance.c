@@ -69,12 +69,13 @@ vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_
 
 char *provenance_text(const bake_report *report)
 {
-    json_t *root    = json_copy(report->inputs);
-    json_t *outcome = json_pack("{s:I, s:I, s:I, s:o, s:I}", "triangles", (json_int_t)casters_whole_count(&report->casters),
-                                "solids", (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
-                                (json_int_t)report->casters.solid_triangle_count, "left_out", report_left_out_json(report),
-                                "warnings", (json_int_t)report->warning_count);
-    char   *text    = root && outcome && !json_object_update(root, outcome) ? json_dumps(root, JSON_COMPACT) : NULL;
+    json_t *root     = json_object(); /* json_copy leaves out what there is no memory for */
+    json_t *outcome  = json_pack("{s:I, s:I, s:I, s:o, s:I}", "triangles", (json_int_t)casters_whole_count(&report->casters),
+                                 "solids", (json_int_t)report->casters.component_count[COMPONENT_SOLID], "solid_triangles",
+                                 (json_int_t)report->casters.solid_triangle_count, "left_out", report_left_out_json(report),
+                                 "warnings", (json_int_t)report->warning_count);
+    int     is_whole = outcome && !json_object_update(root, report->inputs) && !json_object_update(root, outcome);
+    char   *text     = is_whole ? json_whole_text(root, JSON_COMPACT) : NULL;
     json_decref(outcome);
     json_decref(root);
     return text;

@@ -35,7 +35,7 @@ int json_memory_missing(void)
 
 char *json_print(const json_t *value, size_t flags)
 {
-    char *text = json_dumps(value, flags);
+    char *text = json_whole_text(value, flags);
     if (!json_memory_missing()) return text;
     free(text);
     return NULL;

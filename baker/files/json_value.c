@@ -27,6 +27,19 @@ void json_append(json_t **array, json_t *value)
         lose(array);
 }
 
+char *json_whole_text(const json_t *value, size_t flags)
+{
+    size_t size = json_dumpb(value, NULL, 0, flags);
+    char  *text = size ? malloc(size + 1) : NULL;
+    if (!text) return NULL;
+    if (json_dumpb(value, text, size, flags) == size) {
+        text[size] = 0;
+        return text;
+    }
+    free(text);
+    return NULL;
+}
+
 json_t *json_vector(const double v[3])
 {
     return json_pack("[f,f,f]", v[0], v[1], v[2]);

@@ -18,6 +18,9 @@
 void json_set(json_t **object, const char *key, json_t *value);
 void json_append(json_t **array, json_t *value);
 
+/* JSON as text, whole, or NULL without memory: json_dumps leaves out keys then.   flags  of json_dumps. Released with free(). */
+char *json_whole_text(const json_t *value, size_t flags);
+
 /* [x, y, z]. NULL without memory. */
 json_t *json_vector(const double v[3]);
 

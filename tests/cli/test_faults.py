@@ -162,7 +162,7 @@ def test_kills_at_random_moments(vxs, vxs_path, fault_library, tmp_path, named):
         assert out.read_bytes() in (OLD, new)
         left = {p for p in out.parent.iterdir() if p != out}
         assert all(p.match(TEMPORARY) for p in left)
-    assert set(count) <= {0, -signal.SIGKILL} and count[-signal.SIGKILL] >= 25
+    assert set(count) <= {0, -signal.SIGKILL} and count[-signal.SIGKILL] >= 10
     assert run(60) == 0 and out.read_bytes() == new
     assert named or len(left) <= 5
 
@@ -270,7 +270,8 @@ def test_failing_allocation_of_a_dag(faulty, vxs, scene, tmp_path):
     vxs(*bake)
     asset, (calls, places) = out.read_bytes(), faulty.places("alloc", *bake)
     statuses = collections.Counter()
-    for n in sorted({calls, *(range(1, calls + 1) if EVERY_ALLOCATION else places)}):
+    last = range(max(1, calls - 100), calls + 1)  # among them those of the metadata's text
+    for n in sorted({*last, *(range(1, calls + 1) if EVERY_ALLOCATION else places)}):
         out.write_bytes(OLD)
         done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bake)
         check_fault(done, out, asset, {6})
