@@ -8,7 +8,7 @@
 #ifndef BLOCK_PACK_H
 #define BLOCK_PACK_H
 
-#include "baker/blocks/blocks.h"
+#include "baker/blocks/block.h"
 
 enum { BLOCK_PACKED_MAX = sizeof(block) };
 

@@ -9,6 +9,7 @@
 #define BLOCKS_H
 
 #include "baker/base/intern.h"
+#include "baker/blocks/block.h"
 #include "baker/blocks/own_patterns.h"
 #include "baker/blocks/patterns.h"
 #include "baker/blocks/plane.h"
@@ -16,32 +17,9 @@
 #include "baker/columns/columns.h"
 
 enum {
-    BLOCK_TILES = 16,
     NODE_BLOCKS = 64,
     FAR_DEPTH   = 1 << 20 /* where a column may be lit for ever */
 };
-
-typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_OWN, TILE_PLANE } tile_kind;
-
-/* Tiles of one kind with equal fields are equal; unused fields are 0. */
-typedef struct block_tile {
-    uint16_t kind;
-    uint16_t palette; /* uniform: the entry; pattern: bit n: entry n is used */
-    uint32_t pattern; /* id of a pattern, or of an own one */
-    int32_t  base;    /* own: of its depths, relative to the block's */
-} block_tile;
-
-static inline int tile_has_pattern(const block_tile *t)
-{
-    return t->kind == TILE_PATTERN || t->kind == TILE_OWN;
-}
-
-typedef struct block {
-    uint32_t   depths;             /* [1, PALETTE_MAX] entries of the palette */
-    int32_t    depth[PALETTE_MAX]; /* [depths] ascending from 0 */
-    plane      plane;              /* of those that lie on it, relative to the block's base, without the node's slope */
-    block_tile tile[BLOCK_TILES];  /* rows */
-} block;
 
 /* A square of NODE_PX texels. */
 typedef struct block_node {

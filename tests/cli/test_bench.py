@@ -324,7 +324,8 @@ def test_times_that_moved(against, measured):
     old = first_cell(measured)
     text = against(scaled(old, 0.01))
     rows = {row[1]: row for row in (re.split(r"  +", line.strip()) for line in text.splitlines()) if len(row) == 5}
-    assert {"bake", "maps to words", "stage maps", "lookup", "lookup 3 x 3", "ray"} <= rows.keys()
+    assert {"bake", "maps to words", "lookup", "lookup 3 x 3", "ray"} <= rows.keys()
+    assert any(name.startswith("stage ") for name in rows), "which of them take long enough to be told differs"
     assert not {"file", "nodes"} & rows.keys()
     assert rows["bake"][0] == "small.gltf, 64 texels" and 20 < float(rows["bake"][4]) < 500
     assert rows["bake"][2].endswith(")") and rows["bake"][3].endswith("ms"), "before: a spread; now: a single run"
