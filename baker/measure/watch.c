@@ -10,24 +10,27 @@
 
 enum { DOING_BYTES = PATH_MAX };
 
+/* What is done, as one line. */
+static const char *line_of(char doing[DOING_BYTES], const char *format, va_list args)
+{
+    vsnprintf(doing, DOING_BYTES, format, args);
+    return one_line(doing);
+}
+
 void watch_say(const run_watch *w, const char *format, ...)
 {
     char    doing[DOING_BYTES];
     va_list args;
-    if (!w) return;
     va_start(args, format);
-    vsnprintf(doing, sizeof doing, format, args);
+    if (w) w->say(w->user, line_of(doing, format, args));
     va_end(args);
-    w->say(w->user, one_line(doing));
 }
 
 void watch_share(const run_watch *w, double share, double since, const char *format, ...)
 {
     char    doing[DOING_BYTES];
     va_list args;
-    if (!w) return;
     va_start(args, format);
-    vsnprintf(doing, sizeof doing, format, args);
+    if (w) w->share(w->user, share, since, line_of(doing, format, args));
     va_end(args);
-    w->share(w->user, share, since, one_line(doing));
 }

@@ -5,45 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "baker/columns/sparse/patch_run.h"
+
 enum { LAYERED_MAX = 64 }; /* triangles of a patch that are taken by depth; more of them are rarely apart */
-
-/* The triangles of one patch in a list: items [begin, end). */
-typedef struct patch_run {
-    size_t   begin, end;
-    uint32_t sampled; /* how many cover the middle of the square */
-    int      ends;    /* an end of the patch may cross the square */
-    double   lo, hi;  /* of all */
-    double   covered; /* hi of the nearest that covers the square alone */
-    int      exits;   /* some are back faces of solids */
-    int      sheets;  /* some are of sheets */
-    int      faces;   /* all are of sheets that face the light, and are seen from there alone */
-} patch_run;
-
-static patch_run run_from(const square_list *l, const sparse_triangles *s, size_t begin)
-{
-    patch_run r     = {.begin = begin, .end = begin, .lo = INFINITY, .hi = -INFINITY, .covered = INFINITY, .faces = 1};
-    uint32_t  patch = s->all[l->items[begin].id].patch;
-    for (; r.end < l->count && s->all[l->items[r.end].id].patch == patch; r.end++) {
-        const square_entry    *e = &l->items[r.end];
-        const sparse_triangle *t = &s->all[e->id];
-        r.exits |= sparse_is_exit(t);
-        r.sheets |= sparse_is_sheet(t);
-        r.faces &= (t->kind & SPARSE_FACES) != 0;
-        r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
-        r.ends |= (e->bits & ENTRY_END) != 0;
-        r.lo = least(r.lo, e->lo);
-        r.hi = greatest(r.hi, e->hi);
-        if (e->bits & ENTRY_COVERS) r.covered = least(r.covered, e->hi);
-    }
-    return r;
-}
-
-/* No texel's centre is in it. One that has lost triangles to larger squares may only seem so; but it reaches those, which begin behind what
- * was known of the square. */
-static int is_missed(const patch_run *r, double known)
-{
-    return !r->ends && !r->sampled && r->hi < known;
-}
 
 /* The farthest depth of the nearest layer of a run that covers the square. */
 static double nearest_layer(const square_list *l, const patch_run *r, double known)
@@ -85,9 +49,9 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
     double known = b->enter_most;
     size_t kept  = 0;
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r = run_from(l, s, begin);
+        patch_run r = patch_run_from(l, s, begin);
         begin       = r.end;
-        if (is_missed(&r, complete)) continue;
+        if (patch_run_is_missed(&r, complete)) continue;
         b->enter_most = least(b->enter_most, covered_by(l, s, &r, known));
         memmove(l->items + kept, l->items + r.begin, (r.end - r.begin) * sizeof *l->items);
         kept += r.end - r.begin;
@@ -101,7 +65,7 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
 static int is_followed(const square_bound *b, const square_list *l, const sparse_triangles *s)
 {
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r      = run_from(l, s, begin);
+        patch_run r      = patch_run_from(l, s, begin);
         int       covers = r.covered < INFINITY || (r.sampled && !r.ends);
         if (covers && r.lo > b->enter_most && !r.exits) return 1;
         begin = r.end;
@@ -119,7 +83,7 @@ static run_depths depths_of_runs(const square_list *l, const sparse_triangles *s
 {
     run_depths d = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, 0, 0};
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r = run_from(l, s, begin);
+        patch_run r = patch_run_from(l, s, begin);
         if (r.lo < d.lo[0])
             d = (run_depths){{r.lo, d.lo[0]}, {d.hi[0], d.hi[1]}, begin, d.hi_of};
         else
@@ -153,7 +117,7 @@ static double later_exit_least(const square_bound *b, const square_list *l, cons
     run_depths d    = depths_of_runs(l, s);
     double     exit = b->left_out;
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r = run_from(l, s, begin);
+        patch_run r = patch_run_from(l, s, begin);
         if (r.exits || r.sheets) exit = least(exit, run_exit_least(b, f, &r, &d, left_out));
         begin = r.end;
     }

@@ -3,6 +3,7 @@
 #include "baker/columns/sparse/square_settle.h"
 
 #include "baker/columns/sparse/lean.h"
+#include "baker/columns/sparse/patch_run.h"
 
 /* Faces one behind another, which cover the square unless it is said that they may not. */
 typedef struct layer {
@@ -36,7 +37,7 @@ static void add(layers *y, const sparse_triangle *t, const layer *of, int covers
         y->fronts[y->front_count++] = *of;
 }
 
-/* The triangles of a patch in the list: items [begin, end). */
+/* A run of the list: items [begin, end). */
 typedef struct patch_items {
     size_t begin, end;
     int    is_whole; /* they are one layer that covers the square */
@@ -47,31 +48,20 @@ typedef struct patch_items {
 static size_t find_patches(patch_items *patches, const square_list *l, const sparse_triangles *s, const square_bound *outer,
                            square_parting *out)
 {
-    double sheet    = INFINITY;
-    size_t count    = 0;
-    out->enter_most = outer->enter_most;
-    out->exit_least = outer->left_out;
+    const double known = outer->enter_most;
+    double       sheet = INFINITY;
+    size_t       count = 0;
+    out->enter_most    = known;
+    out->exit_least    = outer->left_out;
     for (size_t n = 0; n < l->count;) {
-        const sparse_triangle *t       = &s->all[l->items[n].id];
-        const uint32_t         patch   = t->patch;
-        uint32_t               sampled = 0, ends = 0;
-        double                 hi = -INFINITY, lo = INFINITY;
-        patch_items            p = {.begin = n};
-        for (; n < l->count && s->all[l->items[n].id].patch == patch; n++) {
-            const square_entry *e = &l->items[n];
-            sampled += (e->bits & ENTRY_SAMPLE) != 0;
-            ends |= e->bits & ENTRY_END;
-            hi = greatest(hi, e->hi);
-            lo = least(lo, e->lo);
-            if (e->bits & ENTRY_COVERS) out->enter_most = least(out->enter_most, e->hi);
-        }
-        p.end      = n;
-        p.is_whole = !ends && hi < outer->enter_most && sampled == 1; /* and none of it was left out of larger squares */
-        if (p.is_whole) out->enter_most = least(out->enter_most, hi);
-        if (!ends && hi < outer->enter_most && !sampled) continue; /* it is beside the square */
-        if (sparse_is_sheet(t)) sheet = least(sheet, lo);
-        if (sparse_is_exit(t)) out->exit_least = least(out->exit_least, lo);
-        patches[count++] = p;
+        const patch_run r     = patch_run_from(l, s, n);
+        const int       whole = !r.ends && r.hi < known && r.sampled == 1; /* and none of it was left out of larger squares */
+        n                     = r.end;
+        out->enter_most       = least(out->enter_most, whole ? least(r.covered, r.hi) : r.covered);
+        if (patch_run_is_missed(&r, known)) continue;
+        if (r.sheets) sheet = least(sheet, r.lo);
+        if (r.exits) out->exit_least = least(out->exit_least, r.lo);
+        patches[count++] = (patch_items){r.begin, r.end, whole};
     }
     return out->exit_least < out->enter_most || sheet <= out->enter_most ? 0 : count; /* counting could part some all the same */
 }

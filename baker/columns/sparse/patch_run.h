@@ -1,0 +1,48 @@
+/* The triangles of a patch as a list has them, side by side: what they are to the square together.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef PATCH_RUN_H
+#define PATCH_RUN_H
+
+#include <math.h>
+
+#include "baker/columns/sparse/square_list.h"
+
+/* The triangles of one patch in a list: items [begin, end). */
+typedef struct patch_run {
+    size_t   begin, end;
+    uint32_t sampled; /* how many cover the middle of the square */
+    int      ends;    /* an end of the patch may cross the square */
+    double   lo, hi;  /* of all */
+    double   covered; /* hi of the nearest that covers the square alone */
+    int      exits;   /* some are back faces of solids */
+    int      sheets;  /* some are of sheets */
+    int      faces;   /* all are of sheets that face the light, and are seen from there alone */
+} patch_run;
+
+static inline patch_run patch_run_from(const square_list *l, const sparse_triangles *s, size_t begin)
+{
+    patch_run r     = {.begin = begin, .end = begin, .lo = INFINITY, .hi = -INFINITY, .covered = INFINITY, .faces = 1};
+    uint32_t  patch = s->all[l->items[begin].id].patch;
+    for (; r.end < l->count && s->all[l->items[r.end].id].patch == patch; r.end++) {
+        const square_entry    *e = &l->items[r.end];
+        const sparse_triangle *t = &s->all[e->id];
+        r.exits |= sparse_is_exit(t);
+        r.sheets |= sparse_is_sheet(t);
+        r.faces &= (t->kind & SPARSE_FACES) != 0;
+        r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
+        r.ends |= (e->bits & ENTRY_END) != 0;
+        r.lo = least(r.lo, e->lo);
+        r.hi = greatest(r.hi, e->hi);
+        if (e->bits & ENTRY_COVERS) r.covered = least(r.covered, e->hi);
+    }
+    return r;
+}
+
+/* No texel's centre is in it. One that has lost triangles to larger squares may only seem so; but it reaches those, which begin behind what
+ * was known of the square. */
+static inline int patch_run_is_missed(const patch_run *r, double known)
+{
+    return !r->ends && !r->sampled && r->hi < known;
+}
+
+#endif
