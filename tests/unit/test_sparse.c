@@ -441,7 +441,7 @@ static void add_sheet(sample *b, double z, char kind)
 }
 
 /* Sheets that face the light, f, or not, b, or are seen from both sides, d; and solids 10 deep, s. Then where they begin. */
-static void add_layers(sample *b, const char *kinds, const double z[3])
+static void add_layers(sample *b, const char *kinds, const double *z)
 {
     for (int n = 0; kinds[n]; n++) {
         const double low[3] = {-9 - n, -9 - n, z[n]}, high[3] = {73 + n, 73 + n, z[n] + 10};
@@ -466,10 +466,11 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
     sparse_triangles s;
     column_bounds    bounds;
     column_tile      tile;
-    leaf_desc        d = {.triangles   = &s,
-                          .scale       = {64, sun ? 0 : light->voxel_metres},
-                          .every_texel = 1,
-                          .freedom     = freedom_of(light, w->free_behind, w->thickness_m)};
+    leaf_desc        d = {.triangles    = &s,
+                          .scale        = {64, sun ? 0 : light->voxel_metres},
+                          .nearest_back = w->nearest_back,
+                          .every_texel  = 1,
+                          .freedom      = freedom_of(light, w->free_behind, w->thickness_m)};
     assert_int_equal(projection_init(&p, &b->c, light, 0, 1, &m), VXS_OK);
     assert_int_equal(sparse_triangles_init(&s, &p, 64, 1), VXS_OK);
     ids = calloc(s.count, sizeof *ids);
@@ -488,7 +489,7 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
     free(ids);
     free(list.items);
     free(scratch.faces);
-    free(scratch.places);
+    free(scratch.hits);
     free(scratch.depths);
     free(scratch.backs);
     sparse_triangles_free(&s);
@@ -575,6 +576,33 @@ static void sheets_over_themselves(void **state)
     assert_true(texels > 100000);
 }
 
+/* Solids 10 deep: light leaves where none is open, which may be behind more back faces than are kept in order. */
+static void light_leaves_where_no_solid_is_open(void **state)
+{
+    static const struct {
+        const char *kinds;
+        double      z[5];
+        uint32_t    x, square_x;
+    } cases[] = {
+        {"ss", {20, 31}, 30, 30},           {"ss", {20, 30}, 40, 30}, /* they touch */
+        {"ss", {20, 25}, 35, 30},           {"ss", {20, 20.5}, 31, 30},
+        {"sss", {20, 25, 31}, 41, 30},      {"sss", {20, 25, 36}, 35, 30},
+        {"sss", {20, 30, 40}, 50, 30},      {"ssss", {10, 15, 24, 34}, 44, 20},
+        {"ssss", {10, 15, 24, 35}, 34, 20}, {"sssss", {5, 6, 7, 15, 25}, 35, 15},
+    };
+    (void)state;
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        vxs_light light = identity_light(64);
+        sample    b     = {0};
+        char      what[64];
+        snprintf(what, sizeof what, "solids, case %zu", n);
+        add_layers(&b, cases[n].kinds, cases[n].z);
+        assert_column(&b, &light, &(ways){0}, (uint32_t)cases[n].z[0], cases[n].x, cases[n].square_x, what);
+        assert_column(&b, &light, &(ways){.nearest_back = 1}, (uint32_t)cases[n].z[0], cases[n].square_x, cases[n].square_x, what);
+        sample_clear(&b);
+    }
+}
+
 /* Metres of thickness are those along the axis of a lamp's map. */
 static void sheets_are_as_thick_for_a_lamp(void **state)
 {
@@ -619,7 +647,7 @@ static void suns(void **state)
            sum.early);
 }
 
-/* More faces over each other than are held against each other, or counted in bits. */
+/* More faces over each other than are counted for each layer. */
 static void piles(void **state)
 {
     (void)state;
@@ -672,6 +700,7 @@ int main(void)
         cmocka_unit_test(patches_end_where_surfaces_do),
         cmocka_unit_test(depths_stay_within_their_lists),
         cmocka_unit_test(sheets_end_on_centres),
+        cmocka_unit_test(light_leaves_where_no_solid_is_open),
         cmocka_unit_test(more_is_free_where_it_is_asked_for),
         cmocka_unit_test(sheets_are_as_thick_for_a_lamp),
         cmocka_unit_test(sheets_over_themselves),

@@ -131,7 +131,11 @@ static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 /* a where the mask is set, else b. */
 static inline f64s f64s_choose(i64s mask, f64s a, f64s b)
 {
+#ifdef __AVX512DQ__
+    return f64s_select(i64s_negative(mask), a, b);
+#else
     return (f64s)(((i64s)a & mask) | ((i64s)b & ~mask));
+#endif
 }
 
 static inline double f64s_greatest(f64s v)
@@ -148,10 +152,15 @@ static inline double f64s_least(f64s v)
     return least;
 }
 
-/* As sparse_depth. */
-static inline f64s lanes_depth(const sparse_triangle *t, f64s x, double y)
+/* As sparse_depth, in two steps: what is the same for all rows of texels, and the rest. */
+static inline f64s lanes_rise(const sparse_triangle *t, f64s x)
 {
-    f64s z = f64s_all(t->zmin + t->gy * (y - t->y[0])) + f64s_all(t->gx) * (x - f64s_all(t->x[0]));
+    return f64s_all(t->gx) * (x - f64s_all(t->x[0]));
+}
+
+static inline f64s lanes_depth(const sparse_triangle *t, f64s rise, double y)
+{
+    f64s z = f64s_all(t->zmin + t->gy * (y - t->y[0])) + rise;
     return f64s_min(f64s_max(z, f64s_all(t->zmin)), f64s_all(t->zmax));
 }
 

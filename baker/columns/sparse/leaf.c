@@ -1,64 +1,54 @@
 /* Columns of a tile; see leaf.h.
  *
- * Texels are bits: which of them a triangle covers is whole numbers, and so is, once triangles are in order of depth, which of them it is
- * the first to meet and how many solids are open there. So depths are computed only where light enters or leaves. In order means that
- * depths of triangles that share a texel are apart; texels where they are not are sorted one by one.
+ * Which texels a triangle covers is told by whole numbers, as bits; then each of them keeps its depth there if it is among the nearest of its
+ * kind. Where light leaves is mostly plain from those: no further front face is met before a back face. Only else are all faces counted.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/leaf.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "baker/base/array.h"
 #include "baker/columns/sparse/lanes.h"
-#include "baker/columns/sparse/lean.h"
 #include "baker/scene/alpha_mask.h"
 
 enum {
-    OPEN_BITS = 8,   /* of the count of solids that are open; texels in more of them are sorted alone */
-    MET_MAX   = 256, /* faces that are held against others; where more lie over each other, texels are sorted alone */
-    FEW_FACES = 32   /* so many are sorted by insertion */
+    LAYERS    = 2, /* of back faces of which it is plain whether light leaves there */
+    FEW_FACES = 32 /* so many are counted for each layer of back faces; of more, those of a texel are sorted */
 };
 
 #define ALL_TEXELS UINT64_MAX
 
-/* A triangle that may touch the tile. */
+/* A triangle that covers some of the tile. */
 typedef struct leaf_face {
     const sparse_triangle *t;
-    double                 lo, hi;  /* depths in the tile from the plane on that it leans on (lean.h) */
-    double                 hi_most; /* of faces up to this one that were met */
-    uint64_t               texels;  /* that it covers: bit u + 8 v; of `asked` ones */
-    uint64_t               asked;
-    uint64_t               met; /* of texels, those that had not left when it was met */
-    uint32_t               id, covers;
+    uint64_t               texels; /* that it covers: bit u + 8 v */
 } leaf_face;
 
-/* What faces are sorted by. */
-typedef struct leaf_place {
-    double   depth;
-    uint32_t face;
-} leaf_place;
+/* What a texel meets. */
+typedef struct leaf_hit {
+    double depth;
+    int    is_exit;
+} leaf_hit;
 
-/* The texels of a tile while it is looked at. */
+/* The texels of a tile while it is looked at. Depths are INFINITY where there is none. */
 typedef struct leaf {
     const leaf_desc    *d;
     const square_bound *bound;
     int64_t             x0, y0; /* centre of the first texel, subtexels */
-    uint64_t            unmet;  /* texels that have met nothing */
-    uint64_t            inside; /* that are in a solid */
-    uint64_t            left;   /* that light has left, and of which it matters what lies behind; none where nothing more is free */
-    uint64_t            tangled; /* where depths are not apart */
-    int                 frees;   /* 1: free behind the last surface */
-    double              known;   /* the list lacks nothing that begins before it */
-    uint64_t            open[OPEN_BITS];
+    int                 frees;  /* 1: free behind the last surface */
+    double              known;  /* the list lacks nothing that begins before it; less than INFINITY */
     leaf_face          *faces;
-    leaf_place         *places; /* [count] in order; [met] of those that texels have met which had not left */
-    size_t              met;
-    size_t              solids;
-    double             *depths; /* [LANES * solids] of those that some texels of a row meet; INFINITY where one does not */
-    uint8_t            *backs;  /* [solids] 1: of a back face */
     size_t              count;
-    double              e[64], x[64]; /* depths, INFINITY where there is none */
+    double front[LAYERS + 1][64], back[LAYERS][64], sheet[64]; /* the nearest of faces of solids, in order; of sheets */
+    double e[64], x[64];
+
+    /* of solids, where faces are counted */
+    double   *depths; /* [LANES * solids] */
+    uint8_t  *backs;  /* [solids] 1: of a back face */
+    size_t    solids;
+    leaf_hit *hits; /* [solids] while they are sorted */
 } leaf;
 
 static int64_t px_of(const leaf *f)
@@ -141,216 +131,94 @@ static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
     return texels;
 }
 
-/* depths ---------------------------------------------------------------------------------------------------------------------- */
+/* the nearest ----------------------------------------------------------------------------------------------------------------- */
 
-static void put_depths(const leaf *f, double depths[64], const sparse_triangle *t, uint64_t texels)
+static uint32_t bits_of(uint64_t texels, int first)
 {
-    const f64s x = f64s_ramp((double)f->x0, (double)px_of(f)), step = f64s_all((double)(LANES * px_of(f)));
-    for (int row = 0; row < 8; row++) {
-        if (!(texels >> 8 * row & 0xff)) continue;
-        f64s at = x;
-        for (int n = 0; n < 8 / LANES; n++, at += step) {
-            uint32_t bits = (uint32_t)(texels >> (8 * row + n * LANES)) & ((1u << LANES) - 1);
-            double  *to   = depths + 8 * row + n * LANES;
-            if (bits) f64s_store(to, f64s_select(bits, lanes_depth(t, at, y_of(f, 8 * row)), f64s_load(to)));
+    return (uint32_t)(texels >> first) & ((1u << LANES) - 1);
+}
+
+/* The depths of a triangle in LANES texels from one on.   bits  those that it covers */
+static f64s depths_of(const leaf *f, const sparse_triangle *t, int first, uint32_t bits)
+{
+    const f64s rise = lanes_rise(t, f64s_ramp(x_of(f, first), (double)px_of(f)));
+    return f64s_select(bits, lanes_depth(t, rise, y_of(f, first)), f64s_all(INFINITY));
+}
+
+/* Keep a depth in LANES texels from one on if it is among the `count` nearest, which are in order. */
+static inline void keep_depth(double (*nearest)[64], int count, int first, f64s z)
+{
+    for (int n = 0; n < count; n++) {
+        const f64s before = f64s_load(nearest[n] + first);
+        f64s_store(nearest[n] + first, f64s_min(before, z));
+        z = f64s_max(before, z);
+    }
+}
+
+/* The same of all texels that a triangle covers. */
+static inline void keep_depths(const leaf *f, const sparse_triangle *t, uint64_t texels, double (*nearest)[64], int count)
+{
+    const sparse_triangle plane = *t; /* which no depth that is stored changes */
+    const int             begin = __builtin_ctzll(texels) & ~7, end = 64 - __builtin_clzll(texels);
+    for (int n = 0; n < 8; n += LANES) {
+        const f64s rise = lanes_rise(&plane, f64s_ramp(x_of(f, n), (double)px_of(f)));
+        for (int first = begin + n; first < end; first += 8) {
+            const f64s z = lanes_depth(&plane, rise, y_of(f, first));
+            keep_depth(nearest, count, first, f64s_select(bits_of(texels, first), z, f64s_all(INFINITY)));
         }
     }
 }
 
-/* Which of the texels a triangle meets behind another one, or, without another, behind a depth. */
-static uint64_t met_behind(const leaf *f, const sparse_triangle *t, const sparse_triangle *other, double depth, uint64_t texels)
+/* What the texels from one on meet first. */
+static f64s first_of(const leaf *f, int first)
 {
-    f64s     limit  = f64s_all(depth);
-    uint64_t behind = 0;
+    return f64s_min(f64s_load(f->sheet + first), f64s_min(f64s_load(f->front[0] + first), f64s_load(f->back[0] + first)));
+}
+
+/* Which of the texels meet a triangle no later than all before it. */
+static uint64_t met_first(const leaf *f, const sparse_triangle *t, uint64_t texels)
+{
+    uint64_t met = 0;
     for (int first = 0; first < 64; first += LANES) {
-        if (!(texels >> first & ((1u << LANES) - 1))) continue;
-        f64s x = f64s_ramp(x_of(f, first), (double)px_of(f));
-        if (other) limit = lanes_depth(other, x, y_of(f, first));
-        behind |= (uint64_t)i64s_negative((i64s)(lanes_depth(t, x, y_of(f, first)) > limit)) << first;
+        const f64s z = depths_of(f, t, first, bits_of(texels, first));
+        met |= (uint64_t)i64s_negative((i64s)(z <= first_of(f, first))) << first;
     }
-    return behind & texels;
+    return met & texels;
 }
 
-/* Depths that are not behind a triangle, in texels that it covers. */
-static void end_depths(const leaf *f, double depths[64], const sparse_triangle *t, uint64_t texels)
+/* The texels that a triangle of the list covers. Holes are last in it: only where one is met first, or it matters what is behind, is the image asked. */
+static uint64_t texels_of(const leaf *f, const square_entry *e)
 {
-    double met[64];
-    put_depths(f, met, t, texels);
-    for (; texels; texels &= texels - 1) {
-        int n     = __builtin_ctzll(texels);
-        depths[n] = least(depths[n], met[n]);
+    const sparse_triangle *t      = &f->d->triangles->all[e->id];
+    uint64_t               texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t);
+    if (!(t->kind & SPARSE_HOLED)) return texels;
+    if (sparse_is_sheet(t) && !freedom_looks_on(&f->d->freedom)) texels = met_first(f, t, texels);
+    return without_holes(f, e->id, texels);
+}
+
+static void meet_all(leaf *f, const square_list *l)
+{
+    for (int n = 0; n < 64; n += LANES) {
+        f64s_store(f->sheet + n, f64s_all(INFINITY));
+        for (int k = 0; k < LAYERS; k++) f64s_store(f->back[k] + n, f64s_all(INFINITY));
+        for (int k = 0; k <= LAYERS; k++) f64s_store(f->front[k] + n, f64s_all(INFINITY));
     }
-}
-
-/* Whether light leaves the triangle where its thickness ends. */
-static int is_thick(const leaf *f, const sparse_triangle *t)
-{
-    return f->d->freedom.thickness > 0 && t->kind & SPARSE_FACES;
-}
-
-static void put_depth(double depths[64], uint64_t texels, double depth)
-{
-    for (; texels; texels &= texels - 1) depths[__builtin_ctzll(texels)] = depth;
-}
-
-/* in order of depth ----------------------------------------------------------------------------------------------------------- */
-
-static void count_up(leaf *f, uint64_t texels)
-{
-    for (int n = 0; n < OPEN_BITS && texels; n++) {
-        uint64_t carry = f->open[n] & texels;
-        f->open[n] ^= texels;
-        texels = carry;
-    }
-    f->tangled |= texels;
-}
-
-/* Returns which of the texels are at zero then. None is there before. */
-static uint64_t count_down(leaf *f, uint64_t texels)
-{
-    uint64_t left = texels, some = 0;
-    for (int n = 0; n < OPEN_BITS; n++) {
-        uint64_t borrow = ~f->open[n] & left;
-        f->open[n] ^= left;
-        left = borrow;
-        some |= f->open[n];
-    }
-    return texels & ~some;
-}
-
-/* Texels meet a sheet first, and light leaves it. */
-static void meet_sheet(leaf *f, const sparse_triangle *t, uint64_t texels)
-{
-    put_depths(f, f->x, t, texels);
-    if (f->frees || is_thick(f, t)) f->left |= texels;
-    for (uint64_t rest = is_thick(f, t) ? texels : 0; rest; rest &= rest - 1) {
-        int n   = __builtin_ctzll(rest);
-        f->x[n] = freedom_through(&f->d->freedom, f->x[n]);
+    f->count = 0;
+    for (size_t n = 0; n < l->count; n++) {
+        const sparse_triangle *t      = &f->d->triangles->all[l->items[n].id];
+        const uint64_t         texels = texels_of(f, &l->items[n]);
+        if (!texels) continue;
+        f->faces[f->count++] = (leaf_face){t, texels};
+        if (sparse_is_sheet(t))
+            keep_depths(f, t, texels, &f->sheet, 1);
+        else if (sparse_is_exit(t))
+            keep_depths(f, t, texels, f->back, LAYERS);
+        else
+            keep_depths(f, t, texels, f->front, LAYERS + 1);
     }
 }
 
-/* Texels meet a triangle that is apart from all before it. */
-static void meet(leaf *f, const sparse_triangle *t, uint64_t texels)
-{
-    uint64_t met = texels & f->unmet, within = texels & f->inside, next = texels & f->left, done;
-    if (next) end_depths(f, f->x, t, next);
-    f->left &= ~next;
-    put_depths(f, f->e, t, met);
-    f->unmet &= ~met;
-    if (sparse_is_sheet(t)) {
-        meet_sheet(f, t, met);
-        return;
-    }
-    if (!sparse_is_exit(t)) {
-        f->inside |= met;
-        count_up(f, met | within);
-        return;
-    }
-    uint64_t behind = 0; /* where the list lacks some */
-    if (t->zmax > f->known) behind = met_behind(f, t, NULL, f->known, met | within);
-    done = met | behind | (f->d->nearest_back ? within : count_down(f, within & ~behind));
-    put_depths(f, f->x, t, done);
-    for (uint64_t rest = behind; rest; rest &= rest - 1) {
-        int n   = __builtin_ctzll(rest);
-        f->x[n] = least(f->x[n], f->bound->left_out);
-    }
-    f->inside &= ~done;
-    if (f->frees) f->left |= done;
-}
-
-/* all triangles --------------------------------------------------------------------------------------------------------------- */
-
-/* Front faces are sorted by their nearest depths and back faces by their middles, as walls are: the ones end where a floor begins, the others
- * begin where a roof ends. */
-static void lean_faces(leaf *f, const square_list *l, texel_square square)
-{
-    const lean w = lean_of(l, f->d->triangles, square);
-    for (f->count = 0; f->count < l->count; f->count++) {
-        const square_entry    *e    = &l->items[f->count];
-        const sparse_triangle *t    = &f->d->triangles->all[e->id];
-        leaf_face             *face = &f->faces[f->count];
-        face->t                     = t;
-        face->id                    = e->id;
-        face->texels = face->asked = 0;
-        face->covers               = e->bits & ENTRY_COVERS;
-        lean_range(&w, e, t, &face->lo, &face->hi);
-        f->places[f->count] = (leaf_place){sparse_is_exit(t) ? (face->lo + face->hi) / 2 : face->lo, (uint32_t)f->count};
-    }
-}
-
-static int compare_places(const void *a, const void *b)
-{
-    const leaf_place *p = a, *q = b;
-    return p->depth < q->depth ? -1 : p->depth > q->depth ? 1 : p->face < q->face ? -1 : 1;
-}
-
-static void sort_places(leaf_place *places, size_t count)
-{
-    if (count > FEW_FACES) {
-        qsort(places, count, sizeof *places, compare_places);
-        return;
-    }
-    for (size_t n = 1; n < count; n++) {
-        leaf_place place = places[n];
-        size_t     to    = n;
-        for (; to && places[to - 1].depth > place.depth; to--) places[to] = places[to - 1];
-        places[to] = place;
-    }
-}
-
-/* Face n in order. */
-static leaf_face *face_at(const leaf *f, size_t n)
-{
-    return &f->faces[f->places[n].face];
-}
-
-/* Find out which of some texels a face covers. */
-static void ask(const leaf *f, leaf_face *face, uint64_t texels)
-{
-    uint64_t covers = texels & (face->covers ? ALL_TEXELS : covered(f, face->t));
-    if (face->t->kind & SPARSE_HOLED) covers = without_holes(f, face->id, covers);
-    face->texels |= covers;
-    face->asked |= texels;
-}
-
-/* Which of its texels meet a face that is no later than another one which they have met already. */
-static uint64_t tangles(const leaf *f, const leaf_face *face)
-{
-    const leaf_face *before;
-    uint64_t         tangled = 0;
-    for (size_t n = f->met; n-- && (before = face_at(f, n))->hi_most >= face->lo;) {
-        const uint64_t both = before->met & face->texels & ~tangled;
-        if (both && before->hi >= face->lo)
-            tangled |= before->lo > face->hi ? both : both & ~met_behind(f, face->t, before->t, 0, both);
-    }
-    return tangled;
-}
-
-/* Meet all faces in order. Only texels that have not left yet matter, those of which it matters what is next, and those that may have left
- * too early. */
-static void meet_all(leaf *f)
-{
-    double hi_most = -INFINITY;
-    for (size_t n = 0; n < f->count; n++) {
-        leaf_face     *face    = face_at(f, n);
-        const uint64_t pending = f->unmet | f->inside | f->left;
-        if (!pending && face->lo > hi_most) continue;
-        ask(f, face, ALL_TEXELS);
-        if (!face->texels) continue;
-        f->tangled |= tangles(f, face);
-        face->met = face->texels & pending;
-        if (!face->met) continue;
-        if (f->met == MET_MAX) {
-            f->tangled = ALL_TEXELS;
-            return;
-        }
-        meet(f, face->t, face->met);
-        face->hi_most = hi_most  = greatest(hi_most, face->hi);
-        f->places[f->met++].face = (uint32_t)(face - f->faces); /* those that were met stay, in order */
-    }
-}
-
-/* where depths are not apart -------------------------------------------------------------------------------------------------- */
+/* where light leaves solids --------------------------------------------------------------------------------------------------- */
 
 /* Front faces less back faces up to a layer of back faces; and the next layer, where it is nearer than *next. */
 static f64s count_open(const leaf *f, f64s layer, f64s *next)
@@ -371,121 +239,132 @@ static f64s count_open(const leaf *f, f64s layer, f64s *next)
     return open;
 }
 
-/* Where light leaves the solids that it has entered, in the texels that are `open`. */
-static f64s exits_of(const leaf *f, f64s layer, i64s open)
+/* Where light leaves that does so by a layer of back faces: there, or by what the list lacks. */
+static f64s exit_by(const leaf *f, f64s layer)
 {
-    const f64s none = f64s_all(INFINITY), known = f64s_all(f->known), left_out = f64s_all(f->bound->left_out);
-    f64s       exit = left_out;
-    for (;;) {
-        open &= (i64s)(layer < none);
-        i64s behind = open & (i64s)(layer > known);
-        exit        = f64s_choose(behind, f64s_min(layer, left_out), exit);
-        open &= ~behind;
-        if (!i64s_negative(open)) return exit;
-        f64s next = none, inside = f64s_all(0);
-        if (!f->d->nearest_back) inside = count_open(f, layer, &next);
-        i64s done = open & (i64s)(inside <= f64s_all(0));
-        exit      = f64s_choose(done, layer, exit);
-        open &= ~done;
-        layer = next;
-    }
+    return f64s_choose((i64s)(layer > f64s_all(f->known)), f64s_min(layer, f64s_all(f->bound->left_out)), layer);
 }
 
-/* The same of one texel, by sorting all that it meets.   lane  of depths */
-static double exit_of(leaf *f, int lane)
+/* Where light leaves in the texels that are `open`, by counting from a layer of back faces on. */
+static f64s exits_by_counting(const leaf *f, f64s layer, i64s open)
+{
+    f64s exits = f64s_all(INFINITY);
+    while (i64s_negative(open)) {
+        f64s       next = f64s_all(INFINITY);
+        const i64s more = (i64s)(count_open(f, layer, &next) > f64s_all(0)) & (i64s)(layer <= f64s_all(f->known));
+        exits           = f64s_choose(open & ~more, exit_by(f, layer), exits);
+        open &= more;
+        layer = next;
+    }
+    return exits;
+}
+
+static int compare_hits(const void *a, const void *b)
+{
+    const leaf_hit *p = a, *q = b;
+    if (p->depth != q->depth) return p->depth < q->depth ? -1 : 1;
+    return p->is_exit - q->is_exit; /* front faces first */
+}
+
+/* The same of one texel, by sorting all that it meets.   lane  of the depths */
+static double exit_by_sorting(const leaf *f, int lane)
 {
     size_t  count = 0;
     int64_t open  = 0;
     for (size_t n = 0; n < f->solids; n++) {
         double z = f->depths[LANES * n + (size_t)lane];
-        if (z < INFINITY) f->places[count++] = (leaf_place){z, f->backs[n]}; /* front faces first of those at one depth */
+        if (z < INFINITY) f->hits[count++] = (leaf_hit){z, f->backs[n]};
     }
-    sort_places(f->places, count);
+    qsort(f->hits, count, sizeof *f->hits, compare_hits);
     for (size_t n = 0; n < count; n++) {
-        const leaf_place *hit = &f->places[n];
-        if (!hit->face) {
-            open++;
-            continue;
-        }
-        if (hit->depth > f->known) return least(hit->depth, f->bound->left_out);
-        if (--open <= 0 || f->d->nearest_back) return hit->depth;
+        const leaf_hit *hit = &f->hits[n];
+        open += hit->is_exit ? -1 : 1;
+        if (hit->is_exit && hit->depth > f->known) return least(hit->depth, f->bound->left_out);
+        if (hit->is_exit && open <= 0) return hit->depth;
     }
     return f->bound->left_out;
 }
 
-static f64s exits_by_sorting(leaf *f, uint32_t texels)
+static f64s exits_by_sorting(const leaf *f, uint32_t texels)
 {
     double exits[LANES];
-    for (int lane = 0; lane < LANES; lane++) exits[lane] = texels >> lane & 1 ? exit_of(f, lane) : INFINITY;
+    for (int lane = 0; lane < LANES; lane++) exits[lane] = texels >> lane & 1 ? exit_by_sorting(f, lane) : INFINITY;
     return f64s_load(exits);
 }
 
-/* All that texels of a row meet, as far as it says what is free besides the insides of solids. */
-typedef struct free_depths {
-    f64s first, next, last;
-    f64s thick; /* the first of what is thick */
-} free_depths;
-
-static void add_depths(free_depths *d, f64s z, uint32_t met, int thick)
+/* The depths in LANES texels from one on of all solids that some of them meet. */
+static void find_solids(leaf *f, int first, uint32_t texels)
 {
-    d->next  = f64s_min(d->next, f64s_max(d->first, z));
-    d->first = f64s_min(d->first, z);
-    d->last  = f64s_max(d->last, f64s_select(met, z, f64s_all(-INFINITY)));
-    if (thick) d->thick = f64s_min(d->thick, z);
-}
-
-/* Exits where more is free. */
-static f64s later_exits(const leaf *f, const free_depths *d, f64s exits)
-{
-    const f64s none = f64s_all(INFINITY);
-    double     through[LANES];
-    f64s_store(through, d->first);
-    for (int n = 0; n < LANES; n++) through[n] = freedom_through(&f->d->freedom, through[n]);
-    f64s x = f64s_choose((i64s)(d->thick == d->first), f64s_min(f64s_load(through), d->next), exits);
-    return f->frees ? f64s_choose((i64s)(d->last <= exits), none, x) : x;
-}
-
-/* A few texels of a row by the depths of all that they meet.   texels  bits, as f64s_select has them; `first` is the first */
-static void untangle(leaf *f, uint32_t texels, int first)
-{
-    const f64s  none = f64s_all(INFINITY), x0 = f64s_ramp(x_of(f, first), (double)px_of(f));
-    const int   looks_on = freedom_looks_on(&f->d->freedom);
-    f64s        sheet = none, solid = none, back = none;
-    free_depths all = {none, none, f64s_all(-INFINITY), none};
-    f->solids       = 0;
+    f->solids = 0;
     for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
-        const uint32_t met = (uint32_t)(face->texels >> first) & texels;
-        if (!met) continue;
-        f64s z = f64s_select(met, lanes_depth(face->t, x0, y_of(f, first)), none);
-        if (looks_on) add_depths(&all, z, met, is_thick(f, face->t));
-        if (sparse_is_sheet(face->t)) {
-            sheet = f64s_min(sheet, z);
-            continue;
-        }
-        solid = f64s_min(solid, z);
-        if (sparse_is_exit(face->t)) back = f64s_min(back, z);
+        const uint32_t met = bits_of(face->texels, first) & texels;
+        if (!met || sparse_is_sheet(face->t)) continue;
         f->backs[f->solids] = (uint8_t)sparse_is_exit(face->t);
-        f64s_store(f->depths + LANES * f->solids++, z);
+        f64s_store(f->depths + LANES * f->solids++, depths_of(f, face->t, first, met));
     }
-    i64s solid_first = (i64s)(solid < sheet);
-    f64s exits       = f->solids > FEW_FACES ? exits_by_sorting(f, i64s_negative(solid_first)) : exits_of(f, back, solid_first);
-    f64s e = f64s_min(solid, sheet), x = f64s_choose(solid_first, exits, e);
-    if (looks_on) x = later_exits(f, &all, x);
-    f64s_store(f->e + first, f64s_select(texels, e, f64s_load(f->e + first)));
-    f64s_store(f->x + first, f64s_select(texels, x, f64s_load(f->x + first)));
 }
 
-static void untangle_all(leaf *f)
+/* Where light leaves solids in LANES texels from one on.   open  those that it enters */
+static f64s exits_of(leaf *f, int first, i64s open)
 {
-    for (size_t n = 0; n < f->count && f->tangled; n++)
-        if (f->tangled & ~f->faces[n].asked) ask(f, &f->faces[n], f->tangled & ~f->faces[n].asked);
-    for (int first = 0; first < 64 && f->tangled; first += LANES) {
-        uint32_t texels = (uint32_t)(f->tangled >> first) & ((1u << LANES) - 1);
-        if (texels) untangle(f, texels, first);
+    const i64s count = i64s_all(f->d->nearest_back ? 0 : -1);
+    f64s       exits = f64s_all(INFINITY);
+    for (int n = 0; n < LAYERS && i64s_negative(open); n++) {
+        const f64s back = f64s_load(f->back[n] + first), front = f64s_load(f->front[n + 1] + first);
+        const i64s more = (i64s)(front <= back) & (i64s)(back <= f64s_all(f->known)) & count; /* it may have entered another */
+        exits           = f64s_choose(open & ~more, exit_by(f, back), exits);
+        open &= more;
     }
+    const uint32_t texels = i64s_negative(open);
+    if (!texels) return exits;
+    find_solids(f, first, texels);
+    const f64s others =
+        f->solids > FEW_FACES ? exits_by_sorting(f, texels) : exits_by_counting(f, f64s_load(f->back[0] + first), open);
+    return f64s_choose(open, others, exits);
+}
+
+/* more that is free ----------------------------------------------------------------------------------------------------------- */
+
+/* Whether light leaves the triangle where its thickness ends. */
+static int is_thick(const leaf *f, const sparse_triangle *t)
+{
+    return f->d->freedom.thickness > 0 && t->kind & SPARSE_FACES;
+}
+
+/* Exits of LANES texels from one on where more is free than the insides of solids: by all that they meet. */
+static f64s later_exits(const leaf *f, int first, f64s exits)
+{
+    const f64s none    = f64s_all(INFINITY);
+    f64s       nearest = none, next = none, last = -none, thick = none; /* the nearest of what is thick */
+    double     through[LANES];
+    for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
+        const uint32_t met = bits_of(face->texels, first);
+        if (!met) continue;
+        f64s z  = depths_of(f, face->t, first, met);
+        next    = f64s_min(next, f64s_max(nearest, z));
+        nearest = f64s_min(nearest, z);
+        last    = f64s_max(last, f64s_select(met, z, -none));
+        if (is_thick(f, face->t)) thick = f64s_min(thick, z);
+    }
+    f64s_store(through, nearest);
+    for (int n = 0; n < LANES; n++) through[n] = freedom_through(&f->d->freedom, through[n]);
+    f64s x = f64s_choose((i64s)(thick == nearest), f64s_min(f64s_load(through), next), exits);
+    return f->frees ? f64s_choose((i64s)(last <= exits), none, x) : x;
 }
 
 /* the tile -------------------------------------------------------------------------------------------------------------------- */
+
+/* LANES columns from one on. */
+static void find_columns(leaf *f, int first)
+{
+    const f64s e    = first_of(f, first);
+    const i64s open = (i64s)(e < f64s_load(f->sheet + first));
+    f64s       x    = e;
+    if (i64s_negative(open)) x = f64s_choose(open, exits_of(f, first, open), e);
+    if (freedom_looks_on(&f->d->freedom)) x = later_exits(f, first, x);
+    f64s_store(f->e + first, e);
+    f64s_store(f->x + first, x);
+}
 
 /* Depths in voxels, those of exits rounded up. */
 static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64])
@@ -526,33 +405,21 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
 {
     leaf f;
     if (!array_reserve(&s->faces, &s->face_capacity, l->count, sizeof *s->faces)) return 0;
-    if (!array_reserve(&s->places, &s->place_capacity, l->count, sizeof *s->places)) return 0;
+    if (!array_reserve(&s->hits, &s->hit_capacity, l->count, sizeof *s->hits)) return 0;
     if (!array_reserve(&s->backs, &s->back_capacity, l->count, sizeof *s->backs)) return 0;
     if (!array_reserve(&s->depths, &s->depth_capacity, l->count * LANES, sizeof *s->depths)) return 0;
-    f.d       = d;
-    f.bound   = b;
-    f.x0      = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
-    f.y0      = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
-    f.unmet   = ALL_TEXELS;
-    f.inside  = 0;
-    f.left    = 0;
-    f.tangled = 0;
-    f.frees   = d->freedom.behind && !b->behind;
-    f.known   = f.frees ? INFINITY : b->enter_most;
-    f.met     = 0;
-    f.faces   = s->faces;
-    f.places  = s->places;
-    f.backs   = s->backs;
-    f.depths  = s->depths;
-    memset(f.open, 0, sizeof f.open);
-    lean_faces(&f, l, square);
-    sort_places(f.places, f.count);
-    meet_all(&f);
-    put_depth(f.e, f.unmet, INFINITY);
-    put_depth(f.x, f.unmet, INFINITY);
-    put_depth(f.x, f.inside, b->left_out);
-    if (f.frees) put_depth(f.x, f.left, INFINITY);
-    untangle_all(&f);
+    f.d      = d;
+    f.bound  = b;
+    f.x0     = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
+    f.y0     = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
+    f.frees  = d->freedom.behind && !b->behind;
+    f.known  = f.frees ? DBL_MAX : b->enter_most;
+    f.faces  = s->faces;
+    f.hits   = s->hits;
+    f.backs  = s->backs;
+    f.depths = s->depths;
+    meet_all(&f, l);
+    for (int first = 0; first < 64; first += LANES) find_columns(&f, first);
     if (!d->every_texel && is_parted(&f, bounds)) return 1;
     round_depths(d->scale, f.e, 0, out->e);
     round_depths(d->scale, f.x, 1, out->x);

@@ -17,11 +17,11 @@
 
 /* What a worker needs for it. Zero it; arrays are the owner's to free. */
 typedef struct leaf_scratch {
-    struct leaf_face  *faces;
-    struct leaf_place *places;
-    double            *depths;
-    uint8_t           *backs;
-    size_t             face_capacity, place_capacity, depth_capacity, back_capacity;
+    struct leaf_face *faces;
+    struct leaf_hit  *hits;
+    double           *depths;
+    uint8_t          *backs;
+    size_t            face_capacity, hit_capacity, depth_capacity, back_capacity;
 } leaf_scratch;
 
 typedef struct leaf_desc {

@@ -232,7 +232,7 @@ static void free_worker(square_worker *worker)
     free(worker->list.items);
     for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(worker->quarter[k / 4][k % 4].items);
     free(worker->leaf.faces);
-    free(worker->leaf.places);
+    free(worker->leaf.hits);
     free(worker->leaf.depths);
     free(worker->leaf.backs);
 }
