@@ -4,25 +4,56 @@
 #include "baker/base/array.h"
 #include "baker/columns/sparse/lanes.h"
 
-enum { QUARTERS = 4, VECTORS = LANES < 4 ? 2 : 1 }; /* vectors that hold them */
+enum { QUARTERS = 4, AT_ONCE = 64 }; /* triangles between looks at whether lists have room */
 
-/* A number for each quarter; of wider vectors the rest repeats them. */
-typedef struct i64_quarters {
-    i64s v[VECTORS];
-} i64_quarters;
+/* A number for each quarter, at all levels: with SSE2 it is two vectors, and never leaves this file. */
+#pragma GCC diagnostic ignored "-Wpsabi"
+typedef double         f64x4 __attribute__((vector_size(32)));
+typedef int64_t        i64x4 __attribute__((vector_size(32)));
 
-typedef struct f64_quarters {
-    f64s v[VECTORS];
-} f64_quarters;
+static inline f64x4 f64x4_all(double value)
+{
+    return value - (f64x4){0};
+}
+
+static inline f64x4 f64x4_max(f64x4 a, f64x4 b)
+{
+#ifdef __AVX2__
+    return (f64x4)_mm256_max_pd((__m256d)a, (__m256d)b);
+#else
+    const i64x4 mask = (i64x4)(a > b);
+    return (f64x4)(((i64x4)a & mask) | ((i64x4)b & ~mask));
+#endif
+}
+
+static inline f64x4 f64x4_min(f64x4 a, f64x4 b)
+{
+#ifdef __AVX2__
+    return (f64x4)_mm256_min_pd((__m256d)a, (__m256d)b);
+#else
+    const i64x4 mask = (i64x4)(a < b);
+    return (f64x4)(((i64x4)a & mask) | ((i64x4)b & ~mask));
+#endif
+}
+
+static inline uint32_t i64x4_negative(i64x4 v)
+{
+#ifdef __AVX2__
+    return (uint32_t)_mm256_movemask_pd((__m256d)v);
+#else
+    return (uint32_t)(v[0] < 0) | (uint32_t)(v[1] < 0) << 1 | (uint32_t)(v[2] < 0) << 2 | (uint32_t)(v[3] < 0) << 3;
+#endif
+}
 
 /* What is asked of all triangles. */
 typedef struct splitter {
-    int64_t      x, y;        /* middle of the square, subtexels */
-    int64_t      step;        /* from there to the middles of quarters, along x and along y; 0: all of them are the square itself */
-    int64_t      half;        /* of the side of the box of a quarter's texel centres */
-    i64_quarters left, below; /* masks of quarters */
-    f64_quarters middle_x, middle_y;
+    int64_t x, y; /* middle of the square, subtexels */
+    int64_t step; /* from there to the middles of quarters, along x and along y; 0: all of them are the square itself */
+    int64_t half; /* of the side of the box of a quarter's texel centres */
+    f64x4   middle_x, middle_y;
 } splitter;
+
+static const i64x4 left = {-1, 0, -1, 0}, below = {-1, -1, 0, 0}; /* masks of quarters */
 
 static splitter splitter_of(const sparse_triangles *s, texel_square square, uint32_t side)
 {
@@ -30,34 +61,24 @@ static splitter splitter_of(const sparse_triangles *s, texel_square square, uint
                   .y    = ((int64_t)(2 * square.v + square.side) << s->grid) / 2,
                   .step = ((int64_t)(square.side - side) << s->grid) / 2,
                   .half = ((int64_t)(side - 1) << s->grid) / 2};
-    for (int n = 0; n < VECTORS * LANES; n++) {
-        int64_t left = n & 1 ? 0 : -1, below = n & 2 ? 0 : -1;
-        w.left.v[n / LANES][n % LANES]     = left;
-        w.below.v[n / LANES][n % LANES]    = below;
-        w.middle_x.v[n / LANES][n % LANES] = (double)(left ? w.x - w.step : w.x + w.step);
-        w.middle_y.v[n / LANES][n % LANES] = (double)(below ? w.y - w.step : w.y + w.step);
+    for (int n = 0; n < QUARTERS; n++) {
+        w.middle_x[n] = (double)(n & 1 ? w.x + w.step : w.x - w.step);
+        w.middle_y[n] = (double)(n & 2 ? w.y + w.step : w.y - w.step);
     }
     return w;
 }
 
 /* The number, or less than nothing of it where the mask is. */
-static i64s turned(int64_t number, i64s mask)
+static i64x4 turned(int64_t number, i64x4 mask)
 {
-    return (i64s_all(number) ^ mask) - mask;
+    return ((number - (i64x4){0}) ^ mask) - mask;
 }
 
 /* Quarters as bits. */
 typedef struct quarter_answer {
     uint32_t missed, uncovered, unsampled, ended;
-    double   lo[VECTORS * LANES], hi[VECTORS * LANES];
+    double   lo[QUARTERS], hi[QUARTERS];
 } quarter_answer;
-
-static uint32_t negative(const i64_quarters *q)
-{
-    uint32_t bits = 0;
-    for (int n = 0; n < VECTORS; n++) bits |= i64s_negative(q->v[n]) << n * LANES;
-    return bits;
-}
 
 /* Quarters whose box the box of an edge does not touch. */
 static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
@@ -75,51 +96,33 @@ static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
 
 static void ask_edges(quarter_answer *q, const splitter *w, const sparse_triangle *t)
 {
-    i64_quarters outside[3] = {0}; /* the box, some of it, its middle */
+    i64x4 missed = {0}, uncovered = {0}, unsampled = {0}; /* where less than 0: the box, some of it, its middle */
     for (int k = 0; k < 3; k++) {
         const sparse_edge e  = sparse_edge_of(t, k);
-        const int64_t     at = sparse_edge_at(&e, w->x, w->y), across = e.a * w->step, along = e.b * w->step;
-        const i64s        reach   = i64s_all(((e.a < 0 ? -e.a : e.a) + (e.b < 0 ? -e.b : e.b)) * w->half);
-        uint32_t          crossed = 0;
-        for (int n = 0; n < VECTORS; n++) {
-            i64s middle = i64s_all(at) + turned(across, w->left.v[n]) + turned(along, w->below.v[n]);
-            i64s most = middle + reach, least = middle - reach;
-            outside[0].v[n] |= most;
-            outside[1].v[n] |= least;
-            outside[2].v[n] |= middle;
-            crossed |= i64s_negative(least) << n * LANES;
+        const int64_t     at = sparse_edge_at(&e, w->x, w->y), reach = ((e.a < 0 ? -e.a : e.a) + (e.b < 0 ? -e.b : e.b)) * w->half;
+        const i64x4       middle = at + turned(e.a * w->step, left) + turned(e.b * w->step, below), least = middle - reach;
+        missed |= middle + reach;
+        uncovered |= least;
+        unsampled |= middle;
+        if (t->ends >> k & 1) {
+            uint32_t crossed = i64x4_negative(least);
+            if (crossed) q->ended |= crossed & ~apart_from(w, t, k);
         }
-        if (t->ends >> k & 1 && crossed) q->ended |= crossed & ~apart_from(w, t, k);
     }
-    q->missed |= negative(&outside[0]);
-    q->uncovered = negative(&outside[1]);
-    q->unsampled = negative(&outside[2]);
+    q->missed |= i64x4_negative(missed);
+    q->uncovered = i64x4_negative(uncovered);
+    q->unsampled = i64x4_negative(unsampled);
 }
 
 /* Between which depths the triangle lies in each quarter. Where there are none, the plane passes the quarter out of the triangle's range. */
 static void ask_depth(quarter_answer *q, const splitter *w, const sparse_triangle *t)
 {
-    const f64s   x0 = f64s_all(t->x[0]), y0 = f64s_all(t->y[0]), gx = f64s_all(t->gx), gy = f64s_all(t->gy);
-    const double steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy);
-    const f64s   rise = f64s_all(steep * (double)w->half + t->slack), zmin = f64s_all(t->zmin), zmax = f64s_all(t->zmax);
-    for (int n = 0; n < VECTORS; n++) {
-        f64s middle = zmin + gy * (w->middle_y.v[n] - y0) + gx * (w->middle_x.v[n] - x0);
-        f64s lo = f64s_max(middle - rise, zmin), hi = f64s_min(middle + rise, zmax);
-        f64s_store(q->lo + n * LANES, lo);
-        f64s_store(q->hi + n * LANES, hi);
-        q->missed |= i64s_negative((i64s)(lo > hi)) << n * LANES;
-    }
-}
-
-static int add(square_list *l, const quarter_answer *q, int quarter, uint32_t id, int holed)
-{
-    if (q->missed >> quarter & 1) return 1;
-    if (l->count == l->capacity && !array_reserve(&l->items, &l->capacity, l->count + 1, sizeof *l->items)) return 0;
-    uint32_t bits = (q->uncovered >> quarter & 1 ? 0u : ENTRY_COVERS) | (q->unsampled >> quarter & 1 ? 0u : ENTRY_SAMPLE) |
-                    (q->ended >> quarter & 1 ? ENTRY_END : 0u);
-    if (holed) bits = ENTRY_END; /* it covers nothing for sure, and may be anywhere */
-    l->items[l->count++] = (square_entry){q->lo[quarter], q->hi[quarter], id, bits};
-    return 1;
+    const double steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy), rise = steep * (double)w->half + t->slack;
+    const f64x4  middle = t->zmin + t->gy * (w->middle_y - t->y[0]) + t->gx * (w->middle_x - t->x[0]);
+    const f64x4  lo = f64x4_max(middle - rise, f64x4_all(t->zmin)), hi = f64x4_min(middle + rise, f64x4_all(t->zmax));
+    memcpy(q->lo, &lo, sizeof lo);
+    memcpy(q->hi, &hi, sizeof hi);
+    q->missed |= i64x4_negative((i64x4)(lo > hi));
 }
 
 static quarter_answer ask(const splitter *w, const sparse_triangle *t, int covers)
@@ -130,14 +133,30 @@ static quarter_answer ask(const splitter *w, const sparse_triangle *t, int cover
     return q;
 }
 
+/* Add it to a list that has room, if it is not missed. */
+static inline void add(square_list *l, const quarter_answer *q, int quarter, uint32_t id, int holed)
+{
+    uint32_t bits = (q->uncovered >> quarter & 1 ? 0u : ENTRY_COVERS) | (q->unsampled >> quarter & 1 ? 0u : ENTRY_SAMPLE) |
+                    (q->ended >> quarter & 1 ? ENTRY_END : 0u);
+    if (holed) bits = ENTRY_END; /* it covers nothing for sure, and may be anywhere */
+    l->items[l->count] = (square_entry){q->lo[quarter], q->hi[quarter], id, bits};
+    l->count += !(q->missed >> quarter & 1);
+}
+
+static int make_room(square_list *l)
+{
+    return array_reserve(&l->items, &l->capacity, l->count + AT_ONCE, sizeof *l->items);
+}
+
 int AT_LEVEL(square_list_gather)(square_list *l, const sparse_triangles *s, const uint32_t *ids, size_t count, texel_square square)
 {
     const splitter w = splitter_of(s, square, square.side);
     l->count         = 0;
     for (size_t n = 0; n < count; n++) {
+        if (n % AT_ONCE == 0 && !make_room(l)) return 0;
         const sparse_triangle *t = &s->all[ids[n]];
         quarter_answer         q = ask(&w, t, 0);
-        if (!add(l, &q, 0, ids[n], t->kind & SPARSE_HOLED)) return 0;
+        add(l, &q, 0, ids[n], t->kind & SPARSE_HOLED);
     }
     return 1;
 }
@@ -147,11 +166,12 @@ int AT_LEVEL(square_list_split)(square_list quarter[4], const sparse_triangles *
     const splitter w = splitter_of(s, square, square.side / 2);
     for (int k = 0; k < QUARTERS; k++) quarter[k].count = 0;
     for (size_t n = 0; n < l->count; n++) {
+        for (int k = 0; k < QUARTERS && n % AT_ONCE == 0; k++)
+            if (!make_room(&quarter[k])) return 0;
         const square_entry    *e = &l->items[n];
         const sparse_triangle *t = &s->all[e->id];
         quarter_answer         q = ask(&w, t, e->bits & ENTRY_COVERS);
-        for (int k = 0; k < QUARTERS; k++)
-            if (!add(&quarter[k], &q, k, e->id, t->kind & SPARSE_HOLED)) return 0;
+        for (int k = 0; k < QUARTERS; k++) add(&quarter[k], &q, k, e->id, t->kind & SPARSE_HOLED);
     }
     return 1;
 }
