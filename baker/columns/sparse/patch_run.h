@@ -33,7 +33,8 @@ static inline patch_run patch_run_from(const square_list *l, const sparse_triang
         r.ends |= (e->bits & ENTRY_END) != 0;
         r.lo = least(r.lo, e->lo);
         r.hi = greatest(r.hi, e->hi);
-        if (e->bits & ENTRY_COVERS) r.covered = least(r.covered, e->hi);
+        const double if_covers[2] = {INFINITY, e->hi}; /* no branch: half of them cover, in no order */
+        r.covered                 = least(r.covered, if_covers[e->bits & ENTRY_COVERS]);
     }
     return r;
 }
