@@ -239,7 +239,8 @@ static void decode_some_pages(void *work, uint32_t task)
 static void decode_pages(blocks_reader *b)
 {
     memset(b->wrong, 0, b->sizes.page_count * sizeof *b->wrong);
-    b->pages.count = b->sizes.page_count;
+    b->pages.count    = b->sizes.page_count;
+    b->pages.parallel = b->r->desc.parallel;
     vxs_tasks_run(b->r->desc.parallel, b->task_count, decode_some_pages, b);
     for (page_place p = first_page(b); p.page < b->sizes.page_count; next_page(b, &p)) {
         if (!b->wrong[p.page]) continue;

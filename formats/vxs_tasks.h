@@ -10,15 +10,18 @@
 
 enum { VXS_TASKS_MAX = 64 };
 
-/* Zero it but for the count. */
+/* Zero it but for the count, and for whose threads they are. */
 typedef struct vxs_items {
-    uint32_t    count;
-    atomic_uint next;
+    uint32_t            count;
+    atomic_uint         next;
+    const vxs_parallel *parallel; /* NULL: the caller's own */
 } vxs_items;
 
-/* Take the next item. 0: there is none. Items are taken in their order: what is before one was taken before. */
+/* Take the next item, after a pause if there is to be one. 0: there is none. Items are taken in their order: what is before one was taken
+ * before. */
 static inline int vxs_items_take(vxs_items *items, uint32_t *item)
 {
+    if (items->parallel && items->parallel->pause) items->parallel->pause(items->parallel->user);
     *item = atomic_fetch_add_explicit(&items->next, 1, memory_order_relaxed);
     return *item < items->count;
 }

@@ -162,7 +162,7 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
 static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident, const vxs_sections *s)
 {
     uint32_t     count = view->words[PAGE_COUNT_WORD];
-    page_encoder e     = {.view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count}};
+    page_encoder e     = {.view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count, .parallel = s->parallel}};
     vxs_result   r     = VXS_E_MEMORY;
     e.out              = calloc((size_t)count + 1, sizeof *e.out);
     e.common           = malloc(sizeof *e.common);

@@ -95,9 +95,15 @@ static void run_lent(void *user, uint32_t count, void (*task)(void *work, uint32
     parallel_for(count, count, 1, run_tasks, &l);
 }
 
+static void pause_lent(void *user)
+{
+    (void)user;
+    gate_pass();
+}
+
 vxs_parallel parallel_lent(uint32_t threads)
 {
-    return (vxs_parallel){.run = run_lent, .threads = threads};
+    return (vxs_parallel){.run = run_lent, .threads = threads, .pause = pause_lent};
 }
 
 uint32_t parallel_default_threads(void)

@@ -795,7 +795,7 @@ static void test_any_threads(void **state)
     uint32_t        tasks = 0;
     for (int n = 0; n < 2 * THREAD_COUNTS; n++) {
         vxs_parallel parallel = parallel_lent(thread_counts[n / 2]);
-        if (n % 2) parallel = (vxs_parallel){run_backwards, &tasks, thread_counts[n / 2]};
+        if (n % 2) parallel = (vxs_parallel){.run = run_backwards, .user = &tasks, .threads = thread_counts[n / 2]};
         uint32_t       expected = min_u32(thread_counts[n / 2], w.words[0]);
         vxs_write_desc write    = {.lights = &light, .light_count = 1, .zstd_level = 1, .parallel = &parallel};
         vxs_read_desc  read     = {.parallel = &parallel};
@@ -812,6 +812,42 @@ static void test_any_threads(void **state)
         free(file.data);
     }
     free(once.data);
+    block_words_free(&w);
+}
+
+static void run_each(void *user, uint32_t count, void (*task)(void *work, uint32_t n), void *work)
+{
+    (void)user;
+    for (uint32_t n = 0; n < count; n++) task(work, n);
+}
+
+static void count_pause(void *user)
+{
+    ++*(uint32_t *)user;
+}
+
+/* Each task is held before each of its pages, and once before it learns that there is none left; also on the caller's own thread. */
+static void test_pauses(void **state)
+{
+    (void)state;
+    block_words     w      = words_of_pages();
+    vxs_write_light light  = blocks_light(&w, 10, 1, "sun");
+    uint32_t        pauses = 0;
+    for (uint32_t threads = 0; threads < 2; threads++) {
+        vxs_parallel   parallel = {.run = run_each, .user = &pauses, .threads = 3 * threads, .pause = count_pause};
+        uint32_t       expected = w.words[0] + max_u32(1, parallel.threads);
+        vxs_write_desc write    = {.lights = &light, .light_count = 1, .zstd_level = 1, .parallel = &parallel};
+        vxs_read_desc  read     = {.parallel = &parallel};
+        vxs_bytes      file     = {0};
+        vxs_contents   contents;
+        assert_int_equal(vxs_write(&file, &write), VXS_OK);
+        assert_int_equal(pauses, expected);
+        assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &read), VXS_OK);
+        assert_int_equal(pauses, 2 * expected);
+        pauses = 0;
+        vxs_contents_free(&contents);
+        free(file.data);
+    }
     block_words_free(&w);
 }
 
@@ -838,7 +874,7 @@ static void test_findings_on_any_threads(void **state)
             findings      f        = {0};
             vxs_contents  contents;
             vxs_read_desc desc = {.finding = collect, .finding_user = &f, .find_all = find_all, .parallel = &parallel};
-            if (n % 2) parallel = (vxs_parallel){run_backwards, &tasks, thread_counts[n / 2]};
+            if (n % 2) parallel = (vxs_parallel){.run = run_backwards, .user = &tasks, .threads = thread_counts[n / 2]};
             assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, &desc), VXS_E_CORRUPT);
             assert_int_equal(f.first, 504);
             assert_int_equal(f.offset, at);
@@ -1087,6 +1123,7 @@ int main(void)
         cmocka_unit_test_setup(test_find_all_goes_on, pack_small),
         cmocka_unit_test_setup(test_any_threads, pack_fast),
         cmocka_unit_test_setup(test_any_threads, pack_small),
+        cmocka_unit_test(test_pauses),
         cmocka_unit_test(test_findings_on_any_threads),
         cmocka_unit_test_setup(test_write_refuses_on_any_threads, pack_fast),
         cmocka_unit_test_setup(test_write_refuses_on_any_threads, pack_small),
