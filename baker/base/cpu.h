@@ -1,4 +1,7 @@
 /* What the processor can do, for loops that are compiled for several of them: each has to give the same bits as the plain one.
+ *
+ * Single functions are given a target below; files whose vectors are as wide as the processor's are compiled once for each (level.c in the
+ * Makefile, baker/columns/sparse/lanes.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef CPU_H
 #define CPU_H
