@@ -16,6 +16,7 @@ typedef int8_t   i8x8 __attribute__((vector_size(8)));
 typedef int32_t  i32x4 __attribute__((vector_size(16)));
 typedef float    f32x4 __attribute__((vector_size(16)));
 typedef uint32_t u32x4 __attribute__((vector_size(16)));
+typedef uint64_t u64x2 __attribute__((vector_size(16)));
 
 static inline i16x8 i16x8_load(const int16_t *from)
 {
@@ -266,6 +267,29 @@ static inline uint32_t u32x4_zeros(const u32x4 v[4])
     for (int n = 0; n < 16; n++) bits |= (uint32_t)(v[n / 4][n % 4] == 0) << n;
     return bits;
 #endif
+}
+
+static inline u64x2 u64x2_load(const uint64_t *from)
+{
+    u64x2 v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+static inline u64x2 u64x2_all(uint64_t value)
+{
+    return (u64x2){value, value};
+}
+
+/* The same of 16 elements of twice the size. */
+static inline uint32_t u64x2_zeros(const u64x2 v[8])
+{
+    u32x4 either[4]; /* half of each element */
+    for (int n = 0; n < 4; n++) {
+        u32x4 a = (u32x4)v[2 * n], b = (u32x4)v[2 * n + 1];
+        either[n] = (u32x4){a[0], a[2], b[0], b[2]} | (u32x4){a[1], a[3], b[1], b[3]};
+    }
+    return u32x4_zeros(either);
 }
 
 #endif

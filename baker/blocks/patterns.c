@@ -12,30 +12,12 @@
 #include <immintrin.h>
 #endif
 
-/* Bits of a mask that are searched first: every other texel, so that what differs in any part of a tile is met. */
-#define CHECKERS 0xa5a5a5a5u
+enum { DARK, LIT, MASK_ROWS };
 
-enum { DARK, LIT, HALF_ROWS, MASK_ROWS = 2 * HALF_ROWS };
-
-/* The two halves of a mask that a search compares: texels of one colour of a checkerboard, and those of the other. */
-static void mask_halves(uint64_t mask, uint32_t half[2])
+/* The rows of a mask, DARK and LIT, `capacity` apart. */
+static uint64_t *mask_rows(const pattern_class *c, int mask)
 {
-    uint32_t low = (uint32_t)mask, high = (uint32_t)(mask >> 32);
-    half[0] = (low & CHECKERS) | (high & ~CHECKERS);
-    half[1] = (low & ~CHECKERS) | (high & CHECKERS);
-}
-
-/* And back: the exchange undoes itself. */
-static uint64_t mask_of_halves(uint32_t first, uint32_t second)
-{
-    uint32_t half[2];
-    mask_halves((uint64_t)second << 32 | first, half);
-    return (uint64_t)half[1] << 32 | half[0];
-}
-
-static uint32_t *needs_row(const pattern_class *c, int mask, int half, int which)
-{
-    return c->needs + (size_t)(MASK_ROWS * mask + HALF_ROWS * half + which) * c->capacity;
+    return c->needs + (size_t)(MASK_ROWS * mask) * c->capacity;
 }
 
 static vxs_result class_grow(pattern_class *c, int masks)
@@ -59,155 +41,149 @@ static vxs_result class_grow(pattern_class *c, int masks)
     return VXS_OK;
 }
 
-/* The needs of a tile as halves: [mask][half][DARK or LIT]. */
-typedef uint32_t tile_needs[PALETTE_MAX - 1][2][2];
-
-/* Whether nothing that either needs contradicts the other. */
-static int agrees(const pattern_class *c, size_t at, const tile_needs t, int masks)
+static void swap_u64(uint64_t *a, uint64_t *b)
 {
-    uint32_t against = 0;
-    for (int mask = 0; mask < masks && !against; mask++)
-        for (int half = 0; half < 2; half++)
-            against |= (needs_row(c, mask, half, DARK)[at] & t[mask][half][LIT]) |
-                       (needs_row(c, mask, half, LIT)[at] & t[mask][half][DARK]);
-    return !against;
-}
-
-static void swap_u32(uint32_t *a, uint32_t *b)
-{
-    uint32_t was = *a;
+    uint64_t was = *a;
     *a           = *b;
     *b           = was;
 }
 
 /* The pattern at `at` takes on what a tile needs, and moves halfway to where searches begin: what is used often is found soon. */
-static uint32_t take(pattern_class *c, size_t at, const tile_needs t, int masks)
+static uint32_t take(pattern_class *c, size_t at, const mask_need *needs, int masks)
 {
     size_t   to = at + (c->count - at) / 2;
     uint32_t id = c->ids[at];
-    swap_u32(&c->ids[at], &c->ids[to]);
-    for (int mask = 0; mask < masks; mask++)
-        for (int half = 0; half < 2; half++)
-            for (int which = DARK; which <= LIT; which++) {
-                uint32_t *row = needs_row(c, mask, half, which);
-                row[at] |= t[mask][half][which];
-                swap_u32(&row[at], &row[to]);
-            }
+    c->ids[at]  = c->ids[to];
+    c->ids[to]  = id;
+    for (int mask = 0; mask < masks; mask++) {
+        uint64_t *dark = mask_rows(c, mask), *lit = dark + c->capacity;
+        dark[at] |= needs[mask].dark;
+        lit[at] |= needs[mask].lit;
+        swap_u64(&dark[at], &dark[to]);
+        swap_u64(&lit[at], &lit[to]);
+    }
     return id;
 }
 
-/* Which of the 16 patterns from `from` on agree in one half of one mask. */
-typedef uint32_t find_agreeing(const uint32_t *dark, const uint32_t *lit, size_t from, uint32_t must_dark, uint32_t must_lit);
+/* Which of the 16 patterns whose rows are these agree with what a mask needs. Behind the last pattern there may be places without one, of
+ * which the bits say nothing. */
+typedef uint32_t find_agreeing(const uint64_t *dark, const uint64_t *lit, mask_need need);
 
-static ALWAYS_INLINE uint32_t agreeing(const uint32_t *dark, const uint32_t *lit, size_t from, uint32_t must_dark,
-                                       uint32_t must_lit)
+static ALWAYS_INLINE uint32_t agreeing(const uint64_t *dark, const uint64_t *lit, mask_need need)
 {
-    u32x4 against[4], d = u32x4_all(must_dark), l = u32x4_all(must_lit);
-    for (size_t n = 0; n < 4; n++) against[n] = (u32x4_load(dark + from + 4 * n) & l) | (u32x4_load(lit + from + 4 * n) & d);
-    return u32x4_zeros(against);
+    u64x2 against[8];
+    for (size_t n = 0; n < 8; n++)
+        against[n] = (u64x2_load(dark + 2 * n) & u64x2_all(need.lit)) | (u64x2_load(lit + 2 * n) & u64x2_all(need.dark));
+    return u64x2_zeros(against);
 }
 
-/* The place of a pattern that agrees in all, or the count: none. The half that needs most is looked at first, 16 patterns at a time. */
-static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const tile_needs t, int masks)
+/* The mask that needs most, which is looked at first. */
+static int neediest(const mask_need *needs, int masks)
 {
-    int mask = 0, half = 0, most = -1;
-    for (int m = 0; m < masks; m++)
-        for (int h = 0; h < 2; h++) {
-            int bits = __builtin_popcount(t[m][h][DARK] | t[m][h][LIT]);
-            if (bits <= most) continue;
-            most = bits;
-            mask = m;
-            half = h;
-        }
-    const uint32_t *dark = needs_row(c, mask, half, DARK), *lit = needs_row(c, mask, half, LIT);
-    uint32_t        must_dark = t[mask][half][DARK], must_lit = t[mask][half][LIT];
-    size_t          stop = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
-    for (size_t end = c->count; end > stop;) {
-        size_t   from = end >= stop + 16 ? end - 16 : end - 1;
-        uint32_t hits =
-            end >= stop + 16 ? find(dark, lit, from, must_dark, must_lit) : !((dark[from] & must_lit) | (lit[from] & must_dark));
-        while (hits) {
-            uint32_t last = 31 - (uint32_t)__builtin_clz(hits);
-            if (agrees(c, from + last, t, masks)) return from + last;
-            hits ^= 1u << last;
-        }
-        end = from;
+    int found = 0, most = -1;
+    for (int mask = 0; mask < masks; mask++) {
+        int bits = __builtin_popcountll(needs[mask].dark | needs[mask].lit);
+        if (bits <= most) continue;
+        most  = bits;
+        found = mask;
+    }
+    return found;
+}
+
+/* Of places [stop, end), the last 16 or fewer of which some agree with what a mask needs.   from  [out] the first of those
+ * Returns which of them agree; 0: none of all does. */
+static ALWAYS_INLINE uint32_t last_agreeing(find_agreeing *find, const uint64_t *dark, const uint64_t *lit, mask_need need,
+                                            size_t stop, size_t end, size_t *from)
+{
+    while (end >= stop + 16) {
+        end -= 16;
+        uint32_t hits = find(dark + end, lit + end, need);
+        *from         = end;
+        if (hits) return hits;
+    }
+    *from = stop;
+    return end > stop ? find(dark + stop, lit + stop, need) & ((1u << (end - stop)) - 1) : 0;
+}
+
+/* The last place of a pattern that agrees in all, or the count: none. 16 patterns are looked at at a time, mask by mask. */
+static ALWAYS_INLINE size_t search_by(find_agreeing *find, const pattern_class *c, const mask_need *needs, int masks)
+{
+    const int       first = neediest(needs, masks);
+    const size_t    stop  = c->count > PATTERN_WINDOW ? c->count - PATTERN_WINDOW : 0;
+    const uint64_t *dark = mask_rows(c, first), *lit = dark + c->capacity;
+    for (size_t end = c->count, from; end > stop; end = from) {
+        uint32_t hits = last_agreeing(find, dark, lit, needs[first], stop, end, &from);
+        for (int mask = 0; mask < masks && hits; mask++)
+            if (mask != first) hits &= find(mask_rows(c, mask) + from, mask_rows(c, mask) + c->capacity + from, needs[mask]);
+        if (hits) return from + 31 - (size_t)__builtin_clz(hits);
     }
     return c->count;
 }
 
-static size_t search_plain(const pattern_class *c, const tile_needs t, int masks)
+static size_t search_plain(const pattern_class *c, const mask_need *needs, int masks)
 {
-    return search_by(agreeing, c, t, masks);
+    return search_by(agreeing, c, needs, masks);
 }
 
 #ifdef __x86_64__
 
-CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t agreeing_avx2(const uint32_t *dark, const uint32_t *lit, size_t from,
-                                                            uint32_t must_dark, uint32_t must_lit)
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t agreeing_avx2(const uint64_t *dark, const uint64_t *lit, mask_need need)
 {
-    const __m256i d = _mm256_set1_epi32((int)must_dark), l = _mm256_set1_epi32((int)must_lit), zero = _mm256_setzero_si256();
+    const __m256i d = _mm256_set1_epi64x((long long)need.dark), l = _mm256_set1_epi64x((long long)need.lit);
+    const __m256i zero = _mm256_setzero_si256();
     uint32_t      hits = 0;
-    for (size_t n = 0; n < 16; n += 8) {
-        __m256i is_dark = _mm256_loadu_si256((const __m256i *)(const void *)(dark + from + n));
-        __m256i is_lit  = _mm256_loadu_si256((const __m256i *)(const void *)(lit + from + n));
+    for (size_t n = 0; n < 16; n += 4) {
+        __m256i is_dark = _mm256_loadu_si256((const __m256i *)(const void *)(dark + n));
+        __m256i is_lit  = _mm256_loadu_si256((const __m256i *)(const void *)(lit + n));
         __m256i against = _mm256_or_si256(_mm256_and_si256(is_dark, l), _mm256_and_si256(is_lit, d));
-        hits |= (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(against, zero))) << n;
+        hits |= (uint32_t)_mm256_movemask_pd(_mm256_castsi256_pd(_mm256_cmpeq_epi64(against, zero))) << n;
     }
     return hits;
 }
 
-CPU_TARGET_AVX2 static size_t search_avx2(const pattern_class *c, const tile_needs t, int masks)
+CPU_TARGET_AVX2 static size_t search_avx2(const pattern_class *c, const mask_need *needs, int masks)
 {
-    return search_by(agreeing_avx2, c, t, masks);
+    return search_by(agreeing_avx2, c, needs, masks);
 }
 
-CPU_TARGET_AVX512 static ALWAYS_INLINE uint32_t agreeing_avx512(const uint32_t *dark, const uint32_t *lit, size_t from,
-                                                                uint32_t must_dark, uint32_t must_lit)
+CPU_TARGET_AVX512 static ALWAYS_INLINE uint32_t agreeing_avx512(const uint64_t *dark, const uint64_t *lit, mask_need need)
 {
-    __m512i is_dark = _mm512_loadu_si512(dark + from), is_lit = _mm512_loadu_si512(lit + from);
-    __m512i against = _mm512_or_si512(_mm512_and_si512(is_dark, _mm512_set1_epi32((int)must_lit)),
-                                      _mm512_and_si512(is_lit, _mm512_set1_epi32((int)must_dark)));
-    return _mm512_testn_epi32_mask(against, against);
+    const __m512i d = _mm512_set1_epi64((long long)need.dark), l = _mm512_set1_epi64((long long)need.lit);
+    uint32_t      hits = 0;
+    for (size_t n = 0; n < 16; n += 8) {
+        __m512i is_dark = _mm512_loadu_si512(dark + n), is_lit = _mm512_loadu_si512(lit + n);
+        __m512i against = _mm512_or_si512(_mm512_and_si512(is_dark, l), _mm512_and_si512(is_lit, d));
+        hits |= (uint32_t)_mm512_testn_epi64_mask(against, against) << n;
+    }
+    return hits;
 }
 
-CPU_TARGET_AVX512 static size_t search_avx512(const pattern_class *c, const tile_needs t, int masks)
+CPU_TARGET_AVX512 static size_t search_avx512(const pattern_class *c, const mask_need *needs, int masks)
 {
-    return search_by(agreeing_avx512, c, t, masks);
+    return search_by(agreeing_avx512, c, needs, masks);
 }
 
 #endif
 
-static size_t search(int cpu, const pattern_class *c, const tile_needs t, int masks)
+static size_t search(int cpu, const pattern_class *c, const mask_need *needs, int masks)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX512) return search_avx512(c, t, masks);
-    if (cpu == CPU_AVX2) return search_avx2(c, t, masks);
+    if (cpu == CPU_AVX512) return search_avx512(c, needs, masks);
+    if (cpu == CPU_AVX2) return search_avx2(c, needs, masks);
 #endif
     (void)cpu;
-    return search_plain(c, t, masks);
-}
-
-static void halves_of_needs(tile_needs t, const mask_need *needs, int masks)
-{
-    for (int mask = 0; mask < masks; mask++) {
-        uint32_t dark[2], lit[2];
-        mask_halves(needs[mask].dark, dark);
-        mask_halves(needs[mask].lit, lit);
-        for (int half = 0; half < 2; half++) {
-            t[mask][half][DARK] = dark[half];
-            t[mask][half][LIT]  = lit[half];
-        }
-    }
+    return search_plain(c, needs, masks);
 }
 
 /* One more pattern, where searches begin. */
-static vxs_result append(pattern_class *c, const tile_needs t, int masks, uint32_t id)
+static vxs_result append(pattern_class *c, const mask_need *needs, int masks, uint32_t id)
 {
     if (c->count == c->capacity && class_grow(c, masks) != VXS_OK) return VXS_E_MEMORY;
-    for (int mask = 0; mask < masks; mask++)
-        for (int half = 0; half < 2; half++)
-            for (int which = DARK; which <= LIT; which++) needs_row(c, mask, half, which)[c->count] = t[mask][half][which];
+    for (int mask = 0; mask < masks; mask++) {
+        uint64_t *dark               = mask_rows(c, mask);
+        dark[c->count]               = needs[mask].dark;
+        dark[c->capacity + c->count] = needs[mask].lit;
+    }
     c->ids[c->count++] = id;
     return VXS_OK;
 }
@@ -216,33 +192,29 @@ vxs_result pattern_find(pattern_set *s, int depths, const mask_need *needs, uint
 {
     pattern_class *c     = &s->by_depths[depths];
     int            masks = depths - 1;
-    tile_needs     t;
-    halves_of_needs(t, needs, masks);
-    size_t at = c->count ? search(s->cpu, c, t, masks) : 0;
+    size_t         at    = c->count ? search(s->cpu, c, needs, masks) : 0;
     if (at < c->count) {
-        *id = take(c, at, t, masks);
+        *id = take(c, at, needs, masks);
         return VXS_OK;
     }
     *id = s->count;
-    if (append(c, t, masks, *id) != VXS_OK) return VXS_E_MEMORY;
+    if (append(c, needs, masks, *id) != VXS_OK) return VXS_E_MEMORY;
     s->count++;
     return VXS_OK;
 }
 
 vxs_result pattern_put(pattern_set *s, int depths, const mask_need *needs, uint32_t id)
 {
-    tile_needs t;
-    halves_of_needs(t, needs, depths - 1);
     s->count++;
-    return append(&s->by_depths[depths], t, depths - 1, id);
+    return append(&s->by_depths[depths], needs, depths - 1, id);
 }
 
 void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 {
     const pattern_class *c = &s->by_depths[depths];
     for (int mask = 0; mask < depths - 1; mask++) {
-        needs[mask].dark = mask_of_halves(needs_row(c, mask, 0, DARK)[n], needs_row(c, mask, 1, DARK)[n]);
-        needs[mask].lit  = mask_of_halves(needs_row(c, mask, 0, LIT)[n], needs_row(c, mask, 1, LIT)[n]);
+        const uint64_t *dark = mask_rows(c, mask);
+        needs[mask]          = (mask_need){dark[n], dark[c->capacity + n]};
     }
 }
 

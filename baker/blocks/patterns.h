@@ -34,7 +34,7 @@ typedef struct mask_need {
 /* The patterns with p depths, in the order in which they are searched, the last first. */
 typedef struct pattern_class {
     uint32_t *ids;
-    uint32_t *needs; /* rows of `capacity`: of each mask four, half 0 dark, half 0 lit, half 1 dark, half 1 lit */
+    uint64_t *needs; /* rows of `capacity`: of each mask two, dark and lit */
     size_t    count, capacity;
 } pattern_class;
 
