@@ -7,6 +7,7 @@
 #include "baker/blocks/block_build.h"
 #include "baker/blocks/depth_axis.h"
 #include "baker/blocks/pierce.h"
+#include "baker/blocks/tile_needs.h"
 
 enum {
     OWN_FROM        = 10, /* depths that a tile needs, from which on it has its own */
@@ -147,9 +148,10 @@ static void add_tile(intervals *s, const tile_in *t)
 static void count_depths(node_builder *b)
 {
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        intervals    s = {.count = 0};
+        intervals    s;
         pierce_group groups[64];
         if (t->kind != TILE_PATTERN) continue;
+        s.count = 0;
         add_tile(&s, t);
         t->depths = pierce(&s, groups, 64, b->set->patterns.cpu);
     }
@@ -189,7 +191,8 @@ static void give_one_own_depths(node_builder *b)
 static int block_groups(node_builder *b, pierce_group groups[PALETTE_MAX + 1])
 {
     for (int counted = 0;;) {
-        intervals s = {.count = 0};
+        intervals s; /* 4 KiB, of which the count alone has to be 0 */
+        s.count = 0;
         for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
             if (t->kind == TILE_PATTERN) add_tile(&s, t);
             if (t->kind != TILE_UNIFORM) continue;
@@ -233,24 +236,6 @@ static int32_t place(block *out, const depth_axis *axis, const pierce_group *gro
         high          = min_i32(high, to - out->depth[n]);
     }
     return low;
-}
-
-/* The fewest entries that a tile can do with, and what each mask between two of them needs.
- * needs  [out] [entries - 1];   Returns the bits of the entries. */
-static uint32_t tile_needs(const uint8_t low[64], const uint8_t high[64], int count, mask_need *needs)
-{
-    uint64_t left = UINT64_MAX, ends[PALETTE_MAX], lit = 0;
-    uint32_t used  = 0;
-    int      masks = 0;
-    for (int entry = 0; entry < count && left; entry++) {
-        ends[entry] = bytes_at_most(high, (uint8_t)entry);
-        if (!(ends[entry] & left)) continue; /* all that have no entry yet may wait for the next one */
-        if (used) needs[masks++] = (mask_need){.dark = entry ? ends[entry - 1] : 0, .lit = lit};
-        used |= 1u << entry;
-        lit = ~bytes_at_most(low, (uint8_t)entry);
-        left &= lit;
-    }
-    return used;
 }
 
 /* The entries of the palette that a uniform tile may have. */
@@ -362,10 +347,8 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
             to->base -= *base;
             continue;
         }
-        uint8_t   low[64], high[64];
         mask_need needs[PALETTE_MAX - 1];
-        points_of_ranges(t->low, t->high, codes, count, low, high);
-        to->palette = (uint16_t)tile_needs(low, high, count, needs);
+        to->palette = (uint16_t)tile_needs(t->low, t->high, codes, count, needs, b->set->patterns.cpu);
         r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
     }
     return r == VXS_OK ? block_set_find(b->set, &out, id) : r;

@@ -167,10 +167,11 @@ static int choose_bytes(own_pattern *p, const tile_ranges *t, int shift, int32_t
 /* As few different depths as there may be. */
 static void choose_few(own_pattern *p, const half_ranges *t, int32_t *base)
 {
-    intervals    s = {.count = 64};
+    intervals    s;
     pierce_group groups[64];
     int16_t      points[64];
     uint8_t      low[64], high[64], index[64];
+    s.count = 64;
     memcpy(s.low, t->low, sizeof t->low);
     memcpy(s.high, t->high, sizeof t->high);
     int count = pierce(&s, groups, 64, CPU_SSE2); /* seldom asked */

@@ -11,7 +11,7 @@
 
 enum { INTERVALS_MAX = 1024 + 16, INTERVALS_SPARE = 32 };
 
-/* Intervals [low, high], both 0..32767. Zero the count. */
+/* Intervals [low, high], both 0..32767. Set the count to 0. */
 typedef struct intervals {
     int16_t low[INTERVALS_MAX + INTERVALS_SPARE], high[INTERVALS_MAX + INTERVALS_SPARE];
     int     count;

@@ -20,6 +20,7 @@
 #include "baker/blocks/depth_axis.h"
 #include "baker/blocks/pattern_code.h"
 #include "baker/blocks/pierce.h"
+#include "baker/blocks/tile_needs.h"
 #include "tests/columns/analytic.h"
 
 #include <cmocka.h>
@@ -433,6 +434,38 @@ static void piercing(void **state)
     }
 }
 
+/* A tile uses as few entries as it can; a mask is dark where a texel has none from the next entry on, lit where it has none up to the last. */
+static void needs_of_tiles(void **state)
+{
+    (void)state;
+    rng r = {2};
+    for (int round = 0; round < 3000; round++) {
+        int16_t points[PALETTE_MAX], low[64], high[64], first[64], last[64];
+        int     count = 1 + (int)rng_below(&r, PALETTE_MAX);
+        for (int n = 0, at = 0; n < count; n++) points[n] = (int16_t)(at += 1 + (int)rng_below(&r, round % 2 ? 4 : 2000));
+        for (int n = 0; n < 64; n++) {
+            int from = (int)rng_below(&r, (uint32_t)count), to = rng_between(&r, from, count - 1);
+            low[n]   = (int16_t)rng_between(&r, from ? points[from - 1] + 1 : 0, points[from]);
+            high[n]  = (int16_t)rng_between(&r, points[to], to + 1 < count ? points[to + 1] - 1 : INT16_MAX);
+            first[n] = (int16_t)from;
+            last[n]  = (int16_t)to;
+        }
+        for (int cpu = CPU_SSE2; cpu <= cpu_level_of_machine(); cpu++) {
+            mask_need needs[PALETTE_MAX - 1];
+            uint32_t  used = tile_needs(low, high, points, count, needs, cpu), rest = used;
+            assert_int_equal(__builtin_popcount(used), fewest_points(first, last, 64));
+            for (int n = 0; n < 64; n++) assert_true(used >> first[n] & ((2u << (last[n] - first[n])) - 1));
+            for (int mask = 0; rest & (rest - 1); mask++) {
+                int before = __builtin_ctz(rest), next = __builtin_ctz(rest &= rest - 1);
+                for (int n = 0; n < 64; n++) {
+                    assert_int_equal(needs[mask].dark >> n & 1, last[n] < next);
+                    assert_int_equal(needs[mask].lit >> n & 1, first[n] > before);
+                }
+            }
+        }
+    }
+}
+
 /* Codes are in the order of depths, and equal only where depths are, whichever the scale. */
 static void axes_keep_order(void **state)
 {
@@ -756,7 +789,7 @@ int main(void)
         cmocka_unit_test(sheets_are_planes),  cmocka_unit_test(sheet_over_a_map),       cmocka_unit_test(two_sheets_are_two_planes),
         cmocka_unit_test(pages_are_cut),      cmocka_unit_test(pages_are_even),         cmocka_unit_test(shapes_of_formulas),
         cmocka_unit_test(failing_calls),      cmocka_unit_test(searches_find_the_same), cmocka_unit_test(quadrants_have_few_depths),
-        cmocka_unit_test(packed_blocks),
+        cmocka_unit_test(packed_blocks),      cmocka_unit_test(needs_of_tiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
