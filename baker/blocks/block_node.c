@@ -102,19 +102,32 @@ static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_
     return VXS_OK;
 }
 
-/* All intervals of the block's tiles, for a scale of the depths that occur. */
+/* A scale of the depths that occur in the block's tiles, and the codes of these. */
 static void scale_by_depths(node_builder *b)
 {
-    int32_t low[INTERVALS_MAX], high[INTERVALS_MAX];
-    int     count = 0;
+    int32_t depths[AXIS_DEPTHS_MAX];
+    int16_t codes[AXIS_DEPTHS_MAX];
+    int     count = 0, next = 0;
+    depths[0]     = 0; /* there is always one, which compilers don't see */
     for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (t->kind == TILE_PLANE) continue;
         int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
-        memcpy(low + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *low);
-        memcpy(high + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *high);
+        memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *depths);
+        count += of_tile;
+        memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *depths);
         count += of_tile;
     }
-    axis_init_by_depths(&b->axis, low, high, count);
+    axis_init_by_depths(&b->axis, depths, codes, count);
+    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+        if (t->kind == TILE_PLANE) continue;
+        if (t->kind == TILE_UNIFORM) {
+            next += 2;
+            continue;
+        }
+        memcpy(t->low, codes + next, sizeof t->low);
+        memcpy(t->high, codes + next + 64, sizeof t->high);
+        next += 128;
+    }
 }
 
 /* The scale on which the block's tiles are compared. */
@@ -127,7 +140,10 @@ static void scale_block(node_builder *b)
         greatest_low = max_i32(greatest_low, t->emax);
     }
     /* the first is behind the second where all that is not on a plane is uniform, and alike */
-    if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) scale_by_depths(b);
+    if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) {
+        scale_by_depths(b);
+        return;
+    }
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
         axis_codes(&b->axis, t->ranges.low, t->low, 64);

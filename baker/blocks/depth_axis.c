@@ -2,16 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/blocks/depth_axis.h"
 
-#include <stdlib.h>
-#include <string.h>
-
+#include "baker/base/integer.h"
 #include "baker/base/simd.h"
-
-static int ascending(const void *a, const void *b)
-{
-    int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-    return (x > y) - (x < y);
-}
 
 int axis_init(depth_axis *a, int32_t least_high, int32_t greatest_low)
 {
@@ -20,15 +12,44 @@ int axis_init(depth_axis *a, int32_t least_high, int32_t greatest_low)
     return greatest_low - a->floor <= INT16_MAX - AXIS_MARGIN;
 }
 
-void axis_init_by_depths(depth_axis *a, const int32_t *low, const int32_t *high, int count)
+/* A depth that occurs, and where among all of them. */
+typedef struct placed_depth {
+    int32_t depth, place;
+} placed_depth;
+
+/* From `from` to `to`, in the order of one byte of what depths lie behind the least; what is equal in it stays in its order. */
+static void order_by_byte(placed_depth *to, const placed_depth *from, int count, int32_t least, int shift)
 {
-    int all = 2 * count;
-    memcpy(a->depths, low, (size_t)count * sizeof *low);
-    memcpy(a->depths + count, high, (size_t)count * sizeof *high);
-    qsort(a->depths, (size_t)all, sizeof *a->depths, ascending);
+    int next[256] = {0}, before = 0;
+    for (int n = 0; n < count; n++) next[(from[n].depth - least) >> shift & 255]++;
+    for (int byte = 0; byte < 256; byte++) {
+        int of_byte = next[byte];
+        next[byte]  = before;
+        before += of_byte;
+    }
+    for (int n = 0; n < count; n++) to[next[(from[n].depth - least) >> shift & 255]++] = from[n];
+}
+
+void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, int count)
+{
+    placed_depth first[AXIS_DEPTHS_MAX], second[AXIS_DEPTHS_MAX], *ordered = first, *other = second;
+    int32_t      least = INT32_MAX, most = 0;
+    for (int n = 0; n < count; n++) {
+        least    = min_i32(least, depths[n]);
+        most     = max_i32(most, depths[n]);
+        first[n] = (placed_depth){depths[n], n};
+    }
+    for (int shift = 0; shift < 32 && (most - least) >> shift; shift += 8) {
+        placed_depth *was = ordered;
+        order_by_byte(other, ordered, count, least, shift);
+        ordered = other;
+        other   = was;
+    }
     a->count = 0;
-    for (int n = 0; n < all; n++)
-        if (!n || a->depths[n] != a->depths[a->count - 1]) a->depths[a->count++] = a->depths[n];
+    for (int n = 0; n < count; n++) {
+        if (!n || ordered[n].depth != a->depths[a->count - 1]) a->depths[a->count++] = ordered[n].depth;
+        codes[ordered[n].place] = (int16_t)(2 * a->count - 1);
+    }
 }
 
 static int16_t code_by_depths(const depth_axis *a, int32_t depth)

@@ -18,8 +18,10 @@ typedef struct depth_axis {
  * lies between. 0: halves are not enough. */
 int axis_init(depth_axis *a, int32_t least_high, int32_t greatest_low);
 
-/* A scale of the depths that occur.   low, high  [count] all of the intervals, at most AXIS_DEPTHS_MAX / 2 */
-void axis_init_by_depths(depth_axis *a, const int32_t *low, const int32_t *high, int count);
+/* A scale of the depths that occur.
+ * depths  [count] of all ends of intervals, 0 or more each; at most AXIS_DEPTHS_MAX
+ * codes   [out] [count] theirs */
+void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, int count);
 
 /* Codes of depths: a < b where depths are in that order, and equal only where they are, or both are clamped. */
 void axis_codes(const depth_axis *a, const int32_t *depths, int16_t *codes, int count);

@@ -473,7 +473,9 @@ static void axes_keep_order(void **state)
     rng r = {1};
     for (int round = 0; round < 200; round++) {
         depth_axis a;
-        int32_t    low[100], high[100], range = round % 2 ? 1 << 18 : 20000, greatest_low = 0, least_high = INT32_MAX;
+        int16_t    codes[200];
+        int32_t    ends[200], *low = ends, *high = ends + 100, range = round % 2 ? 1 << 18 : 20000, greatest_low = 0,
+                           least_high = INT32_MAX;
         for (int n = 0; n < 100; n++) {
             low[n]       = (int32_t)rng_below(&r, (uint32_t)range);
             high[n]      = low[n] + (int32_t)rng_below(&r, 1000);
@@ -482,7 +484,8 @@ static void axes_keep_order(void **state)
         }
         int linear = axis_init(&a, least_high, greatest_low);
         assert_int_equal(linear, !(round % 2));
-        if (!linear) axis_init_by_depths(&a, low, high, 100);
+        if (!linear) axis_init_by_depths(&a, ends, codes, 200);
+        for (int n = 0; n < 200 && !linear; n++) assert_int_equal(codes[n], axis_code(&a, ends[n]));
         for (int n = 0; n < 5000; n++) {
             int32_t in = rng_below(&r, 2) ? low[n % 100] : high[n % 100], other = in + (int32_t)rng_below(&r, 41) - 20;
             int16_t x = axis_code(&a, in), y = axis_code(&a, other);
