@@ -133,8 +133,8 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
         page->words += l->block_words[shape->block[b]];
         for (const tile_code *t = tiles; t < tiles + count; t++) {
             uint32_t halves;
-            code_halves(l, t->own, t->code, &halves);
             if (l->common[t->own][t->code] || !is_new(&s->code_at[t->own][t->code], s->stamp, page->halves)) continue;
+            code_halves(l, t->own, t->code, &halves);
             page->halves += halves;
         }
     }
@@ -329,7 +329,8 @@ static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t cou
     for (uint32_t n = 0; n < count; n++, at++) words[at / 4] |= (value >> 8 * n & 0xff) << 8 * (at & 3);
 }
 
-static void write_node(const page_scratch *places, uint32_t *to, const node_shape *s)
+/* Returns how many words it takes. */
+static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_shape *s)
 {
     uint64_t    fresh = fresh_blocks(s);
     int         wide  = is_wide(s);
@@ -345,13 +346,13 @@ static void write_node(const page_scratch *places, uint32_t *to, const node_shap
         if (s->mixed >> b & 1) put_wide(&w, s->depth[b], wide);
     for (int b = 0; b < NODE_BLOCKS; b++)
         if (fresh >> b & 1) put_wide(&w, s->depth[b], wide);
+    return (w.at + 1) / 2;
 }
 
 /* pool  the half of the page where its patterns begin */
-static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block *b, uint32_t pool)
+static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block *b, block_form f, uint32_t pool)
 {
-    block_form f    = form_of(b);
-    uint32_t   word = 2, byte, nibbles = 0;
+    uint32_t word = 2, byte, nibbles = 0;
     to[0] = f.mixed | f.fresh << 16;
     to[1] = f.own | f.plane | ((b->depths - 1) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
     if (f.plane) {
@@ -425,15 +426,15 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
         const node_shape *shape = shape_of(l, &l->nodes[n]);
         if (l->nodes[n].word != next_word) continue;
         gate_pass();
-        write_node(&w->scratch, words + next_word, shape);
-        next_word += shape_words(shape);
+        uint32_t node_words = write_node(&w->scratch, words + next_word, shape);
+        next_word += node_words;
         c->nodes++;
-        c->node_words += shape_words(shape);
+        c->node_words += node_words;
         for (int b = 0; b < NODE_BLOCKS; b++) {
             if (!(shape->mixed >> b & 1) || w->scratch.block_at[shape->block[b]].at != next_word) continue;
             const block of   = block_at(l->set, shape->block[b]);
             block_form  form = form_of(&of);
-            write_block(l, &w->scratch, words + next_word, &of, pool);
+            write_block(l, &w->scratch, words + next_word, &of, form, pool);
             write_block_patterns(w, words, &of, pool, &next_half);
             next_word += form.words;
             count_block(c, &form);
