@@ -11,9 +11,21 @@ static size_t aligned(size_t size_bytes)
     return (size_bytes + 7) & ~(size_t)7;
 }
 
+uint64_t intern_ask(const intern *t, const void *thing, size_t size_bytes)
+{
+    uint64_t hash = XXH64(thing, size_bytes, 0);
+    if (t->table.capacity) __builtin_prefetch(&t->table.slots[ref_table_first(&t->table, hash)]);
+    return hash;
+}
+
 vxs_result intern_find(intern *t, const void *thing, size_t size_bytes, uint32_t *number)
 {
-    uint64_t hash = XXH64(thing, size_bytes, 0), at;
+    return intern_find_asked(t, XXH64(thing, size_bytes, 0), thing, size_bytes, number);
+}
+
+vxs_result intern_find_asked(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number)
+{
+    uint64_t at;
     uint32_t ref;
     if (t->count >= UINT32_MAX - 1) return VXS_E_REFERENCES;
     if (!ref_table_reserve(&t->table, 1) || !array_reserve(&t->start, &t->start_capacity, t->count + 2, sizeof *t->start))

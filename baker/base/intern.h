@@ -20,9 +20,20 @@ typedef struct intern {
 /* The number of a thing, [0, count): of an equal one, or a new one. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
 vxs_result intern_find(intern *t, const void *thing, size_t size_bytes, uint32_t *number);
 
+/* The same in two steps, for many things: what the second one needs is fetched while other work is done.
+ * Returns the hash. */
+uint64_t   intern_ask(const intern *t, const void *thing, size_t size_bytes);
+vxs_result intern_find_asked(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number);
+
 static inline void *intern_at(const intern *t, uint32_t number)
 {
     return t->bytes + t->start[number];
+}
+
+/* Its bytes, up to the next multiple of 8. */
+static inline size_t intern_size(const intern *t, uint32_t number)
+{
+    return t->start[number + 1] - t->start[number];
 }
 
 void intern_free(intern *t);

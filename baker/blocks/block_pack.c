@@ -38,7 +38,9 @@ size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
     for (uint32_t rest = h.palette; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].palette, 2);
     to = put(to, b->depth + 1, (b->depths - 1) * sizeof *b->depth);
     if (h.has_plane) to = put(to, &b->plane, sizeof b->plane);
-    return (size_t)(to - bytes);
+    const size_t size_bytes = (size_t)(to - bytes), spare = -size_bytes & 7;
+    memset(to, 0, spare);
+    return size_bytes + spare;
 }
 
 void block_unpack(block *b, const uint8_t *bytes)
@@ -57,6 +59,27 @@ void block_unpack(block *b, const uint8_t *bytes)
     for (uint32_t rest = h.palette; rest; rest &= rest - 1) from = take(&b->tile[__builtin_ctz(rest)].palette, from, 2);
     from = take(b->depth + 1, from, (b->depths - 1) * sizeof *b->depth);
     if (h.has_plane) take(&b->plane, from, sizeof b->plane);
+}
+
+void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *own, const int32_t *own_base)
+{
+    block_head head;
+    uint8_t   *pattern = bytes + sizeof head, *base;
+    memcpy(&head, bytes, sizeof head);
+    base = pattern + 4 * __builtin_popcount(head.patterned);
+    for (uint32_t rest = head.patterned; rest; rest &= rest - 1, pattern += 4) {
+        uint32_t was;
+        int32_t  depth;
+        memcpy(&was, pattern, sizeof was);
+        if (!(head.own & rest & -rest)) {
+            memcpy(pattern, &shared[was], sizeof was);
+            continue;
+        }
+        memcpy(&depth, base, sizeof depth);
+        depth += own_base[was];
+        base = put(base, &depth, sizeof depth);
+        memcpy(pattern, &own[was], sizeof was);
+    }
 }
 
 int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES])

@@ -19,10 +19,13 @@ typedef struct block_head {
     uint8_t  depths, has_plane;
 } block_head;
 
-/* Returns how many bytes it takes. */
+/* Returns how many bytes it takes, a multiple of 8: zeros are behind the last field. */
 size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
 
 void block_unpack(block *b, const uint8_t *bytes);
+
+/* Give patterns other numbers: those of own patterns are own[was], of the others shared[was]; own_base[was] is added to bases of own ones. */
+void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *own, const int32_t *own_base);
 
 /* The patterns of tiles alone, in the order of the tiles.   patterns  [out] [count] those of head->patterned; returns how many */
 int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES]);

@@ -64,17 +64,23 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
     return VXS_OK;
 }
 
+/* Blocks are renumbered where they lie, some ahead of the one that is looked for. */
 static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids, uint32_t *block_ids)
 {
-    for (uint32_t n = 0; n < from->blocks.count; n++) {
-        block b = block_at(from, n);
+    enum { AHEAD = 16 };
+    uint64_t     hash[AHEAD];
+    const size_t count = from->blocks.count;
+    for (size_t n = 0; n < count + AHEAD; n++) {
         gate_pass_each(BETWEEN_PASSES, n);
-        for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++) {
-            if (t->kind == TILE_OWN) t->base += ids->own_base[t->pattern];
-            if (tile_has_pattern(t)) t->pattern = t->kind == TILE_OWN ? ids->own[t->pattern] : ids->pattern[t->pattern];
+        if (n >= AHEAD) {
+            const uint32_t found = (uint32_t)(n - AHEAD);
+            vxs_result     r     = intern_find_asked(&s->blocks, hash[n % AHEAD], intern_at(&from->blocks, found),
+                                                     intern_size(&from->blocks, found), &block_ids[found]);
+            if (r != VXS_OK) return r;
         }
-        vxs_result r = block_set_find(s, &b, &block_ids[n]);
-        if (r != VXS_OK) return r;
+        if (n >= count) continue;
+        block_renumber(intern_at(&from->blocks, (uint32_t)n), ids->pattern, ids->own, ids->own_base);
+        hash[n % AHEAD] = intern_ask(&s->blocks, intern_at(&from->blocks, (uint32_t)n), intern_size(&from->blocks, (uint32_t)n));
     }
     return VXS_OK;
 }

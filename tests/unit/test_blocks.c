@@ -763,7 +763,7 @@ static void packed_blocks(void **state)
             if (t->kind == TILE_OWN) t->base = (int32_t)rng_below(&r, 5) - 2;
         }
         size_t size = block_pack(&b, bytes);
-        assert_true(size <= BLOCK_PACKED_MAX);
+        assert_true(size <= BLOCK_PACKED_MAX && size % 8 == 0);
         block_unpack(&back, bytes);
         assert_memory_equal(&b, &back, sizeof b);
         int with_pattern = block_patterns(bytes, &head, patterns);
@@ -773,6 +773,23 @@ static void packed_blocks(void **state)
             assert_int_equal(head.own >> t & 1, b.tile[t].kind == TILE_OWN);
             if (tile_has_pattern(&b.tile[t])) assert_int_equal(patterns[count++], b.tile[t].pattern);
         }
+        uint32_t shared[8], own[8], at;
+        int32_t  own_base[8];
+        for (at = 0; at < 8; at++) {
+            shared[at]   = rng_u32(&r);
+            own[at]      = rng_u32(&r);
+            own_base[at] = (int32_t)rng_below(&r, 5) - 2;
+        }
+        for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++)
+            if (tile_has_pattern(t)) t->pattern %= 8;
+        block_pack(&b, bytes);
+        block_renumber(bytes, shared, own, own_base);
+        for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++) {
+            if (t->kind == TILE_OWN) t->base += own_base[t->pattern];
+            if (tile_has_pattern(t)) t->pattern = t->kind == TILE_OWN ? own[t->pattern] : shared[t->pattern];
+        }
+        assert_int_equal(block_pack(&b, others), size);
+        assert_memory_equal(bytes, others, size);
         block_tile *t = &b.tile[rng_below(&r, BLOCK_TILES)];
         if (t->kind == TILE_OWN)
             t->base++;
