@@ -108,7 +108,7 @@ static void scale_by_depths(node_builder *b)
     int32_t depths[AXIS_DEPTHS_MAX];
     int16_t codes[AXIS_DEPTHS_MAX];
     int     count = 0, next = 0;
-    depths[0]     = 0; /* there is always one, which compilers don't see */
+    depths[0] = 0; /* there is always one, which compilers don't see */
     for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (t->kind == TILE_PLANE) continue;
         int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
@@ -254,29 +254,40 @@ static int32_t place(block *out, const depth_axis *axis, const pierce_group *gro
     return low;
 }
 
-/* The entries of the palette that a uniform tile may have. */
-static run_range tile_entries(const tile_in *t, const block *b, int32_t base)
+enum { PALETTE_LANES = 16 };
+
+/* How many depths are less than this one. */
+static int count_below(const int32_t depths[PALETTE_LANES], int32_t depth)
 {
-    run_range may = {0, 0};
-    while (base + b->depth[may.low] < t->emax) may.low++;
-    for (may.high = may.low; may.high + 1 < (int)b->depths && base + b->depth[may.high + 1] <= t->xmin;) may.high++;
-    return may;
+    i32x4 count = i32x4_all(0);
+    for (int n = 0; n < PALETTE_LANES; n += 4) count -= (i32x4)(i32x4_load(depths + n) < i32x4_all(depth));
+    return count[0] + count[1] + count[2] + count[3];
+}
+
+/* Uniform tiles [first, end) have this entry. */
+static void place_run(const node_builder *b, block *out, int first, int end, int32_t entry)
+{
+    for (int n = first; n < end; n++)
+        if (b->tile[n].kind == TILE_UNIFORM) out->tile[n].palette = (uint16_t)entry;
 }
 
 /* Entries for uniform tiles: as those before them where they may. */
 static void place_uniform(const node_builder *b, block *out, int32_t base)
 {
-    run_range run = {1, 0};
-    for (int n = 0, first = 0; n < BLOCK_TILES; n++) {
-        if (b->tile[n].kind != TILE_UNIFORM) continue;
-        run_range may = tile_entries(&b->tile[n], out, base);
-        if (!run_takes(&run, may.low, may.high)) {
-            run   = may;
-            first = n;
-        }
-        for (int m = first; m <= n; m++)
-            if (b->tile[m].kind == TILE_UNIFORM) out->tile[m].palette = (uint16_t)run.low;
+    int32_t   depths[PALETTE_LANES];
+    run_range run   = {0, PALETTE_MAX};
+    int       first = 0;
+    for (uint32_t n = 0; n < PALETTE_LANES; n++) depths[n] = n < out->depths ? base + out->depth[n] : INT32_MAX;
+    for (int n = 0; n < BLOCK_TILES; n++) {
+        const tile_in *t = &b->tile[n];
+        if (t->kind != TILE_UNIFORM) continue;
+        run_range may = {count_below(depths, t->emax), count_below(depths, t->xmin + 1) - 1};
+        if (run_takes(&run, may.low, may.high)) continue;
+        place_run(b, out, first, n, run.low);
+        run   = may;
+        first = n;
     }
+    place_run(b, out, first, BLOCK_TILES, run.low);
 }
 
 /* The tiles that lie on a plane are left out of what follows.
@@ -422,26 +433,32 @@ static run_range bound_block(const node_builder *b, uint32_t block_x, uint32_t b
     return (run_range){i32x4_greatest(low), i32x4_least(high)};
 }
 
+/* Blocks [first, end) of one depth have this one. */
+static void depth_of_run(node_builder *b, uint32_t first, uint32_t end, int32_t depth)
+{
+    for (uint32_t n = first; n < end; n++)
+        if (!(b->node.mixed >> n & 1)) b->node.depth[n] = depth;
+}
+
 /* Blocks of one depth take that of the ones before them where they may. */
 static vxs_result build_blocks(node_builder *b)
 {
-    run_range run = {1, 0};
-    for (uint32_t n = 0, first = 0; n < NODE_BLOCKS; n++) {
+    run_range run   = {0, INT32_MAX};
+    uint32_t  first = 0;
+    for (uint32_t n = 0; n < NODE_BLOCKS; n++) {
         run_range may = bound_block(b, n % 8, n / 8);
         if (may.low > may.high) {
             b->node.mixed |= 1ull << n;
             vxs_result r = fetch_block(b, n % 8, n / 8);
             if (r == VXS_OK) r = build_block(b, &b->node.block[n], &b->node.depth[n]);
             if (r != VXS_OK) return r;
-            continue;
-        }
-        if (!run_takes(&run, may.low, may.high)) {
+        } else if (!run_takes(&run, may.low, may.high)) {
+            depth_of_run(b, first, n, run.low);
             run   = may;
             first = n;
         }
-        for (uint32_t m = first; m <= n; m++)
-            if (!(b->node.mixed >> m & 1)) b->node.depth[m] = run.low;
     }
+    depth_of_run(b, first, NODE_BLOCKS, run.low);
     return VXS_OK;
 }
 
