@@ -20,6 +20,8 @@ static void pad(intervals *s, int lanes)
     }
 }
 
+/* One pass a point: vectors with nothing left to pierce give their place to the last one, which was looked at before, and the next point is
+ * found on the way. */
 static int pierce_plain(intervals *s, pierce_group *groups, int most)
 {
     const i16x8 far = i16x8_all(INT16_MAX);
@@ -28,21 +30,20 @@ static int pierce_plain(intervals *s, pierce_group *groups, int most)
     for (int n = 0; n < s->count; n += 8) next = i16x8_min(next, i16x8_load(s->high + n));
 
     for (int count = 0;;) {
-        /* one pass a point: vectors with nothing left to pierce are dropped, and the next point is found on the way */
-        int   point = i16x8_least(next), kept = 0;
+        int   point = i16x8_least(next);
         i16x8 at = i16x8_all((int16_t)point), last_low = i16x8_all(INT16_MIN);
         next = far;
-        for (int n = 0; n < s->count; n += 8) {
+        for (int n = s->count - 8; n >= 0; n -= 8) {
             i16x8 low = i16x8_load(s->low + n), high = i16x8_load(s->high + n), behind = (i16x8)(low > at);
             last_low = i16x8_max(last_low, i16x8_select(behind, last_low, low));
             next     = i16x8_min(next, i16x8_select(behind, high, far));
-            i16x8_store(s->low + kept, low);
-            i16x8_store(s->high + kept, high);
-            kept += i16x8_any(behind) ? 8 : 0;
+            if (i16x8_any(behind)) continue;
+            s->count -= 8;
+            i16x8_store(s->low + n, i16x8_load(s->low + s->count));
+            i16x8_store(s->high + n, i16x8_load(s->high + s->count));
         }
-        s->count        = kept;
         groups[count++] = (pierce_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
-        if (!kept || count == most) return count;
+        if (!s->count || count == most) return count;
     }
 }
 
@@ -69,21 +70,21 @@ CPU_TARGET_AVX2 static int pierce_avx2(intervals *s, pierce_group *groups, int m
     for (int n = 0; n < s->count; n += 16)
         next = _mm256_min_epi16(next, _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)));
     for (int count = 0;;) {
-        int     point = least_avx2(next), kept = 0;
+        int     point = least_avx2(next);
         __m256i at = _mm256_set1_epi16((int16_t)point), last_low = _mm256_setzero_si256();
         next = far;
-        for (int n = 0; n < s->count; n += 16) {
+        for (int n = s->count - 16; n >= 0; n -= 16) {
             __m256i low  = _mm256_loadu_si256((const __m256i *)(const void *)(s->low + n));
             __m256i high = _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)), behind = _mm256_cmpgt_epi16(low, at);
             last_low = _mm256_max_epi16(last_low, _mm256_andnot_si256(behind, low));
             next     = _mm256_min_epi16(next, _mm256_blendv_epi8(far, high, behind));
-            _mm256_storeu_si256((__m256i *)(void *)(s->low + kept), low);
-            _mm256_storeu_si256((__m256i *)(void *)(s->high + kept), high);
-            kept += _mm256_testz_si256(behind, behind) ? 0 : 16;
+            if (!_mm256_testz_si256(behind, behind)) continue;
+            s->count -= 16;
+            memcpy(s->low + n, s->low + s->count, sizeof low);
+            memcpy(s->high + n, s->high + s->count, sizeof high);
         }
-        s->count        = kept;
         groups[count++] = (pierce_group){(int16_t)greatest_avx2(last_low), (int16_t)point};
-        if (!kept || count == most) return count;
+        if (!s->count || count == most) return count;
     }
 }
 
@@ -101,21 +102,21 @@ CPU_TARGET_AVX512 static int pierce_avx512(intervals *s, pierce_group *groups, i
     pad(s, 32);
     for (int n = 0; n < s->count; n += 32) next = _mm512_min_epi16(next, _mm512_loadu_si512(s->high + n));
     for (int count = 0;;) {
-        int     point = least_avx2(halves_avx512(next, 0)), kept = 0;
+        int     point = least_avx2(halves_avx512(next, 0));
         __m512i at = _mm512_set1_epi16((int16_t)point), last_low = _mm512_setzero_si512();
         next = far;
-        for (int n = 0; n < s->count; n += 32) {
+        for (int n = s->count - 32; n >= 0; n -= 32) {
             __m512i   low = _mm512_loadu_si512(s->low + n), high = _mm512_loadu_si512(s->high + n);
             __mmask32 behind = _mm512_cmpgt_epi16_mask(low, at);
             last_low         = _mm512_mask_max_epi16(last_low, ~behind, last_low, low);
             next             = _mm512_mask_min_epi16(next, behind, next, high);
-            _mm512_storeu_si512(s->low + kept, low);
-            _mm512_storeu_si512(s->high + kept, high);
-            kept += behind ? 32 : 0;
+            if (behind) continue;
+            s->count -= 32;
+            memcpy(s->low + n, s->low + s->count, sizeof low);
+            memcpy(s->high + n, s->high + s->count, sizeof high);
         }
-        s->count        = kept;
         groups[count++] = (pierce_group){(int16_t)greatest_avx2(halves_avx512(last_low, 1)), (int16_t)point};
-        if (!kept || count == most) return count;
+        if (!s->count || count == most) return count;
     }
 }
 
