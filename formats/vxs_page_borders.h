@@ -124,6 +124,15 @@ PAGE_INLINE int32_t slope_shift(int32_t nx, int32_t ny, int32_t tx, int32_t ty)
     return ((nx < 0 ? nx * (tx - 31) : nx * tx) + (ny < 0 ? ny * (ty - 31) : ny * ty)) >> 8;
 }
 
+/* The depths of a tile's side from another node's on: all but NEVER move. */
+PAGE_INLINE void move_depths(int16_t *restrict to, const int16_t *restrict from, int32_t by)
+{
+    for (uint32_t k = 0; k < TILE_PX; k++) {
+        int16_t moved = (int16_t)(from[k] + by);
+        to[k]         = from[k] == (int16_t)NEVER ? from[k] : moved;
+    }
+}
+
 /* The depths about a node: those of its neighbours in the page, or its base. */
 static void open_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny)
 {
@@ -131,10 +140,12 @@ static void open_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny
     const uint32_t         *up = s->below_of[n->x % COLUMNS_KEPT], *side = s->right_of[n->y % COLUMNS_KEPT];
     int                     above = up[0] == n->map + 1 && up[1] == n->x && up[2] + 1 == n->y,
         left                      = side[0] == n->map + 1 && side[1] + 1 == n->x && side[2] == n->y;
-    for (uint32_t k = 0; k < NODE_PX; k++) {
-        int32_t a = s->below[n->x % COLUMNS_KEPT][k], l = s->right[n->y % COLUMNS_KEPT][k], t = (int32_t)(k >> 3);
-        w->above[8 + k] = (int16_t)(!above ? 0 : a == (int16_t)NEVER ? a : a - n->base + slope_shift(nx, ny, t, 0));
-        w->left[k]      = (int16_t)(!left ? 0 : l == (int16_t)NEVER ? l : l - n->base + slope_shift(nx, ny, 0, t));
+    const int16_t *below = s->below[n->x % COLUMNS_KEPT], *right = s->right[n->y % COLUMNS_KEPT];
+    if (!above) memset(w->above + 8, 0, NODE_PX * sizeof *w->above);
+    if (!left) memset(w->left, 0, NODE_PX * sizeof *w->left);
+    for (int32_t t = 0, k = 0; k < NODE_PX; t++, k += TILE_PX) {
+        if (above) move_depths(w->above + 8 + k, below + k, slope_shift(nx, ny, t, 0) - n->base);
+        if (left) move_depths(w->left + k, right + k, slope_shift(nx, ny, 0, t) - n->base);
     }
     for (uint32_t k = 0; k < 8; k++) {
         w->above[k]               = w->above[8];
@@ -150,10 +161,10 @@ static void close_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t n
     up[0] = side[0] = n->map + 1;
     up[1] = side[1] = n->x;
     up[2] = side[2] = n->y;
-    for (uint32_t k = 0; k < NODE_PX; k++) {
-        int32_t a = w->above[8 + k], l = w->left[k], t = (int32_t)(k >> 3);
-        s->below[n->x % COLUMNS_KEPT][k] = (int16_t)(a == (int16_t)NEVER ? a : a + n->base - slope_shift(nx, ny, t, 31));
-        s->right[n->y % COLUMNS_KEPT][k] = (int16_t)(l == (int16_t)NEVER ? l : l + n->base - slope_shift(nx, ny, 31, t));
+    int16_t *below = s->below[n->x % COLUMNS_KEPT], *right = s->right[n->y % COLUMNS_KEPT];
+    for (int32_t t = 0, k = 0; k < NODE_PX; t++, k += TILE_PX) {
+        move_depths(below + k, w->above + 8 + k, n->base - slope_shift(nx, ny, t, 31));
+        move_depths(right + k, w->left + k, n->base - slope_shift(nx, ny, 31, t));
     }
 }
 
