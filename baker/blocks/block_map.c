@@ -42,7 +42,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     map_builder *b     = user;
     uint32_t     nodes = max_u32((8u << level) / NODE_PX, 1);
     vxs_result   r     = VXS_OK;
-    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu};
+    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu, .own.cpu = b->cpu};
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
         gate_pass();
@@ -98,6 +98,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (!b) return VXS_E_MEMORY;
     *b = (map_builder){.cpu = cpu_level(), .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
     s->patterns.cpu = b->cpu;
+    s->own.cpu      = b->cpu;
     descent    d    = {.user            = b,
                        .square_px       = side,
                        .squares_fetched = &s->squares_fetched,

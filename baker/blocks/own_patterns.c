@@ -12,6 +12,10 @@
 #include "baker/blocks/patterns.h"
 #include "baker/blocks/pierce.h"
 
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
 enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* that depths in bytes take */ };
 
 /* Texels that are compared first, spread over the tile: how much deeper the second of a pair is than the first does not depend on a base. */
@@ -72,18 +76,37 @@ typedef struct pair_ranges {
     int16_t low[PAIRS], high[PAIRS];
 } pair_ranges;
 
-/* Which patterns of a group the pairs from `first` to `last` do not rule out, as bits. */
-static uint32_t not_ruled_out(const own_group *g, const pair_ranges *r, int first, int last)
+/* Which patterns of a group the pairs do not rule out, as bits. */
+typedef uint32_t find_possible(const own_group *g, const pair_ranges *r);
+
+static ALWAYS_INLINE uint32_t possible(const own_group *g, const pair_ranges *r)
 {
     i16x8 a = i16x8_all(0), b = i16x8_all(0);
-    for (int n = first; n <= last; n++) {
+    for (int n = 0; n < PAIRS; n++) {
         i16x8 low = i16x8_all(r->low[n]), high = i16x8_all(r->high[n]);
         i16x8 x = i16x8_load(g->deeper[n]), y = i16x8_load(g->deeper[n] + GROUP / 2);
         a |= (i16x8)(x < low) | (i16x8)(x > high);
         b |= (i16x8)(y < low) | (i16x8)(y > high);
+        if (n == PAIRS / 2 - 1 && i16x8_bits(a, b) == 0xffff) return 0;
     }
     return ~i16x8_bits(a, b) & 0xffff;
 }
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t possible_avx2(const own_group *g, const pair_ranges *r)
+{
+    __m256i out = _mm256_setzero_si256();
+    for (int n = 0; n < PAIRS; n++) {
+        __m256i deeper = _mm256_loadu_si256((const __m256i *)(const void *)g->deeper[n]);
+        out            = _mm256_or_si256(out, _mm256_cmpgt_epi16(_mm256_set1_epi16(r->low[n]), deeper));
+        out            = _mm256_or_si256(out, _mm256_cmpgt_epi16(deeper, _mm256_set1_epi16(r->high[n])));
+    }
+    __m128i bytes = _mm_packs_epi16(_mm256_castsi256_si128(out), _mm256_extracti128_si256(out, 1));
+    return ~(uint32_t)_mm_movemask_epi8(bytes) & 0xffff;
+}
+
+#endif
 
 static uint32_t last_bit(uint32_t bits)
 {
@@ -91,7 +114,7 @@ static uint32_t last_bit(uint32_t bits)
 }
 
 /* Returns the place of a pattern that fits, or the count. */
-static size_t search(const own_set *s, const half_ranges *t, int *base)
+static ALWAYS_INLINE size_t search_by(find_possible *find, const own_set *s, const half_ranges *t, int *base)
 {
     size_t      stop = s->known_count > OWN_WINDOW ? s->known_count - OWN_WINDOW : 0;
     pair_ranges r;
@@ -101,10 +124,8 @@ static size_t search(const own_set *s, const half_ranges *t, int *base)
         r.high[n] = (int16_t)(t->high[to] - t->low[from]);
     }
     for (size_t end = s->known_count; end > stop;) {
-        size_t           first = (end - 1) / GROUP * GROUP;
-        const own_group *g     = &s->groups[first / GROUP];
-        uint32_t         hits  = not_ruled_out(g, &r, 0, 1);
-        if (hits) hits &= not_ruled_out(g, &r, 2, PAIRS - 1) & ((2u << (end - 1 - first)) - 1);
+        size_t   first = (end - 1) / GROUP * GROUP;
+        uint32_t hits  = find(&s->groups[first / GROUP], &r) & ((2u << (end - 1 - first)) - 1);
         for (; hits; hits &= ~(1u << last_bit(hits))) {
             size_t at = first + last_bit(hits);
             if (at >= stop && fits_at(t, s->known[at].depth, base)) return at;
@@ -112,6 +133,28 @@ static size_t search(const own_set *s, const half_ranges *t, int *base)
         end = first;
     }
     return s->known_count;
+}
+
+static size_t search_plain(const own_set *s, const half_ranges *t, int *base)
+{
+    return search_by(possible, s, t, base);
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static size_t search_avx2(const own_set *s, const half_ranges *t, int *base)
+{
+    return search_by(possible_avx2, s, t, base);
+}
+
+#endif
+
+static size_t search(const own_set *s, const half_ranges *t, int *base)
+{
+#ifdef __x86_64__
+    if (s->cpu >= CPU_AVX2) return search_avx2(s, t, base);
+#endif
+    return search_plain(s, t, base);
 }
 
 static void exchange_pairs(own_set *s, size_t a, size_t b)

@@ -27,6 +27,7 @@ typedef struct own_set {
     struct own_known *known;
     struct own_group *groups;
     size_t            known_count, known_capacity, group_capacity;
+    int               cpu; /* [in] what searches may use, of cpu.h: it decides on time alone */
 } own_set;
 
 /* A pattern that fits, or a new one: planes, or depths that follow their neighbours as far as they may.
