@@ -38,10 +38,18 @@ typedef struct in_page {
     uint32_t stamp, at;
 } in_page;
 
+/* The pattern of a tile, as it is written. */
+typedef struct tile_code {
+    int      own;
+    uint32_t code;
+} tile_code;
+
 /* What is in the page in work. */
 typedef struct page_scratch {
-    in_page *shape_at, *block_at, *code_at[2];
-    uint32_t stamp;
+    in_page  *shape_at, *block_at, *code_at[2];
+    uint32_t  stamp;
+    uint32_t  fresh_count; /* patterns that the last node is the first to use */
+    tile_code fresh[NODE_BLOCKS * BLOCK_TILES];
 } page_scratch;
 
 /* Where a page ends. */

@@ -101,13 +101,7 @@ static int is_new(in_page *p, uint32_t stamp, uint32_t at)
     return 1;
 }
 
-/* The pattern of a tile, as it is written. */
-typedef struct tile_code {
-    int      own;
-    uint32_t code;
-} tile_code;
-
-/* Those of a block. Returns how many there are. */
+/* The patterns of a block's tiles. Returns how many there are. */
 static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
 {
     block_head head;
@@ -120,11 +114,20 @@ static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
     return count;
 }
 
+/* Blocks lie apart from each other: all of a node's are fetched at once. */
+static void fetch_blocks(const layout *l, const node_shape *shape)
+{
+    for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
+        __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
+}
+
 /* Add a node's words, and those of blocks and patterns that the page has not yet, each at its place: patterns count from half 0. */
 static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
 {
     const node_shape *shape = shape_of(l, n);
+    s->fresh_count          = 0;
     if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
+    fetch_blocks(l, shape);
     page->words += shape_words(shape);
     for (int b = 0; b < NODE_BLOCKS; b++) {
         if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;
@@ -136,6 +139,7 @@ static void add_to_page(const layout *l, page_scratch *s, page_size *page, const
             if (l->common[t->own][t->code] || !is_new(&s->code_at[t->own][t->code], s->stamp, page->halves)) continue;
             code_halves(l, t->own, t->code, &halves);
             page->halves += halves;
+            s->fresh[s->fresh_count++] = *t;
         }
     }
 }
@@ -173,8 +177,9 @@ static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
     return VXS_OK;
 }
 
-/* Pages end where they are full, or where those so far come nearest to `share` words each. */
-static vxs_result cut(layout *l, uint64_t share)
+/* Pages end where they are full, or where those so far come nearest to `share` words each.
+ * pages  [own][code] in how many pages each pattern is, zeros before; NULL: it is not asked */
+static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
 {
     page_scratch *s     = &l->scratch;
     uint32_t      count = (uint32_t)l->set->node_count;
@@ -197,6 +202,7 @@ static vxs_result cut(layout *l, uint64_t share)
         }
         node->page = (uint32_t)l->page_count;
         node->word = s->shape_at[node->shape].at;
+        for (const tile_code *t = s->fresh; pages && t < s->fresh + s->fresh_count; t++) pages[t->own][t->code]++;
     }
     return r == VXS_OK && count ? end_page(l, count, page_words(&page)) : r;
 }
@@ -216,23 +222,6 @@ static int by_use(const void *a, const void *b)
     return (x->code > y->code) - (x->code < y->code);
 }
 
-/* In how many pages each pattern is. */
-static void count_pages(layout *l, uint32_t *pages[2])
-{
-    page_scratch *s = &l->scratch;
-    for (size_t p = 0, n = 0; p < l->page_count; p++, s->stamp++)
-        for (; n < l->page_end[p].node; n++) {
-            const node_shape *shape = shape_of(l, &l->nodes[n]);
-            for (int b = 0; b < NODE_BLOCKS; b++) {
-                if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, 0)) continue;
-                tile_code tiles[BLOCK_TILES];
-                const int count = codes_of(l, shape->block[b], tiles);
-                for (const tile_code *t = tiles; t < tiles + count; t++)
-                    if (is_new(&s->code_at[t->own][t->code], s->stamp, 0)) pages[t->own][t->code]++;
-            }
-        }
-}
-
 /* One more pattern of the common pool, if there is room. */
 static vxs_result add_common(layout *l, const shared_code *c)
 {
@@ -246,23 +235,17 @@ static vxs_result add_common(layout *l, const shared_code *c)
     return VXS_OK;
 }
 
-/* Patterns of several pages are kept once, as many as there is room for. */
-static vxs_result choose_common(layout *l)
+/* Patterns of several pages are kept once, as many as there is room for.   pages  [own][code] in how many they are */
+static vxs_result choose_common(layout *l, uint32_t *const *pages)
 {
     size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
-    uint32_t    *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
-    shared_code *shared   = malloc((all + 1) * sizeof *shared);
-    vxs_result   r        = pages[0] && pages[1] && shared ? VXS_OK : VXS_E_MEMORY;
-    if (r != VXS_OK) goto done;
-    count_pages(l, pages);
-    for (uint32_t own = 0; own < 2; own++)
+    shared_code *shared = malloc((all + 1) * sizeof *shared);
+    vxs_result   r      = shared ? VXS_OK : VXS_E_MEMORY;
+    for (uint32_t own = 0; own < 2 && r == VXS_OK; own++)
         for (uint32_t code = 0; code < l->codes[own].count; code++)
             if (pages[own][code] > 1) shared[count++] = (shared_code){pages[own][code], own, code};
-    qsort(shared, count, sizeof *shared, by_use);
+    if (count) qsort(shared, count, sizeof *shared, by_use);
     for (size_t n = 0; n < count && r == VXS_OK; n++) r = add_common(l, &shared[n]);
-done:
-    free(pages[0]);
-    free(pages[1]);
     free(shared);
     return r;
 }
@@ -278,19 +261,26 @@ static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t work
 }
 
 /* First each as full as it gets, which tells how many there have to be; then as many, alike in size, so that threads have as much to do. */
+static vxs_result cut_twice(layout *l, uint32_t *const *pages)
+{
+    vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
+    if (r != VXS_OK || l->page_count < 2) return r;
+    r = choose_common(l, pages);
+    return r == VXS_OK ? cut(l, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
+}
+
 vxs_result layout_cut_pages(layout *l)
 {
-    vxs_result r   = scratch_init(&l->scratch, l);
-    l->block_words = malloc((l->set->blocks.count + 1) * sizeof *l->block_words);
-    if (!l->block_words) r = VXS_E_MEMORY;
+    uint32_t  *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
+    vxs_result r        = scratch_init(&l->scratch, l);
+    l->block_words      = malloc((l->set->blocks.count + 1) * sizeof *l->block_words);
+    if (!l->block_words || !pages[0] || !pages[1]) r = VXS_E_MEMORY;
     if (r == VXS_OK) {
         parallel_for(l->threads, l->set->blocks.count, 4096, size_some_blocks, l);
-        r = cut(l, VXS_PAGE_WORDS_MAX);
+        r = cut_twice(l, pages);
     }
-    if (r == VXS_OK && l->page_count > 1) {
-        r = choose_common(l);
-        if (r == VXS_OK) r = cut(l, page_place(l, l->page_count) / l->page_count + 1);
-    }
+    free(pages[0]);
+    free(pages[1]);
     scratch_free(&l->scratch);
     return r == VXS_OK && l->page_count > VXS_PAGES_MAX ? VXS_E_REFERENCES : r;
 }
