@@ -123,6 +123,19 @@ static inline int i16x8_least(i16x8 v)
     return least;
 }
 
+/* In each of the first four elements the greatest, or the least, of these; in the others that of the others. */
+static inline i16x8 i16x8_max_of_four(i16x8 v)
+{
+    v = i16x8_max(v, (i16x8){v[2], v[3], v[0], v[1], v[6], v[7], v[4], v[5]});
+    return i16x8_max(v, (i16x8){v[1], v[0], v[3], v[2], v[5], v[4], v[7], v[6]});
+}
+
+static inline i16x8 i16x8_min_of_four(i16x8 v)
+{
+    v = i16x8_min(v, (i16x8){v[2], v[3], v[0], v[1], v[6], v[7], v[4], v[5]});
+    return i16x8_min(v, (i16x8){v[1], v[0], v[3], v[2], v[5], v[4], v[7], v[6]});
+}
+
 static inline int i16x8_sum(i16x8 v)
 {
     int16_t at[8];

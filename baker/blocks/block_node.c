@@ -414,6 +414,7 @@ static void bound_beyond(node_builder *b)
 
 static void add_slope(node_builder *b)
 {
+    if (!b->node.slope.x && !b->node.slope.y) return;
     for (int32_t y = 0, n = 0; y < NODE_TILES; y++)
         for (int32_t x = 0; x < NODE_TILES; x++, n++) {
             int32_t shift = slope_shift(b->node.slope, x, y);

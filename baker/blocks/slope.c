@@ -19,22 +19,11 @@ typedef struct tile_bounds {
     int     torn[ROWS]; /* of a row of blocks, those in which a tile has no depth by itself: under any slope they have none */
 } tile_bounds;
 
-/* Which of two blocks of four columns of bounds have no depth: bounds are folded until each half of the vectors has its own. */
+/* How many of two blocks of four columns of bounds have no depth. */
 static int folded_count(i16x8 low, i16x8 high)
 {
-    int16_t l[8], h[8];
-    int     count = 0;
-    i16x8_store(l, low);
-    i16x8_store(h, high);
-    for (int n = 0; n < 8; n += 4) {
-        int a = l[n], b = h[n];
-        for (int m = n + 1; m < n + 4; m++) {
-            a = l[m] > a ? l[m] : a;
-            b = h[m] < b ? h[m] : b;
-        }
-        count += a > b;
-    }
-    return count;
+    i16x8 no_depth = (i16x8)(i16x8_max_of_four(low) > i16x8_min_of_four(high));
+    return -no_depth[0] - no_depth[4];
 }
 
 /* What a slope adds along a row of tiles, in 1/256 voxel: whole voxels and the rest. */
@@ -132,13 +121,15 @@ static void find_torn(tile_bounds *t)
 node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first)
 {
     tile_bounds t;
-    node_slope  best    = {0, 0};
-    int32_t     deepest = 0, steps = 0;
-    for (int n = 0; n < TILES; n++) deepest = emax[n] > deepest ? emax[n] : deepest;
+    node_slope  best = {0, 0};
+    int32_t     deepest, steps = 0;
+    i32x4       most = i32x4_all(0);
+    for (int n = 0; n < TILES; n += 4) most = i32x4_max(most, i32x4_load(emax + n));
+    deepest = i32x4_greatest(most);
     while (deepest >> steps > 16384) steps++;
-    for (int n = 0; n < TILES; n++) {
-        t.emax[n] = (int16_t)(emax[n] >> steps);
-        t.xmin[n] = (int16_t)(xmin[n] >> steps > INT16_MAX ? INT16_MAX : xmin[n] >> steps);
+    for (int n = 0; n < TILES; n += 8) {
+        i16x8_store(t.emax + n, i16x8_clamped(i32x4_load(emax + n) >> steps, i32x4_load(emax + n + 4) >> steps));
+        i16x8_store(t.xmin + n, i16x8_clamped(i32x4_load(xmin + n) >> steps, i32x4_load(xmin + n + 4) >> steps));
     }
     first.x >>= steps;
     first.y >>= steps;
