@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/pages.h"
+
 typedef struct ref_slot {
     uint32_t tag; /* the hash's high half: most slots that do not match are passed over without a look at their contents */
     uint32_t ref; /* 0: empty */
@@ -41,8 +43,9 @@ static inline int ref_table_reserve(ref_table *t, uint64_t more)
     uint64_t capacity = t->capacity ? t->capacity : 1024;
     while (capacity < 2 * (t->count + more)) capacity *= 2;
     if (capacity == t->capacity) return 1;
-    ref_slot *slots = calloc(capacity, sizeof *slots);
+    ref_slot *slots = pages_alloc(capacity * sizeof *slots); /* every look is at another page */
     if (!slots) return 0;
+    memset(slots, 0, capacity * sizeof *slots);
     /* the place of a reference comes from its tag alone, so that a table can grow without its owner */
     for (uint64_t i = 0; i < t->capacity; i++) {
         if (!t->slots[i].ref) continue;
