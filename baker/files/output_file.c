@@ -174,7 +174,7 @@ vxs_result output_file_open(output_file *f, const char *path, message *m)
         r = fail(m, VXS_E_WRITE, "the output's name is empty: expected a file name, or - for standard output");
     else if (exists && S_ISDIR(status.st_mode))
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a folder, expected a file name", path);
-    else if (!exists && !lstat(path, &link))
+    else if (!exists && !lstat(path, &link) && S_ISLNK(link.st_mode)) /* what is no link has come meanwhile */
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a link that leads to no file: %s", path, strerror(error));
     else if (exists && is_written_directly(&status))
         r = open_directly(f, path, m);
