@@ -10,10 +10,10 @@
 /* The triangles of one patch in a list: items [begin, end). */
 typedef struct patch_run {
     size_t   begin, end;
-    uint32_t sampled; /* how many cover the middle of the square */
     int      ends;    /* an end of the patch may cross the square */
     double   lo, hi;  /* of all */
     double   covered; /* hi of the nearest that covers the square alone */
+    uint32_t sampled; /* how many cover the middle of the square; not beside `ends`, or gcc waits for both to be stored to load them as one */
     int      exits;   /* some are back faces of solids */
     int      sheets;  /* some are of sheets */
     int      faces;   /* all are of sheets that face the light, and are seen from there alone */
