@@ -79,13 +79,13 @@ def real_scenes():
     return sorted(path.stem for path in folder.glob("*.glb"))
 
 
-LARGE = [(name, resolution, coding) for name in ("sponza", "stanford_bunny_closed", "room_with_spheres_closed")
+FINE = [(name, resolution, coding) for name in ("sponza", "stanford_bunny_closed", "room_with_spheres_closed")
          for resolution in (16384, 65536) for coding in ("dag", "blocks")]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name, resolution, coding", [(name, resolution, "blocks") for name in real_scenes() for resolution in (1024, 4096)]
-                         + LARGE if EVERY else [("kaykit_city", 2048, "blocks"), ("sunlit_primitives", 2048, "blocks")])
+                         + FINE if EVERY else [("kaykit_city", 2048, "blocks"), ("sunlit_primitives", 2048, "blocks")])
 def test_memory_is_a_promise(outside, scenes, tmp_path, name, resolution, coding):
     """At twice of what a bake needs it succeeds and stays below; at half of it, and all the way up, it does, or is refused and stays
     below all the same."""
