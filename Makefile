@@ -12,7 +12,7 @@
 #   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
 #                       sources or columns (tests/exact/sparse.py)
 #   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps, and in a million of maps of
-#                       real scenes at 4096: some minutes
+#                       real scenes at 4096, and of suns and lamps at 8192: some minutes
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
@@ -234,7 +234,8 @@ check-sparse: $B/vxs $B/tests/exact/exact $B/tests/bench/sources
 	@$(python) tests/exact/sparse.py --build $B $(if $(part),--part $(part))
 check-cracks: $B/tests/bench/cracks $B/vxs $B/tests/exact/exact
 	@$<
-	@VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_exact.py -k columns_at_4096
+	@VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_exact.py \
+	    -k "columns_at_4096 or several_map_tiles or columns_of_fine_lamps"
 check-tsan: packages
 	@$(MAKE) config=tsan packages=skip all check-unit
 	@VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py

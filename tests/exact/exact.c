@@ -7,13 +7,14 @@
  * (tests/columns/brute.h), which has only the projection in common with it.
  *
  *     exact SCENE [--sun X,Y,Z]... [--resolution N]... [--columns all|COUNT] [bake's options]... [--fault NAME]
- *     exact SCENE [--behind free] [--thickness METRES] ...
+ *     exact SCENE [--free shadow|free,METRES]...
  *     exact SCENE --spot X,Y,Z,DX,DY,DZ,DEGREES[,RANGE] ... --point X,Y,Z[,RANGE] ... [the same]
  *
- * --sun, --resolution, --maps, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every combination is baked and
- * compared. The scene is read once; casters are found once for each --closed; and maps are rendered once for all files that differ in
- * coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's file to the asset's, the
- * others by its stages.
+ * --sun, --resolution, --free, --maps, --closed, --exit, --coding, --rule, --reuse, --compress, --stop and --seed may be repeated: every
+ * combination is baked and compared. The scene is read once; casters are found once for each --closed; and maps are rendered once for
+ * all files that differ in coding, rule, reuse, compress, stop or seed only. The first combination is baked by bake(), from the scene's
+ * file to the asset's, the others by its stages.
+ * --free gives bake's --behind and --thickness, 0 for none.
  * --columns all asks for every voxel, COUNT for that many random columns: the voxels around e and x, both ends, and 16
  * others; with --maps sparse for every voxel of so many columns, in tiles of 64, every other of them where an edge of a triangle passes, and
  * besides for the former through the runtime; --silhouettes COUNT for all tiles around so many random silhouettes of the map, too.
@@ -76,7 +77,8 @@ enum { CHOICE_VALUES_MAX = 8, WAYS_MAX = 64 };
 typedef struct exact_options {
     bake_options bake; /* what is the same in all combinations */
     const char  *scene_path;
-    text_list    suns; /* none: the scene's lights */
+    text_list    suns;      /* none: the scene's lights */
+    text_list    left_free; /* none: nothing but what lies between surfaces */
     number_list  resolutions, seeds;
     int          value[CHOICES][CHOICE_VALUES_MAX];
     size_t       value_count[CHOICES]; /* at least 1 */
@@ -89,6 +91,7 @@ typedef struct exact_options {
 /* A combination, its file, and what is found of it. */
 typedef struct way {
     bake_options bake;
+    const char  *left_free; /* as it was given, or NULL */
     uint32_t     seed;
     vxs_asset   *asset;
     tally        sum;
@@ -357,9 +360,9 @@ static int print_result(const exact_options *o, const way *y)
     const tally *t          = &y->sum;
     const double sunless[3] = {0}, *sun = y->bake.suns.count ? y->bake.suns.items[0].numbers : sunless;
     json_t      *line =
-        json_pack("{s:s, s:I, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
-                  (json_int_t)y->bake.resolution, "sun", sun[0], sun[1], sun[2], "seed", (json_int_t)y->seed, "maps",
-                  (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "lookups",
+        json_pack("{s:s, s:I, s:s*, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "scene", o->scene_path, "resolution",
+                  (json_int_t)y->bake.resolution, "free", y->left_free, "sun", sun[0], sun[1], sun[2], "seed", (json_int_t)y->seed,
+                  "maps", (json_int_t)t->maps, "columns", (json_int_t)t->columns, "voxels", (json_int_t)t->voxels, "lookups",
                   (json_int_t)t->lookups, "wrong_lit", (json_int_t)t->wrong_lit, "wrong_shadow", (json_int_t)t->wrong_shadow,
                   "misread", (json_int_t)t->misread, "insane_depths", (json_int_t)t->insane);
     json_t *told   = bake_options_json(&y->bake);
@@ -373,8 +376,9 @@ static int print_result(const exact_options *o, const way *y)
 /* all combinations
  * ------------------------------------------------------------------------------------------------------------ */
 
-/* The combinations that share maps: they differ in coding, rule, reuse, compress, stop and seed. */
-static uint32_t ways_of(const exact_options *o, const bake_options *bake, way *ways)
+/* The combinations that share maps: they differ in coding, rule, reuse, compress, stop and seed.
+ * left_free  as it was given, or NULL */
+static uint32_t ways_of(const exact_options *o, const bake_options *bake, const char *left_free, way *ways)
 {
     static const int inner[] = {CHOICE_CODING, CHOICE_RULE, CHOICE_REUSE, CHOICE_COMPRESS, CHOICE_STOP};
     enum { INNER = sizeof inner / sizeof *inner };
@@ -388,7 +392,7 @@ static uint32_t ways_of(const exact_options *o, const bake_options *bake, way *w
             chosen[n] = o->value[inner[n]][at % o->value_count[inner[n]]];
             at /= o->value_count[inner[n]];
         }
-        ways[y]               = (way){.bake = *bake, .seed = o->seeds.items[at]};
+        ways[y]               = (way){.bake = *bake, .left_free = left_free, .seed = o->seeds.items[at]};
         ways[y].bake.coding   = (coding_choice)chosen[0];
         ways[y].bake.rule     = (mask_rule)chosen[1];
         ways[y].bake.reuse    = chosen[2];
@@ -399,14 +403,15 @@ static uint32_t ways_of(const exact_options *o, const bake_options *bake, way *w
 }
 
 /* What is told apart by one pass over the maps.
- * first   NULL, or the asset of the first combination, which is taken over
- * *right  becomes 0 when something is wrong */
-static vxs_result compare_ways(const exact_options *o, world *w, const bake_options *bake, vxs_asset **first, int *right,
-                               message *m)
+ * left_free  as it was given, or NULL
+ * first      NULL, or the asset of the first combination, which is taken over
+ * *right     becomes 0 when something is wrong */
+static vxs_result compare_ways(const exact_options *o, world *w, const bake_options *bake, const char *left_free, vxs_asset **first,
+                               int *right, message *m)
 {
     way          ways[WAYS_MAX];
     light_choice chosen = {0};
-    uint32_t     count  = ways_of(o, bake, ways), lights;
+    uint32_t     count  = ways_of(o, bake, left_free, ways), lights;
     vxs_result   r;
     if (!count) return fail(m, VXS_E_ARGUMENT, "more than %d combinations for the same maps", WAYS_MAX);
     ways[0].asset = *first;
@@ -440,6 +445,38 @@ static vxs_result set_sun(bake_options *bake, named_value *sun, const char *text
     return VXS_OK;
 }
 
+/* What is left free besides, "free,0.2"; without a text, nothing. */
+static vxs_result set_left_free(bake_options *bake, const char *text, message *m)
+{
+    int end           = 0;
+    bake->thickness_m = 0;
+    bake->behind      = text && !strncmp(text, "free,", 5) ? BEHIND_FREE : BEHIND_SHADOW;
+    if (text && (sscanf(text, bake->behind == BEHIND_FREE ? "free,%lf%n" : "shadow,%lf%n", &bake->thickness_m, &end) != 1 ||
+                 text[end] || !(bake->thickness_m >= 0 && bake->thickness_m <= 1e9)))
+        return fail(m, VXS_E_ARGUMENT, "--free %s: expected free or shadow, and metres", text);
+    return VXS_OK;
+}
+
+/* What decides maps beside casters and suns: combination n of map_combinations().
+ * *left_free  as it was given, or NULL */
+static vxs_result set_maps(const exact_options *o, size_t n, bake_options *bake, const char **left_free, message *m)
+{
+    size_t exits = o->value_count[CHOICE_EXIT], frees = o->left_free.count ? o->left_free.count : 1;
+    bake->resolution = o->resolutions.items[n % o->resolutions.count];
+    n /= o->resolutions.count;
+    *left_free = o->left_free.count ? o->left_free.items[n % frees] : NULL;
+    n /= frees;
+    bake->exit = (exit_mode)o->value[CHOICE_EXIT][n % exits];
+    bake->maps = (maps_choice)o->value[CHOICE_MAPS][n / exits];
+    return set_left_free(bake, *left_free, m);
+}
+
+static size_t map_combinations(const exact_options *o)
+{
+    return o->resolutions.count * (o->left_free.count ? o->left_free.count : 1) * o->value_count[CHOICE_EXIT] *
+           o->value_count[CHOICE_MAPS];
+}
+
 /* The combinations of what decides casters and maps, and in each all others. */
 static vxs_result compare_all(const exact_options *o, int *right, message *m)
 {
@@ -448,16 +485,15 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
     vxs_asset   *first   = NULL;
     size_t       suns    = o->suns.count ? o->suns.count : 1;
     named_value  sun_now = {.name = (char[]){SUN_NAME}};
+    const char  *left_free;
     vxs_result   r;
     bake.rendering = &opengl_rendered;
     if (!lamps_asked_for(o) && o->fault == FAULT_NONE) {
         way ways[WAYS_MAX];
-        bake.maps       = (maps_choice)o->value[CHOICE_MAPS][0];
-        bake.closed     = (closed_mode)o->value[CHOICE_CLOSED][0];
-        bake.exit       = (exit_mode)o->value[CHOICE_EXIT][0];
-        bake.resolution = o->resolutions.items[0];
+        bake.closed = (closed_mode)o->value[CHOICE_CLOSED][0];
+        if ((r = set_maps(o, 0, &bake, &left_free, m)) != VXS_OK) goto done;
         if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[0] : NULL, m)) != VXS_OK) goto done;
-        if (ways_of(o, &bake, ways) && (r = bake_asset(o, &ways[0], m)) != VXS_OK) goto done;
+        if (ways_of(o, &bake, left_free, ways) && (r = bake_asset(o, &ways[0], m)) != VXS_OK) goto done;
         first = ways[0].asset;
     }
     if ((r = world_load(&w, o, m)) != VXS_OK) goto done;
@@ -468,12 +504,9 @@ static vxs_result compare_all(const exact_options *o, int *right, message *m)
         if (!w.gl && (r = gl_context_create(&w.gl, GL_BACKEND_OSMESA, bake.threads, m)) != VXS_OK) goto done;
         for (size_t sun = 0; sun < suns; sun++) {
             if ((r = set_sun(&bake, &sun_now, o->suns.count ? o->suns.items[sun] : NULL, m)) != VXS_OK) goto done;
-            for (size_t n = 0; n < o->value_count[CHOICE_MAPS] * o->value_count[CHOICE_EXIT] * o->resolutions.count; n++) {
-                size_t exit     = n / o->resolutions.count;
-                bake.maps       = (maps_choice)o->value[CHOICE_MAPS][exit / o->value_count[CHOICE_EXIT]];
-                bake.exit       = (exit_mode)o->value[CHOICE_EXIT][exit % o->value_count[CHOICE_EXIT]];
-                bake.resolution = o->resolutions.items[n % o->resolutions.count];
-                if ((r = compare_ways(o, &w, &bake, &first, right, m)) != VXS_OK) goto done;
+            for (size_t n = 0; n < map_combinations(o); n++) {
+                if ((r = set_maps(o, n, &bake, &left_free, m)) != VXS_OK) goto done;
+                if ((r = compare_ways(o, &w, &bake, left_free, &first, right, m)) != VXS_OK) goto done;
             }
         }
     }
@@ -520,8 +553,8 @@ static vxs_result check_options(exact_options *o, const char *columns, message *
         if (o->value[CHOICE_MAPS][n] == MAPS_SPARSE && o->fault != FAULT_NONE && o->fault != FAULT_WORD)
             return fail(m, VXS_E_ARGUMENT, "--maps sparse: with no --fault but word, the others are of rendered maps");
     for (size_t n = 0; n < o->value_count[CHOICE_MAPS]; n++)
-        if (o->value[CHOICE_MAPS][n] != MAPS_SPARSE && leaves_more_free(&o->bake))
-            return fail(m, VXS_E_ARGUMENT, "--behind free and --thickness: with --maps sparse alone");
+        if (o->value[CHOICE_MAPS][n] != MAPS_SPARSE && o->left_free.count)
+            return fail(m, VXS_E_ARGUMENT, "--free: with --maps sparse alone");
     return VXS_OK;
 }
 
@@ -530,7 +563,7 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
     text_list   given[CHOICES]        = {{0}};
     int         planted               = FAULT_NONE;
     const char *columns               = "all";
-    option      options[CHOICES + 13] = {
+    option      options[CHOICES + 12] = {
              {"SCENE", OPTION_INPUT, &o->scene_path, FILE_SCENE, 0, NULL, NULL, NULL, NULL},
              {"--sun", OPTION_TEXTS, &o->suns, 0, 0, NULL, "X,Y,Z", "as bake; repeated for more", NULL},
              {"--light", OPTION_TEXTS, &o->bake.light_names, 0, 0, NULL, "NAME", "as bake", NULL},
@@ -544,11 +577,11 @@ static vxs_result parse(exact_options *o, int argc, char **argv, int *help_shown
               "with --columns COUNT: tiles around them (default 0)", NULL},
              {"--seed", OPTION_U32S, &o->seeds, 0, UINT32_MAX, NULL, "S", "other columns, other places for a fault (default 1)", NULL},
              {"--fault", OPTION_CHOICE, &planted, 0, 0, FAULT_CHOICES, NULL, "spoil one thing", NULL},
-             {"--behind", OPTION_CHOICE, &o->bake.behind, 0, 0, BEHIND_CHOICES, NULL, "as bake", NULL},
-             {"--thickness", OPTION_F64, &o->bake.thickness_m, 1e-9, 1e9, NULL, "METRES", "as bake", NULL},
+             {"--free", OPTION_TEXTS, &o->left_free, 0, 0, NULL, BEHIND_CHOICES ",METRES",
+              "--behind and --thickness of bake; repeated for more", NULL},
     };
     for (int c = 0; c < CHOICES; c++)
-        options[13 + c] =
+        options[12 + c] =
             (option){choices[c].option, OPTION_TEXTS, &given[c], 0, 0, NULL, choices[c].words, "as bake; repeated for more", NULL};
     const command_line line =
         COMMAND_LINE("exact", "SCENE [options]", "Bake a scene and compare voxels with its depth maps.", options);
@@ -572,6 +605,7 @@ int main(int argc, char **argv)
     r              = parse(&o, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = compare_all(&o, &right, &m);
     free(o.suns.items);
+    free(o.left_free.items);
     free(o.spots.items);
     free(o.points.items);
     int status = command_end(&m, r);
