@@ -153,16 +153,15 @@ def test_nothing_is_cut_off(bake, browser, folder, tmp_path, width):
 
 
 def test_many_lights(bake, folder):
+    """Some are pictured; and hints are those of the lights: a sun has no cone, and a lamp no region."""
     page, _, _ = bake(folder / "many.gltf", "--resolution", 64)
     assert "in its shadows, of the 6 largest lights, looked up in the file" in page.text
     assert len(page.pictures) == 2 + 4 and "36 more lights are not pictured" in page.text and "10 smaller lights take" in page.text
-
-
-def test_hints_are_those_of_the_lights(bake, folder):
-    """A sun has no cone, and a lamp no region."""
-    page, _, _ = bake(folder / "many.gltf", "--resolution", 64)
     hints = page.text.partition("What would make it smaller")[2].partition("Where the time goes")[0]
     assert "A narrower cone or a shorter range" in hints and "--region" not in hints
+
+
+def test_hints_of_suns(bake, folder):
     page, _, _ = bake(folder / "one.gltf", "--sun", "noon=0,-1,0", "--sun", "dawn=1,-1,0", "--resolution", "noon=1024", "--resolution", 32)
     hints = page.text.partition("What would make it smaller")[2].partition("Where the time goes")[0]
     assert "The largest light, noon, takes" in hints and "--resolution noon=512" in hints and "--region" in hints and "cone" not in hints
