@@ -6,6 +6,7 @@
 #   make check          install what is missing, build, run every test
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
+#   make check-repeats  unit tests with all their random inputs, of which the others take a part: some minutes, config=asan more
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
 #   make check-faults   kill bakes and ranks 50 times each, flip every bit, and bake large maps with too little memory: some minutes
@@ -107,7 +108,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-memory check-faults check-sparse check-cracks check-tsan bench bench-large packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-repeats check-memory check-faults check-sparse check-cracks check-tsan bench bench-large packages format clean
 all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -184,14 +185,14 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-tsan bench deb packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-repeats check-tsan bench deb packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects): | packages # nothing is compiled before the headers are there
 endif
 
 # `make demo` compiles no tests, and needs none of their packages
-tested = $(filter check check-fast check-unit check-tsan bench packages,$(MAKECMDGOALS))
+tested = $(filter check check-fast check-unit check-repeats check-tsan bench packages,$(MAKECMDGOALS))
 needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb))
 packages:
 ifneq ($(packages),skip)
@@ -225,6 +226,8 @@ check-fast: all unit
 	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B --fast
 check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit
+check-repeats: $(unit) $(fuzz)
+	@VXS_TEST_REPEATS=all $(python) tests/run --build $B --unit
 check-memory: all
 	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
 check-faults: all

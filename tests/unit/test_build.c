@@ -16,6 +16,7 @@
 #include "baker/base/random.h" /* before cmocka, whose fail() is a macro */
 #include "baker/dag/build.h"
 #include "tests/columns/analytic.h"
+#include "tests/unit/repeats.h"
 
 #include <cmocka.h>
 
@@ -124,7 +125,7 @@ static void assert_columns(const analytic *a, const dag *d, uint32_t count)
 static void every_voxel_of_every_shape(void **state)
 {
     (void)state;
-    for (uint32_t side = 8; side <= 128; side *= 2)
+    for (uint32_t side = 8; side <= 128; side *= repeats(4, 2))
         for (analytic_kind kind = 0; kind < ANALYTIC_KINDS; kind++)
             for (int way = 0; way < 16; way++) {
                 build_options o = {.rule     = way & 1 ? MASK_RULE_SHADOW : MASK_RULE_GREEDY,

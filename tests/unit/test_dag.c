@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "tests/unit/random_maps.h"
+#include "tests/unit/repeats.h"
 
 typedef struct insert_way {
     mask_rule rule;
@@ -491,7 +492,7 @@ static void merging_is_building_at_once(void **state)
 {
     (void)state;
     for (map_kind kind = 0; kind < MAP_KINDS; kind++)
-        for (uint32_t sub = 8; sub <= 64; sub *= 2)
+        for (uint32_t sub = 8; sub <= 64; sub *= repeats(4, 2))
             for (int way = 0; way < 4; way++) {
                 depth_maps maps;
                 make_maps(&maps, 64, 64, kind, sub);
@@ -708,7 +709,7 @@ static void same_bytes_at_any_thread_count(void **state)
                                   .threads    = 1,
                                   .baseline   = BASELINE_OFF};
             vxs_bytes    alone = bake_city(o);
-            for (int n = 0; n < 3; n++) {
+            for (uint32_t n = 0; n < 3; n += repeats(2, 1)) {
                 o.threads      = threads[n];
                 vxs_bytes many = bake_city(o);
                 assert_int_equal(many.size_bytes, alone.size_bytes);

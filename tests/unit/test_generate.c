@@ -3,6 +3,7 @@
 #include "baker/base/random.h"
 #include "baker/generate/generate.h"
 #include "baker/generate/generate_parts.h"
+#include "tests/unit/repeats.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -412,7 +413,7 @@ static void test_landscape_is_closed_and_outward(void **state)
 static void test_landscape_meets_every_target(void **state)
 {
     (void)state;
-    for (uint32_t t = GENERATE_TRIANGLES_MIN; t < 300000; t += 1 + t / 40) {
+    for (uint32_t t = GENERATE_TRIANGLES_MIN; t < 300000; t += 1 + t / repeats(10, 40)) {
         landscape_options o = landscape_default;
         o.triangles         = t;
         glb_scene s         = make_landscape(o);

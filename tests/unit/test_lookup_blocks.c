@@ -5,6 +5,7 @@
 #include "blocks_sample.h"
 #include "blocks_scalar.h"
 #include "formats/vxs_format.h"
+#include "tests/unit/repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -116,7 +117,7 @@ static void test_lookups(void **state)
             rng           r = {100 * n + seed};
             blocks_sample_init(&s, &r, cases[n].levels, cases[n].maps, cases[n].squares);
             check_squares(&s, &r);
-            check_random(&s, &r, 10000);
+            check_random(&s, &r, (int)repeats(2000, 10000));
             for (int kind = 0; kind < BLOCKS_KINDS; kind++) all.kinds[kind] += s.kinds[kind];
             for (int kind = 0; kind < 4; kind++) all.states[kind] += s.states[kind];
             for (int width = 0; width < 3; width++) all.widths[width] += s.widths[width];
@@ -146,7 +147,7 @@ static void test_absent_pages(void **state)
     for (uint32_t page = 0; page <= s.page_count; page++) {
         uint32_t start                   = s.words[8 + page % s.page_count];
         s.words[8 + page % s.page_count] = 0;
-        check_random(&s, &r, 10000);
+        check_random(&s, &r, (int)repeats(2000, 10000));
         if (page + 1 < s.page_count) s.words[8 + page % s.page_count] = start;
     }
     blocks_sample_free(&s);

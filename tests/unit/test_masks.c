@@ -18,6 +18,7 @@ uint32_t plain_tile_runs(const column_tile *columns, mask_rule rule, mask_run ru
 #undef __SSE2__
 #define tile_runs plain_tile_runs
 #include "baker/dag/masks.c"
+#include "tests/unit/repeats.h"
 #undef tile_runs
 
 /* tiles that are written down
@@ -281,7 +282,7 @@ static void rules_are_those_of_the_papers(void **state)
     (void)state;
     for (int d = 0; d < 4; d++)
         for (uint32_t kind = 0; kind <= TILE_KINDS; kind++)
-            for (uint64_t seed = 0; seed < 20; seed++) {
+            for (uint64_t seed = 0; seed < repeats(5, 20); seed++) {
                 fixture f = {.depth = depths[d]};
                 rng     r = rng_split(seed, kind);
                 for (int t = 0; t < TILES * TILES; t++)

@@ -1,6 +1,7 @@
 /* Damage is mended, and nothing else changes (baker/mend/mesh_repair.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/mesh_sample.h"
+#include "tests/unit/repeats.h"
 
 #include "baker/mend/mesh_repair.h"
 
@@ -300,7 +301,7 @@ static void test_random_damage(void **state)
     enum { BALLS = 5 };
     uint32_t seed   = 11;
     size_t   mended = 0, total = 0;
-    for (int trial = 0; trial < 60; trial++) {
+    for (uint32_t trial = 0; trial < repeats(20, 60); trial++) {
         sample sound = {0}, b = {0};
         for (int i = 0; i < BALLS; i++) {
             sample_ball(&sound, (double[3]){3 * i, 0, 0}, 1, 8 + i);

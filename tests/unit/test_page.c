@@ -31,6 +31,7 @@ vxs_result plain_resident_decode(vxs_resident *out, uint32_t levels, uint32_t ma
 #define vxs_resident_sizes_of  plain_sizes_of
 #define vxs_resident_decode    plain_resident_decode
 #include "formats/vxs_page_decode.c"
+#include "tests/unit/repeats.h"
 #undef vxs_page_scratch_bytes
 #undef vxs_page_scratch_init
 #undef vxs_page_word_count
@@ -232,7 +233,7 @@ static void changed_words_are_refused_or_come_back(void **state)
 {
     (void)state;
     size_t refused = 0, tried = 0;
-    for (uint64_t seed = 0; seed < 60; seed++) {
+    for (uint64_t seed = 0; seed < repeats(20, 60); seed++) {
         small_page(seed);
         rng r = rng_split(seed, 7);
         for (int n = 0; n < 60; n++) {
@@ -344,7 +345,7 @@ static void resident_parts_come_back(void **state)
 {
     (void)state;
     static const uint32_t levels[] = {3, 8, 9, 11, 13, 14, 15, 16, 17};
-    for (uint64_t seed = 0; seed < 36; seed++) {
+    for (uint64_t seed = 0; seed < repeats(18, 36); seed++) {
         rng          r = rng_split(seed, 8);
         light_sample l;
         vxs_bytes    bytes = {0};
@@ -384,7 +385,7 @@ static void resident_parts_come_back(void **state)
 static void damaged_resident_parts_do_no_harm(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 12; seed++) {
+    for (uint64_t seed = 0; seed < repeats(3, 12); seed++) {
         rng          r = rng_split(seed, 9);
         light_sample l;
         vxs_bytes    bytes = {0};

@@ -20,6 +20,7 @@
 
 #include "baker/base/byte_stream.h"
 #include "tests/unit/blocks_built.h"
+#include "tests/unit/repeats.h"
 
 enum { SQUARES_MAX = 64 };
 
@@ -201,7 +202,7 @@ static void kept_squares_are_what_was_built(void **state)
     const uint32_t sides[] = {8, 64, 256, 512, 1024};
     (void)state;
     for (size_t s = 0; s < sizeof sides / sizeof *sides; s++)
-        for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? 5 : 1)
+        for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? 5 : sides[s] > 64 ? repeats(3, 1) : 1)
             for (int coding = 0; coding < 2; coding++) {
                 uint32_t      side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
                 depth_maps    d    = random_maps(side, side, kind, side + kind);
@@ -254,7 +255,7 @@ static void squares_fetched_by_threads(void **state)
     const uint32_t sides[] = {8, 64, 512, 1024};
     (void)state;
     for (size_t s = 0; s < sizeof sides / sizeof *sides; s++)
-        for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? 3 : 1)
+        for (map_kind kind = 0; kind<MAP_KINDS; kind += sides[s]> 512 ? repeats(5, 3) : sides[s] > 64 ? repeats(3, 1) : 1)
             for (int coding = 0; coding < 2; coding++) {
                 uint32_t      side = sides[s], least = coding ? sub_dag_side(side) : block_square_side(side);
                 depth_maps    d     = random_maps(side, side, kind, side + kind);
@@ -426,7 +427,7 @@ static void one_unsound_square_of_many(void **state)
         vxs_bytes whole = copy_of(&t.kept.record[0]);
         assert_int_equal(record_read(&record, whole.data, whole.size_bytes, square_level(1024), 0, 0, 1024), VXS_OK);
         assert_int_equal(record.built_count, 16);
-        for (size_t spoilt = 0; spoilt < 16; spoilt += 5) {
+        for (size_t spoilt = 0; spoilt < 16; spoilt += repeats(11, 5)) {
             vxs_bytes other = copy_of(&whole);
             memset(other.data + (record.steps[spoilt].frame - whole.data), 0, 4);
             t.kept.instead = other;
