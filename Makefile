@@ -66,6 +66,8 @@ warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
 flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt)
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 pic         := -fPIC -fno-semantic-interposition
+# under sanitizers programs are large, and gold, where there is one, links them in a third of the time
+linker       = $(if $(filter asan,$(config)),$(if $(shell command -v ld.gold),-fuse-ld=gold))
 cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
 bake.pc      := libzstd libxxhash jansson libpng libwebp
@@ -132,13 +134,13 @@ $B/tests/bench/rivals: $(rival.o) $(shader)
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
 $B/vxs $(mpi) $(unit) $(helper):
 	@echo "  link $@"
-	$Q$(CXX) $(opt) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
+	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 $(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
 $(filter-out %/fuzz_vxs,$(fuzz)): $B/baker.a # fuzz_vxs stands on the runtime alone
 $(fuzz): $B/libvxs.a
 	@echo "  link $@"
-	$Q$(CXX) $(opt) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(libs) $(LDFLAGS)
+	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(libs) $(LDFLAGS)
 
 fuzzers: $(fuzz)
 fuzz:
@@ -153,8 +155,9 @@ $B/libvxs.a: $(runtime.o)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 # CGAL's filling of holes is templates, for which a compiler takes long: without triangulations in a plane, which are off unless asked for;
-# and under sanitizers, with those of addresses alone, not optimised
-$B/baker/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2 $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
+# and under sanitizers, with those of addresses alone, not optimised; so is tinygltf, which one file has in it
+$B/baker/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2
+$B/baker/mend/mesh_hole.cc.o $B/baker/gltf/gltf_parse.cc.o: cxxflags += $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
 
 # the command's objects are those of a shared library, too, and of an archive, in which gcc's unique names cannot be hidden
 $(baker.o) $(library.o): cflags += $(pic)
