@@ -208,6 +208,8 @@ ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
+# jobs begin when they may, not at the next look in half a minute
+SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1
 MpiDefault=none
 NodeName={host} CPUs={processors} State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES State=UP
