@@ -90,7 +90,7 @@ static void estimate_dag_seconds(plan_light *l, double full, double threads)
 
 static void estimate_blocks_seconds(plan_light *l, double full, double threads, int fast)
 {
-    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 1.2e-6 * l->mask_tiles) / threads;
+    l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 9e-7 * l->mask_tiles) / threads;
     l->seconds[STAGE_MERGE]  = 7e-7 * l->palette.patterns;
     l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 9e-8) * l->palette.words;
     l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 6e-8) * l->palette.words;
@@ -110,7 +110,7 @@ static void estimate_seconds(plan_light *l, const bake_options *o)
     double            threads = o->threads;
 
     if (o->maps == MAPS_SPARSE) {
-        l->seconds[STAGE_MAPS] = (7e-7 * (double)l->triangles + 3e-6 * l->mask_tiles) / threads;
+        l->seconds[STAGE_MAPS] = (7e-7 * (double)l->triangles + 1.5e-6 * l->mask_tiles) / threads;
     } else {
         /* rendering waits for one thread of two */
         l->seconds[STAGE_GL] = 5e-4 * l->map_count + 4.5e-8 * (double)l->triangles;
