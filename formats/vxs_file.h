@@ -72,7 +72,7 @@ typedef struct vxs_parallel {
     void (*run)(void *user, uint32_t count, void (*task)(void *work, uint32_t n), void *work);
     void    *user;
     uint32_t threads; /* that are worth having: count is never more. 0, 1, or no run: the caller's thread does all */
-    /* Called by each task between pieces of its work of a millisecond or less, where it holds nothing and may be made to wait. NULL: it is not */
+    /* Called by each task between pieces of its work of a millisecond or less, where it holds nothing and may be made to wait. NULL: never */
     void (*pause)(void *user);
 } vxs_parallel;
 

@@ -158,11 +158,15 @@ def test_kills_at_random_moments(vxs, vxs_path, fault_library, tmp_path, named):
     count = collections.Counter()
     for _ in range(50):
         out.write_bytes(OLD)
-        count[run(chance.uniform(0, 1.05 * seconds))] += 1
+        begin = time.monotonic()
+        status = run(chance.uniform(0, 1.05 * seconds))
+        if status == 0:  # moments lie in the shortest bake so far: machines get faster when others have done
+            seconds = min(seconds, time.monotonic() - begin)
+        count[status] += 1
         assert out.read_bytes() in (OLD, new)
         left = {p for p in out.parent.iterdir() if p != out}
         assert all(p.match(TEMPORARY) for p in left)
-    assert set(count) <= {0, -signal.SIGKILL} and count[-signal.SIGKILL] >= 10
+    assert set(count) <= {0, -signal.SIGKILL} and count[-signal.SIGKILL] >= 25
     assert run(60) == 0 and out.read_bytes() == new
     assert named or len(left) <= 5
 

@@ -80,7 +80,7 @@ def real_scenes():
 
 
 FINE = [(name, resolution, coding) for name in ("sponza", "stanford_bunny_closed", "room_with_spheres_closed")
-         for resolution in (16384, 65536) for coding in ("dag", "blocks")]
+        for resolution in (16384, 65536) for coding in ("dag", "blocks")]
 
 
 @pytest.mark.slow

@@ -186,7 +186,8 @@ static uint64_t met_first(const leaf *f, const sparse_triangle *t, uint64_t texe
     return met & texels;
 }
 
-/* The texels that a triangle of the list covers. Holes are last in it: only where one is met first, or it matters what is behind, is the image asked. */
+/* The texels that a triangle of the list covers. Those with holes are last in it: an image is asked only where its triangle is met first, or
+ * where it matters what lies behind. */
 static uint64_t texels_of(const leaf *f, const square_entry *e)
 {
     const sparse_triangle *t      = &f->d->triangles->all[e->id];
