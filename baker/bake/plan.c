@@ -213,6 +213,14 @@ static uint32_t largest_tile(uint32_t side, uint32_t least, const bake_options *
     return min_u32(most, TILE_MAX_PX);
 }
 
+/* What a bake with tiles of this size needs in any case. Straight from triangles it holds what is built, which a sample tells to within a half:
+ * a bake that may fit is begun, and given up where it does not. */
+static uint64_t least_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
+{
+    uint64_t bytes = plan_peak_bytes(plan, o, c, tile_px);
+    return o->maps == MAPS_SPARSE ? bytes / 3 * 2 : bytes;
+}
+
 /* Smaller tiles until it fits; the last one is as small as a sub-DAG, or a block. */
 static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const casters *c, message *m)
 {
@@ -227,12 +235,12 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
     uint64_t machine = left < UINT64_MAX - held ? held + left : UINT64_MAX;
     uint64_t most    = plan->budget_bytes ? min_u64(plan->budget_bytes, machine) : machine;
     if (plan->peak_bytes > most) plan->baseline = BASELINE_OFF; /* a comparison, no part of the file */
-    plan->least_bytes = plan_peak_bytes(plan, o, c, least);
+    plan->least_bytes = least_peak_bytes(plan, o, c, least);
     while (plan->peak_bytes > most && plan->tile_px > least) {
         plan->tile_px /= 2;
         plan->peak_bytes = plan_peak_bytes(plan, o, c, plan->tile_px);
     }
-    if (plan->peak_bytes <= most) return VXS_OK;
+    if (plan->least_bytes <= most) return VXS_OK;
     char there[32], needed[32];
     if (most < machine)
         return fail(m, VXS_E_MEMORY, "--memory %s is too little for '%s': this bake needs about %s at least",

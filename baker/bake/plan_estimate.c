@@ -55,6 +55,18 @@ static double node_words(const plan_light *l, double squares)
     return 1.1 * sqrt(blocks * l->palette.blocks) + 5.5 * fmin(squares, blocks);
 }
 
+/* What is held until all is built. Patterns of depths that tiles choose freely repeat the more, the more there are; those with depths of their
+ * own hardly do. */
+static double palette_built_bytes(const plan_light *l)
+{
+    const palette_estimate *p = &l->palette;
+    enum { REPEATING = 20000 };
+    double own  = (double)l->sample.palette.own_patterns * pow(l->sample.weight, 0.95);
+    double free = fmax(0, p->patterns - p->own_patterns);
+    if (free > REPEATING) free = REPEATING * pow(free / REPEATING, 0.35);
+    return 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
+}
+
 /* fast: its pages are packed so */
 static void estimate_blocks(plan_light *l, int fast)
 {
@@ -71,7 +83,7 @@ static void estimate_blocks(plan_light *l, int fast)
     p->words                      = 8 + 2 * squares + node_words(l, squares) + p->block_words + p->pattern_words;
     l->memory_bytes               = 4 * p->words;
     l->stored_bytes               = (fast ? 1.75 : 1) * (1.1 * p->block_words + 1.7 * p->pattern_words) + 600;
-    l->built_bytes                = 900 * p->own_patterns + 150 * p->patterns + 300 * p->blocks + 12 * p->words;
+    l->built_bytes                = palette_built_bytes(l);
     l->part_bytes                 = 0.3 * l->built_bytes;
 }
 
@@ -176,10 +188,10 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
         double part  = side * side / (map * map) / l->map_count;
         double tiles = fmin(side * side / 64, (part < 1 ? 2 : 1) * part * l->mask_tiles);
         square = fmax(square, o->threads * (side * side / 64 * 30 + 540 * tiles) + fmin(1, DESCENT_BATCH * part) * l->part_bytes +
-                                  100 * (double)l->triangles);
+                                  80 * (double)l->triangles);
         built += l->built_bytes;
     }
-    return (uint64_t)(1.1 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
+    return (uint64_t)(1.15 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
 }
 
 /* The most is held while a tile is rendered or merged: its maps, what OpenGL and the scene need, what was built so far, and what is built of

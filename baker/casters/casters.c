@@ -16,6 +16,7 @@
 #include "baker/base/array.h"
 #include "baker/base/box.h"
 #include "baker/base/group.h"
+#include "baker/base/memory.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/casters/casters_cgal.h"
@@ -80,6 +81,13 @@ static void *allocate(size_t count, size_t size)
     return calloc(count ? count : 1, size);
 }
 
+/* Whether a step of the sorting may take what its arrays hold: so many bytes for each triangle, and for each vertex. */
+static vxs_result check_room(size_t triangles, size_t bytes_each, size_t vertices, size_t bytes_of_vertex, message *m)
+{
+    uint64_t bytes = (uint64_t)triangles * bytes_each + (uint64_t)vertices * bytes_of_vertex;
+    return memory_check(bytes, m, "telling solids from sheets among %zu triangles needs", triangles);
+}
+
 static vxs_result out_of_memory(message *m, size_t triangle_count)
 {
     return fail(m, VXS_E_MEMORY, "out of memory while sorting %zu triangles into solids and sheets", triangle_count);
@@ -108,7 +116,9 @@ static void note_materials(work *w, const scene *s)
 
 static vxs_result weld(work *w, const scene *s, message *m)
 {
-    vxs_result r = mesh_weld_scene(&w->mesh, s, w->threads, m);
+    enum { EACH = 4 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + 5 * sizeof(uint32_t) };
+    vxs_result r = check_room(s->triangle_count, EACH, s->vertex_count, OF_VERTEX, m);
+    if (r == VXS_OK) r = mesh_weld_scene(&w->mesh, s, w->threads, m);
     if (r != VXS_OK) return r;
     w->holes = s->holed_triangles;
     w->flags = allocate(w->mesh.triangle_count, 1);
@@ -152,7 +162,9 @@ static int gather_border(work *w, const uint32_t *sorted)
 
 static vxs_result connect(work *w, int wants_border, message *m)
 {
+    enum { EACH = 7 * sizeof(uint32_t), OF_VERTEX = sizeof(uint32_t) };
     const mesh_weld *mesh = &w->mesh;
+    if (check_room(mesh->triangle_count, EACH, mesh->vertex_count, OF_VERTEX, m) != VXS_OK) return VXS_E_MEMORY;
     edges            e    = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted), 0};
     vxs_result       r    = VXS_E_MEMORY;
     if (e.sorted) r = mesh_sort_edges(e.sorted, mesh->indices, mesh->triangle_count, mesh->vertex_count, w->threads);
@@ -494,8 +506,10 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
 
 static vxs_result emit(casters *c, work *w, const scene *s, message *m)
 {
+    enum { EACH = 6 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + sizeof(uint32_t) };
     vxs_result r     = VXS_E_MEMORY;
     size_t     count = w->mesh.triangle_count, groups = GROUP_MASKS + s->alpha_mask_count;
+    if (check_room(count, EACH, w->mesh.vertex_count, OF_VERTEX, m) != VXS_OK) return r;
     uint32_t  *group = pages_alloc(count * sizeof *group);
     uint32_t  *first = malloc((groups + 1) * sizeof *first);
     emission   e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
@@ -534,7 +548,7 @@ static vxs_result all_excluded(const scene *s, message *m)
     return used ? fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: all that the scene has is excluded; %s", list) : VXS_OK;
 }
 
-static vxs_result no_caster(const scene *s, message *m)
+vxs_result casters_none(const scene *s, message *m)
 {
     if (!s->triangle_count && all_excluded(s, m) != VXS_OK) return VXS_E_NO_CASTER;
     if (!s->triangle_count) return fail(m, VXS_E_NO_CASTER, "nothing casts a shadow: the scene has no triangles");
@@ -552,7 +566,7 @@ static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int s
     c->collapsed_count    = s->triangle_count - w.mesh.triangle_count;
     c->scene_vertex_count = s->vertex_count;
     if (!w.mesh.triangle_count) {
-        r = no_caster(s, m);
+        r = casters_none(s, m);
         goto done;
     }
     if ((r = connect(&w, splits_borders, m)) != VXS_OK) goto done;

@@ -83,6 +83,9 @@ typedef struct casters {
  * Returns VXS_OK, VXS_E_NO_CASTER (no triangle left), VXS_E_MEMORY, VXS_E_SCENE.  The same at any thread count. */
 vxs_result casters_from_scene(casters *c, const scene *s, closed_mode closed, uint32_t threads, message *m);
 
+/* The error of a scene in which nothing casts a shadow: it has no triangles, or none is left, and why. Returns VXS_E_NO_CASTER. */
+vxs_result casters_none(const scene *s, message *m);
+
 /* The same for maps: where borders of sheets meet, they have the same vertices, so that no light falls between them (mesh_split.h). Which
  * components are solids is told before.
  * Time: as casters_from_scene where nothing is open; else some microseconds more for each open edge. */

@@ -17,6 +17,8 @@ RULES = ["greedy", "shadow"]
 STOPS = ["insert", "partial", "final"]
 CODINGS = ["dag", "blocks"]
 COLUMNS = int(os.environ.get("VXS_COLUMNS", 100000))
+SIDE = int(os.environ.get("VXS_SIDE", 256))  # texels of maps whose every voxel is asked; make check-exact: 512
+EVERY = "VXS_SIDE" in os.environ  # every test asks every scene; else each scene is asked by one of those that ask many
 FREE = ["free,0", "shadow,0.2", "free,0.02"]
 GENERATED = ["city", "landscape"]
 
@@ -38,8 +40,16 @@ EVERY_OPTION = GENERATED + [
     "japanese_bridge_garden.glb",
     "features/subpass_scene_mirrored.gltf",
 ]
-FINE = GENERATED + [name for name in LOADABLE if "/" not in name]
-SHARED = [pytest.param(name, marks=pytest.mark.slow) for name in LOADABLE]
+FINE = GENERATED + [name for name in LOADABLE if "/" not in name and (EVERY or name in EVERY_OPTION)]
+
+
+def share(n):
+    """Scenes for the nth of the four tests that ask many: what is generated, what every option is tried on, and a fourth of the others."""
+    others = [name for name in LOADABLE if name not in EVERY_OPTION]
+    return GENERATED + [pytest.param(name, marks=pytest.mark.slow) for name in LOADABLE
+                        if EVERY or name in EVERY_OPTION or others.index(name) % 4 == n]
+
+
 SOME_SHARED = [pytest.param(name, marks=pytest.mark.slow) for name in EVERY_OPTION if name not in GENERATED]
 FAULTS = ["depth", "tile", "square", "mask", "until", "inserted", "compressed", "merged", "word"]
 
@@ -96,9 +106,9 @@ def assert_complete(found, resolution):
         assert side == resolution and counts["columns"] == maps * side**2 and counts["voxels"] == maps * side**3
 
 
-@pytest.mark.parametrize("name", GENERATED + SHARED)
+@pytest.mark.parametrize("name", share(0))
 def test_every_voxel_of_every_scene_straight_from_triangles(exact, scene, name):
-    assert_complete(exact(scene(name), "--maps", "sparse", "--resolution", 256, sun=SUNS, coding=CODINGS), 256)
+    assert_complete(exact(scene(name), "--maps", "sparse", "--resolution", SIDE // 2, sun=SUNS, coding=CODINGS), SIDE // 2)
     assert_complete(exact(scene(name), "--maps", "sparse", *LAMPS, "--resolution", 64, coding=CODINGS), 64)
 
 
@@ -123,8 +133,8 @@ def test_tiles_around_silhouettes(exact, scene):
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_where_more_is_left_free(exact, scene, name):
-    assert_complete(exact(scene(name), "--maps", "sparse", "--sun", SUNS[1], "--resolution", 256, free=FREE, closed=["auto", "off"],
-                          coding=CODINGS), 256)
+    assert_complete(exact(scene(name), "--maps", "sparse", "--sun", SUNS[1], "--resolution", SIDE // 2, free=FREE,
+                          closed=["auto", "off"], coding=CODINGS), SIDE // 2)
     assert_complete(exact(scene(name), "--maps", "sparse", *LAMPS, "--closed", "off", "--resolution", 64, free=FREE, coding=CODINGS), 64)
 
 
@@ -135,9 +145,9 @@ def test_a_wrong_word_of_a_file_straight_from_triangles_is_seen(exact, scene):
 
 
 @pytest.mark.skipif(not FOUND, reason=f"no shared scenes at {SCENES}: set VXS_SCENES")
-@pytest.mark.parametrize("name", SHARED)
+@pytest.mark.parametrize("name", share(1))
 def test_every_voxel_of_every_scene(exact, scene, name):
-    assert_complete(exact(scene(name), sun=SUNS, coding=CODINGS), 512)
+    assert_complete(exact(scene(name), "--resolution", SIDE, sun=SUNS, coding=CODINGS), SIDE)
 
 
 @pytest.mark.parametrize("name", sorted(REFUSED))
@@ -145,20 +155,22 @@ def test_refused_scenes_say_so(exact, scene, name):
     assert exact(scene(name), "--sun", SUNS[0], status=REFUSED[name]) == []
 
 
-@pytest.mark.parametrize("name", GENERATED + SHARED)
+@pytest.mark.parametrize("name", share(2))
 def test_every_voxel_after_every_stage_with_each_rule(exact, scene, name):
-    assert_complete(exact(scene(name), sun=SUNS if name in EVERY_OPTION else SUNS[:1], stop=STOPS, rule=RULES), 512)
+    suns = SUNS if name in EVERY_OPTION else SUNS[:1]
+    assert_complete(exact(scene(name), "--resolution", SIDE, sun=suns, stop=STOPS, rule=RULES), SIDE)
 
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_without_reuse_and_compressed_either_way(exact, scene, name):
-    assert_complete(exact(scene(name), "--sun", SUNS[0], reuse=["on", "off"], compress=["top-down", "bottom-up"],
-                          stop=["partial", "final"]), 512)
+    assert_complete(exact(scene(name), "--sun", SUNS[0], "--resolution", SIDE, reuse=["on", "off"], compress=["top-down", "bottom-up"],
+                          stop=["partial", "final"]), SIDE)
 
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_whatever_is_solid(exact, scene, name):
-    assert_complete(exact(scene(name), "--sun", SUNS[1], closed=["on", "off"], exit=["peel", "back"], coding=CODINGS), 512)
+    assert_complete(exact(scene(name), "--sun", SUNS[1], "--resolution", SIDE, closed=["on", "off"], exit=["peel", "back"],
+                          coding=CODINGS), SIDE)
 
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
@@ -168,14 +180,14 @@ def test_every_voxel_of_suns_along_an_axis(exact, scene, name):
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_every_voxel_at_every_resolution(exact, scene, name):
-    for counts in exact(scene(name), sun=SUNS, resolution=[8, 16, 32, 64, 128, 1024], coding=CODINGS):
+    for counts in exact(scene(name), sun=SUNS, resolution=[8, 16, 32, 64, 128, 2 * SIDE], coding=CODINGS):
         assert_complete([counts], counts["resolution"])
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FINE)
 def test_columns_at_4096(exact, scene, name):
-    """A tenth of the million that make check-cracks asks."""
+    """A tenth of the million that make check-exact asks."""
     for counts in exact(scene(name), "--sun", SUNS[0], "--resolution", 4096, "--columns", COLUMNS, coding=CODINGS):
         assert counts["columns"] == COLUMNS and counts["voxels"] > 20 * COLUMNS
 
@@ -187,14 +199,14 @@ def test_several_map_tiles(exact, scene):
         assert counts["columns"] == 4 * COLUMNS
 
 
-@pytest.mark.parametrize("name", GENERATED + SHARED)
+@pytest.mark.parametrize("name", share(3))
 def test_every_voxel_of_lamps_in_every_scene(exact, scene, name):
     assert_complete(exact(scene(name), *LAMPS, "--resolution", 128, coding=CODINGS), 128)
 
 
 @pytest.mark.parametrize("name", GENERATED + SOME_SHARED)
 def test_every_voxel_of_fine_lamps(exact, scene, name):
-    assert_complete(exact(scene(name), *LAMPS, coding=CODINGS), 512)
+    assert_complete(exact(scene(name), *LAMPS, "--resolution", SIDE, coding=CODINGS), SIDE)
 
 
 @pytest.mark.slow
@@ -206,7 +218,7 @@ def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, nam
 
 @pytest.mark.slow
 def test_every_voxel_of_lamps_at_every_resolution(exact, scene):
-    for counts in exact(scene("city"), *LAMPS, resolution=[8, 16, 32, 64, 1024], coding=CODINGS):
+    for counts in exact(scene("city"), *LAMPS, resolution=[8, 16, 32, 64, 2 * SIDE], coding=CODINGS):
         assert_complete([counts], counts["resolution"])
 
 
