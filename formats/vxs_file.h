@@ -79,7 +79,9 @@ typedef struct vxs_parallel {
 /* Called for each thing that is wrong: a number of vxs_findings.h, its text, and where (section is -1 for header and directory). */
 typedef void vxs_finding_fn(void *user, int number, const char *text, int section, uint64_t offset_bytes);
 
+/* Zero is every field's default. It may grow in later versions of the library, with which programs that know less of it keep running. */
 typedef struct vxs_read_desc {
+    size_t struct_size; /* sizeof(vxs_read_desc), as the caller knows it; 0: up to and with `parallel` */
     const vxs_allocator *allocator;         /* NULL: malloc and free; copied, but its functions must outlive what was read */
     uint64_t            memory_limit_bytes; /* 0: 256 times the file, but 64 MiB at least. More is refused before it is allocated */
     vxs_finding_fn     *finding;            /* NULL: nobody asks */
@@ -110,7 +112,8 @@ typedef struct vxs_contents {
  * bytes     [size_bytes] the whole file; only read, not kept
  * desc      NULL: all defaults
  * contents  [out] written only when VXS_OK is returned
- * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT: the first finding's result; VXS_E_MEMORY.
+ * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT: the first finding's result; VXS_E_MEMORY; VXS_E_ARGUMENT
+ * for a struct_size that no version had, or fields behind those that this one has which are not zero.
  * Bad bytes never abort, and cost no more memory than the limit; zstd's own working memory (some 160 KiB) comes from malloc and is
  * not counted. Threads: none shared; those of desc->parallel decode the pages of palette blocks, and need some 1.5 MiB each, a sixth of
  * that where pages are packed fast, within the limit: with less, fewer of them are used. Allocator and findings are called by the caller's thread alone. */

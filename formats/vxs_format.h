@@ -86,7 +86,8 @@
 #define VXS_LIGHTS_MAX   1024u
 #define VXS_LEVELS_MIN   3u  /* a map of 8 x 8 texels: the root is a slice node */
 #define VXS_LEVELS_MAX   18u /* a map of 262144 x 262144 texels */
-#define VXS_FILTER_MAX   17  /* widest box filter of a lookup, texels */
+#define VXS_FILTER_MAX   17  /* widest filter of a lookup, texels */
+#define VXS_SMOOTH       256 /* VXS_SMOOTH + K: a lookup's filter is a smooth box of K x K texels */
 
 /* vxs.md section 6: what a child of a node is, two bits each */
 #define VXS_CHILD_LIT    0u

@@ -41,12 +41,18 @@
 
 #ifdef VXS_C
 #include <stdint.h>
-typedef uint32_t        vxs_u32;
-typedef int32_t         vxs_i32;
-typedef struct vxs_mask vxs_mask;
-#define VXS_FN   static inline
-#define VXS_U(x) ((vxs_u32)(x))
-#define VXS_I(x) ((vxs_i32)(x))
+typedef uint32_t              vxs_u32;
+typedef int32_t               vxs_i32;
+typedef struct vxs_mask       vxs_mask;
+typedef struct vxs_smooth_box vxs_smooth_box;
+#define VXS_FN static inline
+#ifdef __cplusplus /* where a cast of C may be a warning */
+#define VXS_CAST(type, x) (type(x))
+#else
+#define VXS_CAST(type, x) ((type)(x))
+#endif
+#define VXS_U(x) VXS_CAST(vxs_u32, x)
+#define VXS_I(x) VXS_CAST(vxs_i32, x)
 #if !defined(VXS_WORDS) && !defined(vxs_word)
 #define VXS_WORDS_IN_MEMORY
 #endif
@@ -95,6 +101,14 @@ VXS_FN vxs_u32 vxs_popcount(vxs_u32 x)
 struct vxs_mask {
     vxs_u32 low;  /* rows 0 to 3 */
     vxs_u32 high; /* rows 4 to 7 */
+};
+
+/* A box of K x K texels that lies between whole ones: it covers K + 1 of a row, the first and the last in part. It is the mean of four
+ * boxes of whole texels, of which the first begins at (x, y), two begin a texel farther along one axis, and the last along both. */
+struct vxs_smooth_box {
+    vxs_i32 x, y; /* the first texel that it covers */
+    vxs_u32 across,
+        down; /* what it does not cover of that, in 1/256: [0, 255]; 0: K texels are covered, and a box farther has no weight */
 };
 
 /* The states (low bit of each pair) of the children that have an offset of their own: binary 10. */
@@ -174,6 +188,12 @@ VXS_FN vxs_u32 vxs_cover(vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
     return rows & keep & (0xffffffffu << VXS_U(8 * y0));
 }
 
+/* Texels of a mask in shadow, of those in columns [x0, x1) and rows [y0, y1); ranges are clamped to the mask. */
+VXS_FN vxs_u32 vxs_count_covered(vxs_mask mask, vxs_i32 x0, vxs_i32 x1, vxs_i32 y0, vxs_i32 y1)
+{
+    return vxs_popcount(mask.low & vxs_cover(x0, x1, y0, y1)) + vxs_popcount(mask.high & vxs_cover(x0, x1, y0 - 4, y1 - 4));
+}
+
 /* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount ([CPVS16] 5).
  * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
  * filter  K, odd, 1 to VXS_FILTER_MAX.   Cost: one walk for each of the at most nine tiles that the box touches. */
@@ -189,10 +209,60 @@ VXS_FN vxs_u32 vxs_shadow_count(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs
     for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
         for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
             vxs_mask mask = vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
-            count += vxs_popcount(mask.low & vxs_cover(x0 - x, x1 - x, y0 - y, y1 - y));
-            count += vxs_popcount(mask.high & vxs_cover(x0 - x, x1 - x, y0 - y - 4, y1 - y - 4));
+            count += vxs_count_covered(mask, x0 - x, x1 - x, y0 - y, y1 - y);
         }
     return count;
+}
+
+/* Where a smooth box lies whose middle is `across` and `down`, [0, 255], 1/256 texel from the near corner of texel (i, j). */
+VXS_FN vxs_smooth_box vxs_smooth_box_at(vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down, vxs_i32 filter_px)
+{
+    vxs_i32        x = VXS_I(across) - 128 * filter_px, y = VXS_I(down) - 128 * filter_px;
+    vxs_smooth_box box;
+    box.x      = i + (x >> 8);
+    box.y      = j + (y >> 8);
+    box.across = VXS_U(x & 255);
+    box.down   = VXS_U(y & 255);
+    return box;
+}
+
+/* The four boxes' sum by weight, in 1/65536, of how many texels are in shadow in each: the first, and those a texel to the right, down,
+ * both. */
+VXS_FN vxs_u32 vxs_weighted(vxs_smooth_box box, vxs_u32 first, vxs_u32 right, vxs_u32 down, vxs_u32 both)
+{
+    return (256u - box.down) * ((256u - box.across) * first + box.across * right) +
+           box.down * ((256u - box.across) * down + box.across * both);
+}
+
+/* The part of a mask in a smooth box; x and y: where the box begins, counted from the mask. */
+VXS_FN vxs_u32 vxs_weigh_mask(vxs_mask mask, vxs_smooth_box box, vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
+{
+    return vxs_weighted(box, vxs_count_covered(mask, x, x + filter_px, y, y + filter_px),
+                        vxs_count_covered(mask, x + 1, x + 1 + filter_px, y, y + filter_px),
+                        vxs_count_covered(mask, x, x + filter_px, y + 1, y + 1 + filter_px),
+                        vxs_count_covered(mask, x + 1, x + 1 + filter_px, y + 1, y + 1 + filter_px));
+}
+
+/* How much of a box of K x K texels about a place in texel (i, j) is in shadow at depth k, of 65536 K K: its texels by the part of each
+ * that it covers. Other arguments as above.
+ * across, down  where in the texel, in 1/256 of it: [0, 255];   filter  K, 1 to VXS_FILTER_MAX, even or odd
+ * Of K odd and a texel's middle, 128, it is 65536 times the count of that box. Cost: one walk for each tile that the box touches. */
+VXS_FN vxs_u32 vxs_shadow_weight(VXS_WORDS dag, vxs_u32 root, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down,
+                                 vxs_u32 k, vxs_i32 filter_px)
+{
+    vxs_smooth_box box  = vxs_smooth_box_at(i, j, across, down, filter_px);
+    vxs_i32        side = VXS_I(1) << levels;
+    vxs_i32        x0 = box.x < 0 ? 0 : box.x, x1 = box.x + filter_px + (box.across != 0u ? 1 : 0);
+    vxs_i32        y0 = box.y < 0 ? 0 : box.y, y1 = box.y + filter_px + (box.down != 0u ? 1 : 0);
+    vxs_u32        sum = 0u;
+    x1                 = x1 > side ? side : x1;
+    y1                 = y1 > side ? side : y1;
+    for (vxs_i32 y = y0 & ~7; y < y1; y += 8)
+        for (vxs_i32 x = x0 & ~7; x < x1; x += 8) {
+            vxs_mask mask = vxs_slice(dag, root, levels, VXS_U(x) >> 3, VXS_U(y) >> 3, k);
+            sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, filter_px);
+        }
+    return sum;
 }
 
 #endif

@@ -32,7 +32,8 @@
  * (x, y) is bit (x & 3) + 4 (y & 3) + 16 (x >> 2) of the low word of a mask, or of the high word if y > 3.
  *
  * A page that is not here is answered from its entry. Where c = max(0, levels - 8), a voxel is lit when k >> c < min, shadowed when
- * k >> c > max, which is exact; between them it is shadowed when 2 (k >> c) >= min + max + 1: the coarse answer.
+ * k >> c > max, which is exact; between them it is shadowed when 2 (k >> c) >= min + max + 1: the coarse answer. A filter that needs one
+ * such page is answered from the entries of all squares that it touches, so that its taps agree.
  *
  * Macros are those of vxs_lookup.h; `blocks`, the words of a light, is what `dag` is there. In C and C++ by GCC and Clang, where words are
  * an array in little-endian memory, bytes and halves are read as they lie, and compared sixteen at a time. VXS_SCALAR, defined by the
@@ -82,6 +83,7 @@ typedef struct vxs_blocks_node  vxs_blocks_node;
 typedef struct vxs_blocks_block vxs_blocks_block;
 typedef struct vxs_blocks_tile  vxs_blocks_tile;
 typedef struct vxs_blocks_box   vxs_blocks_box;
+typedef struct vxs_blocks_taps  vxs_blocks_taps;
 #endif
 
 struct vxs_blocks_node {
@@ -118,6 +120,14 @@ struct vxs_blocks_box {
     vxs_i32 x0, x1, y0, y1;
 };
 
+/* The texels of a filter, and what each counts: by its column times by its row, the weights of the boxes that it is in. Of a plain box each
+ * counts 1: `farther` is the same box, and has no weight. Of a smooth one, vxs_smooth_box, it begins a texel farther across, and down, where
+ * the smooth one does not begin with a whole texel. */
+struct vxs_blocks_taps {
+    vxs_blocks_box box, farther;
+    vxs_u32        across, across_farther, down, down_farther; /* weights of columns, and of rows */
+};
+
 VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
 {
     return x < low ? low : x > high ? high : x;
@@ -128,13 +138,14 @@ VXS_FN vxs_i32 vxs_clamp(vxs_i32 x, vxs_i32 low, vxs_i32 high)
 
 #ifdef VXS_VECTORS
 
-typedef uint8_t  vxs_bytes16 __attribute__((vector_size(16)));
-typedef int32_t  vxs_lanes4 __attribute__((vector_size(16)));
-typedef uint32_t vxs_words4 __attribute__((vector_size(16)));
+typedef const char *vxs_chars;
+typedef uint8_t     vxs_bytes16 __attribute__((vector_size(16)));
+typedef int32_t     vxs_lanes4 __attribute__((vector_size(16)));
+typedef uint32_t    vxs_words4 __attribute__((vector_size(16)));
 
-VXS_FN const char *vxs_address(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
+VXS_FN vxs_chars vxs_address(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
 {
-    return (const char *)(blocks + at) + byte_at;
+    return VXS_CAST(vxs_chars, blocks + at) + byte_at;
 }
 
 VXS_FN vxs_u32 vxs_half(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at)
@@ -146,7 +157,7 @@ VXS_FN vxs_u32 vxs_half(VXS_WORDS blocks, vxs_u32 at, vxs_u32 half_at)
 
 VXS_FN vxs_u32 vxs_byte(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
 {
-    return (uint8_t)*vxs_address(blocks, at, byte_at);
+    return VXS_CAST(uint8_t, *vxs_address(blocks, at, byte_at));
 }
 
 VXS_FN vxs_u32 vxs_four_bytes(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at)
@@ -161,10 +172,10 @@ VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
 #ifdef __POPCNT__
     return (vxs_u32)__builtin_popcountll(low | (uint64_t)high << 32);
 #else
-    uint64_t x = low | (uint64_t)high << 32, ones = ~(uint64_t)0;
+    uint64_t x = low | VXS_CAST(uint64_t, high) << 32, ones = ~VXS_CAST(uint64_t, 0);
     x -= (x >> 1) & (ones / 3);
     x = (x & (ones / 5)) + ((x >> 2) & (ones / 5));
-    return (vxs_u32)((((x + (x >> 4)) & (ones / 17)) * (ones / 255)) >> 56);
+    return VXS_U((((x + (x >> 4)) & (ones / 17)) * (ones / 255)) >> 56);
 #endif
 }
 
@@ -172,7 +183,7 @@ VXS_FN vxs_u32 vxs_popcount_pair(vxs_u32 low, vxs_u32 high)
 VXS_FN vxs_u32 vxs_bits_of_bytes(vxs_bytes16 bytes)
 {
 #ifdef __SSE2__
-    return (vxs_u32)_mm_movemask_epi8((__m128i)bytes);
+    return VXS_U(_mm_movemask_epi8(VXS_CAST(__m128i, bytes)));
 #else
     static const vxs_bytes16 bit  = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
     const uint64_t           ones = ~(uint64_t)0 / 255; /* in each byte; a product with it has their sum in the last */
@@ -187,8 +198,9 @@ VXS_FN vxs_u32 vxs_bits_of_bytes(vxs_bytes16 bytes)
 VXS_FN vxs_u32 vxs_bits_of_rows(const vxs_lanes4 *rows)
 {
 #ifdef __SSE2__
-    const __m128i *row = (const __m128i *)rows;
-    return vxs_bits_of_bytes((vxs_bytes16)_mm_packs_epi16(_mm_packs_epi32(row[0], row[1]), _mm_packs_epi32(row[2], row[3])));
+    __m128i row[4];
+    memcpy(row, rows, sizeof row);
+    return vxs_bits_of_bytes(VXS_CAST(vxs_bytes16, _mm_packs_epi16(_mm_packs_epi32(row[0], row[1]), _mm_packs_epi32(row[2], row[3]))));
 #else
     static const vxs_lanes4 bit  = {1, 2, 4, 8};
     vxs_lanes4              bits = (rows[0] & bit) | (rows[1] & (bit << 4)) | (rows[2] & (bit << 8)) | (rows[3] & (bit << 12));
@@ -200,16 +212,16 @@ VXS_FN vxs_u32 vxs_bytes_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, 
 {
     vxs_bytes16 bytes, zero = {0};
     memcpy(&bytes, vxs_address(blocks, at, byte_at), sizeof bytes);
-    bytes = (bytes >> (uint8_t)shift) & (zero + (uint8_t)keep);
-    return vxs_bits_of_bytes((vxs_bytes16)(bytes <= zero + (uint8_t)limit));
+    bytes = (bytes >> VXS_CAST(uint8_t, shift)) & (zero + VXS_CAST(uint8_t, keep));
+    return vxs_bits_of_bytes(VXS_CAST(vxs_bytes16, bytes <= zero + VXS_CAST(uint8_t, limit)));
 }
 
 VXS_FN vxs_u32 vxs_deltas_at_most(VXS_WORDS blocks, vxs_u32 at, vxs_u32 byte_at, vxs_u32 count, vxs_u32 limit)
 {
     vxs_bytes16 bytes, zero = {0};
     memcpy(&bytes, vxs_address(blocks, at, byte_at), sizeof bytes);
-    bytes = (vxs_bytes16)(bytes <= zero + (uint8_t)(limit > 255u ? 255u : limit));
-    return (vxs_u32)__builtin_ctz(~(vxs_bits_of_bytes(bytes) & ((1u << count) - 1u)));
+    bytes = VXS_CAST(vxs_bytes16, bytes <= zero + VXS_CAST(uint8_t, limit > 255u ? 255u : limit));
+    return VXS_U(__builtin_ctz(~(vxs_bits_of_bytes(bytes) & ((1u << count) - 1u))));
 }
 
 #else
@@ -291,6 +303,25 @@ VXS_FN vxs_u32 vxs_blocks_entry(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, v
     vxs_u32 cell    = top + ((y >> 3) << (levels - 11u)) + (x >> 3);
     vxs_u32 entries = vxs_word(blocks, cell);
     return entries >= 0x80000000u ? cell : entries + 2u * (((y & 7u) << 3) + (x & 7u));
+}
+
+/* Whether a square of 256 x 256 texels is known at depth k: its entry decides, or its page is here. */
+VXS_FN vxs_u32 vxs_blocks_square_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
+{
+    vxs_u32 entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
+    if (place >= 0x80000000u) return 1u;
+    vxs_u32 bounds = vxs_word(blocks, entry + 1u), coarse = VXS_U(k) >> (levels > 8u ? levels - 8u : 0u);
+    if (coarse < ((bounds >> 16) & 0xffu) || coarse > (bounds >> 24)) return 1u;
+    return vxs_word(blocks, 8u + (place >> 16)) != 0u ? 1u : 0u;
+}
+
+/* What the top says of a square of 256 x 256 texels at depth k, VXS_BLOCKS_LIT or _SHADOW, whether or not its page is here. */
+VXS_FN vxs_u32 vxs_blocks_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_u32 x, vxs_u32 y, vxs_i32 k)
+{
+    vxs_u32 entry = vxs_blocks_entry(blocks, map, levels, x, y), place = vxs_word(blocks, entry);
+    if (place >= 0x80000000u) return k >= VXS_I(place & 0x7fffffffu) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT;
+    vxs_u32 bounds = vxs_word(blocks, entry + 1u), coarse = VXS_U(k) >> (levels > 8u ? levels - 8u : 0u);
+    return 2u * coarse > ((bounds >> 16) & 0xffu) + (bounds >> 24) ? VXS_BLOCKS_SHADOW : VXS_BLOCKS_LIT;
 }
 
 /* The node of a square of 256 x 256 texels, at depth k. */
@@ -638,10 +669,10 @@ VXS_FN vxs_u32 vxs_blocks_raw(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_u32 c)
 VXS_FN vxs_u32 vxs_blocks_plane_quadrant(vxs_blocks_tile tile, vxs_u32 c)
 {
     const vxs_words4 zero = {0}, columns = {0u, tile.count, 2u * tile.count, 3u * tile.count};
-    const vxs_lanes4 limit = (vxs_lanes4)(zero + (vxs_u32)tile.k);
+    const vxs_lanes4 limit = VXS_CAST(vxs_lanes4, zero + VXS_U(tile.k));
     vxs_words4       row   = columns + (4u * (c & 1u) * tile.count + 4u * (c >> 1) * tile.bases);
     vxs_lanes4       rows[4];
-    for (int y = 0; y < 4; y++, row += tile.bases) rows[y] = (vxs_lanes4)row <= limit;
+    for (int y = 0; y < 4; y++, row += tile.bases) rows[y] = VXS_CAST(vxs_lanes4, row) <= limit;
     return vxs_bits_of_rows(rows);
 }
 
@@ -665,7 +696,7 @@ VXS_APART vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile)
 }
 
 /* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
-VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
+VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_mask mask;
     if (tile.kind == VXS_BLOCKS_MASKS) return vxs_blocks_quadrants(blocks, tile);
@@ -735,7 +766,7 @@ VXS_FN vxs_mask vxs_blocks_two_planes(VXS_WORDS blocks, vxs_blocks_tile tile, vx
 }
 
 /* All texels of a tile that is neither lit nor shadowed; 1 for shadow. */
-VXS_FN vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
+VXS_INLINE vxs_mask vxs_blocks_mask(VXS_WORDS blocks, vxs_blocks_tile tile)
 {
     vxs_u32  kind    = tile.kind;
     vxs_mask nibbles = vxs_blocks_nibbles_mask(blocks, tile, kind == VXS_BLOCKS_NIBBLES ? 32u : 0u);
@@ -771,6 +802,17 @@ VXS_FN vxs_u32 vxs_blocks_shadow(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, 
     return vxs_blocks_texel(blocks, tile, ((i >> 2) & 1u) | (((j >> 2) & 1u) << 1), (i & 3u) | ((j & 3u) << 2));
 }
 
+/* K x K texels from (x, y) on. */
+VXS_FN vxs_blocks_box vxs_blocks_box_at(vxs_i32 x, vxs_i32 y, vxs_i32 filter_px)
+{
+    vxs_blocks_box box;
+    box.x0 = x;
+    box.x1 = x + filter_px;
+    box.y0 = y;
+    box.y1 = y + filter_px;
+    return box;
+}
+
 /* What of a box lies in the square at (x, y), counted from there. */
 VXS_FN vxs_blocks_box vxs_blocks_cut(vxs_blocks_box box, vxs_i32 x, vxs_i32 y, vxs_i32 side)
 {
@@ -781,9 +823,55 @@ VXS_FN vxs_blocks_box vxs_blocks_cut(vxs_blocks_box box, vxs_i32 x, vxs_i32 y, v
     return box;
 }
 
-VXS_FN vxs_u32 vxs_blocks_area(vxs_blocks_box box)
+VXS_INLINE vxs_blocks_taps vxs_blocks_cut_taps(vxs_blocks_taps taps, vxs_i32 x, vxs_i32 y, vxs_i32 side)
 {
-    return VXS_U((box.x1 - box.x0) * (box.y1 - box.y0));
+    taps.box     = vxs_blocks_cut(taps.box, x, y, side);
+    taps.farther = vxs_blocks_cut(taps.farther, x, y, side);
+    return taps;
+}
+
+/* What all taps count. */
+VXS_INLINE vxs_u32 vxs_blocks_area(vxs_blocks_taps taps)
+{
+    vxs_u32 columns =
+        taps.across * VXS_U(taps.box.x1 - taps.box.x0) + taps.across_farther * VXS_U(taps.farther.x1 - taps.farther.x0);
+    vxs_u32 rows = taps.down * VXS_U(taps.box.y1 - taps.box.y0) + taps.down_farther * VXS_U(taps.farther.y1 - taps.farther.y0);
+    return columns * rows;
+}
+
+/* Whether all squares of 256 x 256 texels that a box touches are known at depth k (vxs_blocks_square_is_known): else all of it is answered by the
+ * top. A box has few of them. */
+VXS_FN vxs_u32 vxs_blocks_is_known(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
+{
+    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
+        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
+            if (vxs_blocks_square_is_known(blocks, map, levels, VXS_U(x), VXS_U(y), k) == 0u) return 0u;
+    return 1u;
+}
+
+/* What the shadowed texels of a map count, as the top says. */
+VXS_APART vxs_u32 vxs_blocks_count_coarse(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
+{
+    vxs_u32 count = 0u;
+    for (vxs_i32 y = taps.box.y0 >> 8; y <= (taps.farther.y1 - 1) >> 8; y++)
+        for (vxs_i32 x = taps.box.x0 >> 8; x <= (taps.farther.x1 - 1) >> 8; x++)
+            count += vxs_blocks_coarse(blocks, map, levels, VXS_U(x), VXS_U(y), k) *
+                     vxs_blocks_area(vxs_blocks_cut_taps(taps, 256 * x, 256 * y, 256));
+    return count;
+}
+
+/* All texels of taps. */
+VXS_INLINE vxs_blocks_box vxs_blocks_span(vxs_blocks_taps taps)
+{
+    taps.box.x1 = taps.farther.x1;
+    taps.box.y1 = taps.farther.y1;
+    return taps.box;
+}
+
+/* Whether a box touches several squares. */
+VXS_FN vxs_u32 vxs_blocks_crosses(vxs_blocks_box box)
+{
+    return (((box.x0 ^ (box.x1 - 1)) | (box.y0 ^ (box.y1 - 1))) >> 8) != 0 ? 1u : 0u;
 }
 
 /* Bits of a word of a mask in texel columns [x0, x1), 0 to 8, or in its rows [y0, y1), 0 to 4. */
@@ -798,31 +886,40 @@ VXS_FN vxs_u32 vxs_blocks_rows(vxs_i32 y0, vxs_i32 y1)
     return ((1u << VXS_U(4 * y1)) - (1u << VXS_U(4 * y0))) * 0x10001u;
 }
 
-/* Shadowed texels of a tile in a box, which is cut to it. */
-VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_blocks_box box)
+/* What the texels of a mask in rows [y0, y1) count, by their columns. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_rows(vxs_mask mask, vxs_blocks_taps taps, vxs_i32 y0, vxs_i32 y1)
 {
-    if (tile.kind < VXS_BLOCKS_MASKS) return tile.kind * vxs_blocks_area(box);
-    vxs_mask mask    = vxs_blocks_mask(blocks, tile);
-    vxs_u32  columns = vxs_blocks_columns(box.x0, box.x1);
-    return vxs_popcount_pair(mask.low & columns & vxs_blocks_rows(vxs_clamp(box.y0, 0, 4), vxs_clamp(box.y1, 0, 4)),
-                             mask.high & columns & vxs_blocks_rows(vxs_clamp(box.y0 - 4, 0, 4), vxs_clamp(box.y1 - 4, 0, 4)));
+    vxs_u32 columns = vxs_blocks_columns(taps.box.x0, taps.box.x1), farther = vxs_blocks_columns(taps.farther.x0, taps.farther.x1);
+    mask.low &= vxs_blocks_rows(vxs_clamp(y0, 0, 4), vxs_clamp(y1, 0, 4));
+    mask.high &= vxs_blocks_rows(vxs_clamp(y0 - 4, 0, 4), vxs_clamp(y1 - 4, 0, 4));
+    return taps.across * vxs_popcount_pair(mask.low & columns, mask.high & columns) +
+           taps.across_farther * vxs_popcount_pair(mask.low & farther, mask.high & farther);
+}
+
+/* What the shadowed texels of a tile count, of taps that are cut to it. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_tile(VXS_WORDS blocks, vxs_blocks_tile tile, vxs_blocks_taps taps)
+{
+    if (tile.kind < VXS_BLOCKS_MASKS) return tile.kind * vxs_blocks_area(taps);
+    vxs_mask mask = vxs_blocks_mask(blocks, tile);
+    return taps.down * vxs_blocks_count_in_rows(mask, taps, taps.box.y0, taps.box.y1) +
+           taps.down_farther * vxs_blocks_count_in_rows(mask, taps, taps.farther.y0, taps.farther.y1);
 }
 
 #ifdef VXS_C
 
-/* Shadowed texels of block (x, y) of a node in a box, which is cut to it. Depth in a node grows as its slope does, to one corner of the
- * box: from the least to the last depth of its tiles, all may be lit or shadowed. */
-VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_i32 x, vxs_i32 y, vxs_blocks_box box)
+/* What the shadowed texels of block (x, y) of a node count, of taps that are cut to it. Depth in a node grows as its slope does, to one
+ * corner of the box: from the least to the last depth of its tiles, all may be lit or shadowed. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node node, vxs_i32 x, vxs_i32 y, vxs_blocks_taps taps)
 {
     vxs_blocks_block block  = vxs_blocks_find_block(blocks, node, VXS_U(x | (y << 3)));
     vxs_i32          tile_x = 4 * x, tile_y = 4 * y; /* of the node */
-    vxs_i32          x0 = box.x0 >> 3, x1 = (box.x1 - 1) >> 3, y0 = box.y0 >> 3, y1 = (box.y1 - 1) >> 3;
+    vxs_i32          x0 = taps.box.x0 >> 3, x1 = (taps.farther.x1 - 1) >> 3, y0 = taps.box.y0 >> 3, y1 = (taps.farther.y1 - 1) >> 3;
     vxs_u32 left = node.slope & 0x8000u, up = node.slope & 0x80000000u; /* where it grows to, if not to the right, or down */
     vxs_i32 depth = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x1 : x0), tile_y + (up != 0u ? y1 : y0));
     vxs_i32 last  = vxs_blocks_tile_depth(node, tile_x + (left != 0u ? x0 : x1), tile_y + (up != 0u ? y0 : y1));
     vxs_u32 rank = vxs_blocks_block_rank(blocks, block, depth), count = 0u;
     vxs_u32 kind = vxs_blocks_block_kind(block, rank, last);
-    if (kind != VXS_BLOCKS_MASKS) return kind * vxs_blocks_area(box);
+    if (kind != VXS_BLOCKS_MASKS) return kind * vxs_blocks_area(taps);
 
     for (vxs_i32 v = y0; v <= y1; v++)
         for (vxs_i32 u = x0; u <= x1; u++) {
@@ -830,41 +927,51 @@ VXS_INLINE vxs_u32 vxs_blocks_count_in_block(VXS_WORDS blocks, vxs_blocks_node n
             if (tile_depth != depth) rank = vxs_blocks_block_rank(blocks, block, tile_depth);
             depth                = tile_depth;
             vxs_blocks_tile tile = vxs_blocks_find_tile(blocks, node, block, VXS_U(u | (v << 2)), rank, depth);
-            count += vxs_blocks_count_in_tile(blocks, tile, vxs_blocks_cut(box, 8 * u, 8 * v, 8));
+            count += vxs_blocks_count_in_tile(blocks, tile, vxs_blocks_cut_taps(taps, 8 * u, 8 * v, 8));
         }
     return count;
 }
 
-/* Shadowed texels of the square of 256 x 256 texels at (x, y) of a map in a box, which is cut to it. */
-VXS_INLINE vxs_u32 vxs_blocks_count_in_square(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_box box,
-                                              vxs_i32 k)
+/* What the shadowed texels of the square of 256 x 256 texels at (x, y) of a map count, of taps that are cut to it. */
+VXS_INLINE vxs_u32 vxs_blocks_count_in_square(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y,
+                                              vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_u32         count = 0u;
     vxs_blocks_node node  = vxs_blocks_find_node(blocks, map, levels, VXS_U(x), VXS_U(y), k);
-    if (node.kind != VXS_BLOCKS_MASKS) return node.kind * vxs_blocks_area(box);
-    for (vxs_i32 v = box.y0 >> 5; v <= (box.y1 - 1) >> 5; v++)
-        for (vxs_i32 u = box.x0 >> 5; u <= (box.x1 - 1) >> 5; u++)
-            count += vxs_blocks_count_in_block(blocks, node, u, v, vxs_blocks_cut(box, 32 * u, 32 * v, 32));
+    if (node.kind != VXS_BLOCKS_MASKS) return node.kind * vxs_blocks_area(taps);
+    for (vxs_i32 v = taps.box.y0 >> 5; v <= (taps.farther.y1 - 1) >> 5; v++)
+        for (vxs_i32 u = taps.box.x0 >> 5; u <= (taps.farther.x1 - 1) >> 5; u++)
+            count += vxs_blocks_count_in_block(blocks, node, u, v, vxs_blocks_cut_taps(taps, 32 * u, 32 * v, 32));
     return count;
 }
 
-/* Shadowed texels of a map in a box. */
-VXS_FN vxs_u32 vxs_blocks_count_in_box(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
+/* The same of several squares: where one is not known, all are answered by the top. Few lookups pass here. */
+VXS_APART vxs_u32 vxs_blocks_count_in_squares(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_u32 count = 0u;
-    for (vxs_i32 y = box.y0 >> 8; y <= (box.y1 - 1) >> 8; y++)
-        for (vxs_i32 x = box.x0 >> 8; x <= (box.x1 - 1) >> 8; x++)
-            count += vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut(box, 256 * x, 256 * y, 256), k);
+    if (vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(taps), k) == 0u)
+        return vxs_blocks_count_coarse(blocks, map, levels, taps, k);
+    for (vxs_i32 y = taps.box.y0 >> 8; y <= (taps.farther.y1 - 1) >> 8; y++)
+        for (vxs_i32 x = taps.box.x0 >> 8; x <= (taps.farther.x1 - 1) >> 8; x++)
+            count += vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut_taps(taps, 256 * x, 256 * y, 256), k);
     return count;
+}
+
+/* What the shadowed texels of a map count. */
+VXS_INLINE vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
+{
+    vxs_i32 x = taps.box.x0 >> 8, y = taps.box.y0 >> 8;
+    if (vxs_blocks_crosses(vxs_blocks_span(taps)) != 0u) return vxs_blocks_count_in_squares(blocks, map, levels, taps, k);
+    return vxs_blocks_count_in_square(blocks, map, levels, x, y, vxs_blocks_cut_taps(taps, 256 * x, 256 * y, 256), k);
 }
 
 #else
 
-/* Shadowed texels of tile (x, y) of a map in a box. */
-VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_box box,
+/* What the shadowed texels of tile (x, y) of a map count. */
+VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 x, vxs_i32 y, vxs_blocks_taps taps,
                                        vxs_i32 k)
 {
-    vxs_blocks_box  inside = vxs_blocks_cut(box, 8 * x, 8 * y, 8);
+    vxs_blocks_taps inside = vxs_blocks_cut_taps(taps, 8 * x, 8 * y, 8);
     vxs_blocks_node node   = vxs_blocks_find_node(blocks, map, levels, VXS_U(x >> 5), VXS_U(y >> 5), k);
     if (node.kind != VXS_BLOCKS_MASKS) return node.kind * vxs_blocks_area(inside);
 
@@ -875,18 +982,55 @@ VXS_FN vxs_u32 vxs_blocks_count_in_map(VXS_WORDS blocks, vxs_u32 map, vxs_u32 le
     return vxs_blocks_count_in_tile(blocks, tile, inside);
 }
 
-/* Shadowed texels of a map in a box. A walk from the top for each tile: of loops in loops, each takes as many rounds as the longest of a
- * shader's group, while a box of 9 x 9 has four tiles wherever it lies. */
-VXS_FN vxs_u32 vxs_blocks_count_in_box(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_box box, vxs_i32 k)
+/* What the shadowed texels of a map count. A walk from the top for each tile: of loops in loops, each takes as many rounds as the longest
+ * of a shader's group, while a box of 9 x 9 has four tiles wherever it lies. */
+VXS_FN vxs_u32 vxs_blocks_count_taps(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_blocks_taps taps, vxs_i32 k)
 {
     vxs_u32 count = 0u;
-    for (vxs_i32 y = box.y0 >> 3; y <= (box.y1 - 1) >> 3; y++)
-        for (vxs_i32 x = box.x0 >> 3; x <= (box.x1 - 1) >> 3; x++)
-            count += vxs_blocks_count_in_map(blocks, map, levels, x, y, box, k);
+    if (vxs_blocks_crosses(vxs_blocks_span(taps)) != 0u && vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(taps), k) == 0u)
+        return vxs_blocks_count_coarse(blocks, map, levels, taps, k);
+    for (vxs_i32 y = taps.box.y0 >> 3; y <= (taps.farther.y1 - 1) >> 3; y++)
+        for (vxs_i32 x = taps.box.x0 >> 3; x <= (taps.farther.x1 - 1) >> 3; x++)
+            count += vxs_blocks_count_in_map(blocks, map, levels, x, y, taps, k);
     return count;
 }
 
 #endif
+
+/* The texels of a filter of filter_px, centred on (i, j), that lie in a map. */
+VXS_INLINE vxs_blocks_taps vxs_blocks_filter_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_i32 filter_px)
+{
+    vxs_blocks_taps taps;
+    taps.box     = vxs_blocks_cut(vxs_blocks_box_at(i - filter_px / 2, j - filter_px / 2, filter_px), 0, 0, VXS_I(1) << levels);
+    taps.farther = taps.box;
+    taps.across  = 1u;
+    taps.across_farther = 0u;
+    taps.down           = 1u;
+    taps.down_farther   = 0u;
+    return taps;
+}
+
+/* Those of a smooth one about a place. */
+VXS_INLINE vxs_blocks_taps vxs_blocks_smooth_taps(vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across, vxs_u32 down, vxs_i32 filter_px)
+{
+    vxs_smooth_box  begin = vxs_smooth_box_at(i, j, across, down, filter_px);
+    vxs_blocks_taps taps;
+    taps.box     = vxs_blocks_box_at(begin.x, begin.y, filter_px);
+    taps.farther = taps.box;
+    if (begin.across != 0u) {
+        taps.farther.x0 += 1;
+        taps.farther.x1 += 1;
+    }
+    if (begin.down != 0u) {
+        taps.farther.y0 += 1;
+        taps.farther.y1 += 1;
+    }
+    taps.across         = 256u - begin.across;
+    taps.across_farther = begin.across;
+    taps.down           = 256u - begin.down;
+    taps.down_farther   = begin.down;
+    return vxs_blocks_cut_taps(taps, 0, 0, VXS_I(1) << levels);
+}
 
 /* How many of the K x K texels centred on (i, j) are in shadow at depth k: a box PCF by popcount. Other arguments as above.
  * i, j    any texel within +-2^30; taps outside the map are lit (no caster is there);   k  [0, 2^levels)
@@ -894,14 +1038,29 @@ VXS_FN vxs_u32 vxs_blocks_count_in_box(VXS_WORDS blocks, vxs_u32 map, vxs_u32 le
 VXS_FN vxs_u32 vxs_blocks_shadow_count(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k,
                                        vxs_i32 filter_px)
 {
-    vxs_i32        half_px = filter_px / 2;
-    vxs_blocks_box box;
-    box.x0 = i - half_px;
-    box.x1 = i + half_px + 1;
-    box.y0 = j - half_px;
-    box.y1 = j + half_px + 1;
-    box    = vxs_blocks_cut(box, 0, 0, VXS_I(1) << levels);
-    return vxs_blocks_count_in_box(blocks, map, levels, box, VXS_I(k));
+    return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_filter_taps(levels, i, j, filter_px), VXS_I(k));
+}
+
+/* How much of a box of K x K texels about a place in texel (i, j) is in shadow at depth k, of 65536 K K: its texels by the part of each that
+ * it covers. Arguments as for vxs_shadow_weight (vxs_lookup.h), and as above. Each of the at most 16 tiles that it touches is read once. */
+VXS_APART vxs_u32 vxs_blocks_shadow_weight(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
+                                           vxs_u32 down, vxs_u32 k, vxs_i32 filter_px)
+{
+    return vxs_blocks_count_taps(blocks, map, levels, vxs_blocks_smooth_taps(levels, i, j, across, down, filter_px), VXS_I(k));
+}
+
+/* 1 when the answer of vxs_blocks_shadow (filter_px 1) or vxs_blocks_shadow_count is exact; 0 when a page is missing, and it is coarse. */
+VXS_FN vxs_u32 vxs_blocks_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
+{
+    return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(vxs_blocks_filter_taps(levels, i, j, filter_px)), VXS_I(k));
+}
+
+/* The same for vxs_blocks_shadow_weight. */
+VXS_FN vxs_u32 vxs_blocks_weight_is_full(VXS_WORDS blocks, vxs_u32 map, vxs_u32 levels, vxs_i32 i, vxs_i32 j, vxs_u32 across,
+                                         vxs_u32 down, vxs_u32 k, vxs_i32 filter_px)
+{
+    vxs_blocks_taps taps = vxs_blocks_smooth_taps(levels, i, j, across, down, filter_px);
+    return vxs_blocks_is_known(blocks, map, levels, vxs_blocks_span(taps), VXS_I(k));
 }
 
 #endif

@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#include "vxs_desc.h"
 #include "vxs_file.h"
 
 static inline void *vxs_default_alloc(size_t size_bytes, void *user)
@@ -20,11 +21,16 @@ static inline void vxs_default_free(void *memory, size_t size_bytes, void *user)
     free(memory);
 }
 
-/* desc may be NULL, here and below. */
+/* desc  zeroed;   given  the caller's, or NULL */
+static inline vxs_result vxs_read_desc_take(vxs_read_desc *desc, const vxs_read_desc *given)
+{
+    return vxs_desc_take(desc, sizeof *desc, offsetof(vxs_read_desc, parallel) + sizeof desc->parallel, given);
+}
+
 static inline vxs_allocator vxs_allocator_of(const vxs_read_desc *desc)
 {
     const vxs_allocator standard = {vxs_default_alloc, vxs_default_free, NULL};
-    return desc && desc->allocator && desc->allocator->alloc && desc->allocator->free ? *desc->allocator : standard;
+    return desc->allocator && desc->allocator->alloc && desc->allocator->free ? *desc->allocator : standard;
 }
 
 /* Without a limit of its own, a file may take so many times its size: real ones take 6 to 9 times, all that is held while they are read. A
@@ -32,7 +38,7 @@ static inline vxs_allocator vxs_allocator_of(const vxs_read_desc *desc)
 static inline uint64_t vxs_memory_limit_of(const vxs_read_desc *desc, uint64_t file_bytes)
 {
     const uint64_t least = (uint64_t)64 << 20, times = 256;
-    if (desc && desc->memory_limit_bytes) return desc->memory_limit_bytes;
+    if (desc->memory_limit_bytes) return desc->memory_limit_bytes;
     if (file_bytes > UINT64_MAX / times) return UINT64_MAX;
     return file_bytes * times > least ? file_bytes * times : least;
 }

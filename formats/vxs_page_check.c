@@ -31,11 +31,17 @@ static int turn_new(const checked_page *p, uint32_t *name, uint32_t next)
     return 1;
 }
 
+/* Whether a pattern of the kind starts at a half of the common pool. */
+static int is_common(const vxs_common_marks *marks, uint32_t half, uint32_t kind)
+{
+    return half < marks->half_count && marks->at[half] == kind + 1;
+}
+
 /* The pattern that a tile's word names. kind: of `kind` depths of the palette, or KIND_OWN */
 static int check_named_pattern(checked_page *p, uint32_t *word, uint32_t kind)
 {
     uint32_t name = *word >> 14, half = p->half;
-    if (name & REF_COMMON) return p->marks->common->at[name & (REF_COMMON - 1)] == kind + 1;
+    if (name & REF_COMMON) return is_common(p->marks->common, name & (REF_COMMON - 1), kind);
     if (!turn_new(p, &name, half)) return name < half && p->marks->at[name] == kind + 1;
     uint32_t halves = check_pattern_of(&(checked_pool){p->words, 2 * p->word_count}, half, kind);
     if (!halves) return 0;

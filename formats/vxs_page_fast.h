@@ -25,9 +25,10 @@ extern "C" {
 #endif
 
 /* What starts at each half of a pool: 0: nothing that is known; else a pattern of so many depths of a palette, + 1, or 1 of one that has
- * its own. */
+ * its own. The array is the caller's. */
 typedef struct vxs_common_marks {
-    uint8_t at[VXS_COMMON_HALVES_MAX];
+    uint8_t *at;         /* [half_count] */
+    uint32_t half_count; /* of the pool */
 } vxs_common_marks;
 
 /* One for each thread, for any number of pages, one at a time. The caller says the common pool of the light, and nothing else. */
@@ -36,7 +37,8 @@ typedef struct vxs_page_marks {
     uint8_t                 at[2 * VXS_PAGE_WORDS_MAX]; /* as above; 255: a block */
 } vxs_page_marks;
 
-/* Say what is in the common pool of a light. */
+/* Say what is in the common pool of a light.
+ * marks  its array has room for common->half_count */
 void vxs_common_mark(vxs_common_marks *marks, const vxs_common *common);
 
 /* Which way vxs_page_check goes. */
@@ -68,13 +70,16 @@ uint32_t vxs_page_node_words(const uint8_t *bytes);
 vxs_result vxs_page_pack(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                          uint32_t node_count, vxs_page_marks *marks, ZSTD_CCtx *zstd);
 
+/* How many halves the common pool of a light has at most: 0 to VXS_COMMON_HALVES_MAX. */
+uint32_t vxs_resident_common_halves(const vxs_resident_sizes *sizes);
+
 /* How many bytes the frame of a resident part holds. */
 uint64_t vxs_resident_inflated_bytes(const vxs_resident_sizes *sizes);
 
 /* Inflate and check a resident part.
  * out       its words, nodes and page_first are the caller's, of the sizes that vxs_resident_sizes_of says; of the rest nothing is looked
  *           at. What they hold after an error means nothing
- * marks     [out] what is in its common pool
+ * marks     [out] what is in its common pool; its array is the caller's, vxs_resident_common_halves long
  * inflated  [vxs_resident_inflated_bytes] memory to work in
  * Returns VXS_OK; VXS_E_CORRUPT. Other arguments as for vxs_resident_decode. No allocation. */
 vxs_result vxs_resident_unpack(vxs_resident *out, vxs_common_marks *marks, uint32_t levels, uint32_t map_count,

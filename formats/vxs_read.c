@@ -161,7 +161,7 @@ static int check_directory(vxs_reader *r)
         if (s.offset_bytes != end) return vxs_found(r, 202, (int)n, at + VXS_ENTRY_OFFSET), 0;
         if (s.stored_bytes > r->size - end) return vxs_found(r, 203, (int)n, at + VXS_ENTRY_STORED_BYTES), 0;
         end += s.stored_bytes;
-        if (XXH64(r->bytes + s.offset_bytes, s.stored_bytes, 0) != s.hash) vxs_found(r, 206, (int)n, s.offset_bytes);
+        if (!r->load && XXH64(r->bytes + s.offset_bytes, s.stored_bytes, 0) != s.hash) vxs_found(r, 206, (int)n, s.offset_bytes);
         if (has_blocks(r) && !storage_valid(r, &s)) vxs_found(r, 212, (int)n, at + VXS_ENTRY_FLAGS);
         if (known_kind(r, s.kind) && seen_before(r, n)) vxs_found(r, 208, (int)n, at);
         if (!go_on(r)) return 0;
@@ -180,10 +180,9 @@ int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t leve
 }
 
 /* Whether a section is one frame of the size that the directory says, as far as that is seen without inflating it; 0: a finding. */
-static int check_frame(vxs_reader *r, int section, size_t extra)
+static int check_frame(vxs_reader *r, int section, const uint8_t *from, size_t extra)
 {
-    const vxs_section *s    = &r->out.sections[section];
-    const uint8_t     *from = r->bytes + s->offset_bytes;
+    const vxs_section *s = &r->out.sections[section];
     if (!vxs_is_frame(from, s->stored_bytes, s->inflated_bytes) || s->inflated_bytes > SIZE_MAX - extra)
         return vxs_found(r, 207, section, s->offset_bytes), 0;
     return 1;
@@ -192,8 +191,8 @@ static int check_frame(vxs_reader *r, int section, size_t extra)
 uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra)
 {
     const vxs_section *s    = &r->out.sections[section];
-    const uint8_t     *from = r->bytes + s->offset_bytes;
-    if (!check_frame(r, section, extra)) return NULL;
+    const uint8_t     *from = vxs_stored_bytes(r, section);
+    if (!from || !check_frame(r, section, from, extra)) return NULL;
     uint8_t *to = vxs_take(r, s->inflated_bytes + extra, 1, section);
     if (!to) return NULL;
     size_t size = ZSTD_decompressDCtx(r->zstd, to, s->inflated_bytes, from, s->stored_bytes);
@@ -354,7 +353,7 @@ static void read_metadata(vxs_reader *r)
     for (uint32_t n = 0; n < r->out.section_count; n++) {
         if (!same_section(&r->out.sections[n], &wanted)) continue;
         if (!r->desc.metadata) {
-            check_frame(r, (int)n, 1);
+            check_frame(r, (int)n, vxs_stored_bytes(r, (int)n), 1);
             continue;
         }
         r->out.metadata       = (char *)vxs_inflate(r, (int)n, 1);
@@ -362,17 +361,28 @@ static void read_metadata(vxs_reader *r)
     }
 }
 
+int vxs_read_head(vxs_reader *r)
+{
+    return check_header(r) && check_directory(r);
+}
+
+int vxs_read_light_table(vxs_reader *r)
+{
+    read_lights(r);
+    if (r->result != VXS_OK) return 0;
+    check_owners(r);
+    return go_on(r);
+}
+
 static void read_all(vxs_reader *r)
 {
-    if (!check_header(r) || !check_directory(r)) return;
+    if (!vxs_read_head(r)) return;
     r->zstd = ZSTD_createDCtx();
     if (!r->zstd) {
         r->result = VXS_E_MEMORY;
         return;
     }
-    read_lights(r);
-    if (r->result != VXS_OK) return;
-    check_owners(r);
+    if (!vxs_read_light_table(r)) return;
     for (uint32_t n = 0; n < r->out.light_count && go_on(r); n++) {
         vxs_baked_light *baked = &r->out.lights[n];
         if (baked->light.coding == VXS_CODING_BLOCKS)
@@ -385,10 +395,11 @@ static void read_all(vxs_reader *r)
 
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
 {
-    vxs_reader r = {.bytes = bytes, .size = size_bytes};
-    if (desc) r.desc = *desc;
-    r.allocator     = vxs_allocator_of(desc);
-    r.memory_left   = vxs_memory_limit_of(desc, size_bytes);
+    vxs_reader r     = {.bytes = bytes, .size = size_bytes};
+    vxs_result taken = vxs_read_desc_take(&r.desc, desc);
+    if (taken != VXS_OK) return taken;
+    r.allocator     = vxs_allocator_of(&r.desc);
+    r.memory_left   = vxs_memory_limit_of(&r.desc, size_bytes);
     r.out.allocator = r.allocator;
 
     read_all(&r);

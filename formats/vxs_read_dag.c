@@ -149,8 +149,8 @@ static int decode_light(light_reader *lr)
     uint32_t mask_word = (uint32_t)lr->words;
     uint64_t total     = lr->words + (uint64_t)lr->mask_count * 2;
     if (total != lr->baked->word_count) return vxs_found(r, 406, lr->mask_section, 0), 0;
-    uint32_t *words = vxs_take(r, total, sizeof *words, lr->mask_section);
-    if (!words) return 0;
+    uint32_t *words = (uint32_t *)lr->baked->words;
+    if (!words && !(words = vxs_take(r, total, sizeof *words, lr->mask_section))) return 0;
     lr->baked->words                     = words;
     words[mask_word ? mask_word - 1 : 0] = 0; /* the padding before masks, when there is some */
     for (uint32_t map = 0; map < lr->maps && lr->maps > 1; map++) words[map] = lr->level[lr->level_count - 1].word[map];

@@ -8,16 +8,28 @@
 
 #include "vxs_file.h"
 
-typedef struct vxs_reader {
-    const uint8_t *bytes;
-    uint64_t       size;
+typedef struct vxs_reader vxs_reader;
+
+struct vxs_reader {
+    const uint8_t *bytes; /* of the file; only header and directory where sections are loaded */
+    uint64_t       size;  /* of the file */
     vxs_read_desc  desc;
     vxs_allocator  allocator;
     uint64_t       memory_left;
     vxs_result     result; /* of the first finding */
     vxs_contents   out;
     ZSTD_DCtx     *zstd;
-} vxs_reader;
+    /* The stored bytes of a section, whose hash holds, until the next call; NULL: a finding. NULL: they are in the file's bytes */
+    const uint8_t *(*load)(vxs_reader *r, int section);
+    void *load_user;
+};
+
+/* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
+int vxs_read_head(vxs_reader *r);
+
+/* Read the table of lights, once the head was read and there is a zstd context, and check that sections belong to them. Lights have no words
+ * yet. 0: a finding. */
+int vxs_read_light_table(vxs_reader *r);
 
 /* Tell of a finding (vxs_findings.h) at an offset of a section, as it is inflated. */
 void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
@@ -37,10 +49,10 @@ int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t leve
 /* The inflated bytes of a section and `extra` zeros behind them, to be given back; NULL: a finding. */
 uint8_t *vxs_inflate(vxs_reader *r, int section, size_t extra);
 
-/* The bytes of a section of a kind that is stored as it is: those of the file. */
-static inline const uint8_t *vxs_stored_bytes(const vxs_reader *r, int section)
+/* The bytes of a section as they are stored. */
+static inline const uint8_t *vxs_stored_bytes(vxs_reader *r, int section)
 {
-    return r->bytes + r->out.sections[section].offset_bytes;
+    return r->load ? r->load(r, section) : r->bytes + r->out.sections[section].offset_bytes;
 }
 
 /* vxs_read_dag.c ---------------------------------------------------------------------------------------------------------------- */
@@ -49,7 +61,8 @@ static inline const uint8_t *vxs_stored_bytes(const vxs_reader *r, int section)
 int vxs_is_dag_section(uint32_t kind);
 int vxs_dag_has_section(const vxs_light *light, const vxs_section *s);
 
-/* Check the levels and masks of a light, and lay out its words, of which the light table has said how many there are. */
+/* Check the levels and masks of a light, and lay out its words, of which the light table has said how many there are: where the light's words
+ * are, if they have a place already. */
 void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
 
 /* vxs_read_blocks.c ------------------------------------------------------------------------------------------------------------- */

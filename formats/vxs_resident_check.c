@@ -55,8 +55,7 @@ static int check_entry(checked_resident *r, uint32_t at, uint32_t map, uint32_t 
     } else if (page + 1 != r->pages || offset <= r->nodes[r->met - 1].offset)
         return was_met(r, page, offset);
     if (r->met == r->sizes->node_count) return 0;
-    int32_t base       = (int32_t)((bounds & 0xffff) << (r->levels > 16 ? r->levels - 16 : 0));
-    r->nodes[r->met++] = (vxs_page_node){offset, x, y, map, base};
+    r->nodes[r->met++] = (vxs_page_node){offset, x, y, map, square_base(bounds, r->levels)};
     return 1;
 }
 
@@ -104,7 +103,8 @@ static int check_common(const checked_resident *r, const uint8_t *kinds, vxs_com
 {
     uint32_t     words = r->sizes->word_count - r->word, half = 0;
     checked_pool pool = {r->words + r->word, 2 * words};
-    memset(marks, 0, sizeof *marks);
+    marks->half_count = 2 * words < VXS_COMMON_HALVES_MAX ? 2 * words : VXS_COMMON_HALVES_MAX;
+    if (marks->half_count) memset(marks->at, 0, marks->half_count);
     for (uint32_t n = 0; n < r->sizes->pattern_count; n++) {
         if (kinds[n] >= VXS_PATTERN_KINDS || kinds[n] == 1 || half >= VXS_COMMON_HALVES_MAX) return 0;
         uint32_t halves = check_pattern_of(&pool, half, kinds[n]);
@@ -118,9 +118,16 @@ static int check_common(const checked_resident *r, const uint8_t *kinds, vxs_com
 
 void vxs_common_mark(vxs_common_marks *marks, const vxs_common *common)
 {
-    memset(marks, 0, sizeof *marks);
+    marks->half_count = common->half_count;
+    if (marks->half_count) memset(marks->at, 0, marks->half_count);
     for (uint32_t n = 0; n < common->first[VXS_PATTERN_KINDS]; n++)
         marks->at[common->patterns[n].ref & (REF_COMMON - 1)] = (uint8_t)(common->patterns[n].kind + 1);
+}
+
+uint32_t vxs_resident_common_halves(const vxs_resident_sizes *sizes)
+{
+    uint32_t words = sizes->word_count - RESIDENT_WORDS - sizes->page_count;
+    return words < VXS_COMMON_HALVES_MAX / 2 ? 2 * words : VXS_COMMON_HALVES_MAX;
 }
 
 uint64_t vxs_resident_inflated_bytes(const vxs_resident_sizes *sizes)

@@ -31,6 +31,12 @@ static inline uint32_t top_at(const uint32_t *words, uint32_t top, uint32_t leve
     return words[at] & top_uniform ? at : words[at] + 2 * (y % CELL_SQUARES * CELL_SQUARES + x % CELL_SQUARES);
 }
 
+/* The base of a node, as the second word of its entry has it. */
+static inline int32_t square_base(uint32_t bounds, uint32_t levels)
+{
+    return (int32_t)((bounds & 0xffff) << (levels > 16 ? levels - 16 : 0));
+}
+
 /* Every other bit of n. */
 static inline uint32_t even_bits(uint32_t n)
 {

@@ -5,10 +5,13 @@
  *                                       spot, point: metres about the light; u, v = 2^levels / 2 + (x, y) / z / texel_metres,
  *                                                    depth = log(z / near_metres) / voxel_metres, z away from the light
  *
- *     vxs_voxel_from_ws    the voxel of a point, moved off a surface along its normal, and whether the light reaches there
- *     vxs_shadow_taps      how many taps of a filter on a voxel are in shadow, in whatever coding the light's words are
- *     vxs_lit_at_voxel     the lit fraction around a voxel
+ *     vxs_place_from_ws    the place of a point: a voxel of a map and where in its texel, moved off a surface along its normal, and
+ *                          whether the light reaches there; vxs_voxel_from_ws: its voxel alone
+ *     vxs_shadow_taps      how many taps of a box on a voxel are in shadow, in whatever coding the light's words are; vxs_shadow_part: how
+ *                          much of a smooth box about a place
+ *     vxs_lit_at_place     the lit fraction around a place; vxs_lit_at_voxel: around a voxel's middle
  *     vxs_lit              both: the lit fraction around a point
+ *     vxs_lit_is_full      whether that is exact, or coarse because pages are missing
  *     vxs_ws_from_voxel    the point of map coordinates
  *
  * A shader hands its compiler its own head (#version, the words, vxs_word), the texts of vxs_lookup.h and vxs_lookup_blocks.h, this text,
@@ -21,7 +24,8 @@
  *
  * In C every number is allowed: what is NaN or beyond +-2^30 voxels is clamped, lies outside any map, and no conversion overflows.
  * Shading languages let a compiler assume that there is no NaN and no infinity, and flush what is tiny: there, positions and normals
- * have to be finite numbers. Elsewhere both agree but for float rounding: see docs/runtime.md.
+ * have to be finite numbers. Any filter_px is allowed in both (vxs_filter_width). Elsewhere both agree but for float rounding: see
+ * docs/runtime.md.
  * Source: [CPVS16] 5.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_SPACE_H
@@ -44,10 +48,11 @@
 #ifndef VXS_LIGHT
 #define VXS_LIGHT const vxs_light *
 #endif
-typedef vxs_real vxs_real3[3];
-typedef vxs_i32  vxs_int3[3];
+typedef vxs_real         vxs_real3[3];
+typedef vxs_i32          vxs_int3[3];
+typedef struct vxs_place vxs_place;
 #define VXS_OUT
-#define VXS_REAL(x)                        ((vxs_real)(x))
+#define VXS_REAL(x)                        VXS_CAST(vxs_real, x)
 #define VXS_FIELD(light, field)            ((light)->field)
 #define VXS_LS_FROM_WS(light, row, column) ((light)->ls_from_ws[4 * (row) + (column)])
 #define vxs_abs(x)                         fabs(x)
@@ -87,6 +92,8 @@ struct vxs_light_constants {
 #define VXS_LIGHT_CUBE             2u
 #define VXS_CODING_BLOCKS          2u
 #define VXS_OUTSIDE                (-1.0f)
+#define VXS_FILTER_MAX             17
+#define VXS_SMOOTH                 256
 
 /* A step along a normal that is shorter than this, in voxels, is rounding noise. Floats need as much. */
 #define VXS_STEP_NOISE 1e-5
@@ -165,6 +172,30 @@ VXS_FN void vxs_ls_from_ws(VXS_LIGHT light, const vxs_real3 ws, vxs_real one, VX
     ls[2] = vxs_ls_coordinate(light, 2, ws, one);
 }
 
+/* What filter_px stands for: K of a box of K x K texels, or VXS_SMOOTH + K of a smooth one. Any number is allowed: K is held from 1 to
+ * VXS_FILTER_MAX, and of a box that is not smooth, whose middle is that of a texel, it is the next odd number where it is even. */
+VXS_FN vxs_i32 vxs_filter_width(vxs_i32 filter_px)
+{
+    vxs_i32 width = filter_px < VXS_SMOOTH ? filter_px : filter_px - VXS_SMOOTH;
+    width         = width < 1 ? 1 : width > VXS_FILTER_MAX ? VXS_FILTER_MAX : width;
+    return filter_px < VXS_SMOOTH ? width | 1 : width;
+}
+
+/* Where a lookup is. */
+struct vxs_place {
+    vxs_i32  map;   /* 0, or 0 to 5 of a light with six; -1: outside the light's volume */
+    vxs_int3 voxel; /* [0] and [1] texels, [2] depth; may lie outside the map */
+    vxs_u32  across,
+        down; /* how far from the texel's near corner, rounded down to 1/256 of it: [0, 255]; 0 where the filter is not smooth */
+};
+
+/* How far a filter is moved along the normal, in texels. In whole steps away from a wall along the light, half of an odd width leads a smooth
+ * box half a texel off it, and texels whose centre is behind the wall stay outside; an even width is moved as the next odd one. */
+VXS_FN vxs_real vxs_half_filter(vxs_i32 filter_px)
+{
+    return 0.5 * VXS_REAL(vxs_filter_width(filter_px) | 1);
+}
+
 /* A coordinate as an integer; one that is clamped lies far outside any map, and stays there. */
 VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
 {
@@ -173,94 +204,127 @@ VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
     return coordinate < limit ? VXS_I(coordinate) : 1 << 30;
 }
 
-/* A step in whole voxels, rounded away from zero, so that one too short to leave the voxel of the surface still leaves it. */
+/* How far into its texel a coordinate is, in 1/256; of a plain box nobody asks. */
+VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_i32 filter_px)
+{
+    if (filter_px < VXS_SMOOTH) return 0u;
+    vxs_real part = 256.0 * (coordinate - floor(coordinate));
+    if (!(part > 0.0)) return 0u;
+    return part < 255.0 ? VXS_U(part) : 255u;
+}
+
+/* A step in whole voxels, rounded away from zero, so that one too short to leave the voxel of the surface still leaves it. A normal that is
+ * no number makes none. */
 VXS_FN vxs_real vxs_whole_step(vxs_real voxels)
 {
-    if (vxs_abs(voxels) < VXS_STEP_NOISE) return VXS_REAL(0.0);
+    if (!(vxs_abs(voxels) >= VXS_STEP_NOISE)) return VXS_REAL(0.0);
     return voxels > 0.0 ? ceil(voxels - VXS_STEP_NOISE) : floor(voxels + VXS_STEP_NOISE);
 }
 
-/* Coordinate `row` of a directional light's voxel. */
-VXS_FN vxs_i32 vxs_sun_coordinate(VXS_LIGHT light, vxs_i32 row, const vxs_real3 point_ws, const vxs_real3 normal_ws,
-                                  vxs_i32 filter_px)
+/* Coordinate `row` of a directional light's voxel: of a point's, moved along the normal. */
+VXS_FN vxs_i32 vxs_sun_coordinate(VXS_LIGHT light, vxs_i32 row, vxs_real at, const vxs_real3 normal_ws, vxs_real half_px)
 {
-    vxs_real at   = vxs_ls_coordinate(light, row, point_ws, VXS_REAL(1.0));
     vxs_real bias = vxs_ls_coordinate(light, row, normal_ws, VXS_REAL(0.0));
-    return vxs_clamped(floor(at) + vxs_whole_step(bias * VXS_FIELD(light, texel_metres) * 0.5 * VXS_REAL(filter_px)));
+    return vxs_clamped(floor(at) + vxs_whole_step(bias * VXS_FIELD(light, texel_metres) * half_px));
 }
 
-VXS_FN vxs_i32 vxs_sun_voxel(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
-                             VXS_OUT vxs_int3 voxel)
+VXS_FN vxs_place vxs_sun_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
-    vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels);
-    voxel[0]     = vxs_sun_coordinate(light, 0, point_ws, normal_ws, filter_px);
-    voxel[1]     = vxs_sun_coordinate(light, 1, point_ws, normal_ws, filter_px);
-    voxel[2]     = vxs_sun_coordinate(light, 2, point_ws, normal_ws, filter_px);
-    if (voxel[0] < 0 || voxel[1] < 0 || voxel[0] >= side || voxel[1] >= side) return -1;
-    if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) == 0u) return 0;
-    return voxel[2] < 0 || voxel[2] >= side ? -1 : 0;
+    vxs_real3 ls;
+    vxs_place place;
+    vxs_i32   side    = VXS_I(1) << VXS_FIELD(light, levels);
+    vxs_real  half_px = vxs_half_filter(filter_px);
+    vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
+    place.across   = vxs_within(ls[0], filter_px);
+    place.down     = vxs_within(ls[1], filter_px);
+    place.voxel[0] = vxs_sun_coordinate(light, 0, ls[0], normal_ws, half_px);
+    place.voxel[1] = vxs_sun_coordinate(light, 1, ls[1], normal_ws, half_px);
+    place.voxel[2] = vxs_sun_coordinate(light, 2, ls[2], normal_ws, half_px);
+    place.map      = 0;
+    if (place.voxel[0] < 0 || place.voxel[1] < 0 || place.voxel[0] >= side || place.voxel[1] >= side) place.map = -1;
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u && (place.voxel[2] < 0 || place.voxel[2] >= side)) place.map = -1;
+    return place;
 }
 
-/* 1 in the cone and range of a spot or point light, 0 elsewhere and for NaN. */
+/* 1 in the cone and range of a spot or point light; 0 elsewhere, for NaN, and where the square of the distance is no number any more. */
 VXS_FN vxs_i32 vxs_in_reach(VXS_LIGHT light, const vxs_real3 ls)
 {
     vxs_real distance2 = ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2];
     vxs_real range     = VXS_FIELD(light, range_metres);
-    if (!(distance2 >= 0.0)) return 0;
+    if (!(distance2 - distance2 == 0.0)) return 0;
     if (range > 0.0 && distance2 > range * range) return 0;
     return VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT || ls[2] >= VXS_FIELD(light, cos_outer) * sqrt(distance2) ? 1 : 0;
 }
 
-/* A texel of a spot or point light, where the point lies at `across` metres along u or v and z away from the light, and the normal
- * at n and n_along. There texels are z * texel_metres wide: the paper's half filter along the normal is a step of
- * filter / 2 * (n - n_along * across / z) texels. A step leaves a map of fewer than 256 texels, whose border is too narrow for it, and is
- * held in the map. */
-VXS_FN vxs_i32 vxs_lamp_texel(VXS_LIGHT light, vxs_real across, vxs_real z, vxs_real n, vxs_real n_along, vxs_i32 filter_px)
+/* u or v of a spot or point light, where the point lies at `across` metres along it, and z away from the light. */
+VXS_FN vxs_real vxs_lamp_coordinate(VXS_LIGHT light, vxs_real across, vxs_real z)
 {
-    vxs_i32  side  = VXS_I(1) << VXS_FIELD(light, levels);
-    vxs_real at    = floor(0.5 * VXS_REAL(side) + across / z / VXS_FIELD(light, texel_metres));
-    vxs_i32  texel = vxs_clamped(at + vxs_whole_step(0.5 * VXS_REAL(filter_px) * (n - n_along * across / z)));
+    return 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)) + across / z / VXS_FIELD(light, texel_metres);
+}
+
+/* The texel of a coordinate, moved by `step` texels. A step leaves a map of fewer than 256 texels, whose border is too narrow for it, and is
+ * held in the map. */
+VXS_FN vxs_i32 vxs_lamp_texel(VXS_LIGHT light, vxs_real at, vxs_real step)
+{
+    vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels), texel = vxs_clamped(floor(at) + vxs_whole_step(step));
     return texel < 0 ? 0 : texel < side ? texel : side - 1;
 }
 
-VXS_FN vxs_i32 vxs_lamp_voxel(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
-                              VXS_OUT vxs_int3 voxel)
+/* Texels are z * texel_metres wide: the paper's half filter along the normal is a step of filter / 2 * (n - n_along * across / z) texels. */
+VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     vxs_real3 ls, normal_ls, p, n;
+    vxs_place place;
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
     vxs_ls_from_ws(light, normal_ws, VXS_REAL(0.0), normal_ls);
     vxs_i32 map = vxs_map_from_ls(light, ls);
     vxs_face_from_ls(vxs_face_of_map(light, map), ls, p);
     vxs_face_from_ls(vxs_face_of_map(light, map), normal_ls, n);
 
-    vxs_real z    = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the light's own place is lit */
-    voxel[0]      = vxs_lamp_texel(light, p[0], z, n[0], n[2], filter_px);
-    voxel[1]      = vxs_lamp_texel(light, p[1], z, n[1], n[2], filter_px);
+    vxs_real z = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the light's own place is lit */
+    vxs_real u = vxs_lamp_coordinate(light, p[0], z), v = vxs_lamp_coordinate(light, p[1], z);
+    vxs_real half_px = vxs_half_filter(filter_px);
+    place.across     = vxs_within(u, filter_px);
+    place.down       = vxs_within(v, filter_px);
+    place.voxel[0]   = vxs_lamp_texel(light, u, half_px * (n[0] - n[2] * p[0] / z));
+    place.voxel[1]   = vxs_lamp_texel(light, v, half_px * (n[1] - n[2] * p[1] / z));
     /* voxels are as deep as texels are wide: of a step along the axis, as many as it is metres at one metre from the light */
-    vxs_real bias = 0.5 * VXS_REAL(filter_px) * n[2] * VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres);
-    voxel[2] = vxs_clamped(floor(log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres)) + vxs_whole_step(bias));
-    return vxs_in_reach(light, ls) != 0 ? map : -1;
+    vxs_real bias    = half_px * n[2] * VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres);
+    vxs_real depth   = log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres);
+    place.voxel[2]   = vxs_clamped(floor(depth) + vxs_whole_step(bias));
+    place.map        = vxs_in_reach(light, ls) != 0 ? map : -1;
+    return place;
 }
 
-/* The voxel of a point, [0] and [1] texels, [2] depth; may lie outside the map.
+/* Where a point is looked up.
  * point_ws   metres; in a shader, relative to the origin that vxs_light_constants_of was given
- * normal_ws  a unit normal: the voxel is moved by half the filter's width along it, in whole voxels away from the surface, so that a
+ * normal_ws  a unit normal: the place is moved by half the filter's width along it, in whole voxels away from the surface, so that a
  *            surface does not shadow itself ([CPVS16] 5); (0, 0, 0) in the air
- * filter_px  width of the filter that the voxel is for
- * Returns the map that the voxel is in: 0, or 0 to 5 of a light with six; -1 when the point is outside the light's volume. */
+ * filter_px  the filter that the place is for, as for vxs_lit */
+VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
+{
+    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) return vxs_sun_place(light, point_ws, normal_ws, filter_px);
+    return vxs_lamp_place(light, point_ws, normal_ws, filter_px);
+}
+
+/* The voxel of that place. Returns its map. */
 VXS_FN vxs_i32 vxs_voxel_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px,
                                  VXS_OUT vxs_int3 voxel)
 {
-    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) return vxs_sun_voxel(light, point_ws, normal_ws, filter_px, voxel);
-    return vxs_lamp_voxel(light, point_ws, normal_ws, filter_px, voxel);
+    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
+    voxel[0]        = place.voxel[0];
+    voxel[1]        = place.voxel[1];
+    voxel[2]        = place.voxel[2];
+    return place.map;
 }
 
 /* lookup ---------------------------------------------------------------------------------------------------------------------- */
 
-/* How many of the filter_px x filter_px texels centred on (i, j) of a map are in shadow at depth k, [0, 2^levels). This is the one place
- * that knows how a light's words hold its maps (its coding). Without vxs_lookup_blocks.h all are taken for DAGs.
+/* These two are what knows how a light's words hold its maps (its coding). Without vxs_lookup_blocks.h all are taken for DAGs. */
+
+/* How many of the filter_px x filter_px texels centred on (i, j) of a map are in shadow at depth k, [0, 2^levels).
  * coded  the light's words
- * i, j   of the map where filter_px is 1, else as for vxs_shadow_count */
+ * i, j   of the map where filter_px is 1, else as for vxs_shadow_count;   filter_px  odd, 1 to VXS_FILTER_MAX */
 VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_u32 k, vxs_i32 filter_px)
 {
     vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
@@ -275,25 +339,80 @@ VXS_FN vxs_u32 vxs_shadow_taps(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, vx
     return vxs_shadow_count(coded, root, levels, i, j, k, filter_px);
 }
 
-/* The lit fraction, 0 to 1, of filter_px x filter_px taps around a voxel of a map: a box PCF. In front of the map all is lit; what is
- * behind it is in the shadow of its last voxels. */
-VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_i32 filter_px)
+/* How much of a smooth box of width_px x width_px texels about a place of a map is in shadow at depth k, [0, 2^levels), of 65536 width_px
+ * width_px. */
+VXS_FN vxs_u32 vxs_shadow_part(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_u32 k, vxs_i32 width_px)
 {
-    vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1;
-    if (voxel[2] < 0) return VXS_REAL(1.0);
-    vxs_u32 k    = VXS_U(voxel[2] < last ? voxel[2] : last);
-    vxs_u32 dark = vxs_shadow_taps(coded, light, map, voxel[0], voxel[1], k, filter_px);
-    vxs_u32 taps = VXS_U(filter_px * filter_px);
-    return VXS_REAL(taps - dark) / VXS_REAL(taps);
+    vxs_u32 levels = VXS_FIELD(light, levels), root = 0u;
+    vxs_i32 i = place.voxel[0], j = place.voxel[1];
+#ifdef VXS_LOOKUP_BLOCKS_H
+    if (VXS_FIELD(light, coding) == VXS_CODING_BLOCKS)
+        return vxs_blocks_shadow_weight(coded, VXS_U(place.map), levels, i, j, place.across, place.down, k, width_px);
+#endif
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u) root = vxs_face_root(coded, VXS_U(place.map));
+    return vxs_shadow_weight(coded, root, levels, i, j, place.across, place.down, k, width_px);
 }
 
-/* The same around a point; VXS_OUTSIDE when it is outside the light's volume. Arguments as for vxs_voxel_from_ws. */
+/* The lit fraction, 0 to 1, of a filter around a place, whose map is not -1. In front of the map all is lit; what is behind it is in the
+ * shadow of its last voxels. filter_px as for vxs_lit. */
+VXS_FN vxs_real vxs_lit_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_i32 filter_px)
+{
+    vxs_i32 last = (VXS_I(1) << VXS_FIELD(light, levels)) - 1, width = vxs_filter_width(filter_px);
+    if (place.voxel[2] < 0) return VXS_REAL(1.0);
+    vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last), all = VXS_U(width * width), dark;
+    if (filter_px < VXS_SMOOTH) {
+        dark = vxs_shadow_taps(coded, light, place.map, place.voxel[0], place.voxel[1], k, width);
+    } else {
+        dark = vxs_shadow_part(coded, light, place, k, width);
+        all *= 65536u;
+    }
+    return VXS_REAL(all - dark) / VXS_REAL(all);
+}
+
+/* The same around the middle of a voxel of a map. */
+VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, const vxs_int3 voxel, vxs_i32 filter_px)
+{
+    vxs_place place;
+    place.map      = map;
+    place.voxel[0] = voxel[0];
+    place.voxel[1] = voxel[1];
+    place.voxel[2] = voxel[2];
+    place.across   = 128u;
+    place.down     = 128u;
+    return vxs_lit_at_place(coded, light, place, filter_px);
+}
+
+/* The lit fraction around a point; VXS_OUTSIDE when it is outside the light's volume. The point and the normal as for vxs_place_from_ws.
+ * filter_px  K: the K x K texels about the one that the point lies in, a box PCF, K odd; VXS_SMOOTH + K: a box as wide about the point
+ *            itself, K even or odd; others as vxs_filter_width has it */
 VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
-    vxs_int3 voxel;
-    vxs_i32  map = vxs_voxel_from_ws(light, point_ws, normal_ws, filter_px, voxel);
-    if (map < 0) return VXS_OUTSIDE;
-    return vxs_lit_at_voxel(coded, light, map, voxel, filter_px);
+    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
+    if (place.map < 0) return VXS_OUTSIDE;
+    return vxs_lit_at_place(coded, light, place, filter_px);
+}
+
+/* Whether vxs_lit_at_place with these arguments is exact: 1, or 0 when pages that it needs are missing and its answer is coarse. */
+VXS_FN vxs_i32 vxs_is_full_at_place(VXS_WORDS coded, VXS_LIGHT light, vxs_place place, vxs_i32 filter_px)
+{
+#ifdef VXS_LOOKUP_BLOCKS_H
+    vxs_u32 levels = VXS_FIELD(light, levels), map = VXS_U(place.map);
+    vxs_i32 last = (VXS_I(1) << levels) - 1, width = vxs_filter_width(filter_px), i = place.voxel[0], j = place.voxel[1];
+    if (VXS_FIELD(light, coding) != VXS_CODING_BLOCKS || place.voxel[2] < 0) return 1;
+    vxs_u32 k = VXS_U(place.voxel[2] < last ? place.voxel[2] : last);
+    if (filter_px < VXS_SMOOTH) return VXS_I(vxs_blocks_is_full(coded, map, levels, i, j, k, width));
+    return VXS_I(vxs_blocks_weight_is_full(coded, map, levels, i, j, place.across, place.down, k, width));
+#else
+    return 1;
+#endif
+}
+
+/* The same of vxs_lit. Outside the light's volume nothing is needed. */
+VXS_FN vxs_i32 vxs_lit_is_full(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws,
+                               vxs_i32 filter_px)
+{
+    vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
+    return place.map < 0 ? 1 : vxs_is_full_at_place(coded, light, place, filter_px);
 }
 
 /* voxel to world -------------------------------------------------------------------------------------------------------------- */

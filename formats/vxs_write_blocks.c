@@ -82,7 +82,7 @@ typedef struct encoded_page {
 typedef struct page_encoder {
     const vxs_blocks_view *view;
     const vxs_resident    *resident;
-    vxs_common_marks      *common; /* for pages that are to be fast, as the next */
+    vxs_common_marks       common; /* for pages that are to be fast, as the next */
     int                    zstd_level;
     encoded_page          *out; /* [pages.count] */
     vxs_items              pages;
@@ -104,7 +104,7 @@ static page_packer packer_of(const page_encoder *e)
     page_packer p = {0};
     if (e->view->packing != VXS_PACKING_FAST) return p;
     p = (page_packer){malloc(sizeof *p.marks), vxs_compressor(e->zstd_level)};
-    if (p.marks) p.marks->common = e->common;
+    if (p.marks) p.marks->common = &e->common;
     return p;
 }
 
@@ -165,15 +165,15 @@ static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, 
     page_encoder e     = {.view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count, .parallel = s->parallel}};
     vxs_result   r     = VXS_E_MEMORY;
     e.out              = calloc((size_t)count + 1, sizeof *e.out);
-    e.common           = malloc(sizeof *e.common);
-    if (e.out && e.common) {
-        vxs_common_mark(e.common, &resident->common);
+    e.common.at        = malloc((size_t)resident->common.half_count + 1);
+    if (e.out && e.common.at) {
+        vxs_common_mark(&e.common, &resident->common);
         vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
         r = join_pages(content, view, e.out, count);
         for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
     }
     free(e.out);
-    free(e.common);
+    free(e.common.at);
     return r;
 }
 

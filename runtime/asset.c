@@ -1,9 +1,9 @@
 /* Opening and closing assets; see vxs.h.
  * SPDX-License-Identifier: MIT */
 #include <errno.h>
-#include <stdio.h>
 #include <string.h>
 
+#include "platform.h"
 #include "vxs.h"
 #include "vxs_memory.h"
 
@@ -14,13 +14,16 @@ struct vxs_asset {
 
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
 {
-    *asset               = NULL;
-    vxs_allocator memory = vxs_allocator_of(desc);
+    *asset              = NULL;
+    vxs_read_desc known = {0};
+    vxs_result    r     = vxs_read_desc_take(&known, desc);
+    if (r != VXS_OK) return r;
+    vxs_allocator memory = vxs_allocator_of(&known);
     vxs_asset    *a      = memory.alloc(sizeof *a, memory.user);
     if (!a) return VXS_E_MEMORY;
     memset(a, 0, sizeof *a);
     a->allocator = memory;
-    vxs_result r = vxs_read(&a->contents, bytes, size_bytes, desc);
+    r            = vxs_read(&a->contents, bytes, size_bytes, &known);
     if (r != VXS_OK) {
         memory.free(a, sizeof *a, memory.user);
         return r;
@@ -29,38 +32,27 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
-/* The size of an open file, or -1 when it has none (a folder, a pipe): errno says why. */
-static long long file_size(FILE *f)
-{
-    if (fgetc(f) == EOF && ferror(f)) return -1; /* a folder may have a size, but cannot be read */
-    if (fseeko(f, 0, SEEK_END)) return -1;
-    long long size = ftello(f);
-    if (fseeko(f, 0, SEEK_SET)) return -1;
-    return size;
-}
-
 vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc)
 {
-    *asset  = NULL;
-    FILE *f = fopen(path, "rb");
-    if (!f) return errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
+    os_file file;
+    *asset             = NULL;
+    vxs_read_desc rest = {0};
+    vxs_result    r    = vxs_read_desc_take(&rest, desc);
+    if (r != VXS_OK) return r;
+    if (!os_file_open(&file, path)) return errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
 
-    vxs_allocator memory = vxs_allocator_of(desc);
-    vxs_result    r      = VXS_E_READ;
+    vxs_allocator memory = vxs_allocator_of(&rest);
     uint8_t      *bytes  = NULL;
-    long long     size   = file_size(f);
-    vxs_read_desc rest   = desc ? *desc : (vxs_read_desc){0};
-    uint64_t      limit  = vxs_memory_limit_of(desc, size > 0 ? (uint64_t)size : 0);
-    if (size < 0) goto done;
-    r = VXS_E_MEMORY;
-    if ((uint64_t)size >= limit || (uint64_t)size > SIZE_MAX) goto done;
-    rest.memory_limit_bytes = limit - (uint64_t)size;
+    uint64_t      size   = file.size_bytes, limit = vxs_memory_limit_of(&rest, size);
+    r                    = VXS_E_MEMORY;
+    if (size >= limit || size > SIZE_MAX) goto done;
+    rest.memory_limit_bytes = limit - size;
     bytes                   = memory.alloc(size ? (size_t)size : 1, memory.user);
     if (!bytes) goto done;
-    r = fread(bytes, 1, (size_t)size, f) == (size_t)size ? vxs_asset_open(asset, bytes, (size_t)size, &rest) : VXS_E_READ;
+    r = os_file_read(&file, 0, size, bytes) ? vxs_asset_open(asset, bytes, (size_t)size, &rest) : VXS_E_READ;
     memory.free(bytes, size ? (size_t)size : 1, memory.user);
 done:
-    fclose(f);
+    os_file_close(&file);
     return r;
 }
 
@@ -92,6 +84,11 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset)
 {
     return &asset->contents;
+}
+
+uint32_t vxs_version(void)
+{
+    return VXS_VERSION_NUMBER;
 }
 
 const char *vxs_result_text(vxs_result result)

@@ -1,6 +1,6 @@
 /* Lookups of world-space points; see vxs.h. What they do is formats/vxs_space.h, in double.
  * SPDX-License-Identifier: MIT */
-#include "vxs.h"
+#include "vxs_query.h"
 #include "vxs_space.h"
 
 static const double zero[3] = {0, 0, 0}; /* a normal in the air; the origin of the world */
@@ -20,11 +20,20 @@ float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const d
     return (float)vxs_lit(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
 }
 
+int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)
+{
+    return vxs_lit_is_full(baked->words, &baked->light, point_ws, normal_ws ? normal_ws : zero, filter_px);
+}
+
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit)
 {
-    for (size_t n = 0; n < count; n++)
-        lit[n] = vxs_lookup(baked, points_ws + 3 * n, normals_ws ? normals_ws + 3 * n : NULL, filter_px);
+    vxs_lookup_batch(baked, 1,
+                     &(vxs_batch){.points_ws  = {.data = points_ws},
+                                  .normals_ws = {.data = normals_ws},
+                                  .count      = count,
+                                  .filter_px  = filter_px,
+                                  .lit        = lit});
 }
 
 vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t first_word)

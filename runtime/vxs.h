@@ -4,11 +4,12 @@
  *     if (vxs_asset_open_file(&asset, "level.vxs", NULL) != VXS_OK) ...
  *     const vxs_baked_light *sun = vxs_asset_light(asset, 0);
  *     float lit = vxs_lookup(sun, position_ws, normal_ws, 9);      // 9 x 9 PCF: 0 dark .. 1 lit, VXS_OUTSIDE
+ *     float lit = vxs_lookup(sun, position_ws, normal_ws, VXS_SMOOTH + 9);         // the same without steps of a texel
  *     vxs_asset_close(asset);
  *
  * The library allocates in open only, never prints, never exits, and keeps no global state. An open asset is read-only: any
- * number of threads may look it up at once. For lookups on a GPU upload a light's words and vxs_light_constants_of, and hand the shader
- * the texts of vxs_lookup.h, vxs_lookup_blocks.h and vxs_space.h (docs/runtime.md).
+ * number of threads may look it up at once. Levels that are larger than their memory are opened by vxs_stream.h. For lookups on a GPU
+ * upload a light's words and vxs_light_constants_of, and hand the shader the texts of vxs_lookup.h, vxs_lookup_blocks.h and vxs_space.h (docs/runtime.md).
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_H
 #define VXS_H
@@ -23,6 +24,8 @@ extern "C" {
 #define VXS_VERSION_MINOR 1
 #define VXS_VERSION_PATCH 0
 
+#define VXS_VERSION_NUMBER (10000 * VXS_VERSION_MAJOR + 100 * VXS_VERSION_MINOR + VXS_VERSION_PATCH)
+
 /* What a lookup returns for a point outside the light's volume. */
 #define VXS_OUTSIDE (-1.0f)
 
@@ -35,8 +38,8 @@ typedef struct vxs_asset vxs_asset;
  * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT for bad bytes, which never abort; VXS_E_MEMORY. */
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
-/* The same for a file, whose bytes count towards the memory limit while it is read. Also returns VXS_E_READ (no such file, a folder,
- * an error while reading): errno says why. */
+/* The same for a file, whose bytes count towards the memory limit while it is read. Also returns VXS_E_READ (no such file, a folder, a
+ * pipe, an error while reading): errno says why. path is UTF-8. */
 vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc);
 
 /* Accepts NULL. */
@@ -54,10 +57,15 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
 /* Everything that was read: sections, metadata. Valid until vxs_asset_close. */
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
 
-/* The voxel of a point, [0] and [1] texels, [2] depth; may lie outside the map. Coordinates beyond +-2^30 are clamped to it.
+/* The voxel of a point, [0] and [1] texels, [2] depth; may lie outside the map. Coordinates beyond +-2^30 are clamped to it, and NaN is
+ * -2^30.
+ * point_ws   world space, metres: any numbers. A point with NaN or infinity is outside; so is one from which the square of the distance to
+ *            a spot or point light is no number, some 1e154 m
  * normal_ws  NULL, or a unit normal: the voxel is moved by half the filter's width along it, in whole voxels away from the surface,
- *            so that a surface does not shadow itself ([CPVS16] 5)
- * filter_px  width of the filter that the voxel is for
+ *            so that a surface does not shadow itself ([CPVS16] 5). A longer or shorter one moves it as much farther or less: one of
+ *            length 5, five halves of the width; (0, 0, 0) and one with NaN, not at all. It may leave the map of a directional light so,
+ *            which is outside; in the maps of a spot or point light it is held
+ * filter_px  the filter that the voxel is for, as for vxs_lookup; an even width is moved as the next odd one
  * Returns the map that the voxel is in: 0, or 0 to 5 of a light with six maps (VXS_LIGHT_CUBE); -1 when the point is outside the
  * light's volume. The volume of a directional light is the prism over its map: in front of the map all is lit, and what is behind it is
  * in the shadow of the map's last voxel. A bounded one (baked for a region) ends at its near and far sides too. The volume of a spot
@@ -68,17 +76,26 @@ int vxs_voxel(const vxs_light *light, const double point_ws[3], const double nor
  * map  as vxs_voxel returns it */
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3]);
 
-/* The lit fraction of filter_px x filter_px taps in light space around a point: a box PCF ([CPVS16] 5).
+/* The lit fraction of a filter in light space around a point.
  * baked      a light with its words, as vxs_asset_light gives it
- * point_ws   world space, metres, finite
+ * point_ws   world space, metres; any numbers, as for vxs_voxel
  * normal_ws  NULL, or as for vxs_voxel
- * filter_px  odd, 1 (a single tap) to VXS_FILTER_MAX
- * Returns [0, 1], or VXS_OUTSIDE when the point is outside the light's volume (vxs_voxel). Taps outside the map are lit: maps of spot
- * and point lights have a border, so that no filter leaves them where they are 256 texels or wider.
+ * filter_px  K, odd, 1 (a single tap) to VXS_FILTER_MAX: the K x K texels about that of the point, a box PCF ([CPVS16] 5). The box goes
+ *            by whole texels, and so do edges of shadows.
+ *            VXS_SMOOTH + K, K even or odd, 1 to VXS_FILTER_MAX: a box of that width about the point itself, of whose border texels the part
+ *            that it covers counts, in 1/256 along each axis. At most 1/(256 K) of its light comes or goes by a step.
+ *            Any other number stands for one of these: less than 1 for 1, more than VXS_FILTER_MAX (of K with VXS_SMOOTH too) for that, and
+ *            an even K without VXS_SMOOTH, whose box has no middle texel, for K + 1
+ * Returns [0, 1], never NaN, or VXS_OUTSIDE when the point is outside the light's volume (vxs_voxel). Texels outside the map are lit: maps of
+ * spot and point lights have a border, so that no filter leaves them where they are 256 texels or wider.
  * Cost: one walk of at most `levels` nodes for each tile of 8 x 8 texels that the filter touches. Threads: any. */
 float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px);
 
-/* The same for many points.
+/* Whether that answer is exact: 1; 0 when pages that it needs are missing (vxs_stream.h), so that all of its taps are coarse. An asset
+ * that was opened whole has all of them. Arguments and threads as above; outside the light's volume it is 1. */
+int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px);
+
+/* vxs_lookup for many points.
  * points_ws  [3 * count];   normals_ws  [3 * count] or NULL;   lit  [out] [count] */
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit);
@@ -105,6 +122,11 @@ typedef struct vxs_light_constants {
  *             the camera say, are finer than texels. The matrix is moved there in double, and then rounded
  * first_word  where the light's words were put */
 vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t first_word);
+
+/* The VXS_VERSION_NUMBER that the library was built as, which a shared one's headers need not have. Programs keep running with every library of their
+ * headers' major version that is not older: structs that callers fill grow at their end, and begin with struct_size; those that the library fills,
+ * and those of shaders, keep their layout (tests/unit/test_abi.c). */
+uint32_t vxs_version(void);
 
 /* "out of memory" and the like; never NULL. */
 const char *vxs_result_text(vxs_result result);

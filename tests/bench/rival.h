@@ -76,6 +76,9 @@ typedef struct rival {
     void (*close)(void *state);
 } rival;
 
+/* rival.count_dark of an open vxs_asset, as vxs_lookup_batch asks it: what one lookup needed is kept for the next. */
+void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
+
 /* All of them. block_rivals[0] is vxs as it is, which the others are held against; dag_rivals[0] is vxs bake --coding dag. */
 extern const rival dag_rivals[], block_rivals[], interval_rivals[], depth_rivals[], shader_rivals[], ray_rivals[];
 

@@ -1,6 +1,7 @@
 /* Palette blocks, as vxs bake --coding blocks makes them; see rival.h. The stages are the baker's.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "formats/vxs_lookup_blocks.h" /* before blocks.h, whose blocks it calls so, too */
+#include "runtime/taps_many.h"
 #include "runtime/vxs.h"
 
 #include "baker/base/parallel.h"
@@ -51,6 +52,13 @@ static void blocks_count_dark(const void *state, const voxel_at *at, size_t coun
                                  : vxs_blocks_shadow_count(words, 0, levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
 }
 
+void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
+{
+    vxs_taps taps;
+    vxs_taps_init(&taps, vxs_asset_light(state, 0));
+    for (size_t n = 0; n < count; n++) dark[n] = vxs_taps_at(&taps, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+}
+
 static void blocks_close(void *state)
 {
     vxs_asset_close(state);
@@ -59,5 +67,7 @@ static void blocks_close(void *state)
 const rival block_rivals[] = {
     {"palette blocks", "--coding blocks: depths of 32 x 32 blocks, and patterns of tiles that use them", NULL, 0, blocks_build,
      blocks_open, blocks_count_dark, blocks_close},
+    {"palette blocks, batch", "the same file, asked as vxs_lookup_batch does: what one lookup needed is kept for the next", NULL, 0,
+     blocks_build, blocks_open, asset_count_dark_batch, blocks_close},
     {.name = NULL},
 };

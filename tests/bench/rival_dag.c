@@ -74,6 +74,8 @@ static void dag_close(void *state)
 
 const rival dag_rivals[] = {
     DAG_RIVAL("DAG", "as vxs bake --coding dag makes it", .stop = STOP_FINAL),
+    {"DAG, batch", "the same file, asked as vxs_lookup_batch does: each walk goes on from the one before it",
+     &(const dag_options){.stop = STOP_FINAL}, 0, dag_build, dag_open, asset_count_dark_batch, dag_close},
     DAG_RIVAL("DAG, older mask rule", "--rule shadow: undefined voxels become dark", .rule = MASK_RULE_SHADOW, .stop = STOP_FINAL),
     DAG_RIVAL("DAG, no culling", "--reuse off: what equals its neighbour nearer the light is made again", .reuse_off = 1,
               .stop = STOP_FINAL),

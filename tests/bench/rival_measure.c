@@ -210,12 +210,12 @@ static int check_taps(const contest *c, rival_result *out, const rival_asset *as
 
 static uint32_t sum_of_taps(const rival *one, const rival_asset *asset, voxel_at at, int32_t side)
 {
-    tap_box  box                        = tap_box_at(at, FILTER_PX, side);
+    tap_box  taps                       = tap_box_at(at, FILTER_PX, side);
     voxel_at tap[FILTER_PX * FILTER_PX] = {{0, 0, 0}};
     uint32_t dark[FILTER_PX * FILTER_PX], sum = 0;
     size_t   count = 0;
-    for (int32_t y = box.y0; y < box.y1; y++)
-        for (int32_t x = box.x0; x < box.x1; x++) tap[count++] = (voxel_at){x, y, at.k};
+    for (int32_t y = taps.y0; y < taps.y1; y++)
+        for (int32_t x = taps.x0; x < taps.x1; x++) tap[count++] = (voxel_at){x, y, at.k};
     one->count_dark(asset->state, tap, count, 1, dark);
     for (size_t n = 0; n < count; n++) sum += dark[n];
     return sum;

@@ -3,7 +3,7 @@
  * Voxels go to a buffer, a compute shader counts what is dark about each of them, and the counts come back, which takes 6 to 9 ns a lookup
  * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/columns/opengl/gl.h"
+#include "baker/opengl/gl.h"
 
 #include <GL/osmesa.h>
 #include <stdlib.h>
@@ -17,12 +17,11 @@ EMBEDDED(vxs_lookup_h)
 EMBEDDED(vxs_lookup_blocks_h)
 
 #define SHADER_FUNCTIONS(X)                                                                                                        \
-    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                     \
     X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                                                                       \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
     X(PFNGLGETBUFFERSUBDATAPROC, GetBufferSubData)                                                                                 \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
-    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)
+    X(PFNGLPROGRAMUNIFORM1UIPROC, ProgramUniform1ui)
 
 enum { GROUP = 64, GROUPS_MAX = 16384, VOXELS_MAX = GROUP * GROUPS_MAX };
 
@@ -38,6 +37,7 @@ static struct {
 typedef struct shader_options {
     const rival *made_by;      /* the file */
     int          is_texture;   /* the file is a map of 16-bit depths, not an asset */
+    int          clamps;       /* indices of words are clamped to the array, as by libvxs_gl */
     const char  *tap, *filter; /* what is dark about voxel (i, j, k): the body of a function */
 } shader_options;
 
@@ -53,11 +53,14 @@ typedef struct shader {
 static const char head[] = "#version 430 core\n"
                            "layout(local_size_x = 64) in;\n"
                            "layout(std430, binding = 0) readonly restrict buffer shadow_words { uint words[]; };\n"
-                           "#define vxs_word(dag, i) words[(dag) + (i)]\n"
                            "layout(std430, binding = 1) readonly restrict buffer asked_voxels { int voxels[]; };\n"
                            "layout(std430, binding = 2) writeonly restrict buffer dark_counts { uint answers[]; };\n"
                            "layout(binding = 0) uniform usampler2D depths;\n"
                            "layout(location = 0) uniform ivec4 asked;\n"; /* levels, voxels */
+
+static const char *const fetch[2] = {"#define vxs_word(dag, i) words[(dag) + (i)]\n",
+                                     "layout(location = 1) uniform uint last_word;\n"
+                                     "#define vxs_word(dag, i) words[min((dag) + (i), last_word)]\n"};
 
 static const char function[] = "uint dark_taps(uint levels, int i, int j, uint k)\n{\n";
 
@@ -77,17 +80,18 @@ static const char texture_filter[] =
     "        for (int x = x0; x <= x1; x++) dark += texelFetch(depths, ivec2(x, y), 0).r <= depth ? 1u : 0u;\n"
     "    return dark;\n";
 
-static GLuint program_of(const char *body)
+static GLuint program_of(const char *body, int clamps, uint32_t words)
 {
     const embedded lookup = vxs_lookup_h, blocks = vxs_lookup_blocks_h;
-    const char    *texts[] = {head, lookup.begin, blocks.begin, function, body, end};
-    const GLint    sizes[] = {-1, (GLint)(lookup.end - lookup.begin), (GLint)(blocks.end - blocks.begin), -1, -1, -1};
+    const char    *texts[] = {head, fetch[clamps], lookup.begin, blocks.begin, function, body, end};
+    const GLint    sizes[] = {-1, -1, (GLint)(lookup.end - lookup.begin), (GLint)(blocks.end - blocks.begin), -1, -1, -1};
     GLuint         compute = shared.gl->CreateShader(GL_COMPUTE_SHADER), program = shared.gl->CreateProgram();
     shared.gl->ShaderSource(compute, sizeof texts / sizeof *texts, texts, sizes);
     shared.gl->CompileShader(compute);
     shared.gl->AttachShader(program, compute);
     shared.gl->DeleteShader(compute);
     shared.gl->LinkProgram(program);
+    if (clamps) shared.ProgramUniform1ui(program, 1, words - 1);
     return program;
 }
 
@@ -126,8 +130,8 @@ static GLuint depths_of(const uint8_t *map, GLsizei side)
     shared.gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
     shared.gl->TextureStorage2D(texture, 1, GL_R16UI, side, side);
     shared.gl->TextureSubImage2D(texture, 0, 0, 0, side, side, GL_RED_INTEGER, GL_UNSIGNED_SHORT, map);
-    shared.TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    shared.TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    shared.gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    shared.gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     return texture;
 }
 
@@ -169,8 +173,8 @@ static vxs_result shader_open(const light_maps *maps, const void *options, const
     if ((r = share_context()) != VXS_OK) goto failed;
     if (!o->is_texture && (r = put_words(s, file, &memory)) != VXS_OK) goto failed;
     if (o->is_texture) s->depths = depths_of(file->data, (GLsizei)1 << maps->levels);
-    s->tap     = program_of(o->tap);
-    s->filter  = program_of(o->filter);
+    s->tap     = program_of(o->tap, o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
+    s->filter  = program_of(o->filter, o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
     s->voxels  = buffer_of(VOXELS_MAX * sizeof(voxel_at), NULL);
     s->answers = buffer_of(VOXELS_MAX * sizeof(uint32_t), NULL);
     /* llvmpipe compiles when it is first asked */
@@ -203,7 +207,7 @@ static void shader_count_dark(const void *state, const voxel_at *at, size_t coun
     shared.gl->UseProgram(program);
     shared.gl->BindTextureUnit(0, s->depths);
     for (GLuint n = 0; n < 3; n++)
-        shared.BindBufferBase(GL_SHADER_STORAGE_BUFFER, n, (const GLuint[3]){s->words, s->voxels, s->answers}[n]);
+        shared.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, n, (const GLuint[3]){s->words, s->voxels, s->answers}[n]);
     for (size_t first = 0; first < count; first += VOXELS_MAX) {
         size_t some = count - first < VOXELS_MAX ? count - first : VOXELS_MAX;
         shared.gl->ProgramUniform4i(program, 0, (GLint)s->levels, (GLint)some, 0, 0);
@@ -223,13 +227,16 @@ static vxs_result shader_build(light_maps *maps, const void *options, vxs_bytes 
     }
 
 const rival shader_rivals[] = {
-    SHADER_RIVAL("DAG, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0,
+    SHADER_RIVAL("DAG, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0, 0,
                  "    return vxs_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
                  "    return vxs_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
-    SHADER_RIVAL("palette blocks, GLSL", "formats/vxs_lookup_blocks.h on llvmpipe", block_rivals, 0,
+    SHADER_RIVAL("palette blocks, GLSL", "formats/vxs_lookup_blocks.h on llvmpipe", block_rivals, 0, 0,
                  "    return vxs_blocks_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
                  "    return vxs_blocks_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
-    SHADER_RIVAL("16-bit texture, GLSL", "texelFetch on llvmpipe, of each tap", depth_rivals, 1,
+    SHADER_RIVAL("palette blocks, GLSL, clamped", "the same with indices held in the array, as by libvxs_gl", block_rivals, 0, 1,
+                 "    return vxs_blocks_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
+                 "    return vxs_blocks_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
+    SHADER_RIVAL("16-bit texture, GLSL", "texelFetch on llvmpipe, of each tap", depth_rivals, 1, 0,
                  "    return texelFetch(depths, ivec2(i, j), 0).r <= k << (16u - levels) ? 1u : 0u;\n", texture_filter),
     {.name = NULL},
 };

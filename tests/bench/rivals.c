@@ -5,7 +5,7 @@
  *
  * The maps are made once; then each rival (rival.h) makes a file of them, reads it, answers at the same points, and is checked:
  * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
- * output. Points are anywhere, at edges of shadows, and where the pixels of a picture see surfaces: from where vxs picture looks, or from
+ * output. Points are anywhere, at edges of shadows, and where the pixels of a picture see surfaces: from where vxs render looks, or from
  * --eye. With --threads, DAGs and palette blocks are made and opened on so many. --fault plants one that the check must see: a texel whose
  * caster the rivals do not get, or filters that are asked a texel aside. Exit status 0: no voxel is wrong (rays are not judged: they graze
  * triangles); 1: some are; else as vxs.
@@ -62,7 +62,8 @@ static int all_right(const rival_report *report)
 static void place_camera(measure_options *o, const light_maps *maps)
 {
     const vxs_baked_light sun = {.light = maps->light}, *suns = &sun;
-    camera_place(&o->camera, &maps->casters, &suns, 1, (double)o->width_px / o->height_px);
+    box around = box_of_corners(maps->casters.positions_ws, maps->casters.indices, 3 * maps->casters.triangle_count);
+    camera_place(&o->camera, &around, &suns, 1, (double)o->width_px / o->height_px);
 }
 
 static vxs_result run(rivals_command *c, int *right, message *m)
@@ -104,10 +105,10 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
         {"--points", OPTION_U32, &c->measure.points, 1, 1e8, NULL, "P", "lookups of each kind in a run (default 1000000)", NULL},
         {"--width", OPTION_U32, &c->measure.width_px, 16, 8192, NULL, "PX", "of the picture, 16:9, whose pixels ask (default 1920)",
          NULL},
-        {"--eye", OPTION_VECTOR, c->measure.camera.camera.eye_ws, 0, 3, NULL, "X,Y,Z", "as picture", &c->measure.camera.eye_given},
-        {"--target", OPTION_VECTOR, c->measure.camera.camera.target_ws, 0, 3, NULL, "X,Y,Z", "as picture",
+        {"--eye", OPTION_VECTOR, c->measure.camera.camera.eye_ws, 0, 3, NULL, "X,Y,Z", "as render", &c->measure.camera.eye_given},
+        {"--target", OPTION_VECTOR, c->measure.camera.camera.target_ws, 0, 3, NULL, "X,Y,Z", "as render",
          &c->measure.camera.target_given},
-        {"--fov", OPTION_F64, &c->measure.camera.camera.fov_degrees, 1, 170, NULL, "DEGREES", "as picture (default 35)", NULL},
+        {"--fov", OPTION_F64, &c->measure.camera.camera.fov_degrees, 1, 170, NULL, "DEGREES", "as render (default 35)", NULL},
         {"--voxels", OPTION_TEXT, &voxels, 0, 0, NULL, "COUNT", "random voxels to check, or all (default 2000000)", NULL},
         {"--seed", OPTION_U32, &c->measure.seed, 0, UINT32_MAX, NULL, "S", "other points (default 1)", NULL},
         {"--json", OPTION_OUTPUT, &c->json_path, 0, 0, ".json", "FILE", "the same as JSON; - is standard output", NULL},

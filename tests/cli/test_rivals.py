@@ -91,7 +91,8 @@ def test_rivals_differ_where_they_should(measured):
     assert memory["DAG"] < memory["DAG, older mask rule"] and memory["DAG"] < memory["DAG, uncompressed"]
     assert memory["DAG, uncompressed"] < memory["DAG, uncompressed, no culling"]
     assert memory["16-bit depth map"] == found["16-bit depth map"]["file_bytes"] == 2 * 256**2
-    for shader, asked in (("DAG, GLSL", "DAG"), ("palette blocks, GLSL", "palette blocks"), ("16-bit texture, GLSL", "16-bit depth map")):
+    for shader, asked in (("DAG, GLSL", "DAG"), ("palette blocks, GLSL", "palette blocks"),
+                          ("palette blocks, GLSL, clamped", "palette blocks"), ("16-bit texture, GLSL", "16-bit depth map")):
         assert (memory[shader], found[shader]["file_bytes"]) == (memory[asked], found[asked]["file_bytes"])
     disk = [found[name]["file_bytes"] for name in ("16-bit depth map", "16-bit, zstd -3", "16-bit, zstd -19")]
     assert disk == sorted(disk, reverse=True) and len(set(disk)) == 3

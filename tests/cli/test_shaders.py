@@ -204,3 +204,24 @@ def test_blocks_in_c(language, standard, includer, tmp_path):
     subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
                     tmp_path / "blocks", "-o", tmp_path / "run"], check=True)
     assert subprocess.run([tmp_path / "run"]).returncode == 0
+
+
+# --- the same answer of real files ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_same_answer_of_files(vxs, vxs_path, scenes, tmp_path):
+    """A sun and spot lights, in both codings: C, storage buffer and texture to the bit (tests/unit/test_gl.c; VXS_POINTS of each)."""
+    program = vxs_path.parent / "tests" / "unit" / "test_gl"
+    if not program.is_file():
+        pytest.skip(f"no {program}")
+    vxs("scene", "city", "--spots", 9, "--triangles", 5000, "-o", tmp_path / "city.glb")
+    bakes = [("city.vxs", tmp_path / "city.glb", "--resolution", 1024), ("dag.vxs", tmp_path / "city.glb", "--resolution", 512, "--coding", "dag"),
+             ("sponza.vxs", scenes / "real" / "sponza.glb", "--sun", "0.2,-1,0.25", "--resolution", 2048)]
+    for name, scene, *options in bakes:
+        vxs("bake", scene, "-o", tmp_path / name, "--baseline", "off", *options)
+    files = [str(tmp_path / name) for name, *_ in bakes]
+    env = os.environ | {"VXS_ASSETS": ":".join(files), "VXS_POINTS": os.environ.get("VXS_POINTS", "1e5")}
+    done = subprocess.run([program], cwd=ROOT, env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert all(re.search(rf"^{re.escape(name)}: \d+ points by each storage", done.stdout, re.MULTILINE) for name in files)

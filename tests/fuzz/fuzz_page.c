@@ -16,7 +16,8 @@ enum { NODES_MAX = 8, WORDS_MAX = 1 << 20 };
 
 static vxs_page_scratch *scratch;
 static sample_common     common;
-static vxs_common_marks  in_common;
+static uint8_t           in_common_at[VXS_COMMON_HALVES_MAX];
+static vxs_common_marks  in_common = {in_common_at, 0};
 static vxs_page_marks    marks = {.common = &in_common};
 
 static int start(void)

@@ -7,7 +7,7 @@
 
 #include "formats/vxs_findings.h"
 #include "fuzz.h"
-#include "runtime/vxs.h"
+#include "runtime/vxs_stream.h"
 #include "tests/unit/alloc_fail.h"
 
 enum { MEMORY_LIMIT_BYTES = 64 << 20, LIGHTS_LOOKED_UP = 8, POINTS_PER_LIGHT = 160 };
@@ -147,6 +147,39 @@ static void look_up(const vxs_baked_light *l, uint64_t *random)
 
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
+/* The same bytes as a stream: opened within the limit where the whole file is, and maybe where it is not, since less of it is read; what
+ * is looked up is what the whole file says, where there is one and the answer is full.   whole  NULL: the file was refused */
+static void stream_file(const uint8_t *data, size_t size, const vxs_asset *whole, uint64_t random)
+{
+    alloc_fail        memory    = {0};
+    vxs_allocator     allocator = alloc_fail_allocator(&memory);
+    vxs_stream_focus  all       = {{-1, -1, -1}, {1, 1, 1}, 0, 0};
+    vxs_stream_status status    = {.struct_size = sizeof status};
+    vxs_stream_desc   desc      = {.struct_size       = sizeof desc,
+                                   .bytes             = data,
+                                   .size_bytes        = size,
+                                   .budget_bytes      = 4 * (uint64_t)MEMORY_LIMIT_BYTES,
+                                   .decodes_per_frame = 64,
+                                   .requests          = 64,
+                                   .allocator         = &allocator};
+    vxs_stream       *stream;
+    vxs_result        r = vxs_stream_open(&stream, &desc);
+    FUZZ_CHECK((r == VXS_OK) == (stream != NULL) && (r == VXS_OK || !whole) && memory.peak_bytes <= desc.budget_bytes);
+    for (int frame = 0; stream && frame < 4; frame++) {
+        FUZZ_CHECK(vxs_stream_frame(stream, &all, 1, &status) == VXS_OK && (!whole || !status.pages_failed));
+        for (uint32_t n = 0; n < vxs_stream_light_count(stream) && n < LIGHTS_LOOKED_UP; n++) {
+            const vxs_baked_light *light = vxs_stream_light(stream, n);
+            double                 point[3];
+            look_up(light, &random);
+            point_ws(&light->light, &random, point);
+            if (!whole || !vxs_lookup_is_full(light, point, NULL, 9)) continue;
+            FUZZ_CHECK(vxs_lookup(light, point, NULL, 9) == vxs_lookup(vxs_asset_light(whole, n), point, NULL, 9));
+        }
+    }
+    vxs_stream_close(stream);
+    FUZZ_CHECK(!memory.live_bytes && !memory.wrong_sizes);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     alloc_fail all_memory = {0}, memory = {0};
@@ -166,6 +199,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (asset && vxs_asset_contents(asset)->metadata)
         FUZZ_CHECK(strlen(vxs_asset_contents(asset)->metadata) <= vxs_asset_contents(asset)->metadata_bytes);
     if (asset) open_without_memory(data, size, &memory, random);
+    stream_file(data, size, asset, random);
     vxs_asset_close(asset);
     FUZZ_CHECK(!memory.live_bytes && !memory.wrong_sizes && !all_memory.live_bytes && !all_memory.wrong_sizes);
     return 0;

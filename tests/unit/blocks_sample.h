@@ -777,15 +777,34 @@ static inline int32_t blocks_sample_depth(const blocks_sample *s, uint32_t map, 
     return square >= 0 ? square : held_depth(s->squares[~square].depth[(i & 255) + BLOCKS_SQUARE_PX * (j & 255)], 1 << s->levels);
 }
 
+/* The square of a texel, of more than one depth, or NULL. */
+static inline const blocks_square *blocks_sample_square_at(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j)
+{
+    int32_t square = s->map[map][(i >> 8) + (size_t)s->squares_wide * (j >> 8)];
+    return square < 0 ? s->squares + ~square : NULL;
+}
+
+/* 1 for shadow, by the bounds of its square, or by its one depth. */
+static inline uint32_t blocks_sample_coarse(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j, uint32_t k)
+{
+    const blocks_square *q      = blocks_sample_square_at(s, map, i, j);
+    uint32_t             coarse = s->levels > 8 ? k >> (s->levels - 8) : k;
+    if (!q) return (int32_t)k >= blocks_sample_depth(s, map, i, j);
+    return coarse < q->min ? 0 : coarse > q->max ? 1 : coarse * 2 >= q->min + q->max + 1;
+}
+
+/* Whether that is all there is to say, or the page is there. */
+static inline int blocks_sample_is_full(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j, uint32_t k)
+{
+    const blocks_square *q      = blocks_sample_square_at(s, map, i, j);
+    uint32_t             coarse = s->levels > 8 ? k >> (s->levels - 8) : k;
+    return !q || coarse < q->min || coarse > q->max || s->words[8 + q->page];
+}
+
 /* 1 for shadow; by the bounds of the square where its page is not there. */
 static inline uint32_t blocks_sample_shadow(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j, uint32_t k)
 {
-    int32_t square = s->map[map][(i >> 8) + (size_t)s->squares_wide * (j >> 8)];
-    if (square < 0 && !s->words[8 + s->squares[~square].page]) {
-        const blocks_square *q      = s->squares + ~square;
-        uint32_t             coarse = s->levels > 8 ? k >> (s->levels - 8) : k;
-        return coarse < q->min ? 0 : coarse > q->max ? 1 : coarse * 2 >= q->min + q->max + 1;
-    }
+    if (!blocks_sample_is_full(s, map, i, j, k)) return blocks_sample_coarse(s, map, i, j, k);
     return (int32_t)k >= blocks_sample_depth(s, map, i, j);
 }
 

@@ -341,7 +341,7 @@ static void repeated_at_other_depths(void **state)
 /* Columns of a map of 262144 texels, at and around the depths of a shape. */
 static void shapes_of_formulas(void **state)
 {
-    const uint32_t points = repeats(40000, 200000);
+    const uint32_t points = repeats(20000, 200000);
     (void)state;
     for (uint32_t side = 4096; side <= 1u << 18; side *= 8)
         for (analytic_kind kind = 0; kind < ANALYTIC_KINDS; kind++) {

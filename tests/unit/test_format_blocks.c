@@ -155,7 +155,7 @@ static void check_lookups(const vxs_baked_light *l, const block_words *w, uint64
     rng             r       = {seed};
     double          side    = (double)(1u << l->light.levels);
     int             sun     = l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
-    for (uint32_t n = 0, count = repeats(400, 2000); n < count; n++) {
+    for (uint32_t n = 0, count = repeats(200, 2000); n < count; n++) {
         double at[3], point[3], normal[3] = {0, 1, 0};
         int    filter_px = 1 + 2 * (int)rng_below(&r, 9), map = sun ? 0 : (int)rng_below(&r, 6);
         for (int k = 0; k < 3; k++) at[k] = side * (double)random_unit(&r);

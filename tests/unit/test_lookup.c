@@ -4,6 +4,7 @@
 
 #include "dag_sample.h"
 #include "runtime/vxs.h"
+#include "smooth_box.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -45,6 +46,18 @@ static uint32_t count_taps(const dag_sample *s, int32_t i, int32_t j, uint32_t k
         for (int32_t x = i - half_px; x <= i + half_px; x++)
             if (x >= 0 && y >= 0 && x < side && y < side) count += dag_sample_shadow(s, (uint32_t)x, (uint32_t)y, k);
     return count;
+}
+
+/* The shadowed part of a smooth box, one tap at a time, of 65536 for each texel. */
+static uint32_t weigh_taps(const dag_sample *s, int32_t i, int32_t j, uint32_t across, uint32_t down, uint32_t k, int width)
+{
+    int32_t  side = 1 << s->levels, reach = width / 2 + 1;
+    uint32_t sum = 0;
+    for (int32_t y = j - reach; y <= j + reach; y++)
+        for (int32_t x = i - reach; x <= i + reach; x++)
+            if (x >= 0 && y >= 0 && x < side && y < side && dag_sample_shadow(s, (uint32_t)x, (uint32_t)y, k))
+                sum += smooth_overlap(x, i, across, width) * smooth_overlap(y, j, down, width);
+    return sum;
 }
 
 static void test_popcount(void **state)
@@ -138,13 +151,63 @@ static void test_lookups_random(void **state)
     }
 }
 
+/* Parts of a texel where something may change: none, all but none, the middle, and any. */
+static uint32_t tricky_part(rng *r)
+{
+    static const uint32_t parts[] = {0, 1, 127, 128, 129, 255};
+    return rng_below(r, 2) ? parts[rng_below(r, 6)] : rng_below(r, 256);
+}
+
+static void test_smooth_random(void **state)
+{
+    (void)state;
+    rng      r      = {4};
+    uint32_t partly = 0;
+    for (uint32_t levels = 3; levels <= 8; levels++) {
+        subject                s     = subject_make(30 + levels, levels, levels < 5 ? 12 : 200);
+        const vxs_baked_light *light = vxs_asset_light(s.asset, 0);
+        uint32_t               side  = 1u << levels;
+        for (int n = 0; n < 10000; n++) {
+            int32_t  i = tricky_texel(&r, (int32_t)side), j = tricky_texel(&r, (int32_t)side);
+            uint32_t k = rng_below(&r, side), across = tricky_part(&r), down = tricky_part(&r);
+            int32_t  width  = rng_between(&r, 1, VXS_FILTER_MAX);
+            uint32_t wanted = weigh_taps(&s.sample, i, j, across, down, k, width);
+            assert_int_equal(vxs_shadow_weight(light->words, 0, levels, i, j, across, down, k, width), wanted);
+            partly += wanted > 0 && wanted < 65536u * (uint32_t)(width * width);
+        }
+        subject_free(&s);
+    }
+    assert_in_range(partly, 10000, 60000);
+}
+
+/* Of odd width about a texel's middle, and of even width about its corner, it is a box of whole texels; all of the widest fits 32 bits. */
+static void test_smooth_of_whole_texels(void **state)
+{
+    (void)state;
+    subject                s     = subject_make(12, 6, 100);
+    const vxs_baked_light *light = vxs_asset_light(s.asset, 0);
+    rng                    r     = {5};
+    for (int n = 0; n < 20000; n++) {
+        int32_t  i = rng_between(&r, -9, 72), j = rng_between(&r, -9, 72), width = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+        uint32_t k = rng_below(&r, 64), count = vxs_shadow_count(light->words, 0, 6, i, j, k, width);
+        assert_int_equal(vxs_shadow_weight(light->words, 0, 6, i, j, 128, 128, k, width), 65536 * count);
+        assert_int_equal(vxs_shadow_weight(light->words, 0, 6, i, j, 0, 0, k, 2),
+                         65536 * (count_taps(&s.sample, i, j, k, 1) + count_taps(&s.sample, i - 1, j, k, 1) +
+                                  count_taps(&s.sample, i, j - 1, k, 1) + count_taps(&s.sample, i - 1, j - 1, k, 1)));
+    }
+    subject_free(&s);
+
+    const uint32_t all_shadow[] = {0x5555};
+    for (uint32_t part = 0; part < 256; part++)
+        assert_int_equal(vxs_shadow_weight(all_shadow, 0, 8, 100, 100, part, 255 - part, 9, VXS_FILTER_MAX),
+                         65536 * VXS_FILTER_MAX * VXS_FILTER_MAX);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_popcount),
-        cmocka_unit_test(test_cover),
-        cmocka_unit_test(test_count_exhaustive),
-        cmocka_unit_test(test_lookups_random),
+        cmocka_unit_test(test_popcount),       cmocka_unit_test(test_cover),         cmocka_unit_test(test_count_exhaustive),
+        cmocka_unit_test(test_lookups_random), cmocka_unit_test(test_smooth_random), cmocka_unit_test(test_smooth_of_whole_texels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

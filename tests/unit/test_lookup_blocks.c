@@ -5,6 +5,7 @@
 #include "blocks_sample.h"
 #include "blocks_scalar.h"
 #include "formats/vxs_format.h"
+#include "smooth_box.h"
 #include "tests/unit/repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
@@ -15,6 +16,9 @@
 
 #include <cmocka.h>
 
+/* Filters that would have had taps of both kinds. */
+static uint32_t mixed_filters;
+
 static void check_voxel(const blocks_sample *s, uint32_t map, uint32_t i, uint32_t j, uint32_t k)
 {
     uint32_t wanted = blocks_sample_shadow(s, map, i, j, k), found = vxs_blocks_shadow(s->words, map, s->levels, i, j, k);
@@ -23,19 +27,49 @@ static void check_voxel(const blocks_sample *s, uint32_t map, uint32_t i, uint32
         fail_msg("levels %u, map %u, voxel %u %u %u: %u, scalar %u, expected %u", s->levels, map, i, j, k, found, scalar, wanted);
 }
 
-/* One tap at a time; what is outside the map is lit. */
+/* One tap at a time; what is outside the map is lit. Where a tap is not known, all are coarse. */
 static void check_filter(const blocks_sample *s, uint32_t map, int32_t i, int32_t j, uint32_t k, int32_t filter_px)
 {
     int32_t  side = 1 << s->levels, half_px = filter_px / 2;
-    uint32_t wanted = 0;
+    uint32_t wanted = 0, coarse = 0, full = 1;
     for (int32_t y = j - half_px; y <= j + half_px; y++)
-        for (int32_t x = i - half_px; x <= i + half_px; x++)
-            if (x >= 0 && y >= 0 && x < side && y < side) wanted += blocks_sample_shadow(s, map, (uint32_t)x, (uint32_t)y, k);
+        for (int32_t x = i - half_px; x <= i + half_px; x++) {
+            if (x < 0 || y < 0 || x >= side || y >= side) continue;
+            wanted += blocks_sample_shadow(s, map, (uint32_t)x, (uint32_t)y, k);
+            coarse += blocks_sample_coarse(s, map, (uint32_t)x, (uint32_t)y, k);
+            full &= (uint32_t)blocks_sample_is_full(s, map, (uint32_t)x, (uint32_t)y, k);
+        }
+    if (!full && coarse != wanted) mixed_filters++;
+    if (!full) wanted = coarse;
     uint32_t found  = vxs_blocks_shadow_count(s->words, map, s->levels, i, j, k, filter_px);
     uint32_t scalar = scalar_shadow_count(s->words, map, s->levels, i, j, k, filter_px);
     if (found != wanted || scalar != wanted)
         fail_msg("levels %u, map %u, texel %d %d, depth %u, filter %d: %u, scalar %u, expected %u", s->levels, map, i, j, k,
                  filter_px, found, scalar, wanted);
+    assert_int_equal(vxs_blocks_is_full(s->words, map, s->levels, i, j, k, filter_px), full);
+    assert_int_equal(scalar_is_full(s->words, map, s->levels, i, j, k, filter_px), full);
+}
+
+static void check_smooth(const blocks_sample *s, uint32_t map, int32_t i, int32_t j, uint32_t across, uint32_t down, uint32_t k,
+                         int width)
+{
+    int32_t  side = 1 << s->levels, reach = width / 2 + 1;
+    uint32_t wanted = 0, coarse = 0, full = 1;
+    for (int32_t y = j - reach; y <= j + reach; y++)
+        for (int32_t x = i - reach; x <= i + reach; x++) {
+            uint32_t part = smooth_overlap(x, i, across, width) * smooth_overlap(y, j, down, width);
+            if (x < 0 || y < 0 || x >= side || y >= side || !part) continue;
+            wanted += part * blocks_sample_shadow(s, map, (uint32_t)x, (uint32_t)y, k);
+            coarse += part * blocks_sample_coarse(s, map, (uint32_t)x, (uint32_t)y, k);
+            full &= (uint32_t)blocks_sample_is_full(s, map, (uint32_t)x, (uint32_t)y, k);
+        }
+    if (!full) wanted = coarse;
+    assert_int_equal(vxs_blocks_weight_is_full(s->words, map, s->levels, i, j, across, down, k, width), full);
+    uint32_t found  = vxs_blocks_shadow_weight(s->words, map, s->levels, i, j, across, down, k, width);
+    uint32_t scalar = scalar_shadow_weight(s->words, map, s->levels, i, j, across, down, k, width);
+    if (found != wanted || scalar != wanted)
+        fail_msg("levels %u, map %u, texel %d + %u/256, %d + %u/256, depth %u, width %d: %u, scalar %u, expected %u", s->levels,
+                 map, i, across, j, down, k, width, found, scalar, wanted);
 }
 
 /* A depth at which a texel's shadow begins, or near it, or anywhere; within the map. */
@@ -80,6 +114,8 @@ static void check_random(const blocks_sample *s, rng *r, int count)
         if (s->levels > 8 && rng_below(r, 4)) texel_of_square(s, r, map, &i, &j);
         uint32_t k = tricky_depth(s, r, map, i, j);
         check_filter(s, map, i, j, k, 1 + 2 * rng_between(r, 0, VXS_FILTER_MAX / 2));
+        check_smooth(s, map, i, j, rng_below(r, 4) ? rng_below(r, 256) : 128, rng_below(r, 4) ? rng_below(r, 256) : 128, k,
+                     rng_between(r, 1, VXS_FILTER_MAX));
         if (i >= 0 && j >= 0 && i < side && j < side) check_voxel(s, map, (uint32_t)i, (uint32_t)j, k);
     }
 }
@@ -136,7 +172,8 @@ static void test_lookups(void **state)
     assert_in_range(all.wide, 2, UINT32_MAX);
 }
 
-/* Every page, one after the other, and all of them, are not there: what they hold is answered by their entries, all else as before. */
+/* Every page, one after the other, and all of them, are not there: what they hold is answered by their entries, and so are filters that
+ * need it, all else as before. */
 static void test_absent_pages(void **state)
 {
     (void)state;
@@ -144,12 +181,14 @@ static void test_absent_pages(void **state)
     rng           r = {6};
     blocks_sample_init(&s, &r, 10, 1, 14);
     assert_true(s.page_count > 2);
+    mixed_filters = 0;
     for (uint32_t page = 0; page <= s.page_count; page++) {
         uint32_t start                   = s.words[8 + page % s.page_count];
         s.words[8 + page % s.page_count] = 0;
         check_random(&s, &r, (int)repeats(2000, 10000));
         if (page + 1 < s.page_count) s.words[8 + page % s.page_count] = start;
     }
+    assert_in_range(mixed_filters, 50, UINT32_MAX);
     blocks_sample_free(&s);
 }
 
@@ -282,6 +321,8 @@ static void test_bad_planes(void **state)
                              scalar_shadow(b.words, 0, 8, (uint32_t)i, (uint32_t)j, k));
             assert_int_equal(vxs_blocks_shadow_count(b.words, 0, 8, i, j, k, filter_px),
                              scalar_shadow_count(b.words, 0, 8, i, j, k, filter_px));
+            assert_int_equal(vxs_blocks_shadow_weight(b.words, 0, 8, i, j, k, 77, k, filter_px),
+                             scalar_shadow_weight(b.words, 0, 8, i, j, k, 77, k, filter_px));
         }
     }
 }

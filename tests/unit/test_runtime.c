@@ -9,6 +9,7 @@
 #include "dag_sample.h"
 #include "random_lamp.h"
 #include "runtime/vxs.h"
+#include "smooth_box.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -97,8 +98,15 @@ static void test_open_file(void **state)
         assert_int_equal(errno, EISDIR);
         assert_null(asset);
     }
-    assert_int_equal(vxs_asset_open_file(&asset, "/dev/null", NULL), VXS_E_TRUNCATED);
+    assert_int_equal(vxs_asset_open_file(&asset, "/dev/null", NULL), VXS_E_READ); /* no file */
     assert_null(asset);
+
+    char empty[] = "/tmp/vxs-empty-XXXXXX";
+    int  to      = mkstemp(empty);
+    assert_true(to >= 0 && !close(to));
+    assert_int_equal(vxs_asset_open_file(&asset, empty, NULL), VXS_E_TRUNCATED);
+    assert_null(asset);
+    unlink(empty);
 }
 
 static void test_open_refuses_bad_bytes(void **state)
@@ -167,6 +175,21 @@ static void test_memory_limit_counts_the_file(void **state)
 }
 
 /* lookups ---------------------------------------------------------------------------------------------------------------------- */
+
+/* The lit fraction of a smooth box about a place in light space, a texel at a time. */
+static float smooth_fraction(const dag_sample *s, double u, double v, int32_t k, int width)
+{
+    int32_t  side = 1 << s->levels, i = (int32_t)floor(u), j = (int32_t)floor(v), reach = width / 2 + 1;
+    uint32_t across = (uint32_t)floor(256 * (u - i)), down = (uint32_t)floor(256 * (v - j));
+    uint32_t dark = 0, all = 65536 * (uint32_t)(width * width);
+    if (k < 0) return 1;
+    for (int32_t y = j - reach; y <= j + reach; y++)
+        for (int32_t x = i - reach; x <= i + reach; x++)
+            if (x >= 0 && y >= 0 && x < side && y < side &&
+                dag_sample_shadow(s, (uint32_t)x, (uint32_t)y, (uint32_t)(k < side ? k : side - 1)))
+                dark += smooth_overlap(x, i, across, width) * smooth_overlap(y, j, down, width);
+    return (float)((double)(all - dark) / (double)all);
+}
 
 /* World position of a place in light space; see dag_sample_light. */
 static void ws_from_vx(double point_ws[3], double u, double v, double depth)
@@ -266,6 +289,74 @@ static void test_lookup(void **state)
         assert_true(vxs_lookup(moon, p, NULL, filter_px) == (k < 0 || k >= SIDE ? VXS_OUTSIDE : wanted));
     }
     assert_in_range(partly, 3000, 30000);
+}
+
+static void test_smooth_lookup(void **state)
+{
+    const fixture         *f   = *state;
+    const vxs_baked_light *sun = vxs_asset_light(f->asset, 0), *moon = vxs_asset_light(f->asset, 1);
+    rng                    r      = {17};
+    int                    partly = 0;
+    for (int n = 0; n < 30000; n++) {
+        double  u = rng_between(&r, -1000, 16 * SIDE + 1000) / 1024.0 * 64, v = uniform(&r, -3, SIDE + 3);
+        int32_t k     = rng_between(&r, -10, SIDE + 9);
+        int     width = rng_between(&r, 1, VXS_FILTER_MAX), outside = u < 0 || v < 0 || u >= SIDE || v >= SIDE;
+        double  p[3];
+        ws_from_vx(p, u, v, k + 0.5);
+        if (fabs(256 * v - rint(256 * v)) < 1e-6) continue;
+        float wanted = outside ? VXS_OUTSIDE : smooth_fraction(&f->sample, u, v, k, width);
+        assert_true(vxs_lookup(sun, p, NULL, VXS_SMOOTH + width) == wanted);
+        assert_true(vxs_lookup(moon, p, NULL, VXS_SMOOTH + width) == (k < 0 || k >= SIDE ? VXS_OUTSIDE : wanted));
+        partly += wanted > 0 && wanted < 1;
+    }
+    assert_in_range(partly, 3000, 30000);
+}
+
+/* A step of 1/1024 texel changes a smooth box by no more than two steps of its border; a plain one jumps. */
+static void test_smooth_lookup_is_smooth(void **state)
+{
+    const fixture         *f        = *state;
+    const vxs_baked_light *sun      = vxs_asset_light(f->asset, 0);
+    rng                    r        = {18};
+    float                  box_jump = 0;
+    for (int n = 0; n < 300; n++) {
+        double v = uniform(&r, 10, SIDE - 10), u = uniform(&r, 10, SIDE - 12), depth = uniform(&r, 0, SIDE), p[3];
+        int    width     = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
+        float  before[2] = {-2, -2};
+        for (int step = 0; step < 2048; step++) {
+            ws_from_vx(p, u + step / 1024.0, v, depth);
+            float box = vxs_lookup(sun, p, NULL, width), smooth = vxs_lookup(sun, p, NULL, VXS_SMOOTH + width);
+            if (before[0] >= 0) box_jump = fmaxf(box_jump, fabsf(box - before[0]));
+            if (before[1] >= 0) assert_true(fabsf(smooth - before[1]) <= 1.0f / 256 / (float)width + 1e-6f);
+            before[0] = box;
+            before[1] = smooth;
+        }
+    }
+    assert_true(box_jump > 0.3f);
+}
+
+/* A solid that ends in a wall along the light: texels whose centre is in it are shadowed. On the wall, whatever part of a texel it cuts off,
+ * a filter that is moved along its normal sees none of it. */
+static void test_wall_along_the_light(void **state)
+{
+    (void)state;
+    static const uint32_t root[] = {0x1111}; /* children of x = 0 are shadowed, the others lit */
+    vxs_baked_light       baked  = {.words = root, .word_count = 1};
+    baked.light                  = (vxs_light){.kind         = VXS_LIGHT_KIND_DIRECTIONAL,
+                                               .levels       = 8,
+                                               .coding       = VXS_CODING_DAG,
+                                               .texel_metres = 1,
+                                               .voxel_metres = 1,
+                                               .ls_from_ws   = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    assert_true(vxs_lookup(&baked, (double[3]){127.5, 50, 9}, NULL, 1) == 0);
+    assert_true(vxs_lookup(&baked, (double[3]){128.5, 50, 9}, NULL, 1) == 1);
+    for (int width = 1; width <= VXS_FILTER_MAX; width++)
+        for (double wall = 127.505; wall < 128.5; wall += 0.01) {
+            double point[3] = {wall, 50.25, 9.5};
+            assert_true(vxs_lookup(&baked, point, (double[3]){1, 0, 0}, width) == 1);
+            assert_true(vxs_lookup(&baked, point, (double[3]){1, 0, 0}, VXS_SMOOTH + width) == 1);
+            assert_true(vxs_lookup(&baked, point, NULL, VXS_SMOOTH + width) < 1);
+        }
 }
 
 static void test_lookup_with_normal(void **state)
@@ -611,6 +702,10 @@ static void test_lamp_lookup(void **state)
                     assert_true(vxs_lookup(&a.baked, point, NULL, filter_px) == wanted);
                     partly += wanted > 0 && wanted < 1;
                     asked++;
+                    int width = filter_px - (filter_px > 1 && n % 4 < 2); /* odd and even */
+                    if (clear_of_boundaries((double[3]){256 * at[0], 256 * at[1], 0.5}))
+                        assert_true(vxs_lookup(&a.baked, point, NULL, VXS_SMOOTH + width) ==
+                                    smooth_fraction(&a.sample, at[0], at[1], voxel[2], width));
                     random_direction(&r, normal);
                     vxs_voxel(&a.baked.light, point, normal, filter_px, voxel);
                     assert_true(voxel[0] >= 0 && voxel[0] < (int32_t)side && voxel[1] >= 0 && voxel[1] < (int32_t)side);
@@ -703,6 +798,9 @@ int main(void)
         cmocka_unit_test(test_voxel),
         cmocka_unit_test(test_voxel_bias),
         cmocka_unit_test(test_lookup),
+        cmocka_unit_test(test_smooth_lookup),
+        cmocka_unit_test(test_smooth_lookup_is_smooth),
+        cmocka_unit_test(test_wall_along_the_light),
         cmocka_unit_test(test_lookup_with_normal),
         cmocka_unit_test(test_lookup_far_away),
         cmocka_unit_test(test_lookup_many),

@@ -1,0 +1,138 @@
+/* Depths in a DAG; see dag_depths.h.
+ * SPDX-License-Identifier: MIT */
+#include "dag_depths.h"
+
+#include "vxs_lookup.h"
+
+static uint32_t root_of(const vxs_baked_light *baked, uint32_t map)
+{
+    return baked->light.flags & VXS_LIGHT_CUBE ? vxs_face_root(baked->words, map) : 0;
+}
+
+static uint32_t state_of(uint32_t states, uint32_t c)
+{
+    return states >> 2 * c & 3;
+}
+
+/* Where own child c of a node starts. */
+static uint32_t child_of(const uint32_t *dag, uint32_t node, uint32_t c)
+{
+    return dag[node + 1 + vxs_popcount(vxs_own(dag[node]) & ((1u << 2 * c) - 1))];
+}
+
+static uint64_t mask_at(const uint32_t *dag, uint32_t at)
+{
+    return dag[at] | (uint64_t)dag[at + 1] << 32;
+}
+
+/* first shadows ------------------------------------------------------------------------------------------------------------------ */
+
+/* A walk down the columns of a tile. */
+typedef struct column_walk {
+    const uint32_t *dag;
+    uint32_t        tile_x, tile_y;
+    uint64_t        wanted; /* texels of which no shadow was met yet */
+    int32_t        *depth;
+} column_walk;
+
+/* Texels that are in shadow from k on. */
+static void meet(column_walk *w, uint64_t mask, int32_t k)
+{
+    uint64_t met = mask & w->wanted;
+    w->wanted &= ~mask;
+    for (int n = 0; met; n++, met >>= 1)
+        if (met & 1) w->depth[n] = k;
+}
+
+/* A slice that has the mask of one before it has no shadow that was not met there. */
+static void walk_slices(column_walk *w, uint32_t node, int32_t k)
+{
+    for (uint32_t slice = 0; slice < 8 && w->wanted; slice++) {
+        uint32_t state = state_of(w->dag[node], slice);
+        if (state == VXS_CHILD_SHADOW) meet(w, ~(uint64_t)0, k + (int32_t)slice);
+        if (state == VXS_CHILD_OWN) meet(w, mask_at(w->dag, child_of(w->dag, node, slice)), k + (int32_t)slice);
+    }
+}
+
+/* A node of side 8 << level that begins at depth k: of its children those over the tile, the nearer one first. One that is the same as the
+ * nearer has nothing new. */
+static void walk_column(column_walk *w, uint32_t node, uint32_t level, int32_t k)
+{
+    if (level == 0) {
+        walk_slices(w, node, k);
+        return;
+    }
+    uint32_t bit = level - 1, xy = (w->tile_x >> bit & 1) | (w->tile_y >> bit & 1) << 1;
+    for (uint32_t z = 0; z < 2 && w->wanted; z++) {
+        uint32_t c = xy | z << 2, state = state_of(w->dag[node], c);
+        int32_t  from = k + (int32_t)(z << (bit + 3));
+        if (state == VXS_CHILD_SHADOW) meet(w, ~(uint64_t)0, from);
+        if (state == VXS_CHILD_OWN) walk_column(w, child_of(w->dag, node, c), bit, from);
+    }
+}
+
+void vxs_dag_first_shadows(const vxs_baked_light *baked, uint32_t map, uint32_t tile_x, uint32_t tile_y, uint64_t wanted,
+                           int32_t depth[64])
+{
+    column_walk w = {baked->words, tile_x, tile_y, wanted, depth};
+    walk_column(&w, root_of(baked, map), baked->light.levels - 3, 0);
+    meet(&w, ~(uint64_t)0, 1 << baked->light.levels);
+}
+
+/* uniform nodes ------------------------------------------------------------------------------------------------------------------ */
+
+static void set_box(vxs_node *node, const int32_t voxel[3], int32_t side_px, int32_t k, int32_t deep)
+{
+    node->first[0] = voxel[0] & -side_px;
+    node->first[1] = voxel[1] & -side_px;
+    node->first[2] = k;
+    node->end[0]   = node->first[0] + side_px;
+    node->end[1]   = node->first[1] + side_px;
+    node->end[2]   = k + deep;
+}
+
+/* The state of a texel, bit `texel` of masks, in a slice: VXS_NODE_SHADOW, VXS_NODE_LIT. */
+static int32_t texel_state(const uint32_t *dag, uint32_t at, uint32_t slice, uint32_t texel)
+{
+    uint32_t state = state_of(dag[at], slice);
+    while (state == VXS_CHILD_SAME) state = state_of(dag[at], --slice);
+    if (state == VXS_CHILD_OWN) state = (uint32_t)(mask_at(dag, child_of(dag, at, slice)) >> texel & 1);
+    return state ? VXS_NODE_SHADOW : VXS_NODE_LIT;
+}
+
+static void find_in_slices(const uint32_t *dag, uint32_t at, const int32_t voxel[3], int32_t least_px, vxs_node *node)
+{
+    uint32_t slice = (uint32_t)voxel[2] & 7, state = state_of(dag[at], slice),
+             texel = (uint32_t)((voxel[0] & 7) + 8 * (voxel[1] & 7));
+    int32_t k      = voxel[2] & ~7;
+    node->state    = texel_state(dag, at, slice, texel);
+    if (state < VXS_CHILD_OWN || least_px > 1) {
+        set_box(node, voxel, 8, voxel[2], 1);
+        if (state >= VXS_CHILD_OWN) node->state = VXS_NODE_MIXED;
+        return;
+    }
+    uint32_t first = slice, end = slice + 1;
+    while (first > 0 && texel_state(dag, at, first - 1, texel) == node->state) first--;
+    while (end < 8 && texel_state(dag, at, end, texel) == node->state) end++;
+    set_box(node, voxel, 1, k + (int32_t)first, (int32_t)(end - first));
+}
+
+void vxs_dag_uniform_node(const vxs_baked_light *baked, uint32_t map, const int32_t voxel[3], int32_t least_px, vxs_node *node)
+{
+    const uint32_t *dag = baked->words;
+    uint32_t        at  = root_of(baked, map);
+    for (uint32_t bit = baked->light.levels - 1; bit >= 3; bit--) {
+        uint32_t xy = (uint32_t)((voxel[0] >> bit & 1) | (voxel[1] >> bit & 1) << 1), c = xy | (uint32_t)(voxel[2] >> bit & 1) << 2;
+        uint32_t state = state_of(dag[at], c);
+        int32_t  side  = 1 << bit;
+        if (state == VXS_CHILD_SAME) c = xy;
+        if (state < VXS_CHILD_OWN || side < least_px) {
+            int32_t size = state < VXS_CHILD_OWN ? side : 2 * side;
+            set_box(node, voxel, size, voxel[2] & -size, size);
+            node->state = state == VXS_CHILD_LIT ? VXS_NODE_LIT : state == VXS_CHILD_SHADOW ? VXS_NODE_SHADOW : VXS_NODE_MIXED;
+            return;
+        }
+        at = child_of(dag, at, c);
+    }
+    find_in_slices(dag, at, voxel, least_px, node);
+}

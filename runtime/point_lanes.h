@@ -1,0 +1,94 @@
+/* Several doubles at once: vectors of GCC and Clang, or a double alone where there are none, or VXS_SCALAR is defined. What is written with
+ * them gives the same numbers either way. Internal to the runtime; not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_POINT_LANES_H
+#define VXS_POINT_LANES_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__GNUC__) && !defined(VXS_SCALAR)
+typedef double  vxs_lanes __attribute__((vector_size(16)));
+typedef int64_t vxs_lane_mask __attribute__((vector_size(16))); /* of a comparison: all ones, or zero */
+
+/* x where the mask is set, else 0. */
+static inline vxs_lanes vxs_keep(vxs_lane_mask mask, vxs_lanes x)
+{
+    return (vxs_lanes)((vxs_lane_mask)x & mask);
+}
+
+static inline vxs_lanes vxs_abs_lanes(vxs_lanes x)
+{
+    return (vxs_lanes)((vxs_lane_mask)x & INT64_MAX);
+}
+
+/* x, which has no sign, with that of another. */
+static inline vxs_lanes vxs_signed_as(vxs_lanes x, vxs_lanes other)
+{
+    return (vxs_lanes)((vxs_lane_mask)x | ((vxs_lane_mask)other & INT64_MIN));
+}
+
+static inline int vxs_all(vxs_lane_mask mask)
+{
+    return (mask[0] & mask[1]) != 0;
+}
+
+static inline vxs_lanes vxs_lanes_of(double x)
+{
+    vxs_lanes both = {x, x};
+    return both;
+}
+#else
+typedef double vxs_lanes;
+typedef int    vxs_lane_mask;
+
+static inline vxs_lanes vxs_keep(vxs_lane_mask mask, vxs_lanes x)
+{
+    return mask ? x : 0;
+}
+
+static inline vxs_lanes vxs_abs_lanes(vxs_lanes x)
+{
+    return fabs(x);
+}
+
+static inline vxs_lanes vxs_signed_as(vxs_lanes x, vxs_lanes other)
+{
+    return copysign(x, other);
+}
+
+static inline int vxs_all(vxs_lane_mask mask)
+{
+    return mask;
+}
+
+static inline vxs_lanes vxs_lanes_of(double x)
+{
+    return x;
+}
+#endif
+
+enum { VXS_LANES = sizeof(vxs_lanes) / sizeof(double) };
+
+static inline vxs_lanes vxs_load(const double *from)
+{
+    vxs_lanes x;
+    memcpy(&x, from, sizeof x);
+    return x;
+}
+
+static inline void vxs_store(double *to, vxs_lanes x)
+{
+    memcpy(to, &x, sizeof x);
+}
+
+/* floor, of numbers below 2^51, whatever the mode of rounding. */
+static inline vxs_lanes vxs_small_floor(vxs_lanes x)
+{
+    const vxs_lanes units = vxs_lanes_of(6755399441055744.0); /* 1.5 * 2^52: of numbers about it, the next is one more */
+    vxs_lanes       whole = x + units - units;
+    return whole - vxs_keep(whole > x, vxs_lanes_of(1));
+}
+
+#endif

@@ -1,0 +1,167 @@
+/* The frame of a stream, and what is asked of it; vxs_stream.h.
+ * SPDX-License-Identifier: MIT */
+#include <float.h>
+#include <string.h>
+
+#include "stream.h"
+
+enum { STATUS_FIRST_BYTES = sizeof(vxs_stream_status) };
+
+/* A page that cannot be had, now or at all. */
+static void fail(vxs_stream *s, uint32_t number, vxs_result result, int finding)
+{
+    stream_page *page = &s->pages[number];
+    page->state       = PAGE_AWAY;
+    page->next_at     = s->frame + (8u << page->attempts++);
+    if (result == VXS_E_CORRUPT || page->attempts == VXS_STREAM_ATTEMPTS) page->state = PAGE_BROKEN;
+    if (!s->desc.failed) return;
+    s->desc.failed(s->desc.failed_user, page->light, number - s->lights[page->light].first_page, result, finding);
+}
+
+/* Requests that have ended: their pages appear, or their places are free again. */
+static void collect(vxs_stream *s)
+{
+    for (vxs_stream_request *r; (r = vxs_stream_next_done(s)); vxs_stream_release(r)) {
+        stream_page *page = &s->pages[r->page];
+        s->status.reads++;
+        s->status.decodes += (uint32_t)r->decoded;
+        if (r->ok) s->source.bytes_read += page->stored_bytes;
+        if (r->ok && !r->finding) {
+            page->state    = PAGE_HERE;
+            page->attempts = 0;
+            s->status.appeared++;
+            vxs_stream_show(s, r->page, 1);
+            continue;
+        }
+        vxs_stream_room_give_back(s, r->page);
+        fail(s, r->page, r->ok ? VXS_E_CORRUPT : VXS_E_READ, r->finding);
+    }
+}
+
+/* Of any bytes; what its table says may be wrong. */
+static int is_possible(const stream_page *page)
+{
+    return page->word_count >= 1 && page->word_count <= VXS_PAGE_WORDS_MAX && page->stored_bytes <= STORED_MAX;
+}
+
+/* A page that is among the nearest. */
+static void ask_for(vxs_stream *s, uint32_t number)
+{
+    stream_page *page = &s->pages[number];
+    if (page->state != PAGE_AWAY || (page->attempts && (int32_t)(s->frame - page->next_at) < 0)) return;
+    if (!vxs_stream_can_ask(s) || !vxs_stream_room_take(s, number)) return;
+    page->state = PAGE_COMING;
+    vxs_stream_ask(s, number);
+}
+
+/* Keep the nearest that fit, all of which are marked before one has others leave; then ask for those that are not there. */
+static void choose(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count)
+{
+    uint32_t room = s->room_end - s->room_first, number, kept = 0;
+    vxs_stream_rank_pages(s, foci, count);
+    while (vxs_stream_next_nearest(s, &number)) {
+        stream_page *page  = &s->pages[number];
+        uint32_t     words = vxs_stream_room_words(page);
+        if (page->state == PAGE_BROKEN || words > s->room_end - s->room_first) continue;
+        if (!is_possible(page)) {
+            fail(s, number, VXS_E_CORRUPT, 504);
+            continue;
+        }
+        if (words > room) break;
+        room -= words;
+        page->kept                      = s->frame;
+        s->heap[s->page_count - ++kept] = number; /* where the heap has ended */
+    }
+    for (uint32_t n = 0; n < kept; n++) ask_for(s, s->heap[s->page_count - 1 - n]);
+}
+
+/* status -------------------------------------------------------------------------------------------------------------------------- */
+
+static void count_pages(vxs_stream *s)
+{
+    vxs_stream_status *t = &s->status;
+    t->pages_resident = t->pages_missing = t->pages_coming = t->pages_failed = 0;
+    t->bytes_resident                                                        = 4 * (uint64_t)s->room_first;
+    for (uint32_t n = 0; n < s->page_count; n++) {
+        const stream_page *page = &s->pages[n];
+        t->pages_resident += page->state == PAGE_HERE;
+        t->pages_coming += page->state == PAGE_COMING;
+        t->pages_failed += page->state == PAGE_BROKEN || (page->state == PAGE_AWAY && page->attempts);
+        t->pages_missing += page->rank < FLT_MAX && page->state != PAGE_HERE;
+        if (page->state == PAGE_HERE) t->bytes_resident += 4 * (uint64_t)page->word_count;
+    }
+    t->bytes_held   = s->block_bytes;
+    t->bytes_room   = 4 * (uint64_t)(s->room_end - s->room_first);
+    t->bytes_read   = s->source.bytes_read;
+    t->pages        = s->page_count;
+    t->pages_wanted = s->wanted;
+}
+
+/* As much as the caller knows of. */
+static void tell(const vxs_stream *s, vxs_stream_status *status)
+{
+    size_t given = status->struct_size, known = given ? given : STATUS_FIRST_BYTES;
+    memcpy(status, &s->status, known < sizeof *status ? known : sizeof *status);
+    status->struct_size = given;
+}
+
+vxs_result vxs_stream_frame(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count, vxs_stream_status *status)
+{
+    if (status && status->struct_size && status->struct_size < STATUS_FIRST_BYTES) return VXS_E_ARGUMENT;
+    s->frame++;
+    s->change_count = 0;
+    s->status       = (vxs_stream_status){.struct_size = sizeof s->status};
+    collect(s);
+    choose(s, foci, count);
+    if (!s->desc.submit && !s->desc.threads) {
+        vxs_stream_work_here(s, s->desc.decodes_per_frame ? s->desc.decodes_per_frame : 1);
+        collect(s);
+    }
+    count_pages(s);
+    if (status) tell(s, status);
+    return VXS_OK;
+}
+
+void vxs_stream_retry(vxs_stream *s)
+{
+    for (uint32_t n = 0; n < s->page_count; n++) {
+        s->pages[n].attempts = 0;
+        if (s->pages[n].state == PAGE_BROKEN) s->pages[n].state = PAGE_AWAY;
+    }
+}
+
+/* what there is ------------------------------------------------------------------------------------------------------------------- */
+
+uint32_t vxs_stream_light_count(const vxs_stream *s)
+{
+    return s->light_count;
+}
+
+const vxs_baked_light *vxs_stream_light(const vxs_stream *s, uint32_t index)
+{
+    return index < s->light_count ? &s->baked[index] : NULL;
+}
+
+const vxs_baked_light *vxs_stream_find_light(const vxs_stream *s, const char *name)
+{
+    for (uint32_t n = 0; n < s->light_count; n++)
+        if (!strcmp(s->baked[n].light.name, name)) return &s->baked[n];
+    return NULL;
+}
+
+const uint32_t *vxs_stream_words(const vxs_stream *s, uint32_t *count)
+{
+    *count = s->word_count;
+    return s->words;
+}
+
+uint32_t vxs_stream_first_word(const vxs_stream *s, uint32_t light)
+{
+    return light < s->light_count ? s->lights[light].first_word : 0;
+}
+
+const vxs_stream_range *vxs_stream_changes(const vxs_stream *s, uint32_t *count)
+{
+    *count = s->change_count;
+    return s->changes;
+}

@@ -1,0 +1,191 @@
+/* Which pages are wanted: those whose volume is near to a focus, the nearest first.
+ *
+ * A page's volume holds all points that may need it: the squares of the map that have nodes in it, from the least to the greatest depth at
+ * which they are asked, and around them as far as the widest filter and its bias reach. It is kept as a box along the axes of light space, in
+ * metres: of a sun (u, v, depth), of a lamp what is about the light, where a square's volume is a piece of a pyramid and the box holds it. Boxes
+ * of pages whose squares lie apart are too large, which only makes them come earlier.
+ * SPDX-License-Identifier: MIT */
+#include <float.h>
+#include <math.h>
+
+#include "stream.h"
+#include "vxs_space.h"
+
+/* How many texels a lookup reaches beyond its point: half a filter, and half of it again along the normal. */
+static const double reach_px = VXS_FILTER_MAX / 2 + 1 + VXS_FILTER_MAX / 2 + 1;
+
+/* Pages that are here count as nearer, so that what is as far does not take their place, nor what an eye that sways brings a metre nearer. */
+static float rank_of_here(float rank)
+{
+    float nearer = 0.75f * rank - 1;
+    return nearer > 0 ? nearer : 0;
+}
+
+typedef struct extent {
+    double min[3], max[3];
+} extent;
+
+/* Hostile matrices may give any number; NaN is as far as can be. */
+static float held(double x, double otherwise)
+{
+    double limit = FAR_METRES;
+    return (float)(x != x ? otherwise : x < -limit ? -limit : x > limit ? limit : x);
+}
+
+static void page_add(stream_page *page, const extent *e)
+{
+    for (int k = 0; k < 3; k++) {
+        float low = held(e->min[k], -FAR_METRES), high = held(e->max[k], FAR_METRES);
+        if (low < page->min[k]) page->min[k] = low;
+        if (high > page->max[k]) page->max[k] = high;
+    }
+}
+
+/* A square's depths, in metres of a sun, or along the axis of a lamp's map. What lies behind the map is its last voxel. */
+static void depth_range(const vxs_light *light, uint32_t bounds, double *nearest, double *farthest)
+{
+    uint32_t coarse = light->levels > 8 ? light->levels - 8 : 0, first = (bounds >> 16 & 255) << coarse;
+    uint32_t end  = ((bounds >> 24) + 1) << coarse;
+    int      last = end >= 1u << light->levels;
+    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        *nearest  = first * light->voxel_metres - reach_px * light->texel_metres;
+        *farthest = last ? FAR_METRES : end * light->voxel_metres + reach_px * light->texel_metres;
+        return;
+    }
+    *nearest  = light->near_metres * exp(first * light->voxel_metres) * (1 - fmin(1, reach_px * light->texel_metres));
+    *farthest = last ? FAR_METRES : light->near_metres * exp(end * light->voxel_metres) * (1 + reach_px * light->texel_metres);
+    if (light->range_metres > 0) *farthest = fmin(*farthest, light->range_metres);
+}
+
+static void sun_extent(const vxs_light *light, const double from[2], const double to[2], double nearest, double farthest, extent *e)
+{
+    for (int k = 0; k < 2; k++) {
+        e->min[k] = from[k] * light->texel_metres;
+        e->max[k] = to[k] * light->texel_metres;
+    }
+    e->min[2] = nearest;
+    e->max[2] = farthest;
+}
+
+/* The box around a piece of a pyramid: its corners. */
+static void lamp_extent(const vxs_light *light, uint32_t map, const double from[2], const double to[2], double nearest,
+                        double farthest, extent *e)
+{
+    double middle = 0.5 * (double)(1u << light->levels);
+    for (int k = 0; k < 3; k++) {
+        e->min[k] = DBL_MAX;
+        e->max[k] = -DBL_MAX;
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        double z = corner & 4 ? farthest : nearest;
+        double u = (corner & 1 ? to[0] : from[0]) - middle, v = (corner & 2 ? to[1] : from[1]) - middle;
+        double turned[3] = {u * light->texel_metres * z, v * light->texel_metres * z, z}, ls[3];
+        vxs_ls_from_face(vxs_face_of_map(light, (int32_t)map), turned, ls);
+        for (int k = 0; k < 3; k++) {
+            e->min[k] = fmin(e->min[k], ls[k]);
+            e->max[k] = fmax(e->max[k], ls[k]);
+        }
+    }
+}
+
+void vxs_stream_page_add_square(stream_page *page, const vxs_light *light, uint32_t map, uint32_t x, uint32_t y, uint32_t bounds)
+{
+    double from[2] = {256.0 * x - reach_px, 256.0 * y - reach_px}, nearest, farthest;
+    double to[2]   = {256.0 * x + 256 + reach_px, 256.0 * y + 256 + reach_px};
+    extent e;
+    depth_range(light, bounds, &nearest, &farthest);
+    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        sun_extent(light, from, to, nearest, farthest, &e);
+    else
+        lamp_extent(light, map, from, to, nearest, farthest, &e);
+    page_add(page, &e);
+}
+
+/* A focus as a light sees it. 0: it asks for nothing. */
+static int focus_extent(const vxs_stream_focus *focus, const vxs_light *light, extent *e)
+{
+    for (int k = 0; k < 3; k++)
+        if (!(isfinite(focus->min_ws[k]) && isfinite(focus->max_ws[k]) && focus->min_ws[k] <= focus->max_ws[k])) return 0;
+    if (!(focus->radius_metres >= 0 && focus->weight >= 0) || !isfinite(focus->weight)) return 0;
+    for (int k = 0; k < 3; k++) {
+        const double *row   = light->ls_from_ws + 4 * k;
+        double        scale = light->kind != VXS_LIGHT_KIND_DIRECTIONAL ? 1 : k < 2 ? light->texel_metres : light->voxel_metres;
+        double        at = row[3], low = at, high = at;
+        for (int axis = 0; axis < 3; axis++) {
+            double a = row[axis] * focus->min_ws[axis], b = row[axis] * focus->max_ws[axis];
+            low += fmin(a, b);
+            high += fmax(a, b);
+        }
+        e->min[k] = low * scale;
+        e->max[k] = high * scale;
+    }
+    return 1;
+}
+
+/* Metres from a focus to a page; 0 in it. */
+static double distance_to(const stream_page *page, const extent *e)
+{
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        double gap = fmax(0, fmax(page->min[k] - e->max[k], e->min[k] - page->max[k]));
+        sum += gap * gap;
+    }
+    return sqrt(sum);
+}
+
+static void rank_pages_of(vxs_stream *s, uint32_t light, const vxs_stream_focus *focus)
+{
+    const stream_light *l = &s->lights[light];
+    extent              e;
+    if (!focus_extent(focus, &s->baked[light].light, &e)) return;
+    double radius = focus->radius_metres > 0 ? focus->radius_metres : DBL_MAX, weight = focus->weight > 0 ? focus->weight : 1;
+    for (uint32_t n = l->first_page; n < l->first_page + l->page_count; n++) {
+        double distance = distance_to(&s->pages[n], &e);
+        if (!(distance <= radius)) continue;
+        float rank = held(distance / weight, FAR_METRES);
+        if (rank < s->pages[n].rank) s->pages[n].rank = rank;
+    }
+}
+
+/* the nearest first: a binary heap of pages, by rank, then by number -------------------------------------------------------------- */
+
+static int is_nearer(const vxs_stream *s, uint32_t a, uint32_t b)
+{
+    return s->pages[a].rank != s->pages[b].rank ? s->pages[a].rank < s->pages[b].rank : a < b;
+}
+
+static void sift_down(vxs_stream *s, uint32_t at, uint32_t count)
+{
+    uint32_t page = s->heap[at];
+    for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
+        if (child + 1 < count && is_nearer(s, s->heap[child + 1], s->heap[child])) child++;
+        if (!is_nearer(s, s->heap[child], page)) break;
+        s->heap[at] = s->heap[child];
+    }
+    s->heap[at] = page;
+}
+
+void vxs_stream_rank_pages(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count)
+{
+    for (uint32_t n = 0; n < s->page_count; n++) s->pages[n].rank = FLT_MAX;
+    for (uint32_t light = 0; light < s->light_count; light++)
+        for (uint32_t n = 0; n < count; n++) rank_pages_of(s, light, &foci[n]);
+    s->wanted = s->heap_count = 0;
+    for (uint32_t n = 0; n < s->page_count; n++) {
+        stream_page *page = &s->pages[n];
+        if (page->rank == FLT_MAX) continue;
+        if (page->state == PAGE_HERE || page->state == PAGE_COMING) page->rank = rank_of_here(page->rank);
+        s->heap[s->heap_count++] = n;
+    }
+    s->wanted = s->heap_count;
+    for (uint32_t n = s->heap_count / 2; n-- > 0;) sift_down(s, n, s->heap_count);
+}
+
+int vxs_stream_next_nearest(vxs_stream *s, uint32_t *page)
+{
+    if (!s->heap_count) return 0;
+    *page      = s->heap[0];
+    s->heap[0] = s->heap[--s->heap_count];
+    if (s->heap_count) sift_down(s, 0, s->heap_count);
+    return 1;
+}

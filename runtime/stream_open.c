@@ -1,0 +1,507 @@
+/* Opening a stream: from a file to one block of memory.
+ *
+ * First all is read that says how large things are: header, directory, table of lights, and of each light of palette blocks the first
+ * bytes of its resident part. Then the block is taken, laid out, and filled light by light; what that needs for a while lies in the room
+ * where pages will be, so that nothing else is allocated.
+ * SPDX-License-Identifier: MIT */
+#include <float.h>
+#include <stddef.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "stream.h"
+#include "vxs_bytes.h"
+#include "vxs_memory.h"
+#include "vxs_reader.h"
+#include "vxs_resident_layout.h"
+
+enum { BLOCK_ALIGN = 64, NODE_WORDS_MIN = 6 };
+
+/* A light that is wanted. */
+typedef struct light_plan {
+    uint32_t           number;                          /* in the file */
+    int                resident_section, pages_section; /* of palette blocks, as the next */
+    vxs_resident_sizes sizes;
+    uint32_t           word_count; /* of its resident part, or of all of a DAG */
+    uint64_t           work_bytes; /* while it is read */
+} light_plan;
+
+typedef struct opening {
+    vxs_reader             r;
+    const vxs_stream_desc *desc;
+    stream_source          source;
+    vxs_allocator          allocator;
+    uint8_t               *loaded; /* the section that was loaded last */
+    uint64_t               loaded_bytes;
+    light_plan            *lights; /* [light_count] */
+    uint32_t               light_count, page_count, node_count, tool_count, request_count;
+    uint64_t               resident_words, all_words, work_bytes, buffer_bytes; /* buffer_bytes: of one, at most */
+    int                    small, fast;                                         /* whether there is one that is packed so */
+    vxs_stream            *s;
+    uint8_t               *work, *work_end; /* of the room, that is not yet taken */
+} opening;
+
+/* bytes ------------------------------------------------------------------------------------------------------------------------- */
+
+static int read_bytes(opening *o, uint64_t offset, uint64_t size_bytes, void *to)
+{
+    if (size_bytes <= UINT32_MAX && vxs_stream_source_read(&o->source, offset, (uint32_t)size_bytes, to, NULL) == VXS_STREAM_READ) {
+        o->source.bytes_read += size_bytes;
+        return 1;
+    }
+    if (o->r.result == VXS_OK) o->r.result = VXS_E_READ;
+    return 0;
+}
+
+static void forget_loaded(opening *o)
+{
+    vxs_give_back(&o->r, o->loaded, o->loaded_bytes, 1);
+    o->loaded = NULL;
+}
+
+/* vxs_reader's load. */
+static const uint8_t *load_section(vxs_reader *r, int section)
+{
+    opening           *o = r->load_user;
+    const vxs_section *s = &r->out.sections[section];
+    forget_loaded(o);
+    o->loaded_bytes = s->stored_bytes;
+    o->loaded       = vxs_take(r, s->stored_bytes, 1, section);
+    if (!o->loaded || !read_bytes(o, s->offset_bytes, s->stored_bytes, o->loaded)) return NULL;
+    if (XXH64(o->loaded, s->stored_bytes, 0) == s->hash) return o->loaded;
+    vxs_found(r, 206, section, s->offset_bytes);
+    return NULL;
+}
+
+/* Header and directory, as long as the first says that the second is, and both may be. */
+static int read_head(opening *o)
+{
+    uint8_t  header[VXS_HEADER_BYTES] = {0}, *head;
+    uint64_t size = o->source.size_bytes, first = size < sizeof header ? size : sizeof header;
+    if (!read_bytes(o, 0, first, header)) return 0;
+    uint32_t count = vxs_load32(header + VXS_HEADER_SECTION_COUNT);
+    uint64_t all   = VXS_HEADER_BYTES + (uint64_t)(count < VXS_SECTIONS_MAX ? count : VXS_SECTIONS_MAX) * VXS_ENTRY_BYTES;
+    if (all > size) all = first;
+    if (!(head = vxs_take(&o->r, all, 1, -1))) return 0;
+    memcpy(head, header, first);
+    o->r.bytes = head;
+    o->r.size  = size;
+    int good   = read_bytes(o, first, all - first, head + first) && vxs_read_head(&o->r);
+    vxs_give_back(&o->r, head, all, 1);
+    return good;
+}
+
+/* what is wanted ------------------------------------------------------------------------------------------------------------------ */
+
+static int find_light(const opening *o, const char *name, uint32_t *number)
+{
+    for (*number = 0; *number < o->r.out.light_count; ++*number)
+        if (name && !strcmp(o->r.out.lights[*number].light.name, name)) return 1;
+    return 0;
+}
+
+static int choose_lights(opening *o)
+{
+    o->light_count = o->desc->light_names ? o->desc->light_name_count : o->r.out.light_count;
+    if (!o->light_count || o->light_count > VXS_LIGHTS_MAX) return o->r.result = VXS_E_ARGUMENT, 0;
+    if (!(o->lights = vxs_take(&o->r, o->light_count, sizeof *o->lights, -1))) return 0;
+    memset(o->lights, 0, o->light_count * sizeof *o->lights);
+    for (uint32_t n = 0; n < o->light_count; n++) {
+        o->lights[n].number = n;
+        if (o->desc->light_names && !find_light(o, o->desc->light_names[n], &o->lights[n].number))
+            return o->r.result = VXS_E_ARGUMENT, 0;
+    }
+    return 1;
+}
+
+static uint64_t sum_or_max(uint64_t a, uint64_t b)
+{
+    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
+}
+
+/* A DAG has no pages. Its levels and masks are inflated, and where nodes start is listed. */
+static void plan_dag(opening *o, light_plan *l)
+{
+    l->word_count = o->r.out.lights[l->number].word_count;
+    for (uint32_t n = 0; n < o->r.out.section_count; n++) {
+        const vxs_section *s = &o->r.out.sections[n];
+        if (s->light != l->number) continue;
+        l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->stored_bytes, s->inflated_bytes));
+        l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->inflated_bytes, sum_or_max(s->inflated_bytes, 256)));
+    }
+}
+
+static int plan_blocks(opening *o, light_plan *l)
+{
+    vxs_reader            *r     = &o->r;
+    const vxs_baked_light *baked = &r->out.lights[l->number];
+    vxs_resident_sizes    *sizes = &l->sizes;
+    uint8_t                head[RESIDENT_HEAD_BYTES];
+    if ((l->resident_section = vxs_find_section(r, VXS_KIND_RESIDENT, l->number, 0)) < 0) return 0;
+    if ((l->pages_section = vxs_find_section(r, VXS_KIND_PAGES, l->number, 0)) < 0) return 0;
+    const vxs_section *resident = &r->out.sections[l->resident_section], *pages = &r->out.sections[l->pages_section];
+    if (resident->stored_bytes < sizeof head) return vxs_found(r, 501, l->resident_section, 0), 0;
+    if (!read_bytes(o, resident->offset_bytes, sizeof head, head)) return 0;
+    if (vxs_resident_sizes_of(sizes, head, sizeof head) != VXS_OK) return vxs_found(r, 501, l->resident_section, 0), 0;
+    if (sizes->word_count > baked->word_count) return vxs_found(r, 406, l->pages_section, 0), 0;
+
+    int fast      = baked->packing == VXS_PACKING_FAST;
+    l->word_count = sizes->word_count;
+    l->work_bytes = sum_or_max(resident->stored_bytes, vxs_page_table_bytes(sizes->page_count)) + 256 +
+                    sizes->node_count * sizeof(vxs_page_node) + 4 * (sizes->page_count + (uint64_t)1) +
+                    (fast ? vxs_resident_inflated_bytes(sizes) : 0);
+    o->small |= !fast;
+    o->fast |= fast;
+    o->page_count += sizes->page_count;
+    if (sizes->node_count > o->node_count) o->node_count = sizes->node_count;
+    if (pages->stored_bytes > o->buffer_bytes) o->buffer_bytes = pages->stored_bytes;
+    o->all_words += baked->word_count - sizes->word_count + (uint64_t)sizes->page_count * 2 * ROOM_ALIGN;
+    return 1;
+}
+
+static int plan_lights(opening *o)
+{
+    for (uint32_t n = 0; n < o->light_count; n++) {
+        light_plan *l = &o->lights[n];
+        if (o->r.out.lights[l->number].light.coding != VXS_CODING_BLOCKS)
+            plan_dag(o, l);
+        else if (!plan_blocks(o, l))
+            return 0;
+        o->resident_words += l->word_count;
+        if (l->work_bytes > o->work_bytes) o->work_bytes = l->work_bytes;
+    }
+    o->resident_words = (o->resident_words + VXS_BLOCKS_SPARE_WORDS + ROOM_ALIGN - 1) / ROOM_ALIGN * ROOM_ALIGN;
+    o->all_words += o->resident_words;
+    if (o->node_count > VXS_PAGE_WORDS_MAX / NODE_WORDS_MIN) o->node_count = VXS_PAGE_WORDS_MAX / NODE_WORDS_MIN;
+    if (o->buffer_bytes > STORED_MAX) o->buffer_bytes = STORED_MAX;
+    if (o->source.bytes) o->buffer_bytes = 0;
+    o->tool_count    = o->desc->threads ? o->desc->threads : 1;
+    o->request_count = o->desc->requests ? o->desc->requests : o->desc->threads + 1;
+    return 1;
+}
+
+/* the block ------------------------------------------------------------------------------------------------------------------------ */
+
+/* Where things lie in the block; without a block, only how much they take. */
+typedef struct layout {
+    uint8_t *block;
+    uint64_t used;
+} layout;
+
+static void *lay(layout *l, uint64_t count, size_t size)
+{
+    uint64_t at = (l->used + BLOCK_ALIGN - 1) / BLOCK_ALIGN * BLOCK_ALIGN;
+    l->used     = at + count * size;
+    return l->block ? l->block + at : NULL;
+}
+
+/* All but the words. */
+static void lay_out(const opening *o, layout *l, vxs_stream *s)
+{
+    s->baked    = lay(l, o->light_count, sizeof *s->baked);
+    s->lights   = lay(l, o->light_count, sizeof *s->lights);
+    s->pages    = lay(l, o->page_count, sizeof *s->pages);
+    s->in_room  = lay(l, o->page_count, sizeof *s->in_room);
+    s->heap     = lay(l, o->page_count, sizeof *s->heap);
+    s->changes  = lay(l, o->page_count + 4 * (uint64_t)o->request_count, sizeof *s->changes);
+    s->requests = lay(l, o->request_count, sizeof *s->requests);
+    s->tools    = lay(l, o->tool_count, sizeof *s->tools);
+}
+
+/* What depends on how lights are packed. */
+static void lay_out_packings(const opening *o, layout *l, vxs_stream *s)
+{
+    for (uint32_t n = 0; n < o->light_count; n++) {
+        const light_plan *plan = &o->lights[n];
+        int               fast = o->r.out.lights[plan->number].packing == VXS_PACKING_FAST;
+        void             *to =
+            fast ? lay(l, vxs_resident_common_halves(&plan->sizes), 1) : lay(l, plan->sizes.pattern_count, sizeof(vxs_pattern));
+        if (!l->block) continue;
+        if (fast)
+            s->lights[n].paged.marks.at = to;
+        else
+            s->lights[n].paged.resident.patterns = to;
+    }
+    for (uint32_t n = 0; n < o->tool_count; n++) {
+        vxs_page_scratch *scratch = o->small ? lay(l, 1, vxs_page_scratch_bytes()) : NULL;
+        vxs_page_marks   *marks   = o->fast ? lay(l, 1, sizeof *marks) : NULL;
+        if (l->block) s->tools[n].decode = (vxs_page_tools){scratch, marks, NULL};
+    }
+}
+
+/* Take it: what there has to be, and as much room as the budget leaves, or as all pages need. */
+static int take_block(opening *o)
+{
+    vxs_stream none;
+    layout     l = {NULL, 0};
+    lay(&l, 1, sizeof none);
+    lay_out(o, &l, &none);
+    lay_out_packings(o, &l, &none);
+    lay(&l, 0, 1);
+    uint64_t tail =
+        o->tool_count * (o->node_count * sizeof(vxs_page_node) + BLOCK_ALIGN) + o->request_count * (o->buffer_bytes + BLOCK_ALIGN);
+    uint64_t least = sum_or_max(l.used + 4 * o->resident_words, o->work_bytes);
+    uint64_t most  = sum_or_max(sum_or_max(l.used + 4 * o->all_words, o->work_bytes), tail + BLOCK_ALIGN);
+    uint64_t size  = (most < o->r.memory_left ? most : o->r.memory_left) / BLOCK_ALIGN * BLOCK_ALIGN;
+    if (size < least) return vxs_found(&o->r, 211, -1, 0), 0;
+    if (o->all_words > UINT32_MAX) size = size < 4 * (uint64_t)UINT32_MAX ? size : 4 * (uint64_t)UINT32_MAX;
+    uint8_t *block = vxs_take(&o->r, size, 1, -1);
+    if (!block) return 0;
+
+    l     = (layout){block, 0};
+    o->s  = lay(&l, 1, sizeof *o->s);
+    *o->s = (vxs_stream){.desc = *o->desc, .allocator = o->allocator, .block_bytes = size};
+    lay_out(o, &l, o->s);
+    memset(block + sizeof *o->s, 0, l.used - sizeof *o->s);
+    lay_out_packings(o, &l, o->s);
+    o->s->words         = lay(&l, 0, 1);
+    o->s->room_end      = (uint32_t)((size - l.used) / 4);
+    o->s->light_count   = o->light_count;
+    o->s->page_count    = o->page_count;
+    o->s->tool_count    = o->tool_count;
+    o->s->request_count = o->request_count;
+    o->s->room_first    = (uint32_t)o->resident_words;
+    return 1;
+}
+
+/* A bump allocator over the room. */
+static void *take_work(size_t size_bytes, void *user)
+{
+    opening *o    = user;
+    size_t   size = (size_bytes + 15) / 16 * 16;
+    if (size_bytes > SIZE_MAX - 15 || size > (size_t)(o->work_end - o->work)) return NULL;
+    o->work += size;
+    return o->work - size;
+}
+
+static void free_work(void *memory, size_t size_bytes, void *user)
+{
+    (void)memory;
+    (void)size_bytes;
+    (void)user;
+}
+
+/* filling it ----------------------------------------------------------------------------------------------------------------------- */
+
+static uint32_t z_order(uint32_t x, uint32_t y)
+{
+    uint32_t z = 0;
+    for (uint32_t b = 0; b < 16; b++) z |= (x >> b & 1) << 2 * b | (y >> b & 1) << (2 * b + 1);
+    return z;
+}
+
+/* What is known of a light's pages from the table, and where each has its first node. */
+static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
+{
+    vxs_reader        *r       = &o->r;
+    const vxs_section *section = &r->out.sections[plan->pages_section];
+    uint64_t           bytes   = vxs_page_table_bytes(plan->sizes.page_count);
+    if (bytes > section->stored_bytes) return vxs_found(r, 502, plan->pages_section, 0), 0;
+    uint8_t *table = vxs_take(r, bytes, 1, plan->pages_section);
+    if (!table || !read_bytes(o, section->offset_bytes, bytes, table)) return 0;
+    int wrong = vxs_check_page_table(table, section->stored_bytes, &plan->sizes, r->out.lights[plan->number].word_count);
+    if (wrong) return vxs_found(r, wrong, plan->pages_section, 0), 0;
+
+    uint64_t            at       = section->offset_bytes + bytes;
+    const vxs_resident *resident = &light->paged.resident;
+    uint32_t            side     = squares_of(light->paged.levels);
+    for (uint32_t n = 0; n < plan->sizes.page_count; n++) {
+        const uint8_t       *entry = vxs_page_entry(table, n);
+        const vxs_page_node *first = &resident->nodes[resident->page_first[n]];
+        stream_page         *page  = &o->s->pages[light->first_page + n];
+        *page                      = (stream_page){.offset_bytes = at,
+                                                   .hash         = vxs_load64(entry + VXS_PAGE_HASH),
+                                                   .stored_bytes = vxs_load32(entry + VXS_PAGE_STORED_BYTES),
+                                                   .word_count   = vxs_load32(entry + VXS_PAGE_WORD_COUNT),
+                                                   .light        = (uint32_t)(light - o->s->lights),
+                                                   .first_square = first->map * side * side + z_order(first->x, first->y),
+                                                   .node_count   = resident->page_first[n + 1] - resident->page_first[n],
+                                                   .min          = {FLT_MAX, FLT_MAX, FLT_MAX},
+                                                   .max          = {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+        at += page->stored_bytes;
+        if (page->node_count > o->s->nodes_max) o->s->nodes_max = page->node_count;
+        if (page->stored_bytes > o->s->buffer_bytes) o->s->buffer_bytes = page->stored_bytes;
+    }
+    return 1;
+}
+
+/* Volumes of pages: every square that has a node, whichever entry was the first with it. */
+static void measure_pages(vxs_stream *s, const stream_light *light, const vxs_light *record)
+{
+    const uint32_t *words = light->paged.resident.words;
+    uint32_t        side  = squares_of(record->levels);
+    for (uint32_t map = 0; map < light->paged.map_count; map++)
+        for (uint32_t y = 0; y < side; y++)
+            for (uint32_t x = 0; x < side; x++) {
+                uint32_t at = top_at(words, words[2 + map], record->levels, x, y), name = words[at];
+                if (name < top_uniform)
+                    vxs_stream_page_add_square(&s->pages[light->first_page + (name >> 16)], record, map, x, y, words[at + 1]);
+            }
+}
+
+static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
+{
+    vxs_reader               *r       = &o->r;
+    const vxs_baked_light    *baked   = &r->out.lights[plan->number];
+    const vxs_resident_sizes *sizes   = &plan->sizes;
+    vxs_paged_light          *paged   = &light->paged;
+    int                       section = plan->resident_section;
+    paged->packing                    = baked->packing;
+    paged->levels                     = baked->light.levels;
+    paged->map_count                  = vxs_light_map_count(&baked->light);
+    paged->resident.words             = o->s->words + light->first_word;
+    const uint8_t *bytes              = load_section(r, section);
+    if (!bytes) return 0;
+    if (!(paged->resident.nodes = vxs_take(r, sizes->node_count, sizeof *paged->resident.nodes, section))) return 0;
+    if (!(paged->resident.page_first = vxs_take(r, sizes->page_count + (uint64_t)1, 4, section))) return 0;
+    if (paged->packing == VXS_PACKING_FAST && !(paged->inflated = vxs_take(r, vxs_resident_inflated_bytes(sizes), 1, section)))
+        return 0;
+    int wrong = vxs_read_resident(paged, bytes, r->out.sections[section].stored_bytes, &o->s->tools[0].decode);
+    if (wrong) return vxs_found(r, wrong, section, 0), 0;
+    if (!fill_pages(o, light, plan)) return 0;
+    measure_pages(o->s, light, &baked->light);
+    paged->resident.nodes      = NULL;
+    paged->resident.page_first = NULL;
+    paged->inflated            = NULL;
+    return 1;
+}
+
+static int fill_dag(opening *o, const stream_light *light, const light_plan *plan)
+{
+    vxs_baked_light *baked = &o->r.out.lights[plan->number];
+    baked->words           = o->s->words + light->first_word;
+    vxs_read_dag(&o->r, baked);
+    baked->words = NULL;
+    return o->r.result == VXS_OK;
+}
+
+static int fill_light(opening *o, uint32_t n)
+{
+    vxs_stream       *s     = o->s;
+    const light_plan *plan  = &o->lights[n];
+    stream_light     *light = &s->lights[n];
+    o->work                 = (uint8_t *)(s->words + s->room_first);
+    o->work_end             = (uint8_t *)(s->words + s->room_end);
+    o->r.memory_left        = (uint64_t)(o->work_end - o->work);
+    o->loaded               = NULL;
+    light->first_word       = n ? s->lights[n - 1].first_word + o->lights[n - 1].word_count : 0;
+    light->first_page       = n ? s->lights[n - 1].first_page + s->lights[n - 1].page_count : 0;
+    light->page_count       = plan->sizes.page_count;
+    int blocks              = o->r.out.lights[plan->number].light.coding == VXS_CODING_BLOCKS;
+    if (!(blocks ? fill_blocks(o, light, plan) : fill_dag(o, light, plan))) return 0;
+    s->baked[n]            = o->r.out.lights[plan->number];
+    s->baked[n].words      = s->words + light->first_word;
+    s->baked[n].word_count = plan->word_count;
+    s->baked[n].part_count = 0;
+    return 1;
+}
+
+/* Nodes of tools and buffers of requests, now that it is known how large they have to be: from the end of the room. */
+static int take_tail(opening *o)
+{
+    vxs_stream *s     = o->s;
+    uint64_t    nodes = (s->nodes_max * sizeof(vxs_page_node) + BLOCK_ALIGN - 1) / BLOCK_ALIGN * BLOCK_ALIGN;
+    uint64_t    room  = 4 * (uint64_t)(s->room_end - s->room_first);
+    if (s->buffer_bytes > STORED_MAX) s->buffer_bytes = STORED_MAX;
+    uint64_t buffer = s->source.bytes ? 0 : (s->buffer_bytes + BLOCK_ALIGN - 1) / BLOCK_ALIGN * BLOCK_ALIGN;
+    uint64_t tail   = s->tool_count * nodes + s->request_count * buffer;
+    if (tail > room) return vxs_found(&o->r, 211, -1, 0), 0;
+    s->room_end = s->room_first + (uint32_t)((room - tail) / 4 / ROOM_ALIGN * ROOM_ALIGN);
+    uint8_t *at = (uint8_t *)(s->words + s->room_end);
+    for (uint32_t n = 0; n < s->tool_count; n++, at += nodes) s->tools[n].nodes = (vxs_page_node *)at;
+    for (uint32_t n = 0; n < s->request_count; n++, at += buffer)
+        s->requests[n] = (vxs_stream_request){.stream = s, .buffer = buffer ? at : NULL};
+    s->word_count = s->room_end;
+    memset(s->words + s->room_first, 0, 4 * (size_t)(s->room_end - s->room_first));
+    return 1;
+}
+
+static int make_tools(opening *o)
+{
+    for (uint32_t n = 0; n < o->tool_count; n++) {
+        stream_tools *t = &o->s->tools[n];
+        t->stream       = o->s;
+        if (t->decode.scratch) vxs_page_scratch_init(t->decode.scratch);
+        if (o->fast && !(t->decode.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
+    }
+    return 1;
+}
+
+static int fill_block(opening *o)
+{
+    vxs_allocator real = o->r.allocator;
+    uint64_t      left = o->r.memory_left;
+    int           good = 1;
+    o->s->source       = o->source;
+    o->r.allocator     = (vxs_allocator){take_work, free_work, o};
+    for (uint32_t n = 0; n < o->light_count && good; n++) good = fill_light(o, n);
+    o->loaded        = NULL;
+    o->r.allocator   = real;
+    o->r.memory_left = left;
+    return good && take_tail(o);
+}
+
+/* all of it ------------------------------------------------------------------------------------------------------------------------ */
+
+static int open_all(opening *o)
+{
+    if (!read_head(o)) return 0;
+    if (!(o->r.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
+    if (!vxs_read_light_table(&o->r)) return 0;
+    forget_loaded(o);
+    if (!choose_lights(o) || !plan_lights(o) || !take_block(o)) return 0;
+    if (!make_tools(o) || !fill_block(o)) return 0;
+    if (vxs_stream_work_start(o->s)) return 1;
+    o->r.result = VXS_E_MEMORY;
+    return 0;
+}
+
+static int is_valid(const vxs_stream_desc *desc)
+{
+    return desc->threads <= VXS_STREAM_THREADS_MAX && desc->requests <= VXS_STREAM_REQUESTS_MAX &&
+           (!desc->bytes || desc->size_bytes <= SIZE_MAX);
+}
+
+void vxs_stream_close(vxs_stream *s)
+{
+    if (!s) return;
+    vxs_stream_work_end(s);
+    for (uint32_t n = 0; n < s->tool_count; n++) ZSTD_freeDCtx(s->tools[n].decode.zstd);
+    vxs_stream_source_close(&s->source);
+    s->allocator.free(s, s->block_bytes, s->allocator.user);
+}
+
+vxs_result vxs_stream_open(vxs_stream **stream, const vxs_stream_desc *desc)
+{
+    *stream                = NULL;
+    vxs_stream_desc known  = {0};
+    vxs_result      result = vxs_desc_take(&known, sizeof known, sizeof known, desc);
+    if (result != VXS_OK) return result;
+    if (!is_valid(&known)) return VXS_E_ARGUMENT;
+    desc      = &known;
+    opening o = {.desc = desc};
+    if ((result = vxs_stream_source_open(&o.source, desc)) != VXS_OK) return result;
+
+    const vxs_read_desc read = {.allocator = desc->allocator, .finding = desc->finding, .finding_user = desc->finding_user};
+    o.allocator              = vxs_allocator_of(&read);
+    o.r                      = (vxs_reader){
+                             .desc = read, .allocator = o.allocator, .memory_left = desc->budget_bytes, .load = load_section, .load_user = &o};
+    o.r.out.allocator = o.allocator;
+    int good          = open_all(&o);
+
+    forget_loaded(&o);
+    vxs_give_back(&o.r, o.lights, o.light_count, sizeof *o.lights);
+    ZSTD_freeDCtx(o.r.zstd);
+    vxs_contents_free(&o.r.out);
+    if (good) {
+        o.s->source.bytes_read = o.source.bytes_read;
+        *stream                = o.s;
+        return VXS_OK;
+    }
+    if (o.s) {
+        o.s->source = o.source;
+        vxs_stream_close(o.s);
+    } else
+        vxs_stream_source_close(&o.source);
+    return o.r.result != VXS_OK ? o.r.result : VXS_E_MEMORY;
+}

@@ -1,0 +1,172 @@
+/* Tiles of palette blocks as depths; see tap_cache.h.
+ * SPDX-License-Identifier: MIT */
+#include "tap_cache.h"
+
+#include <string.h>
+
+#include "vxs_space.h"
+
+/* In about the time that a lookup gains which finds its tiles: what a tile takes, how much is lent at first, and at most. When it is used
+ * up, lookups walk the blocks for a while, twice as long each time that tiles are tried in vain. */
+enum { PRICE_FOR_TAP = 6, PRICE_FOR_FILTER = 2, CREDIT_AT_FIRST = 48, CREDIT_MOST = 1000, REST_LEAST = 64, REST_MOST = 1 << 14 };
+
+int vxs_tap_cache_serves(const vxs_baked_light *baked)
+{
+    return baked->light.coding == VXS_CODING_BLOCKS && baked->light.levels <= VXS_CACHE_LEVELS_MAX;
+}
+
+void vxs_tap_cache_init(vxs_tap_cache *cache, const vxs_baked_light *baked)
+{
+    cache->baked        = baked;
+    cache->cursor_map   = 0;
+    cache->cursor.block = 0;
+    cache->credit       = CREDIT_AT_FIRST;
+    cache->rest         = 0;
+    cache->next_rest    = REST_LEAST;
+    memset(cache->tag, 0, sizeof cache->tag);
+}
+
+static uint32_t place_of(int32_t tile_x, int32_t tile_y)
+{
+    return (uint32_t)((tile_x & (VXS_CACHE_TILES - 1)) | (tile_y & (VXS_CACHE_TILES - 1)) * VXS_CACHE_TILES);
+}
+
+static uint32_t tag_of(uint32_t map, int32_t tile_x, int32_t tile_y)
+{
+    return 1 + ((uint32_t)tile_x | (uint32_t)tile_y << 12 | map << 24);
+}
+
+static void keep_depths(vxs_tap_cache *c, uint32_t place, const int32_t depth[64], int whole)
+{
+    int32_t  x  = (int32_t)(place % VXS_CACHE_TILES) * 8;
+    int16_t *to = c->depth + place / VXS_CACHE_TILES * 8 * VXS_CACHE_PITCH + x, less[64], least, greatest;
+    for (int n = 0; n < 64; n++) less[n] = (int16_t)((whole ? depth[0] : depth[n]) - 1);
+    least = greatest = less[0];
+    for (int n = 0; n < 64; n++) {
+        least    = less[n] < least ? less[n] : least;
+        greatest = less[n] > greatest ? less[n] : greatest;
+    }
+    c->least[place]    = least;
+    c->greatest[place] = greatest;
+    for (int y = 0; y < 8; y++, to += VXS_CACHE_PITCH) {
+        memcpy(to, less + 8 * y, 8 * sizeof *to);
+        if (x < VXS_CACHE_PITCH - VXS_CACHE_PX) memcpy(to + VXS_CACHE_PX, to, 8 * sizeof *to);
+    }
+}
+
+/* Put a tile where it belongs; 0: its page is missing. */
+static int keep_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y)
+{
+    int32_t              depth[64];
+    uint32_t             place = place_of(tile_x, tile_y);
+    const vxs_blocks_map m     = {c->baked->words, map, c->baked->light.levels};
+    if (map != c->cursor_map) c->cursor.block = 0;
+    c->cursor_map = map;
+    int found     = vxs_tile_depths(m, &c->cursor, tile_x, tile_y, depth);
+    if (found == VXS_TILE_MISSING) return 0;
+    keep_depths(c, place, depth, found == VXS_TILE_WHOLE);
+    return 1;
+}
+
+/* Texels of a square of filter_px of the cache that are less than k. Rows go on at the first of the cache behind its last. */
+#ifdef VXS_VECTORS
+
+typedef int16_t eight __attribute__((vector_size(16), aligned(2), may_alias));
+
+/* Eight of a row are compared at once; what is read beyond the square is not counted. */
+static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t filter_px, int32_t k)
+{
+    static const eight lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    eight              sum = {0}, limit = sum + (int16_t)k;
+    for (int32_t x = 0; x < filter_px; x += 8) {
+        eight strip = {0};
+        for (int32_t y = 0; y < filter_px; y++)
+            strip -= *(const eight *)(depths + ((row + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x) < limit;
+        sum += strip & (lane < (int16_t)(filter_px - x));
+    }
+    uint64_t two[2];
+    memcpy(two, &sum, sizeof two);
+    two[0] += two[1];
+    two[0] += two[0] >> 32;
+    return (uint32_t)(two[0] + (two[0] >> 16)) & 0xffff;
+}
+
+#else
+
+static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t filter_px, int32_t k)
+{
+    uint32_t count = 0;
+    for (int32_t y = 0; y < filter_px; y++)
+        for (int32_t x = 0; x < filter_px; x++)
+            count += depths[((row + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x] < k;
+    return count;
+}
+
+#endif
+
+static uint32_t walked(const vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px)
+{
+    return vxs_shadow_taps(c->baked->words, &c->baked->light, (int32_t)map, i, j, (uint32_t)k, filter_px);
+}
+
+/* A lookup earns credit; its tiles take it. */
+static void earn(vxs_tap_cache *c)
+{
+    if (c->credit < CREDIT_MOST)
+        c->credit++;
+    else
+        c->next_rest = REST_LEAST;
+}
+
+/* Take a rest when the credit is used up. */
+static void spend(vxs_tap_cache *c, int32_t price)
+{
+    c->credit -= price;
+    if (c->credit >= 0) return;
+    c->rest      = c->next_rest;
+    c->next_rest = c->next_rest < REST_MOST ? 2 * c->next_rest : REST_MOST;
+    c->credit    = CREDIT_AT_FIRST;
+}
+
+/* Make sure of a tile; 0: its page is missing. */
+static inline int have_tile(vxs_tap_cache *c, uint32_t map, int32_t tile_x, int32_t tile_y, int32_t price)
+{
+    uint32_t place = place_of(tile_x, tile_y), tag = tag_of(map, tile_x, tile_y);
+    if (c->tag[place] == tag) return 1;
+    spend(c, price);
+    if (!keep_tile(c, map, tile_x, tile_y)) return 0;
+    c->tag[place] = tag;
+    return 1;
+}
+
+static inline uint32_t tap(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k)
+{
+    if (!have_tile(c, map, i >> 3, j >> 3, PRICE_FOR_TAP)) return walked(c, map, i, j, k, 1);
+    return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
+}
+
+uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px)
+{
+    int32_t half_px = filter_px / 2, last = (1 << c->baked->light.levels) - 1 - half_px, x0 = i - half_px, y0 = j - half_px;
+    if (c->rest > 0) {
+        c->rest--;
+        return walked(c, map, i, j, k, filter_px);
+    }
+    if (x0 < 0 || y0 < 0 || i > last || j > last) return walked(c, map, i, j, k, filter_px);
+
+    earn(c);
+    if (filter_px == 1) return tap(c, map, i, j, k);
+    int16_t least = INT16_MAX, greatest = INT16_MIN;
+    for (int32_t y = y0 >> 3; y <= (j + half_px) >> 3; y++)
+        for (int32_t x = x0 >> 3; x <= (i + half_px) >> 3; x++) {
+            if (!have_tile(c, map, x, y, PRICE_FOR_FILTER)) return walked(c, map, i, j, k, filter_px);
+            uint32_t place = place_of(x, y);
+            least          = c->least[place] < least ? c->least[place] : least;
+            greatest       = c->greatest[place] > greatest ? c->greatest[place] : greatest;
+        }
+    if (k <= least) return 0;
+    if (k > greatest) return (uint32_t)(filter_px * filter_px);
+    int32_t column = x0 & (VXS_CACHE_PX - 1);
+    if (filter_px == 9) return count_texels(c->depth, column, y0, 9, k); /* most are: loops whose lengths are known */
+    return count_texels(c->depth, column, y0, filter_px, k);
+}

@@ -1,0 +1,332 @@
+/* Streams when things go wrong: no memory, reads that fail, bytes that are not what they should be. Each costs what it has to, and no more.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "formats/vxs_lookup_blocks.h" /* before the baker, which has a type of a name that is a parameter here */
+
+#include <stdio.h>
+#include <xxhash.h>
+
+#include "alloc_fail.h"
+#include "baker/base/parallel.h"
+#include "baker/blocks/block_build.h" /* before cmocka, whose fail() is a macro */
+#include "formats/vxs_bytes.h"
+#include "tests/unit/repeats.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "stream_sample.h"
+
+enum { ENOUGH = 64 << 20, ALL_ATTEMPTS = 8 << (VXS_STREAM_ATTEMPTS + 1) };
+
+static stream_sample sample;
+
+static int set_up(void **state)
+{
+    (void)state;
+    stream_sample_init(&sample, 3);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    stream_sample_free(&sample);
+    return 0;
+}
+
+static void test_failing_allocations(void **state)
+{
+    (void)state;
+    for (uint64_t n = 1;; n++) {
+        alloc_fail      memory    = {.fail_at = n};
+        vxs_allocator   allocator = alloc_fail_allocator(&memory);
+        vxs_stream_desc desc      = stream_desc_of(&sample, ENOUGH);
+        vxs_stream     *stream;
+        desc.allocator    = &allocator;
+        vxs_result result = vxs_stream_open(&stream, &desc);
+        if (result == VXS_OK) {
+            stream_fill(stream, &stream_all);
+            vxs_stream_close(stream);
+            assert_in_range(n, 4, 100);
+        } else {
+            assert_int_equal(result, VXS_E_MEMORY);
+            assert_null(stream);
+        }
+        assert_int_equal(memory.live_bytes, 0);
+        assert_int_equal(memory.wrong_sizes, 0);
+        if (result == VXS_OK) break;
+    }
+}
+
+/* reads --------------------------------------------------------------------------------------------------------------------------- */
+
+/* Read `fail_at` fails, or each so many; short: half of the bytes come. */
+typedef struct bad_reading {
+    uint64_t calls, fail_at, fail_every;
+    int      all_fail;
+} bad_reading;
+
+static vxs_stream_answer read_badly(void *user, uint64_t offset, uint32_t size_bytes, void *buffer, vxs_stream_request *request)
+{
+    bad_reading *b = user;
+    (void)request;
+    b->calls++;
+    int fails = b->all_fail || b->calls == b->fail_at || (b->fail_every && b->calls % b->fail_every == 0);
+    memcpy(buffer, sample.file.data + offset, fails ? size_bytes / 2 : size_bytes);
+    return fails ? VXS_STREAM_FAILED : VXS_STREAM_READ;
+}
+
+static vxs_stream_desc bad_desc(bad_reading *b)
+{
+    vxs_stream_desc desc = stream_desc_of(&sample, ENOUGH);
+    desc.bytes           = NULL;
+    desc.read            = read_badly;
+    desc.read_user       = b;
+    return desc;
+}
+
+typedef struct failures {
+    uint32_t   count, light, page;
+    vxs_result result;
+    int        finding;
+} failures;
+
+static void count_failure(void *user, uint32_t light, uint32_t page, vxs_result result, int finding)
+{
+    failures *f = user;
+    *f          = (failures){f->count + 1, light, page, result, finding};
+}
+
+/* Any read of open that fails is a clear error, and the next one opens. */
+static void test_failing_reads_of_open(void **state)
+{
+    (void)state;
+    uint64_t reads = 0;
+    for (uint64_t n = 1; n <= reads + 1; n++) {
+        bad_reading     b    = {.fail_at = n};
+        vxs_stream_desc desc = bad_desc(&b);
+        vxs_stream     *stream;
+        vxs_result      result = vxs_stream_open(&stream, &desc);
+        assert_int_equal(result, n <= b.calls && b.calls >= n && result != VXS_OK ? VXS_E_READ : VXS_OK);
+        if (result == VXS_OK) {
+            assert_int_equal(b.calls, n - 1); /* the first that is not one of open's */
+            assert_in_range(n, 8, 100);
+            vxs_stream_close(stream);
+            return;
+        }
+        reads = n;
+        assert_null(stream);
+    }
+    fail_msg("%u reads of open", (unsigned)reads);
+}
+
+/* Every n-th read of a page fails, or is short: what it was for is asked again later, and all pages come. */
+static void test_failing_reads(void **state)
+{
+    (void)state;
+    for (uint64_t every = 2; every < 8; every++) {
+        bad_reading       b      = {0};
+        failures          f      = {0};
+        vxs_stream_desc   desc   = bad_desc(&b);
+        vxs_stream_status status = {.struct_size = sizeof status};
+        vxs_stream       *stream;
+        stream_tally      tally = {0};
+        rng               r     = {every};
+        desc.failed             = count_failure;
+        desc.failed_user        = &f;
+        assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+        b.fail_every = every;
+        for (int frame = 0; frame < ALL_ATTEMPTS; frame++) {
+            vxs_stream_frame(stream, &stream_all, 1, &status);
+            if (frame % 16 == 0) stream_check(&sample, stream, &r, 10, &tally);
+        }
+        assert_int_equal(status.pages_missing + status.pages_failed, 0);
+        assert_in_range(f.count, 1, 100);
+        assert_int_equal(f.result, VXS_E_READ);
+        vxs_stream_close(stream);
+    }
+}
+
+/* Nothing can be read any more: after some attempts, farther and farther apart, nothing is asked until the caller says so. */
+static void test_no_reads(void **state)
+{
+    (void)state;
+    bad_reading       b      = {0};
+    vxs_stream_desc   desc   = bad_desc(&b);
+    vxs_stream_status status = {.struct_size = sizeof status};
+    vxs_stream       *stream;
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+    uint64_t opened = b.calls;
+    b.all_fail      = 1;
+    for (int frame = 0; frame < 2 * ALL_ATTEMPTS; frame++) vxs_stream_frame(stream, &stream_all, 1, &status);
+    assert_int_equal(b.calls - opened, VXS_STREAM_ATTEMPTS * sample.page_count);
+    assert_int_equal(status.pages_failed, sample.page_count);
+    assert_int_equal(status.pages_resident, 0);
+    b.all_fail = 0;
+    vxs_stream_frame(stream, &stream_all, 1, &status);
+    assert_int_equal(status.reads, 0);
+    vxs_stream_retry(stream);
+    status = stream_fill(stream, &stream_all);
+    assert_int_equal(status.pages_resident, sample.page_count);
+    vxs_stream_close(stream);
+}
+
+/* corrupt bytes --------------------------------------------------------------------------------------------------------------------- */
+
+/* The section of a light's pages, and the place of a page's bytes in the file. */
+static uint64_t pages_section(const stream_sample *s, uint32_t light)
+{
+    const vxs_contents *c = vxs_asset_contents(s->full);
+    for (uint32_t n = 0; n < c->section_count; n++)
+        if (c->sections[n].kind == VXS_KIND_PAGES && c->sections[n].light == light) return c->sections[n].offset_bytes;
+    return 0;
+}
+
+/* A page's hash does not hold, or its bytes do not; then that page is coarse for good, others come, and once it is mended and asked for again
+ * all is full. */
+static void test_corrupt_pages(void **state)
+{
+    (void)state;
+    for (uint32_t light = 0; light < sample.light_count; light++) {
+        if (light == sample.dag) continue;
+        uint8_t *table = sample.file.data + pages_section(&sample, light), *at = table + 8 + 16 * (size_t)vxs_load32(table);
+        for (uint32_t page = 0; page < vxs_load32(table); at += vxs_load32(table + 8 + 16 * page++))
+            for (int where = 0; where < 2; where++) {
+                uint8_t          *damaged = where ? at + vxs_load32(table + 8 + 16 * page) / 2 : table + 8 + 16 * page + 8;
+                vxs_stream       *stream;
+                vxs_stream_desc   desc = stream_desc_of(&sample, ENOUGH);
+                vxs_stream_status status;
+                failures          f     = {0};
+                stream_tally      tally = {0};
+                rng               r     = {page};
+                desc.failed             = count_failure;
+                desc.failed_user        = &f;
+                desc.decodes_per_frame  = 64;
+                desc.requests           = 64;
+                *damaged ^= 0x10;
+                assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+                status = (vxs_stream_status){.struct_size = sizeof status};
+                for (int frame = 0; frame < 40; frame++) vxs_stream_frame(stream, &stream_all, 1, &status);
+                assert_int_equal(status.pages_resident, sample.page_count - 1);
+                assert_int_equal(status.pages_failed, 1);
+                assert_true(f.count == 1 && f.light == light && f.page == page && f.result == VXS_E_CORRUPT && f.finding == 503);
+                stream_check(&sample, stream, &r, 200, &tally);
+                assert_in_range(tally.coarse, 1, 700);
+                *damaged ^= 0x10;
+                if (!where) { /* the table was read by open, and is not read again */
+                    vxs_stream_close(stream);
+                    continue;
+                }
+                vxs_stream_retry(stream);
+                status = stream_fill(stream, &stream_all);
+                assert_int_equal(status.pages_resident, sample.page_count);
+                vxs_stream_close(stream);
+            }
+    }
+}
+
+/* A page whose bytes, hash and table agree, but whose words break a rule; or of which the table says too much. */
+static void test_pages_of_strangers(void **state)
+{
+    (void)state;
+    rng r = {11};
+    for (uint32_t n = 0; n < repeats(60, 2000); n++) {
+        uint32_t light = rng_below(&r, sample.light_count - 1);
+        if (light == sample.dag) continue;
+        uint8_t    *table = sample.file.data + pages_section(&sample, light), *bytes = table + 8 + 16 * (size_t)vxs_load32(table);
+        uint32_t    size = vxs_load32(table + 8);
+        uint8_t    *kept = malloc(size);
+        uint64_t    hash = vxs_load64(table + 16);
+        vxs_stream *stream;
+        vxs_stream_desc   desc   = stream_desc_of(&sample, ENOUGH);
+        vxs_stream_status status = {.struct_size = sizeof status};
+        desc.decodes_per_frame   = 64;
+        memcpy(kept, bytes, size);
+        for (uint32_t k = 0; k <= rng_below(&r, 8); k++) bytes[rng_below(&r, size)] ^= (uint8_t)(1u << rng_below(&r, 8));
+        vxs_store64(table + 16, XXH64(bytes, size, 0));
+        assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+        for (int frame = 0; frame < 10; frame++) vxs_stream_frame(stream, &stream_all, 1, &status);
+        for (int k = 0; k < 100; k++) {
+            double                 point[3];
+            const vxs_baked_light *l = vxs_stream_light(stream, light);
+            stream_random_point(&l->light, &r, point);
+            float lit = vxs_lookup(l, point, NULL, 9);
+            assert_true((lit >= 0 && lit <= 1) || lit == VXS_OUTSIDE);
+        }
+        vxs_stream_close(stream);
+        memcpy(bytes, kept, size);
+        vxs_store64(table + 16, hash);
+        free(kept);
+    }
+}
+
+/* Each byte of a small file, one after the other, is another: a clear error, or lookups that are what the file said, full or coarse. */
+static void test_every_byte(void **state)
+{
+    (void)state;
+    stream_sample         small  = {0};
+    block_words           w      = stream_words_of(4, 1, MAPS_NOISE, 1);
+    dag_sample            none   = {.levels = 3};
+    uint32_t              opened = 0, refused = 0;
+    static const uint32_t slices[8] = {0, 0, 0, 2, 2, 1, 1, 1};
+    static const uint64_t mask      = 0x000000003c3c0000u;
+    vxs_write_light       lights[3] = {stream_light_of(&w, 4, VXS_LIGHT_KIND_DIRECTIONAL, 0, VXS_PACKING_SMALL, "sun"),
+                                       stream_light_of(&w, 4, VXS_LIGHT_KIND_DIRECTIONAL, 0, VXS_PACKING_FAST, "fast"),
+                                       dag_sample_light(&none, "moon")};
+    lights[2].dag        = (vxs_dag_view){.nodes = {slices}, .count = {1}, .level_count = 1, .masks = &mask, .mask_count = 1};
+    vxs_write_desc write = {.lights = lights, .light_count = 3, .zstd_level = 1, .metadata = "{}"};
+    assert_int_equal(vxs_write(&small.file, &write), VXS_OK);
+    stream_sample_open(&small);
+    for (size_t n = 0; n < small.file.size_bytes; n++)
+        for (int bit = 0; bit < 8; bit += 3) {
+            vxs_stream     *stream;
+            vxs_stream_desc desc  = stream_desc_of(&small, ENOUGH);
+            stream_tally    tally = {0};
+            rng             r     = {n};
+            small.file.data[n] ^= (uint8_t)(1 << bit);
+            vxs_result result = vxs_stream_open(&stream, &desc);
+            if (result == VXS_OK) {
+                for (int frame = 0; frame < 4; frame++) vxs_stream_frame(stream, &stream_all, 1, NULL);
+                stream_check(&small, stream, &r, 3, &tally);
+                opened++;
+            } else {
+                assert_true(result >= VXS_E_NOT_VXS && result <= VXS_E_CORRUPT);
+                refused++;
+            }
+            vxs_stream_close(stream);
+            small.file.data[n] ^= (uint8_t)(1 << bit);
+        }
+    assert_in_range(opened, 100, UINT32_MAX);
+    assert_in_range(refused, 1000, UINT32_MAX);
+    block_words_free(&w);
+    stream_sample_free(&small);
+}
+
+/* A file that ends early. */
+static void test_every_length(void **state)
+{
+    (void)state;
+    for (size_t size = 0; size < sample.file.size_bytes; size += size < 500 ? 1 : 997) {
+        vxs_stream     *stream;
+        vxs_stream_desc desc = stream_desc_of(&sample, ENOUGH);
+        desc.size_bytes      = size;
+        vxs_result result    = vxs_stream_open(&stream, &desc);
+        assert_int_equal(result, size > 0 && size < 8 ? VXS_E_NOT_VXS : VXS_E_TRUNCATED);
+        assert_null(stream);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_failing_allocations), cmocka_unit_test(test_failing_reads_of_open),
+        cmocka_unit_test(test_failing_reads),       cmocka_unit_test(test_no_reads),
+        cmocka_unit_test(test_corrupt_pages),       cmocka_unit_test(test_pages_of_strangers),
+        cmocka_unit_test(test_every_byte),          cmocka_unit_test(test_every_length),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
