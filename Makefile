@@ -1,23 +1,25 @@
 # vxs: precomputed voxelized shadows. The only build description, with runtime/install/install.mk.
 #
-#   make                build the command, the runtime library and the bake library: build/release/vxs, libvxs.a and .so, libvxs_bake.a and .so;
-#                       and vxs-mpi, where there is an mpicc
+#   make                build the command and the libraries of the runtime, its OpenGL, and the bake: build/release/vxs, libvxs.a and .so,
+#                       libvxs_gl.a and .so, libvxs_bake.a and .so; and vxs-mpi, where there is an mpicc
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
 #   make check          install what is missing, build, run every test
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-repeats  unit tests with all their random inputs, of which the others take a part: some minutes, config=asan more
+#   make check-exact    every voxel of maps twice as fine, and ten times as many columns of fine ones: some minutes
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
 #   make check-faults   kill bakes and ranks 50 times each, flip every bit, and bake large maps with too little memory: some minutes
 #   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
 #                       sources or columns (tests/exact/sparse.py)
-#   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps, and in a million of maps of
-#                       real scenes at 4096, and of suns and lamps at 8192: some minutes
+#   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps: a minute
 #   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
+#   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
+#   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
 #   make deb            Debian packages, in build/release/deb
@@ -81,11 +83,14 @@ mpi.c     := $(wildcard baker/mpi/*.c)
 mpi.o     := $(mpi.c:%=$B/%.o)
 mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
+gl.c      := $(wildcard runtime/gl/*.c)
+gl.text   := $(wildcard runtime/gl/*.glsl) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 library.c := $(wildcard baker/library/*.c)
 baker.c   := $(filter-out $(library.c) $(mpi.c),$(wildcard baker/*/*.c baker/*/*/*.c))
 library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
+gl.o      := $(gl.c:%=$B/%.o) $B/runtime/gl/texts.c.o
 # what takes longest to compile comes first, so that no processor waits for it in the end
 baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
@@ -94,7 +99,7 @@ level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
 baker.o   += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
 endif
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.*)) $B/baker/report/chart.min.js.o
+embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl)) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
@@ -106,28 +111,29 @@ shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o
-objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(pic.o) $(test.o)
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
+objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(pic.o) $(gl.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-repeats check-memory check-faults check-sparse check-cracks check-tsan bench bench-large packages format clean
-all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_bake.a $B/libvxs_bake.so
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-flight bench-large bench-lights packages format clean
+all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
 
-$B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs.a
+$B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs_gl.a $B/libvxs.a
 ifdef mpi
-$(mpi): $(mpi.o) $B/baker.a $B/libvxs.a
+$(mpi): $(mpi.o) $B/baker.a $B/libvxs_gl.a $B/libvxs.a
 $(mpi): test_libs = $(shell $(MPICC) --showme:link)
 $(mpi.o): cflags += $(shell $(MPICC) --showme:compile)
 endif
 # an archive: what a test does not call is not linked into it, which takes the linker a quarter of the time
 $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
-$(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs.a
+$(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
 $B/tests/unit/test_lookup_blocks: $B/tests/unit/blocks_scalar.c.o
+$B/tests/unit/test_lookup_many: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(shader)
@@ -137,7 +143,7 @@ $B/vxs $(mpi) $(unit) $(helper):
 	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 $(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
-$(filter-out %/fuzz_vxs,$(fuzz)): $B/baker.a # fuzz_vxs stands on the runtime alone
+$(filter-out %/fuzz_vxs,$(fuzz)): $B/baker.a $B/libvxs_gl.a # fuzz_vxs stands on the runtime alone
 $(fuzz): $B/libvxs.a
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(libs) $(LDFLAGS)
@@ -150,8 +156,18 @@ fuzz-commands: $B/vxs
 	@$(python) tests/fuzz/command_lines.py --vxs $< --seconds $(or $(seconds),60) --seed $(or $(seed),1)
 
 $B/libvxs.a: $(runtime.o)
+$B/libvxs_gl.a: $(gl.o)
+$B/libvxs.a $B/libvxs_gl.a:
 	@echo "  ar   $@"
 	$Q$(RM) $@ && $(AR) rcs $@ $^
+
+# texts of shaders as C strings: what every compiler takes
+$B/runtime/gl/texts.c: $(gl.text) Makefile
+	$Q mkdir -p $(@D) && for f in $(gl.text); do n=$$(basename $$f | tr . _); \
+	    echo "extern const char vxs_gl_text_$$n[];"; echo "const char vxs_gl_text_$$n[] ="; \
+	    sed 's/[\\"]/\\&/g; s/^/    "/; s/$$/\\n"/' $$f; echo "    ;"; done >$@
+$B/runtime/gl/texts.c.o: $B/runtime/gl/texts.c
+	$(compile)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
 # CGAL's filling of holes is templates, for which a compiler takes long: without triangulations in a plane, which are off unless asked for;
@@ -220,7 +236,7 @@ demo: $B/vxs
 	$B/vxs bake $D/city.glb -o $D/city.vxs --json $D/bake.json
 	$B/vxs compare $D/city.glb $D/city.vxs --points 100000 --bake-report $D/bake.json \
 		--json $D/compare.json
-	$B/vxs picture $D/city.glb $D/city.vxs -o $D/city.png
+	$B/vxs render $D/city.glb $D/city.vxs -o $D/city.png
 	@echo; echo "scene $D/city.glb, shadows $D/city.vxs, picture $D/city.png, reports $D/bake.json and $D/compare.json"
 
 check: all unit
@@ -231,6 +247,8 @@ check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit
 check-repeats: $(unit) $(fuzz)
 	@VXS_TEST_REPEATS=all $(python) tests/run --build $B --unit
+check-exact: $B/vxs $B/tests/exact/exact
+	@VXS_SIDE=512 VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider -n auto tests/cli/test_exact.py
 check-memory: all
 	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
 check-faults: all
@@ -238,18 +256,26 @@ check-faults: all
 	    tests/cli/test_resume.py tests/cli/test_parts.py tests/cli/test_farm.py tests/cli/test_faults.py tests/cli/test_limits.py
 check-sparse: $B/vxs $B/tests/exact/exact $B/tests/bench/sources
 	@$(python) tests/exact/sparse.py --build $B $(if $(part),--part $(part))
-check-cracks: $B/tests/bench/cracks $B/vxs $B/tests/exact/exact
+check-cracks: $B/tests/bench/cracks
 	@$<
-	@VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_exact.py \
-	    -k "columns_at_4096 or several_map_tiles or columns_of_fine_lamps"
 check-tsan: packages
 	@$(MAKE) config=tsan packages=skip all check-unit
 	@VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py
 
 bench: all $(helper)
 	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
+bench-flight: $B/vxs $B/tests/bench/flight
+	$B/vxs scene city --triangles 800000 --blocks 22 -o build/flight.glb --force
+	@for px in 16384 65536; do for pack in small fast; do \
+	    $B/vxs bake build/flight.glb -o build/flight.vxs --resolution $$px --pack $$pack --quiet --force || exit 1; \
+	    for threads in 0 1; do $B/tests/bench/flight build/flight.vxs --speed 50 --threads $$threads \
+	        --json build/flight_$${px}_$${pack}_$$threads.json || exit 1; done; done; done
 bench-large: $B/vxs $B/tests/bench/two_maps
 	@$(python) tests/bench/large.py --build $B --json build/large.json
+
+# of a machine's graphics card: make bench-lights gl=egl size=1920x1080 resolution=8192 frames=200
+bench-lights: $B/vxs
+	@$(python) tests/bench/lights.py --vxs $< --json build/lights.json $(foreach o,gl size filter resolution frames runs,$(if $($o),--$o $($o)))
 
 # --- other goals -----------------------------------------------------------------------------------------------------------
 

@@ -22,9 +22,10 @@ DOCUMENTS = ["README.md", "LICENSE", "LICENSE.MIT", "LICENSE.GPL-3.0", "formats/
              *(str(path.relative_to(ROOT)) for path in (ROOT / "docs").rglob("*") if path.is_file())]
 INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}", f"lib/libvxs.so.{VERSION}", "lib/pkgconfig/vxs.pc",
              "lib/cmake/vxs/vxsConfig.cmake", "lib/cmake/vxs/vxsConfigVersion.cmake",
+             "lib/libvxs_gl.a", "lib/libvxs_gl.so", f"lib/libvxs_gl.so.{MAJOR}", f"lib/libvxs_gl.so.{VERSION}", "lib/pkgconfig/vxs_gl.pc",
              "lib/libvxs_bake.a", "lib/libvxs_bake.so", f"lib/libvxs_bake.so.{MAJOR}", f"lib/libvxs_bake.so.{VERSION}", "lib/pkgconfig/vxs_bake.pc",
-             *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_bake", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
-                                             "vxs_lookup_blocks", "vxs_space")),
+             "include/vxs/vxs.hpp", *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_query", "vxs_stream", "vxs_bake", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
+                                             "vxs_lookup_blocks", "vxs_space", "vxs_gl", "vxs_cull")),
              "share/man/man1/vxs.1", *(f"share/man/man1/vxs-{command}.1" for command in COMMANDS),
              "share/bash-completion/completions/vxs", "share/zsh/site-functions/_vxs", "share/fish/vendor_completions.d/vxs.fish",
              *(f"share/doc/vxs/{name}" for name in DOCUMENTS)}
@@ -45,23 +46,53 @@ int main(int argc, char **argv)
 }
 """
 
+GL_USER = """
+#include <stdio.h>
+#include <string.h>
+#include <vxs_gl.h>
+
+static vxs_gl_function none(const char *name, void *user)
+{
+    (void)name;
+    (void)user;
+    return NULL;
+}
+
+int main(int argc, char **argv)
+{
+    vxs_gl_desc desc;
+    vxs_asset  *asset;
+    vxs_gl     *gl;
+    memset(&desc, 0, sizeof desc);
+    if (argc != 2 || vxs_asset_open_file(&asset, argv[1], NULL) != VXS_OK) return 1;
+    desc.get_proc_address = none;
+    desc.asset            = asset;
+    puts(vxs_gl_create(&gl, &desc) == VXS_E_GL && !gl ? "no OpenGL" : "OpenGL");
+    vxs_gl_destroy(gl);
+    vxs_asset_close(asset);
+    return 0;
+}
+"""
+
 CXX_USER = """
 #include <cstdio>
-#include <vxs.h>
+#include <utility>
+#include <vxs.hpp>
 #include <vxs_lookup.h>
 #include <vxs_space.h>
 
 int main(int argc, char **argv)
 {
-    vxs_asset *asset = nullptr;
-    if (argc != 2 || vxs_asset_open_file(&asset, argv[1], nullptr) != VXS_OK) return 1;
-    const vxs_baked_light *sun  = vxs_asset_find_light(asset, "sun");
-    const vxs_contents *contents = vxs_asset_contents(asset);
+    vxs::asset opened, asset;
+    if (argc != 2 || vxs::open(opened, argv[1]) != VXS_OK) return 1;
+    asset = std::move(opened);
+    if (vxs::open(opened, "no such file") != VXS_E_READ || vxs::open_bytes(opened, "", 0) != VXS_E_TRUNCATED || opened) return 1;
+    const vxs_baked_light *sun  = vxs_asset_find_light(asset.get(), "sun");
+    const vxs_contents *contents = vxs_asset_contents(asset.get());
     std::printf("%u %u %u ", contents->version, vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 3),
                 vxs_shadow(sun->words, 0, sun->light.levels, 2, 2, 2));
     const double point[3] = {2.5, 4.5, 2.5}, normal[3] = {0, 0, 0};
     if (vxs_lit(sun->words, &sun->light, point, normal, 1) != vxs_lookup(sun, point, nullptr, 1)) return 2;
-    vxs_asset_close(asset);
     /* the layer below, by its own header */
     vxs_contents none = {};
     std::printf("%s", vxs_read(&none, "", 0, nullptr) == VXS_E_TRUNCATED ? "ok" : "not refused");
@@ -103,9 +134,9 @@ def files_under(folder):
     return {name for name in tree_under(folder) if (folder / name).is_symlink() or not (folder / name).is_dir()}
 
 
-def pkg_config(folder, env, *args):
+def pkg_config(folder, env, *args, package="vxs"):
     env = {"PATH": os.environ["PATH"], "PKG_CONFIG_PATH": str(folder), **env}
-    done = subprocess.run(["pkg-config", *args, "vxs"], env=env, capture_output=True, text=True)
+    done = subprocess.run(["pkg-config", *args, package], env=env, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return shlex.split(done.stdout)
 
@@ -131,8 +162,8 @@ def build_and_run(folder, name, source, compiler, flags, extra, libdir):
 
 
 C_COMPILER = [*os.environ.get("CC", "cc").split(), "-std=c99", "-pedantic"]
-CXX_COMPILER = [*os.environ.get("CXX", "c++").split(), "-std=c++11", "-pedantic"]
-C_SAYS, CXX_SAYS = "0 1 0 -1 ", "1 1 0 ok"
+CXX_COMPILER = [*os.environ.get("CXX", "c++").split(), "-std=c++11", "-pedantic", "-Wold-style-cast"]
+C_SAYS, CXX_SAYS, GL_SAYS = "0 1 0 -1 ", "1 1 0 ok", "no OpenGL\n"
 
 CMAKE_USER = """
 cmake_minimum_required(VERSION 3.16)
@@ -153,6 +184,10 @@ target_link_libraries(c_vxs PRIVATE vxs::vxs)
 target_link_libraries(c_static PRIVATE vxs::static)
 target_link_libraries(cxx_shared PRIVATE vxs::shared)
 target_link_libraries(cxx_static PRIVATE vxs::static)
+add_executable(gl_vxs gl.c)
+add_executable(gl_static gl.c)
+target_link_libraries(gl_vxs PRIVATE vxs::gl)
+target_link_libraries(gl_static PRIVATE vxs::gl_static)
 """
 
 
@@ -168,13 +203,15 @@ def use_with_cmake(folder, prefix, build, *args):
     folder.mkdir()
     (folder / "user.c").write_text(C_USER)
     (folder / "user.cpp").write_text(CXX_USER)
+    (folder / "gl.c").write_text(GL_USER)
     (folder / "CMakeLists.txt").write_text(CMAKE_USER.replace("@VERSION@", VERSION))
     flags = " ".join(SANITIZERS.get(config_of(build), []))
     for line in (["cmake", "-S", ".", "-B", "made", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_C_FLAGS={flags}", f"-DCMAKE_CXX_FLAGS={flags}", *args],
                  ["cmake", "--build", "made"]):
         done = subprocess.run(line, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stdout + done.stderr
-    for program, says in (("c_vxs", C_SAYS), ("c_static", C_SAYS), ("cxx_shared", CXX_SAYS), ("cxx_static", CXX_SAYS)):
+    for program, says in (("c_vxs", C_SAYS), ("c_static", C_SAYS), ("cxx_shared", CXX_SAYS), ("cxx_static", CXX_SAYS),
+                          ("gl_vxs", GL_SAYS), ("gl_static", GL_SAYS)):
         assert run_user(folder / "made" / program) == says
         assert (f"libvxs.so.{MAJOR}" in needed(folder / "made" / program)) == (not program.endswith("static"))
 
@@ -198,7 +235,7 @@ def test_install_use_uninstall(build, tmp_path, staged):
     make(build, "install", *where)  # over what is there
     assert files_under(root) == INSTALLED | others
     assert os.access(root / "bin" / "vxs", os.X_OK) and not os.access(root / "lib" / f"libvxs.so.{VERSION}", os.X_OK)
-    for name in ("pkgconfig/vxs.pc", "pkgconfig/vxs_bake.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
+    for name in ("pkgconfig/vxs.pc", "pkgconfig/vxs_gl.pc", "pkgconfig/vxs_bake.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
         assert "@" not in (root / "lib" / name).read_text()
     assert re.match(r'\.TH VXS-BAKE 1 "\d{4}-\d\d-\d\d" ', (root / "share/man/man1/vxs-bake.1").read_text())
 
@@ -210,10 +247,15 @@ def test_install_use_uninstall(build, tmp_path, staged):
     assert build_and_run(user, "user.c", C_USER, C_COMPILER, flags, extra, libdir) == C_SAYS
     assert f"libvxs.so.{MAJOR}" in needed(user / "user") and "libzstd.so.1" not in needed(user / "user")
     assert build_and_run(user, "user.cpp", CXX_USER, CXX_COMPILER, flags, extra, libdir) == CXX_SAYS
+    for language, name, compiler in (("C", "gl.c", C_COMPILER), ("C++", "gl.cpp", CXX_COMPILER)):
+        flags = pkg_config(libdir / "pkgconfig", env, "--cflags", "--libs", package="vxs_gl")
+        assert build_and_run(user, name, GL_USER, compiler, flags, extra, libdir) == GL_SAYS, language
     if not extra:  # sanitizers have no static programs
         flags = ["-static", *pkg_config(libdir / "pkgconfig", env, "--static", "--cflags", "--libs")]
         assert build_and_run(user, "user.c", C_USER, C_COMPILER, flags, [], None) == C_SAYS and needed(user / "user") == []
         assert build_and_run(user, "user.cpp", CXX_USER, CXX_COMPILER, flags, [], None) == CXX_SAYS
+        flags = ["-static", *pkg_config(libdir / "pkgconfig", env, "--static", "--cflags", "--libs", package="vxs_gl")]
+        assert build_and_run(user, "gl.c", GL_USER, C_COMPILER, flags, [], None) == GL_SAYS and needed(user / "user") == []
 
     make(build, "uninstall", *where)
     make(build, "uninstall", *where)  # nothing is there any more: no error
@@ -241,30 +283,37 @@ def nm(library, *args):
     return {line.split()[0] for line in done.stdout.splitlines() if len(line.split()) > 1}
 
 
-def test_library_symbols(build):
-    defined = nm(build / "libvxs.a", "-g", "--defined-only")
-    assert "vxs_lookup" in defined and "vxs_read" in defined
+@pytest.mark.parametrize("library, some", [("libvxs.a", {"vxs_lookup", "vxs_read"}), ("libvxs_gl.a", {"vxs_gl_create", "vxs_cull"})])
+def test_library_symbols(build, library, some):
+    defined = nm(build / library, "-g", "--defined-only")
+    assert some <= defined
     foreign = {name for name in defined if not name.startswith("vxs_")}
     if config_of(build) in SANITIZERS:  # which mark each global
         foreign = {name for name in foreign if not re.match(r"__(odr_)?(asan|ubsan|tsan)", name)}
     assert foreign == set()
-    missing = {name for name in nm(build / "libvxs.a", "-u") if name.startswith("vxs_")} - defined
-    assert missing == set()
+    missing = {name for name in nm(build / library, "-u") if name.startswith("vxs_")} - defined
+    assert missing <= nm(build / "libvxs.a", "-g", "--defined-only") - defined
+    assert not {name for name in nm(build / library, "-u") if name.startswith(("gl", "egl", "OSMesa"))}
 
 
-def test_shared_library_has_what_headers_declare(build):
-    library = build / "libvxs.so"
-    exported = subprocess.run(["nm", "-D", "--defined-only", "--with-symbol-versions", library], capture_output=True, text=True, check=True)
+@pytest.mark.parametrize("library, headers, libraries", [
+    ("libvxs", ["runtime/vxs.h", "runtime/vxs_query.h", "runtime/vxs_stream.h", "formats/vxs_file.h"], {"libzstd.so.1", "libxxhash.so.0"}),
+    ("libvxs_gl", ["runtime/gl/vxs_gl.h"], {f"libvxs.so.{MAJOR}"})], ids=["libvxs", "libvxs_gl"])
+def test_shared_library_has_what_headers_declare(build, tmp_path, library, headers, libraries):
+    shared = build / f"{library}.so"
+    exported = subprocess.run(["nm", "-D", "--defined-only", "--with-symbol-versions", shared], capture_output=True, text=True, check=True)
     names = dict(line.split()[2].split("@@") for line in exported.stdout.splitlines() if line.split()[1] != "A")
-    headers = HEADER + (ROOT / "formats" / "vxs_file.h").read_text()
-    declared = set(re.findall(r"^(?!typedef|static)\w[^;(\n]*?\b(vxs_\w+)\(", headers, re.MULTILINE))
-    assert len(names) > 10 and set(names) == declared & nm(build / "libvxs.a", "-g", "--defined-only")
-    assert set(names.values()) == {f"VXS_{MAJOR}"}
-    dynamic = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True).stdout
-    assert f"soname: [libvxs.so.{MAJOR}]" in dynamic
+    text = "".join((ROOT / header).read_text() for header in headers)
+    declared = set(re.findall(r"^(?!typedef|static)\w[^;(\n]*?\b(vxs_\w+)\(", text, re.MULTILINE))
+    assert len(names) > 10 and set(names) == declared & nm(build / f"{library}.a", "-g", "--defined-only")
+    assert set(names.values()) == {f"{library[3:].upper()}_{MAJOR}"}
+    dynamic = subprocess.run(["readelf", "-d", shared], capture_output=True, text=True, check=True).stdout
+    assert f"soname: [{library}.so.{MAJOR}]" in dynamic
     if config_of(build) not in SANITIZERS:
-        assert set(needed(library)) <= {"libc.so.6", "libm.so.6", "libzstd.so.1", "libxxhash.so.0"}
-        loose = subprocess.run(["ldd", "-r", library], capture_output=True, text=True, check=True)
+        assert set(needed(shared)) <= {"libc.so.6", "libm.so.6"} | libraries
+        (tmp_path / f"libvxs.so.{MAJOR}").symlink_to(build / "libvxs.so")
+        loose = subprocess.run(["ldd", "-r", shared], env=os.environ | {"LD_LIBRARY_PATH": str(tmp_path)}, capture_output=True, text=True,
+                               check=True)
         assert "undefined symbol" not in loose.stdout + loose.stderr
 
 
@@ -279,7 +328,7 @@ def test_library_needs_only_libc_libm_zstd_xxhash(build, tmp_path):
 
 def test_formats_and_runtime_stay_apart_from_the_baker():
     for folder in ("formats", "runtime"):
-        for path in (ROOT / folder).glob("*.[ch]"):
+        for path in (ROOT / folder).rglob("*.[ch]"):
             text = path.read_text()
             assert not re.search(r'#include ["<](baker|tests)/', text), path
             assert "SPDX-License-Identifier: MIT" in text, path

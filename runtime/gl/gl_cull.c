@@ -1,0 +1,166 @@
+/* Lists of lights for tiles of pixels; see vxs_gl.h. In C they are made of vxs_cull.h in float, as shaders make them.
+ * SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "gl_state.h"
+
+#define vxs_real     float
+#define VXS_REAL_MIN 1e-30f
+#define VXS_LIGHT    const vxs_light_constants *
+#include "vxs_cull.h"
+
+enum { LISTS_WIDE = 2048, CULL_TEXTS = VXS_GL_TEXTS + 2 };
+
+uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_lights)
+{
+    uint64_t columns = ((uint64_t)width_px + VXS_TILE_PX - 1) / VXS_TILE_PX,
+             rows    = ((uint64_t)height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
+    return VXS_LISTS_HEAD + columns * rows * ((uint64_t)tile_lights + 1);
+}
+
+/* in C ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* A box; empty where low is greater than high. */
+typedef struct tile_box {
+    float low[3], high[3];
+} tile_box;
+
+static void add_pixel(tile_box *b, const vxs_view *v, uint32_t x, uint32_t y, float depth)
+{
+    const float *m = v->point_from_depth, u = ((float)x + 0.5f) / (float)v->width_px, w = ((float)y + 0.5f) / (float)v->height_px;
+    float        last = m[3] * u + m[7] * w + m[11] * depth + m[15];
+    for (int n = 0; n < 3; n++) {
+        float at   = (m[n] * u + m[4 + n] * w + m[8 + n] * depth + m[12 + n]) / last;
+        b->low[n]  = at < b->low[n] ? at : b->low[n];
+        b->high[n] = at > b->high[n] ? at : b->high[n];
+    }
+}
+
+static tile_box box_of_tile(const vxs_view *v, const float *depths, uint32_t column, uint32_t row)
+{
+    tile_box b      = {{3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}};
+    uint32_t x_last = (column + 1) * VXS_TILE_PX, y_last = (row + 1) * VXS_TILE_PX;
+    for (uint32_t y = row * VXS_TILE_PX; y < y_last && y < v->height_px; y++)
+        for (uint32_t x = column * VXS_TILE_PX; x < x_last && x < v->width_px; x++) {
+            float depth = depths[(size_t)y * v->width_px + x];
+            if (depth != v->empty_depth) add_pixel(&b, v, x, y, depth);
+        }
+    return b;
+}
+
+/* Returns how many lights meet the box; those that there is room for are listed. */
+static uint32_t list_lights(const vxs_light_constants *lights, uint32_t light_count, const tile_box *b, int32_t filter_px,
+                            uint32_t room, uint32_t *list)
+{
+    float    middle[3], half_size[3];
+    uint32_t count = 0;
+    if (b->low[0] > b->high[0]) return 0;
+    for (int n = 0; n < 3; n++) {
+        middle[n]    = 0.5f * (b->low[n] + b->high[n]);
+        half_size[n] = b->high[n] - middle[n];
+    }
+    for (uint32_t n = 0; n < light_count; n++) {
+        if (!vxs_light_meets_box(&lights[n], middle, half_size, filter_px)) continue;
+        if (count < room) list[count] = n;
+        count++;
+    }
+    return count;
+}
+
+uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const vxs_view *view, const float *depths,
+                  uint32_t tile_lights, uint32_t *lists)
+{
+    uint32_t columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
+    uint32_t longest = 0, *list = lists + VXS_LISTS_HEAD;
+    memcpy(lists, (const uint32_t[VXS_LISTS_HEAD]){columns, rows, tile_lights, light_count}, VXS_LISTS_HEAD * sizeof *lists);
+    for (uint32_t row = 0; row < rows; row++)
+        for (uint32_t column = 0; column < columns; column++, list += tile_lights + 1) {
+            tile_box b = box_of_tile(view, depths, column, row);
+            list[0]    = list_lights(lights, light_count, &b, view->filter_px, tile_lights, list + 1);
+            longest    = list[0] > longest ? list[0] : longest;
+        }
+    return longest;
+}
+
+/* on the graphics processor ---------------------------------------------------------------------------------------------------------- */
+
+static int make_lists(vxs_gl *gl, uint64_t words)
+{
+    if (gl->lists.name && gl->lists.count == words) return 1;
+    vxs_gl_words_delete(gl, &gl->lists);
+    return vxs_gl_words_make(gl, &gl->lists, words, 1, LISTS_WIDE);
+}
+
+vxs_result vxs_gl_put_lists(vxs_gl *gl, const uint32_t *lists)
+{
+    uint64_t words = VXS_LISTS_HEAD + (uint64_t)lists[0] * lists[1] * ((uint64_t)lists[2] + 1);
+    if (!make_lists(gl, words)) return VXS_E_MEMORY;
+    vxs_gl_words_write(gl, &gl->lists, lists, 0, (uint32_t)words);
+    return VXS_OK;
+}
+
+static int can_compute(const gl_api *api)
+{
+#define THERE(result, name, arguments)                                                                                             \
+    if (!api->name) return 0;
+    GL_COMPUTE_API(THERE)
+#undef THERE
+    return 1;
+}
+
+static int make_culling(vxs_gl *gl)
+{
+    const gl_api *api = &gl->api;
+    const char   *head[VXS_GL_TEXTS], *texts[CULL_TEXTS] = {gl->head, "#define VXS_GL_CULL\n"};
+    int           good = 0;
+    vxs_gl_texts(gl, head);
+    memcpy(texts + 2, head + 1, (VXS_GL_TEXTS - 1) * sizeof *texts);
+    texts[CULL_TEXTS - 1] = vxs_gl_text_cull_glsl;
+
+    gl_name shader = api->CreateShader(GL_KIND_COMPUTE_SHADER);
+    gl->culling    = api->CreateProgram();
+    api->ShaderSource(shader, CULL_TEXTS, texts, NULL);
+    api->CompileShader(shader);
+    api->AttachShader(gl->culling, shader);
+    api->DeleteShader(shader);
+    api->LinkProgram(gl->culling);
+    api->GetProgramiv(gl->culling, GL_STATUS_LINK, &good);
+    if (good) return 1;
+    api->DeleteProgram(gl->culling);
+    gl->culling = 0;
+    return 0;
+}
+
+/* Depths are on the unit of the words' texture, which this storage has no use for. */
+static void dispatch(const vxs_gl *gl, const vxs_view *v, gl_name depths, uint32_t columns, uint32_t rows, uint32_t tile_lights)
+{
+    const gl_api *api = &gl->api;
+    int           program, unit, texture;
+    api->GetIntegerv(GL_IS_PROGRAM, &program);
+    api->GetIntegerv(GL_IS_ACTIVE_TEXTURE, &unit);
+    api->ActiveTexture(GL_UNIT_0);
+    api->GetIntegerv(GL_IS_TEXTURE_2D, &texture);
+    api->BindTexture(GL_TARGET_TEXTURE_2D, depths);
+    api->UseProgram(gl->culling);
+    api->Uniform1i(api->GetUniformLocation(gl->culling, "vxs_depths"), 0);
+    api->UniformMatrix4fv(api->GetUniformLocation(gl->culling, "vxs_point_from_depth"), 1, 0, v->point_from_depth);
+    api->Uniform4f(api->GetUniformLocation(gl->culling, "vxs_sizes"), (float)v->width_px, (float)v->height_px, v->empty_depth,
+                   (float)v->filter_px);
+    api->Uniform2ui(api->GetUniformLocation(gl->culling, "vxs_room"), columns, tile_lights);
+    api->DispatchCompute(columns, rows, 1);
+    api->MemoryBarrier(GL_BARRIER_SHADER_STORAGE);
+    api->UseProgram((gl_name)program);
+    api->BindTexture(GL_TARGET_TEXTURE_2D, (gl_name)texture);
+    api->ActiveTexture((gl_enum)unit);
+}
+
+vxs_result vxs_gl_cull(vxs_gl *gl, const vxs_view *view, unsigned depth_texture, uint32_t tile_lights)
+{
+    uint32_t columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
+    if (gl->is_texture || !can_compute(&gl->api)) return VXS_E_GL;
+    if (!make_lists(gl, vxs_lists_words(view->width_px, view->height_px, tile_lights))) return VXS_E_MEMORY;
+    if (!gl->culling && !make_culling(gl)) return VXS_E_GL;
+    vxs_gl_bind(gl);
+    dispatch(gl, view, depth_texture, columns, rows, tile_lights);
+    return VXS_OK;
+}

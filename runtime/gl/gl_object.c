@@ -1,0 +1,270 @@
+/* Words and lights on a graphics processor; see vxs_gl.h.
+ * SPDX-License-Identifier: MIT */
+#include "vxs_gl.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gl_state.h"
+#include "vxs_memory.h"
+
+enum { WORDS_WIDE = 2048, LIGHTS_WIDE = 64, LIGHT_TEXELS = 6, LIGHT_WORDS = 24, RANGES_AT_FIRST = 64 };
+
+_Static_assert(sizeof(vxs_light_constants) == LIGHT_WORDS * sizeof(uint32_t), "lights are uploaded as words");
+
+/* the context --------------------------------------------------------------------------------------------------------------------- */
+
+static int load(vxs_gl *gl, const vxs_gl_desc *desc)
+{
+#define LOAD(result, name, arguments) gl->api.name = (result(GL_CALL *) arguments)desc->get_proc_address("gl" #name, desc->user);
+#define LOADED(result, name, arguments)                                                                                            \
+    if (!gl->api.name) return 0;
+    GL_API(LOAD)
+    GL_API(LOADED)
+    GL_COMPUTE_API(LOAD)
+#undef LOADED
+#undef LOAD
+    return 1;
+}
+
+/* "4.5 (Core Profile) ...", or "OpenGL ES 3.1 ...". */
+static void read_version(vxs_gl *gl)
+{
+    static const char es[]  = "OpenGL ES ";
+    const char       *text  = (const char *)gl->api.GetString(GL_NAME_VERSION);
+    int               major = 0, minor = 0;
+    if (!text) return;
+    gl->is_es = !strncmp(text, es, sizeof es - 1);
+    if (sscanf(text + (gl->is_es ? sizeof es - 1 : 0), "%d.%d", &major, &minor) == 2) gl->version = 100 * major + 10 * minor;
+}
+
+/* Whether words and lights can lie in storage buffers. */
+static int has_buffers(const vxs_gl *gl, uint64_t bytes)
+{
+    int blocks = 0, most = 0;
+    if (gl->version < (gl->is_es ? 310 : 430)) return 0;
+    gl->api.GetIntegerv(GL_MOST_FRAGMENT_STORAGE_BLOCKS, &blocks);
+    gl->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
+    return blocks >= 3 && bytes <= (uint64_t)most;
+}
+
+static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word_count)
+{
+    read_version(gl);
+    int buffers    = has_buffers(gl, word_count * sizeof(uint32_t));
+    gl->is_texture = asked == VXS_GL_TEXTURE || !buffers;
+    if (asked == VXS_GL_BUFFER && !buffers) return gl->version >= (gl->is_es ? 310 : 430) ? VXS_E_MEMORY : VXS_E_GL;
+    return gl->version < (gl->is_es ? 300 : 330) ? VXS_E_GL : VXS_OK;
+}
+
+/* lights and words ---------------------------------------------------------------------------------------------------------------- */
+
+static void *take(const vxs_gl *gl, uint64_t count, size_t size)
+{
+    return count > SIZE_MAX / size ? NULL : gl->memory.alloc((size_t)count * size, gl->memory.user);
+}
+
+static void give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t size)
+{
+    if (memory) gl->memory.free(memory, (size_t)count * size, gl->memory.user);
+}
+
+/* The lights of an asset, their words one behind the other.   Returns how many words that are. */
+static uint64_t lights_of_asset(vxs_gl *gl, const vxs_asset *asset)
+{
+    uint64_t words = 0;
+    for (uint32_t n = 0; n < gl->light_count; n++) {
+        const vxs_baked_light *baked = vxs_asset_light(asset, n);
+        gl->lights[n]                = (vxs_gl_light){&baked->light, (uint32_t)words};
+        words += baked->word_count;
+    }
+    return words;
+}
+
+static vxs_result put_asset(vxs_gl *gl, const vxs_asset *asset)
+{
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; r == VXS_OK && n < gl->light_count; n++) {
+        const vxs_baked_light *baked = vxs_asset_light(asset, n);
+        r                            = vxs_gl_put(gl, baked->words, gl->lights[n].first_word, baked->word_count);
+    }
+    return r;
+}
+
+/* A power of two, so that a row is a shift away; more than every WebGL 2 has only where a texture would be too high. */
+static uint32_t words_wide(const vxs_gl *gl, uint64_t count)
+{
+    int      most = 0;
+    uint32_t wide = WORDS_WIDE;
+    gl->api.GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
+    while (count / wide >= (uint64_t)most && 2 * wide <= (uint32_t)most) wide *= 2;
+    return wide;
+}
+
+static void write_head(vxs_gl *gl)
+{
+    int language = gl->is_es ? gl->is_texture ? 300 : 310 : gl->is_texture ? 330 : 430;
+    snprintf(gl->head, sizeof gl->head,
+             "#version %d %s\n%s#define VXS_GL_AT_WORDS %u\n#define VXS_GL_AT_LIGHTS %u\n#define VXS_GL_AT_LISTS %u\n"
+             "#define VXS_GL_LIGHT_COUNT %uu\n#define VXS_GL_LAST_WORD %uu\n#define VXS_GL_WIDE %uu\n",
+             language, gl->is_es ? "es" : "core", gl->is_texture ? "" : "#define VXS_GL_BUFFERS\n", gl->first_binding,
+             gl->first_binding + 1, gl->first_binding + 2, gl->light_count, gl->words.count - 1, gl->words.wide);
+}
+
+static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
+{
+    uint64_t word_count = desc->word_count;
+    gl->light_count     = desc->asset ? vxs_asset_light_count(desc->asset) : desc->light_count;
+    gl->first_binding   = desc->first_binding;
+    if (!load(gl, desc)) return VXS_E_GL;
+    gl->lights    = take(gl, gl->light_count, sizeof *gl->lights);
+    gl->constants = take(gl, gl->light_count, sizeof *gl->constants);
+    if (!gl->lights || !gl->constants) return VXS_E_MEMORY;
+    if (desc->asset)
+        word_count = lights_of_asset(gl, desc->asset);
+    else
+        memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
+
+    /* lookups may read a few words behind a light's last one */
+    word_count += VXS_BLOCKS_SPARE_WORDS;
+    vxs_result r = choose_storage(gl, desc->storage, word_count);
+    if (r != VXS_OK) return r;
+    if (!vxs_gl_words_make(gl, &gl->words, word_count, 1, words_wide(gl, word_count))) return VXS_E_MEMORY;
+    if (!vxs_gl_words_make(gl, &gl->rows, (uint64_t)LIGHT_WORDS * gl->light_count, 4, LIGHT_TEXELS * LIGHTS_WIDE))
+        return VXS_E_MEMORY;
+    write_head(gl);
+    vxs_gl_origin(gl, NULL);
+    return desc->asset ? put_asset(gl, desc->asset) : VXS_OK;
+}
+
+vxs_result vxs_gl_create(vxs_gl **out, const vxs_gl_desc *desc)
+{
+    vxs_gl_desc  known  = {0};
+    const size_t first  = offsetof(vxs_gl_desc, first_binding) + sizeof known.first_binding;
+    vxs_result   result = vxs_desc_take(&known, sizeof known, first, desc);
+    *out                = NULL;
+    if (result != VXS_OK) return result;
+    if (!known.get_proc_address || (!known.asset && (!known.lights || !known.light_count))) return VXS_E_ARGUMENT;
+    vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
+    vxs_gl       *gl     = memory.alloc(sizeof *gl, memory.user);
+    if (!gl) return VXS_E_MEMORY;
+    *gl    = (vxs_gl){.memory = memory};
+    result = make(gl, &known);
+    if (result == VXS_OK)
+        *out = gl;
+    else
+        vxs_gl_destroy(gl);
+    return result;
+}
+
+void vxs_gl_destroy(vxs_gl *gl)
+{
+    if (!gl) return;
+    vxs_allocator memory = gl->memory;
+    vxs_gl_words_delete(gl, &gl->words);
+    vxs_gl_words_delete(gl, &gl->rows);
+    vxs_gl_words_delete(gl, &gl->lists);
+    if (gl->culling) gl->api.DeleteProgram(gl->culling);
+    give_back(gl, gl->lights, gl->light_count, sizeof *gl->lights);
+    give_back(gl, gl->constants, gl->light_count, sizeof *gl->constants);
+    give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    memory.free(gl, sizeof *gl, memory.user);
+}
+
+/* upload -------------------------------------------------------------------------------------------------------------------------- */
+
+static int grow_ranges(vxs_gl *gl)
+{
+    uint32_t  capacity = gl->range_capacity ? 2 * gl->range_capacity : RANGES_AT_FIRST;
+    gl_range *ranges   = take(gl, capacity, sizeof *ranges);
+    if (!ranges) return 0;
+    for (uint32_t n = 0; n < gl->range_count; n++) ranges[n] = gl->ranges[(gl->range_first + n) % gl->range_capacity];
+    give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    gl->ranges         = ranges;
+    gl->range_capacity = capacity;
+    gl->range_first    = 0;
+    return 1;
+}
+
+vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
+{
+    uint32_t end = gl->words.count - VXS_BLOCKS_SPARE_WORDS;
+    if (first > end || count > end - first) return VXS_E_ARGUMENT;
+    if (!count) return VXS_OK;
+    if (gl->range_count == gl->range_capacity && !grow_ranges(gl)) return VXS_E_MEMORY;
+    gl->ranges[(gl->range_first + gl->range_count++) % gl->range_capacity] = (gl_range){words, first, count};
+    gl->bytes_left += (uint64_t)count * sizeof *words;
+    return VXS_OK;
+}
+
+uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
+{
+    size_t room = max_bytes / sizeof(uint32_t);
+    while (gl->range_count && room) {
+        gl_range *r    = &gl->ranges[gl->range_first];
+        uint32_t  some = r->count < room ? r->count : (uint32_t)room;
+        vxs_gl_words_write(gl, &gl->words, r->words, r->first, some);
+        r->words += some;
+        r->first += some;
+        r->count -= some;
+        room -= some;
+        gl->bytes_left -= (uint64_t)some * sizeof(uint32_t);
+        if (r->count) break;
+        gl->range_first = (gl->range_first + 1) % gl->range_capacity;
+        gl->range_count--;
+    }
+    return gl->bytes_left;
+}
+
+void vxs_gl_origin(vxs_gl *gl, const double origin_ws[3])
+{
+    for (uint32_t n = 0; n < gl->light_count; n++)
+        gl->constants[n] = vxs_light_constants_of(gl->lights[n].light, origin_ws, gl->lights[n].first_word);
+    vxs_gl_words_write(gl, &gl->rows, (const uint32_t *)gl->constants, 0, LIGHT_WORDS * gl->light_count);
+}
+
+const vxs_light_constants *vxs_gl_constants(const vxs_gl *gl)
+{
+    return gl->constants;
+}
+
+uint32_t vxs_gl_light_count(const vxs_gl *gl)
+{
+    return gl->light_count;
+}
+
+/* shaders ------------------------------------------------------------------------------------------------------------------------- */
+
+void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS])
+{
+    const char *const all[VXS_GL_TEXTS] = {gl->head,
+                                           vxs_gl_text_words_glsl,
+                                           vxs_gl_text_vxs_lookup_h,
+                                           vxs_gl_text_vxs_lookup_blocks_h,
+                                           vxs_gl_text_vxs_space_h,
+                                           vxs_gl_text_vxs_cull_h,
+                                           vxs_gl_text_lights_glsl};
+    memcpy(texts, all, sizeof all);
+}
+
+void vxs_gl_link(const vxs_gl *gl, unsigned program)
+{
+    static const char *const names[] = {"vxs_words", "vxs_lights", "vxs_lists"};
+    int                      before;
+    if (!gl->is_texture) return;
+    gl->api.GetIntegerv(GL_IS_PROGRAM, &before);
+    gl->api.UseProgram(program);
+    for (int n = 0; n < 3; n++) {
+        int at = gl->api.GetUniformLocation(program, names[n]);
+        if (at >= 0) gl->api.Uniform1i(at, (int)gl->first_binding + n);
+    }
+    gl->api.UseProgram((gl_name)before);
+}
+
+void vxs_gl_bind(const vxs_gl *gl)
+{
+    vxs_gl_words_bind(gl, &gl->words, 0);
+    vxs_gl_words_bind(gl, &gl->rows, 1);
+    vxs_gl_words_bind(gl, &gl->lists, 2);
+}

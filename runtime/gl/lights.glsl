@@ -1,0 +1,72 @@
+/* Lights, and the lists of those that may reach a tile; behind vxs_cull.h. Lists are as vxs_cull of vxs_gl.h says. */
+#ifdef VXS_GL_BUFFERS
+layout(std430, binding = VXS_GL_AT_LIGHTS) readonly restrict buffer vxs_lights_block { vxs_light_constants vxs_lights[]; };
+#ifndef VXS_GL_CULL
+layout(std430, binding = VXS_GL_AT_LISTS) readonly restrict buffer vxs_lists_block { uint vxs_lists[]; };
+#define vxs_list_word(at) vxs_lists[at]
+#endif
+vxs_light_constants vxs_light_at(uint n)
+{
+    return vxs_lights[n];
+}
+#else
+uniform usampler2D vxs_lights; /* 64 lights in a row, 6 texels each */
+uniform usampler2D vxs_lists;
+uint vxs_list_word(uint at)
+{
+    return texelFetch(vxs_lists, ivec2(int(at & 2047u), int(at >> 11)), 0).r;
+}
+vxs_light_constants vxs_light_at(uint n)
+{
+    ivec2               at = ivec2(int(n & 63u) * 6, int(n >> 6));
+    uvec4               a = texelFetch(vxs_lights, at + ivec2(3, 0), 0), b = texelFetch(vxs_lights, at + ivec2(4, 0), 0);
+    uvec4               c = texelFetch(vxs_lights, at + ivec2(5, 0), 0);
+    vxs_light_constants light;
+    light.ls_from_ws[0] = uintBitsToFloat(texelFetch(vxs_lights, at, 0));
+    light.ls_from_ws[1] = uintBitsToFloat(texelFetch(vxs_lights, at + ivec2(1, 0), 0));
+    light.ls_from_ws[2] = uintBitsToFloat(texelFetch(vxs_lights, at + ivec2(2, 0), 0));
+    light.texel_metres  = uintBitsToFloat(a.x);
+    light.voxel_metres  = uintBitsToFloat(a.y);
+    light.near_metres   = uintBitsToFloat(a.z);
+    light.range_metres  = uintBitsToFloat(a.w);
+    light.cos_outer     = uintBitsToFloat(b.x);
+    light.kind          = b.y;
+    light.flags         = b.z;
+    light.levels        = b.w;
+    light.dag           = c.x;
+    light.coding        = c.y;
+    light.reserved_0    = 0u;
+    light.reserved_1    = 0u;
+    return light;
+}
+#endif
+
+uint vxs_light_count()
+{
+    return VXS_GL_LIGHT_COUNT;
+}
+
+float vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)
+{
+    vxs_light_constants light = vxs_light_at(n);
+    return vxs_lit(light.dag, light, at, normal, filter_px);
+}
+
+#ifndef VXS_GL_CULL
+/* A tile's list is full where its number is greater than its room: then it has all lights. */
+uint vxs_tile_of(ivec2 pixel)
+{
+    return 4u + (uint(pixel.y >> 3) * vxs_list_word(0u) + uint(pixel.x >> 3)) * (vxs_list_word(2u) + 1u);
+}
+
+uint vxs_tile_light_count(uint tile)
+{
+    uint count = vxs_list_word(tile);
+    return count > vxs_list_word(2u) ? VXS_GL_LIGHT_COUNT : count;
+}
+
+uint vxs_tile_light(uint tile, uint n)
+{
+    return vxs_list_word(tile) > vxs_list_word(2u) ? n : vxs_list_word(tile + 1u + n);
+}
+#endif

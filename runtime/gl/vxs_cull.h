@@ -1,0 +1,107 @@
+/* Does a light's volume meet a box? One text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
+ *
+ * The volume is that of vxs_voxel_from_ws: the prism over a directional light's map, the cone and range of a spot or point light. Answers
+ * are conservative: 1 whenever the lookup of a point in the box may be one that the light reaches, float rounding and the step along a
+ * normal included. The three axes of light space of a spot or point light are of length 1 and at right angles.
+ * Source: [CPVS16] 6.3 for boxes of tiles; separating planes for a box and a cone.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_CULL_H
+#define VXS_CULL_H
+
+#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#include "vxs_space.h"
+#endif
+
+/* By how much a float coordinate of a sum may be wrong, of the sum of its terms' sizes. */
+#define VXS_CULL_ROUNDING 2e-6
+
+/* How far a box of this half size reaches to both sides of its middle along a direction. */
+VXS_FN vxs_real vxs_box_reach(const vxs_real3 half_size, vxs_real x, vxs_real y, vxs_real z)
+{
+    return vxs_abs(x) * half_size[0] + vxs_abs(y) * half_size[1] + vxs_abs(z) * half_size[2];
+}
+
+/* The same along row `row` of light space, with what rounding may add. */
+VXS_FN vxs_real vxs_row_reach(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size)
+{
+    vxs_real x = VXS_LS_FROM_WS(light, row, 0), y = VXS_LS_FROM_WS(light, row, 1), z = VXS_LS_FROM_WS(light, row, 2);
+    vxs_real size =
+        vxs_abs(x * middle[0]) + vxs_abs(y * middle[1]) + vxs_abs(z * middle[2]) + vxs_abs(VXS_LS_FROM_WS(light, row, 3));
+    vxs_real reach = vxs_box_reach(half_size, x, y, z);
+    return reach + VXS_CULL_ROUNDING * (size + reach);
+}
+
+/* Does a box meet the slab of a directional light's map between its sides along u, v or depth? A step along a normal may lead into it. */
+VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
+{
+    vxs_real x = VXS_LS_FROM_WS(light, row, 0), y = VXS_LS_FROM_WS(light, row, 1), z = VXS_LS_FROM_WS(light, row, 2);
+    vxs_real side = VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)), at = vxs_ls_coordinate(light, row, middle, VXS_REAL(1.0));
+    vxs_real most  = sqrt(x * x + y * y + z * z) * VXS_FIELD(light, texel_metres) * vxs_half_filter(filter_px) + 2.0;
+    vxs_real slack = vxs_row_reach(light, row, middle, half_size) + most;
+    return at + slack >= 0.0 && at - slack <= side ? 1 : 0;
+}
+
+/* Does a box lie beyond the range of a spot or point light? */
+VXS_FN vxs_i32 vxs_lamp_in_range(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size)
+{
+    vxs_real range = VXS_FIELD(light, range_metres), square = VXS_REAL(0.0);
+    for (vxs_i32 n = 0; n < 3; n++) {
+        vxs_real at   = -(VXS_LS_FROM_WS(light, 0, n) * VXS_LS_FROM_WS(light, 0, 3) +
+                        VXS_LS_FROM_WS(light, 1, n) * VXS_LS_FROM_WS(light, 1, 3) +
+                        VXS_LS_FROM_WS(light, 2, n) * VXS_LS_FROM_WS(light, 2, 3));
+        vxs_real size = vxs_abs(VXS_LS_FROM_WS(light, 0, 3)) + vxs_abs(VXS_LS_FROM_WS(light, 1, 3)) +
+                        vxs_abs(VXS_LS_FROM_WS(light, 2, 3)) + vxs_abs(middle[n]);
+        vxs_real away = vxs_abs(middle[n] - at) - half_size[n] * (1.0 + VXS_CULL_ROUNDING) - VXS_CULL_ROUNDING * size;
+        if (away > 0.0) square += away * away;
+    }
+    return range <= 0.0 || square <= range * range * (1.0 + 4.0 * VXS_CULL_ROUNDING) ? 1 : 0;
+}
+
+/* Does a box lie before the plane that touches the cone of a spot light on the side where the box is, and before the one through its tip?
+ *
+ *            \  n    /         n is at right angles to the side of the cone next to the middle of the box; the cone lies behind the plane.
+ *      box    \ ^   / cone     The cosine is taken smaller by more than the lookup's own rounding. */
+VXS_FN vxs_i32 vxs_spot_meets_box(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size)
+{
+    vxs_real3 ls, reach;
+    vxs_ls_from_ws(light, middle, VXS_REAL(1.0), ls);
+    reach[0] = vxs_row_reach(light, 0, middle, half_size);
+    reach[1] = vxs_row_reach(light, 1, middle, half_size);
+    reach[2] = vxs_row_reach(light, 2, middle, half_size);
+    if (ls[2] + reach[2] < 0.0) return 0;
+
+    vxs_real cosine = VXS_FIELD(light, cos_outer) - VXS_REAL(1e-6), across = sqrt(ls[0] * ls[0] + ls[1] * ls[1]);
+    vxs_real sine = sqrt((1.0 - cosine) * (1.0 + cosine)), to_x = VXS_REAL(1.0), to_y = VXS_REAL(0.0);
+    if (across > VXS_REAL_MIN) {
+        to_x = ls[0] / across;
+        to_y = ls[1] / across;
+    }
+    vxs_real x = cosine * to_x, y = cosine * to_y, z = -sine;
+    vxs_real along = vxs_box_reach(
+        half_size, x * VXS_LS_FROM_WS(light, 0, 0) + y * VXS_LS_FROM_WS(light, 1, 0) + z * VXS_LS_FROM_WS(light, 2, 0),
+        x * VXS_LS_FROM_WS(light, 0, 1) + y * VXS_LS_FROM_WS(light, 1, 1) + z * VXS_LS_FROM_WS(light, 2, 1),
+        x * VXS_LS_FROM_WS(light, 0, 2) + y * VXS_LS_FROM_WS(light, 1, 2) + z * VXS_LS_FROM_WS(light, 2, 2));
+    vxs_real rounding = 0.0;
+    for (vxs_i32 row = 0; row < 3; row++)
+        rounding += reach[row] - vxs_box_reach(half_size, VXS_LS_FROM_WS(light, row, 0), VXS_LS_FROM_WS(light, row, 1),
+                                               VXS_LS_FROM_WS(light, row, 2));
+    return cosine * across - sine * ls[2] <= along * (1.0 + VXS_CULL_ROUNDING) + 2.0 * rounding ? 1 : 0;
+}
+
+/* 1 when a light may reach a point of a box, 0 when it reaches none.
+ * middle, half_size  metres; in a shader, from the origin of the light's constants. half_size is not negative
+ * filter_px          the widest filter of the lookups, as for vxs_lit */
+VXS_FN vxs_i32 vxs_light_meets_box(VXS_LIGHT light, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
+{
+    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
+        if (vxs_sun_meets_box(light, 0, middle, half_size, filter_px) == 0) return 0;
+        if (vxs_sun_meets_box(light, 1, middle, half_size, filter_px) == 0) return 0;
+        if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) == 0u) return 1;
+        return vxs_sun_meets_box(light, 2, middle, half_size, filter_px);
+    }
+    if (vxs_lamp_in_range(light, middle, half_size) == 0) return 0;
+    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT) return 1;
+    return vxs_spot_meets_box(light, middle, half_size);
+}
+
+#endif

@@ -1,0 +1,1024 @@
+/* libvxs_gl on llvmpipe: the same answers as in C from a buffer and from a texture in every dialect, uploads in slices, what it makes and
+ * what it leaves of the context's state, damaged words, and lists of lights held against every light at every pixel.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/opengl/gl.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "alloc_fail.h"
+#include "blocks_sample.h"
+#include "dag_sample.h"
+#include "formats/vxs_space.h"
+#include "random_lamp.h"
+#include "repeats.h"
+#include "runtime/gl/vxs_gl.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "gl_points.h"
+
+/* a context that tells lies, and counts ----------------------------------------------------------------------------------------------- */
+
+/* What a context is said to be, which function it lacks, and what was made in it. */
+static struct {
+    const char *version, *lacks;
+    int         buffers, textures, programs, live;
+    uint64_t    bytes, uploaded_bytes;
+} told;
+
+static const GLubyte *APIENTRY told_GetString(GLenum name)
+{
+    if (name == GL_VERSION && told.version) return (const GLubyte *)told.version;
+    return ((PFNGLGETSTRINGPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetString"))(name);
+}
+
+static void APIENTRY told_GenBuffers(GLsizei count, GLuint *names)
+{
+    told.buffers += count;
+    told.live += count;
+    ((PFNGLGENBUFFERSPROC)OSMesaGetProcAddress("glGenBuffers"))(count, names);
+}
+
+static void APIENTRY told_DeleteBuffers(GLsizei count, const GLuint *names)
+{
+    told.live -= count;
+    ((PFNGLDELETEBUFFERSPROC)OSMesaGetProcAddress("glDeleteBuffers"))(count, names);
+}
+
+static void APIENTRY told_GenTextures(GLsizei count, GLuint *names)
+{
+    told.textures += count;
+    told.live += count;
+    ((void(APIENTRY *)(GLsizei, GLuint *))OSMesaGetProcAddress("glGenTextures"))(count, names);
+}
+
+static void APIENTRY told_DeleteTextures(GLsizei count, const GLuint *names)
+{
+    told.live -= count;
+    ((PFNGLDELETETEXTURESPROC)OSMesaGetProcAddress("glDeleteTextures"))(count, names);
+}
+
+static GLuint APIENTRY told_CreateProgram(void)
+{
+    told.programs++;
+    told.live++;
+    return ((PFNGLCREATEPROGRAMPROC)(vxs_gl_function)OSMesaGetProcAddress("glCreateProgram"))();
+}
+
+static void APIENTRY told_DeleteProgram(GLuint name)
+{
+    told.live--;
+    ((PFNGLDELETEPROGRAMPROC)OSMesaGetProcAddress("glDeleteProgram"))(name);
+}
+
+static void APIENTRY told_BufferData(GLenum target, GLsizeiptr size, const void *data, GLenum usage)
+{
+    told.bytes += (uint64_t)size;
+    ((PFNGLBUFFERDATAPROC)OSMesaGetProcAddress("glBufferData"))(target, size, data, usage);
+}
+
+static void APIENTRY told_BufferSubData(GLenum target, GLintptr at, GLsizeiptr size, const void *data)
+{
+    told.uploaded_bytes += (uint64_t)size;
+    ((PFNGLBUFFERSUBDATAPROC)OSMesaGetProcAddress("glBufferSubData"))(target, at, size, data);
+}
+
+static vxs_gl_function telling(const char *name, void *user)
+{
+    static const struct {
+        const char     *name;
+        vxs_gl_function function;
+    } ours[] = {
+#define OURS(name) {"gl" #name, (vxs_gl_function)told_##name}
+        OURS(GetString),     OURS(GenBuffers), OURS(DeleteBuffers), OURS(GenTextures),   OURS(DeleteTextures),
+        OURS(CreateProgram), OURS(BufferData), OURS(DeleteProgram), OURS(BufferSubData),
+    };
+    (void)user;
+    if (told.lacks && !strcmp(told.lacks, name)) return NULL;
+    for (size_t n = 0; n < sizeof ours / sizeof *ours; n++)
+        if (!strcmp(ours[n].name, name)) return ours[n].function;
+    return (vxs_gl_function)OSMesaGetProcAddress(name);
+}
+
+/* lights -------------------------------------------------------------------------------------------------------------------------------- */
+
+enum { SUN = LAMP_SHAPES, BOUNDED_SUN, LIGHT_KINDS };
+
+/* Palette blocks at random, in a light of any kind about `at`. */
+typedef struct block_light {
+    vxs_light     light;
+    blocks_sample blocks;
+} block_light;
+
+static vxs_light light_of(rng *r, int kind, uint32_t levels, const double at[3])
+{
+    lamp      of    = random_lamp(r, kind < SUN ? (lamp_shape)kind : POINT);
+    vxs_light light = of.light;
+    double    side  = ldexp(1, (int)levels);
+    if (kind >= SUN) { /* a map of 40 metres a side */
+        light              = (vxs_light){.kind = VXS_LIGHT_KIND_DIRECTIONAL, .flags = kind == BOUNDED_SUN ? VXS_LIGHT_BOUNDED : 0};
+        light.texel_metres = 40 / side;
+        light.voxel_metres = 40 / side;
+    } else {
+        light.texel_metres *= ldexp(1, (int)light.levels - (int)levels);
+        light.voxel_metres *= ldexp(1, (int)light.levels - (int)levels);
+        if (rng_below(r, 4)) light.range_metres = uniform(r, 2, 15);
+    }
+    light.levels = levels;
+    for (int row = 0; row < 3; row++) {
+        double scale = kind >= SUN ? side / 40 : 1;
+        for (int n = 0; n < 3; n++) light.ls_from_ws[4 * row + n] = of.axis[row][n] * scale;
+        light.ls_from_ws[4 * row + 3] = (kind >= SUN ? side / 2 : 0) - dot(light.ls_from_ws + 4 * row, at);
+    }
+    memcpy(light.direction_ws, of.axis[2], sizeof of.axis[2]);
+    return light;
+}
+
+static block_light block_light_make(rng *r, int kind, uint32_t levels, const double at[3])
+{
+    block_light l    = {.light = light_of(r, kind, levels, at)};
+    uint32_t    maps = vxs_light_map_count(&l.light);
+    l.light.coding   = VXS_CODING_BLOCKS;
+    blocks_sample_init(&l.blocks, r, levels, maps, maps + 4);
+    return l;
+}
+
+/* An asset of DAGs of one kind of light each. */
+static vxs_asset *asset_of_dags(rng *r, dag_sample samples[LIGHT_KINDS])
+{
+    vxs_write_light lights[LIGHT_KINDS];
+    vxs_write_desc  desc = {.lights = lights, .light_count = LIGHT_KINDS, .zstd_level = 1};
+    vxs_bytes       file = {0};
+    vxs_asset      *asset;
+    for (int kind = 0; kind < LIGHT_KINDS; kind++) {
+        char name[24];
+        dag_sample_init(&samples[kind], r, 7, 200);
+        vxs_light light = light_of(r, kind, 7, (double[3]){0, 0, 0});
+        snprintf(name, sizeof name, "light %d", kind);
+        lights[kind] =
+            kind < SUN ? dag_sample_lamp(&samples[kind], name, light.kind, light.flags) : dag_sample_light(&samples[kind], name);
+        memcpy(light.name, lights[kind].light.name, sizeof light.name);
+        light.coding       = lights[kind].light.coding;
+        lights[kind].light = light;
+    }
+    assert_int_equal(vxs_write(&file, &desc), VXS_OK);
+    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+    free(file.data);
+    return asset;
+}
+
+/* the same answer ----------------------------------------------------------------------------------------------------------------------- */
+
+static const struct dialect {
+    const char    *name, *version; /* NULL: what the context says */
+    vxs_gl_storage storage;
+} dialects[] = {
+    {"#version 430 core", NULL, VXS_GL_CHOOSE},
+    {"#version 330 core", NULL, VXS_GL_TEXTURE},
+    {"#version 330 core", "3.3 (Core Profile)", VXS_GL_CHOOSE},
+    {"#version 310 es", "OpenGL ES 3.1", VXS_GL_BUFFER},
+    {"#version 300 es", "OpenGL ES 3.0", VXS_GL_CHOOSE},
+};
+enum { DIALECTS = sizeof dialects / sizeof *dialects };
+
+/* Position: texels and depth; normal: light, map, filter. A smooth box lies in its texel as that one's place says. */
+static const char taps_body[] =
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x));\n"
+    "    vxs_place place;\n"
+    "    place.map = int(normal_ws.y);\n"
+    "    place.voxel = ivec3(position_ws);\n"
+    "    place.across = uint(7 * place.voxel.x) & 255u;\n"
+    "    place.down = uint(5 * place.voxel.y) & 255u;\n"
+    "    int filter_px = int(normal_ws.z);\n"
+    "    uint k = uint(place.voxel.z);\n"
+    "    if (filter_px < VXS_SMOOTH)\n"
+    "        answer = float(vxs_shadow_taps(light.dag, light, place.map, place.voxel.x, place.voxel.y, k, filter_px));\n"
+    "    else\n"
+    "        answer = float(vxs_shadow_part(light.dag, light, place, k, filter_px - VXS_SMOOTH) % 16777213u);\n"
+    "}\n";
+
+static void use_body(drawing *d, const vxs_gl *gl, const char *name, const char *body)
+{
+    const char *texts[VXS_GL_TEXTS + 1];
+    char        version[32];
+    vxs_gl_texts(gl, texts);
+    texts[VXS_GL_TEXTS] = body;
+    snprintf(version, sizeof version, "%.*s", (int)strcspn(texts[0], "\n"), texts[0]);
+    assert_string_equal(version, name);
+    use_texts(d, name, version, texts, VXS_GL_TEXTS + 1);
+    vxs_gl_link(gl, d->program);
+}
+
+typedef struct subject {
+    const vxs_light *light;
+    const uint32_t  *words;
+} subject;
+
+static query random_taps(rng *r, const subject *subjects, uint32_t count)
+{
+    uint32_t n = rng_below(r, count), filter_px = 1 + 2 * rng_below(r, VXS_FILTER_MAX / 2 + 1);
+    if (rng_below(r, 2)) filter_px = VXS_SMOOTH + 1 + rng_below(r, VXS_FILTER_MAX);
+    int32_t side = 1 << subjects[n].light->levels, out = filter_px > 1 ? 12 : 0;
+    query   q = {{0}, {(float)n, (float)rng_below(r, vxs_light_map_count(subjects[n].light)), (float)filter_px}};
+    for (int k = 0; k < 2; k++) q.position[k] = (float)rng_between(r, -out, side - 1 + out);
+    q.position[2] = (float)rng_between(r, 0, side - 1);
+    return q;
+}
+
+/* Where the texel of a question goes dark, or a voxel before or behind. */
+static void put_near_surface(rng *r, const subject *s, query *q)
+{
+    int32_t side = 1 << s->light->levels, i = (int32_t)q->position[0], j = (int32_t)q->position[1], low = 0, high = side;
+    i = i < 0 ? 0 : i < side ? i : side - 1;
+    j = j < 0 ? 0 : j < side ? j : side - 1;
+    while (low < high) {
+        int32_t k = (low + high) / 2;
+        if (vxs_shadow_taps(s->words, s->light, (int32_t)q->normal[1], i, j, (uint32_t)k, 1))
+            high = k;
+        else
+            low = k + 1;
+    }
+    low += rng_between(r, -1, 1);
+    q->position[2] = (float)(low < 0 ? 0 : low < side ? low : side - 1);
+}
+
+/* The same in C.   partly  [in, out] counts those that are neither lit nor dark */
+static uint32_t taps_in_c(const subject *s, const query *q, uint32_t *partly)
+{
+    int32_t   x = (int32_t)q->position[0], y = (int32_t)q->position[1], filter_px = (int32_t)q->normal[2];
+    uint32_t  k = (uint32_t)q->position[2], width = (uint32_t)filter_px % VXS_SMOOTH, dark, all = width * width;
+    vxs_place place = {(int32_t)q->normal[1], {x, y, (int32_t)k}, (uint32_t)(7 * x) & 255, (uint32_t)(5 * y) & 255};
+    if (filter_px < VXS_SMOOTH) {
+        dark = vxs_shadow_taps(s->words, s->light, place.map, x, y, k, filter_px);
+    } else {
+        dark = vxs_shadow_part(s->words, s->light, place, k, (int32_t)width);
+        all *= 65536;
+    }
+    *partly += dark > 0 && dark < all;
+    return dark % 16777213u;
+}
+
+/* Draw random questions, half of them near surfaces, and compare each with C.   Returns how many of them had light and shadow. */
+static uint32_t compare_taps(const drawing *d, rng *r, const subject *subjects, uint32_t count, const char *name)
+{
+    static query queries[QUERIES];
+    static float answers[QUERIES];
+    uint32_t     partly = 0;
+    for (int n = 0; n < QUERIES; n++) {
+        queries[n] = random_taps(r, subjects, count);
+        if (n % 2) put_near_surface(r, &subjects[(int)queries[n].normal[0]], &queries[n]);
+    }
+    draw(d, queries, answers);
+    for (int n = 0; n < QUERIES; n++) {
+        const query *q      = &queries[n];
+        uint32_t     wanted = taps_in_c(&subjects[(int)q->normal[0]], q, &partly);
+        if (answers[n] != (float)wanted)
+            fail_msg("%s, query %d of light %g: %g, expected %u", name, n, (double)q->normal[0], (double)answers[n], wanted);
+    }
+    return partly;
+}
+
+/* All kinds of lights in both codings, all filters: C, buffer and texture to the bit. */
+static void test_same_answer(void **state)
+{
+    enum { LIGHTS = 2 * LIGHT_KINDS };
+    drawing      d = drawing_make();
+    rng          r = {17};
+    dag_sample   dags[LIGHT_KINDS];
+    vxs_asset   *asset = asset_of_dags(&r, dags);
+    block_light  blocks[LIGHT_KINDS];
+    subject      subjects[LIGHTS];
+    vxs_gl_light lights[LIGHTS];
+    uint32_t     words = 3, partly = 0, rounds = repeats(1, 60);
+    (void)state;
+    for (int n = 0; n < LIGHTS; n++) {
+        size_t size;
+        if (n < LIGHT_KINDS) {
+            const vxs_baked_light *baked = vxs_asset_light(asset, (uint32_t)n);
+            subjects[n]                  = (subject){&baked->light, baked->words};
+            size                         = baked->word_count;
+        } else {
+            block_light *b = &blocks[n - LIGHT_KINDS];
+            *b             = block_light_make(&r, n - LIGHT_KINDS, n % 2 ? 6 : 10, (double[3]){0, 0, 0});
+            subjects[n]    = (subject){&b->light, b->blocks.words};
+            size           = b->blocks.word_count + BLOCKS_SPARE_WORDS;
+        }
+        lights[n] = (vxs_gl_light){subjects[n].light, words};
+        words += (uint32_t)size + 5;
+    }
+    for (int n = 0; n < DIALECTS; n++) {
+        vxs_gl     *gl;
+        vxs_gl_desc desc = {.get_proc_address = telling,
+                            .storage          = dialects[n].storage,
+                            .lights           = lights,
+                            .light_count      = LIGHTS,
+                            .word_count       = words,
+                            .first_binding    = (uint32_t)n};
+        told.version     = dialects[n].version;
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        told.version = NULL;
+        for (int l = 0; l < LIGHTS; l++) {
+            uint32_t end = l + 1 < LIGHTS ? lights[l + 1].first_word : words;
+            assert_int_equal(vxs_gl_put(gl, subjects[l].words, lights[l].first_word, end - lights[l].first_word - 5), VXS_OK);
+        }
+        assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+        use_body(&d, gl, dialects[n].name, taps_body);
+        vxs_gl_bind(gl);
+        for (uint32_t round = 0; round < rounds; round++) partly += compare_taps(&d, &r, subjects, LIGHTS, dialects[n].name);
+        vxs_gl_destroy(gl);
+    }
+    assert_true(partly > DIALECTS * rounds * QUERIES / 10);
+    gl_context_destroy(d.gl);
+    vxs_asset_close(asset);
+    for (int n = 0; n < LIGHT_KINDS; n++) {
+        dag_sample_free(&dags[n]);
+        blocks_sample_free(&blocks[n].blocks);
+    }
+}
+
+/* A file by both storages. */
+static void check_file(drawing *d, const char *path, const vxs_asset *asset, uint32_t rounds)
+{
+    uint32_t count    = vxs_asset_light_count(asset);
+    subject *subjects = dag_sample_alloc(count, sizeof *subjects);
+    uint64_t partly   = 0;
+    rng      r        = {71};
+    for (uint32_t n = 0; n < count; n++)
+        subjects[n] = (subject){&vxs_asset_light(asset, n)->light, vxs_asset_light(asset, n)->words};
+    for (int storage = 0; storage < 2; storage++) {
+        vxs_gl     *gl;
+        vxs_gl_desc desc = {.get_proc_address = telling, .asset = asset, .storage = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER};
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+        use_body(d, gl, storage ? "#version 330 core" : "#version 430 core", taps_body);
+        vxs_gl_bind(gl);
+        for (uint32_t round = 0; round < rounds; round++) partly += compare_taps(d, &r, subjects, count, path);
+        vxs_gl_destroy(gl);
+    }
+    print_message("%s: %u points by each storage, %.1f %% of them in part\n", path, rounds * QUERIES,
+                  (double)partly * 50 / rounds / QUERIES);
+    free(subjects);
+}
+
+/* Files of VXS_ASSETS, between colons, or one of tests/golden: VXS_POINTS of each by each storage, 30 000 unless that says otherwise. */
+static void test_same_answer_of_files(void **state)
+{
+    const char *paths = getenv("VXS_ASSETS"), *points = getenv("VXS_POINTS");
+    char       *list = strdup(paths ? paths : "tests/golden/blocks.vxs");
+    drawing     d    = drawing_make();
+    (void)state;
+    for (char *path = strtok(list, ":"); path; path = strtok(NULL, ":")) {
+        vxs_asset *asset;
+        vxs_result result = vxs_asset_open_file(&asset, path, NULL);
+        if (result == VXS_E_READ && !paths) {
+            print_message("%s is not here: start this test in the root of the repository\n", path);
+            skip();
+        }
+        assert_int_equal(result, VXS_OK);
+        check_file(&d, path, asset, (uint32_t)(points ? atof(points) / QUERIES + 1 : 2));
+        vxs_asset_close(asset);
+    }
+    free(list);
+    gl_context_destroy(d.gl);
+}
+
+/* Position and normal; light 0. */
+static const char lit_body[] =
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    answer = vxs_lit_by(vxs_light_count() - 1u, position_ws, normal_ws, int(gl_FragCoord.x) % 2 == 0 ? 9 : 265);\n"
+    "}\n";
+
+/* From positions, relative to an origin, as by one light's constants alone (tests/unit/test_shaders.c holds those against C): here that
+ * vxs_gl_origin moves all lights, in both storages alike. */
+static void test_origin(void **state)
+{
+    static query queries[QUERIES];
+    static float near_by[QUERIES], moved[2][QUERIES];
+    const double away[3] = {40000, -20000, 30000};
+    drawing      d       = drawing_make();
+    rng          r       = {23};
+    dag_sample   dags[LIGHT_KINDS];
+    vxs_asset   *asset = asset_of_dags(&r, dags);
+    int          lit = 0, dark = 0;
+    (void)state;
+    for (int n = 0; n < QUERIES; n++)
+        for (int k = 0; k < 3; k++) {
+            queries[n].position[k] = (float)uniform(&r, -18, 18);
+            queries[n].normal[k]   = 0;
+        }
+    for (int storage = 0; storage < 2; storage++) {
+        vxs_gl *gl;
+        assert_int_equal(vxs_gl_create(&gl, &(vxs_gl_desc){.get_proc_address = telling,
+                                                           .asset            = asset,
+                                                           .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER}),
+                         VXS_OK);
+        assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+        use_body(&d, gl, storage ? "#version 330 core" : "#version 430 core", lit_body);
+        vxs_gl_bind(gl);
+        draw(&d, queries, near_by);
+        vxs_gl_origin(gl, away);
+        for (int n = 0; n < QUERIES; n++)
+            for (int k = 0; k < 3; k++) queries[n].position[k] -= (float)away[k];
+        draw(&d, queries, moved[storage]);
+        for (int n = 0; n < QUERIES; n++)
+            for (int k = 0; k < 3; k++) queries[n].position[k] += (float)away[k];
+        int differ = 0;
+        for (int n = 0; n < QUERIES; n++) {
+            differ += fabsf(moved[storage][n] - near_by[n]) > 0.03f;
+            lit += near_by[n] == 1;
+            dark += near_by[n] >= 0 && near_by[n] < 1;
+        }
+        assert_true(differ < QUERIES / 20); /* positions were rounded */
+        vxs_gl_destroy(gl);
+    }
+    assert_memory_equal(moved[0], moved[1], sizeof moved[0]);
+    assert_true(lit > QUERIES / 20 && dark > QUERIES / 20);
+    gl_context_destroy(d.gl);
+    vxs_asset_close(asset);
+    for (int n = 0; n < LIGHT_KINDS; n++) dag_sample_free(&dags[n]);
+}
+
+/* uploads ------------------------------------------------------------------------------------------------------------------------------- */
+
+/* The word at position.x. */
+static const char word_body[] = "in vec3 position_ws;\n"
+                                "in vec3 normal_ws;\n"
+                                "out float answer;\n"
+                                "void main() { answer = float(vxs_word(uint(position_ws.x), uint(normal_ws.x)) & 0xffffffu); }\n";
+
+static void check_words(const drawing *d, rng *r, const uint32_t *words, uint32_t count)
+{
+    static query queries[QUERIES];
+    static float answers[QUERIES];
+    for (int n = 0; n < QUERIES; n++) queries[n] = (query){{(float)rng_below(r, count), 0, 0}, {0}};
+    draw(d, queries, answers);
+    for (int n = 0; n < QUERIES; n++)
+        if (answers[n] != (float)(words[(uint32_t)queries[n].position[0]] & 0xffffffu))
+            fail_msg("word %g", (double)queries[n].position[0]);
+}
+
+/* Ranges of all sizes and places, in slices of all sizes, some of them more than once. */
+static void test_slices(void **state)
+{
+    enum { COUNT = 3 * 2048 + 777 };
+    static uint32_t words[COUNT];
+    drawing         d = drawing_make();
+    (void)state;
+    for (int storage = 0; storage < 2; storage++) {
+        rng         r     = {(uint64_t)(31 + storage)};
+        vxs_light   light = light_of(&r, SUN, 5, (double[3]){0, 0, 0});
+        vxs_gl     *gl;
+        vxs_gl_desc desc = {.get_proc_address = telling,
+                            .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
+                            .lights           = &(vxs_gl_light){&light, 0},
+                            .light_count      = 1,
+                            .word_count       = COUNT};
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        for (uint32_t n = 0; n < COUNT; n++) words[n] = rng_u32(&r);
+        assert_int_equal(vxs_gl_put(gl, words, 0, COUNT + 1), VXS_E_ARGUMENT);
+        assert_int_equal(vxs_gl_put(gl, words, COUNT + 1, 0), VXS_E_ARGUMENT);
+        assert_int_equal(vxs_gl_put(gl, words, UINT32_MAX, 2), VXS_E_ARGUMENT);
+        assert_int_equal(vxs_gl_put(gl, words, 5, 0), VXS_OK);
+        assert_int_equal(vxs_gl_upload(gl, 64), 0);
+        assert_int_equal(vxs_gl_put(gl, words, 0, COUNT), VXS_OK);
+        uint64_t left = COUNT * 4, before;
+        while (left) {
+            size_t slice = 4 * rng_below(&r, rng_below(&r, 2) ? 100 : 5000);
+            before       = left;
+            left         = vxs_gl_upload(gl, slice);
+            assert_true(left <= before && before - left == (slice < before ? slice : before));
+        }
+        use_body(&d, gl, storage ? "#version 330 core" : "#version 430 core", word_body);
+        vxs_gl_bind(gl);
+        check_words(&d, &r, words, COUNT);
+        for (int n = 0; n < 500; n++) {
+            uint32_t first = rng_below(&r, COUNT), count = rng_below(&r, rng_below(&r, 4) ? 20 : COUNT - first);
+            if (count > COUNT - first) count = COUNT - first;
+            for (uint32_t i = first; i < first + count; i++) words[i] = rng_u32(&r);
+            assert_int_equal(vxs_gl_put(gl, words + first, first, count), VXS_OK);
+            if (n % 3 == 0) vxs_gl_upload(gl, 4 * rng_below(&r, 300));
+        }
+        assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+        check_words(&d, &r, words, COUNT);
+        vxs_gl_destroy(gl);
+    }
+    gl_context_destroy(d.gl);
+}
+
+/* What no call of the library writes: words behind those of the lights. Words are bound. */
+static void write_spare_words(const drawing *d, int storage, uint32_t first, const uint32_t words[VXS_BLOCKS_SPARE_WORDS])
+{
+    GLint buffer;
+    if (storage) {
+        ((void(APIENTRY *)(GLenum, GLint, GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, const void *))OSMesaGetProcAddress(
+            "glTexSubImage2D"))(GL_TEXTURE_2D, 0, (GLint)first, 0, VXS_BLOCKS_SPARE_WORDS, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                                words);
+        return;
+    }
+    ((void(APIENTRY *)(GLenum, GLuint, GLint *))OSMesaGetProcAddress("glGetIntegeri_v"))(GL_SHADER_STORAGE_BUFFER_BINDING, 0,
+                                                                                         &buffer);
+    d->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)buffer);
+    told_BufferSubData(GL_SHADER_STORAGE_BUFFER, first * 4, VXS_BLOCKS_SPARE_WORDS * 4, words);
+}
+
+/* What is behind the last word, or far away, is the last word: the index is clamped. */
+static void test_clamped(void **state)
+{
+    static query   queries[QUERIES];
+    static float   answers[QUERIES];
+    const uint32_t words[12] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+    drawing        d         = drawing_make();
+    rng            r         = {37};
+    vxs_light      light     = light_of(&r, SUN, 5, (double[3]){0, 0, 0});
+    (void)state;
+    for (int storage = 0; storage < 2; storage++) {
+        vxs_gl     *gl;
+        vxs_gl_desc desc = {.get_proc_address = telling,
+                            .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
+                            .lights           = &(vxs_gl_light){&light, 0},
+                            .light_count      = 1,
+                            .word_count       = 8};
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        assert_int_equal(vxs_gl_put(gl, words, 0, 8), VXS_OK);
+        vxs_gl_upload(gl, SIZE_MAX);
+        use_body(&d, gl, storage ? "#version 330 core" : "#version 430 core", word_body);
+        vxs_gl_bind(gl);
+        write_spare_words(&d, storage, 8, words + 8);
+        for (int n = 0; n < QUERIES; n++) queries[n] = (query){{n < 12 ? (float)n : ldexpf(1, 4 + n % 28), 0, 0}, {0}};
+        draw(&d, queries, answers);
+        for (int n = 0; n < QUERIES; n++) assert_true(answers[n] == (float)(n < 12 ? n + 1 : 12));
+        vxs_gl_destroy(gl);
+    }
+    gl_context_destroy(d.gl);
+}
+
+/* Words at random: any answer that is a share, and an end. */
+static void test_damaged_words(void **state)
+{
+    enum { COUNT = 5000 };
+    static uint32_t words[COUNT];
+    static query    queries[QUERIES];
+    static float    answers[QUERIES];
+    drawing         d = drawing_make();
+    rng             r = {41};
+    (void)state;
+    for (int n = 0; n < DIALECTS; n++)
+        for (int coding = 0; coding < 2; coding++)
+            for (int kind = 0; kind < LIGHT_KINDS; kind++) {
+                vxs_light light = light_of(&r, kind, rng_below(&r, 2) ? 16 : 8, (double[3]){0, 0, 0});
+                light.coding    = coding ? VXS_CODING_BLOCKS : VXS_CODING_DAG;
+                vxs_gl     *gl;
+                vxs_gl_desc desc = {.get_proc_address = telling,
+                                    .storage          = dialects[n].storage,
+                                    .lights           = &(vxs_gl_light){&light, 17},
+                                    .light_count      = 1,
+                                    .word_count       = COUNT};
+                for (uint32_t i = 0; i < COUNT; i++) words[i] = rng_u32(&r) >> (rng_below(&r, 3) ? rng_below(&r, 24) : 0);
+                told.version = dialects[n].version;
+                assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+                told.version = NULL;
+                assert_int_equal(vxs_gl_put(gl, words, 0, COUNT), VXS_OK);
+                vxs_gl_upload(gl, SIZE_MAX);
+                use_body(&d, gl, dialects[n].name, lit_body);
+                vxs_gl_bind(gl);
+                for (int i = 0; i < QUERIES; i++)
+                    for (int k = 0; k < 3; k++) queries[i].position[k] = (float)uniform(&r, -15, 15);
+                draw(&d, queries, answers);
+                for (int i = 0; i < QUERIES; i++)
+                    if (!(answers[i] == VXS_OUTSIDE || (answers[i] >= 0 && answers[i] <= 1)))
+                        fail_msg("%s: %g", dialects[n].name, (double)answers[i]);
+                vxs_gl_destroy(gl);
+            }
+    gl_context_destroy(d.gl);
+}
+
+/* what is made, and what is left -------------------------------------------------------------------------------------------------------- */
+
+/* One sun: a buffer for its words and one for its constants. No texture, no program, no byte beside. */
+static void test_left_out(void **state)
+{
+    drawing    d = drawing_make();
+    rng        r = {43};
+    dag_sample sample;
+    vxs_bytes  file = {0};
+    vxs_asset *asset;
+    vxs_gl    *gl;
+    (void)state;
+    dag_sample_init(&sample, &r, 8, 200);
+    vxs_write_light light = dag_sample_light(&sample, "sun");
+    assert_int_equal(vxs_write(&file, &(vxs_write_desc){.lights = &light, .light_count = 1, .zstd_level = 1}), VXS_OK);
+    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+    uint32_t words = vxs_asset_light(asset, 0)->word_count;
+
+    memset(&told, 0, sizeof told);
+    assert_int_equal(vxs_gl_create(&gl, &(vxs_gl_desc){.get_proc_address = telling, .asset = asset}), VXS_OK);
+    assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+    vxs_gl_origin(gl, (double[3]){1, 2, 3});
+    vxs_gl_bind(gl);
+    assert_int_equal(told.buffers, 2);
+    assert_int_equal(told.textures, 0);
+    assert_int_equal(told.programs, 0);
+    assert_int_equal(told.bytes, 4 * (words + VXS_BLOCKS_SPARE_WORDS) + sizeof(vxs_light_constants));
+    assert_int_equal(told.uploaded_bytes, 4 * words + 2 * sizeof(vxs_light_constants));
+    vxs_gl_destroy(gl);
+    assert_int_equal(told.live, 0);
+
+    memset(&told, 0, sizeof told);
+    assert_int_equal(vxs_gl_create(&gl, &(vxs_gl_desc){.get_proc_address = telling, .asset = asset, .storage = VXS_GL_TEXTURE}),
+                     VXS_OK);
+    assert_int_equal(vxs_gl_upload(gl, SIZE_MAX), 0);
+    assert_int_equal(told.buffers, 0);
+    assert_int_equal(told.textures, 2);
+    assert_int_equal(vxs_gl_cull(gl, &(vxs_view){.width_px = 8, .height_px = 8}, 0, 4), VXS_E_GL);
+    vxs_gl_destroy(gl);
+    assert_int_equal(told.live, 0);
+    gl_context_destroy(d.gl);
+    vxs_asset_close(asset);
+    dag_sample_free(&sample);
+    free(file.data);
+}
+
+#define STATES(X)                                                                                                                  \
+    X(GL_ACTIVE_TEXTURE)                                                                                                           \
+    X(GL_TEXTURE_BINDING_2D)                                                                                                       \
+    X(GL_CURRENT_PROGRAM)                                                                                                          \
+    X(GL_PIXEL_UNPACK_BUFFER_BINDING)                                                                                              \
+    X(GL_UNPACK_ALIGNMENT)                                                                                                         \
+    X(GL_UNPACK_ROW_LENGTH)                                                                                                        \
+    X(GL_UNPACK_SKIP_ROWS)                                                                                                         \
+    X(GL_UNPACK_SKIP_PIXELS)                                                                                                       \
+    X(GL_ARRAY_BUFFER_BINDING)                                                                                                     \
+    X(GL_SHADER_STORAGE_BUFFER_BINDING) X(GL_UNIFORM_BUFFER_BINDING) X(GL_VERTEX_ARRAY_BINDING) X(GL_DRAW_FRAMEBUFFER_BINDING)
+
+enum {
+#define STATE_INDEX(name) AT_##name,
+    STATES(STATE_INDEX)
+#undef STATE_INDEX
+        STATE_COUNT
+};
+
+static void read_state(GLint state[STATE_COUNT])
+{
+    void(APIENTRY * get)(GLenum, GLint *) = (void(APIENTRY *)(GLenum, GLint *))OSMesaGetProcAddress("glGetIntegerv");
+#define STATE_READ(name) get(name, &state[AT_##name]);
+    STATES(STATE_READ)
+#undef STATE_READ
+}
+
+/* Every call in a context whose state is all but the default. */
+static void test_state_is_put_back(void **state)
+{
+    drawing d = drawing_make();
+    rng     r = {47};
+    (void)state;
+    for (int storage = 0; storage < 2; storage++) {
+        GLint       before[STATE_COUNT], after[STATE_COUNT];
+        GLuint      texture, buffer, depths;
+        vxs_light   light       = light_of(&r, SUN, 5, (double[3]){0, 0, 0});
+        uint32_t    words[3000] = {0}, lists[VXS_LISTS_HEAD + 2] = {1, 1, 1, 1, 1, 0};
+        vxs_gl     *gl;
+        vxs_gl_desc desc                              = {.get_proc_address = telling,
+                                                         .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
+                                                         .lights           = &(vxs_gl_light){&light, 0},
+                                                         .light_count      = 1,
+                                                         .word_count       = 3000,
+                                                         .first_binding    = 3};
+        void(APIENTRY * bind_texture)(GLenum, GLuint) = (void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture");
+        void(APIENTRY * active)(GLenum)               = (void(APIENTRY *)(GLenum))OSMesaGetProcAddress("glActiveTexture");
+        d.gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+        d.gl->CreateTextures(GL_TEXTURE_2D, 1, &depths);
+        d.gl->TextureStorage2D(depths, 1, GL_R32F, 8, 8);
+        d.gl->GenBuffers(1, &buffer);
+        active(GL_TEXTURE1);
+        bind_texture(GL_TEXTURE_2D, texture);
+        d.gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+        d.gl->PixelStorei(GL_UNPACK_ALIGNMENT, 8);
+        d.gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 1234);
+        d.gl->PixelStorei(GL_UNPACK_SKIP_ROWS, 3);
+        d.gl->PixelStorei(GL_UNPACK_SKIP_PIXELS, 5);
+        use_texts(&d, "none", "#version 330 core", (const char *[]){"#version 330 core\nout float a; void main() { a = 1.0; }\n"},
+                  1);
+        read_state(before);
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        assert_int_equal(vxs_gl_put(gl, words, 0, 3000), VXS_OK);
+        vxs_gl_upload(gl, 2048);
+        vxs_gl_upload(gl, SIZE_MAX);
+        vxs_gl_origin(gl, NULL);
+        assert_int_equal(vxs_gl_put_lists(gl, lists), VXS_OK);
+        vxs_gl_link(gl, d.program);
+        read_state(after);
+        assert_memory_equal(before, after, sizeof before);
+        vxs_gl_bind(gl);
+        if (!storage)
+            assert_int_equal(vxs_gl_cull(gl, &(vxs_view){.width_px = 8, .height_px = 8, .filter_px = 1}, depths, 4), VXS_OK);
+        read_state(after);
+        before[AT_GL_SHADER_STORAGE_BUFFER_BINDING] = after[AT_GL_SHADER_STORAGE_BUFFER_BINDING]; /* as its comment says */
+        assert_memory_equal(before, after, sizeof before);
+        vxs_gl_destroy(gl);
+        d.gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+        d.gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+        for (int n = 0; n < 3; n++)
+            d.gl->PixelStorei((GLenum[]){GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS}[n], 0);
+        active(GL_TEXTURE0);
+        assert_int_equal(d.gl->GetError(), GL_NO_ERROR);
+    }
+    gl_context_destroy(d.gl);
+}
+
+/* Each allocation in turn fails, and each function in turn is not there; too old, too much, and nothing asked. */
+static void test_refused(void **state)
+{
+    static const char *const functions[] = {"glGetString",     "glGetError",      "glGetIntegerv", "glGenBuffers",
+                                            "glBufferSubData", "glTexSubImage2D", "glUseProgram"};
+    drawing                  d           = drawing_make();
+    rng                      r           = {53};
+    vxs_light                light       = light_of(&r, SUN, 5, (double[3]){0, 0, 0});
+    uint32_t                 words[8]    = {0};
+    vxs_gl                  *gl;
+    vxs_gl_desc desc = {.get_proc_address = telling, .lights = &(vxs_gl_light){&light, 0}, .light_count = 1, .word_count = 8};
+    (void)state;
+    memset(&told, 0, sizeof told);
+    for (uint64_t fail_at = 1, good = 0; !good; fail_at++) {
+        alloc_fail    a      = {.fail_at = fail_at};
+        vxs_allocator memory = alloc_fail_allocator(&a);
+        desc.allocator       = &memory;
+        vxs_result result    = vxs_gl_create(&gl, &desc);
+        if (result == VXS_OK) result = vxs_gl_put(gl, words, 0, 8);
+        assert_true(result == (a.calls >= fail_at ? VXS_E_MEMORY : VXS_OK));
+        good = a.calls < fail_at;
+        vxs_gl_destroy(gl);
+        assert_true(a.live_bytes == 0 && a.wrong_sizes == 0 && told.live == 0);
+        assert_true(fail_at < 10);
+    }
+    desc.allocator = NULL;
+    for (size_t n = 0; n < sizeof functions / sizeof *functions; n++) {
+        told.lacks = functions[n];
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_GL);
+        assert_null(gl);
+    }
+    told.lacks = NULL;
+    for (int n = 0; n < 4; n++) {
+        told.version = (const char *[]){"3.2 Mesa", "OpenGL ES 2.0", "", "2"}[n];
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_GL);
+    }
+    told.version = "OpenGL ES 3.0 (old)";
+    desc.storage = VXS_GL_BUFFER;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_GL);
+    told.version    = NULL;
+    desc.storage    = VXS_GL_TEXTURE;
+    desc.word_count = UINT32_MAX;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_MEMORY);
+    desc.light_count = 0;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_gl_create(&gl, NULL), VXS_E_ARGUMENT);
+    desc             = (vxs_gl_desc){.struct_size = sizeof desc, .get_proc_address = telling, .lights = &(vxs_gl_light){&light, 0}};
+    desc.light_count = desc.word_count = 1;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+    vxs_gl_destroy(gl);
+    desc.struct_size = offsetof(vxs_gl_desc, lights);
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
+    assert_null(gl);
+    assert_int_equal(told.live, 0);
+    gl_context_destroy(d.gl);
+}
+
+/* culling ------------------------------------------------------------------------------------------------------------------------------- */
+
+enum { VIEW_WIDE = 61, VIEW_HIGH = 37, VIEW_PIXELS = VIEW_WIDE * VIEW_HIGH, TILES_WIDE = 8, TILES_HIGH = 5 };
+
+/* A camera somewhere, that sees a slanted surface in each tile, and nothing in some pixels. */
+static vxs_view random_view(rng *r, float *depths)
+{
+    vxs_view view = {.width_px    = VIEW_WIDE,
+                     .height_px   = VIEW_HIGH,
+                     .empty_depth = 0,
+                     .filter_px = rng_below(r, 2) ? 1 + 2 * rng_between(r, 0, 8) : VXS_SMOOTH + rng_between(r, 1, VXS_FILTER_MAX)};
+    double   axis[3][3], eye[3], tan_y = uniform(r, 0.2, 1), tan_x = tan_y * VIEW_WIDE / VIEW_HIGH;
+    random_direction(r, axis[2]);
+    random_direction(r, axis[1]);
+    cross(axis[1], axis[2], axis[0]);
+    make_unit(axis[0]);
+    cross(axis[2], axis[0], axis[1]);
+    for (int n = 0; n < 3; n++) eye[n] = uniform(r, -15, 15);
+    /* the depth is 1 / distance along the axis: (a, b, c, w) = (right (2u - 1) + up (2v - 1) + forward + eye d, d) */
+    for (int n = 0; n < 3; n++) {
+        view.point_from_depth[n]      = (float)(2 * tan_x * axis[0][n]);
+        view.point_from_depth[4 + n]  = (float)(2 * tan_y * axis[1][n]);
+        view.point_from_depth[8 + n]  = (float)eye[n];
+        view.point_from_depth[12 + n] = (float)(axis[2][n] - tan_x * axis[0][n] - tan_y * axis[1][n]);
+    }
+    view.point_from_depth[11] = 1;
+    double near[TILES_WIDE * TILES_HIGH], slope[TILES_WIDE * TILES_HIGH];
+    for (int n = 0; n < TILES_WIDE * TILES_HIGH; n++) {
+        near[n]  = 0.3 * pow(100, uniform(r, 0, 1));
+        slope[n] = rng_below(r, 2) ? 0 : uniform(r, -0.1, 0.1) * near[n];
+    }
+    for (int n = 0; n < VIEW_PIXELS; n++) {
+        int tile  = n % VIEW_WIDE / 8 + n / VIEW_WIDE / 8 * TILES_WIDE;
+        depths[n] = rng_below(r, 9) ? (float)(1 / fmax(0.1, near[tile] + slope[tile] * (n % 8))) : 0;
+    }
+    return view;
+}
+
+static void pixel_place(const vxs_view *view, const float *depths, int pixel, double at[3])
+{
+    const float *m = view->point_from_depth;
+    double       u = (pixel % VIEW_WIDE + 0.5) / VIEW_WIDE, v = (pixel / VIEW_WIDE + 0.5) / VIEW_HIGH, d = (double)depths[pixel];
+    for (int n = 0; n < 3; n++)
+        at[n] = ((double)m[n] * u + (double)m[4 + n] * v + (double)m[8 + n] * d + (double)m[12 + n]) /
+                ((double)m[3] * u + (double)m[7] * v + (double)m[11] * d + (double)m[15]);
+}
+
+static int listed(const uint32_t *list, uint32_t n)
+{
+    for (uint32_t i = 0; i < list[0]; i++)
+        if (list[1 + i] == n) return 1;
+    return 0;
+}
+
+typedef struct culled {
+    uint64_t kept, needed; /* pairs of a tile and a light */
+} culled;
+
+/* Every light at every pixel: who reaches it is listed. */
+static void check_lists(rng *r, const vxs_gl_light *lights, uint32_t count, const vxs_view *view, const float *depths,
+                        const uint32_t *lists, uint32_t room, culled *sum, const char *by)
+{
+    for (int tile = 0; tile < TILES_WIDE * TILES_HIGH; tile++) {
+        const uint32_t *list = lists + VXS_LISTS_HEAD + tile * ((int)room + 1);
+        for (uint32_t i = 1; i < list[0]; i++) assert_true(list[i] < list[i + 1] && list[i + 1] < count);
+        for (uint32_t n = 0; n < count; n++) {
+            int reached = 0;
+            for (int p = 0; p < 64; p++) {
+                int x = tile % TILES_WIDE * 8 + p % 8, y = tile / TILES_WIDE * 8 + p / 8, pixel = x + VIEW_WIDE * y;
+                if (x >= VIEW_WIDE || y >= VIEW_HIGH || depths[pixel] == view->empty_depth) continue;
+                double  at[3], normal[3];
+                int32_t voxel[3];
+                random_direction(r, normal);
+                pixel_place(view, depths, pixel, at);
+                reached |= vxs_voxel(lights[n].light, at, normal, view->filter_px, voxel) >= 0;
+            }
+            if (reached && !listed(list, n)) fail_msg("%s: tile %d lacks light %u", by, tile, n);
+            sum->needed += (uint64_t)reached;
+        }
+        sum->kept += list[0];
+    }
+}
+
+static void read_lists(const drawing *d, uint32_t binding, uint32_t *lists, uint64_t words)
+{
+    GLint buffer;
+    ((void(APIENTRY *)(GLenum, GLuint, GLint *))OSMesaGetProcAddress("glGetIntegeri_v"))(GL_SHADER_STORAGE_BUFFER_BINDING, binding,
+                                                                                         &buffer);
+    d->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, (GLuint)buffer);
+    ((PFNGLMEMORYBARRIERPROC)OSMesaGetProcAddress("glMemoryBarrier"))(GL_BUFFER_UPDATE_BARRIER_BIT);
+    ((PFNGLGETBUFFERSUBDATAPROC)OSMesaGetProcAddress("glGetBufferSubData"))(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(words * 4),
+                                                                            lists);
+}
+
+static vxs_result cull_by_shader(const drawing *d, vxs_gl *gl, const vxs_view *view, const float *depths, uint32_t room,
+                                 uint32_t *lists)
+{
+    GLuint texture;
+    d->gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    d->gl->TextureStorage2D(texture, 1, GL_R32F, VIEW_WIDE, VIEW_HIGH);
+    d->gl->TextureSubImage2D(texture, 0, 0, 0, VIEW_WIDE, VIEW_HIGH, GL_RED, GL_FLOAT, depths);
+    vxs_result result = vxs_gl_cull(gl, view, texture, room);
+    d->gl->DeleteTextures(1, &texture);
+    if (result == VXS_OK) read_lists(d, 2, lists, vxs_lists_words(VIEW_WIDE, VIEW_HIGH, room));
+    return result;
+}
+
+/* Random lights of all kinds and random cameras, in C and by the compute shader. */
+static void test_culling(void **state)
+{
+    enum { LIGHTS = 150 };
+    static float    depths[VIEW_PIXELS];
+    static uint32_t lists[2][VXS_LISTS_HEAD + TILES_WIDE * TILES_HIGH * (LIGHTS + 1)];
+    drawing         d = drawing_make();
+    rng             r = {59};
+    culled          c = {0}, shader = {0};
+    uint32_t        differ = 0;
+    (void)state;
+    for (uint32_t round = 0, rounds = repeats(12, 300); round < rounds; round++) {
+        vxs_light    light[LIGHTS];
+        vxs_gl_light lights[LIGHTS];
+        vxs_gl      *gl;
+        for (int n = 0; n < LIGHTS; n++) {
+            double at[3];
+            for (int k = 0; k < 3; k++) at[k] = uniform(&r, -30, 30);
+            light[n]  = light_of(&r, n < 140 ? (int)rng_below(&r, LAMP_SHAPES) : n % 2 ? SUN : BOUNDED_SUN, 8, at);
+            lights[n] = (vxs_gl_light){&light[n], 0};
+        }
+        vxs_gl_desc desc = {.get_proc_address = telling, .lights = lights, .light_count = LIGHTS, .word_count = 1};
+        vxs_view    view = random_view(&r, depths);
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        uint32_t longest = vxs_cull(vxs_gl_constants(gl), LIGHTS, &view, depths, LIGHTS, lists[0]);
+        assert_true(longest <= LIGHTS && lists[0][0] == TILES_WIDE && lists[0][1] == TILES_HIGH);
+        check_lists(&r, lights, LIGHTS, &view, depths, lists[0], LIGHTS, &c, "C");
+        assert_int_equal(cull_by_shader(&d, gl, &view, depths, LIGHTS, lists[1]), VXS_OK);
+        check_lists(&r, lights, LIGHTS, &view, depths, lists[1], LIGHTS, &shader, "shader");
+        for (int tile = 0; tile < TILES_WIDE * TILES_HIGH; tile++) {
+            const uint32_t *list = lists[0] + VXS_LISTS_HEAD + tile * (LIGHTS + 1), *other = lists[1] + (list - lists[0]);
+            differ += memcmp(list, other, (list[0] + 1) * sizeof *list) != 0;
+        }
+        vxs_gl_destroy(gl);
+    }
+    print_message("lights kept for one that reaches a pixel: %.3f in C, %.3f by the shader; %u lists differ\n",
+                  (double)c.kept / (double)c.needed, (double)shader.kept / (double)shader.needed, differ);
+    assert_true(c.needed > 1000 && c.kept < c.needed * 13 / 10);
+    assert_true(differ < 10); /* one rounds otherwise now and then */
+    gl_context_destroy(d.gl);
+}
+
+/* The sum of the numbers of a tile's lights. */
+static const char tile_body[] =
+    "in vec3 position_ws;\n"
+    "in vec3 normal_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    uint tile = vxs_tile_of(ivec2(position_ws.xy)), count = vxs_tile_light_count(tile), sum = 0u;\n"
+    "    for (uint n = 0u; n < count; n++) sum += 1u + vxs_tile_light(tile, n) % 1000u;\n"
+    "    answer = float(sum % 1000000u);\n"
+    "}\n";
+
+/* More lights than lists have room for, and than a group tests at once: then a tile has all of them. In both storages. */
+static void test_full_lists(void **state)
+{
+    enum { LIGHTS = 10000, ROOM = 6 };
+    static float     depths[VIEW_PIXELS], answers[QUERIES];
+    static uint32_t  lists[2][VXS_LISTS_HEAD + TILES_WIDE * TILES_HIGH * (ROOM + 1)];
+    static vxs_light light[LIGHTS];
+    static query     queries[QUERIES];
+    vxs_gl_light    *lights = dag_sample_alloc(LIGHTS, sizeof *lights);
+    drawing          d      = drawing_make();
+    rng              r      = {61};
+    (void)state;
+    for (int n = 0; n < LIGHTS; n++) {
+        double at[3];
+        for (int k = 0; k < 3; k++) at[k] = uniform(&r, -80, 80);
+        light[n]              = light_of(&r, SPOT, 8, at);
+        light[n].range_metres = 9;
+        lights[n]             = (vxs_gl_light){&light[n], 0};
+    }
+    vxs_view view = random_view(&r, depths);
+    for (int n = 0; n < QUERIES; n++)
+        queries[n] = (query){{(float)rng_between(&r, 0, VIEW_WIDE - 1), (float)rng_between(&r, 0, VIEW_HIGH - 1), 0}, {0}};
+    for (int storage = 0; storage < 2; storage++) {
+        vxs_gl     *gl;
+        vxs_gl_desc desc = {.get_proc_address = telling,
+                            .lights           = lights,
+                            .light_count      = LIGHTS,
+                            .word_count       = 1,
+                            .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER};
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        uint32_t longest = vxs_cull(vxs_gl_constants(gl), LIGHTS, &view, depths, ROOM, lists[0]), full = 0;
+        if (storage)
+            assert_int_equal(vxs_gl_put_lists(gl, lists[0]), VXS_OK);
+        else
+            assert_int_equal(cull_by_shader(&d, gl, &view, depths, ROOM, lists[1]), VXS_OK);
+        use_body(&d, gl, storage ? "#version 330 core" : "#version 430 core", tile_body);
+        vxs_gl_bind(gl);
+        draw(&d, queries, answers);
+        for (int n = 0; n < QUERIES; n++) {
+            int             tile = (int)queries[n].position[0] / 8 + (int)queries[n].position[1] / 8 * TILES_WIDE;
+            const uint32_t *list = lists[!storage] + VXS_LISTS_HEAD + tile * (ROOM + 1);
+            uint32_t        sum  = 0;
+            for (uint32_t i = 0; i < list[0] && i < ROOM; i++) sum += 1 + list[1 + i] % 1000;
+            if (list[0] > ROOM) sum = LIGHTS / 1000 * 500500;
+            full += list[0] > ROOM;
+            assert_true(answers[n] == (float)(sum % 1000000));
+        }
+        assert_true(longest > ROOM && full > QUERIES / 20 && full < QUERIES);
+        vxs_gl_destroy(gl);
+    }
+    gl_context_destroy(d.gl);
+    free(lights);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_same_answer), cmocka_unit_test(test_same_answer_of_files),
+        cmocka_unit_test(test_origin),      cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_clamped),     cmocka_unit_test(test_damaged_words),
+        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_put_back),
+        cmocka_unit_test(test_refused),     cmocka_unit_test(test_culling),
+        cmocka_unit_test(test_full_lists),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
