@@ -17,7 +17,7 @@ static const struct {
 } commands[] = {
     {"bake", cmd_bake},       {"plan", cmd_plan},     {"merge", cmd_merge},     {"info", cmd_info},   {"validate", cmd_validate},
     {"query", cmd_query},     {"truth", cmd_truth},   {"compare", cmd_compare}, {"bench", cmd_bench}, {"report", cmd_report},
-    {"picture", cmd_picture}, {"health", cmd_health}, {"mend", cmd_mend},       {"scene", cmd_scene},
+    {"render", cmd_render}, {"health", cmd_health}, {"mend", cmd_mend},       {"scene", cmd_scene},
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };

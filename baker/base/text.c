@@ -66,7 +66,7 @@ const char *size_text(char text[32], uint64_t bytes)
 {
     if (bytes < 10 * 1024)
         snprintf(text, 32, "%llu B", (unsigned long long)bytes);
-    else if (bytes < 10 * 1024 * 1024)
+    else if (bytes < 10000 * 1024) /* lines that end at column 80 have room for four digits before the point */
         snprintf(text, 32, "%.1f KiB", (double)bytes / 1024);
     else
         snprintf(text, 32, "%.1f MiB", (double)bytes / (1024 * 1024));

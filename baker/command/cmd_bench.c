@@ -29,7 +29,7 @@ typedef struct bench_command {
 /* What can be found wrong before the work. */
 static vxs_result check(bench_command *c, message *m)
 {
-    vxs_result r = filters_take(&c->filters, c->o.filters_px, &c->o.filter_count, m);
+    vxs_result r = filters_take(&c->filters, NULL, c->o.filters_px, &c->o.filter_count, m);
     if (r == VXS_OK && c->max_slower_given && !c->against_path) r = fail(m, VXS_E_ARGUMENT, "--max-slower goes with --against");
     for (size_t n = 0; n < c->o.scenes.count && r == VXS_OK; n++)
         if (!is_read_once(c->o.scenes.items[n])) r = scene_check_files_gltf(c->o.scenes.items[n], m);

@@ -21,7 +21,7 @@ typedef struct compare_command {
     const char   *json_path;
     scene_choice  choice; /* may have texts of the first asset's metadata */
     text_list     asset_paths, light_names;
-    number_list   filters_px;
+    number_list   filters_px, smooth_px;
     camera_choice camera;
     int           camera_given, fov_given;
     text_list     bake_reports;
@@ -42,7 +42,7 @@ typedef struct traced_scene {
 
 static vxs_result check_options(compare_command *c, message *m)
 {
-    vxs_result r = filters_take(&c->filters_px, c->report.options.filters_px, &c->report.options.filter_count, m);
+    vxs_result r = filters_take(&c->filters_px, &c->smooth_px, c->report.options.filters_px, &c->report.options.filter_count, m);
     if (r == VXS_OK) r = camera_check(&c->camera, m);
     if (r != VXS_OK) return r;
     c->camera_given |= c->camera.eye_given;
@@ -207,7 +207,8 @@ static void traced_scene_free(traced_scene *t)
 static void place_camera(compare_command *c, const traced_scene *t)
 {
     const compared_asset *first = &c->report.assets[0];
-    camera_place(&c->camera, &t->casters, first->lights, first->light_count, COMPARE_CAMERA_ASPECT);
+    box around = box_of_corners(t->casters.positions_ws, t->casters.indices, 3 * t->casters.triangle_count);
+    camera_place(&c->camera, &around, first->lights, first->light_count, COMPARE_CAMERA_ASPECT);
     c->report.options.camera = &c->camera.camera;
 }
 
@@ -274,6 +275,8 @@ int cmd_compare(int argc, char **argv)
          {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "another seed, other points (default 1)", NULL},
          {"--filter", OPTION_U32S, &c.filters_px, 1, VXS_FILTER_MAX, NULL, "K",
           "also compare K x K box filters, K odd, 1 to 17 texels; repeat for more (default single taps only)", NULL},
+         {"--smooth", OPTION_U32S, &c.smooth_px, 1, VXS_FILTER_MAX, NULL, "K",
+          "also compare smooth K x K filters, K even or odd, 1 to 17 texels; repeat for more", NULL},
          {"--camera", OPTION_SWITCH, &c.camera_given, 0, 0, NULL, NULL, "also compare what a camera sees, all of the scene in view",
           NULL},
          {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z",

@@ -8,7 +8,8 @@
 
 typedef struct query {
     const vxs_baked_light *lights[VXS_LIGHTS_MAX]; /* [light_count] */
-    uint32_t               light_count, filter_px;
+    uint32_t               light_count;
+    filter_choice          filter;
     text_list              light_names;
     const char            *path;
     uint64_t               memory_bytes;
@@ -16,9 +17,10 @@ typedef struct query {
 
 static void look_up(const void *user, const query_point *point, float *lit)
 {
-    const query *q = user;
+    const query *q         = user;
+    int          filter_px = filter_px_of(&q->filter);
     for (uint32_t n = 0; n < q->light_count; n++)
-        lit[n] = vxs_lookup(q->lights[n], point->position_ws, point->has_normal ? point->normal_ws : NULL, (int)q->filter_px);
+        lit[n] = vxs_lookup(q->lights[n], point->position_ws, point->has_normal ? point->normal_ws : NULL, filter_px);
 }
 
 static vxs_result run(void *command, message *m)
@@ -27,7 +29,7 @@ static vxs_result run(void *command, message *m)
     vxs_asset *asset = NULL;
     vxs_result r;
 
-    if ((r = filter_check(q->filter_px, m)) != VXS_OK) goto done;
+    if ((r = filter_check(&q->filter, m)) != VXS_OK) goto done;
     if ((r = points_check_input("FILE.vxs", q->path, m)) != VXS_OK) goto done;
     if ((r = asset_open_within(&asset, q->path, q->memory_bytes, 0, m)) != VXS_OK) goto done;
     if ((r = asset_choose_lights(asset, q->path, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK) goto done;
@@ -39,13 +41,12 @@ done:
 
 int cmd_query(int argc, char **argv)
 {
-    query        q         = {.filter_px = 1};
+    query        q         = {.filter.box_px = 1};
     const option options[] = {
         {"FILE.vxs", OPTION_INPUT, &q.path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
         {"--light", OPTION_TEXTS, &q.light_names, 0, 0, NULL, "NAME",
          "answer for this light; repeat for more (default all, in file order)", NULL},
-        {"--filter", OPTION_U32, &q.filter_px, 1, VXS_FILTER_MAX, NULL, "K", "K x K box filter, K odd, 1 to 17 texels (default 1)",
-         NULL},
+        FILTER_ROWS(q.filter, "K x K box filter, K odd, 1 to 17 texels (default 1)"),
         {"--memory", OPTION_BYTES, &q.memory_bytes, 0, 0, NULL, "BYTES",
          "hold no more of the file in memory than this (default 256 times the file, 64M at least)", NULL},
     };

@@ -18,13 +18,13 @@
 #include "baker/truth/truth_filter.h"
 
 typedef struct truth_options {
-    const char  *scene_path;
-    scene_choice choice;
-    const char  *like_path; /* NULL: rays from the points themselves */
-    text_list    light_names;
-    named_list   suns;
-    uint32_t     filter_px, threads;
-    int          filter_given;
+    const char   *scene_path;
+    scene_choice  choice;
+    const char   *like_path; /* NULL: rays from the points themselves */
+    text_list     light_names;
+    named_list    suns;
+    filter_choice filter;
+    uint32_t      threads;
 } truth_options;
 
 typedef struct traced {
@@ -58,19 +58,19 @@ static void trace_like(const void *user, const query_point *point, float *lit)
     const traced_like *q = user;
     for (uint32_t n = 0; n < q->light_count; n++) {
         const vxs_light *light = &q->lights[n]->light;
-        int32_t          voxel[3];
-        int map = vxs_voxel(light, point->position_ws, point->has_normal ? point->normal_ws : NULL, q->filter_px, voxel);
-        lit[n]  = map < 0 ? -1 : (float)truth_filtered(q->truth, light, &q->shapes[n], map, voxel, q->filter_px);
+        filter_taps taps = filter_taps_of(light, point->position_ws, point->has_normal ? point->normal_ws : NULL, q->filter_px);
+        lit[n]           = taps.map < 0 ? -1 : (float)truth_filtered(q->truth, light, &q->shapes[n], &taps);
     }
 }
 
 static vxs_result check_options(const truth_options *o, message *m)
 {
-    if (o->filter_given && !o->like_path)
-        return fail(m, VXS_E_ARGUMENT, "--filter goes with --like FILE.vxs: a filter is as wide as the texels of a baked map");
+    if (filter_given(&o->filter) && !o->like_path)
+        return fail(m, VXS_E_ARGUMENT, "%s goes with --like FILE.vxs: a filter is as wide as the texels of a baked map",
+                    o->filter.smooth_given ? "--smooth" : "--filter");
     if (o->suns.count && o->like_path)
         return fail(m, VXS_E_ARGUMENT, "--sun and --like exclude each other: the lights are those of %s", o->like_path);
-    return filter_check(o->filter_px, m);
+    return filter_check(&o->filter, m);
 }
 
 /* The asset, the lights of it that are asked for, and what of the scene casts as in its bake. */
@@ -81,7 +81,7 @@ static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, 
     if (r == VXS_OK) r = asset_scene_choice(*made, &o->choice, m);
     if (r == VXS_OK) r = asset_choose_lights(*asset, o->like_path, &o->light_names, q->lights, &q->light_count, m);
     for (uint32_t n = 0; r == VXS_OK && n < q->light_count; n++) q->shapes[n] = baked_light_shape(&q->lights[n]->light);
-    q->filter_px = (int)o->filter_px;
+    q->filter_px = filter_px_of(&o->filter);
     return r;
 }
 
@@ -129,7 +129,7 @@ done:
 
 int cmd_truth(int argc, char **argv)
 {
-    truth_options o = {.filter_px = 1, .threads = parallel_default_threads()};
+    truth_options o = {.filter.box_px = 1, .threads = parallel_default_threads()};
 
     const option options[] = {
         {"SCENE", OPTION_INPUT, &o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
@@ -139,8 +139,7 @@ int cmd_truth(int argc, char **argv)
          "add a light that travels this way, named sun or NAME; repeat for more", NULL},
         {"--like", OPTION_INPUT, &o.like_path, FILE_ASSET, 0, NULL, "FILE.vxs",
          "ask as a lookup in this file does: its lights, its volumes, its voxels", NULL},
-        {"--filter", OPTION_U32, &o.filter_px, 1, VXS_FILTER_MAX, NULL, "K",
-         "with --like: the mean of K x K rays, K odd, 1 to 17 texels (default 1)", &o.filter_given},
+        FILTER_ROWS(o.filter, "with --like: the mean of K x K rays, K odd, 1 to 17 texels (default 1)"),
         SCENE_ROWS(o.choice),
         {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
     };

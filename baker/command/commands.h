@@ -16,7 +16,7 @@ int cmd_truth(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_report(int argc, char **argv);
-int cmd_picture(int argc, char **argv);
+int cmd_render(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_health(int argc, char **argv);
 int cmd_mend(int argc, char **argv);

@@ -11,6 +11,7 @@
 #include "baker/command/light_text.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
+#include "baker/options/filter_choice.h"
 
 static const char *const kind_names[COMPARE_KINDS] = {"random", "surface", "camera"};
 
@@ -113,20 +114,21 @@ static void print_example(FILE *to, const compare_example *e)
             e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
 }
 
-static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, unsigned filter_px)
+static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, uint32_t filter_px)
 {
+    char text[32];
     for (int kind = 0; kind < kind_count(r); kind++)
-        fprintf(to, "  %u x %u filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_px, filter_px,
+        fprintf(to, "  %s filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_text(text, filter_px),
                 kind_names[kind], f->error[kind].rmse, f->error[kind].max_error, (unsigned long long)f->error[kind].points);
 }
 
 static void print_time(FILE *to, const compare_report *r, const compare_result *result)
 {
     const compare_time *t = &result->time;
+    char                text[32];
     fprintf(to, "  one thread: lookup %.1f ns", 1e9 * t->lookup_s);
     for (uint32_t n = 0; n < r->options.filter_count; n++)
-        fprintf(to, ", %u x %u lookup %.1f ns", r->options.filters_px[n], r->options.filters_px[n],
-                1e9 * result->filters[n].lookup_s);
+        fprintf(to, ", %s lookup %.1f ns", filter_text(text, r->options.filters_px[n]), 1e9 * result->filters[n].lookup_s);
     if (t->truth_s > 0) fprintf(to, ", ray %.1f ns (%.3g million rays a second)", 1e9 * t->truth_s, 1e-6 / t->truth_s);
     fprintf(to, "\n");
 }
@@ -206,7 +208,8 @@ static void print_asset_in_short(FILE *to, const compare_report *r, const compar
     fprintf(to, ")\n");
     for (uint32_t f = 0; f < r->options.filter_count; f++) {
         fprintf(to, "%-12s ", f ? "" : "filters");
-        fprintf(to, "%u x %u: RMSE", r->options.filters_px[f], r->options.filters_px[f]);
+        char text[32];
+        fprintf(to, "%s: RMSE", filter_text(text, r->options.filters_px[f]));
         for (int kind = 0; kind < kind_count(r); kind++)
             fprintf(to, "%s %s %.4f", kind ? "," : "", kind_names[kind], rmse_of_all(a, f, kind));
         fprintf(to, "\n");
@@ -244,6 +247,12 @@ static const char *texels_text(char text[32], const compared_asset *a)
     return text;
 }
 
+/* How wide a filter's column is. */
+static int filter_column(const compare_report *r, uint32_t f)
+{
+    return (r->options.filters_px[f] < VXS_SMOOTH ? 15 : 22) + 8 * kind_count(r);
+}
+
 /* A row an asset, its name last: names may be long. */
 static void print_table(FILE *to, const compare_report *r, const message *m)
 {
@@ -254,9 +263,10 @@ static void print_table(FILE *to, const compare_report *r, const message *m)
         fprintf(to, " %14s", text);
     }
     for (uint32_t f = 0; f < r->options.filter_count; f++) {
-        snprintf(text, sizeof text, "RMSE %u x %u %s", r->options.filters_px[f], r->options.filters_px[f],
+        char filter[32];
+        snprintf(text, sizeof text, "RMSE %s %s", filter_text(filter, r->options.filters_px[f]),
                  r->options.camera ? "random/surface/camera" : "random/surface");
-        fprintf(to, "  %*s", 15 + 8 * kind_count(r), text);
+        fprintf(to, "  %*s", filter_column(r, f), text);
     }
     fprintf(to, "  asset\n");
     for (size_t n = 0; n < r->asset_count; n++) {
@@ -274,7 +284,7 @@ static void print_table(FILE *to, const compare_report *r, const message *m)
             int length = 0;
             for (int kind = 0; kind < kind_count(r); kind++)
                 length += snprintf(text + length, sizeof text - (size_t)length, "%s%.4f", kind ? "/" : "", rmse_of_all(a, f, kind));
-            fprintf(to, "  %*s", 15 + 8 * kind_count(r), text);
+            fprintf(to, "  %*s", filter_column(r, f), text);
         }
         fprintf(to, "  %s%s%s\n", input_name(a->path), compare_asset_passes(r, a) ? "" : "; ",
                 compare_asset_passes(r, a) ? "" : colored(word, m->color, to, COLOR_RED, "FAILED"));
@@ -347,8 +357,10 @@ static json_t *filters_json(const compare_report *r, const compare_result *resul
 {
     json_t *filters = json_array();
     for (uint32_t n = 0; n < r->options.filter_count; n++) {
-        const compare_filter *f = &result->filters[n];
-        json_t *one = json_pack("{s:I, s:f}", "filter_px", (json_int_t)r->options.filters_px[n], "lookup_ns", 1e9 * f->lookup_s);
+        const compare_filter *f         = &result->filters[n];
+        uint32_t              filter_px = r->options.filters_px[n];
+        json_t               *one       = json_pack("{s:I, s:b, s:f}", "filter_px", (json_int_t)(filter_px % VXS_SMOOTH), "smooth",
+                                                    filter_px >= VXS_SMOOTH, "lookup_ns", 1e9 * f->lookup_s);
         for (int kind = 0; kind < kind_count(r); kind++) {
             const compare_error *e = &f->error[kind];
             json_object_set_new(

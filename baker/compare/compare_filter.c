@@ -20,11 +20,11 @@ typedef struct filter_pass {
 } filter_pass;
 
 /* Whether some tap is where the asset was asked to leave it open. */
-static int is_left_free(const comparison *c, int map, const int32_t voxel[3], int filter_px)
+static int is_left_free(const comparison *c, const filter_taps *taps)
 {
-    for (int n = 0; n < filter_px * filter_px; n++) {
-        double u = voxel[0] + n % filter_px - filter_px / 2 + 0.5, v = voxel[1] + n / filter_px - filter_px / 2 + 0.5;
-        if (compare_left_free(c, map, u, v, voxel[2], voxel[2] + 1)) return 1;
+    for (int n = 0; n < taps->count[0] * taps->count[1]; n++) {
+        double u = taps->first[0] + n % taps->count[0] + 0.5, v = taps->first[1] + n / taps->count[0] + 0.5;
+        if (compare_left_free(c, taps->map, u, v, taps->depth, taps->depth + 1)) return 1;
     }
     return 0;
 }
@@ -34,14 +34,13 @@ static float filter_error(const filter_pass *f, size_t n)
     const comparison *c     = f->comparison;
     size_t            index = (size_t)((uint64_t)n * compare_point_count(c, f->kind) / f->count);
     sample            s;
-    int32_t           voxel[3];
     int               filter_px = (int)f->filter_px;
     if (!compare_point(c, f->kind, index, f->filter_px, &s)) return INFINITY;
     float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, filter_px);
     if (lookup < 0 || truth_inside_solid(c->truth, s.truth_ws)) return INFINITY;
-    vxs_voxel(c->light, s.point_ws, s.normal, filter_px, voxel);
-    if (compare_leaves_free(c) && is_left_free(c, s.map, voxel, filter_px)) return INFINITY;
-    return (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, s.map, voxel, filter_px));
+    filter_taps taps = filter_taps_of(c->light, s.point_ws, s.normal, filter_px);
+    if (compare_leaves_free(c) && is_left_free(c, &taps)) return INFINITY;
+    return (float)(lookup - truth_filtered(c->truth, c->light, &c->shape, &taps));
 }
 
 static void filter_points(void *user, size_t begin, size_t end, uint32_t worker)

@@ -8,7 +8,7 @@
 
 enum {
     COMPARE_EXAMPLES_MAX      = 10,
-    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2, /* the odd widths above 1 */
+    COMPARE_FILTERS_MAX       = VXS_FILTER_MAX / 2 + VXS_FILTER_MAX, /* the odd widths above 1; smooth ones of all */
     COMPARE_FILTER_POINTS_MAX = 20000,
     COMPARE_TIMED_POINTS_MAX  = 1000000
 };
@@ -37,7 +37,7 @@ typedef struct compare_freedom {
 typedef struct compare_options {
     uint32_t           points; /* of each kind; a camera's are as many as make a picture */
     uint32_t           seed;
-    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* odd, 3 to VXS_FILTER_MAX: compared besides single taps */
+    uint32_t           filters_px[COMPARE_FILTERS_MAX]; /* as for vxs_lookup, none twice: compared besides single taps */
     uint32_t           filter_count;
     const camera_pose *camera; /* NULL: no points of a camera */
     uint32_t           threads;

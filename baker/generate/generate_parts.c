@@ -248,7 +248,7 @@ void parts_light(parts *p, const char *name, light_shape shape)
     if (!reserve(p, &s->lights, &p->lights, s->light_count, sizeof *s->lights)) return;
     char *copy = strdup(name);
     if (copy)
-        s->lights[s->light_count++] = (scene_light){copy, shape};
+        s->lights[s->light_count++] = (scene_light){.name = copy, .shape = shape};
     else
         p->out_of_memory = 1;
 }

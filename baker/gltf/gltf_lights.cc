@@ -49,6 +49,16 @@ static light_shape read_light(loader &l, const std::string &where, const json &l
     return out;
 }
 
+/* Only pictures ask: what is no colour or no intensity is 1, as when nothing is said. */
+static light_definition described_light(const std::string &name, const light_shape &shape, const json &light)
+{
+    light_definition out       = {name, shape, {1, 1, 1}};
+    double           intensity = number_or(light, "intensity", 1, INFINITY);
+    numbers_or(light, "color", 1, out.colour);
+    for (double &c : out.colour) c *= intensity;
+    return out;
+}
+
 void read_lights(loader &l, const json &root)
 {
     const json *lights = extension(root, "KHR_lights_punctual");
@@ -57,7 +67,7 @@ void read_lights(loader &l, const json &root)
     check_list(l, *lights, "lights", "light", {{"name", is::text}, {"type", is::text, true}});
     for (const json &light : items(*lights, "lights")) {
         std::string name = light.value("name", "");
-        l.lights.push_back({name, read_light(l, label("light", l.lights.size(), name), light)});
+        l.lights.push_back(described_light(name, read_light(l, label("light", l.lights.size(), name), light), light));
     }
 }
 
@@ -89,7 +99,9 @@ void place_lights(loader &l)
         size_t                  index = (size_t)use->second.Get("light").GetNumberAsInt();
         const light_definition &light = l.lights[index];
         light_shape             shape = placed_light(l, node, light.shape);
-        lights.push_back({unique_name(uses, light.name.empty() ? "light" + std::to_string(index) : light.name), shape});
+        lights.push_back(light);
+        lights.back().name  = unique_name(uses, light.name.empty() ? "light" + std::to_string(index) : light.name);
+        lights.back().shape = shape;
     }
     if (lights.empty()) return;
 
@@ -98,7 +110,7 @@ void place_lights(loader &l)
     for (const light_definition &light : lights) {
         char *name = strdup(light.name.c_str());
         if (!name) throw std::bad_alloc();
-        l.s->lights[l.s->light_count++] = {name, light.shape};
+        l.s->lights[l.s->light_count++] = {name, light.shape, {light.colour[0], light.colour[1], light.colour[2]}};
     }
 }
 

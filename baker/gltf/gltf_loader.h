@@ -125,6 +125,7 @@ struct image_alpha {
 struct material {
     std::string name;
     bool        double_sided, masked; /* masked: alphaMode is MASK */
+    float       colour[3]; /* its base colour, linear */
 
     enum { UNKNOWN, EVERYWHERE, WITH_HOLES, NOWHERE } surface = UNKNOWN;
     double   threshold                                        = 0;
@@ -153,6 +154,7 @@ struct transform {
 struct light_definition {
     std::string name;
     light_shape shape;
+    double      colour[3]; /* times intensity */
 };
 
 struct morph {
@@ -449,6 +451,11 @@ void triangle_elements(const placement &p, size_t t, uint32_t element[3]);
 /* ---- gltf_images.cc, gltf_materials.cc ---- */
 
 void read_materials(loader &l, const json &root);
+void place_materials(loader &l);
+
+/* What pictures alone ask for, and no bake may fail by: a member that is 0 to `most`, three that are 0 to 1, or what it is otherwise. */
+double number_or(const json &object, const char *name, double otherwise, double most);
+void   numbers_or(const json &object, const char *name, double otherwise, double out[3]);
 
 /* Decode image `index`, which exists, once. */
 image_alpha &use_image(loader &l, size_t index);

@@ -11,6 +11,47 @@
 namespace gltf
 {
 
+double number_or(const json &object, const char *name, double otherwise, double most)
+{
+    auto value = object.find(name);
+    if (value == object.end() || !value->is_number()) return otherwise;
+    double number = value->get<double>();
+    return number >= 0 && number <= most && std::isfinite(number) ? number : otherwise;
+}
+
+void numbers_or(const json &object, const char *name, double otherwise, double out[3])
+{
+    auto values = object.find(name);
+    bool good   = values != object.end() && values->is_array() && values->size() >= 3;
+    for (size_t n = 0; good && n < 3; n++) good = (*values)[n].is_number() && (*values)[n] >= 0 && (*values)[n] <= 1;
+    for (size_t n = 0; n < 3; n++) out[n] = good ? (*values)[n].get<double>() : otherwise;
+}
+
+/* Only pictures ask: what is no colour is white, as when nothing is said, and what is textured is grey times its colour. */
+static void read_colour(const json &object, material &m)
+{
+    static const double grey      = 0.45;
+    const json         *older     = extension(object, "KHR_materials_pbrSpecularGlossiness");
+    auto                newer     = object.find("pbrMetallicRoughness");
+    double              colour[3] = {1, 1, 1};
+    if (older || (newer != object.end() && newer->is_object())) {
+        const json &base = older ? *older : *newer;
+        numbers_or(base, older ? "diffuseFactor" : "baseColorFactor", 1, colour);
+        if (base.contains(older ? "diffuseTexture" : "baseColorTexture"))
+            for (double &c : colour) c *= grey;
+    }
+    for (size_t n = 0; n < 3; n++) m.colour[n] = (float)colour[n];
+}
+
+void place_materials(loader &l)
+{
+    size_t count          = l.materials.size();
+    l.s->material_colours = (float(*)[3])calloc(count + 1, sizeof *l.s->material_colours);
+    if (!l.s->material_colours) throw std::bad_alloc();
+    l.s->material_count = count;
+    for (size_t n = 0; n < count; n++) memcpy(l.s->material_colours[n], l.materials[n].colour, sizeof l.materials[n].colour);
+}
+
 void read_materials(loader &l, const json &root)
 {
     for (const json &object : items(root, "materials")) {
@@ -21,6 +62,7 @@ void read_materials(loader &l, const json &root)
         m.name         = name;
         m.double_sided = object.value("doubleSided", false);
         m.masked       = mode == "MASK";
+        read_colour(object, m);
         l.materials.push_back(m);
     }
 }

@@ -107,7 +107,7 @@ static int add_image(glb_scene *out, const alpha_image *image)
 static int add_light(glb_scene *out, const scene_light *light)
 {
     char *name = strdup(light->name);
-    if (name) out->lights[out->light_count++] = (scene_light){name, light->shape};
+    if (name) out->lights[out->light_count++] = (scene_light){.name = name, .shape = light->shape};
     return name != NULL;
 }
 

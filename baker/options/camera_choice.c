@@ -13,8 +13,7 @@ vxs_result camera_check(const camera_choice *c, message *m)
     return VXS_OK;
 }
 
-void camera_place(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
-                  double aspect)
+void camera_place(camera_choice *c, const box *around, const vxs_baked_light *const *lights, uint32_t light_count, double aspect)
 {
-    if (!c->eye_given) camera_frame_lit(&c->camera, casting, lights, light_count, aspect);
+    if (!c->eye_given) camera_frame_lit(&c->camera, around, lights, light_count, aspect);
 }

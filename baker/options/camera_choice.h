@@ -3,6 +3,7 @@
 #ifndef CAMERA_CHOICE_H
 #define CAMERA_CHOICE_H
 
+#include "baker/base/message.h"
 #include "baker/truth/camera.h"
 #include "formats/vxs_file.h"
 
@@ -14,9 +15,8 @@ typedef struct camera_choice {
 /* Returns VXS_OK, or VXS_E_ARGUMENT when eye or target is missing or both are one point. */
 vxs_result camera_check(const camera_choice *c, message *m);
 
-/* Where no eye is given: place the camera so that all casters are in view, beside the first sun of the lights (camera_frame_lit).
+/* Where no eye is given: place the camera so that all of a box is in view, beside the first sun of the lights (camera_frame_lit).
  * lights  [light_count];   aspect  width / height */
-void camera_place(camera_choice *c, const casters *casting, const vxs_baked_light *const *lights, uint32_t light_count,
-                  double aspect);
+void camera_place(camera_choice *c, const box *around, const vxs_baked_light *const *lights, uint32_t light_count, double aspect);
 
 #endif

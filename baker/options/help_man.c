@@ -138,7 +138,7 @@ void man_tail(void)
            ".TP\n.BR \\-\\-help=bash \", \" \\-\\-help=zsh \", \" \\-\\-help=fish\nA script of completion for that shell.\n"
            ".TP\n.B \\-\\-version\nThe version.\n");
     print_statuses();
-    printf(".SH EXAMPLES\n.nf\nvxs scene city \\-o city.glb\nvxs bake city.glb \\-o city.vxs\nvxs picture city.glb city.vxs \\-o "
+    printf(".SH EXAMPLES\n.nf\nvxs scene city \\-o city.glb\nvxs bake city.glb \\-o city.vxs\nvxs render city.glb city.vxs \\-o "
            "city.png\n.fi\n"
            ".SH SEE ALSO\nThe page of each command, and manual.md, which is installed among the documents of vxs.\n");
 }

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "baker/base/box.h"
 #include "baker/base/parallel.h"
 #include "runtime/vxs.h"
 
@@ -25,6 +26,7 @@ vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, co
     truth                 *t     = NULL;
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               count;
+    box                    b;
     vxs_parallel           lent = parallel_lent(threads);
     vxs_result             r    = vxs_asset_open(&asset, file, size_bytes, &(vxs_read_desc){.parallel = &lent});
     if (r != VXS_OK) {
@@ -39,7 +41,8 @@ vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, co
         count = ASSET_PICTURE_LIGHTS;
     }
     o.camera.fov_degrees = FOV_DEGREES;
-    camera_frame_lit(&o.camera, c, lights, count, (double)width_px / height_px);
+    b = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    camera_frame_lit(&o.camera, &b, lights, count, (double)width_px / height_px);
     r = picture_render(rgb, &o, t, c, lights, count, m);
 done:
     truth_destroy(t);

@@ -137,7 +137,7 @@ static double sun_light(const view *v, const double point_ws[3], const double no
     for (uint32_t n = 0; n < v->sun_count; n++) {
         double facing = -vec3_dot(normal, v->suns[n]->light.direction_ws);
         if (facing <= 0) continue;
-        float lit = vxs_lookup(v->suns[n], point_ws, normal, (int)v->options->filter_px);
+        float lit = vxs_lookup(v->suns[n], point_ws, normal, v->options->filter_px);
         sum += facing * (lit < 0 ? 1 : (double)lit) / v->sun_count;
     }
     return sum;
@@ -195,7 +195,7 @@ static double lamp_light(const view *v, const double point_ws[3], const double n
         double strength = lamp_strength(&v->lamps[n], point_ws, to_lamp), facing = 0;
         if (strength > 0) facing = vec3_dot(normal, to_lamp);
         if (facing > 0)
-            sum += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, (int)v->options->filter_px));
+            sum += strength * facing * fmax(0, (double)vxs_lookup(v->lamps[n].light, point_ws, normal, v->options->filter_px));
     }
     return sum;
 }

@@ -11,7 +11,7 @@
 
 typedef struct picture_options {
     uint32_t    width_px, height_px;
-    uint32_t    filter_px; /* of lookups: odd, 1 to VXS_FILTER_MAX */
+    int         filter_px; /* of lookups, as for vxs_lookup */
     uint32_t    threads;
     camera_pose camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
 } picture_options;

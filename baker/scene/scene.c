@@ -21,6 +21,7 @@ void scene_free(scene *s)
     free(s->exclusions);
     free(s->alpha_masks);
     free(s->holed_triangles);
+    free(s->material_colours);
     free(s->camera_positions_ws);
     free(s->triangle_flags);
     free(s->indices);

@@ -27,6 +27,7 @@ typedef struct light_shape {
 typedef struct scene_light {
     char       *name; /* owned, never NULL; unique in the scene */
     light_shape shape;
+    double colour[3]; /* linear, times intensity: lux of a directional light, candela of others; for pictures. 0: nobody said */
 } scene_light;
 
 /* per triangle */
@@ -118,6 +119,9 @@ typedef struct scene {
 
     size_t       light_count;
     scene_light *lights;
+
+    size_t material_count;
+    float (*material_colours)[3]; /* [material_count] linear base colours, for pictures; textures are not read, and count as grey */
 
     size_t  camera_count;
     double *camera_positions_ws; /* [3 * camera_count] */

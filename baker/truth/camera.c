@@ -40,24 +40,16 @@ static void slopes_of(const box *b, const double target[3], double distance, con
     }
 }
 
-/* The share of the distance that is kept, [0.75, 1]. Corners of wide and flat scenes may leave the view, so that their middle is larger. */
-static double closer(const box *b)
-{
-    double flatness = (b->max[1] - b->min[1]) / fmax(fmax(b->max[0] - b->min[0], b->max[2] - b->min[2]), 1e-9);
-    return fmin(fmax(0.57 + 0.72 * flatness, 0.75), 1);
-}
-
-void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3], double aspect)
+void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect)
 {
     const double margin = 1.03, elevation = 24 * pi / 180, aside = -64 * pi / 180;
-    box          b     = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
-    double       size  = fmax(box_diagonal(&b), 1e-9);
+    double       size  = fmax(box_diagonal(b), 1e-9);
     double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect;
     double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
     double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
     double       right[3], up[3], target[3], distance = 0;
     camera_axes(forward, right, up);
-    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b.min[i] + b.max[i]);
+    for (int i = 0; i < 3; i++) target[i] = 0.5 * (b->min[i] + b->max[i]);
 
     /* centre the box in the view, step back until it fits, and again, since perspective moves the centre */
     for (int round = 0; round < 8; round++) {
@@ -65,30 +57,29 @@ void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3],
         distance = 0;
         for (int n = 0; n < 8; n++) {
             double corner[3], from[3];
-            corner_of(&b, n, corner);
+            corner_of(b, n, corner);
             vec3_sub(corner, target, from);
             double behind = vec3_dot(from, forward);
             distance      = fmax(distance, fabs(vec3_dot(from, right)) / tan_x - behind);
             distance      = fmax(distance, fabs(vec3_dot(from, up)) / tan_y - behind);
         }
         distance = fmax(distance, size * 1e-3);
-        slopes_of(&b, target, distance, forward, right, &low, &high);
+        slopes_of(b, target, distance, forward, right, &low, &high);
         vec3_mad(target, 0.5 * (low + high) * distance, right, target);
-        slopes_of(&b, target, distance, forward, up, &low, &high);
+        slopes_of(b, target, distance, forward, up, &low, &high);
         vec3_mad(target, 0.5 * (low + high) * distance, up, target);
     }
     memcpy(camera->target_ws, target, sizeof target);
-    vec3_mad(target, -distance * closer(&b), forward, camera->eye_ws);
+    vec3_mad(target, -distance, forward, camera->eye_ws);
 }
 
-void camera_frame_lit(camera_pose *camera, const casters *c, const vxs_baked_light *const *lights, uint32_t light_count,
-                      double aspect)
+void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *const *lights, uint32_t light_count, double aspect)
 {
     static const double usual[3] = {-0.43, -0.86, -0.26};
     const double       *sun      = usual;
     for (uint32_t n = light_count; n-- > 0;)
         if (lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) sun = lights[n]->light.direction_ws;
-    camera_frame(camera, c, sun, aspect);
+    camera_frame(camera, b, sun, aspect);
 }
 
 camera_view camera_view_of(const camera_pose *camera, double aspect)

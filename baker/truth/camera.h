@@ -3,7 +3,7 @@
 #ifndef CAMERA_H
 #define CAMERA_H
 
-#include "baker/casters/casters.h"
+#include "baker/base/box.h"
 #include "formats/vxs_file.h"
 
 typedef struct camera_pose {
@@ -11,15 +11,14 @@ typedef struct camera_pose {
     double fov_degrees; /* from top to bottom, above 0, below 180 */
 } camera_pose;
 
-/* Place a camera so that the casters fill its view, from above, with the sun to the side.
+/* Place a camera so that a box fills its view, no corner cut, from above, with the sun to the side.
  * camera     fov_degrees is read; eye and target are written
  * sun_ws     unit, the way the light travels
  * aspect     width / height */
-void camera_frame(camera_pose *camera, const casters *c, const double sun_ws[3], double aspect);
+void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect);
 
 /* The same, beside the first sun of the lights, or as if there were a usual one.   lights  [light_count] */
-void camera_frame_lit(camera_pose *camera, const casters *c, const vxs_baked_light *const *lights, uint32_t light_count,
-                      double aspect);
+void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *const *lights, uint32_t light_count, double aspect);
 
 /* The field of view: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
 typedef struct camera_view {

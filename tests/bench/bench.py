@@ -32,7 +32,8 @@ AIMS = [
 SCATTERED = {"volume": "anywhere", "edge": "at edges"}  # of shadows
 WHERE = SCATTERED | {"screen": "in a picture"}
 TAPS = {"1 tap": "tap_ns", "9 x 9": "filter_ns"}
-SHOWN = {"palette blocks": "vxs", "DAG": "vxs, --coding dag"} | {
+SHOWN = {"palette blocks": "vxs", "palette blocks, batch": "vxs, many at once", "DAG": "vxs, --coding dag",
+         "DAG, batch": "vxs, --coding dag, many at once"} | {
     name: name for name in ("merged intervals", "16-bit depth map", "float depth map", "Embree shadow rays", "DAG, GLSL",
                                  "palette blocks, GLSL", "16-bit texture, GLSL")}
 LOOKUP_AIM = ("a million scattered single taps", "s", 0.150)

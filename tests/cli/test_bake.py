@@ -497,7 +497,7 @@ def test_failure_keeps_the_old_output(vxs, scene, tmp_path):
 @pytest.mark.parametrize("command", [
     ("bake", "city.glb", "-o", "a.vxs", "--resolution", "65536"),
     ("scene", "city", "-o", "a.glb", "--triangles", "5000000", "--blocks", "64"),
-    ("picture", "city.glb", "city.vxs", "-o", "a.png", "--width", "8192", "--height", "8192"),
+    ("render", "city.glb", "city.vxs", "-o", "a.png", "--draw", "rays", "--width", "8192", "--height", "8192"),
     ("query", "city.vxs"),
 ], ids=lambda command: command[0])
 def test_interrupt_leaves_nothing(vxs, vxs_path, bake, city, tmp_path, command, number, status):
@@ -506,7 +506,7 @@ def test_interrupt_leaves_nothing(vxs, vxs_path, bake, city, tmp_path, command, 
     before = sorted(tmp_path.iterdir())
     with subprocess.Popen([vxs_path, *command], cwd=tmp_path, stdin=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
-        if command[0] in ("scene", "picture"):
+        if command[0] in ("scene", "render"):
             while not writes_into(process, tmp_path):  # the signal is to find a file to remove
                 assert process.poll() is None
                 time.sleep(0.002)
@@ -518,12 +518,12 @@ def test_interrupt_leaves_nothing(vxs, vxs_path, bake, city, tmp_path, command, 
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("command", ["bake", "scene", "picture", "info"])
+@pytest.mark.parametrize("command", ["bake", "scene", "render", "info"])
 def test_reader_of_an_output_that_has_gone_away(vxs_path, bake, city, command):
     """What was to be written is not: an error. Of reports and answers, test_terminal.py has it."""
     asset = bake(city, *SMALL)["path"]
     operands = {"bake": [city, "-o", "-", *SMALL], "scene": ["city", "-o", "-"], "info": [asset, "--json", "-"],
-                "picture": [city, asset, "-o", "-", "--width", 64, "--height", 64]}[command]
+                "render": [city, asset, "-o", "-", "--width", 64, "--height", 64]}[command]
     reader, writer = os.pipe()
     os.close(reader)
     done = subprocess.run([vxs_path, command, *map(str, operands)], stdout=writer, stderr=subprocess.PIPE)
@@ -630,9 +630,9 @@ def test_names_that_are_not_utf8(vxs_path, scene, tmp_path):
 
 def test_help_and_version(vxs):
     text = vxs("--help").stdout
-    for command in ("bake", "info", "validate", "query", "truth", "compare", "picture", "scene"):
+    for command in ("bake", "info", "validate", "query", "truth", "compare", "render", "scene"):
         assert f"\n  {command} " in text
         assert vxs(command, "--help").stdout.startswith(f"vxs {command} ") and vxs(command, "-h").returncode == 0
     header = (pathlib.Path(__file__).parents[2] / "runtime" / "vxs.h").read_text()
-    numbers = [line.split()[2] for line in header.splitlines() if line.startswith("#define VXS_VERSION_")]
+    numbers = [line.split()[2] for line in header.splitlines() if line.startswith("#define VXS_VERSION_") and "NUMBER" not in line]
     assert vxs("--version").stdout == f"vxs {'.'.join(numbers)}\n"

@@ -16,7 +16,7 @@ FAULTS = {
     "scene": ("true", " was not written"),
     "plan": ("kill -SEGV $$", "exit status -11"),
     "bake": ("echo 'ERROR: AddressSanitizer: heap-use-after-free' >&2", "exit status 0"),
-    "picture": ("exit 3", "exit status 3, and 0 lines of errors"),
+    "render": ("exit 3", "exit status 3, and 0 lines of errors"),
     "mend": ("touch $TMPDIR/left", "left is left in TMPDIR"),
 }
 

@@ -1,15 +1,14 @@
-# vxs compare and vxs picture on a small baked city: an honest asset passes, a wrong one fails and says where.
+# vxs compare and vxs render on a small baked city: an honest asset passes, a wrong one fails and says where.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
 import pathlib
-import struct
 import subprocess
-import zlib
 
 import jsonschema
 import pytest
 import small_scene
+from png import read_png
 
 SCHEMA = pathlib.Path(__file__).resolve().parents[2] / "docs" / "compare.schema.json"
 SUN = "-0.3,-1,-0.2"
@@ -141,8 +140,9 @@ def test_names_that_are_not_utf8(vxs_path, city):
 
 
 def test_filters_are_compared_with_the_same_filters_over_rays(compare):
-    light = compare("city1.glb", "512.vxs", "--points", 3000, "--filter", 5, "--filter=1", "--filter", 9)["lights"][0]
-    assert [one["filter_px"] for one in light["filters"]] == [5, 9]
+    options = "--filter", 5, "--filter=1", "--smooth", 4, "--filter", 9, "--smooth", 9
+    light = compare("city1.glb", "512.vxs", "--points", 3000, *options)["lights"][0]
+    assert [(one["filter_px"], one["smooth"]) for one in light["filters"]] == [(5, False), (9, False), (4, True), (9, True)]
     assert light["filters"][1]["lookup_ns"] > light["time"]["lookup_ns"]
     for one in light["filters"]:
         for kind in ("random", "surface"):
@@ -376,6 +376,8 @@ def test_table_for_people(vxs, city):
 @pytest.mark.parametrize("options, words", [
     (["--filter", 4], "--filter 4: expected an odd number"),
     (["--filter", 5, "--filter", "5"], "--filter 5 is given twice"),
+    (["--smooth", 18], "--smooth 18: expected a whole number from 1 to 17"),
+    (["--smooth", 4, "--filter", 4], "--filter 4: expected an odd number"),
     (["--eye", "0,0,0"], "--target is missing"),
     (["--eye", "1,2,3", "--target", "1,2,3"], "the same point"),
     (["--fov", 40], "--fov goes with --camera"),
@@ -399,35 +401,15 @@ def test_compare_files_are_checked(vxs, city):
 
 # -- pictures ----------------------------------------------------------------------------------------------
 
-def read_png(data):
-    """Width, height and rows of RGB bytes, after the container's own checks and the five filters."""
-    assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    at, chunks = 8, {}
-    while at < len(data):
-        length, kind = struct.unpack_from(">I4s", data, at)
-        body = data[at + 8:at + 8 + length]
-        assert zlib.crc32(kind + body) == struct.unpack_from(">I", data, at + 8 + length)[0]
-        chunks[kind] = chunks.get(kind, b"") + body
-        at += 12 + length
-    width, height, depth, colour = struct.unpack_from(">IIBB", chunks[b"IHDR"])
-    assert (depth, colour) == (8, 2) and b"IEND" in chunks
-    raw, stride = zlib.decompress(chunks[b"IDAT"]), 3 * width
-    rows, above = [], bytes(stride)
-    for y in range(height):
-        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for x in range(stride):
-            a, b, c = row[x - 3] if x >= 3 else 0, above[x], above[x - 3] if x >= 3 else 0
-            nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            row[x] = (row[x] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
-        rows.append(bytes(row))
-        above = row
-    return width, height, rows
+@pytest.fixture(scope="module", params=["gl", "rays"])
+def drawn(request):
+    return "--draw", request.param
 
 
 @pytest.fixture(scope="module")
-def picture(vxs, city):
+def picture(vxs, city, drawn):
     def run(*options, asset="512.vxs"):
-        vxs("picture", city / "city1.glb", city / asset, "-o", city / "out.png", "--width", 160, "--height", 90, *options)
+        vxs("render", city / "city1.glb", city / asset, "-o", city / "out.png", "--width", 160, "--height", 90, *drawn, *options)
         return read_png((city / "out.png").read_bytes())
 
     return run
@@ -453,10 +435,10 @@ def test_picture_has_the_shadows_of_the_asset(vxs, picture, city):
     small_scene.write(city / "below.gltf", boxes=[((-1000, -200, -1000), (1000, -199, 1000))])
     vxs("bake", city / "below.gltf", "--sun", SUN, "--resolution", 64, "--baseline", "off", "-o", city / "lit.vxs")
     shadowed, lit = brightness(picture()[2]), brightness(picture(asset="lit.vxs")[2])
-    assert lit > shadowed + 2
+    assert lit > shadowed + 1
 
 
-def test_picture_of_lamps(vxs, city):
+def test_picture_of_lamps(vxs, city, drawn):
     """From above: a spot draws its disk on the ground, the block's shadow in it; without a sun it is night."""
     small_scene.write(city / "night.gltf", lights=[("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0)),
                                                    ("noon", "directional", (0, -1, 0))])
@@ -464,8 +446,8 @@ def test_picture_of_lamps(vxs, city):
 
     def at(*options):
         """Brightness at metres on the ground to both sides of the middle: 0 is the block."""
-        vxs("picture", city / "night.gltf", city / "night.vxs", "-o", city / "night.png", "--width", 128, "--height", 128, "--eye",
-            "0,20,0", "--target", "0,0,0", "--fov", 43.6, *options)
+        vxs("render", city / "night.gltf", city / "night.vxs", "-o", city / "night.png", "--width", 128, "--height", 128, "--eye",
+            "0,20,0", "--target", "0,0,0", "--fov", 43.6, *drawn, *options)
         rows = read_png((city / "night.png").read_bytes())[2]
         return {metres: sum(rows[64][3 * (64 + 8 * metres):][:3]) for metres in (-7, -3, 3, 5, 7)}
 
@@ -483,8 +465,13 @@ def test_picture_camera_and_light(picture):
     assert len(set(b"".join(away))) < 50  # nothing but sky
 
 
+def test_picture_filter(picture):
+    assert picture() == picture("--filter", 5) != picture("--smooth", 5) != picture("--smooth", 4)
+
+
 @pytest.mark.parametrize("options, words", [
     (["--filter", 2], "--filter 2: expected an odd number"),
+    (["--filter", 3, "--smooth", 3], "--filter and --smooth exclude each other"),
     (["--width", 8], "--width 8: expected a whole number from 16 to 8192"),
     (["--height", 9000], "--height 9000"),
     (["--fov", 0], "--fov 0"),
@@ -493,17 +480,24 @@ def test_picture_camera_and_light(picture):
     (["--eye", "1,2,3", "--target", "1,2,3"], "the same point"),
     (["--light", "sun", "--light", "sun"], "--light sun is given twice"),
     (["--light", "moon"], "512.vxs' has no light of that name; it has sun"),
+    (["--samples", 5], "--samples 5"),
+    (["--samples", 4, "--width", 4097], "expected no side of more than 16384 samples"),
+    (["--draw", "rays", "--samples", 1], "--draw rays goes without --samples"),
+    (["--draw", "rays", "--cull", "on"], "--draw rays goes without --cull"),
+    (["--draw", "rays", "--orbit"], "--draw rays goes without --orbit"),
+    (["--draw", "rays", "--json", "-"], "--draw rays goes without --json"),
+    (["--draw", "rays", "--exposure", 1], "--draw rays goes without --exposure"),
 ])
 def test_picture_options_are_checked(vxs, city, options, words):
-    done = vxs("picture", city / "city1.glb", city / "512.vxs", "-o", city / "bad.png", *options, status=2)
+    done = vxs("render", city / "city1.glb", city / "512.vxs", "-o", city / "bad.png", *options, status=2)
     assert done.stderr.startswith("vxs: error: ") and words in done.stderr and done.stderr.count("\n") == 1
     assert not (city / "bad.png").exists()
 
 
 def test_picture_output(vxs, vxs_path, city):
     files = city / "city1.glb", city / "512.vxs"
-    assert "-o" in vxs("picture", *files, status=2).stderr
-    assert "cannot write" in vxs("picture", *files, "-o", city / "no" / "x.png", status=4).stderr
-    done = subprocess.run([vxs_path, "picture", *files, "-o", "-", "--width", "32", "--height", "16"], capture_output=True,
+    assert "-o" in vxs("render", *files, status=2).stderr
+    assert "cannot write" in vxs("render", *files, "-o", city / "no" / "x.png", status=4).stderr
+    done = subprocess.run([vxs_path, "render", *files, "-o", "-", "--width", "32", "--height", "16"], capture_output=True,
                           timeout=60)
     assert done.returncode == 0 and read_png(done.stdout)[:2] == (32, 16)

@@ -181,7 +181,8 @@ def test_listing_in_c(vxs, vxs_path, asset, tmp_path, on_threads):
     library = vxs_path.parent / "libvxs.a"
     if not library.is_file():
         pytest.skip(f"no {library}")
-    game, threads = listings("c")
+    others = ("vxs_query.h", "vxs_stream.h", "vxs_gl.h")
+    game, threads = (text for text in listings("c") if not any(header in text for header in others))
     if on_threads:
         game = game.replace("int main", threads + "\nint main")
         game, count = re.subn(r"vxs_asset_open_file\((&shadows, .*), NULL\)", r"open_on_threads(\1)", game)
@@ -194,6 +195,88 @@ def test_listing_in_c(vxs, vxs_path, asset, tmp_path, on_threads):
     game = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True).stdout
     assert game == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
     assert len(set(game.split())) > 10, "lit, dark, and between"
+    assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
+
+
+@pytest.fixture(scope="module")
+def run_query(vxs_path, tmp_path_factory):
+    """run(function, asset, input): what the listing printed that calls a function of vxs_query.h."""
+    library = vxs_path.parent / "libvxs.a"
+    if not library.is_file():
+        pytest.skip(f"no {library}")
+
+    def run(function, path, points=""):
+        listing, = (text for text in listings("c") if f"{function}(" in text and "vxs_query.h" in text)
+        folder = tmp_path_factory.mktemp("listing")
+        (folder / "query.c").write_text(listing)
+        subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
+                        folder / "query.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm",
+                        "-o", folder / "query"], check=True)
+        assert subprocess.run([folder / "query", folder / "nobody.vxs"], capture_output=True).returncode == 1
+        return subprocess.run([folder / "query", path], input=points, capture_output=True, text=True, check=True).stdout
+
+    return run
+
+
+def test_listing_of_batches(vxs, asset, run_query):
+    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
+    found = run_query("vxs_lookup_batch", asset / "a.vxs", points)
+    assert found == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout
+    assert len(set(found.split())) > 10, "lit, dark, and between"
+
+
+def test_listing_of_depth_maps(vxs, asset, run_query):
+    """The voxel where light ends is in shadow, and the one before it on its way, a voxel nearer the light, is lit."""
+    light = json.loads(vxs("info", asset / "a.vxs", "--json", "-").stdout)["lights"][0]
+    points = run_query("vxs_depth_map", asset / "a.vxs")
+    behind = vxs("query", asset / "a.vxs", input=points).stdout.split()
+    step = [n * light["voxel_m"] for n in light["direction"]]
+    nearer = "".join("%.17g %.17g %.17g\n" % tuple(float(p) - s for p, s in zip(line.split(), step)) for line in points.splitlines())
+    before = vxs("query", asset / "a.vxs", input=nearer).stdout.split()
+    assert len(behind) == len(before) == 32 * 32
+    dark = [n for n in range(32 * 32) if behind[n].startswith("0")]
+    assert len(dark) > 100, "there are casters, and a ground"
+    assert all(before[n].startswith("1") for n in dark)
+
+
+def test_listing_of_nodes(asset, run_query):
+    lines = [line.split() for line in run_query("vxs_uniform_node", asset / "a.vxs").splitlines()]
+    assert lines[0][:2] == ["0", "lit"] and {state for _, state, _ in lines} == {"lit", "shadow"}
+    assert [int(k) for k, _, _ in lines] == sorted({int(k) for k, _, _ in lines})
+
+
+def test_listing_of_rays(vxs, asset, run_query):
+    """Against single taps at many points of each segment."""
+    segments = [((x / 2, 0.05, -3), (3 - x / 4, 2, 3)) for x in range(-6, 7)]
+    found = [float(n) for n in run_query("vxs_lit_next", asset / "a.vxs", "".join("%g %g %g %g %g %g\n" % (a + b) for a, b in segments)).split()]
+    steps = 1000
+    points = "".join("%.17g %.17g %.17g\n" % tuple(p + (q - p) * (n + 0.5) / steps for p, q in zip(a, b)) for a, b in segments for n in range(steps))
+    taps = [line == "1" for line in vxs("query", asset / "a.vxs", "--filter", 1, input=points).stdout.split()]
+    for n, lit in enumerate(found):
+        assert abs(sum(taps[n * steps:(n + 1) * steps]) / steps - lit) < 0.01, segments[n]
+    assert min(found) < 0.95 and max(found) > 0.5, "some are in shadow"
+
+
+def test_listing_of_opengl(tmp_path):
+    """It compiles; tests/unit/test_gl.c runs what it calls."""
+    listing, = (text for text in listings("c") if "vxs_gl.h" in text)
+    (tmp_path / "gl.c").write_text(listing)
+    subprocess.run([*os.environ.get("CC", "cc").split(), "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime' / 'gl'}",
+                    f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}", "-c", "gl.c"], cwd=tmp_path, check=True)
+
+
+def test_listing_of_streams(vxs, vxs_path, asset, tmp_path):
+    library = vxs_path.parent / "libvxs.a"
+    if not library.is_file():
+        pytest.skip(f"no {library}")
+    listing, = (text for text in listings("c") if "vxs_stream.h" in text)
+    (tmp_path / "game.c").write_text(listing)
+    subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime'}", f"-I{ROOT / 'formats'}",
+                    tmp_path / "game.c", library, *os.environ.get("VXS_FLAGS", "").split(), "-lzstd", "-lxxhash", "-lm", "-lpthread",
+                    "-o", tmp_path / "game"], check=True)
+    points = "".join(f"{x / 4} 0 {z / 4} 0 1 0\n" for x in range(-12, 13) for z in range(-12, 13))
+    done = subprocess.run([tmp_path / "game", asset / "a.vxs"], input=points, capture_output=True, text=True, check=True)
+    assert done.stdout == vxs("query", asset / "a.vxs", "--filter", 9, input=points).stdout and not done.stderr
     assert subprocess.run([tmp_path / "game", tmp_path / "nobody.vxs"], capture_output=True).returncode == 1
 
 

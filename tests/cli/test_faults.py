@@ -284,13 +284,13 @@ def test_failing_allocation_of_a_dag(faulty, vxs, scene, tmp_path):
     assert statuses[6] >= len(places) // 2
 
 
-@pytest.mark.parametrize("kind", ["picture", "forest"])
+@pytest.mark.parametrize("kind", ["render", "forest"])
 @pytest.mark.parametrize("source", ["", "libpng"], ids=["vxs", "png"])
 def test_failing_allocation_of_an_image(faulty, scene, asset, tmp_path, kind, source):
     baked, options = tmp_path.parent / "image.vxs", {"FAULT_FROM": source} if source else {}
-    out = tmp_path / ("a.png" if kind == "picture" else "a.glb")
+    out = tmp_path / ("a.png" if kind == "render" else "a.glb")
     baked.write_bytes(asset)
-    command = (("picture", scene, baked, "-o", out, "--width", 64, "--height", 36, "--threads", 1) if kind == "picture" else
+    command = (("render", scene, baked, "-o", out, "--draw", "rays", "--width", 64, "--height", 36, "--threads", 1) if kind == "render" else
                ("scene", "forest", "-o", out, "--triangles", 1000))
     assert faulty("none:0:0", *command).returncode == 0
     new, calls, statuses = out.read_bytes(), faulty.calls("alloc", *command, **options), collections.Counter()

@@ -29,7 +29,7 @@ def inputs(vxs, scene, asset):
     """Of each kind that a command reads, and a picture: their names say nothing."""
     folder = scene.parent
     vxs("scene", "city", "-o", folder / "city.glb", "--triangles", 1000, "--blocks", 1)
-    vxs("picture", scene, asset, "-o", folder / "a.png", "--width", 16, "--height", 16)
+    vxs("render", scene, asset, "-o", folder / "a.png", "--width", 16, "--height", 16)
     vxs("plan", scene, "--json", folder / "plan.json")
     found = {"gltf": scene, "glb": folder / "city.glb", "vxs": asset,
              "png": folder / "a.png", "report": folder / "plan.json"}
@@ -45,7 +45,7 @@ def inputs(vxs, scene, asset):
 OUTPUTS = [("bake {gltf} --resolution 64 -o {}", ".vxs"), ("bake {gltf} --resolution 64 -o - --json {}", ".json"),
            ("bake {gltf} --resolution 64 -o - --report {}", ".html"), ("plan {gltf} -o {}", ".vxs"), ("plan {gltf} --json {}", ".json"),
            ("info {vxs} --json {}", ".json"), ("validate {vxs} --json {}", ".json"), ("compare {gltf} {vxs} --points 10 --json {}", ".json"),
-           ("picture {gltf} {vxs} --width 16 --height 16 -o {}", ".png"), ("health {gltf} --json {}", ".json"),
+           ("render {gltf} {vxs} --width 16 --height 16 -o {}", ".png"), ("health {gltf} --json {}", ".json"),
            ("mend {gltf} -o {}", ".glb"), ("mend {gltf} -o - --json {}", ".json"), ("scene room --triangles 1000 -o {}", ".glb"),
            ("bench {gltf} --resolution 64 --runs 1 --points 0 -o {}", ".json"), ("report {bench} -o {}", ".html")]
 
@@ -115,9 +115,9 @@ def test_scenes_from_pipes_are_not_looked_into(vxs_path, scene):
 KINDS = {"gltf": "a glTF scene", "glb": "a glTF scene", "vxs": "a .vxs file", "png": "a PNG picture", "report": "a report of vxs",
          "json": "JSON", "folder": "a folder"}
 READERS = [("bake {} -o {out}", "gltf"), ("plan {}", "gltf"), ("truth {} --sun 0,-1,0", "gltf"), ("compare {} {vxs}", "gltf"),
-           ("picture {} {vxs} -o {out}", "gltf"), ("health {}", "gltf"), ("mend {} -o {out}", "gltf"), ("bench {} -o {out}", "gltf"),
+           ("render {} {vxs} -o {out}", "gltf"), ("health {}", "gltf"), ("mend {} -o {out}", "gltf"), ("bench {} -o {out}", "gltf"),
            ("info {}", "vxs"), ("validate {}", "vxs"), ("query {}", "vxs"), ("compare {gltf} {vxs} {}", "vxs"),
-           ("picture {gltf} {} -o {out}", "vxs"), ("report {} -o {out}", "json"), ("bench {gltf} -o {out} --against {}", "json"),
+           ("render {gltf} {} -o {out}", "vxs"), ("report {} -o {out}", "json"), ("bench {gltf} -o {out} --against {}", "json"),
            ("compare {gltf} {vxs} --bake-report {}", "json")]
 
 
@@ -137,7 +137,7 @@ def test_a_file_of_another_kind_is_named(vxs, inputs, tmp_path, line, expected):
 
 
 @pytest.mark.parametrize("kind", ["gltf", "glb"])
-@pytest.mark.parametrize("line", ["picture {vxs} {scene} -o {out}", "compare {vxs} {scene}"])
+@pytest.mark.parametrize("line", ["render {vxs} {scene} -o {out}", "compare {vxs} {scene}"])
 def test_operands_that_are_swapped(vxs, inputs, tmp_path, line, kind):
     words = [word.format(vxs=inputs["vxs"], scene=inputs[kind], out=tmp_path / "a.png") for word in line.split()]
     text = vxs(*words, status=3).stderr

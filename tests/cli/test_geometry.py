@@ -14,7 +14,7 @@ from test_docs import validator
 THINGS = {"door_1": ("door", "wood"), "door_2": ("door", "wood"), "frame": ("window", "wood"), "pane": ("window", "glass"),
           "cape": ("cloth", None)}
 EVERY = set(THINGS)
-COMMANDS = ["bake", "plan", "truth", "compare", "bench", "picture", "health", "mend"]
+COMMANDS = ["bake", "plan", "truth", "compare", "bench", "render", "health", "mend"]
 
 
 def level(path, skinned=False, extras={}, floating=True):
@@ -74,7 +74,7 @@ def command(name, path, folder):
     return {"bake": ["bake", path, "-o", folder / "new.vxs"], "plan": ["plan", path], "truth": ["truth", path],
             "compare": ["compare", path, folder / "a.vxs", "--points", "1000"],
             "bench": ["bench", path, "-o", folder / "new.json", "--resolution", "64", "--runs", "1", "--points", "0"],
-            "picture": ["picture", path, folder / "a.vxs", "-o", folder / "new.png", "--width", "16", "--height", "16"],
+            "render": ["render", path, folder / "a.vxs", "-o", folder / "new.png", "--width", "16", "--height", "16"],
             "health": ["health", path], "mend": ["mend", path, "-o", folder / "new.glb"]}[name]
 
 
@@ -129,7 +129,7 @@ def test_a_bake_is_judged_with_the_same_options(vxs, whole, tmp_path):
     assert not json.loads(vxs(*compare, "--include", "*", "--other-scene", status=1).stdout)["passed"]
     pictures = [tmp_path / f"{n}.png" for n in range(3)]
     for picture, more in zip(pictures, [[], options, ["--include", "*"]]):
-        vxs("picture", whole / "level.gltf", tmp_path / "a.vxs", "-o", picture, "--width", "64", "--height", "64", *more)
+        vxs("render", whole / "level.gltf", tmp_path / "a.vxs", "-o", picture, "--width", "64", "--height", "64", *more)
     assert pictures[0].read_bytes() == pictures[1].read_bytes() != pictures[2].read_bytes()
     like = ["--like", tmp_path / "a.vxs"]
     assert casting(vxs, whole / "level.gltf", *like) == EVERY - {"door_1", "pane"}

@@ -153,7 +153,7 @@ LINES = [
     ("vxs bake -o ", ["d.vxs"] + FOLDER),
     ("vxs bake --resolution 64 ", SCENES + FOLDER),
     ("vxs bake --json ", ["e.json", "old.json"] + FOLDER),
-    ("vxs picture -o ", ["f.png"] + FOLDER),
+    ("vxs render -o ", ["f.png"] + FOLDER),
     ("vxs scene ", KINDS),
     ("vxs scene f", ["forest"]),
     ("vxs toast --", []),

@@ -204,11 +204,11 @@ def test_compare_of_chosen_lights(vxs, folder, assets):
     assert "all.vxs: 1 of 3 lights, " in text and "two.vxs: 1 of 2 lights, " in text and "light sun" not in text
 
 
-@pytest.mark.parametrize("command", ["compare", "query", "picture"])
+@pytest.mark.parametrize("command", ["compare", "query", "render"])
 def test_lights_that_a_file_lacks(vxs, folder, assets, tmp_path, command):
     """An error that names the file and its lights; with several files, the one that lacks it."""
     files = {"compare": (folder / "small.gltf", *assets), "query": assets[1:],
-             "picture": (folder / "small.gltf", assets[1], "-o", tmp_path / "a.png")}[command]
+             "render": (folder / "small.gltf", assets[1], "-o", tmp_path / "a.png")}[command]
     said = vxs(command, *files, "--light", "spot", input="", status=2).stderr
     assert said == f"vxs: error: --light spot: '{assets[1]}' has no light of that name; it has lamp, sun\n"
     assert ": did you mean 'lamp'?\n" in vxs(command, *files, "--light", "lmap", input="", status=2).stderr
@@ -227,12 +227,12 @@ def scattered(seed):
                    [f"{draw.uniform(-7, 7)} 0 {draw.uniform(-7, 7)} 0 1 0\n" for _ in range(1500)])
 
 
-@pytest.mark.parametrize("k", [1, 3, 9])
-def test_truth_of_a_filter_is_what_a_query_should_say(vxs, folder, assets, k):
+@pytest.mark.parametrize("kind, k", [("--filter", 1), ("--filter", 3), ("--filter", 9), ("--smooth", 4), ("--smooth", 9)])
+def test_truth_of_a_filter_is_what_a_query_should_say(vxs, folder, assets, kind, k):
     def ask(*arguments):
         return [line.split() for line in vxs(*arguments, input=scattered(k)).stdout.splitlines()]
 
-    lookups, rays = ask("query", assets[0], "--filter", k), ask("truth", folder / "small.gltf", "--like", assets[0], "--filter", k)
+    lookups, rays = ask("query", assets[0], kind, k), ask("truth", folder / "small.gltf", "--like", assets[0], kind, k)
     from_points = ask("truth", folder / "small.gltf")
     for light in range(3):
         pairs = [(a[light], b[light]) for a, b in zip(lookups, rays, strict=True)]
@@ -259,6 +259,8 @@ def test_truth_like_a_file(vxs, folder, assets):
 
 @pytest.mark.parametrize("options, says", [
     (("--filter", 3), "--filter goes with --like FILE.vxs"),
+    (("--smooth", 4), "--smooth goes with --like FILE.vxs"),
+    (("--like", "all.vxs", "--filter", 3, "--smooth", 4), "--filter and --smooth exclude each other"),
     (("--like", "all.vxs", "--filter", 4), "--filter 4: expected an odd number"),
     (("--like", "all.vxs", "--filter", 19), "from 1 to 17"),
     (("--like", "all.vxs", "--sun", "0,-1,0"), "--sun and --like exclude each other"),

@@ -261,14 +261,14 @@ def test_address_space_that_ends(vxs_path, tmp_path, maps, limits):
 # --- limits on files ------------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["json", "page", "picture", "standard output", "printed"])
+@pytest.mark.parametrize("kind", ["json", "page", "render", "standard output", "printed"])
 def test_limit_on_the_size_of_any_file(vxs, vxs_path, tmp_path, kind):
     """SIGXFSZ is no death: one line, exit status 4, and the file is not there in part."""
     scene, asset, out = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.vxs", tmp_path / "out"
     vxs("bake", scene, "-o", asset, "--resolution", 16)
     command = {"json": ("info", asset, "--json", out),
                "page": ("bake", scene, "-o", asset, "--resolution", 16, "--report", out),
-               "picture": ("picture", scene, asset, "-o", out, "--width", 64, "--height", 64),
+               "render": ("render", scene, asset, "-o", out, "--width", 64, "--height", 64),
                "standard output": ("bake", scene, "-o", "-", "--resolution", 16),
                "printed": ("info", asset)}[kind]
     with open(tmp_path / "stdout", "wb") as stdout:

@@ -31,7 +31,7 @@ COMMANDS = {
                 (*SCENE, "a.vxs", "bake.json"), ("--json",)),
     "bench": (("bench", "level.gltf", *BENCH, "--against", "bench.json"), (*SCENE, "bench.json"), ("-o",)),
     "report": (("report", "bench.json"), ("bench.json",), ("-o",)),
-    "picture": (("picture", "level.gltf", "a.vxs", "--width", "16", "--height", "16"), (*SCENE, "a.vxs"), ("-o",)),
+    "render": (("render", "level.gltf", "a.vxs", "--width", "16", "--height", "16"), (*SCENE, "a.vxs"), ("-o", "--json", "--csv", "--plot")),
     "health": (("health", "level.gltf"), SCENE, ("--json",)),
     "mend": (("mend", "level.gltf"), SCENE, ("-o", "--json")),
     "scene": (("scene", "stress", "--case", "one-triangle"), (), ("-o",)),
@@ -88,12 +88,12 @@ def test_no_input_is_an_output(vxs, files, command, option):
 @pytest.mark.parametrize("name, says", [("level data.bin", "buffer 0 of 'level.gltf'"), ("unread.bin", "buffer 1 of 'level.gltf'"),
                                         ("wall.png", "image 1 of 'level.gltf'"), ("level.gltf", "SCENE")])
 def test_the_message_says_what_reads_the_file(vxs, files, name, says):
-    assert says in vxs("picture", "level.gltf", "a.vxs", "-o", name, status=2).stderr
+    assert says in vxs("render", "level.gltf", "a.vxs", "-o", name, status=2).stderr
 
 
 def test_a_texture_that_is_not_there_is_an_input(vxs, files):
     (files / "wall.png").unlink()
-    vxs("picture", "level.gltf", "a.vxs", "-o", "wall.png", status=2)
+    vxs("render", "level.gltf", "a.vxs", "-o", "wall.png", status=2)
     assert not (files / "wall.png").exists()
 
 
@@ -104,7 +104,7 @@ def test_inputs_by_other_names(vxs, files):
     (files / "here").symlink_to(".")
     before = state(files)
     for name in ("link", "hard", "./wall.png", "here/wall.png", "here/../files/wall.png", files / "wall.png", "here/link"):
-        assert "is the input itself" in vxs("picture", "level.gltf", "a.vxs", "-o", name, "--force", status=2).stderr
+        assert "is the input itself" in vxs("render", "level.gltf", "a.vxs", "-o", name, "--force", status=2).stderr
     assert "is the input itself" in vxs("bake", "here/level.gltf", "-o", "level data.bin", *SMALL, status=2).stderr
     assert state(files) == before
 

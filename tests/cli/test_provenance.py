@@ -339,7 +339,7 @@ def test_files_of_older_versions(vxs, scene, asset, tmp_path):
         "fingerprint": ["none: no scene can be told from the one that was baked"], "options": ["--maps gl --coding dag"]}
     assert made(vxs, old) == OLD
     assert vxs("compare", other, old, "--points", 100).stderr == ""
-    assert vxs("picture", other, old, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
+    assert vxs("render", other, old, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
     assert vxs("bake", scene, "-o", old, *SMALL, "--if-changed").stdout.startswith("scene ")
     assert old.read_bytes() == asset.read_bytes()
 
@@ -411,7 +411,7 @@ def test_compare_picture_and_truth_name_what_differs(vxs, scene, asset, tmp_path
     assert done.stdout == "" and not (tmp_path / "a.json").exists()
     assert done.stderr == (f"vxs: error: '{asset}' was baked from another scene than {other} (differs: {differs}): bake it anew, "
                            "or --other-scene compares all the same\n")
-    draw = ("picture", other, asset, "-o", tmp_path / "a.png", "--width", 16, "--height", 16)
+    draw = ("render", other, asset, "-o", tmp_path / "a.png", "--width", 16, "--height", 16)
     assert vxs(*draw).stderr == (f"vxs: warning: '{asset}' was baked from another scene than {other} (differs: {differs}): its shadows "
                                  "may not fit; bake it anew\n")
     (tmp_path / "a.png").unlink()
@@ -455,7 +455,7 @@ def test_lights_that_were_not_baked_make_no_difference(vxs, scene, tmp_path):
     for change in (move_the_lamp, narrow_the_lamp, lamp_to_bulb, no_lamp):
         other = edited(scene, tmp_path / "other.gltf", change)
         assert vxs("compare", other, asset, "--points", 10).stderr == ""
-        assert vxs("picture", other, asset, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
+        assert vxs("render", other, asset, "-o", tmp_path / "a.png", "--width", 16, "--height", 16).stderr == ""
 
 
 def test_which_scene_of_a_file_it_was(vxs, scenes, tmp_path):

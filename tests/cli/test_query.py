@@ -73,6 +73,25 @@ def test_filter_is_the_mean_of_single_taps(query, k):
     assert ask(inner, inner, "--filter", k) == pytest.approx(expected, abs=1e-5)
 
 
+@pytest.mark.parametrize("k", [1, 2, 4, 9, 17])
+def test_smooth_filter_is_the_mean_of_taps_by_what_it_covers(query, k):
+    texel, reach = 16 / (N - 2), k // 2 + 1
+    row, places = range(-9 - reach, 10 + reach), [x + part for x in range(-9, 10, 2) for part in (0.0625, 0.5, 0.8125)]
+
+    def ask(points, *options):
+        text = "".join(f"{x * texel!r} 0.5 {z * texel!r}\n" for x, z in points)
+        return [float(answer) for answer in query(text, "--light", "noon", *options).split()]
+
+    def covered(x, place):
+        return max(0, min(x + 1, place + k / 2) - max(x, place - k / 2))
+
+    texels = [(x, z) for x in row for z in row]
+    taps = dict(zip(texels, ask([(x + 0.5, z + 0.5) for x, z in texels])))
+    expected = [sum(taps[x, z] * covered(x, u) * covered(z, v) for x, z in texels) / k**2 for u in places for v in places]
+    assert len(set(expected)) > 5
+    assert ask([(u, v) for u in places for v in places], "--smooth", k) == pytest.approx(expected, abs=3 / 256 / k)
+
+
 def test_filter_of_one_is_the_default(query):
     points = "".join(f"{x / 3} 0.5 0.1\n" for x in range(-20, 20))
     assert query(points) == query(points, "--filter", 1)
@@ -114,6 +133,8 @@ def test_wrong_points(fails, line, says):
 
 
 @pytest.mark.parametrize("options, says", [
+    (("--smooth", "0"), "from 1 to 17"), (("--smooth", "18"), "from 1 to 17"),
+    (("--smooth", "5", "--filter", "5"), "--filter and --smooth exclude each other"),
     (("--filter", "4"), "odd"), (("--filter", "0"), "from 1 to 17"), (("--filter", "19"), "from 1 to 17"),
     (("--filter", "-3"), "from 1 to 17"), (("--filter", "three"), "whole number"), (("--filter",), "needs a value"),
     (("--light", "evening"), "noon"), (("--light", "noon", "--light", "noon"), "twice"), (("--sun", "0,-1,0"), "unknown option"),

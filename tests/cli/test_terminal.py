@@ -268,8 +268,8 @@ READERS = {  # {scene} and so on: an input; what else is on the line, and what s
     "bench scene": ("{scene} -o - --resolution 8 --runs 2 --points 200 --light noon --quiet", '"wrong_share"'),
     "bench against": ("open.gltf -o /dev/null --resolution 64 --runs 1 --points 0 --against {bench}", "against .* of 20"),
     "report": ("{bench} -o -", "<html"),
-    "picture scene": ("{scene} a.vxs -o - --width 16 --height 16 | head -c 4 | tail -c 3", "PNG"),
-    "picture asset": ("three.gltf {asset} -o - --width 16 --height 16 | head -c 4 | tail -c 3", "PNG"),
+    "render scene": ("{scene} a.vxs -o - --width 16 --height 16 | head -c 4 | tail -c 3", "PNG"),
+    "render asset": ("three.gltf {asset} -o - --width 16 --height 16 | head -c 4 | tail -c 3", "PNG"),
     "health": ("{scene}", "24 triangles"),
     "mend": ("{scene} -o - --quiet | vxs health -", "24 triangles"),
 }

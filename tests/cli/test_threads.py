@@ -72,5 +72,5 @@ def test_rays(run, tmp_path, threads):
     path = small_scene.write(tmp_path / "small.gltf", lights=LIGHTS)
     run("bake", path, "-o", tmp_path / "a.vxs", "--resolution", 256)
     run("compare", path, tmp_path / "a.vxs", "--points", 2000, "--threads", threads)
-    run("picture", path, tmp_path / "a.vxs", "-o", tmp_path / "a.png", "--width", 160, "--height", 90, "--threads", threads)
+    run("render", path, tmp_path / "a.vxs", "-o", tmp_path / "a.png", "--width", 160, "--height", 90, "--threads", threads)
     run("truth", path, "--threads", threads, input=b"0 0 0\n" * 20000)

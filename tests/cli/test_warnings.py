@@ -254,8 +254,9 @@ def test_as_many_lights_as_a_file_holds(vxs, tmp_path):
 def test_lights_that_are_left_out_are_errors_before_maps_are_sampled(vxs, tmp_path):
     """How much memory a bake needs is found in the samples."""
     path = small_scene.write(tmp_path / "up.gltf", lights=(("up", "spot", (0, 1, 0)), ("noon", "directional", NOON)))
-    least = json.loads(vxs("plan", path, "--json", "-", "--resolution", 1024).stdout)["least_bytes"]
-    options = (path, "--resolution", 1024, "--memory", least - 1)
+    options = (path, "--resolution", 1024, "--maps", "gl")
+    least   = json.loads(vxs("plan", *options, "--json", "-").stdout)["least_bytes"]
+    options += ("--memory", least - 1)
     assert "too little" in vxs("plan", *options, status=6).stderr
     assert "light 'up' reaches no caster" in vxs("plan", *options, "--strict", status=1).stderr
 

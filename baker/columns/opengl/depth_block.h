@@ -8,7 +8,7 @@
 #define DEPTH_BLOCK_H
 
 #include "baker/columns/opengl/exit_depth.h"
-#include "baker/columns/opengl/gl.h"
+#include "baker/opengl/gl.h"
 #include "baker/columns/opengl/holes_pass.h"
 #include "baker/light/texel_box.h"
 

@@ -6,7 +6,7 @@
 
 #include "baker/casters/casters.h"
 #include "baker/columns/opengl/exit_depth.h"
-#include "baker/columns/opengl/gl.h"
+#include "baker/opengl/gl.h"
 #include "baker/columns/stored/depth_maps.h"
 #include "formats/vxs_file.h"
 

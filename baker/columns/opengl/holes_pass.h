@@ -4,7 +4,7 @@
 #ifndef HOLES_PASS_H
 #define HOLES_PASS_H
 
-#include "baker/columns/opengl/gl.h"
+#include "baker/opengl/gl.h"
 #include "baker/light/projection.h"
 
 /* What all blocks of a map share: the program and the images. */

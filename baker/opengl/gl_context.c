@@ -1,6 +1,6 @@
 /* The one place that knows OSMesa from EGL; see gl.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/columns/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
+#include "baker/opengl/gl.h" /* first: its glcorearb.h must come before the older gl.h that osmesa.h brings */
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef void (*gl_function)(void);
 typedef gl_function (*gl_lookup)(const char *name);
 
 static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
@@ -20,6 +19,7 @@ static vxs_result load_functions(gl_context *gl, gl_lookup lookup, message *m)
     if (!gl->name) return fail(m, VXS_E_GL, "this OpenGL has no gl" #name ": version 4.5 is needed");
     GL_FUNCTIONS(GL_FUNCTION_LOAD)
 #undef GL_FUNCTION_LOAD
+    gl->lookup           = lookup;
     const char *renderer = (const char *)gl->GetString(GL_RENDERER);
     snprintf(gl->renderer, sizeof gl->renderer, "%s", renderer ? renderer : "unknown");
     return VXS_OK;
@@ -113,6 +113,19 @@ static int open_egl(egl *e, void *library)
            e->DestroyContext && e->Terminate;
 }
 
+/* Mesa's, or that of the first device, which drivers have that are not Mesa's. */
+static int open_display(gl_context *gl, const egl *e)
+{
+    PFNEGLQUERYDEVICESEXTPROC devices = (PFNEGLQUERYDEVICESEXTPROC)e->GetProcAddress("eglQueryDevicesEXT");
+    EGLDeviceEXT              device;
+    EGLint                    count = 0;
+    gl->display                     = e->GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    if (gl->display && e->Initialize(gl->display, NULL, NULL)) return 1;
+    if (!devices || !devices(1, &device, &count) || !count) return 0;
+    gl->display = e->GetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, device, NULL);
+    return gl->display && e->Initialize(gl->display, NULL, NULL);
+}
+
 static vxs_result create_egl(gl_context *gl, message *m)
 {
     static const EGLint attributes[] = {
@@ -122,9 +135,7 @@ static vxs_result create_egl(gl_context *gl, message *m)
     gl->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (!gl->library || !open_egl(&e, gl->library))
         return fail(m, VXS_E_GL, "--gl egl needs libEGL.so.1 (version 1.5), which is not installed");
-    gl->display = e.GetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
-    if (!gl->display || !e.Initialize(gl->display, NULL, NULL))
-        return fail(m, VXS_E_GL, "EGL has no surfaceless display on this machine");
+    if (!open_display(gl, &e)) return fail(m, VXS_E_GL, "EGL has no surfaceless display on this machine");
     if (!e.BindAPI(EGL_OPENGL_API) || !(gl->handle = e.CreateContext(gl->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes)) ||
         !e.MakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->handle))
         return fail(m, VXS_E_GL, "EGL cannot make an OpenGL 4.5 core context");

@@ -1,0 +1,291 @@
+/* vxs render: a scene in the shadows of a .vxs file, drawn with OpenGL as a game would, or by rays.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+
+#include "baker/bake/provenance.h"
+#include "baker/base/box.h"
+#include "baker/base/parallel.h"
+#include "baker/command/asset_open.h"
+#include "baker/command/commands.h"
+#include "baker/files/json_file.h"
+#include "baker/files/output_file.h"
+#include "baker/files/png_encode.h"
+#include "baker/options/camera_choice.h"
+#include "baker/options/filter_choice.h"
+#include "baker/options/options.h"
+#include "baker/options/scene_rows.h"
+#include "baker/picture/picture.h"
+#include "baker/render/camera_path.h"
+#include "baker/render/render_report.h"
+
+enum {
+    SIDE_MIN_PX      = 16,
+    SIDE_MAX_PX      = 8192,
+    SAMPLES_MAX      = 4,
+    SAMPLES_SIDE_MAX = 16384,
+    TILE_LIGHTS      = 255,
+    FRAMES           = 60,
+    FRAMES_MAX       = 100000
+};
+
+typedef enum draw_mode { DRAW_GL, DRAW_RAYS } draw_mode;
+
+typedef struct render_command {
+    const char    *scene_path, *asset_path, *out;
+    scene_choice   choice;
+    text_list      light_names;
+    render_options options;
+    camera_choice  camera;
+    filter_choice  filter;
+    draw_mode      draw;
+    const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path;
+    uint32_t       frames;
+    int            orbits, samples_given, cull_given, stops_given, frames_given;
+} render_command;
+
+/* What is drawn. */
+typedef struct subject {
+    scene                  scene;
+    box                    box;
+    vxs_asset             *asset;
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    uint32_t               light_count;
+} subject;
+
+/* The first option that is given and means nothing without OpenGL, or without a path; NULL: there is none. */
+static const char *needs_gl(const render_command *c)
+{
+    return c->samples_given   ? "--samples"
+           : c->cull_given    ? "--cull"
+           : c->stops_given   ? "--exposure"
+           : c->passes_folder ? "--passes"
+           : c->path_file     ? "--path"
+           : c->orbits        ? "--orbit"
+           : c->json_path     ? "--json"
+           : c->csv_path      ? "--csv"
+           : c->plot_path     ? "--plot"
+                              : NULL;
+}
+
+static vxs_result check_options(const render_command *c, message *m)
+{
+    const render_options *o    = &c->options;
+    int                   path = c->path_file || c->orbits;
+    vxs_result            r    = filter_check(&c->filter, m);
+    if (r == VXS_OK) r = camera_check(&c->camera, m);
+    if (r != VXS_OK) return r;
+    if (c->draw == DRAW_RAYS && needs_gl(c))
+        return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
+    if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
+    if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
+    if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
+    if (o->width_px * o->samples > SAMPLES_SIDE_MAX || o->height_px * o->samples > SAMPLES_SIDE_MAX)
+        return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
+                    o->width_px, o->height_px, SAMPLES_SIDE_MAX);
+    return VXS_OK;
+}
+
+static vxs_result load(render_command *c, subject *s, message *m)
+{
+    json_t    *made = NULL;
+    vxs_result r;
+    if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) goto done;
+    if ((r = asset_choose_lights(s->asset, c->asset_path, &c->light_names, s->lights, &s->light_count, m)) != VXS_OK) goto done;
+    if ((r = provenance_read(&made, vxs_asset_contents(s->asset), m)) != VXS_OK) goto done;
+    if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
+    if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
+    r = asset_check_scene(s->asset, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
+    if (r != VXS_OK) goto done;
+    if (!s->scene.triangle_count) {
+        r = casters_none(&s->scene, m);
+        goto done;
+    }
+    s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
+    camera_place(&c->camera, &s->box, s->lights, s->light_count, (double)c->options.width_px / c->options.height_px);
+done:
+    json_decref(made);
+    return r;
+}
+
+/* Rays meet solids and sheets alike: nothing needs to be sorted. */
+static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint32_t threads, message *m)
+{
+    vxs_result r = casters_from_scene(casting, &s->scene, CLOSED_OFF, threads, m);
+    return r == VXS_OK ? truth_create(t, casting, threads, m) : r;
+}
+
+static vxs_result draw_by_rays(const render_command *c, const subject *s, uint8_t *rgb, message *m)
+{
+    picture_options o       = {.width_px  = c->options.width_px,
+                               .height_px = c->options.height_px,
+                               .filter_px = c->options.filter_px,
+                               .threads   = c->options.threads,
+                               .camera    = c->camera.camera};
+    casters         casting = {0};
+    truth          *t       = NULL;
+    vxs_result      r       = make_truth(&t, &casting, s, o.threads, m);
+    if (r == VXS_OK) r = picture_render(rgb, &o, t, &casting, s->lights, s->light_count, m);
+    truth_destroy(t);
+    casters_free(&casting);
+    return r;
+}
+
+static vxs_result choose_path(const render_command *c, camera_path *path, message *m)
+{
+    if (c->path_file) return camera_path_read(path, c->path_file, c->camera.camera.fov_degrees, m);
+    return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
+}
+
+/* Each frame of a path, or the one that there is without; the last one is the picture. */
+static vxs_result draw_frames(const render_command *c, renderer *drawn, const camera_path *path, drawn_frame *frames,
+                              uint32_t count, uint8_t *rgb, message *m)
+{
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
+        double share     = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
+        frames[n].camera = path->count ? camera_path_at(path, share) : c->camera.camera;
+        r                = renderer_draw(drawn, &frames[n].camera, n + 1 == count ? rgb : NULL, &frames[n].frame, m);
+    }
+    return r;
+}
+
+static vxs_result write_passes(const render_command *c, const subject *s, renderer *drawn, truth_difference *difference, message *m)
+{
+    casters    casting = {0};
+    truth     *t       = NULL;
+    vxs_result r       = make_truth(&t, &casting, s, c->options.threads, m);
+    if (r == VXS_OK)
+        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count, t, c->options.filter_px, c->options.threads,
+                          difference, m);
+    truth_destroy(t);
+    casters_free(&casting);
+    return r;
+}
+
+static vxs_result write_reports(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
+                                uint32_t count, const truth_difference *difference, message *m)
+{
+    render_report report = {.scene_path  = c->scene_path,
+                            .asset_path  = c->asset_path,
+                            .renderer    = renderer_name(drawn),
+                            .options     = &c->options,
+                            .light_count = s->light_count,
+                            .culls       = renderer_culls(drawn),
+                            .frames      = frames,
+                            .frame_count = count,
+                            .difference  = c->passes_folder ? difference : NULL};
+    vxs_result    r      = VXS_OK;
+    for (uint32_t n = 0; n < s->light_count; n++) report.word_bytes += (uint64_t)s->lights[n]->word_count * sizeof(uint32_t);
+    if (c->json_path) r = json_write(c->json_path, render_report_json(&report), m);
+    if (r == VXS_OK && c->csv_path) r = render_report_csv(&report, c->csv_path, m);
+    if (r == VXS_OK && c->plot_path) r = render_report_plot(&report, c->plot_path, m);
+    return r;
+}
+
+static vxs_result draw_by_gl(const render_command *c, const subject *s, uint8_t *rgb, message *m)
+{
+    renderer        *drawn      = NULL;
+    camera_path      path       = {0};
+    truth_difference difference = {0};
+    uint32_t         count      = c->path_file || c->orbits ? c->frames : 1;
+    drawn_frame     *frames     = calloc(count, sizeof *frames);
+    vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
+    if (r == VXS_OK) r = renderer_create(&drawn, &c->options, &s->scene, s->lights, s->light_count, m);
+    if (r == VXS_OK) r = draw_frames(c, drawn, &path, frames, count, rgb, m);
+    if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
+    if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
+    renderer_destroy(drawn);
+    camera_path_free(&path);
+    free(frames);
+    return r;
+}
+
+static vxs_result draw(const render_command *c, const subject *s, output_file *out, message *m)
+{
+    uint32_t   width = c->options.width_px, height = c->options.height_px;
+    uint8_t   *rgb = malloc((size_t)3 * width * height), *png = NULL;
+    size_t     size_bytes = 0;
+    vxs_result r          = VXS_E_MEMORY;
+    if (rgb) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, rgb, m) : draw_by_gl(c, s, rgb, m);
+    if (r == VXS_OK && !(png = png_encode(rgb, width, height, 3, &size_bytes))) r = VXS_E_MEMORY;
+    if (r == VXS_OK) r = output_file_write(out, png, size_bytes, m);
+    free(png);
+    free(rgb);
+    if (r != VXS_E_MEMORY) return r;
+    return fail(m, r, "out of memory for a picture of %u x %u pixels", width, height); /* the first message stays */
+}
+
+static vxs_result run(void *command, message *m)
+{
+    render_command *c    = command;
+    subject        *s    = calloc(1, sizeof *s);
+    output_file     out  = {0};
+    vxs_result      r    = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    c->options.filter_px = filter_px_of(&c->filter);
+    if (r == VXS_OK) r = load(c, s, m);
+    if (r == VXS_OK) r = output_file_open(&out, c->out, m);
+    if (r == VXS_OK) r = draw(c, s, &out, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    if (s) {
+        scene_free(&s->scene);
+        vxs_asset_close(s->asset);
+    }
+    free(s);
+    return r;
+}
+
+int cmd_render(int argc, char **argv)
+{
+    render_command  c      = {.options       = {.width_px    = 1280,
+                                                .height_px   = 720,
+                                                .samples     = 2,
+                                                .tile_lights = TILE_LIGHTS,
+                                                .threads     = parallel_default_threads()},
+                              .filter.box_px = 5};
+    render_options *o      = &c.options;
+    camera_pose    *camera = &c.camera.camera;
+    camera->fov_degrees    = 35;
+    const option options[] = {
+        {"SCENE", OPTION_INPUT, &c.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
+        {"FILE.vxs", OPTION_INPUT, &c.asset_path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
+        {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
+        {"--draw", OPTION_CHOICE, &c.draw, 0, 0, "gl|rays", NULL,
+         "with OpenGL, as a game would, or all but shadows by rays, with light from the sky (default gl)", NULL},
+        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", NULL},
+        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", NULL},
+        {"--samples", OPTION_U32, &o->samples, 1, SAMPLES_MAX, NULL, "N",
+         "a pixel is the mean of N x N samples, 1 to 4 (default 2)", &c.samples_given},
+        {"--exposure", OPTION_F64, &o->stops, -20, 20, NULL, "STOPS", "brighter or darker by powers of two, -20 to 20 (default 0)",
+         &c.stops_given},
+        {"--eye", OPTION_VECTOR, camera->eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres (default all of the scene in view)",
+         &c.camera.eye_given},
+        {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
+         &c.camera.target_given},
+        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
+        {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
+         "a light that shines; repeat for more (default all of the file)", NULL},
+        FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
+        {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
+         "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
+        {"--passes", OPTION_TEXT, &c.passes_folder, 0, 0, NULL, "FOLDER",
+         "also depth, normals, light, lights of each pixel, each light's shadow, and what rays say, as PNG", NULL},
+        {"--path", OPTION_INPUT, &c.path_file, FILE_UNKNOWN, 0, NULL, "FILE",
+         "frames along a path: lines of x y z of the eye, x y z of where it looks; the last one is the picture", NULL},
+        {"--orbit", OPTION_SWITCH, &c.orbits, 0, 0, NULL, NULL, "frames once around the target", NULL},
+        {"--frames", OPTION_U32, &c.frames, 1, FRAMES_MAX, NULL, "N", "of --path or --orbit, 1 to 100000 (default 60)",
+         &c.frames_given},
+        {"--json", OPTION_OUTPUT, &c.json_path, 0, 0, ".json", "FILE.json", "times of each frame as JSON; - is standard output",
+         NULL},
+        {"--csv", OPTION_OUTPUT, &c.csv_path, 0, 0, ".csv", "FILE.csv", "times of each frame as a table; - is standard output",
+         NULL},
+        {"--plot", OPTION_OUTPUT, &c.plot_path, 0, 0, ".svg", "FILE.svg", "times of each frame as a plot; - is standard output",
+         NULL},
+        {"--gl", OPTION_CHOICE, &o->backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
+        SCENE_ROWS(c.choice),
+        {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
+    };
+    const command_line line = COMMAND_LINE("render", "SCENE FILE.vxs -o OUT.png [options]",
+                                           "Draw a picture (PNG) of a scene with the shadows of a .vxs file.", options);
+    return command_run(&line, argc, argv, run, &c);
+}

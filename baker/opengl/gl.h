@@ -1,0 +1,102 @@
+/* An OpenGL 4.5 core context without a window, and its functions. Nothing else knows where the context comes from.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef GL_H
+#define GL_H
+
+#include <GL/glcorearb.h>
+#include <stdint.h>
+
+#include "baker/base/message.h"
+
+typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
+
+/* Functions are looked up at run time, because OSMesa and EGL each bring their own. Type, name without "gl". */
+/* clang-format off */
+#define GL_FUNCTIONS(X)                                            \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                          \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                              \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                      \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                    \
+    X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                    \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                    \
+    X(PFNGLBLENDEQUATIONPROC, BlendEquation)                        \
+    X(PFNGLBLENDFUNCPROC, BlendFunc)                                \
+    X(PFNGLBUFFERDATAPROC, BufferData)                              \
+    X(PFNGLCLEARBUFFERFVPROC, ClearBufferfv)                        \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                            \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                        \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                        \
+    X(PFNGLCREATESHADERPROC, CreateShader)                          \
+    X(PFNGLCREATETEXTURESPROC, CreateTextures)                      \
+    X(PFNGLCULLFACEPROC, CullFace)                                  \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                        \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)              \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                        \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                          \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                      \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)              \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                \
+    X(PFNGLDISABLEPROC, Disable)                                    \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                              \
+    X(PFNGLDRAWBUFFERSPROC, DrawBuffers)                            \
+    X(PFNGLDRAWELEMENTSPROC, DrawElements)                          \
+    X(PFNGLENABLEPROC, Enable)                                      \
+    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)    \
+    X(PFNGLFINISHPROC, Finish)                                      \
+    X(PFNGLFLUSHPROC, Flush)                                        \
+    X(PFNGLFRAMEBUFFERTEXTUREPROC, FramebufferTexture)              \
+    X(PFNGLFRONTFACEPROC, FrontFace)                                \
+    X(PFNGLGENBUFFERSPROC, GenBuffers)                              \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                    \
+    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                    \
+    X(PFNGLGETERRORPROC, GetError)                                  \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                          \
+    X(PFNGLGETSTRINGPROC, GetString)                                \
+    X(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                    \
+    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)              \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                            \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                            \
+    X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                  \
+    X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                  \
+    X(PFNGLPROGRAMUNIFORM3FPROC, ProgramUniform3f)                  \
+    X(PFNGLPROGRAMUNIFORM4FPROC, ProgramUniform4f)                  \
+    X(PFNGLPROGRAMUNIFORM4IPROC, ProgramUniform4i)                  \
+    X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)    \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                              \
+    X(PFNGLSCISSORPROC, Scissor)                                    \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                          \
+    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                \
+    X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                  \
+    X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                              \
+    X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)            \
+    X(PFNGLVIEWPORTPROC, Viewport)
+/* clang-format on */
+
+typedef void (*gl_function)(void);
+
+typedef struct gl_context {
+#define GL_FUNCTION_POINTER(type, name) type name;
+    GL_FUNCTIONS(GL_FUNCTION_POINTER)
+#undef GL_FUNCTION_POINTER
+    gl_function (*lookup)(const char *name); /* what gave them, for libraries that have their own */
+    gl_backend backend;
+    void      *handle;          /* OSMesaContext, or EGLContext */
+    void      *display;         /* EGLDisplay */
+    void      *library;         /* libEGL, opened when it is asked for */
+    uint32_t   pixels[16 * 16]; /* OSMesa wants a buffer of its own; maps are drawn elsewhere */
+    char       renderer[128];   /* what GL calls itself */
+    char       cpu_class[16]; /* OSMesa: the instructions that it draws with, by which depths may differ in a few texels; else "" */
+    GLuint     depth_programs[3]; /* of depth_gl.c, made when they are first needed: they go with the context */
+} gl_context;
+
+/* Make a context and make it current on the calling thread, which alone may use it until gl_context_destroy.
+ * threads  rasterizer threads of a software renderer.
+ * Returns VXS_OK, VXS_E_GL (the line says what is missing), or VXS_E_MEMORY. */
+vxs_result gl_context_create(gl_context **out, gl_backend backend, uint32_t threads, message *m);
+
+void gl_context_destroy(gl_context *gl);
+
+#endif

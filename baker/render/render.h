@@ -1,0 +1,82 @@
+/* A scene in baked shadows, drawn with OpenGL as a game would: what each pixel shows, lights culled for tiles of 8 x 8 pixels, lookups by
+ * libvxs_gl, shading, tone mapping.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RENDER_H
+#define RENDER_H
+
+#include "baker/opengl/gl.h"
+#include "baker/scene/scene.h"
+#include "baker/truth/camera.h"
+#include "runtime/vxs.h"
+
+typedef enum cull_mode { CULL_AUTO, CULL_ON, CULL_OFF } cull_mode;
+#define CULL_CHOICES "auto|on|off" /* their words, in that order; auto: where there is more than one light */
+
+typedef struct render_options {
+    uint32_t   width_px, height_px;
+    uint32_t   samples;     /* a pixel is the mean of samples x samples, 1 to 4 */
+    int        filter_px;   /* of lookups, as for vxs_lookup */
+    uint32_t   tile_lights; /* that a tile's list has room for */
+    double     stops;       /* of exposure, beside what the first frame asks for */
+    cull_mode  cull;
+    gl_backend backend;
+    uint32_t   threads;
+} render_options;
+
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. */
+enum { RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_TONE, RENDER_STAGES };
+extern const char *const render_stage_names[RENDER_STAGES]; /* "surfaces", ... */
+
+typedef struct render_frame {
+    double   seconds[RENDER_STAGES];
+    uint64_t surface_pixels; /* that show the scene, with all samples */
+    uint64_t asked_lights;   /* lookups of all pixels but those of lights that they face away from */
+    uint32_t longest_list;   /* lights of a tile; 0 without culling */
+    uint32_t full_lists;     /* tiles that all lights were asked for */
+} render_frame;
+
+typedef struct renderer renderer;
+
+/* Upload a scene and the words of an asset's lights.
+ * r       [out] NULL on failure; released with renderer_destroy
+ * s       at least one triangle; only read here
+ * lights  [light_count] of an asset, which outlives the renderer; those of the scene's names shine with the scene's colours
+ * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result renderer_create(renderer **r, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
+                           uint32_t light_count, message *m);
+
+/* Accepts NULL. */
+void renderer_destroy(renderer *r);
+
+/* Draw what a camera sees. Exposure is that of the first frame.
+ * rgb    [out] [3 * width_px * height_px] sRGB, top row first; NULL: nobody looks
+ * frame  [out]
+ * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m);
+
+/* Of the frame that was drawn last, at all samples: [width, height] samples a side as renderer_size says, top row first. */
+void renderer_size(const renderer *r, uint32_t *width, uint32_t *height);
+
+/* depths       [out] [count] metres along the camera's axis; 0: nothing is there
+ * normals      [out] [3 * count]; albedos likewise, linear;   light  [out] [4 * count] direct light without albedo and exposure; how many lights were asked
+ * Any of them may be NULL. */
+vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, message *m);
+
+/* The lit fraction that light n has at each place, as lookups of the last frame say it.   lit  [out] [count]; -1 where nothing is, and
+ * where the light does not reach */
+vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
+
+/* The place of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
+void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3]);
+
+/* The factor that direct light is shown with; and light n's colour. */
+double        renderer_exposure(const renderer *r);
+const double *renderer_light_colour(const renderer *r, uint32_t n);
+
+/* Whether lists of lights are made. */
+int renderer_culls(const renderer *r);
+
+/* What draws. */
+const char *renderer_name(const renderer *r);
+
+#endif

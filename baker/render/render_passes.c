@@ -1,0 +1,252 @@
+/* What a frame is made of, each as a picture; see render_passes.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/render/render_passes.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "baker/base/memory.h"
+#include "baker/base/parallel.h"
+#include "baker/base/vec3.h"
+#include "baker/files/output_file.h"
+#include "baker/files/png_encode.h"
+#include "baker/truth/baked_light.h"
+#include "baker/truth/truth_filter.h"
+
+typedef struct passes {
+    renderer    *renderer;
+    const char  *folder;
+    const truth *truth;
+    uint32_t     width, height, threads;
+    int          filter_px;                          /* as for vxs_lookup */
+    size_t       count;                              /* samples */
+    float       *depths, *normals, *albedos, *light; /* of renderer_read */
+    float       *lit;                                /* [count] of one light */
+    float       *sum, *true_sum, *reached;           /* [count] over lights that were asked */
+    uint8_t     *rgb;
+} passes;
+
+static uint8_t byte_of(double share)
+{
+    return (uint8_t)(255 * fmin(fmax(share, 0), 1) + 0.5);
+}
+
+static double curve(double x)
+{
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+static void set_grey(uint8_t rgb[3], double share)
+{
+    memset(rgb, byte_of(share), 3);
+}
+
+static const uint8_t nothing[3] = {255, 0, 255};
+
+/* Write p->rgb. */
+static vxs_result write_picture(const passes *p, const char *name, message *m)
+{
+    char        path[4096];
+    output_file out  = {0};
+    size_t      size = 0;
+    if ((size_t)snprintf(path, sizeof path, "%s/%s.png", p->folder, name) >= sizeof path)
+        return fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
+    uint8_t   *png = png_encode(p->rgb, p->width, p->height, 3, &size);
+    vxs_result r   = png ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
+    if (r == VXS_OK) r = output_file_write(&out, png, size, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    free(png);
+    return r;
+}
+
+/* surfaces and light -------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result write_depth(passes *p, message *m)
+{
+    float near = INFINITY, far = 0;
+    for (size_t n = 0; n < p->count; n++) {
+        if (p->depths[n] > 0) near = fminf(near, p->depths[n]);
+        far = fmaxf(far, p->depths[n]);
+    }
+    for (size_t n = 0; n < p->count; n++)
+        set_grey(p->rgb + 3 * n,
+                 p->depths[n] > 0 && far > near ? 1 - 0.9 * (log((double)p->depths[n] / near) / log((double)far / near)) : 0);
+    return write_picture(p, "depth", m);
+}
+
+static vxs_result write_normal(passes *p, message *m)
+{
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(0.5 + 0.5 * (double)p->normals[n]) : 0;
+    return write_picture(p, "normal", m);
+}
+
+static vxs_result write_albedo(passes *p, message *m)
+{
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(curve((double)p->albedos[n])) : 0;
+    return write_picture(p, "albedo", m);
+}
+
+static vxs_result write_light(passes *p, message *m)
+{
+    double exposure = renderer_exposure(p->renderer);
+    for (size_t n = 0; n < p->count; n++)
+        for (int k = 0; k < 3; k++)
+            p->rgb[3 * n + (size_t)k] = byte_of(curve(fmin(1, exposure * (double)p->light[4 * n + (size_t)k])));
+    return write_picture(p, "light", m);
+}
+
+/* Blue, green, yellow, red. */
+static void set_heat(uint8_t rgb[3], double share)
+{
+    rgb[0] = byte_of(3 * share - 1);
+    rgb[1] = byte_of(share < 0.5 ? 3 * share : 3 - 3 * share);
+    rgb[2] = byte_of(1 - 3 * share);
+}
+
+static vxs_result write_lights(passes *p, message *m)
+{
+    float most = 1;
+    for (size_t n = 0; n < p->count; n++) most = fmaxf(most, p->light[4 * n + 3]);
+    for (size_t n = 0; n < p->count; n++) {
+        memset(p->rgb + 3 * n, 0, 3);
+        if (p->light[4 * n + 3] > 0) set_heat(p->rgb + 3 * n, (double)(p->light[4 * n + 3] / most));
+    }
+    return write_picture(p, "lights", m);
+}
+
+/* each light ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct asked_light {
+    passes          *passes;
+    const vxs_light *light;
+    light_shape      shape;
+} asked_light;
+
+static int faces(const asked_light *a, const double place_ws[3], const double normal[3])
+{
+    double to_light[3];
+    for (int k = 0; k < 3; k++)
+        to_light[k] = a->shape.kind == LIGHT_DIRECTIONAL ? -a->shape.direction_ws[k] : a->shape.position_ws[k] - place_ws[k];
+    return vec3_dot(to_light, normal) > 0;
+}
+
+static void trace_sample(const asked_light *a, size_t n)
+{
+    passes *p = a->passes;
+    double  place_ws[3], normal[3] = {(double)p->normals[3 * n], (double)p->normals[3 * n + 1], (double)p->normals[3 * n + 2]};
+    if (!(p->lit[n] >= 0)) return;
+    renderer_place(p->renderer, (uint32_t)(n % p->width), (uint32_t)(n / p->width), p->depths[n], place_ws);
+    if (!faces(a, place_ws, normal)) return;
+    filter_taps taps = filter_taps_of(a->light, place_ws, normal, p->filter_px);
+    if (taps.map < 0) return;
+    p->true_sum[n] += (float)truth_filtered(p->truth, a->light, &a->shape, &taps);
+    p->sum[n] += p->lit[n];
+    p->reached[n] += 1;
+}
+
+static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    (void)worker;
+    for (size_t n = begin; n < end; n++) trace_sample(user, n);
+}
+
+/* Nothing where the light reaches no sample: of hundreds most do not. */
+static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, message *m)
+{
+    size_t reached = 0;
+    for (size_t n = 0; n < p->count; n++) reached += p->lit[n] >= 0;
+    if (!reached) return VXS_OK;
+    char name[VXS_LIGHT_NAME_BYTES + 32];
+    snprintf(name, sizeof name, "lit-%u-%s", number, light->name);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("-_.", *c)) *c = '_';
+    for (size_t n = 0; n < p->count; n++) {
+        set_grey(p->rgb + 3 * n, (double)p->lit[n]);
+        if (!(p->lit[n] >= 0)) memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
+    }
+    return write_picture(p, name, m);
+}
+
+static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+{
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
+        asked_light a = {p, &lights[n]->light, baked_light_shape(&lights[n]->light)};
+        r             = renderer_read_lit(p->renderer, n, p->lit, m);
+        if (r == VXS_OK) r = write_lit(p, n, a.light, m);
+        if (r == VXS_OK && p->truth) parallel_for(p->threads, p->count, p->width, trace_samples, &a);
+    }
+    return r;
+}
+
+static vxs_result write_truth(passes *p, truth_difference *d, message *m)
+{
+    double sum = 0;
+    *d         = (truth_difference){0};
+    for (size_t n = 0; n < p->count; n++) {
+        memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
+        if (p->reached[n] > 0) set_grey(p->rgb + 3 * n, (double)(p->true_sum[n] / p->reached[n]));
+    }
+    vxs_result r = write_picture(p, "truth", m);
+    for (size_t n = 0; n < p->count; n++) {
+        double difference = p->reached[n] > 0 ? (double)((p->sum[n] - p->true_sum[n]) / p->reached[n]) : 0;
+        p->rgb[3 * n]     = byte_of(0.5 - 0.5 * difference);
+        p->rgb[3 * n + 2] = byte_of(0.5 + 0.5 * difference);
+        p->rgb[3 * n + 1] = byte_of(0.5 - 0.5 * fabs(difference));
+        d->asked += p->reached[n] > 0;
+        d->too_dark += difference < -0.5;
+        d->too_light += difference > 0.5;
+        sum += fabs(difference);
+    }
+    d->mean = d->asked ? sum / (double)d->asked : 0;
+    return r == VXS_OK ? write_picture(p, "difference", m) : r;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result take(passes *p, message *m)
+{
+    float    **of[]   = {&p->depths, &p->normals, &p->albedos, &p->light, &p->lit, &p->sum, &p->true_sum, &p->reached};
+    size_t     size[] = {1, 3, 3, 4, 1, 1, 1, 1};
+    vxs_result r      = memory_check(p->count * (15 * sizeof(float) + 3), m, "passes of %u x %u samples need", p->width, p->height);
+    if (r != VXS_OK) return r;
+    for (int n = 0; n < 8; n++)
+        if (!(*of[n] = calloc(size[n] * p->count, sizeof(float)))) r = VXS_E_MEMORY;
+    p->rgb = malloc(3 * p->count);
+    if (r == VXS_OK && p->rgb) return renderer_read(p->renderer, p->depths, p->normals, p->albedos, p->light, m);
+    return fail(m, VXS_E_MEMORY, "out of memory for passes of %u x %u samples", p->width, p->height);
+}
+
+vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
+                         const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m)
+{
+    passes p = {.renderer = drawn, .folder = folder, .truth = t, .filter_px = filter_px, .threads = threads};
+    if (mkdir(folder, 0777) && errno != EEXIST)
+        return fail(m, VXS_E_WRITE, "--passes %s: the folder cannot be made: %s", folder, strerror(errno));
+    renderer_size(drawn, &p.width, &p.height);
+    p.count      = (size_t)p.width * p.height;
+    vxs_result r = take(&p, m);
+    if (r == VXS_OK) r = write_depth(&p, m);
+    if (r == VXS_OK) r = write_normal(&p, m);
+    if (r == VXS_OK) r = write_albedo(&p, m);
+    if (r == VXS_OK) r = write_light(&p, m);
+    if (r == VXS_OK) r = write_lights(&p, m);
+    if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
+    if (r == VXS_OK && t) r = write_truth(&p, difference, m);
+    free(p.depths);
+    free(p.normals);
+    free(p.albedos);
+    free(p.light);
+    free(p.lit);
+    free(p.sum);
+    free(p.true_sum);
+    free(p.reached);
+    free(p.rgb);
+    return r;
+}

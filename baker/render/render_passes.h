@@ -1,0 +1,31 @@
+/* What a frame is made of, each as a picture.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RENDER_PASSES_H
+#define RENDER_PASSES_H
+
+#include "baker/render/render.h"
+#include "baker/truth/truth.h"
+
+/* How lookups of a frame compare with filtered rays, where a light reaches a sample that faces it. */
+typedef struct truth_difference {
+    uint64_t asked;
+    double   mean;                /* of the lit fractions' difference, without its sign */
+    uint64_t too_dark, too_light; /* by more than half */
+} truth_difference;
+
+/* Write the last frame's passes into a folder, which is made where it is not there, a sample a pixel:
+ *
+ *     depth.png, normal.png, albedo.png
+ *     light.png        direct light, as exposed, without albedo
+ *     lights.png       how many lights were asked: black none, then blue to red for 1 to the most
+ *     lit-N-NAME.png   lit fraction of light N, if it reaches a sample; magenta where nothing is, or where its map does not reach
+ *     truth.png        mean lit fraction of lights that reach, by K x K rays for the taps of a lookup
+ *     difference.png   the same by lookups, less truth: grey where equal, red where too dark, blue where too light
+ *
+ * t       NULL: no truth
+ * lights  as renderer_create was given them
+ * Returns VXS_OK, VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
+                         const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m);
+
+#endif

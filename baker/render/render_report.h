@@ -1,0 +1,36 @@
+/* What frames took: JSON, a table, a plot.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RENDER_REPORT_H
+#define RENDER_REPORT_H
+
+#include <jansson.h>
+
+#include "baker/render/render.h"
+#include "baker/render/render_passes.h"
+
+typedef struct drawn_frame {
+    camera_pose  camera;
+    render_frame frame;
+} drawn_frame;
+
+typedef struct render_report {
+    const char             *scene_path, *asset_path, *renderer;
+    const render_options   *options;
+    uint32_t                light_count;
+    int                     culls;
+    uint64_t                word_bytes;
+    const drawn_frame      *frames; /* [frame_count] */
+    size_t                  frame_count;
+    const truth_difference *difference; /* NULL: none was asked for */
+} render_report;
+
+/* docs/render.schema.json. NULL without memory. */
+json_t *render_report_json(const render_report *r);
+
+/* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
+vxs_result render_report_csv(const render_report *r, const char *path, message *m);
+
+/* Milliseconds of stages by frame, one above the other, as SVG. */
+vxs_result render_report_plot(const render_report *r, const char *path, message *m);
+
+#endif

@@ -1,0 +1,63 @@
+/* Behind the texts of vxs_gl.h: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
+ * ending at their range and cone as KHR_lights_punctual has it. */
+#define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
+#define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
+
+layout(std430, binding = 3) readonly restrict buffer colours_block { vec4 colours[]; };
+layout(binding = 0) uniform sampler2D depths;
+layout(binding = 1) uniform sampler2D normals;
+layout(binding = 2) uniform sampler2D albedos;
+uniform mat4 point_from_depth;
+uniform vec4 sizes;   /* width, height */
+uniform ivec4 asked;  /* filter, SHOW_, light, 1: lights of the pixel's tile, 0: all */
+layout(location = 0) out vec4 light_out;
+
+vec3 place_of(vxs_light_constants l)
+{
+    return -(l.ls_from_ws[0].xyz * l.ls_from_ws[0].w + l.ls_from_ws[1].xyz * l.ls_from_ws[1].w + l.ls_from_ws[2].xyz * l.ls_from_ws[2].w);
+}
+
+/* Before shadows; to_light is a unit vector. */
+float strength(vxs_light_constants l, vec3 at, out vec3 to_light)
+{
+    if (l.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        to_light = -normalize(l.ls_from_ws[2].xyz);
+        return 1.0;
+    }
+    vec3  way    = place_of(l) - at;
+    float square = max(dot(way, way), 1e-6), share = square / max(l.range_metres * l.range_metres, 1e-6);
+    to_light     = way * inversesqrt(square);
+    float result = (l.range_metres > 0.0 ? clamp(1.0 - share * share, 0.0, 1.0) : 1.0) / square;
+    if (l.kind == VXS_LIGHT_KIND_POINT) return result;
+    float edge = clamp((-dot(to_light, l.ls_from_ws[2].xyz) - l.cos_outer) / max(0.001, 1.0 - l.cos_outer), 0.0, 1.0);
+    return result * edge * edge;
+}
+
+float lit_of(vxs_light_constants l, vec3 at, vec3 normal)
+{
+    float lit = vxs_lit(l.dag, l, at, normal, asked.x);
+    return lit < 0.0 ? (l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0) : lit;
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = texelFetch(depths, pixel, 0).r;
+    light_out   = vec4(0.0);
+    if (depth == 0.0) return;
+    vec4 there  = point_from_depth * vec4(gl_FragCoord.xy / sizes.xy, depth, 1.0);
+    vec3 at     = there.xyz / there.w, normal = texelFetch(normals, pixel, 0).xyz, sum = vec3(0.0);
+    if (asked.y == SHOW_LIT) {
+        light_out = vec4(vec3(vxs_lit_by(uint(asked.z), at, normal, asked.x)), 1.0);
+        return;
+    }
+    uint tile = asked.w != 0 ? vxs_tile_of(pixel) : 0u, count = asked.w != 0 ? vxs_tile_light_count(tile) : vxs_light_count();
+    for (uint i = 0u; i < count; i++) {
+        uint                n = asked.w != 0 ? vxs_tile_light(tile, i) : i;
+        vxs_light_constants l = vxs_light_at(n);
+        vec3                to_light;
+        float               power = strength(l, at, to_light) * dot(normal, to_light);
+        if (power > 0.0) sum += colours[n].rgb * (power * lit_of(l, at, normal));
+    }
+    light_out = vec4(sum, float(count));
+}

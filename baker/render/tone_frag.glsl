@@ -1,0 +1,43 @@
+#version 450 core
+/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples. */
+layout(binding = 0) uniform sampler2D depths;
+layout(binding = 1) uniform sampler2D normals;
+layout(binding = 2) uniform sampler2D albedos;
+layout(binding = 3) uniform sampler2D lights;
+uniform mat4 point_from_depth;
+uniform vec4 sizes; /* width, height of the light, exposure, day: 1, or what is left of the sky at night */
+uniform int samples;
+layout(location = 0) out vec4 colour_out;
+
+const vec3 zenith = vec3(0.20, 0.40, 0.86), horizon = vec3(0.70, 0.81, 0.95), below = vec3(0.56, 0.61, 0.68), ground = vec3(0.30, 0.28, 0.25);
+
+vec3 sky(float y)
+{
+    return y >= 0.0 ? mix(horizon, zenith, 1.0 - pow(1.0 - y, 2.5)) : mix(horizon, below, 1.0 - (1.0 + y) * (1.0 + y));
+}
+
+vec3 shown(ivec2 pixel)
+{
+    float depth = texelFetch(depths, pixel, 0).r;
+    vec4  way   = point_from_depth * vec4((vec2(pixel) + 0.5) / sizes.xy, depth, 1.0);
+    if (depth == 0.0) return sizes.w * sky(normalize(way.xyz).y);
+    vec3 ambient = 0.30 * sizes.w * mix(ground, mix(horizon, zenith, 0.5), 0.5 + 0.5 * texelFetch(normals, pixel, 0).y);
+    return texelFetch(albedos, pixel, 0).rgb * (sizes.z * texelFetch(lights, pixel, 0).rgb + ambient);
+}
+
+float curve(float x)
+{
+    x = x < 0.6 ? x : 0.6 + 0.4 * (1.0 - exp(-(x - 0.6) / 0.4));
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
+}
+
+void main()
+{
+    vec3 sum = vec3(0.0);
+    for (int y = 0; y < samples; y++)
+        for (int x = 0; x < samples; x++) {
+            vec3 c = shown(ivec2(gl_FragCoord.xy) * samples + ivec2(x, y));
+            sum += vec3(curve(c.r), curve(c.g), curve(c.b));
+        }
+    colour_out = vec4(sum / float(samples * samples), 1.0);
+}

@@ -1,0 +1,171 @@
+# vxs render with OpenGL: paths and their reports, passes, culling that changes nothing but time. Pictures are in test_compare.py.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import csv
+import json
+import xml.etree.ElementTree
+
+import jsonschema
+import pytest
+
+import small_scene
+from conftest import ROOT
+from png import read_png
+
+SMALL = "--width", 64, "--height", 48, "--samples", 1
+LAMPS = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
+
+
+@pytest.fixture(scope="module")
+def level(vxs, tmp_path_factory):
+    """A folder with level.gltf, all.vxs of its sun, its spot light and its lamp, and sun.vxs."""
+    folder = tmp_path_factory.mktemp("render")
+    small_scene.write(folder / "level.gltf", lights=LAMPS)
+    for name, lights in (("all", ()), ("sun", ("--light", "noon"))):
+        vxs("bake", folder / "level.gltf", "-o", folder / f"{name}.vxs", "--resolution", 256, "--baseline", "off", *lights)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def render(vxs, level):
+    def run(asset, *options, **more):
+        return vxs("render", level / "level.gltf", level / f"{asset}.vxs", "-o", level / "out.png", *SMALL, *options, **more)
+
+    return run
+
+
+def report(level, render, asset, *options):
+    render(asset, "--json", level / "r.json", *options)
+    found = json.loads((level / "r.json").read_text())
+    jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "render.schema.json").read_text())).validate(found)
+    return found
+
+
+def test_path(level, render):
+    """Keys are met, the last frame is the picture, and JSON, table and plot say the same."""
+    keys = [(0, 20, 0.5, 0, 0, 0), (10, 12, 5, 1, 0, 0), (15, 3, 0, 0, 1, 0)]
+    (level / "path.txt").write_text("# eye and target\n\n" + "".join(" ".join(map(str, key)) + "\r\n" for key in keys))
+    found = report(level, render, "all", "--path", level / "path.txt", "--frames", 5, "--csv", level / "r.csv", "--plot", level / "r.svg")
+    assert [[*f["eye"], *f["target"]] for f in found["frames"]][::2] == [list(key) for key in keys]
+    last = (level / "out.png").read_bytes()
+    render("all", "--eye", "15,3,0", "--target", "0,1,0")
+    assert read_png(last)[:2] == (64, 48)
+    rows = list(csv.DictReader((level / "r.csv").read_text().splitlines()))
+    assert len(rows) == len(found["frames"]) == 5
+    for row, frame in zip(rows, found["frames"]):
+        assert [float(row[name]) for name in ("eye_x", "target_y", "lights_per_sample")] == pytest.approx(
+            [frame["eye"][0], frame["target"][1], frame["lights_per_sample"]], rel=1e-3)
+        assert float(row["total_ms"]) == pytest.approx(sum(frame["ms"].values()), rel=1e-2)
+        assert 0 < frame["surface_samples"] <= 64 * 48
+    plot = xml.etree.ElementTree.fromstring((level / "r.svg").read_text())
+    assert [len(p.get("points").split()) for p in plot.iter("{http://www.w3.org/2000/svg}polygon")] == [10] * 4
+
+
+def test_path_is_smooth(level, render):
+    """Equal steps along a line are equal steps between them; about a corner it swings out."""
+    (level / "line.txt").write_text("".join(f"{x} 9 3 {x} 0 0\n" for x in range(5)) + "4 9 4 4 0 0\n")
+    eyes = [f["eye"] for f in report(level, render, "sun", "--path", level / "line.txt", "--frames", 11)["frames"]]
+    assert eyes[3:6] == [pytest.approx([x, 9, 3]) for x in (1.5, 2, 2.5)]
+    assert eyes[9][0] > 4 and 3 < eyes[9][2] < 4 and all(eye[1] == pytest.approx(9) for eye in eyes)
+
+
+def test_orbit(level, render):
+    found = report(level, render, "all", "--orbit", "--frames", 8, "--eye", "12,9,0", "--target", "0,1,0")
+    for frame in found["frames"]:
+        assert frame["eye"][1] == 9 and frame["target"] == [0, 1, 0]
+        assert (frame["eye"][0] ** 2 + frame["eye"][2] ** 2) ** 0.5 == pytest.approx(12, rel=1e-3)
+    assert found["frames"][4]["eye"] == pytest.approx([-12, 9, 0], abs=1e-9)
+
+
+def test_culling_changes_nothing_but_lists(level, render):
+    camera = "--eye", "6,9,2", "--target", "0,0,0", "--fov", 60
+    on, off = (report(level, render, "all", "--cull", mode, *camera) for mode in ("on", "off"))
+    render("all", *camera)
+    culled = (level / "out.png").read_bytes()
+    render("all", "--cull", "off", *camera)
+    assert culled == (level / "out.png").read_bytes()
+    assert on["culling"] and not off["culling"] and off["frames"][0]["lights_per_sample"] == 3
+    assert 1 <= on["frames"][0]["lights_per_sample"] < 3 == on["frames"][0]["longest_list"]
+
+
+def test_one_sun_has_no_lists(level, render):
+    found = report(level, render, "sun")
+    assert not found["culling"] and found["lights"] == 1 and found["frames"][0]["longest_list"] == 0
+
+
+def test_passes(vxs, level, render):
+    """Each pass is a picture, lookups agree with rays, and those of another asset do not."""
+    camera = "--eye", "6,9,2", "--target", "0,0,0", "--fov", 60
+    moved = [[x + 2, y, z] for x, y, z in small_scene.BLOCK]
+    small_scene.write(level / "moved.gltf", boxes=[small_scene.GROUND, moved], lights=LAMPS)
+    vxs("bake", level / "moved.gltf", "-o", level / "moved.vxs", "--resolution", 256, "--baseline", "off")
+    right = report(level, render, "all", "--passes", level / "right", *camera)["difference"]
+    wrong = report(level, render, "moved", "--passes", level / "wrong", *camera)["difference"]
+    names = {path.name for path in (level / "right").iterdir()}
+    assert names == {"depth.png", "normal.png", "albedo.png", "light.png", "lights.png", "truth.png", "difference.png",
+                     "lit-0-noon.png", "lit-1-spot.png", "lit-2-lamp.png"}
+    assert {read_png((level / "right" / name).read_bytes())[:2] for name in names} == {(64, 48)}
+    assert right["samples"] > 1000 and right["mean"] < 0.02 and right["too_dark"] + right["too_light"] < right["samples"] / 50
+    assert wrong["mean"] > 3 * right["mean"] and wrong["too_light"] > 10 < wrong["too_dark"]
+
+
+def colour(level, render, **material):
+    """Mean red, green and blue of a picture from above."""
+    small_scene.write(level / "level.gltf", lights=LAMPS, **material)
+    render("all", "--eye", "0.1,20,0", "--target", "0,0,0", "--fov", 20)
+    rows = read_png((level / "out.png").read_bytes())[2]
+    return [sum(sum(row[n::3]) for row in rows) for n in range(3)]
+
+
+def test_colours_of_materials(vxs, level, render):
+    """A base colour is seen; one that makes no sense is white, and nothing fails."""
+    red, green, blue = colour(level, render, pbrMetallicRoughness={"baseColorFactor": [1, 0.2, 0.05, 1]})
+    assert red > 1.1 * green > 1.2 * blue
+    white = colour(level, render)
+    for wrong in ([2, 0, 0, 1], ["red"], "red", [1, 0], {}):
+        assert colour(level, render, pbrMetallicRoughness={"baseColorFactor": wrong}) == white
+    assert colour(level, render, pbrMetallicRoughness=[]) == colour(level, render)
+
+
+def test_colours_of_lights(vxs, level, render):
+    gltf = json.loads(small_scene.write(level / "level.gltf", lights=LAMPS).read_text())
+    for light in gltf["extensions"]["KHR_lights_punctual"]["lights"]:
+        light |= {"color": [0.1, 0.2, 1], "intensity": 40}
+    (level / "level.gltf").write_text(json.dumps(gltf))
+    render("all", "--eye", "0.1,20,0", "--target", "0,0,0", "--fov", 20)
+    rows = read_png((level / "out.png").read_bytes())[2]
+    red, green, blue = (sum(sum(row[n::3]) for row in rows) for n in range(3))
+    assert blue > 1.05 * green and green > red
+    small_scene.write(level / "level.gltf", lights=LAMPS)
+
+
+@pytest.mark.parametrize("text, words", [
+    ("0 1 2 3 4 5\n", "has 1 keys: a path needs two"),
+    ("0 1 2 3 4 5\n1 2 3 4 5\n", "line 2: expected six numbers"),
+    ("0 1 2 3 4 5\n1 2 3 4 5 6 7\n", "line 2: expected six numbers"),
+    ("1 2 3 1 2 3\n", "line 1: expected six numbers"),
+    ("0 1 2 3 4 nan\n", "line 1: expected six numbers"),
+    ("0 1 2 3 4 5\0\n", "is no text"),
+    ("0 1 2 3 4 5\n" * 10001, "line 10001: more than 10000 keys"),
+])
+def test_bad_paths(level, render, text, words):
+    (level / "bad.txt").write_text(text)
+    said = render("sun", "--path", level / "bad.txt", status=3).stderr
+    assert said.startswith("vxs: error: ") and words in said and said.count("\n") == 1
+
+
+@pytest.mark.parametrize("options, words", [
+    (["--frames", 3], "--frames 3 needs --path or --orbit"),
+    (["--orbit", "--path", "PATH"], "exclude each other"),
+    (["--path", "PATH", "--eye", "0,1,2", "--target", "0,0,0"], "--path and --eye exclude each other"),
+])
+def test_options_are_checked(level, render, options, words):
+    (level / "p.txt").write_text("0 0 0 1 1 1\n1 1 1 2 2 2\n")
+    done = render("sun", *(level / "p.txt" if option == "PATH" else option for option in options), status=2)
+    assert words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_passes_need_a_folder(level, render):
+    (level / "file").write_text("")
+    said = render("sun", "--passes", level / "file", status=4).stderr
+    assert "file" in said and said.count("\n") == 1
+    assert "cannot be made" in render("sun", "--passes", level / "no" / "folder", status=4).stderr
