@@ -34,7 +34,7 @@ int main(int argc, char **argv)
     int              n;
     o.scene_path  = argv[1];
     o.output_path = argv[2];
-    o.resolution  = (uint32_t)atoi(argv[3]);
+    o.resolution  = atoi(argv[3]);
     o.threads     = 2;
     for (n = 4; n < argc; n++) {
         if (!strcmp(argv[n], "dag")) o.coding = VXS_BAKE_DAG;
@@ -54,7 +54,7 @@ int main(int argc, char **argv)
         return 2;
     }
     while (budget > 0 && state == VXS_BAKE_MORE) state = vxs_bake_step(job, budget);
-    n = (int)vxs_bake_job_run(job);
+    n = vxs_bake_job_run(job);
     if (n) fprintf(stderr, "%d: %s\\n", n, vxs_bake_job_error(job));
     vxs_bake_job_close(job);
     return n;

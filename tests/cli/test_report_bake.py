@@ -93,10 +93,11 @@ def test_pictures_show_depths_and_masks(bake, folder):
 
 
 def test_shadows_come_first(vxs, bake, folder, tmp_path):
-    """The scene as `vxs render` draws it from the file, before all else but the title."""
+    """The scene as `vxs render --draw rays` draws it from the file, before all else but the title."""
     page, _, _ = bake(folder / "two.gltf", "--resolution", 256)
     assert page.text.index("looked up in the file") < page.text.index("How big?")
-    vxs("render", folder / "two.gltf", tmp_path / "a.vxs", "-o", tmp_path / "a.png", "--width", SHADOWS_PX[0], "--height", SHADOWS_PX[1])
+    vxs("render", folder / "two.gltf", tmp_path / "a.vxs", "-o", tmp_path / "a.png", "--draw", "rays", "--width", SHADOWS_PX[0],
+        "--height", SHADOWS_PX[1])
     assert page.pictures[0] == (tmp_path / "a.png").read_bytes()
 
 
