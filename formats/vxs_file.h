@@ -115,7 +115,7 @@ typedef struct vxs_contents {
  * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT: the first finding's result; VXS_E_MEMORY; VXS_E_ARGUMENT
  * for a struct_size that no version had, or fields behind those that this one has which are not zero.
  * Bad bytes never abort, and cost no more memory than the limit; zstd's own working memory (some 160 KiB) comes from malloc and is
- * not counted. Threads: none shared; those of desc->parallel decode the pages of palette blocks, and need some 1.5 MiB each, a sixth of
+ * not counted. Threads: none shared; those of desc->parallel decode the pages of palette blocks, and need some 0.4 MiB each, a third of
  * that where pages are packed fast, within the limit: with less, fewer of them are used. Allocator and findings are called by the caller's thread alone. */
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 

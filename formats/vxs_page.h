@@ -31,7 +31,7 @@ enum {
     VXS_PAGES_MAX         = 32767,
     VXS_PAGE_WORDS_MAX    = 65536,
     VXS_COMMON_HALVES_MAX = 1 << 17,
-    VXS_PATTERN_KINDS     = 15, /* 0: depths of its own; 2..14: so many depths of a block's palette; 1 is none */
+    VXS_PATTERN_KINDS     = 15, /* of patterns: 0: depths of its own; 2..14: so many depths of a block's palette; 1 is none */
 };
 
 /* A node of a page, and the entry of the top that uses it first: what lies beside it is where the coder looks for what is alike. */
@@ -42,29 +42,20 @@ typedef struct vxs_page_node {
     int32_t  base;   /* depth that the entry takes off, k - base is asked */
 } vxs_page_node;
 
-/* A pattern of the common pool, or of a page. */
-typedef struct vxs_pattern {
-    uint64_t border; /* nibbles: indices of the depths of its last row (low half), of its last column (high half) */
-    uint32_t ref;    /* as a block refers to it, 18 bits */
-    uint32_t kind;   /* 0: depths of its own; else how many */
-} vxs_pattern;
-
 /* The common pool of a light. */
 typedef struct vxs_common {
-    const uint32_t    *words; /* [(half_count + 1) / 2] */
-    uint32_t           half_count;
-    const vxs_pattern *patterns;                     /* by kind, then as they lie in the pool */
-    uint32_t           first[VXS_PATTERN_KINDS + 1]; /* patterns of kind p are first[p]..first[p + 1] - 1 */
+    const uint32_t *words; /* [(half_count + 1) / 2] */
+    uint32_t        half_count;
+    const uint32_t *patterns;                     /* halves of the pool where they start, by kind, then as they lie */
+    uint32_t        first[VXS_PATTERN_KINDS + 1]; /* patterns of kind p are first[p]..first[p + 1] - 1 */
 } vxs_common;
 
-/* What decoding needs beside its results: one for each thread, no part of any result. */
+/* What decoding needs beside its results: memory of the size below, aligned to 16 bytes, one for each thread, no part of any result. It serves
+ * any number of pages, one at a time, and needs neither a beginning nor an end. */
 typedef struct vxs_page_scratch vxs_page_scratch;
 
-/* Size of the above, some 1.5 MiB, of which a page touches what it needs. */
+/* Size of the above, some 360 KiB. */
 size_t vxs_page_scratch_bytes(void);
-
-/* Make a scratch of memory of that size, aligned to 16 bytes. It serves any number of pages, one at a time, and needs no end. */
-void vxs_page_scratch_init(vxs_page_scratch *scratch);
 
 /* How many words the page of these bytes takes, 1..VXS_PAGE_WORDS_MAX; 0: too few bytes to say so. */
 uint32_t vxs_page_word_count(const uint8_t *bytes, size_t size_bytes);
@@ -102,7 +93,7 @@ typedef struct vxs_resident {
     uint32_t      *words;      /* [word_count] words 8.. of pages are 0: no page is there yet */
     vxs_page_node *nodes;      /* [node_count] page by page */
     uint32_t      *page_first; /* [page_count + 1] nodes of page n are page_first[n]..page_first[n + 1] - 1 */
-    vxs_pattern   *patterns;   /* [pattern_count] what common points to */
+    uint32_t      *patterns;   /* [pattern_count] what common points to */
     vxs_common     common;
 } vxs_resident;
 
@@ -133,7 +124,7 @@ vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t w
  * kinds     [pattern_count] of the patterns as they lie
  * words     [(half_count + 1) / 2] of the pool
  * Returns VXS_OK; VXS_E_ARGUMENT: they are not these patterns, one behind the other. */
-vxs_result vxs_common_index(vxs_common *common, vxs_pattern *patterns, const uint8_t *kinds, uint32_t pattern_count,
+vxs_result vxs_common_index(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
                             const uint32_t *words, uint32_t half_count);
 
 #ifdef __cplusplus

@@ -151,16 +151,12 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
             draw_uniform(w, x, y, TILE_PX, depth[get_byte(words, index_byte + nth / 2) >> 4 * (nth & 1) & 15]);
             continue;
         }
-        uint32_t        tile = words[tiles + count_bits(mixed & ((1u << t) - 1))], ref = tile >> 14, half = ref & (REF_COMMON - 1);
-        const uint32_t *pool = ref & REF_COMMON ? w->common->words : words;
-        _Alignas(16) uint8_t index[64];
-        vxs_pattern          pattern = {0};
+        uint32_t tile = words[tiles + count_bits(mixed & ((1u << t) - 1))], ref = tile >> 14;
         if (!(head >> t & 1)) {
             int16_t  used[DEPTHS_MAX];
             uint32_t kind = 0;
             for (uint32_t bits = tile & 0x3fff; bits; bits &= bits - 1) used[kind++] = depth[page_first_bit(bits)];
-            read_pattern(pool, half, kind, index);
-            draw_pattern(w, border_of(index), used, x, y);
+            draw_pattern(w, border_of_ref(w, ref, kind), used, x, y);
             continue;
         }
         int32_t own = (int32_t)(tile & 0x3fff) - OWN_ZERO;
@@ -168,26 +164,8 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
             uint32_t bytes = ((entries - 1) << width) + (count_bits(shape >> 16) + 1) / 2;
             own            = (int32_t)words[byte / 4 + (bytes + 3) / 4 + count_bits(head & mixed & ((1u << t) - 1))];
         }
-        uint32_t first = get_half(pool, half), depths = first & 0xff;
-        if (first >> 12 <= OWN_WORDS) {
-            read_pattern(pool, half + 1 + own_delta_halves(first >> 12, depths - 1), depths, index);
-            pattern.border = border_of(index);
-        }
-        draw_own(w, pool, &pattern, half, base + own, x, y);
+        draw_own(w, ref, base + own, x, y);
     }
-}
-
-/* A block of the list: what is used moves half the way to the front. Returns its word. */
-static uint32_t use_block(walk *w, uint32_t place)
-{
-    uint16_t *list = w->s->block, *from = list + place, *to = list + place / 2, other = *to;
-    *to   = *from;
-    *from = other;
-    if (PAGE_ENCODING) {
-        w->block_rank[*from] = (uint32_t)(from - list) + 1;
-        w->block_rank[*to]   = (uint32_t)(to - list) + 1;
-    }
-    return *to;
 }
 
 /* Base of a block: by the plane of a block that is all plane, or was met before, or by the least depth beside it. */
@@ -218,7 +196,7 @@ static uint32_t code_met_block(walk *w, uint32_t found, uint32_t place, uint32_t
     if (found == BLOCK_LEFT) return left;
     if (found == BLOCK_ABOVE) return above;
     place = code_number(&w->c, &w->odds->block, place);
-    return found == BLOCK_LISTED && place < w->blocks ? use_block(w, place) + 1 : 0;
+    return found == BLOCK_LISTED && place < w->listed[LIST_OF_BLOCKS] ? list_use(w, LIST_OF_BLOCKS, place) + 1 : 0;
 }
 
 /* A mixed block of a node: its base, and where it is. */
@@ -232,9 +210,8 @@ static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *
         if (!(word = code_met_block(w, found, place, *left, *above))) return 0;
         read_block_plane(&b.plane, w->words + --word);
     } else {
-        if (w->blocks == VXS_PAGE_WORDS_MAX / 2 || word + 2 > w->node_words) return 0;
-        w->s->block[w->blocks++] = (uint16_t)word;
-        if (PAGE_ENCODING) w->block_rank[word] = w->blocks;
+        if (word + 2 > w->node_words) return 0;
+        list_add(w, LIST_OF_BLOCKS, word);
         if (!code_block_plane(w, &b.plane, b.from, *base, x0, y0)) return 0;
     }
     *ref  = word;

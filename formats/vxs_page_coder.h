@@ -119,13 +119,12 @@ PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
 
 #endif
 
-/* Sums of odds in proportion to weights, whose sum is 2^32 at most, each at least 1; seen: as if so many symbols had been met. */
+/* Sums of odds in proportion to weights, whose sum is 2^32, each at least 1; seen: as if so many symbols had been met. */
 static void nibble_start(nibble_odds *odds, const uint32_t weight[16], uint32_t seen)
 {
-    uint64_t all = 0, before = 0;
-    for (uint32_t n = 0; n < 16; n++) all += weight[n];
+    uint64_t before = 0;
     for (uint32_t n = 0; n < 16; n++) {
-        odds->from[n] = (uint16_t)(n + before * (ODDS_ONE - 16) / all);
+        odds->from[n] = (uint16_t)(n + (before * (ODDS_ONE - 16) >> 32));
         before += weight[n];
     }
     odds->from[16] = ODDS_ONE;

@@ -8,11 +8,6 @@ size_t vxs_page_scratch_bytes(void)
     return sizeof(vxs_page_scratch);
 }
 
-void vxs_page_scratch_init(vxs_page_scratch *scratch)
-{
-    start_odds(&scratch->start);
-}
-
 uint32_t vxs_page_word_count(const uint8_t *bytes, size_t size_bytes)
 {
     return size_bytes < 4 ? 0 : vxs_load16(bytes) + 1u;

@@ -55,8 +55,7 @@ vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_
     w.block_rank   = calloc(VXS_PAGE_WORDS_MAX, sizeof *w.block_rank);
     vxs_result r   = VXS_E_MEMORY;
     if (w.s && w.words && w.pattern_rank && w.block_rank && reserve(out, 4)) {
-        w.odds = &w.s->odds;
-        start_odds(&w.s->start);
+        w.odds   = &w.s->odds;
         int same = w.node_words && code_page(&w, nodes, node_count) && !memcmp(w.words, words, word_count * sizeof *words);
         if (!w.c.no_memory) r = same ? VXS_OK : VXS_E_ARGUMENT;
     }
@@ -98,7 +97,6 @@ vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t w
     vxs_result result = VXS_E_MEMORY;
     if (r.w.s && r.w.words && r.nodes && r.page_first && r.patterns && reserve(out, 16)) {
         r.w.odds = &r.w.s->odds;
-        start_odds(&r.w.s->start);
         int same = code_resident(&r, common);
         for (uint32_t n = 0; n < word_count; n++)
             same &= r.w.words[n] == words[n] || (n >= RESIDENT_WORDS && n < RESIDENT_WORDS + r.page_count);
@@ -133,7 +131,7 @@ static uint32_t pattern_halves(const walk *w, uint32_t half, uint32_t depths)
     return size;
 }
 
-vxs_result vxs_common_index(vxs_common *common, vxs_pattern *patterns, const uint8_t *kinds, uint32_t pattern_count,
+vxs_result vxs_common_index(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
                             const uint32_t *words, uint32_t half_count)
 {
     walk     w                           = {.source = words, .word_count = (half_count + 1) / 2};
@@ -145,9 +143,8 @@ vxs_result vxs_common_index(vxs_common *common, vxs_pattern *patterns, const uin
     }
     memcpy(next, common->first, sizeof next);
     for (uint32_t n = 0; n < pattern_count; n++) {
-        vxs_pattern pattern = {.ref = REF_COMMON | half, .kind = kinds[n]};
-        uint32_t    head = source_half(&w, half), depths = kinds[n], size = 0;
-        uint8_t     index[64];
+        uint32_t head = source_half(&w, half), depths = kinds[n], size = 0;
+        uint8_t  index[64];
         if (kinds[n] == KIND_OWN) {
             if (head >> 12 >= OWN_KINDS) return VXS_E_ARGUMENT;
             depths = head >> 12 <= OWN_WORDS ? head & 0xff : 0;
@@ -156,11 +153,10 @@ vxs_result vxs_common_index(vxs_common *common, vxs_pattern *patterns, const uin
         if (depths > DEPTHS_MAX || depths == 1) return VXS_E_ARGUMENT;
         if (depths) {
             if (!read_source(&w, half + size, depths, index)) return VXS_E_ARGUMENT;
-            pattern.border = border_of(index);
             size += pattern_halves(&w, half + size, depths);
         }
         if (half >= VXS_COMMON_HALVES_MAX || size > half_count - half) return VXS_E_ARGUMENT;
-        patterns[next[kinds[n]]++] = pattern;
+        patterns[next[kinds[n]]++] = half;
         half += size;
     }
     return half == half_count ? VXS_OK : VXS_E_ARGUMENT;

@@ -1,4 +1,7 @@
-/* The patterns that a page has met, in lists by their kinds: a tile that has one again says its place in the list.
+/* What a page has met, in lists: patterns by their kinds, and blocks. What is met again says its place in the list.
+ *
+ * An entry is a word of the page, 16 bits: of a block where it starts, of a pattern that of the tile that was the first to name it. So no two entries
+ * are one, and all lists together have no more of them than a page has words.
  * Internal to vxs_page_*.c, which say PAGE_ENCODING. Not installed.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_PAGE_LISTS_H
@@ -6,49 +9,58 @@
 
 #include "vxs_page_own.h"
 
-PAGE_INLINE vxs_pattern *pattern_at(const walk *w, uint32_t kind, uint32_t rank)
+enum { LIST_OF_BLOCKS = 1 }; /* other lists are of patterns, by kind */
+
+PAGE_INLINE uint16_t *list_at(const walk *w, uint32_t list, uint32_t rank)
 {
-    return w->s->pattern + w->s->chunk[kind][rank / LIST_CHUNK] * (uint32_t)LIST_CHUNK + rank % LIST_CHUNK;
+    return w->s->listed + w->s->chunk[list][rank / LIST_CHUNK] * (uint32_t)LIST_CHUNK + rank % LIST_CHUNK;
 }
 
-/* Append to its list. There is room: each comes with a tile, and a tile is a word. */
-static vxs_pattern *add_pattern(walk *w, vxs_pattern pattern)
+/* The entry of so high a rank is this one; the encoder keeps where what it names is. */
+PAGE_INLINE void list_set(walk *w, uint32_t list, uint32_t rank, uint32_t word)
 {
-    uint32_t kind = pattern.kind, rank = w->patterns[kind]++;
-    if (rank % LIST_CHUNK == 0) w->s->chunk[kind][rank / LIST_CHUNK] = (uint16_t)w->chunks++;
-    if (PAGE_ENCODING) w->pattern_rank[pattern.ref] = rank + 1;
-    vxs_pattern *at = pattern_at(w, kind, rank);
-    *at             = pattern;
-    return at;
+    *list_at(w, list, rank) = (uint16_t)word;
+    if (PAGE_ENCODING) *(list == LIST_OF_BLOCKS ? &w->block_rank[word] : &w->pattern_rank[w->words[word] >> 14]) = rank + 1;
 }
 
-/* Of a list, what is used moves half the way to the front, and changes places with what is there. */
-static vxs_pattern *use_pattern(walk *w, uint32_t kind, uint32_t rank)
+/* There is room: see above. */
+static void list_add(walk *w, uint32_t list, uint32_t word)
 {
-    vxs_pattern *from = pattern_at(w, kind, rank), *to = pattern_at(w, kind, rank / 2), other = *to;
-    *to   = *from;
-    *from = other;
-    if (PAGE_ENCODING) {
-        w->pattern_rank[from->ref] = rank + 1;
-        w->pattern_rank[to->ref]   = rank / 2 + 1;
-    }
-    return to;
+    uint32_t rank = w->listed[list]++;
+    if (rank % LIST_CHUNK == 0) w->s->chunk[list][rank / LIST_CHUNK] = (uint16_t)w->chunks++;
+    list_set(w, list, rank, word);
+}
+
+/* Of a list, what is used moves half the way to the front, and changes places with what is there. Returns its word. */
+static uint32_t list_use(walk *w, uint32_t list, uint32_t rank)
+{
+    uint32_t word = *list_at(w, list, rank), other = *list_at(w, list, rank / 2);
+    list_set(w, list, rank, other);
+    list_set(w, list, rank / 2, word);
+    return word;
+}
+
+/* The tile at hand is the first that has this pattern, and names it from here on. */
+static void add_pattern(walk *w, uint32_t kind, uint32_t ref)
+{
+    w->words[w->tile] = ref << 14;
+    list_add(w, kind, w->tile);
 }
 
 /* 0: a new one; 1: the common pool's; else rank in its list + 2. */
 static uint32_t find_pattern(const walk *w, uint32_t kind, uint32_t ref)
 {
     uint32_t rank = w->pattern_rank[ref];
-    if (rank && rank <= w->patterns[kind] && pattern_at(w, kind, rank - 1)->ref == ref) return rank + 1;
+    if (rank && rank <= w->listed[kind] && w->words[*list_at(w, kind, rank - 1)] >> 14 == ref) return rank + 1;
     return ref & REF_COMMON ? 1 : 0;
 }
 
 static uint32_t find_common(const vxs_common *common, uint32_t kind, uint32_t ref)
 {
-    uint32_t low = common->first[kind], high = common->first[kind + 1];
+    uint32_t low = common->first[kind], high = common->first[kind + 1], half = ref & (REF_COMMON - 1);
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (common->patterns[middle].ref < ref)
+        if (common->patterns[middle] < half)
             low = middle + 1;
         else
             high = middle;
@@ -57,32 +69,36 @@ static uint32_t find_common(const vxs_common *common, uint32_t kind, uint32_t re
 }
 
 /* A pattern of the common pool that was not yet met. 0: there is none. */
-static int code_from_common(walk *w, vxs_pattern *p, uint32_t kind, uint32_t ref)
+static int code_from_common(walk *w, uint32_t kind, uint32_t *ref)
 {
-    uint32_t n = code_number(&w->c, &w->odds->common[kind], PAGE_ENCODING ? find_common(w->common, kind, ref) : 0);
+    uint32_t n = code_number(&w->c, &w->odds->common[kind], PAGE_ENCODING ? find_common(w->common, kind, *ref) : 0);
     if (n >= w->common->first[kind + 1] - w->common->first[kind]) return 0;
-    *p = *add_pattern(w, w->common->patterns[w->common->first[kind] + n]);
+    *ref = REF_COMMON | w->common->patterns[w->common->first[kind] + n];
+    add_pattern(w, kind, *ref);
+    return 1;
+}
+
+/* A pattern that was met before, by its place. 0: there is none. */
+static int use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
+{
+    if (place >= w->listed[kind]) return 0;
+    *ref = w->words[list_use(w, kind, place)] >> 14;
     return 1;
 }
 
 /* The pattern of a tile over the palette. 0: this is no page.
  * depth  [kind]
- * ref    of the source */
-static int code_pattern(walk *w, vxs_pattern *p, uint32_t kind, const int16_t *depth, uint32_t ref, uint32_t x0, uint32_t y0)
+ * ref    in: of the source */
+static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *ref, uint32_t x0, uint32_t y0)
 {
-    uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, ref) : 0);
-    if (place == 1) return code_from_common(w, p, kind, ref);
-    if (place) {
-        if (place - 2 >= w->patterns[kind]) return 0;
-        *p = *use_pattern(w, kind, place - 2);
-        return 1;
-    }
-    *p = (vxs_pattern){.ref = w->half, .kind = kind};
+    uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, *ref) : 0);
+    if (place == 1) return code_from_common(w, kind, ref);
+    if (place) return use_pattern(w, kind, place - 2, ref);
     _Alignas(16) uint8_t index[64];
-    if (PAGE_ENCODING && !read_source(w, ref, kind, index)) return 0;
+    uint32_t             half = w->half;
+    if (PAGE_ENCODING && !read_source(w, *ref, kind, index)) return 0;
     if (!code_image(w, depth, kind, x0, y0, index) || !put_pattern(w, index, kind)) return 0;
-    p->border = border_of(index);
-    add_pattern(w, *p);
+    add_pattern(w, kind, *ref = half);
     return 1;
 }
 
@@ -123,37 +139,33 @@ static void remember_planes(walk *w, uint32_t ref, uint32_t x0, uint32_t y0)
 }
 
 /* A pattern that is known. 0: there is none. */
-static int code_found(walk *w, vxs_pattern *p, uint32_t found, uint32_t place, uint32_t ref, uint32_t left, uint32_t above)
+static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
 {
-    if (found == FOUND_COMMON) return code_from_common(w, p, KIND_OWN, ref);
-    if (found == FOUND_LISTED) {
-        place = code_number(&w->c, &w->odds->pattern[KIND_OWN], place);
-        if (place >= w->patterns[KIND_OWN]) return 0;
-        *p = *use_pattern(w, KIND_OWN, place);
-        return 1;
-    }
+    if (found == FOUND_COMMON) return code_from_common(w, KIND_OWN, ref);
+    if (found == FOUND_LISTED) return use_pattern(w, KIND_OWN, code_number(&w->c, &w->odds->pattern[KIND_OWN], place), ref);
     uint32_t name = found == FOUND_LEFT ? left : above;
     if (found == FOUND_LATELY) {
         place = code_number(&w->c, &w->odds->own_lately, place);
         name  = place < w->own_lately_count ? w->own_lately[place] : 0;
     }
-    *p = (vxs_pattern){.ref = name - 1, .kind = KIND_OWN}; /* of planes there is no border */
+    *ref = name - 1;
     return found <= FOUND_LATELY && name;
 }
 
-/* The pattern of a tile that has depths of its own, and the tile's base. 0: this is no page. */
-static int code_own_pattern(walk *w, vxs_pattern *p, uint32_t ref, own_base *base, uint32_t x0, uint32_t y0)
+/* The pattern of a tile that has depths of its own, and the tile's base. 0: this is no page.
+ * ref  in: of the source */
+static int code_own_pattern(walk *w, uint32_t *ref, own_base *base, uint32_t x0, uint32_t y0)
 {
     uint32_t left = w->own_left[y0 / TILE_PX], above = w->own_above[x0 / TILE_PX], place = 0;
-    uint32_t found = PAGE_ENCODING ? find_own(w, ref, left, above, &place) : 0;
+    uint32_t found = PAGE_ENCODING ? find_own(w, *ref, left, above, &place) : 0;
     found          = code_nibble(&w->c, &w->odds->own_found[likeness(left, above, 0)], found);
     if (found == FOUND_NEW) {
-        *p = (vxs_pattern){.ref = w->half, .kind = KIND_OWN};
-        if (!code_own(w, ref, base, x0, y0, &p->border)) return 0;
-        add_pattern(w, *p);
-    } else if (!code_found(w, p, found, place, ref, left, above) || !code_base_of(w, base, p->ref, x0, y0))
+        uint32_t half = w->half;
+        if (!code_own(w, *ref, base, x0, y0)) return 0;
+        add_pattern(w, KIND_OWN, *ref = half);
+    } else if (!code_found(w, ref, found, place, left, above) || !code_base_of(w, base, *ref, x0, y0))
         return 0;
-    if (get_half(pool_of(w, p->ref), p->ref & (REF_COMMON - 1)) >> 12 >= OWN_PLANE) remember_planes(w, p->ref, x0, y0);
+    if (get_half(pool_of(w, *ref), *ref & (REF_COMMON - 1)) >> 12 >= OWN_PLANE) remember_planes(w, *ref, x0, y0);
     return 1;
 }
 

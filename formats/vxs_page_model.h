@@ -138,13 +138,20 @@ static int code_node(walk *w, const vxs_page_node *node)
     return 1;
 }
 
+/* Nothing was met yet. */
+static void start_page(walk *w)
+{
+    start_odds(w->odds);
+    memset(w->s->below_of, 0, sizeof w->s->below_of);
+    memset(w->s->right_of, 0, sizeof w->s->right_of);
+    memset(w->s->border_ref, 0, sizeof w->s->border_ref);
+    w->half = 2 * w->node_words;
+}
+
 /* All of a page: w says its size and what is known of it, its words are zeros. 0: this is no page. */
 static int code_page(walk *w, const vxs_page_node *nodes, uint32_t node_count)
 {
-    *w->odds = w->s->start;
-    memset(w->s->below_of, 0, sizeof w->s->below_of);
-    memset(w->s->right_of, 0, sizeof w->s->right_of);
-    w->half = 2 * w->node_words;
+    start_page(w);
     for (uint32_t n = 0; n < node_count; n++)
         if (!code_node(w, &nodes[n])) return 0;
     return w->word == w->node_words && (w->half + 1) / 2 == w->word_count;

@@ -78,15 +78,21 @@ static void start_odds(page_odds *odds)
 {
     static const uint8_t used[4] = {38, 64, 128, 218}, mixed[4] = {51, 179};
     uint32_t             even[16];
-    for (uint32_t n = 0; n < 16; n++) even[n] = 1;
+    for (uint32_t n = 0; n < 16; n++) even[n] = 1 << 28;
     nibble_start((nibble_odds *)odds, even, 0);
     for (size_t n = 1; n < sizeof *odds / sizeof(nibble_odds); n++) ((nibble_odds *)odds)[n] = *(nibble_odds *)odds;
     for (uint32_t k = 0; k < 64; k++) {
         start_mask(&odds->node_mixed[k], k & 15, mixed, 4);
         for (uint32_t q = 0; q < 5; q++) odds->block_mixed[q][k] = odds->node_mixed[k];
     }
-    for (uint32_t left = 0; left < 4; left++)
-        for (uint32_t k = 0; k < 256; k++) start_mask(&odds->used[left][k], k, used, left ? left : 4);
+    for (uint32_t left = 0; left < 4; left++) {
+        uint32_t bits = left ? left : 4, known = ((1u << bits) - 1) * 0x11; /* of k */
+        for (uint32_t k = 0; k < 256; k++)
+            if (k & ~known)
+                odds->used[left][k] = odds->used[left][k & known];
+            else
+                start_mask(&odds->used[left][k], k, used, bits);
+    }
     for (uint32_t kind = 0; kind < 4; kind++)
         for (uint32_t k = 0; k < 128; k++) start_differs(&odds->differs[kind >> 1][kind & 1][k], k);
 }

@@ -16,16 +16,16 @@ static uint32_t own_delta(const uint32_t *words, uint32_t half, uint32_t head, u
 }
 
 /* What an own tile leaves. base: of the tile, in the node. */
-static void draw_own(walk *w, const uint32_t *words, const vxs_pattern *pattern, uint32_t half, int32_t base, uint32_t x0,
-                     uint32_t y0)
+static void draw_own(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint32_t y0)
 {
-    uint32_t head = get_half(words, half), kind = head >> 12;
+    const uint32_t *words = pool_of(w, ref);
+    uint32_t        half = ref & (REF_COMMON - 1), head = get_half(words, half), kind = head >> 12;
     if (kind <= OWN_WORDS) {
         int16_t  depth[DEPTHS_MAX];
         uint32_t depths = head & 0xff;
         depth[0]        = (int16_t)base;
         for (uint32_t n = 0; n + 1 < depths; n++) depth[n + 1] = (int16_t)(base + (int32_t)own_delta(words, half + 1, head, n));
-        draw_pattern(w, pattern->border, depth, x0, y0);
+        draw_pattern(w, border_of(words, half + 1 + own_delta_halves(kind, depths - 1), depths), depth, x0, y0);
         return;
     }
     if (kind >= OWN_PLANE) {
@@ -42,7 +42,7 @@ static void draw_own(walk *w, const uint32_t *words, const vxs_pattern *pattern,
 }
 
 /* A palette and the pattern over it. from: the half of the source where the pattern starts. */
-static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base, uint32_t x0, uint32_t y0, uint64_t *border)
+static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
@@ -79,9 +79,7 @@ static int code_own_palette(walk *w, uint32_t kind, uint32_t from, int32_t base,
     w->half += 1 + halves;
     _Alignas(16) uint8_t index[64];
     if (PAGE_ENCODING && !read_source(w, from + 1 + halves, depths, index)) return 0;
-    if (!code_image(w, depth, depths, x0, y0, index) || !put_pattern(w, index, depths)) return 0;
-    *border = border_of(index);
-    return 1;
+    return code_image(w, depth, depths, x0, y0, index) && put_pattern(w, index, depths);
 }
 
 /* What a depth of a raw pattern is likely to be, by those on its left and above; where it has none, by what is beside the tile.
@@ -158,7 +156,7 @@ static int code_base_of(walk *w, own_base *base, uint32_t ref, uint32_t x0, uint
 }
 
 /* A new own pattern. base: of the tile; NULL in the common pool: it is 0. */
-static int code_own(walk *w, uint32_t from, own_base *base, uint32_t x0, uint32_t y0, uint64_t *border)
+static int code_own(walk *w, uint32_t from, own_base *base, uint32_t x0, uint32_t y0)
 {
     uint32_t kind = source_half(w, from) >> 12;
     if (PAGE_ENCODING) {
@@ -172,12 +170,11 @@ static int code_own(walk *w, uint32_t from, own_base *base, uint32_t x0, uint32_
     }
     uint32_t beside = (w->sheet_left[y0 / TILE_PX].known != 0) + (w->sheet_above[x0 / TILE_PX].known != 0);
     kind            = code_nibble(&w->c, &w->odds->own_kind[beside], kind);
-    *border         = 0;
     if (kind > OWN_KINDS) return 0;
     if (kind >= OWN_PLANE && kind < OWN_KINDS) return code_own_planes(w, kind, from, base, x0, y0);
     if (base && !code_own_base(w, base, NULL, x0, y0)) return 0;
     int32_t depth = base ? base->block + base->value : 0;
-    if (kind <= OWN_WORDS) return code_own_palette(w, kind, from, depth, x0, y0, border);
+    if (kind <= OWN_WORDS) return code_own_palette(w, kind, from, depth, x0, y0);
     return kind == OWN_KINDS ? code_own_raw(w, OWN_NIBBLES, 1, from, depth, x0, y0) : code_own_raw(w, kind, 0, from, depth, x0, y0);
 }
 

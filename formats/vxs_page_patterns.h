@@ -37,15 +37,54 @@ static int read_source(const walk *w, uint32_t half, uint32_t depths, uint8_t *i
     return !none;
 }
 
-/* Nibbles of what lies in the last row, and in the last column, of 64 bytes, quadrant by quadrant. */
-static uint64_t border_of(const uint8_t *index)
+/* Nibbles of ones where a bit of four is set. */
+PAGE_INLINE uint32_t nibbles_of_bits(uint32_t bits)
+{
+    return (bits | bits << 3 | bits << 6 | bits << 9) & 0x1111;
+}
+
+/* What follows of a pattern that is nibbles, from a byte on. */
+static uint64_t border_of_image(const uint32_t *words, uint32_t byte)
 {
     uint32_t row = 0, column = 0;
     for (uint32_t n = 0; n < 4; n++) {
-        row |= (uint32_t)index[32 + 12 + n] << 4 * n | (uint32_t)index[48 + 12 + n] << (16 + 4 * n);
-        column |= (uint32_t)index[16 + 4 * n + 3] << 4 * n | (uint32_t)index[48 + 4 * n + 3] << (16 + 4 * n);
+        uint32_t right = get_byte(words, byte + 19 + 4 * n);
+        row |= get_byte(words, byte + 12 + n) >> 4 << 4 * n | get_byte(words, byte + 28 + n) >> 4 << (16 + 4 * n);
+        column |= (right & 15) << 4 * n | right >> 4 << (16 + 4 * n);
     }
     return row | (uint64_t)column << 32;
+}
+
+/* Nibbles of the indices in the last row (low half) and in the last column of a pattern that is whole, as of read_pattern. There are no branches on
+ * states, which are hard to guess. */
+static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
+{
+    uint32_t row[4], column[4], own = half + depths / 2 - 1; /* of each quadrant; the last half that was one's own */
+    if (get_byte(words, 2 * half) == 0xff) return border_of_image(words, 2 * half + 2);
+    for (uint32_t c = 0; c < 4; c++) {
+        row[c] = column[c] = 0;
+        for (uint32_t n = 0; n + 1 < depths; n++) {
+            uint32_t state = get_byte(words, 2 * half + n) >> 2 * c & 3;
+            own += state == 2;
+            uint32_t beyond =
+                ~(get_half(words, own) | (0 - (uint32_t)(state == 1))) | (0 - (uint32_t)(state == 0)); /* of a later depth */
+            row[c] += nibbles_of_bits(beyond >> 12 & 15);
+            column[c] += beyond >> 3 & 0x1111;
+        }
+    }
+    return row[2] | row[3] << 16 | (uint64_t)(column[1] | column[3] << 16) << 32;
+}
+
+/* Of a pattern over a palette. Most are asked for again soon. */
+PAGE_INLINE uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t depths)
+{
+    vxs_page_scratch *s  = w->s;
+    uint32_t          at = ref % BORDERS_KEPT;
+    if (s->border_ref[at] != ref + 1) {
+        s->border_ref[at] = ref + 1;
+        s->border[at]     = border_of(pool_of(w, ref), ref & (REF_COMMON - 1), depths);
+    }
+    return s->border[at];
 }
 
 /* Lay out a pattern at w->half, as masks or as an image, whichever is shorter. 0: there is no room. */

@@ -81,13 +81,14 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
     }
     if (b->entries > 1) used = code_used(w, b, t, used, x0, y0);
     if (used >> b->entries) return 0;
-    vxs_pattern pattern;
+    uint32_t ref = word >> 14;
+    w->tile      = b->tiles + b->mixed_count;
     if (used) {
         int16_t  depth[DEPTHS_MAX];
         uint32_t kind = 0;
         for (uint32_t bits = used; bits; bits &= bits - 1) depth[kind++] = b->depth[page_first_bit(bits)];
-        if (kind < 2 || !code_pattern(w, &pattern, kind, depth, word >> 14, x0, y0)) return 0;
-        draw_pattern(w, pattern.border, depth, x0, y0);
+        if (kind < 2 || !code_pattern(w, kind, depth, &ref, x0, y0)) return 0;
+        draw_pattern(w, border_of_ref(w, ref, kind), depth, x0, y0);
         low = used;
     } else {
         own_base base = {b->base, 0, b->far};
@@ -100,14 +101,15 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
                 base.value = (int32_t)(word & 0x3fff) - OWN_ZERO;
             if (base.value <= -DEPTH_END || base.value >= DEPTH_END) return 0;
         }
-        if (!code_own_pattern(w, &pattern, word >> 14, &base, x0, y0)) return 0;
-        draw_own(w, pool_of(w, pattern.ref), &pattern, pattern.ref & (REF_COMMON - 1), b->base + base.value, x0, y0);
+        if (!code_own_pattern(w, &ref, &base, x0, y0)) return 0;
+        draw_own(w, ref, b->base + base.value, x0, y0);
         b->own_base[count_bits(b->own)] = base.value;
         b->own |= 1u << t;
         low = b->far ? 0 : (uint32_t)(base.value + OWN_ZERO);
     }
-    b->used[t]                            = (uint16_t)used;
-    w->words[b->tiles + b->mixed_count++] = pattern.ref << 14 | low;
+    b->used[t]        = (uint16_t)used;
+    w->words[w->tile] = ref << 14 | low;
+    b->mixed_count++;
     return 1;
 }
 

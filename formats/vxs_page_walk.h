@@ -11,20 +11,23 @@ enum {
     NODE_PX      = 256,
     BLOCK_PX     = 32,
     TILE_PX      = 8,
-    NEVER        = 0xffff, /* a uniform depth that is never reached */
-    OWN_ZERO     = 8192,   /* base of an own tile 0, in the low bits of its word */
+    NEVER        = 0xffff,            /* a uniform depth that is never reached */
+    OWN_ZERO     = 8192,              /* base of an own tile 0, in the low bits of its word */
+    LISTS        = VXS_PATTERN_KINDS, /* one of each kind of pattern; that of blocks has the place of the kind that is none */
     LIST_CHUNK   = 256,
     LATELY_KEPT  = 64, /* patterns of planes that were used last */
     COLUMNS_KEPT = 64, /* columns of squares whose last borders are kept */
+    BORDERS_KEPT = 1024,
 };
 
 struct vxs_page_scratch {
-    page_odds   start, odds;                                                /* of every page; of this one, as they learn */
-    int16_t     below[COLUMNS_KEPT][NODE_PX], right[COLUMNS_KEPT][NODE_PX]; /* of the last node in a column or row of squares */
-    uint32_t    below_of[COLUMNS_KEPT][3], right_of[COLUMNS_KEPT][3];       /* map + 1, x, y; map + 1 = 0: none */
-    uint16_t    chunk[VXS_PATTERN_KINDS][VXS_PAGE_WORDS_MAX / LIST_CHUNK];  /* where the lists of patterns lie */
-    vxs_pattern pattern[VXS_PAGE_WORDS_MAX + VXS_PATTERN_KINDS * LIST_CHUNK];
-    uint16_t    block[VXS_PAGE_WORDS_MAX / 2]; /* words where blocks start */
+    page_odds odds;
+    int16_t   below[COLUMNS_KEPT][NODE_PX], right[COLUMNS_KEPT][NODE_PX]; /* of the last node in a column or row of squares */
+    uint32_t  below_of[COLUMNS_KEPT][3], right_of[COLUMNS_KEPT][3];       /* map + 1, x, y; map + 1 = 0: none */
+    uint64_t  border[BORDERS_KEPT];                          /* of patterns that were met lately, by ref modulo their number */
+    uint32_t  border_ref[BORDERS_KEPT];                      /* whose, + 1; 0: nobody's */
+    uint16_t  chunk[LISTS][VXS_PAGE_WORDS_MAX / LIST_CHUNK]; /* where the lists of vxs_page_lists.h lie */
+    uint16_t  listed[VXS_PAGE_WORDS_MAX + LISTS * LIST_CHUNK];
 };
 
 /* Whose plane it is. */
@@ -46,8 +49,9 @@ typedef struct walk {
     uint32_t         *words; /* [word_count] being laid out */
     uint32_t          word_count, node_words;
     uint32_t          word, half; /* where the next record, and the next pattern go */
+    uint32_t          tile;       /* the word of the tile at hand */
     const vxs_common *common;
-    uint32_t          patterns[VXS_PATTERN_KINDS], chunks, blocks;                             /* how many are in the lists */
+    uint32_t          listed[LISTS], chunks;                                                   /* how many are in the lists */
     int32_t           slope_x, slope_y;                                                        /* of the last node */
     sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_own; /* of a block, of a pattern */
     const uint32_t *source;       /* [word_count] of the encoder, like the next two: what is coded */

@@ -124,7 +124,7 @@ static uint32_t check_own(const checked_pool *p, uint32_t half)
     return own_halves[kind];
 }
 
-/* Halves of a pattern of a kind, as of vxs_pattern, that starts at a half; 0: it is none, or leaves the pool. */
+/* Halves of a pattern of a kind (VXS_PATTERN_KINDS) that starts at a half; 0: it is none, or leaves the pool. */
 static inline uint32_t check_pattern_of(const checked_pool *p, uint32_t half, uint32_t kind)
 {
     return kind == KIND_OWN ? check_own(p, half) : check_pattern(p, half, kind);

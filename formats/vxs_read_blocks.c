@@ -169,7 +169,6 @@ static void decode_some_pages(void *work, uint32_t task)
     blocks_reader *b = work;
     page_place     p = first_page(b);
     uint32_t       page;
-    if (task && !is_fast(b)) vxs_page_scratch_init(b->tools[task].scratch); /* the first has decoded the resident part */
     while (vxs_items_take(&b->pages, &page)) {
         while (p.page < page) next_page(b, &p);
         b->wrong[page] = (uint16_t)decode_page(b, &p, task);
@@ -206,7 +205,6 @@ static int decode_resident(blocks_reader *b)
     b->light.packing   = b->baked->packing;
     b->light.levels    = b->baked->light.levels;
     b->light.map_count = vxs_light_map_count(&b->baked->light);
-    if (!is_fast(b)) vxs_page_scratch_init(b->tools[0].scratch);
     return vxs_read_resident(&b->light, vxs_stored_bytes(b->r, b->resident_section),
                              b->r->out.sections[b->resident_section].stored_bytes, &b->tools[0]);
 }

@@ -120,8 +120,9 @@ void vxs_common_mark(vxs_common_marks *marks, const vxs_common *common)
 {
     marks->half_count = common->half_count;
     if (marks->half_count) memset(marks->at, 0, marks->half_count);
-    for (uint32_t n = 0; n < common->first[VXS_PATTERN_KINDS]; n++)
-        marks->at[common->patterns[n].ref & (REF_COMMON - 1)] = (uint8_t)(common->patterns[n].kind + 1);
+    for (uint32_t kind = 0; kind < VXS_PATTERN_KINDS; kind++)
+        for (uint32_t n = common->first[kind]; n < common->first[kind + 1]; n++)
+            marks->at[common->patterns[n]] = (uint8_t)(kind + 1);
 }
 
 uint32_t vxs_resident_common_halves(const vxs_resident_sizes *sizes)

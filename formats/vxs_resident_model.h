@@ -26,7 +26,7 @@ typedef struct resident_walk {
     uint32_t       levels, map_count, page_count, node_count;
     vxs_page_node *nodes;      /* [node_count] out */
     uint32_t      *page_first; /* [page_count + 1] out */
-    vxs_pattern   *patterns;   /* [pattern_count] out */
+    uint32_t      *patterns;   /* [pattern_count] out */
     uint32_t       pattern_count, first[VXS_PATTERN_KINDS + 1];
     uint32_t       met, pages; /* nodes and pages so far */
     vxs_page_node  last;
@@ -196,17 +196,13 @@ static int code_top(resident_walk *r, uint32_t map)
 }
 
 /* The pattern of w->half in the common pool. */
-static int code_common_pattern(resident_walk *r, vxs_pattern *pattern)
+static int code_common_pattern(walk *w, uint32_t kind)
 {
     static const int16_t depth[DEPTHS_MAX] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    walk                *w                 = &r->w;
     _Alignas(16) uint8_t index[64];
-    uint32_t             half = w->half;
-    if (pattern->kind == KIND_OWN) return code_own(w, half, NULL, 0, 0, &pattern->border);
-    if (PAGE_ENCODING && !read_source(w, half, pattern->kind, index)) return 0;
-    if (!code_image(w, depth, pattern->kind, 0, 0, index) || !put_pattern(w, index, pattern->kind)) return 0;
-    pattern->border = border_of(index);
-    return 1;
+    if (kind == KIND_OWN) return code_own(w, w->half, NULL, 0, 0);
+    if (PAGE_ENCODING && !read_source(w, w->half, kind, index)) return 0;
+    return code_image(w, depth, kind, 0, 0, index) && put_pattern(w, index, kind);
 }
 
 /* source: of the encoder, the patterns to code. */
@@ -229,15 +225,12 @@ static int code_common(resident_walk *r, const vxs_common *source)
     for (uint32_t n = 0; n < all; n++) {
         uint32_t kind = 0, half = w->half - start;
         if (PAGE_ENCODING)
-            while (kind < VXS_PATTERN_KINDS &&
-                   (next[kind] == r->first[kind + 1] || source->patterns[next[kind]].ref != (REF_COMMON | half)))
-                kind++;
+            while (kind < VXS_PATTERN_KINDS && (next[kind] == r->first[kind + 1] || source->patterns[next[kind]] != half)) kind++;
         if (half >= VXS_COMMON_HALVES_MAX || kind == VXS_PATTERN_KINDS) return 0;
         kind = code_nibble(&w->c, &r->odds->pattern_kind, kind);
         if (kind >= VXS_PATTERN_KINDS || next[kind] == r->first[kind + 1]) return 0;
-        vxs_pattern *pattern = &r->patterns[next[kind]++];
-        *pattern             = (vxs_pattern){.ref = REF_COMMON | half, .kind = kind};
-        if (!code_common_pattern(r, pattern)) return 0;
+        r->patterns[next[kind]++] = half;
+        if (!code_common_pattern(w, kind)) return 0;
     }
     return (w->half + 1) / 2 == w->word_count && w->half - start <= VXS_COMMON_HALVES_MAX;
 }
@@ -247,7 +240,7 @@ static int code_resident(resident_walk *r, const vxs_common *source)
 {
     uint32_t *words = r->w.words;
     if (r->page_count > VXS_PAGES_MAX || RESIDENT_WORDS + r->page_count > r->w.word_count) return 0;
-    *r->w.odds = r->w.s->start;
+    start_odds(r->w.odds);
     for (size_t n = 0; n < sizeof *r->odds / sizeof(nibble_odds); n++) ((nibble_odds *)r->odds)[n] = r->w.odds->far;
     words[0]  = r->page_count;
     r->w.word = RESIDENT_WORDS + r->page_count;

@@ -31,7 +31,7 @@ static int in_order(const vxs_blocks_view *view)
 }
 
 /* The common pool, from where it starts to the first page; its last half may be none of it. */
-static vxs_result index_common(vxs_common *common, vxs_pattern *patterns, const vxs_blocks_view *view)
+static vxs_result index_common(vxs_common *common, uint32_t *patterns, const vxs_blocks_view *view)
 {
     const uint32_t *words  = view->words + view->words[COMMON_WORD];
     uint32_t        halves = 2 * (page_start(view, 0) - view->words[COMMON_WORD]);
@@ -57,7 +57,6 @@ static vxs_result know_resident(known_resident *k, const vxs_bytes *bytes, const
     to->patterns   = malloc(((size_t)k->sizes.pattern_count + 1) * sizeof *to->patterns);
     k->scratch     = malloc(vxs_page_scratch_bytes());
     if (!to->words || !to->nodes || !to->page_first || !to->patterns || !k->scratch) return VXS_E_MEMORY;
-    vxs_page_scratch_init(k->scratch);
     return vxs_resident_decode(to, light->levels, vxs_light_map_count(light), bytes->data, bytes->size_bytes, k->scratch) == VXS_OK
                ? VXS_OK
                : VXS_E_ARGUMENT;
@@ -162,10 +161,11 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
 static vxs_result encode_pages(vxs_bytes *content, const vxs_blocks_view *view, const vxs_resident *resident, const vxs_sections *s)
 {
     uint32_t     count = view->words[PAGE_COUNT_WORD];
-    page_encoder e     = {.view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count, .parallel = s->parallel}};
-    vxs_result   r     = VXS_E_MEMORY;
-    e.out              = calloc((size_t)count + 1, sizeof *e.out);
-    e.common.at        = malloc((size_t)resident->common.half_count + 1);
+    page_encoder e     = {
+            .view = view, .resident = resident, .zstd_level = s->zstd_level, .pages = {.count = count, .parallel = s->parallel}};
+    vxs_result r = VXS_E_MEMORY;
+    e.out        = calloc((size_t)count + 1, sizeof *e.out);
+    e.common.at  = malloc((size_t)resident->common.half_count + 1);
     if (e.out && e.common.at) {
         vxs_common_mark(&e.common, &resident->common);
         vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
@@ -190,7 +190,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     vxs_bytes      resident = {0}, pages = {0};
     known_resident known = {0};
     vxs_common     common;
-    vxs_pattern   *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
+    uint32_t      *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
     vxs_result     r        = patterns ? index_common(&common, patterns, view) : VXS_E_MEMORY;
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_light_map_count(light), &common);

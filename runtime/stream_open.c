@@ -214,8 +214,7 @@ static void lay_out_packings(const opening *o, layout *l, vxs_stream *s)
     for (uint32_t n = 0; n < o->light_count; n++) {
         const light_plan *plan = &o->lights[n];
         int               fast = o->r.out.lights[plan->number].packing == VXS_PACKING_FAST;
-        void             *to =
-            fast ? lay(l, vxs_resident_common_halves(&plan->sizes), 1) : lay(l, plan->sizes.pattern_count, sizeof(vxs_pattern));
+        void *to = fast ? lay(l, vxs_resident_common_halves(&plan->sizes), 1) : lay(l, plan->sizes.pattern_count, sizeof(uint32_t));
         if (!l->block) continue;
         if (fast)
             s->lights[n].paged.marks.at = to;
@@ -421,7 +420,6 @@ static int make_tools(opening *o)
     for (uint32_t n = 0; n < o->tool_count; n++) {
         stream_tools *t = &o->s->tools[n];
         t->stream       = o->s;
-        if (t->decode.scratch) vxs_page_scratch_init(t->decode.scratch);
         if (o->fast && !(t->decode.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
     }
     return 1;

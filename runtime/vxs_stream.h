@@ -18,7 +18,7 @@
  * any number of threads may, while pages are read and decoded where no lookup goes.
  *
  * **Memory.** Everything that a stream holds is one block, taken by open from the allocator and never more than the budget: bookkeeping,
- * what threads decode by (1.5 MiB each, 0.25 where pages are packed fast), buffers for reads, and the words of lights. While open works it
+ * what threads decode by (0.4 MiB each, 0.15 where pages are packed fast), buffers for reads, and the words of lights. While open works it
  * takes some more besides for the directory, within the budget too. Not counted are the contexts of zstd, some 160 KiB for each
  * thread that decodes, and stacks of threads. After open nothing is allocated.
  *

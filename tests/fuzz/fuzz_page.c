@@ -18,14 +18,13 @@ static vxs_page_scratch *scratch;
 static sample_common     common;
 static uint8_t           in_common_at[VXS_COMMON_HALVES_MAX];
 static vxs_common_marks  in_common = {in_common_at, 0};
-static vxs_page_marks    marks = {.common = &in_common};
+static vxs_page_marks    marks     = {.common = &in_common};
 
 static int start(void)
 {
     rng r   = rng_split(1, 1);
     scratch = malloc(vxs_page_scratch_bytes());
     FUZZ_CHECK(scratch);
-    vxs_page_scratch_init(scratch);
     FUZZ_CHECK(sample_common_make(&r, &common, 30) == VXS_OK);
     vxs_common_mark(&in_common, &common.common);
     return 1;
@@ -108,13 +107,12 @@ static void read_resident(uint32_t levels, const uint8_t *data, size_t size)
         FUZZ_CHECK(result == VXS_OK || result == VXS_E_TRUNCATED || result == VXS_E_CORRUPT);
         checked_words pool = {o.common.words, result == VXS_OK ? o.common.half_count : 0};
         int           good = 1;
-        for (uint32_t n = 0; n < sizes.pattern_count && result == VXS_OK; n++) {
-            uint32_t half = o.patterns[n].ref & (REF_OF_COMMON - 1);
-            if (o.patterns[n].kind)
-                check_masks(pool, half, o.patterns[n].kind, &good);
-            else
-                check_own(pool, half, &good);
-        }
+        for (uint32_t kind = 0; kind < VXS_PATTERN_KINDS && result == VXS_OK; kind++)
+            for (uint32_t n = o.common.first[kind]; n < o.common.first[kind + 1]; n++)
+                if (kind)
+                    check_masks(pool, o.patterns[n], kind, &good);
+                else
+                    check_own(pool, o.patterns[n], &good);
         FUZZ_CHECK(good);
         free(o.words);
         free(o.nodes);

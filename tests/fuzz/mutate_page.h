@@ -35,9 +35,8 @@ static int light_pages_read(light_pages *l, uint32_t levels, uint32_t map_count,
     l->resident = (vxs_resident){.words      = malloc(l->sizes.word_count * sizeof(uint32_t)),
                                  .nodes      = malloc((l->sizes.node_count + 1) * sizeof(vxs_page_node)),
                                  .page_first = malloc((l->sizes.page_count + 1) * sizeof(uint32_t)),
-                                 .patterns   = malloc((l->sizes.pattern_count + 1) * sizeof(vxs_pattern))};
+                                 .patterns   = malloc((l->sizes.pattern_count + 1) * sizeof(uint32_t))};
     FUZZ_CHECK(l->scratch && l->resident.words && l->resident.nodes && l->resident.page_first && l->resident.patterns);
-    vxs_page_scratch_init(l->scratch);
     return vxs_resident_decode(&l->resident, levels, map_count, bytes, size, l->scratch) == VXS_OK;
 }
 

@@ -34,7 +34,7 @@ typedef struct sample_page {
 typedef struct sample_common {
     uint32_t       words[SAMPLE_COMMON_MAX * SAMPLE_LONGEST / 2 + 1], count;
     sample_pattern pattern[SAMPLE_COMMON_MAX];
-    vxs_pattern    patterns[SAMPLE_COMMON_MAX];
+    uint32_t       patterns[SAMPLE_COMMON_MAX];
     vxs_common     common;
 } sample_common;
 

@@ -135,11 +135,10 @@ static size_t assert_coded(const block_words *w, uint32_t levels, uint32_t map_c
 {
     uint32_t           pages = w->counts.pages, common_start = w->words[1], resident_words = pages ? w->words[8] : w->count;
     vxs_page_scratch  *scratch = malloc(vxs_page_scratch_bytes());
-    vxs_pattern       *known   = calloc(w->common_count + 1, sizeof *known);
+    uint32_t          *known   = calloc(w->common_count + 1, sizeof *known);
     vxs_bytes          bytes   = {0};
     vxs_common         common;
     vxs_resident_sizes sizes;
-    vxs_page_scratch_init(scratch);
     assert_int_equal(vxs_common_index(&common, known, w->common_kinds, w->common_count, w->words + common_start, w->common_halves),
                      VXS_OK);
     assert_int_equal(vxs_resident_encode(&bytes, w->words, resident_words, levels, map_count, &common), VXS_OK);

@@ -15,7 +15,6 @@
 #include <cmocka.h>
 
 size_t     plain_scratch_bytes(void);
-void       plain_scratch_init(vxs_page_scratch *scratch);
 uint32_t   plain_word_count(const uint8_t *bytes, size_t size_bytes);
 vxs_result plain_decode(uint32_t *words, const uint8_t *bytes, size_t size_bytes, const vxs_page_node *nodes, uint32_t node_count,
                         const vxs_common *common, vxs_page_scratch *scratch);
@@ -25,7 +24,6 @@ vxs_result plain_resident_decode(vxs_resident *out, uint32_t levels, uint32_t ma
 
 #undef __SSE2__
 #define vxs_page_scratch_bytes plain_scratch_bytes
-#define vxs_page_scratch_init  plain_scratch_init
 #define vxs_page_word_count    plain_word_count
 #define vxs_page_decode        plain_decode
 #define vxs_resident_sizes_of  plain_sizes_of
@@ -33,7 +31,6 @@ vxs_result plain_resident_decode(vxs_resident *out, uint32_t levels, uint32_t ma
 #include "formats/vxs_page_decode.c"
 #include "tests/unit/repeats.h"
 #undef vxs_page_scratch_bytes
-#undef vxs_page_scratch_init
 #undef vxs_page_word_count
 #undef vxs_page_decode
 #undef vxs_resident_sizes_of
@@ -47,8 +44,14 @@ static int make_scratch(void **state)
 {
     (void)state;
     scratch = malloc(vxs_page_scratch_bytes());
-    if (scratch) vxs_page_scratch_init(scratch);
     return !scratch;
+}
+
+/* Streams have one for each thread, beside few pages. */
+static void scratch_is_small(void **state)
+{
+    (void)state;
+    assert_in_range(vxs_page_scratch_bytes(), 1, 400 << 10);
 }
 
 static int free_scratch(void **state)
@@ -464,6 +467,7 @@ int main(void)
 {
     if (getenv("VXS_PAGES_OUT")) return write_samples(getenv("VXS_PAGES_OUT"));
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scratch_is_small),
         cmocka_unit_test(pages_come_back),
         cmocka_unit_test(pages_come_back_up_to_the_last_word),
         cmocka_unit_test(a_page_is_coded_alone),

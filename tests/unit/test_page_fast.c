@@ -22,7 +22,7 @@ static sample_page      page; /* large, as the next three */
 static sample_common    common;
 static uint8_t          in_common_at[VXS_COMMON_HALVES_MAX];
 static vxs_common_marks in_common = {in_common_at, 0};
-static vxs_page_marks   marks = {.common = &in_common};
+static vxs_page_marks   marks     = {.common = &in_common};
 static ZSTD_CCtx       *packer;
 static ZSTD_DCtx       *unpacker;
 
@@ -274,7 +274,7 @@ static void stored_words_that_are_taken_are_a_page(void **state)
     assert_true(taken > 500 && refused > 500);
 }
 
-/* A node with a block with a tile with a pattern of these halves. kind: as of vxs_pattern; of a palette the tile uses as many entries. */
+/* A node with a block with a tile with a pattern of these halves. kind: VXS_PATTERN_KINDS; of a palette the tile uses as many entries. */
 static void make_page_of_pattern(uint32_t kind, uint32_t entries, const uint16_t *halves, uint32_t count)
 {
     uint32_t node_words = 10 + (entries + 3) / 4, *w = page.words;
@@ -608,7 +608,7 @@ static void prefixes_of_resident_parts_are_refused(void **state)
 /* Whether the coder takes the words and kinds of a case. */
 static int coder_takes(const resident_case *c)
 {
-    vxs_pattern        *patterns = malloc((common.count + 1) * sizeof *patterns);
+    uint32_t           *patterns = malloc((common.count + 1) * sizeof *patterns);
     const light_sample *l        = &c->light;
     vxs_common          pool;
     vxs_bytes           coded    = {0};

@@ -45,7 +45,7 @@ vxs_result page_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t w
                                uint32_t node_count, const vxs_common *common);
 vxs_result resident_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
                                    const vxs_common *common);
-vxs_result common_index_again(vxs_common *common, vxs_pattern *patterns, const uint8_t *kinds, uint32_t pattern_count,
+vxs_result common_index_again(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
                               const uint32_t *words, uint32_t half_count);
 
 #define malloc              failing_malloc

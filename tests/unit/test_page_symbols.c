@@ -14,7 +14,6 @@
 #include <cmocka.h>
 
 size_t     drawn_scratch_bytes(void);
-void       drawn_scratch_init(vxs_page_scratch *scratch);
 uint32_t   drawn_word_count(const uint8_t *bytes, size_t size_bytes);
 vxs_result drawn_decode(uint32_t *words, const uint8_t *bytes, size_t size_bytes, const vxs_page_node *nodes, uint32_t node_count,
                         const vxs_common *common, vxs_page_scratch *scratch);
@@ -61,7 +60,6 @@ static uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
 }
 
 #define vxs_page_scratch_bytes drawn_scratch_bytes
-#define vxs_page_scratch_init  drawn_scratch_init
 #define vxs_page_word_count    drawn_word_count
 #define vxs_page_decode        drawn_decode
 #define vxs_resident_sizes_of  drawn_sizes_of
@@ -83,9 +81,9 @@ static uint32_t walk_blocks(uint32_t word_count, uint32_t node_words)
                           .words      = words,
                           .word_count = word_count,
                           .node_words = node_words,
-                          .half       = 2 * node_words,
                           .common     = &common.common};
     memset(words, 0, sizeof words);
+    start_page(&w);
     for (; count < 64; count++) {
         uint32_t base = 0;
         starts[count] = 0;
@@ -118,27 +116,27 @@ static void any_symbols_make_patterns(void **state)
     (void)state;
     uint32_t taken[VXS_PATTERN_KINDS] = {0}, own_taken[OWN_KINDS] = {0};
     for (uint64_t seed = 0; seed < 300000; seed++) {
-        draw               = rng_split(seed, 2);
-        wild               = 2 + (uint32_t)(seed % 9) * 20;
-        uint32_t      kind = rng_below(&draw, VXS_PATTERN_KINDS);
+        draw          = rng_split(seed, 2);
+        wild          = 2 + (uint32_t)(seed % 9) * 20;
+        uint32_t kind = rng_below(&draw, VXS_PATTERN_KINDS);
+        if (kind == 1) kind = 0;
         uint32_t      room = 1 + rng_below(&draw, seed % 4 ? 200 : 20);
-        resident_walk r    = {.w = {.odds = &scratch.odds, .s = &scratch, .words = words, .word_count = room}};
-        vxs_pattern   made = {.kind = kind == 1 ? 0 : kind};
+        walk          w    = {.odds = &scratch.odds, .s = &scratch, .words = words, .word_count = room};
         checked_words pool = {words, 0};
         int           good = 1;
         memset(words, 0, (room + 1) * sizeof *words);
-        int done = code_common_pattern(&r, &made);
+        int done = code_common_pattern(&w, kind);
         assert_int_equal(words[room], 0);
         if (!done) continue;
-        assert_true(r.w.half <= 2 * room);
-        pool.halves = r.w.half;
-        if (made.kind)
-            check_masks(pool, 0, made.kind, &good);
+        assert_true(w.half <= 2 * room);
+        pool.halves = w.half;
+        if (kind)
+            check_masks(pool, 0, kind, &good);
         else
             check_own(pool, 0, &good);
         assert_true(good);
-        taken[made.kind]++;
-        if (!made.kind) own_taken[words[0] >> 12 & 15]++;
+        taken[kind]++;
+        if (!kind) own_taken[words[0] >> 12 & 15]++;
     }
     for (uint32_t k = 0; k < VXS_PATTERN_KINDS; k++) assert_true(k == 1 || taken[k] > 100);
     for (uint32_t k = 0; k < OWN_KINDS; k++) assert_true(own_taken[k] > 20);
@@ -341,7 +339,7 @@ static vxs_result decode_resident_list(const coded_end *end)
 {
     static const uint16_t all[2 + VXS_PATTERN_KINDS] = {TOP_DEPTH};
     vxs_page_node         node;
-    vxs_pattern           pattern;
+    uint32_t              pattern;
     uint32_t              page_first[1], light[10];
     vxs_resident          out       = {light, &node, page_first, &pattern, {0}};
     uint8_t               bytes[32] = {sizeof light / sizeof *light};
