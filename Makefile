@@ -45,7 +45,7 @@ Q          := $(if $(V),,@)
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
                   libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libjs-chart.js
-packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
+packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
                   groff-base zsh fish cmake
 packages.deb   := dpkg-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH
@@ -132,6 +132,7 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
+$B/tests/unit/test_air: test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
