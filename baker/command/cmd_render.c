@@ -12,6 +12,7 @@
 #include "baker/files/png_encode.h"
 #include "baker/options/camera_choice.h"
 #include "baker/options/filter_choice.h"
+#include "baker/options/fog_choice.h"
 #include "baker/options/options.h"
 #include "baker/options/scene_rows.h"
 #include "baker/picture/picture.h"
@@ -38,6 +39,7 @@ typedef struct render_command {
     camera_choice  camera;
     filter_choice  filter;
     draw_mode      draw;
+    fog_choice     fog;
     const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path;
     uint32_t       frames;
     int            orbits, samples_given, cull_given, stops_given, frames_given;
@@ -76,6 +78,9 @@ static vxs_result check_options(const render_command *c, message *m)
     if (r != VXS_OK) return r;
     if (c->draw == DRAW_RAYS && needs_gl(c))
         return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
+    if (r == VXS_OK) r = fog_check(&c->fog, m);
+    if (r != VXS_OK) return r;
+    if (c->draw == DRAW_GL && c->fog.given) return fail(m, VXS_E_ARGUMENT, "--fog needs --draw rays");
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
@@ -121,9 +126,11 @@ static vxs_result draw_by_rays(const render_command *c, const subject *s, uint8_
                                .filter_px = c->options.filter_px,
                                .threads   = c->options.threads,
                                .camera    = c->camera.camera};
+    fog_medium      medium  = fog_of(&c->fog);
     casters         casting = {0};
     truth          *t       = NULL;
     vxs_result      r       = make_truth(&t, &casting, s, o.threads, m);
+    if (c->fog.given) o.fog = &medium;
     if (r == VXS_OK) r = picture_render(rgb, &o, t, &casting, s->lights, s->light_count, m);
     truth_destroy(t);
     casters_free(&casting);
@@ -242,7 +249,8 @@ int cmd_render(int argc, char **argv)
                                                 .samples     = 2,
                                                 .tile_lights = TILE_LIGHTS,
                                                 .threads     = parallel_default_threads()},
-                              .filter.box_px = 5};
+                              .filter.box_px = 5,
+                              .fog           = FOG_DEFAULTS};
     render_options *o      = &c.options;
     camera_pose    *camera = &c.camera.camera;
     camera->fov_degrees    = 35;
@@ -266,6 +274,7 @@ int cmd_render(int argc, char **argv)
         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
          "a light that shines; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
+        FOG_ROWS(c.fog),
         {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
          "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
         {"--passes", OPTION_TEXT, &c.passes_folder, 0, 0, NULL, "FOLDER",

@@ -7,6 +7,8 @@
  *     sky       rays over the hemisphere: the sky's colour where they leave the scene, darker the sooner they meet it
  *     haze      mixed over all, by distance behind the nearest corner of the scene
  *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
+ *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps' light along
+ *               exactly those parts of the ray that are lit (fog.h)
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -47,14 +49,16 @@ typedef struct lamp {
 typedef struct view {
     const picture_options  *options;
     const truth            *truth;
-    const vxs_baked_light **suns;  /* [sun_count] */
-    lamp                   *lamps; /* [lamp_count] */
+    const vxs_baked_light **suns;       /* [sun_count] */
+    lamp                   *lamps;      /* [lamp_count] */
+    fog_light              *fog_lights; /* [sun_count + lamp_count] */
     uint32_t                sun_count, lamp_count;
     double                  day; /* of the sky's light: 1, or night */
     uint8_t                *rgb;
     camera_view             seen;
     double                  near_metres; /* haze begins */
     double                  haze_metres; /* it takes 1 - 1/e in so much */
+    double                  end_metres;  /* fog ends there, where nothing is seen before */
     double                  sky_metres;  /* what is this far away shuts out half of the sky behind it */
 } view;
 
@@ -80,6 +84,7 @@ static view make_view(const picture_options *o, const truth *t, const casters *c
     v.near_metres = distance_to_box(&b, o->camera.eye_ws);
     v.haze_metres = 4 * size;
     v.sky_metres  = 0.03 * size;
+    v.end_metres  = v.near_metres + 2 * size;
     return v;
 }
 
@@ -257,14 +262,33 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     double sky[3], sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
     sky_light(v, lifted, normal, sample, r, sky);
     for (int i = 0; i < 3; i++) out[i] = albedo[i] * (sun * sun_colour[i] + lamps * lamp_colour[i] + 0.42 * v->day * sky[i]);
-    mix(out, haze, 1 - exp(-fmax(*distance - v->near_metres, 0) / v->haze_metres), out);
+    if (!v->options->fog) mix(out, haze, 1 - exp(-fmax(*distance - v->near_metres, 0) / v->haze_metres), out);
     return 1;
+}
+
+/* Fog before it. Of the sky's light it scatters as much as if a tenth of the sky were seen from everywhere. */
+static void put_in_fog(const view *v, const double direction[3], double metres, double colour[3])
+{
+    const double      seen = 0.1;
+    const double     *eye  = v->options->camera.eye_ws;
+    const fog_medium *f    = v->options->fog;
+    double            left[3];
+    fog_left(f, eye, direction, metres, left);
+    for (int i = 0; i < 3; i++) {
+        double turned = f->extinction[i] > 0 ? f->scattering[i] / f->extinction[i] : 0;
+        colour[i]     = left[i] * colour[i] + (1 - left[i]) * turned * seen * v->day * sky_horizon[i];
+    }
+    fog_add_airlight(f, v->fog_lights, v->sun_count + v->lamp_count, eye, direction, metres, colour);
 }
 
 static void trace(const view *v, const double direction[3], int sample, rng *r, double out[3])
 {
     double distance;
-    if (!trace_surface(v, direction, sample, r, &distance, out)) distance = INFINITY;
+    if (!trace_surface(v, direction, sample, r, &distance, out)) distance = v->options->fog ? v->end_metres : INFINITY;
+    if (v->options->fog) {
+        put_in_fog(v, direction, distance, out);
+        return;
+    }
     double air = v->lamp_count ? air_light(v, direction, distance, r) : 0;
     for (int i = 0; i < 3; i++) out[i] += air * lamp_colour[i];
 }
@@ -303,6 +327,24 @@ static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) render_pixel(v, n, v->rgb + 3 * n);
 }
 
+/* As bright as what they shine on says: a matt surface sends back 1 / pi of what reaches it to each direction. */
+static void light_fog(view *v)
+{
+    uint32_t count = 0;
+    for (uint32_t n = 0; n < v->sun_count; n++) {
+        fog_light *out = &v->fog_lights[count++];
+        *out           = (fog_light){.light = v->suns[n], .shape = baked_light_shape(&v->suns[n]->light)};
+        for (int i = 0; i < 3; i++) out->colour[i] = pi * sun_colour[i] / v->sun_count;
+    }
+    for (uint32_t n = 0; n < v->lamp_count; n++) {
+        const lamp *l   = &v->lamps[n];
+        fog_light  *out = &v->fog_lights[count++];
+        *out            = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
+        out->cos_inner  = cos(0.9 * l->shape.outer_rad);
+        for (int i = 0; i < 3; i++) out->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
+    }
+}
+
 vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
@@ -312,7 +354,8 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
     double     size = fmax(box_diagonal(&b), 1e-9);
     v.suns          = malloc(light_count * sizeof *v.suns);
     v.lamps         = malloc(light_count * sizeof *v.lamps);
-    if (!v.suns || !v.lamps) {
+    v.fog_lights    = malloc(light_count * sizeof *v.fog_lights);
+    if (!v.suns || !v.lamps || !v.fog_lights) {
         r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", light_count);
         goto done;
     }
@@ -323,9 +366,11 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
             v.lamps[v.lamp_count++] = make_lamp(&v, lights[n], size);
     }
     v.day = v.sun_count ? 1 : night;
+    light_fog(&v);
     parallel_for(o->threads, (size_t)o->width_px * o->height_px, o->width_px, render_pixels, &v);
 done:
     free(v.suns);
     free(v.lamps);
+    free(v.fog_lights);
     return r;
 }

@@ -5,15 +5,17 @@
 
 #include <stdint.h>
 
+#include "baker/picture/fog.h"
 #include "baker/truth/camera.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
 
 typedef struct picture_options {
-    uint32_t    width_px, height_px;
-    int         filter_px; /* of lookups, as for vxs_lookup */
-    uint32_t    threads;
-    camera_pose camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
+    uint32_t          width_px, height_px;
+    int               filter_px; /* of lookups, as for vxs_lookup */
+    uint32_t          threads;
+    camera_pose       camera; /* eye and target apart, and not in line with the vertical by less than a rounding */
+    const fog_medium *fog;    /* in the place of haze, and of what lamps light up in it; NULL: none */
 } picture_options;
 
 /* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is

@@ -27,7 +27,7 @@
  *
  * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Relative error, of 10^5 random rays of
  * any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/volumes.md.
- * Source: [Sun 2005] for airlight by angles; [PLV10] for the sum over lit segments. The variable b is ours.
+ * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_H
 #define VXS_AIR_H

@@ -138,6 +138,21 @@ def test_colours_of_lights(vxs, level, render):
     small_scene.write(level / "level.gltf", lights=LAMPS)
 
 
+def test_fog(vxs, level):
+    """Ink hides all, thin air nothing; drops shine where light comes, and below the fog's top alone."""
+    def brightness(asset, *fog):
+        vxs("render", level / "level.gltf", level / f"{asset}.vxs", "-o", level / "out.png", *SMALL[:4], "--draw", "rays",
+            "--eye", "0.1,20,0", "--target", "0,0,0", "--fov", 20, *(("--fog", *fog) if fog else ()))
+        rows = read_png((level / "out.png").read_bytes())[2]
+        return sum(map(sum, rows)) / (3 * 64 * 48)
+
+    assert brightness("sun", 10, "--fog-albedo", 0) < 1
+    assert brightness("sun", 0) == pytest.approx(brightness("sun"), rel=0.05)
+    assert brightness("sun", 10, "--fog-albedo", 0, "--fog-top", -9) == brightness("sun", 0)
+    assert brightness("all", 0.1, "--fog-albedo", 1) > 1.2 * brightness("all", 0.1, "--fog-albedo", 0) > 0
+    assert brightness("sun", 0.1, "--fog-anisotropy", 0.9) != brightness("sun", 0.1, "--fog-anisotropy", -0.9)
+
+
 @pytest.mark.parametrize("text, words", [
     ("0 1 2 3 4 5\n", "has 1 keys: a path needs two"),
     ("0 1 2 3 4 5\n1 2 3 4 5\n", "line 2: expected six numbers"),
@@ -156,6 +171,10 @@ def test_bad_paths(level, render, text, words):
 @pytest.mark.parametrize("options, words", [
     (["--frames", 3], "--frames 3 needs --path or --orbit"),
     (["--orbit", "--path", "PATH"], "exclude each other"),
+    (["--fog", 1], "--fog needs --draw rays"),
+    (["--fog-top", 1], "--fog-top needs --fog"),
+    (["--fog", -1], "--fog"),
+    (["--fog", 1, "--fog-albedo", 2], "--fog-albedo"),
     (["--path", "PATH", "--eye", "0,1,2", "--target", "0,0,0"], "--path and --eye exclude each other"),
 ])
 def test_options_are_checked(level, render, options, words):

@@ -1,0 +1,25 @@
+/* Fog from a command line; see fog_choice.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/options/fog_choice.h"
+
+#include <math.h>
+
+vxs_result fog_check(const fog_choice *c, message *m)
+{
+    const char *alone = c->albedo_given       ? "--fog-albedo"
+                        : c->anisotropy_given ? "--fog-anisotropy"
+                        : c->top_given        ? "--fog-top"
+                                              : NULL;
+    if (!alone || c->given) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
+}
+
+fog_medium fog_of(const fog_choice *c)
+{
+    fog_medium f = {.anisotropy = c->anisotropy, .top_ws = c->top_given ? c->top_metres : INFINITY};
+    for (int i = 0; i < 3; i++) {
+        f.extinction[i] = c->per_metre;
+        f.scattering[i] = c->per_metre * c->albedo;
+    }
+    return f;
+}

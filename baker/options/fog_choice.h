@@ -1,0 +1,38 @@
+/* Fog from a command line.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef FOG_CHOICE_H
+#define FOG_CHOICE_H
+
+#include "baker/base/message.h"
+#include "baker/picture/fog.h"
+
+typedef struct fog_choice {
+    double per_metre, albedo, anisotropy, top_metres;
+    int    given, albedo_given, anisotropy_given, top_given;
+} fog_choice;
+
+/* Most of what light meets in fog is drops, which absorb little and turn light by small angles. */
+#define FOG_DEFAULTS                                                                                                               \
+    {                                                                                                                              \
+        .albedo = 0.9, .anisotropy = 0.4                                                                                           \
+    }
+
+/* choice  a fog_choice, FOG_DEFAULTS before */
+/* clang-format off */
+#define FOG_ROWS(choice)                                                                                                           \
+    {"--fog", OPTION_F64, &(choice).per_metre, 0, 1e6, NULL, "PER_METRE",                                                          \
+     "fog that takes so much of light in a metre: 0.01 leaves a third after 110 m", &(choice).given},                              \
+    {"--fog-albedo", OPTION_F64, &(choice).albedo, 0, 1, NULL, "SHARE",                                                            \
+     "how much of that turns instead of being absorbed, 0 to 1 (default 0.9)", &(choice).albedo_given},                            \
+    {"--fog-anisotropy", OPTION_F64, &(choice).anisotropy, -0.99, 0.99, NULL, "G",                                                 \
+     "-0.99, light turns back, to 0.99, it goes on (default 0.4)", &(choice).anisotropy_given},                                    \
+    {"--fog-top", OPTION_F64, &(choice).top_metres, -1e7, 1e7, NULL, "Y",                                                          \
+     "fog lies on the ground, to this height (default everywhere)", &(choice).top_given}
+/* clang-format on */
+
+/* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog. */
+vxs_result fog_check(const fog_choice *c, message *m);
+
+fog_medium fog_of(const fog_choice *c);
+
+#endif
