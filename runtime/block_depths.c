@@ -13,6 +13,7 @@ typedef struct tile_record {
     int32_t  low, high;   /* bounds of the depths */
     uint32_t shift;       /* of nibbles and raw depths */
     int32_t  indexed;     /* 1: texels have the index of one of `entries`, by masks or nibbles */
+    uint32_t last;        /* of them */
     int32_t  entries[16]; /* depths of the map */
 } tile_record;
 
@@ -101,6 +102,7 @@ static void read_pattern(tile_record *r, const uint32_t *words, uint32_t pool, u
 {
     r->tile    = vxs_blocks_pattern(words, pool, at, count, 0);
     r->indexed = 1;
+    r->last    = count;
 }
 
 /* A pattern with depths of its own, of a tile whose base is r->base. */
@@ -285,41 +287,79 @@ static void part(vxs_depth_square *s, int32_t i, int32_t j, int32_t side_px)
     s->side_px = side_px;
 }
 
-/* A tile, or the texel (i, j) of it when that does not decide. */
-static vxs_depth_square square_of_tile(const vxs_kept_tile *tile, int32_t i, int32_t j, int32_t k, int32_t least_px)
+/* Bounds of a tile's depths that need none of them; entries of a palette grow. Returns 0 where there are none. */
+static int bound_tile(vxs_depth_square *s, const tile_record *r)
 {
-    vxs_depth_square s = {.i = i & -VXS_TILE_PX, .j = j & -VXS_TILE_PX, .side_px = VXS_TILE_PX};
-    s.least = s.greatest = tile->depth[0];
-    for (int n = 1; n < 64; n++) {
-        s.least    = tile->depth[n] < s.least ? tile->depth[n] : s.least;
-        s.greatest = tile->depth[n] > s.greatest ? tile->depth[n] : s.greatest;
+    if (r->indexed) {
+        s->least    = r->entries[0];
+        s->greatest = r->entries[r->last];
+        return s->least <= s->greatest;
     }
-    if (settled(&s, k) || s.side_px <= least_px) return s;
-    part(&s, i, j, 1);
-    s.least = s.greatest = tile->depth[8 * (j & 7) + (i & 7)];
-    return s;
+    if (r->tile.kind != VXS_BLOCKS_SHADOW) return 0;
+    s->least = s->greatest = held(r->base, r->low, r->high);
+    return 1;
 }
 
-vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, int32_t k, int32_t least_px, vxs_kept_tile *kept)
+static void read_all(vxs_depth_cursor *c, const uint32_t *words, const tile_record *r)
 {
-    if (kept && kept->side_px && !((i ^ kept->i) >> 3) && !((j ^ kept->j) >> 3)) return square_of_tile(kept, i, j, k, least_px);
-    vxs_block_cursor c = {.block = 0};
-    vxs_depth_square s = find_square(map, i, j, &c.node);
-    if (settled(&s, k) || s.side_px <= least_px) return s;
-    set_cursor(&c, map, &s, i, j);
-    part(&s, i, j, VXS_BLOCK_PX);
-    bound_block(&s, map.words, &c.node, &c.record);
-    if (settled(&s, k) || s.side_px <= least_px) return s;
+    c->has_depths = 1;
+    if (read_depths(words, r, c->depth) == VXS_TILE_WHOLE)
+        for (int n = 1; n < 64; n++) c->depth[n] = c->depth[0];
+}
 
-    vxs_kept_tile none, *tile = kept ? kept : &none;
-    tile_record   r;
-    read_tile(&r, map.words, &c, i >> 3, j >> 3);
-    tile->side_px = VXS_TILE_PX;
-    tile->i       = i;
-    tile->j       = j;
-    if (read_depths(map.words, &r, tile->depth) == VXS_TILE_WHOLE)
-        for (int n = 1; n < 64; n++) tile->depth[n] = tile->depth[0];
-    return square_of_tile(tile, i, j, k, least_px);
+/* Put the cursor on the tile of its block that texel (i, j) is in. */
+static void find_tile(vxs_depth_cursor *c, vxs_blocks_map m, int32_t i, int32_t j)
+{
+    tile_record r;
+    read_tile(&r, m.words, &c->of_block, i >> 3, j >> 3);
+    c->tile       = c->block;
+    c->has_depths = 0;
+    part(&c->tile, i, j, VXS_TILE_PX);
+    if (bound_tile(&c->tile, &r)) return;
+    read_all(c, m.words, &r);
+    c->tile.least = c->tile.greatest = c->depth[0];
+    for (int n = 1; n < 64; n++) {
+        c->tile.least    = c->depth[n] < c->tile.least ? c->depth[n] : c->tile.least;
+        c->tile.greatest = c->depth[n] > c->tile.greatest ? c->depth[n] : c->tile.greatest;
+    }
+}
+
+static int is_in(const vxs_depth_square *s, int32_t i, int32_t j)
+{
+    return s->side_px && !(((i ^ s->i) | (j ^ s->j)) & -s->side_px);
+}
+
+static vxs_depth_square texel_of(vxs_depth_cursor *c, vxs_blocks_map m, int32_t i, int32_t j)
+{
+    if (!c->has_depths) {
+        tile_record r;
+        read_tile(&r, m.words, &c->of_block, i >> 3, j >> 3);
+        read_all(c, m.words, &r);
+    }
+    int32_t depth = c->depth[8 * (j & 7) + (i & 7)];
+    return (vxs_depth_square){.i = i, .j = j, .side_px = 1, .least = depth, .greatest = depth};
+}
+
+vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, int32_t k, int32_t least_px, vxs_depth_cursor *kept)
+{
+    vxs_depth_cursor none, *c = kept ? kept : &none;
+    if (!kept) none.block.side_px = none.tile.side_px = 0;
+    if (!is_in(&c->tile, i, j)) {
+        c->tile.side_px = 0;
+        if (!is_in(&c->block, i, j)) {
+            c->block.side_px   = 0;
+            vxs_depth_square s = find_square(map, i, j, &c->of_block.node);
+            if (settled(&s, k) || s.side_px <= least_px) return s;
+            set_cursor(&c->of_block, map, &s, i, j);
+            part(&s, i, j, VXS_BLOCK_PX);
+            bound_block(&s, map.words, &c->of_block.node, &c->of_block.record);
+            c->block = s;
+        }
+        if (settled(&c->block, k) || c->block.side_px <= least_px) return c->block;
+        find_tile(c, map, i, j);
+    }
+    if (settled(&c->tile, k) || c->tile.side_px <= least_px) return c->tile;
+    return texel_of(c, map, i, j);
 }
 
 int vxs_tile_depths(vxs_blocks_map map, vxs_block_cursor *cursor, int32_t tile_x, int32_t tile_y, int32_t depth[64])

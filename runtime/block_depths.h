@@ -23,20 +23,6 @@ typedef struct vxs_depth_square {
     int32_t low, high;       /* of a coarse one: voxels before low are lit, and those from high on in shadow, by the file itself */
 } vxs_depth_square;
 
-/* The depths of a tile that has several. */
-typedef struct vxs_kept_tile {
-    int32_t side_px; /* VXS_TILE_PX; 0: nothing is kept */
-    int32_t i, j;    /* its first texel */
-    int32_t depth[64];
-} vxs_kept_tile;
-
-/* The greatest square about texel (i, j) of which all voxels at depth k are alike. k below 0: the greatest of which all texels have one
- * depth. It is one texel where nothing greater is.
- * least_px  1; or VXS_TILE_PX, VXS_BLOCK_PX, VXS_SQUARE_PX: smaller squares are not looked for, and depths may be mixed in what is found
- * i, j      of the map
- * kept      NULL, or the tile that the last call came to: texels of it are known. Zero it before others of the map, or of another */
-vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, int32_t k, int32_t least_px, vxs_kept_tile *kept);
-
 /* A block of 32 x 32 texels, kept from one tile to the next, so that those of one block find it once; zero it first. */
 typedef struct vxs_block_cursor {
     uint32_t         block; /* 1 + its number in the map */
@@ -47,6 +33,21 @@ typedef struct vxs_block_cursor {
     int32_t          whole;       /* -1, or the depth of all of the square */
     int32_t          entries[16]; /* of the block's palette, depths relative to its base */
 } vxs_block_cursor;
+
+/* Where a question came to, so that the next one, beside it, begins there; zero it before others of the map, or of another. */
+typedef struct vxs_depth_cursor {
+    vxs_depth_square block, tile; /* side_px 0: nothing is kept */
+    vxs_block_cursor of_block;
+    int32_t          has_depths;
+    int32_t          depth[64]; /* of the tile's texels */
+} vxs_depth_cursor;
+
+/* The greatest square about texel (i, j) of which all voxels at depth k are alike. k below 0: the greatest of which all texels have one
+ * depth. It is one texel where nothing greater is.
+ * least_px  1; or VXS_TILE_PX, VXS_BLOCK_PX, VXS_SQUARE_PX: smaller squares are not looked for, and depths may be mixed in what is found
+ * i, j      of the map
+ * kept      NULL, or zero, or as the last call with this map left it */
+vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, int32_t k, int32_t least_px, vxs_depth_cursor *kept);
 
 enum { VXS_TILE_MISSING, VXS_TILE_WHOLE, VXS_TILE_MIXED };
 

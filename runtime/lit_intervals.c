@@ -17,7 +17,7 @@
 #include "uniform_node.h"
 #include "vxs_space.h"
 
-_Static_assert(sizeof(vxs_kept_tile) == sizeof((vxs_lit_walk *)0)->tile, "a walk has room for the tile");
+_Static_assert(sizeof(vxs_depth_cursor) <= sizeof((vxs_lit_walk *)0)->kept, "a walk has room for it");
 
 enum { CUTS_MAX = sizeof((vxs_lit_walk *)0)->cuts / sizeof(double) };
 
@@ -144,9 +144,11 @@ static int32_t sign_of(double x)
  * sign of x' z - x z'. */
 static void enter_map(vxs_lit_walk *w, double t)
 {
-    const vxs_light *light = &w->baked->light;
-    double           at[3];
-    w->tile[0] = 0; /* of another map */
+    const vxs_light  *light = &w->baked->light;
+    double            at[3];
+    vxs_depth_cursor *kept = (vxs_depth_cursor *)w->kept;
+    kept->block.side_px = kept->tile.side_px = 0; /* of another map */
+    w->in_tile                               = 0;
     memcpy(w->p, w->from, sizeof w->p);
     memcpy(w->d, w->along, sizeof w->d);
     if (!is_sun(light)) {
@@ -205,6 +207,65 @@ static double leave_node(vxs_lit_walk *w, const vxs_node *node, double t, double
     return first;
 }
 
+/* texels ------------------------------------------------------------------------------------------------------------------------- */
+
+/* Where the ray leaves its texel along axis 0 or 1; at a border of the map is a cut. */
+static double leaves_texel(const vxs_lit_walk *w, int axis, double t)
+{
+    int32_t border = w->voxel[axis] + (w->way[axis] > 0);
+    if (!w->way[axis] || border == 0 || border == side_of(&w->baked->light)) return INFINITY;
+    return crossing(w, axis, border, t);
+}
+
+/* On a texel of a tile whose depths are known, which is not decided as a whole. */
+static void enter_tile(vxs_lit_walk *w, double t)
+{
+    w->in_tile = 1;
+    w->next[0] = leaves_texel(w, 0, t);
+    w->next[1] = leaves_texel(w, 1, t);
+}
+
+/* Out of a tile: its depth is known again, which never turns back. */
+static void leave_tile(vxs_lit_walk *w, double t)
+{
+    double  p[3];
+    int32_t at[3], was = w->voxel[2];
+    w->in_tile = 0;
+    point_at(w->p, w->d, t, p);
+    voxel_of(&w->baked->light, p, at);
+    if (w->way[2] * (at[2] - was) > 0) w->voxel[2] = at[2];
+}
+
+/* From texel to texel of a tile: each is lit before its depth, and in shadow behind it. Of its borders only the one that is crossed is another
+ * then. */
+static void step_texel(vxs_lit_walk *w, double t_end, vxs_interval *piece)
+{
+    const vxs_depth_cursor *kept  = (const vxs_depth_cursor *)w->kept;
+    int32_t                 depth = kept->depth[8 * (w->voxel[1] & 7) + (w->voxel[0] & 7)], way = w->way[2];
+    int                     axis = w->next[1] < w->next[0], lit;
+    double                  t = w->t, t_next = w->next[axis] < t_end ? w->next[axis] : t_end;
+    if (depth == side_of(&w->baked->light) || !way)
+        lit = depth > w->voxel[2] || depth == side_of(&w->baked->light);
+    else {
+        double t_depth = crossing(w, 2, depth, t);
+        lit            = (t_depth > t) == (way > 0);
+        if (t_depth > t && t_depth < t_next) {
+            *piece = (vxs_interval){t, t_depth, lit, 0};
+            w->t   = t_depth;
+            return;
+        }
+    }
+    *piece = (vxs_interval){t, t_next, lit, 0};
+    w->t   = t_next;
+    if (t_next == t_end) {
+        leave_tile(w, t_next);
+        return;
+    }
+    w->voxel[axis] += w->way[axis];
+    w->next[axis] = leaves_texel(w, axis, t_next);
+    if (w->voxel[axis] >> 3 != (axis ? kept->tile.j : kept->tile.i) >> 3) leave_tile(w, t_next);
+}
+
 /* the walk ----------------------------------------------------------------------------------------------------------------------- */
 
 vxs_result vxs_lit_begin(vxs_lit_walk *w, const vxs_baked_light *baked, const vxs_ray *ray)
@@ -249,6 +310,13 @@ static void pass_cut(vxs_lit_walk *w)
     w->cut++;
 }
 
+static int is_texel(const vxs_lit_walk *w, const vxs_node *node)
+{
+    const vxs_depth_cursor *kept = (const vxs_depth_cursor *)w->kept;
+    return node->end[0] - node->first[0] == 1 && kept->tile.side_px && kept->has_depths && w->voxel[2] >= 0 &&
+           w->baked->light.coding == VXS_CODING_BLOCKS;
+}
+
 /* The next piece of one state. 0: the ray is at its end. */
 static int step(vxs_lit_walk *w, vxs_interval *piece)
 {
@@ -258,9 +326,18 @@ static int step(vxs_lit_walk *w, vxs_interval *piece)
         pass_cut(w);
     }
     double t = w->t, t_end = w->cuts[w->cut];
-    int    inside = w->map >= 0 && vxs_find_uniform_node(w->baked, w->map, w->voxel, 1, &node, (vxs_kept_tile *)w->tile);
-    w->t          = inside ? leave_node(w, &node, t, t_end) : t_end;
-    *piece        = (vxs_interval){t, w->t, inside ? node.state : VXS_INTERVAL_OUTSIDE, node.coarse};
+    if (w->in_tile) {
+        step_texel(w, t_end, piece);
+        return 1;
+    }
+    int inside = w->map >= 0 && vxs_find_uniform_node(w->baked, w->map, w->voxel, 1, &node, (vxs_depth_cursor *)w->kept);
+    if (inside && is_texel(w, &node)) {
+        enter_tile(w, t);
+        step_texel(w, t_end, piece);
+        return 1;
+    }
+    w->t   = inside ? leave_node(w, &node, t, t_end) : t_end;
+    *piece = (vxs_interval){t, w->t, inside ? node.state : VXS_INTERVAL_OUTSIDE, node.coarse};
     return 1;
 }
 

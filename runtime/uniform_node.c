@@ -13,7 +13,7 @@ static void set_depths(vxs_node *node, int32_t state, int32_t first, int32_t end
 
 /* Of the greatest square that is decided at depth k: what is before its depths, behind them, or between. */
 static void find_in_blocks(const vxs_baked_light *baked, uint32_t map, const int32_t voxel[3], int32_t least_px, vxs_node *node,
-                           vxs_kept_tile *kept)
+                           vxs_depth_cursor *kept)
 {
     const vxs_blocks_map m = {baked->words, map, baked->light.levels};
     vxs_depth_square     s = vxs_depth_square_at(m, voxel[0], voxel[1], voxel[2], least_px, kept);
@@ -36,7 +36,7 @@ static void find_in_blocks(const vxs_baked_light *baked, uint32_t map, const int
 }
 
 int vxs_find_uniform_node(const vxs_baked_light *baked, int map, const int32_t voxel[3], int least_px, vxs_node *node,
-                          vxs_kept_tile *kept)
+                          vxs_depth_cursor *kept)
 {
     int32_t side = 1 << baked->light.levels, bounded = (baked->light.flags & VXS_LIGHT_BOUNDED) != 0, k = voxel[2];
     if (map < 0 || map >= (int)vxs_light_map_count(&baked->light)) return 0;

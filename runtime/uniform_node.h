@@ -6,9 +6,9 @@
 #include "block_depths.h"
 #include "vxs_query.h"
 
-/* vxs_uniform_node, which keeps the tile that it came to.
+/* vxs_uniform_node, which keeps what it came to.
  * kept  as for vxs_depth_square_at */
 int vxs_find_uniform_node(const vxs_baked_light *baked, int map, const int32_t voxel[3], int least_px, vxs_node *node,
-                          vxs_kept_tile *kept);
+                          vxs_depth_cursor *kept);
 
 #endif

@@ -137,9 +137,10 @@ typedef struct vxs_lit_walk {
     double                 t;
     double                 cuts[16]; /* where the ray enters and leaves the volume, and its maps */
     int32_t                cut_count, cut;
-    int32_t                map, voxel[3], way[3];
-    int32_t                tile[67]; /* what is known of texels about it */
-    vxs_interval           last;     /* that is not returned yet, because it may go on */
+    int32_t                map, voxel[3], way[3], in_tile;
+    double                 next[2];   /* in a tile: where its texel ends across, and down */
+    int32_t                kept[176]; /* what is known of texels about it, and room to know more in later versions */
+    vxs_interval           last;      /* that is not returned yet, because it may go on */
 } vxs_lit_walk;
 
 /* Begin at t_begin. The light is borrowed while the walk lasts, and its words must not change.

@@ -42,7 +42,7 @@ static void structs_of_the_library_keep_their_layout(void **state)
     assert_int_equal(sizeof(vxs_node), 32);
     assert_int_equal(sizeof(vxs_ray), 64);
     assert_int_equal(sizeof(vxs_interval), 24);
-    assert_int_equal(sizeof(vxs_lit_walk), 568);
+    assert_int_equal(sizeof(vxs_lit_walk), 1024);
     assert_int_equal(sizeof(vxs_gl_light), 16);
     assert_int_equal(sizeof(vxs_view), 80);
     assert_int_equal(AT(vxs_view, empty_depth), 72);
