@@ -20,7 +20,8 @@ void main()
     if (float(pixel.x) < vxs_sizes.x && float(pixel.y) < vxs_sizes.y) {
         float depth = texelFetch(vxs_depths, pixel, 0).r;
         vec4  at    = vxs_point_from_depth * vec4((vec2(pixel) + 0.5) / vxs_sizes.xy, depth, 1.0);
-        if (depth != vxs_sizes.z) vxs_low[self] = vxs_high[self] = at.xyz / at.w;
+        vec3  place = at.xyz / at.w; /* one that is none would spoil the box for its neighbours */
+        if (depth != vxs_sizes.z && all(lessThan(abs(place), vec3(VXS_VIEW_METRES)))) vxs_low[self] = vxs_high[self] = place;
     }
     if (self < 2u) vxs_met[self] = 0u;
     for (uint span = 32u; span > 0u; span >>= 1) {

@@ -9,13 +9,17 @@
 #define VXS_LIGHT    const vxs_light_constants *
 #include "vxs_cull.h"
 
+#define TEXT_OF(number)    TEXT_OF_IT(number)
+#define TEXT_OF_IT(number) #number
+
 enum { LISTS_WIDE = 2048, CULL_TEXTS = VXS_GL_TEXTS + 2 };
 
 uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_lights)
 {
     uint64_t columns = ((uint64_t)width_px + VXS_TILE_PX - 1) / VXS_TILE_PX,
              rows    = ((uint64_t)height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
-    return VXS_LISTS_HEAD + columns * rows * ((uint64_t)tile_lights + 1);
+    uint64_t list    = (uint64_t)tile_lights + 1;
+    return columns * rows > (UINT64_MAX - VXS_LISTS_HEAD) / list ? UINT64_MAX : VXS_LISTS_HEAD + columns * rows * list;
 }
 
 /* in C ---------------------------------------------------------------------------------------------------------------------------- */
@@ -25,14 +29,18 @@ typedef struct tile_box {
     float low[3], high[3];
 } tile_box;
 
+/* One that is no place would spoil the box for its neighbours. */
 static void add_pixel(tile_box *b, const vxs_view *v, uint32_t x, uint32_t y, float depth)
 {
     const float *m = v->point_from_depth, u = ((float)x + 0.5f) / (float)v->width_px, w = ((float)y + 0.5f) / (float)v->height_px;
-    float        last = m[3] * u + m[7] * w + m[11] * depth + m[15];
+    float        last = m[3] * u + m[7] * w + m[11] * depth + m[15], at[3];
     for (int n = 0; n < 3; n++) {
-        float at   = (m[n] * u + m[4 + n] * w + m[8 + n] * depth + m[12 + n]) / last;
-        b->low[n]  = at < b->low[n] ? at : b->low[n];
-        b->high[n] = at > b->high[n] ? at : b->high[n];
+        at[n] = (m[n] * u + m[4 + n] * w + m[8 + n] * depth + m[12 + n]) / last;
+        if (!(fabsf(at[n]) < (float)VXS_VIEW_METRES)) return;
+    }
+    for (int n = 0; n < 3; n++) {
+        b->low[n]  = at[n] < b->low[n] ? at[n] : b->low[n];
+        b->high[n] = at[n] > b->high[n] ? at[n] : b->high[n];
     }
 }
 
@@ -110,9 +118,10 @@ static int can_compute(const gl_api *api)
 
 static int make_culling(vxs_gl *gl)
 {
-    const gl_api *api = &gl->api;
-    const char   *head[VXS_GL_TEXTS], *texts[CULL_TEXTS] = {gl->head, "#define VXS_GL_CULL\n"};
-    int           good = 0;
+    static const char names[] = "#define VXS_GL_CULL\n#define VXS_VIEW_METRES " TEXT_OF(VXS_VIEW_METRES) "\n";
+    const gl_api     *api     = &gl->api;
+    const char       *head[VXS_GL_TEXTS], *texts[CULL_TEXTS] = {gl->head, names};
+    int               good = 0;
     vxs_gl_texts(gl, head);
     memcpy(texts + 2, head + 1, (VXS_GL_TEXTS - 1) * sizeof *texts);
     texts[CULL_TEXTS - 1] = vxs_gl_text_cull_glsl;

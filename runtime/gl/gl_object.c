@@ -146,6 +146,8 @@ vxs_result vxs_gl_create(vxs_gl **out, const vxs_gl_desc *desc)
     *out                = NULL;
     if (result != VXS_OK) return result;
     if (!known.get_proc_address || (!known.asset && (!known.lights || !known.light_count))) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; !known.asset && n < known.light_count; n++)
+        if (!known.lights[n].light) return VXS_E_ARGUMENT;
     vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
     vxs_gl       *gl     = memory.alloc(sizeof *gl, memory.user);
     if (!gl) return VXS_E_MEMORY;
@@ -190,7 +192,7 @@ static int grow_ranges(vxs_gl *gl)
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
     uint32_t end = gl->words.count - VXS_BLOCKS_SPARE_WORDS;
-    if (first > end || count > end - first) return VXS_E_ARGUMENT;
+    if (first > end || count > end - first || (!words && count)) return VXS_E_ARGUMENT;
     if (!count) return VXS_OK;
     if (gl->range_count == gl->range_capacity && !grow_ranges(gl)) return VXS_E_MEMORY;
     gl->ranges[(gl->range_first + gl->range_count++) % gl->range_capacity] = (gl_range){words, first, count};

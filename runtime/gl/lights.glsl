@@ -1,23 +1,28 @@
-/* Lights, and the lists of those that may reach a tile; behind vxs_cull.h. Lists are as vxs_cull of vxs_gl.h says. */
+/* Lights, and the lists of those that may reach a tile; behind vxs_cull.h. Lists are as vxs_cull of vxs_gl.h says. Numbers of lights and places
+ * in lists are held in what there is: a pixel beside the view, or lists of other lights, have some light, and nothing worse. */
 #ifdef VXS_GL_BUFFERS
 layout(std430, binding = VXS_GL_AT_LIGHTS) readonly restrict buffer vxs_lights_block { vxs_light_constants vxs_lights[]; };
 #ifndef VXS_GL_CULL
 layout(std430, binding = VXS_GL_AT_LISTS) readonly restrict buffer vxs_lists_block { uint vxs_lists[]; };
-#define vxs_list_word(at) vxs_lists[at]
+uint vxs_list_word(uint at)
+{
+    return vxs_lists[min(at, max(uint(vxs_lists.length()), 1u) - 1u)];
+}
 #endif
 vxs_light_constants vxs_light_at(uint n)
 {
-    return vxs_lights[n];
+    return vxs_lights[min(n, VXS_GL_LIGHT_COUNT - 1u)];
 }
 #else
 uniform usampler2D vxs_lights; /* 64 lights in a row, 6 texels each */
 uniform usampler2D vxs_lists;
 uint vxs_list_word(uint at)
 {
-    return texelFetch(vxs_lists, ivec2(int(at & 2047u), int(at >> 11)), 0).r;
+    return texelFetch(vxs_lists, ivec2(int(at & 2047u), min(int(at >> 11), textureSize(vxs_lists, 0).y - 1)), 0).r;
 }
 vxs_light_constants vxs_light_at(uint n)
 {
+    n = min(n, VXS_GL_LIGHT_COUNT - 1u);
     ivec2               at = ivec2(int(n & 63u) * 6, int(n >> 6));
     uvec4               a = texelFetch(vxs_lights, at + ivec2(3, 0), 0), b = texelFetch(vxs_lights, at + ivec2(4, 0), 0);
     uvec4               c = texelFetch(vxs_lights, at + ivec2(5, 0), 0);

@@ -78,7 +78,7 @@ void vxs_gl_destroy(vxs_gl *gl);
  * taken away are put first, then pages, then the names of pages.
  * words  [count] borrowed until they are uploaded: what they are then counts
  * first  where they go among the words of all lights
- * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count; VXS_E_MEMORY, and nothing is changed. */
+ * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count, or without words; VXS_E_MEMORY, and nothing is changed. */
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count);
 
 /* Upload of what is to be uploaded the next max_bytes, or fewer. SIZE_MAX: all. Returns how many bytes are left. Before it returns 0 lookups
@@ -133,7 +133,10 @@ typedef struct vxs_view {
     int32_t  filter_px;            /* the widest filter that lookups have, as for vxs_lookup */
 } vxs_view;
 
-/* Words of the lists of a view: VXS_LISTS_HEAD, then of each tile of 8 x 8 pixels, rows, 1 + tile_lights. */
+/* Pixels whose place is as far from that origin along an axis, or no place at all, show nothing. */
+#define VXS_VIEW_METRES 1e15
+
+/* Words of the lists of a view: VXS_LISTS_HEAD, then of each tile of 8 x 8 pixels, rows, 1 + tile_lights. UINT64_MAX: more than that. */
 uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_lights);
 
 /* Which lights may reach what each tile of 8 x 8 pixels shows: those whose volume (cone and range, prism) meets the box around its places

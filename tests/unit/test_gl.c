@@ -788,7 +788,22 @@ static void test_refused(void **state)
     desc             = (vxs_gl_desc){.struct_size = sizeof desc, .get_proc_address = telling, .lights = &(vxs_gl_light){&light, 0}};
     desc.light_count = desc.word_count = 1;
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+    assert_int_equal(vxs_gl_put(gl, NULL, 0, 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_gl_put(gl, NULL, 0, 0), VXS_OK);
+    assert_int_equal(vxs_gl_put(gl, words, 1, UINT32_MAX), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_gl_put(gl, words, UINT32_MAX, 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_gl_put(gl, words, 0, 1), VXS_OK);
+    assert_true(vxs_gl_upload(gl, 0) == 4 && vxs_gl_upload(gl, 3) == 4 && vxs_gl_upload(gl, 4) == 0 && vxs_gl_upload(gl, 4) == 0);
+    vxs_view endless = {.width_px = UINT32_MAX, .height_px = UINT32_MAX};
+    assert_true(vxs_lists_words(UINT32_MAX, UINT32_MAX, UINT32_MAX) == UINT64_MAX);
+    assert_int_equal(vxs_gl_cull(gl, &endless, 0, UINT32_MAX), VXS_E_MEMORY);
+    assert_int_equal(vxs_cull(vxs_gl_constants(gl), 1, &(vxs_view){0}, NULL, 1, (uint32_t[VXS_LISTS_HEAD]){0}), 0);
     vxs_gl_destroy(gl);
+    desc.lights = &(vxs_gl_light){NULL, 0};
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
+    desc.lights      = &(vxs_gl_light){&light, 0};
+    desc.struct_size = SIZE_MAX;
+    assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
     desc.struct_size = offsetof(vxs_gl_desc, lights);
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_E_ARGUMENT);
     assert_null(gl);
@@ -870,6 +885,7 @@ static void check_lists(rng *r, const vxs_gl_light *lights, uint32_t count, cons
                 int32_t voxel[3];
                 random_direction(r, normal);
                 pixel_place(view, depths, pixel, at);
+                if (!(fabs(at[0]) < VXS_VIEW_METRES && fabs(at[1]) < VXS_VIEW_METRES && fabs(at[2]) < VXS_VIEW_METRES)) continue;
                 reached |= vxs_voxel(lights[n].light, at, normal, view->filter_px, voxel) >= 0;
             }
             if (reached && !listed(list, n)) fail_msg("%s: tile %d lacks light %u", by, tile, n);
@@ -942,6 +958,46 @@ static void test_culling(void **state)
                   (double)c.kept / (double)c.needed, (double)shader.kept / (double)shader.needed, differ);
     assert_true(c.needed > 1000 && c.kept < c.needed * 13 / 10);
     assert_true(differ < 10); /* one rounds otherwise now and then */
+    gl_context_destroy(d.gl);
+}
+
+/* Depths that lead nowhere, to the camera, or as far as numbers go, in tiles that show something besides: of what these show no light is left
+ * out. */
+static void test_wild_depths(void **state)
+{
+    enum { LIGHTS = 60, ROUNDS = 40 };
+    static const float wild[] = {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 1e36f, 1e-30f, 1e-38f, 1e-18f, -1e-12f, 1e-6f, 1e6f};
+    static float       depths[VIEW_PIXELS];
+    static uint32_t    lists[VXS_LISTS_HEAD + TILES_WIDE * TILES_HIGH * (LIGHTS + 1)];
+    drawing            d = drawing_make();
+    rng                r = {60};
+    culled             c = {0}, shader = {0};
+    (void)state;
+    for (int round = 0; round < ROUNDS; round++) {
+        vxs_light    light[LIGHTS];
+        vxs_gl_light lights[LIGHTS];
+        vxs_gl      *gl;
+        for (int n = 0; n < LIGHTS; n++) {
+            double at[3];
+            for (int k = 0; k < 3; k++) at[k] = uniform(&r, -30, 30);
+            light[n]  = light_of(&r, (int)rng_below(&r, LIGHT_KINDS), 8, at);
+            lights[n] = (vxs_gl_light){&light[n], 0};
+        }
+        vxs_gl_desc desc = {.get_proc_address = telling, .lights = lights, .light_count = LIGHTS, .word_count = 1};
+        vxs_view    view = random_view(&r, depths);
+        for (int n = 0; n < VIEW_PIXELS / 50; n++) {
+            float depth                                  = wild[rng_below(&r, sizeof wild / sizeof *wild)];
+            depths[rng_below(&r, (uint32_t)VIEW_PIXELS)] = depth;
+        }
+        if (round % 2) view.empty_depth = NAN; /* then what was cleared is as far as can be */
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        vxs_cull(vxs_gl_constants(gl), LIGHTS, &view, depths, LIGHTS, lists);
+        check_lists(&r, lights, LIGHTS, &view, depths, lists, LIGHTS, &c, "C");
+        assert_int_equal(cull_by_shader(&d, gl, &view, depths, LIGHTS, lists), VXS_OK);
+        check_lists(&r, lights, LIGHTS, &view, depths, lists, LIGHTS, &shader, "shader");
+        vxs_gl_destroy(gl);
+    }
+    assert_true(c.needed > 1000 && shader.needed > 1000);
     gl_context_destroy(d.gl);
 }
 
@@ -1018,7 +1074,7 @@ int main(void)
         cmocka_unit_test(test_clamped),     cmocka_unit_test(test_damaged_words),
         cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_put_back),
         cmocka_unit_test(test_refused),     cmocka_unit_test(test_culling),
-        cmocka_unit_test(test_full_lists),
+        cmocka_unit_test(test_wild_depths), cmocka_unit_test(test_full_lists),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
