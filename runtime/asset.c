@@ -39,12 +39,13 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     vxs_read_desc rest = {0};
     vxs_result    r    = vxs_read_desc_take(&rest, desc);
     if (r != VXS_OK) return r;
+    if (!path) return VXS_E_ARGUMENT;
     if (!os_file_open(&file, path)) return errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ;
 
     vxs_allocator memory = vxs_allocator_of(&rest);
     uint8_t      *bytes  = NULL;
-    uint64_t      size   = file.size_bytes, limit = vxs_memory_limit_of(&rest, size);
-    r                    = VXS_E_MEMORY;
+    uint64_t      size = file.size_bytes, limit = vxs_memory_limit_of(&rest, size);
+    r = VXS_E_MEMORY;
     if (size >= limit || size > SIZE_MAX) goto done;
     rest.memory_limit_bytes = limit - size;
     bytes                   = memory.alloc(size ? (size_t)size : 1, memory.user);
@@ -76,7 +77,7 @@ const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index)
 
 const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *name)
 {
-    for (uint32_t n = 0; n < asset->contents.light_count; n++)
+    for (uint32_t n = 0; name && n < asset->contents.light_count; n++)
         if (!strcmp(asset->contents.lights[n].light.name, name)) return &asset->contents.lights[n];
     return NULL;
 }

@@ -150,13 +150,13 @@ vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc 
     if (to->map < 0 || to->map >= (int32_t)vxs_light_map_count(&baked->light)) return VXS_E_ARGUMENT;
     if (to->shift > baked->light.levels || to->which > VXS_DEPTH_GREATEST) return VXS_E_ARGUMENT;
     if (to->i < -limit || to->j < -limit || to->wide_px > limit || to->high_px > limit) return VXS_E_ARGUMENT;
-    if (to->i + ((int64_t)to->wide_px << to->shift) > limit || to->j + ((int64_t)to->high_px << to->shift) > limit)
-        return VXS_E_ARGUMENT;
+    const int64_t wide = (int64_t)to->wide_px << to->shift, high = (int64_t)to->high_px << to->shift;
+    if (wide > limit || high > limit || to->i + wide > limit || to->j + high > limit) return VXS_E_ARGUMENT;
     if (!to->wide_px || !to->high_px) return VXS_OK;
 
     clear(to, baked->light.levels);
     int32_t   side = 1 << baked->light.levels;
-    texel_box all  = {to->i, to->i + (int32_t)(to->wide_px << to->shift), to->j, to->j + (int32_t)(to->high_px << to->shift)};
+    texel_box all  = {to->i, to->i + (int32_t)wide, to->j, to->j + (int32_t)high};
     for (int32_t j = all.j0, end; j < all.j1; j = end) {
         end = less(j < 0 ? 0 : j < side ? (j | 7) + 1 : all.j1, all.j1);
         paint_strip(&p, (texel_box){all.i0, all.i1, j, end});

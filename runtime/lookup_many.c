@@ -116,6 +116,12 @@ static float lit_at(vxs_taps *taps, const voxels *v, size_t n, int filter_px)
     return (float)((double)(all - dark) / (double)all);
 }
 
+/* At any address. */
+static void put(char *to, float lit)
+{
+    memcpy(to, &lit, sizeof lit);
+}
+
 static void look_up(const vxs_baked_light *baked, const vxs_batch *b, size_t stride, char *lit)
 {
     vxs_taps           taps;
@@ -129,7 +135,7 @@ static void look_up(const vxs_baked_light *baked, const vxs_batch *b, size_t str
         read_vectors(&b->points_ws, first, count, &points);
         if (some) read_vectors(&b->normals_ws, first, count, &normals);
         find_voxels(&baked->light, &points, some, count, b->filter_px, &v);
-        for (size_t n = 0; n < count; n++, lit += stride) *(float *)lit = lit_at(&taps, &v, n, b->filter_px);
+        for (size_t n = 0; n < count; n++, lit += stride) put(lit, lit_at(&taps, &v, n, b->filter_px));
     }
 }
 
@@ -142,7 +148,7 @@ static void look_up_smooth(const vxs_baked_light *baked, const vxs_batch *b, siz
         if (b->normals_ws.data) read_vectors(&b->normals_ws, n, 1, &c[1]);
         const double point[3]  = {c[0].at[0][0], c[0].at[1][0], c[0].at[2][0]};
         const double normal[3] = {c[1].at[0][0], c[1].at[1][0], c[1].at[2][0]};
-        *(float *)lit          = vxs_lookup(baked, point, b->normals_ws.data ? normal : NULL, b->filter_px);
+        put(lit, vxs_lookup(baked, point, b->normals_ws.data ? normal : NULL, b->filter_px));
     }
 }
 

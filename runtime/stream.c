@@ -108,6 +108,7 @@ static void tell(const vxs_stream *s, vxs_stream_status *status)
 vxs_result vxs_stream_frame(vxs_stream *s, const vxs_stream_focus *foci, uint32_t count, vxs_stream_status *status)
 {
     if (status && status->struct_size && status->struct_size < STATUS_FIRST_BYTES) return VXS_E_ARGUMENT;
+    if (!foci && count) return VXS_E_ARGUMENT;
     s->frame++;
     s->change_count = 0;
     s->status       = (vxs_stream_status){.struct_size = sizeof s->status};
@@ -144,7 +145,7 @@ const vxs_baked_light *vxs_stream_light(const vxs_stream *s, uint32_t index)
 
 const vxs_baked_light *vxs_stream_find_light(const vxs_stream *s, const char *name)
 {
-    for (uint32_t n = 0; n < s->light_count; n++)
+    for (uint32_t n = 0; name && n < s->light_count; n++)
         if (!strcmp(s->baked[n].light.name, name)) return &s->baked[n];
     return NULL;
 }

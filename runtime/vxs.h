@@ -35,7 +35,8 @@ typedef struct vxs_asset vxs_asset;
  * asset  [out] NULL on failure; closed with vxs_asset_close
  * bytes  [size_bytes] a .vxs file; only read, may be freed after the call
  * desc   allocator, memory limit, findings (vxs_file.h); NULL: all defaults
- * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT for bad bytes, which never abort; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_NOT_VXS, VXS_E_VERSION, VXS_E_TRUNCATED, VXS_E_CORRUPT for bad bytes, which never abort; VXS_E_MEMORY;
+ * VXS_E_ARGUMENT for a struct_size that no version had, or no path. */
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
 /* The same for a file, whose bytes count towards the memory limit while it is read. Also returns VXS_E_READ (no such file, a folder, a
@@ -51,7 +52,7 @@ uint32_t vxs_asset_light_count(const vxs_asset *asset);
 /* Light `index` and its words, in file order; NULL when there are fewer. Valid until vxs_asset_close. */
 const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
 
-/* The light of a name, or NULL. */
+/* The light of a name, or NULL; of no name, NULL. */
 const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *name);
 
 /* Everything that was read: sections, metadata. Valid until vxs_asset_close. */

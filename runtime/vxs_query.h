@@ -39,9 +39,9 @@ typedef struct vxs_batch {
     vxs_vectors normals_ws;  /* [count]; data NULL: none */
     size_t      count;
     int         filter_px; /* as for vxs_lookup */
-    float      *lit;       /* [out] aligned; of point p and light n: p * lit_stride_bytes + n * light_stride_bytes from here on */
-    size_t      lit_stride_bytes;   /* 0: sizeof(float) */
-    size_t      light_stride_bytes; /* 0: count * lit_stride_bytes, all points of the first light, then of the next */
+    float *lit; /* [out] of any alignment; of point p and light n: p * lit_stride_bytes + n * light_stride_bytes from here on */
+    size_t lit_stride_bytes;   /* 0: sizeof(float) */
+    size_t light_stride_bytes; /* 0: count * lit_stride_bytes, all points of the first light, then of the next */
 } vxs_batch;
 
 /* Look points up in lights. Each answer is that of vxs_lookup, bit for bit; a float is taken for the double that it is.
@@ -82,8 +82,8 @@ typedef struct vxs_depth_map_desc {
 
 /* Texels that the map does not have are lit all along. Squares of one depth are filled at once.
  * coarse  [out] 1: pages are missing, and some depths are coarse answers; else 0. NULL: nobody asks
- * Returns VXS_OK; VXS_E_ARGUMENT when there is no such map, a number is out of range, the rectangle ends beyond 2^30 texels, or
- * struct_size is none that a version had. Threads: any. */
+ * Returns VXS_OK; VXS_E_ARGUMENT when there is no such map, a number is out of range, the rectangle ends beyond 2^30 texels or
+ * covers more along a side, or struct_size is none that a version had. Threads: any. */
 vxs_result vxs_depth_map(const vxs_baked_light *baked, const vxs_depth_map_desc *desc, int *coarse);
 
 /* uniform nodes ------------------------------------------------------------------------------------------------------------------ */

@@ -103,7 +103,7 @@ uint32_t vxs_stream_light_count(const vxs_stream *stream);
  * resident part; pages lie behind those of all lights. It has no parts. */
 const vxs_baked_light *vxs_stream_light(const vxs_stream *stream, uint32_t index);
 
-/* The light of a name, or NULL. */
+/* The light of a name, or NULL; of no name, NULL. */
 const vxs_baked_light *vxs_stream_find_light(const vxs_stream *stream, const char *name);
 
 /* Where lookups will be: a box in world space, metres; of a camera both ends are its position. One with a number that is not finite, or of
@@ -141,7 +141,7 @@ typedef struct vxs_stream_status {
  * nearest first. A page stays while it is among the nearest that fit, and one of equal distance does not replace it.
  * foci    [count] may be none: then nothing new is asked for
  * status  [out] or NULL
- * Returns VXS_OK; VXS_E_ARGUMENT: a struct_size that no version had. Without threads it reads and decodes, too. Threads: nobody else looks up,
+ * Returns VXS_OK; VXS_E_ARGUMENT: a struct_size that no version had, or no foci where count says some, and nothing is done. Without threads it reads and decodes, too. Threads: nobody else looks up,
  * or calls anything but vxs_stream_read_done, during the call. */
 vxs_result vxs_stream_frame(vxs_stream *stream, const vxs_stream_focus *foci, uint32_t count, vxs_stream_status *status);
 
