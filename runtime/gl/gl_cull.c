@@ -24,10 +24,17 @@ uint64_t vxs_lists_words(uint32_t width_px, uint32_t height_px, uint32_t tile_li
 
 /* in C ---------------------------------------------------------------------------------------------------------------------------- */
 
+/* Lights are asked for 64 tiles at once first, some at a time, and for each tile those that are left: of ten thousand lamps, most are far from all.
+
+       some lights --- box of a square of tiles ---> few --- box of a tile ---> its list */
+enum { SQUARE_TILES = 8, SOME_LIGHTS = 1024 };
+
 /* A box; empty where low is greater than high. */
 typedef struct tile_box {
     float low[3], high[3];
 } tile_box;
+
+static const tile_box empty_box = {{3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}};
 
 /* One that is no place would spoil the box for its neighbours. */
 static void add_pixel(tile_box *b, const vxs_view *v, uint32_t x, uint32_t y, float depth)
@@ -46,7 +53,7 @@ static void add_pixel(tile_box *b, const vxs_view *v, uint32_t x, uint32_t y, fl
 
 static tile_box box_of_tile(const vxs_view *v, const float *depths, uint32_t column, uint32_t row)
 {
-    tile_box b      = {{3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}};
+    tile_box b      = empty_box;
     uint32_t x_last = (column + 1) * VXS_TILE_PX, y_last = (row + 1) * VXS_TILE_PX;
     for (uint32_t y = row * VXS_TILE_PX; y < y_last && y < v->height_px; y++)
         for (uint32_t x = column * VXS_TILE_PX; x < x_last && x < v->width_px; x++) {
@@ -56,23 +63,67 @@ static tile_box box_of_tile(const vxs_view *v, const float *depths, uint32_t col
     return b;
 }
 
-/* Returns how many lights meet the box; those that there is room for are listed. */
-static uint32_t list_lights(const vxs_light_constants *lights, uint32_t light_count, const tile_box *b, int32_t filter_px,
-                            uint32_t room, uint32_t *list)
+static void add_box(tile_box *b, const tile_box *other)
+{
+    for (int n = 0; n < 3; n++) {
+        b->low[n]  = other->low[n] < b->low[n] ? other->low[n] : b->low[n];
+        b->high[n] = other->high[n] > b->high[n] ? other->high[n] : b->high[n];
+    }
+}
+
+/* Of some lights those that meet a box, in their order.
+ * some, met  [count] [room] numbers of lights; may be one array
+ * Returns how many meet it, of which there is room for the first. */
+static uint32_t choose_lights(const vxs_light_constants *lights, const uint32_t *some, uint32_t count, const tile_box *b,
+                              int32_t filter_px, uint32_t *met, uint32_t room)
 {
     float    middle[3], half_size[3];
-    uint32_t count = 0;
+    uint32_t found = 0;
     if (b->low[0] > b->high[0]) return 0;
     for (int n = 0; n < 3; n++) {
         middle[n]    = 0.5f * (b->low[n] + b->high[n]);
         half_size[n] = b->high[n] - middle[n];
     }
-    for (uint32_t n = 0; n < light_count; n++) {
-        if (!vxs_light_meets_box(&lights[n], middle, half_size, filter_px)) continue;
-        if (count < room) list[count] = n;
-        count++;
+    for (uint32_t n = 0; n < count; n++) {
+        if (!vxs_light_meets_box(&lights[some[n]], middle, half_size, filter_px)) continue;
+        if (found < room) met[found] = some[n];
+        found++;
     }
-    return count;
+    return found;
+}
+
+/* A square of tiles, those of it that the view has. */
+typedef struct tile_square {
+    uint32_t column, row, columns, rows;
+    tile_box boxes[SQUARE_TILES * SQUARE_TILES], all;
+} tile_square;
+
+static void find_boxes(tile_square *s, const vxs_view *view, const float *depths)
+{
+    s->all = empty_box;
+    for (uint32_t n = 0; n < s->columns * s->rows; n++) {
+        s->boxes[n] = box_of_tile(view, depths, s->column + n % s->columns, s->row + n / s->columns);
+        add_box(&s->all, &s->boxes[n]);
+    }
+}
+
+/* Lights [first, end), behind those that the lists of a square's tiles have already. */
+static void list_lights(const vxs_light_constants *lights, uint32_t first, uint32_t end, const tile_square *s, int32_t filter_px,
+                        uint32_t *lists)
+{
+    uint32_t some[SOME_LIGHTS], count = end - first, room = lists[2];
+    for (uint32_t n = 0; n < count; n++) some[n] = first + n;
+    count = choose_lights(lights, some, count, &s->all, filter_px, some, count);
+    for (uint32_t n = 0; n < s->columns * s->rows; n++) {
+        uint64_t  tile = (uint64_t)(s->row + n / s->columns) * lists[0] + s->column + n % s->columns;
+        uint32_t *list = lists + VXS_LISTS_HEAD + tile * ((uint64_t)room + 1), used = list[0] < room ? list[0] : room;
+        list[0] += choose_lights(lights, some, count, &s->boxes[n], filter_px, list + 1 + used, room - used);
+    }
+}
+
+static uint32_t less(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
 }
 
 uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const vxs_view *view, const float *depths,
@@ -81,12 +132,20 @@ uint32_t vxs_cull(const vxs_light_constants *lights, uint32_t light_count, const
     uint32_t columns = (view->width_px + VXS_TILE_PX - 1) / VXS_TILE_PX, rows = (view->height_px + VXS_TILE_PX - 1) / VXS_TILE_PX;
     uint32_t longest = 0, *list = lists + VXS_LISTS_HEAD;
     memcpy(lists, (const uint32_t[VXS_LISTS_HEAD]){columns, rows, tile_lights, light_count}, VXS_LISTS_HEAD * sizeof *lists);
-    for (uint32_t row = 0; row < rows; row++)
-        for (uint32_t column = 0; column < columns; column++, list += tile_lights + 1) {
-            tile_box b = box_of_tile(view, depths, column, row);
-            list[0]    = list_lights(lights, light_count, &b, view->filter_px, tile_lights, list + 1);
-            longest    = list[0] > longest ? list[0] : longest;
+    for (uint64_t n = 0; n < (uint64_t)columns * rows; n++) list[n * ((uint64_t)tile_lights + 1)] = 0;
+    for (uint32_t row = 0; row < rows; row += SQUARE_TILES)
+        for (uint32_t column = 0; column < columns; column += SQUARE_TILES) {
+            tile_square s = {.column = column, .row = row};
+            s.columns     = less(columns - column, SQUARE_TILES);
+            s.rows        = less(rows - row, SQUARE_TILES);
+            find_boxes(&s, view, depths);
+            for (uint32_t first = 0, end; first < light_count; first = end) {
+                end = first + less(light_count - first, SOME_LIGHTS);
+                list_lights(lights, first, end, &s, view->filter_px, lists);
+            }
         }
+    for (uint64_t n = 0; n < (uint64_t)columns * rows; n++, list += (uint64_t)tile_lights + 1)
+        longest = list[0] > longest ? list[0] : longest;
     return longest;
 }
 
