@@ -12,7 +12,8 @@ int vxs_voxel(const vxs_light *light, const double point_ws[3], const double nor
 
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3])
 {
-    vxs_ws_from_voxel(light, map, coordinates, point_ws);
+    int last = (int)vxs_light_map_count(light) - 1;
+    vxs_ws_from_voxel(light, map < 0 ? 0 : map < last ? map : last, coordinates, point_ws);
 }
 
 float vxs_lookup(const vxs_baked_light *baked, const double point_ws[3], const double normal_ws[3], int filter_px)

@@ -74,7 +74,7 @@ const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
 int vxs_voxel(const vxs_light *light, const double point_ws[3], const double normal_ws[3], int filter_px, int32_t voxel[3]);
 
 /* The other way: the point in world space of light-space coordinates: texels u, v and depth in voxels, none of them whole.
- * map  as vxs_voxel returns it */
+ * map  as vxs_voxel returns it; one that the light does not have stands for the nearest that it has */
 void vxs_point(const vxs_light *light, int map, const double coordinates[3], double point_ws[3]);
 
 /* The lit fraction of a filter in light space around a point.

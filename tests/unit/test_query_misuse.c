@@ -69,6 +69,9 @@ static void check_numbers(rng *r, const vxs_baked_light *l)
             assert_true(!inside || l->light.flags & VXS_LIGHT_BOUNDED);
         for (int k = 0; k < 3; k++) at[k] = rng_below(r, 3) ? rng_between(r, 0, side) : wild[rng_below(r, 7)];
         vxs_point(&l->light, map, at, point);
+        double as_held[3];
+        vxs_point(&l->light, map < 0 ? 0 : map < maps ? map : maps - 1, at, as_held);
+        for (int k = 0; k < 3; k++) assert_true(point[k] == as_held[k] || isnan(point[k]));
         check_depth_map(r, l);
     }
 }
