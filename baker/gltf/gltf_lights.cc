@@ -52,10 +52,11 @@ static light_shape read_light(loader &l, const std::string &where, const json &l
 /* Only pictures ask: what is no colour or no intensity is 1, as when nothing is said. */
 static light_definition described_light(const std::string &name, const light_shape &shape, const json &light)
 {
-    light_definition out       = {name, shape, {1, 1, 1}};
+    light_definition out       = {name, shape, {1, 1, 1}, 0};
     double           intensity = number_or(light, "intensity", 1, INFINITY);
     numbers_or(light, "color", 1, out.colour);
     for (double &c : out.colour) c *= intensity;
+    if (shape.kind == LIGHT_SPOT) out.inner_rad = std::min(light["spot"].value("innerConeAngle", 0.0), shape.outer_rad);
     return out;
 }
 
@@ -110,7 +111,7 @@ void place_lights(loader &l)
     for (const light_definition &light : lights) {
         char *name = strdup(light.name.c_str());
         if (!name) throw std::bad_alloc();
-        l.s->lights[l.s->light_count++] = {name, light.shape, {light.colour[0], light.colour[1], light.colour[2]}};
+        l.s->lights[l.s->light_count++] = {name, light.shape, {light.colour[0], light.colour[1], light.colour[2]}, light.inner_rad};
     }
 }
 

@@ -125,7 +125,7 @@ struct image_alpha {
 struct material {
     std::string name;
     bool        double_sided, masked; /* masked: alphaMode is MASK */
-    float       colour[3]; /* its base colour, linear */
+    float       colour[3];            /* its base colour, linear */
 
     enum { UNKNOWN, EVERYWHERE, WITH_HOLES, NOWHERE } surface = UNKNOWN;
     double   threshold                                        = 0;
@@ -155,6 +155,7 @@ struct light_definition {
     std::string name;
     light_shape shape;
     double      colour[3]; /* times intensity */
+    double      inner_rad;
 };
 
 struct morph {

@@ -147,15 +147,17 @@ static vxs_gl_function lookup(const char *name, void *user)
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-static void colour_of(const scene *s, const vxs_light *light, double colour[3])
+/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone without width. */
+static scene_light described(const scene *s, const vxs_light *light)
 {
-    for (int n = 0; n < 3; n++) colour[n] = 1;
-    for (size_t i = 0; i < s->light_count; i++)
-        if (!strcmp(s->lights[i].name, light->name) && vec3_dot(s->lights[i].colour, s->lights[i].colour) > 0)
-            memcpy(colour, s->lights[i].colour, 3 * sizeof *colour);
+    scene_light found = {0};
+    for (size_t n = 0; n < s->light_count; n++)
+        if (!strcmp(s->lights[n].name, light->name)) found = s->lights[n];
+    for (int n = 0, said = vec3_dot(found.colour, found.colour) > 0; n < 3 && !said; n++) found.colour[n] = 1;
+    return found;
 }
 
-/* As floats the greatest is 1: exposure does the rest. */
+/* As floats the greatest is 1: exposure does the rest. Beside them the cosine of a spot light's inner cone. */
 static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
     double most     = 0;
@@ -166,7 +168,9 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
         return fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
     }
     for (uint32_t n = 0; n < r->light_count; n++) {
-        colour_of(s, &lights[n]->light, r->colours[n]);
+        scene_light light = described(s, &lights[n]->light);
+        memcpy(r->colours[n], light.colour, sizeof light.colour);
+        rows[n][3] = (float)cos(light.inner_rad);
         r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
         for (int k = 0; k < 3; k++) most = fmax(most, r->colours[n][k]);
     }

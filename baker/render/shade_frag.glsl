@@ -1,9 +1,9 @@
 /* Behind the texts of vxs_gl.h: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
- * ending at their range and cone as KHR_lights_punctual has it. */
+ * ending at their range and cones as KHR_lights_punctual has it. */
 #define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
 
-layout(std430, binding = 3) readonly restrict buffer colours_block { vec4 colours[]; };
+layout(std430, binding = 3) readonly restrict buffer colours_block { vec4 colours[]; }; /* and the cosine of the inner cone */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
@@ -18,7 +18,7 @@ vec3 place_of(vxs_light_constants l)
 }
 
 /* Before shadows; to_light is a unit vector. */
-float strength(vxs_light_constants l, vec3 at, out vec3 to_light)
+float strength(vxs_light_constants l, float cos_inner, vec3 at, out vec3 to_light)
 {
     if (l.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
         to_light = -normalize(l.ls_from_ws[2].xyz);
@@ -29,7 +29,7 @@ float strength(vxs_light_constants l, vec3 at, out vec3 to_light)
     to_light     = way * inversesqrt(square);
     float result = (l.range_metres > 0.0 ? clamp(1.0 - share * share, 0.0, 1.0) : 1.0) / square;
     if (l.kind == VXS_LIGHT_KIND_POINT) return result;
-    float edge = clamp((-dot(to_light, l.ls_from_ws[2].xyz) - l.cos_outer) / max(0.001, 1.0 - l.cos_outer), 0.0, 1.0);
+    float edge = clamp((-dot(to_light, l.ls_from_ws[2].xyz) - l.cos_outer) / max(0.001, cos_inner - l.cos_outer), 0.0, 1.0);
     return result * edge * edge;
 }
 
@@ -56,7 +56,7 @@ void main()
         uint                n = asked.w != 0 ? vxs_tile_light(tile, i) : i;
         vxs_light_constants l = vxs_light_at(n);
         vec3                to_light;
-        float               power = strength(l, at, to_light) * dot(normal, to_light);
+        float               power = strength(l, colours[n].a, at, to_light) * dot(normal, to_light);
         if (power > 0.0) sum += colours[n].rgb * (power * lit_of(l, at, normal));
     }
     light_out = vec4(sum, float(count));

@@ -28,6 +28,7 @@ typedef struct scene_light {
     char       *name; /* owned, never NULL; unique in the scene */
     light_shape shape;
     double colour[3]; /* linear, times intensity: lux of a directional light, candela of others; for pictures. 0: nobody said */
+    double inner_rad; /* spot: up to this angle from its direction it is at its full strength, [0, outer_rad]; for pictures */
 } scene_light;
 
 /* per triangle */

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import csv
 import json
+import math
 import xml.etree.ElementTree
 
 import jsonschema
@@ -151,6 +152,24 @@ def test_fog(vxs, level):
     assert brightness("sun", 10, "--fog-albedo", 0, "--fog-top", -9) == brightness("sun", 0)
     assert brightness("all", 0.1, "--fog-albedo", 1) > 1.2 * brightness("all", 0.1, "--fog-albedo", 0) > 0
     assert brightness("sun", 0.1, "--fog-anisotropy", 0.9) != brightness("sun", 0.1, "--fog-anisotropy", -0.9)
+
+
+def test_inner_cones(vxs, level, render):
+    """From the middle of a spot light to its edge: as bright up to its inner cone, then darker; without one, darker from the middle on."""
+    shares = []
+    vxs("bake", level / "level.gltf", "-o", level / "spot.vxs", "--resolution", 256, "--baseline", "off", "--light", "spot")
+    for degrees in (None, 30, 45):
+        gltf = json.loads(small_scene.write(level / "level.gltf", lights=LAMPS).read_text())
+        spot = gltf["extensions"]["KHR_lights_punctual"]["lights"][1]["spot"]
+        if degrees:
+            spot["innerConeAngle"] = math.radians(degrees)
+        (level / "level.gltf").write_text(json.dumps(gltf))
+        render("spot", "--eye", "0.01,20,0", "--target", "0,0,0", "--fov", 36, "--passes", level / "cone")
+        row = read_png((level / "cone" / "light.png").read_bytes())[2][24][::3]
+        shares.append(row[15] / row[22])  # at 37 and 23 degrees
+        assert row[22] > 50 and row[3] == row[26] == 0  # beyond the cone, and behind the block
+    small_scene.write(level / "level.gltf", lights=LAMPS)
+    assert shares[0] < 0.6 and shares[0] < shares[1] - 0.05 and shares[1] < 0.8 < shares[2]
 
 
 @pytest.mark.parametrize("text, words", [

@@ -513,6 +513,7 @@ static void test_lights_have_a_cone_and_a_range(void **state)
     assert_true(s.lights[0].shape.outer_rad == M_PI_4 && s.lights[0].shape.range_m == 20); /* no node scales a range */
     assert_true(s.lights[1].shape.outer_rad == 0.5 && s.lights[1].shape.range_m == INFINITY);
     assert_true(s.lights[2].shape.outer_rad == M_PI_2); /* pi/2 as a float is more */
+    assert_true(s.lights[0].inner_rad == 0 && s.lights[1].inner_rad == 0.5 && s.lights[3].inner_rad == 0);
     assert_true(s.lights[3].shape.range_m == 0.25);
     assert_true(s.lights[4].shape.range_m == INFINITY);
 }

@@ -49,10 +49,12 @@ static alpha_image   images[2]    = {{3, 2, alpha[0]}, {2, 3, alpha[1]}};
 static alpha_mask    masks[MASKS] = {
        {0, 0.5f, WRAP_REPEAT, WRAP_REPEAT, 0}, {1, 0.3f, WRAP_CLAMP, WRAP_MIRROR, 0}, {1, 0.7f, WRAP_REPEAT, WRAP_REPEAT, 1}};
 static holed_triangle holed_triangles[TRIANGLES];
-static scene_light    lights[]  = {{"a sun", {LIGHT_DIRECTIONAL, {0}, {0, -0.6, 0.8}, 0, INFINITY}, {0}},
+static scene_light    lights[]  = {{"a sun", {LIGHT_DIRECTIONAL, {0}, {0, -0.6, 0.8}, 0, INFINITY}, {0}, 0},
                                    {"a lamp whose name is longer than the names of the meshes that vxs scene makes",
-                                    {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5}, {0}},
-                                   {"\xc3\xa9", {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}, {0}}};
+                                    {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5},
+                                    {0},
+                                    0},
+                                   {"\xc3\xa9", {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}, {0}, 0}};
 static double         cameras[] = {1, 2.1, 3, -4, 5, 6};
 
 static scene sample_scene(void)
