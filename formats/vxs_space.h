@@ -388,7 +388,7 @@ VXS_FN vxs_real vxs_lit_at_voxel(VXS_WORDS coded, VXS_LIGHT light, vxs_i32 map, 
 VXS_FN vxs_real vxs_lit(VXS_WORDS coded, VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
     vxs_place place = vxs_place_from_ws(light, point_ws, normal_ws, filter_px);
-    if (place.map < 0) return VXS_OUTSIDE;
+    if (place.map < 0) return VXS_REAL(VXS_OUTSIDE);
     return vxs_lit_at_place(coded, light, place, filter_px);
 }
 
