@@ -566,6 +566,53 @@ static void test_clamped(void **state)
     gl_context_destroy(d.gl);
 }
 
+/* The last light for numbers beyond, the last word of lists for pixels that the view does not have. */
+static const char held_body[] =
+    "in vec3 position_ws;\n"
+    "out float answer;\n"
+    "void main() {\n"
+    "    answer = float(vxs_light_at(uint(position_ws.x)).levels) + 100.0 * float(vxs_list_word(uint(position_ws.y)));\n"
+    "}\n";
+
+static void test_held_lights(void **state)
+{
+    static query          queries[QUERIES];
+    static float          answers[QUERIES];
+    static const uint32_t lists[VXS_LISTS_HEAD + 3] = {1, 1, 2, 3, 2, 1, 2}, words[3];
+    drawing               d                         = drawing_make();
+    rng                   r                         = {38};
+    vxs_light             light[3];
+    vxs_gl_light          lights[3];
+    (void)state;
+    for (uint32_t n = 0; n < 3; n++) {
+        light[n]  = light_of(&r, SUN, 5 + n, (double[3]){0, 0, 0});
+        lights[n] = (vxs_gl_light){&light[n], 0};
+    }
+    for (int storage = 0; storage < 2; storage++) {
+        vxs_gl     *gl;
+        vxs_gl_desc desc = {.get_proc_address = telling,
+                            .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
+                            .lights           = lights,
+                            .light_count      = 3,
+                            .word_count       = 3};
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        assert_int_equal(vxs_gl_put(gl, words, 0, 3), VXS_OK);
+        vxs_gl_upload(gl, SIZE_MAX);
+        assert_int_equal(vxs_gl_put_lists(gl, lists), VXS_OK);
+        use_body(&d, gl, storage ? "#version 330 core" : "#version 430 core", held_body);
+        vxs_gl_bind(gl);
+        for (int n = 0; n < QUERIES; n++)
+            queries[n] = (query){{n < 5 ? (float)n : ldexpf(1, n % 32), n < 7 ? (float)n : 6.0f + 2048.0f * (float)n, 0}, {0}};
+        draw(&d, queries, answers);
+        for (int n = 0; n < QUERIES; n++) {
+            uint32_t number = (uint32_t)fminf(queries[n].position[0], 2), word = n < 7 ? lists[n] : lists[6];
+            assert_true(answers[n] == (float)(light[number].levels + 100 * word));
+        }
+        vxs_gl_destroy(gl);
+    }
+    gl_context_destroy(d.gl);
+}
+
 /* Words at random: any answer that is a share, and an end. */
 static void test_damaged_words(void **state)
 {
@@ -1075,12 +1122,19 @@ static void test_full_lists(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_answer), cmocka_unit_test(test_same_answer_of_files),
-        cmocka_unit_test(test_origin),      cmocka_unit_test(test_slices),
-        cmocka_unit_test(test_clamped),     cmocka_unit_test(test_damaged_words),
-        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_put_back),
-        cmocka_unit_test(test_refused),     cmocka_unit_test(test_culling),
-        cmocka_unit_test(test_wild_depths), cmocka_unit_test(test_full_lists),
+        cmocka_unit_test(test_same_answer),
+        cmocka_unit_test(test_same_answer_of_files),
+        cmocka_unit_test(test_origin),
+        cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_clamped),
+        cmocka_unit_test(test_held_lights),
+        cmocka_unit_test(test_damaged_words),
+        cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_state_is_put_back),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_culling),
+        cmocka_unit_test(test_wild_depths),
+        cmocka_unit_test(test_full_lists),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
