@@ -347,7 +347,7 @@ static void check_owners(vxs_reader *r)
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
 /* There is one at most; what says that it belongs to a light was found before, and is not read. */
-static void read_metadata(vxs_reader *r)
+int vxs_read_metadata(vxs_reader *r)
 {
     const vxs_section wanted = {.kind = VXS_KIND_METADATA, .light = VXS_NO_LIGHT};
     for (uint32_t n = 0; n < r->out.section_count; n++) {
@@ -359,6 +359,7 @@ static void read_metadata(vxs_reader *r)
         r->out.metadata       = (char *)vxs_inflate(r, (int)n, 1);
         r->out.metadata_bytes = r->out.sections[n].inflated_bytes;
     }
+    return r->result == VXS_OK;
 }
 
 int vxs_read_head(vxs_reader *r)
@@ -390,7 +391,7 @@ static void read_all(vxs_reader *r)
         else
             vxs_read_dag(r, baked);
     }
-    if (go_on(r)) read_metadata(r);
+    if (go_on(r)) vxs_read_metadata(r);
 }
 
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)

@@ -31,6 +31,9 @@ int vxs_read_head(vxs_reader *r);
  * yet. 0: a finding. */
 int vxs_read_light_table(vxs_reader *r);
 
+/* Inflate the metadata, where the description asks for it; else check its frame. 0: a finding. */
+int vxs_read_metadata(vxs_reader *r);
+
 /* Tell of a finding (vxs_findings.h) at an offset of a section, as it is inflated. */
 void vxs_found(vxs_reader *r, int number, int section, uint64_t offset);
 

@@ -161,6 +161,19 @@ uint32_t vxs_stream_first_word(const vxs_stream *s, uint32_t light)
     return light < s->light_count ? s->lights[light].first_word : 0;
 }
 
+vxs_stream_range vxs_stream_names(const vxs_stream *s, uint32_t light)
+{
+    if (light >= s->light_count) return (vxs_stream_range){0, 0};
+    return (vxs_stream_range){s->lights[light].first_word + FIRST_PAGE_WORD, s->lights[light].page_count};
+}
+
+vxs_stream_range vxs_stream_page(const vxs_stream *s, uint32_t light, uint32_t page)
+{
+    if (light >= s->light_count || page >= s->lights[light].page_count) return (vxs_stream_range){0, 0};
+    const stream_page *p = &s->pages[s->lights[light].first_page + page];
+    return p->state == PAGE_HERE ? (vxs_stream_range){p->place, p->word_count} : (vxs_stream_range){0, 0};
+}
+
 const vxs_stream_range *vxs_stream_changes(const vxs_stream *s, uint32_t *count)
 {
     *count = s->change_count;

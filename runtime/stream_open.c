@@ -425,6 +425,19 @@ static int make_tools(opening *o)
     return 1;
 }
 
+/* The caller's as long as the call lasts, and of the budget no longer than that. */
+static int tell_metadata(opening *o)
+{
+    vxs_contents *c = &o->r.out;
+    if (!o->desc->metadata) return 1;
+    o->r.desc.metadata = 1;
+    if (!vxs_read_metadata(&o->r)) return 0;
+    if (c->metadata) o->desc->metadata(o->desc->metadata_user, c->metadata, c->metadata_bytes);
+    vxs_give_back(&o->r, c->metadata, (uint64_t)c->metadata_bytes + 1, 1);
+    c->metadata = NULL;
+    return 1;
+}
+
 static int fill_block(opening *o)
 {
     vxs_allocator real = o->r.allocator;
@@ -445,7 +458,7 @@ static int open_all(opening *o)
 {
     if (!read_head(o)) return 0;
     if (!(o->r.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
-    if (!vxs_read_light_table(&o->r)) return 0;
+    if (!vxs_read_light_table(&o->r) || !tell_metadata(o)) return 0;
     forget_loaded(o);
     if (!choose_lights(o) || !plan_lights(o) || !take_block(o)) return 0;
     if (!make_tools(o) || !fill_block(o)) return 0;
@@ -473,7 +486,8 @@ vxs_result vxs_stream_open(vxs_stream **stream, const vxs_stream_desc *desc)
 {
     *stream                = NULL;
     vxs_stream_desc known  = {0};
-    vxs_result      result = vxs_desc_take(&known, sizeof known, sizeof known, desc);
+    const size_t    first  = offsetof(vxs_stream_desc, failed_user) + sizeof known.failed_user;
+    vxs_result      result = vxs_desc_take(&known, sizeof known, first, desc);
     if (result != VXS_OK) return result;
     if (!is_valid(&known)) return VXS_E_ARGUMENT;
     desc      = &known;

@@ -23,7 +23,7 @@
  * thread that decodes, and stacks of threads. After open nothing is allocated.
  *
  * **Words.** The words of all lights lie in one array, resident parts first, pages behind them, so that a GPU's copy is one buffer or
- * texture: upload it once, and after each frame the ranges that vxs_stream_changes names.
+ * texture: vxs_gl.h keeps one. By hand, upload it once, and after each frame the ranges that vxs_stream_changes names.
  *
  * A stream keeps no global state and never prints. Bytes may be hostile: all are checked before they are looked up.
  * SPDX-License-Identifier: MIT */
@@ -85,6 +85,9 @@ typedef struct vxs_stream_desc {
     void                 *finding_user;
     vxs_stream_failed_fn *failed; /* called in vxs_stream_frame; NULL: nobody asks */
     void                 *failed_user;
+    /* Called by open with the file's metadata, if it has any: JSON text, gone when the call returns. NULL: it is left as it lies in the file */
+    void (*metadata)(void *user, const char *text, size_t size_bytes);
+    void *metadata_user;
 } vxs_stream_desc;
 
 /* Open a file: header, directory, table of lights, and of each light that is wanted its resident part and its table of pages.
@@ -163,6 +166,12 @@ uint32_t        vxs_stream_first_word(const vxs_stream *stream, uint32_t light);
 typedef struct vxs_stream_range {
     uint32_t first_word, word_count;
 } vxs_stream_range;
+
+/* Where the names of a light's pages lie among all words, a word a page: 0 while it is not there. None of a light that is a DAG. */
+vxs_stream_range vxs_stream_names(const vxs_stream *stream, uint32_t light);
+
+/* The words of page n of those; none while it is not there. */
+vxs_stream_range vxs_stream_page(const vxs_stream *stream, uint32_t light, uint32_t page);
 
 /* Words that the last frame changed, [*count] ranges, for a copy to follow; valid until the next one. */
 const vxs_stream_range *vxs_stream_changes(const vxs_stream *stream, uint32_t *count);

@@ -60,12 +60,12 @@ static vxs_result choose_storage(vxs_gl *gl, vxs_gl_storage asked, uint64_t word
 
 /* lights and words ---------------------------------------------------------------------------------------------------------------- */
 
-static void *take(const vxs_gl *gl, uint64_t count, size_t size)
+void *vxs_gl_take(const vxs_gl *gl, uint64_t count, size_t size)
 {
     return count > SIZE_MAX / size ? NULL : gl->memory.alloc((size_t)count * size, gl->memory.user);
 }
 
-static void give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t size)
+void vxs_gl_give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t size)
 {
     if (memory) gl->memory.free(memory, (size_t)count * size, gl->memory.user);
 }
@@ -115,14 +115,19 @@ static void write_head(vxs_gl *gl)
 static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
 {
     uint64_t word_count = desc->word_count;
-    gl->light_count     = desc->asset ? vxs_asset_light_count(desc->asset) : desc->light_count;
+    gl->light_count     = desc->asset    ? vxs_asset_light_count(desc->asset)
+                          : desc->stream ? vxs_stream_light_count(desc->stream)
+                                         : desc->light_count;
     gl->first_binding   = desc->first_binding;
+    gl->stream          = desc->stream;
     if (!load(gl, desc)) return VXS_E_GL;
-    gl->lights    = take(gl, gl->light_count, sizeof *gl->lights);
-    gl->constants = take(gl, gl->light_count, sizeof *gl->constants);
+    gl->lights    = vxs_gl_take(gl, gl->light_count, sizeof *gl->lights);
+    gl->constants = vxs_gl_take(gl, gl->light_count, sizeof *gl->constants);
     if (!gl->lights || !gl->constants) return VXS_E_MEMORY;
     if (desc->asset)
         word_count = lights_of_asset(gl, desc->asset);
+    else if (desc->stream)
+        word_count = vxs_gl_stream_lights(gl);
     else
         memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
 
@@ -135,7 +140,8 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
         return VXS_E_MEMORY;
     write_head(gl);
     vxs_gl_origin(gl, NULL);
-    return desc->asset ? put_asset(gl, desc->asset) : VXS_OK;
+    if (desc->asset) return put_asset(gl, desc->asset);
+    return desc->stream ? vxs_gl_stream_put(gl) : VXS_OK;
 }
 
 vxs_result vxs_gl_create(vxs_gl **out, const vxs_gl_desc *desc)
@@ -145,8 +151,9 @@ vxs_result vxs_gl_create(vxs_gl **out, const vxs_gl_desc *desc)
     vxs_result   result = vxs_desc_take(&known, sizeof known, first, desc);
     *out                = NULL;
     if (result != VXS_OK) return result;
-    if (!known.get_proc_address || (!known.asset && (!known.lights || !known.light_count))) return VXS_E_ARGUMENT;
-    for (uint32_t n = 0; !known.asset && n < known.light_count; n++)
+    if (!known.get_proc_address || (known.asset && known.stream)) return VXS_E_ARGUMENT;
+    if (!known.asset && !known.stream && (!known.lights || !known.light_count)) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; !known.asset && !known.stream && n < known.light_count; n++)
         if (!known.lights[n].light) return VXS_E_ARGUMENT;
     vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
     vxs_gl       *gl     = memory.alloc(sizeof *gl, memory.user);
@@ -168,9 +175,11 @@ void vxs_gl_destroy(vxs_gl *gl)
     vxs_gl_words_delete(gl, &gl->rows);
     vxs_gl_words_delete(gl, &gl->lists);
     if (gl->culling) gl->api.DeleteProgram(gl->culling);
-    give_back(gl, gl->lights, gl->light_count, sizeof *gl->lights);
-    give_back(gl, gl->constants, gl->light_count, sizeof *gl->constants);
-    give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    vxs_gl_give_back(gl, gl->lights, gl->light_count, sizeof *gl->lights);
+    vxs_gl_give_back(gl, gl->constants, gl->light_count, sizeof *gl->constants);
+    vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    vxs_gl_give_back(gl, gl->pages, gl->page_count, sizeof *gl->pages);
+    vxs_gl_give_back(gl, gl->names, gl->page_count, sizeof *gl->names);
     memory.free(gl, sizeof *gl, memory.user);
 }
 
@@ -179,10 +188,10 @@ void vxs_gl_destroy(vxs_gl *gl)
 static int grow_ranges(vxs_gl *gl)
 {
     uint32_t  capacity = gl->range_capacity ? 2 * gl->range_capacity : RANGES_AT_FIRST;
-    gl_range *ranges   = take(gl, capacity, sizeof *ranges);
+    gl_range *ranges   = vxs_gl_take(gl, capacity, sizeof *ranges);
     if (!ranges) return 0;
     for (uint32_t n = 0; n < gl->range_count; n++) ranges[n] = gl->ranges[(gl->range_first + n) % gl->range_capacity];
-    give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
     gl->ranges         = ranges;
     gl->range_capacity = capacity;
     gl->range_first    = 0;
@@ -203,6 +212,7 @@ vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
 {
     size_t room = max_bytes / sizeof(uint32_t);
+    if (gl->stream) vxs_gl_stream_take_away(gl);
     while (gl->range_count && room) {
         gl_range *r    = &gl->ranges[gl->range_first];
         uint32_t  some = r->count < room ? r->count : (uint32_t)room;
@@ -212,11 +222,17 @@ uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
         r->count -= some;
         room -= some;
         gl->bytes_left -= (uint64_t)some * sizeof(uint32_t);
+        gl->bytes_uploaded += (uint64_t)some * sizeof(uint32_t);
         if (r->count) break;
         gl->range_first = (gl->range_first + 1) % gl->range_capacity;
         gl->range_count--;
     }
-    return gl->bytes_left;
+    return gl->bytes_left + (gl->stream ? vxs_gl_stream_upload(gl, room) : 0);
+}
+
+uint64_t vxs_gl_uploaded_bytes(const vxs_gl *gl)
+{
+    return gl->bytes_uploaded;
 }
 
 void vxs_gl_origin(vxs_gl *gl, const double origin_ws[3])

@@ -11,7 +11,8 @@
  *     glShaderSource(shader, VXS_GL_TEXTS + 1, text, NULL);
  *     ... glLinkProgram(program);  vxs_gl_link(shadows, program);
  *
- *     vxs_gl_origin(shadows, camera_ws);                                        // each frame
+ *     vxs_gl_upload(shadows, 1 << 20);                                          // each frame: of a stream (.stream = stream), what has come
+ *     vxs_gl_origin(shadows, camera_ws);
  *     vxs_gl_bind(shadows);
  *     glUseProgram(program);  draw();
  *
@@ -23,7 +24,7 @@
 #ifndef VXS_GL_H
 #define VXS_GL_H
 
-#include "vxs.h"
+#include "vxs_stream.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -56,17 +57,19 @@ typedef struct vxs_gl_desc {
 
     const vxs_asset *asset; /* all its lights, whose words are put as they are; borrowed until vxs_gl_upload returns 0 */
 
-    /* without an asset: lights whose words others put (vxs_gl_put), a stream for instance */
+    /* without an asset or a stream: lights whose words the caller puts (vxs_gl_put) */
     const vxs_gl_light *lights; /* [light_count], copied */
     uint32_t            light_count;
     uint32_t            word_count; /* of all lights */
 
     uint32_t first_binding; /* buffers take this binding of storage buffers and the next two; textures such texture units */
+
+    const vxs_stream *stream; /* without an asset: all its lights, whose pages vxs_gl_upload follows; borrowed until vxs_gl_destroy */
 } vxs_gl_desc;
 
 /* Make room for the words and the lights: one buffer for each, or one texture for each. Nothing is uploaded yet.
  * gl  [out] NULL on failure
- * Returns VXS_OK; VXS_E_ARGUMENT (no function, no light, a struct_size that makes no sense); VXS_E_MEMORY (the context's memory, too; more words than the largest buffer or
+ * Returns VXS_OK; VXS_E_ARGUMENT (no function, no light, an asset and a stream, a struct_size that makes no sense); VXS_E_MEMORY (the context's memory, too; more words than the largest buffer or
  * texture holds); VXS_E_GL (older than OpenGL 3.3 and ES 3.0, without a function, or without the storage that was asked for). */
 vxs_result vxs_gl_create(vxs_gl **gl, const vxs_gl_desc *desc);
 
@@ -74,16 +77,23 @@ vxs_result vxs_gl_create(vxs_gl **gl, const vxs_gl_desc *desc);
 void vxs_gl_destroy(vxs_gl *gl);
 
 /* Words that are to be uploaded: at first, and whenever they change. They go in the order in which they are put, whatever the slices. Words that
- * change while shaders look them up, pages of a stream for instance, are uploaded in whole before the next draw; or in slices where names that are
- * taken away are put first, then pages, then the names of pages.
+ * change while shaders look them up are uploaded in whole before the next draw. Not for the words of a stream.
  * words  [count] borrowed until they are uploaded: what they are then counts
  * first  where they go among the words of all lights
  * Returns VXS_OK; VXS_E_ARGUMENT beyond word_count, or without words; VXS_E_MEMORY, and nothing is changed. */
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count);
 
 /* Upload of what is to be uploaded the next max_bytes, or fewer. SIZE_MAX: all. Returns how many bytes are left. Before it returns 0 lookups
- * give numbers that mean nothing. */
+ * give numbers that mean nothing.
+ *
+ * Of a stream, that is so until it has returned 0 once, at best before the first frame. Then call it between vxs_stream_frame and what is drawn; not
+ * during that frame. Names of pages that have left are taken away first, all of them, 4 bytes each beside max_bytes; then pages that have come are
+ * uploaded one by one, each with its name behind it. So whatever the slices, shaders answer as C does where pages are uploaded, and by the coarse level where
+ * they are not yet; when 0 is returned, everywhere as C does. Frames of the stream may be left out. */
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes);
+
+/* How many bytes of words vxs_gl_upload has uploaded since vxs_gl_create. */
+uint64_t vxs_gl_uploaded_bytes(const vxs_gl *gl);
 
 /* Fill the constants of all lights, for positions that count from an origin, and upload them: 96 bytes a light.
  * origin_ws  as for vxs_light_constants_of: the camera's place, where a world is large; NULL: (0, 0, 0)

@@ -258,7 +258,7 @@ def test_listing_of_rays(vxs, asset, run_query):
 
 
 def test_listing_of_opengl(tmp_path):
-    """It compiles; tests/unit/test_gl.c runs what it calls."""
+    """It compiles; tests/unit/test_gl.c and test_gl_stream.c run what it calls."""
     listing, = (text for text in listings("c") if "vxs_gl.h" in text)
     (tmp_path / "gl.c").write_text(listing)
     subprocess.run([*os.environ.get("CC", "cc").split(), "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{ROOT / 'runtime' / 'gl'}",

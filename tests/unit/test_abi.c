@@ -71,13 +71,15 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_gl_desc, storage), 32);
     assert_int_equal(AT(vxs_gl_desc, lights), 48);
     assert_int_equal(AT(vxs_gl_desc, first_binding), 64);
-    assert_true(sizeof(vxs_gl_desc) >= 72);
+    assert_int_equal(AT(vxs_gl_desc, stream), 72);
+    assert_true(sizeof(vxs_gl_desc) >= 80);
     assert_int_equal(AT(vxs_stream_desc, struct_size), 0);
     assert_int_equal(AT(vxs_stream_desc, read), 32);
     assert_int_equal(AT(vxs_stream_desc, budget_bytes), 48);
     assert_int_equal(AT(vxs_stream_desc, requests), 80);
     assert_int_equal(AT(vxs_stream_desc, failed_user), 136);
-    assert_true(sizeof(vxs_stream_desc) >= 144);
+    assert_int_equal(AT(vxs_stream_desc, metadata_user), 152);
+    assert_true(sizeof(vxs_stream_desc) >= 160);
     assert_int_equal(AT(vxs_stream_status, struct_size), 0);
     assert_int_equal(AT(vxs_stream_status, pages), 40);
     assert_int_equal(AT(vxs_stream_status, left), 76);

@@ -22,7 +22,7 @@
 
 #include <cmocka.h>
 
-#include "gl_points.h"
+#include "gl_taps.h"
 
 /* a context that tells lies, and counts ----------------------------------------------------------------------------------------------- */
 
@@ -188,86 +188,7 @@ static const struct dialect {
 };
 enum { DIALECTS = sizeof dialects / sizeof *dialects };
 
-/* Position: texels and depth; normal: light, map, filter. A smooth box lies in its texel as that one's place says. */
-static const char taps_body[] =
-    "in vec3 position_ws;\n"
-    "in vec3 normal_ws;\n"
-    "out float answer;\n"
-    "void main() {\n"
-    "    vxs_light_constants light = vxs_light_at(uint(normal_ws.x));\n"
-    "    vxs_place place;\n"
-    "    place.map = int(normal_ws.y);\n"
-    "    place.voxel = ivec3(position_ws);\n"
-    "    place.across = uint(7 * place.voxel.x) & 255u;\n"
-    "    place.down = uint(5 * place.voxel.y) & 255u;\n"
-    "    int filter_px = int(normal_ws.z);\n"
-    "    uint k = uint(place.voxel.z);\n"
-    "    if (filter_px < VXS_SMOOTH)\n"
-    "        answer = float(vxs_shadow_taps(light.dag, light, place.map, place.voxel.x, place.voxel.y, k, filter_px));\n"
-    "    else\n"
-    "        answer = float(vxs_shadow_part(light.dag, light, place, k, filter_px - VXS_SMOOTH) % 16777213u);\n"
-    "}\n";
-
-static void use_body(drawing *d, const vxs_gl *gl, const char *name, const char *body)
-{
-    const char *texts[VXS_GL_TEXTS + 1];
-    char        version[32];
-    vxs_gl_texts(gl, texts);
-    texts[VXS_GL_TEXTS] = body;
-    snprintf(version, sizeof version, "%.*s", (int)strcspn(texts[0], "\n"), texts[0]);
-    assert_string_equal(version, name);
-    use_texts(d, name, version, texts, VXS_GL_TEXTS + 1);
-    vxs_gl_link(gl, d->program);
-}
-
-typedef struct subject {
-    const vxs_light *light;
-    const uint32_t  *words;
-} subject;
-
-static query random_taps(rng *r, const subject *subjects, uint32_t count)
-{
-    uint32_t n = rng_below(r, count), filter_px = 1 + 2 * rng_below(r, VXS_FILTER_MAX / 2 + 1);
-    if (rng_below(r, 2)) filter_px = VXS_SMOOTH + 1 + rng_below(r, VXS_FILTER_MAX);
-    int32_t side = 1 << subjects[n].light->levels, out = filter_px > 1 ? 12 : 0;
-    query   q = {{0}, {(float)n, (float)rng_below(r, vxs_light_map_count(subjects[n].light)), (float)filter_px}};
-    for (int k = 0; k < 2; k++) q.position[k] = (float)rng_between(r, -out, side - 1 + out);
-    q.position[2] = (float)rng_between(r, 0, side - 1);
-    return q;
-}
-
-/* Where the texel of a question goes dark, or a voxel before or behind. */
-static void put_near_surface(rng *r, const subject *s, query *q)
-{
-    int32_t side = 1 << s->light->levels, i = (int32_t)q->position[0], j = (int32_t)q->position[1], low = 0, high = side;
-    i = i < 0 ? 0 : i < side ? i : side - 1;
-    j = j < 0 ? 0 : j < side ? j : side - 1;
-    while (low < high) {
-        int32_t k = (low + high) / 2;
-        if (vxs_shadow_taps(s->words, s->light, (int32_t)q->normal[1], i, j, (uint32_t)k, 1))
-            high = k;
-        else
-            low = k + 1;
-    }
-    low += rng_between(r, -1, 1);
-    q->position[2] = (float)(low < 0 ? 0 : low < side ? low : side - 1);
-}
-
-/* The same in C.   partly  [in, out] counts those that are neither lit nor dark */
-static uint32_t taps_in_c(const subject *s, const query *q, uint32_t *partly)
-{
-    int32_t   x = (int32_t)q->position[0], y = (int32_t)q->position[1], filter_px = (int32_t)q->normal[2];
-    uint32_t  k = (uint32_t)q->position[2], width = (uint32_t)filter_px % VXS_SMOOTH, dark, all = width * width;
-    vxs_place place = {(int32_t)q->normal[1], {x, y, (int32_t)k}, (uint32_t)(7 * x) & 255, (uint32_t)(5 * y) & 255};
-    if (filter_px < VXS_SMOOTH) {
-        dark = vxs_shadow_taps(s->words, s->light, place.map, x, y, k, filter_px);
-    } else {
-        dark = vxs_shadow_part(s->words, s->light, place, k, (int32_t)width);
-        all *= 65536;
-    }
-    *partly += dark > 0 && dark < all;
-    return dark % 16777213u;
-}
+static const char taps_body[] = TAPS_BODY("answer = float(dark);");
 
 /* Draw random questions, half of them near surfaces, and compare each with C.   Returns how many of them had light and shadow. */
 static uint32_t compare_taps(const drawing *d, rng *r, const subject *subjects, uint32_t count, const char *name)

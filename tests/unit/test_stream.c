@@ -513,6 +513,75 @@ static void test_many_lights(void **state)
     free(file.data);
 }
 
+/* Names say where pages are, and pages that are not there have none. */
+static void test_pages(void **state)
+{
+    (void)state;
+    vxs_stream     *stream;
+    vxs_stream_desc desc = stream_desc_of(&sample, stream_least_budget(stream_desc_of(&sample, 0)) + 900000);
+    uint32_t        count, here = 0, away = 0;
+    rng             r = {9};
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+    const uint32_t *words = vxs_stream_words(stream, &count);
+    for (int frame = 0; frame < 50; frame++) {
+        vxs_stream_focus  eye    = random_focus(&r);
+        vxs_stream_status status = {.struct_size = sizeof status};
+        uint64_t          bytes  = 0;
+        vxs_stream_frame(stream, &eye, 1, &status);
+        for (uint32_t n = 0; n < sample.light_count; n++) {
+            vxs_stream_range names = vxs_stream_names(stream, n);
+            assert_int_equal(names.word_count, n == sample.dag ? 0 : words[vxs_stream_first_word(stream, n)]);
+            for (uint32_t page = 0; page < names.word_count; page++) {
+                vxs_stream_range at   = vxs_stream_page(stream, n, page);
+                uint32_t         name = words[names.first_word + page];
+                assert_int_equal(at.word_count != 0, name != 0);
+                assert_int_equal(at.first_word, name ? vxs_stream_first_word(stream, n) + name : 0);
+                assert_true(at.first_word <= count && at.word_count <= count - at.first_word);
+                bytes += 4 * (uint64_t)at.word_count;
+                here += name != 0;
+                away += name == 0;
+            }
+            assert_int_equal(vxs_stream_page(stream, n, names.word_count).word_count, 0);
+        }
+        assert_true(bytes < status.bytes_resident && status.bytes_resident - bytes < desc.budget_bytes);
+    }
+    assert_int_equal(vxs_stream_names(stream, sample.light_count).word_count, 0);
+    assert_int_equal(vxs_stream_page(stream, sample.light_count, 0).word_count, 0);
+    assert_true(here > 50 && away > 50);
+    vxs_stream_close(stream);
+}
+
+static void keep_text(void *user, const char *text, size_t size_bytes)
+{
+    snprintf(user, 16, "%.*s", (int)size_bytes, text);
+}
+
+/* The text is what was written; who does not know of the field is not called, and none of it is held. */
+static void test_metadata(void **state)
+{
+    (void)state;
+    vxs_stream       *stream;
+    char              text[16] = "";
+    vxs_stream_desc   desc     = stream_desc_of(&sample, ENOUGH);
+    vxs_stream_status with = {.struct_size = sizeof with}, without = with;
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+    vxs_stream_frame(stream, NULL, 0, &without);
+    vxs_stream_close(stream);
+    desc.metadata      = keep_text;
+    desc.metadata_user = text;
+    desc.struct_size   = offsetof(vxs_stream_desc, metadata);
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+    vxs_stream_close(stream);
+    assert_string_equal(text, "");
+    desc.struct_size = sizeof desc;
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+    vxs_stream_frame(stream, NULL, 0, &with);
+    vxs_stream_close(stream);
+    assert_string_equal(text, "{}");
+    assert_int_equal(with.bytes_held, without.bytes_held);
+    assert_true(with.bytes_read > without.bytes_read);
+}
+
 static void test_arguments(void **state)
 {
     (void)state;
@@ -520,11 +589,11 @@ static void test_arguments(void **state)
     vxs_stream_status status = {.struct_size = sizeof status - 8};
     vxs_stream_desc   desc   = stream_desc_of(&sample, ENOUGH), bad[5];
     for (int n = 0; n < 5; n++) bad[n] = desc;
-    bad[0].struct_size--;
-    bad[1].path     = "/tmp/both";
-    bad[2].bytes    = NULL;
-    bad[3].threads  = VXS_STREAM_THREADS_MAX + 1;
-    bad[4].requests = VXS_STREAM_REQUESTS_MAX + 1;
+    bad[0].struct_size = offsetof(vxs_stream_desc, metadata) - 1;
+    bad[1].path        = "/tmp/both";
+    bad[2].bytes       = NULL;
+    bad[3].threads     = VXS_STREAM_THREADS_MAX + 1;
+    bad[4].requests    = VXS_STREAM_REQUESTS_MAX + 1;
     for (int n = 0; n < 5; n++) {
         assert_int_equal(vxs_stream_open(&stream, &bad[n]), VXS_E_ARGUMENT);
         assert_null(stream);
@@ -545,7 +614,7 @@ int main(void)
         cmocka_unit_test(test_submit),    cmocka_unit_test(test_random_paths),  cmocka_unit_test(test_least_budget),
         cmocka_unit_test(test_region),    cmocka_unit_test(test_nearest_first), cmocka_unit_test(test_changes),
         cmocka_unit_test(test_no_thrash), cmocka_unit_test(test_some_lights),   cmocka_unit_test(test_many_lights),
-        cmocka_unit_test(test_arguments),
+        cmocka_unit_test(test_pages),     cmocka_unit_test(test_metadata),      cmocka_unit_test(test_arguments),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
