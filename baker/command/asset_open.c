@@ -16,13 +16,7 @@
 /* of a file, where no limit is given */
 #define READ_MAX ((uint64_t)4 << 30)
 
-typedef struct first_finding {
-    int         number, section;
-    uint64_t    offset;
-    const char *text;
-} first_finding;
-
-static void keep_first(void *user, int number, const char *text, int section, uint64_t offset)
+void keep_first_finding(void *user, int number, const char *text, int section, uint64_t offset)
 {
     first_finding *f = user;
     if (!f->number) *f = (first_finding){number, section, offset, text};
@@ -42,22 +36,26 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     return r;
 }
 
+vxs_result asset_fail(const char *path, vxs_result r, const first_finding *found, const char *remedy, message *m)
+{
+    first_finding f = *found;
+    path            = input_name(path);
+    if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
+    char where[32] = "the header";
+    if (f.section >= 0) snprintf(where, sizeof where, "section %d", f.section);
+    const char *judgement = r == VXS_E_MEMORY ? "cannot be opened" : "is not a valid .vxs file";
+    return fail(m, r, "'%s' %s: %s (finding %d at byte %llu, in %s)%s", path, judgement, f.text, f.number,
+                (unsigned long long)f.offset, where, r == VXS_E_MEMORY ? remedy : "");
+}
+
 /* Where it cannot be opened, a message says what was found first. */
 static vxs_result open_told(vxs_asset **asset, const char *path, vxs_read_desc *desc, message *m)
 {
     first_finding f    = {0};
-    desc->finding      = keep_first;
+    desc->finding      = keep_first_finding;
     desc->finding_user = &f;
     vxs_result r       = asset_read(asset, path, desc, m);
-    path               = input_name(path);
-    if (r == VXS_OK) return r;
-    if (!f.number) return fail(m, r, "cannot read '%s': %s", path, vxs_result_text(r));
-    char where[32] = "the header";
-    if (f.section >= 0) snprintf(where, sizeof where, "section %d", f.section);
-    const char *remedy    = r == VXS_E_MEMORY ? "; --memory of info, validate and query sets it" : "";
-    const char *judgement = r == VXS_E_MEMORY ? "cannot be opened" : "is not a valid .vxs file";
-    return fail(m, r, "'%s' %s: %s (finding %d at byte %llu, in %s)%s", path, judgement, f.text, f.number,
-                (unsigned long long)f.offset, where, remedy);
+    return r == VXS_OK ? r : asset_fail(path, r, &f, "; --memory of info, validate and query sets it", m);
 }
 
 vxs_result asset_open(vxs_asset **asset, const char *path, uint32_t threads, message *m)
@@ -107,12 +105,12 @@ vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message 
     return r == VXS_OK ? add_patterns(&choice->include, json_object_get(options, "include"), m) : r;
 }
 
-vxs_result asset_check_scene(const vxs_asset *asset, const json_t *made, const char *path, const scene *s, const char *scene_path,
-                             const char *consequence, message *m)
+vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, const char *path, const scene *s,
+                             const char *scene_path, const char *consequence, message *m)
 {
     char       differ[PROVENANCE_TEXT_BYTES];
     json_t    *differences;
-    vxs_result r = provenance_differences(&differences, made, vxs_asset_contents(asset), s, m);
+    vxs_result r = provenance_differences(&differences, made, asset, s, m);
     if (json_array_size(differences))
         warn(m, "'%s' was baked from another scene than %s (differs: %s): %s; bake it anew", input_name(path),
              input_name(scene_path), provenance_differences_text(differ, differences), consequence);
@@ -120,12 +118,12 @@ vxs_result asset_check_scene(const vxs_asset *asset, const json_t *made, const c
     return r == VXS_OK ? message_check(m) : r;
 }
 
-static vxs_result fail_no_such_light(const vxs_asset *asset, const char *path, const char *name, message *m)
+static vxs_result fail_no_such_light(const vxs_contents *asset, const char *path, const char *name, message *m)
 {
     nearest near              = {.typed = name};
     char    known[LIST_BYTES] = "", meant[64];
-    for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) {
-        const char *light = vxs_asset_light(asset, n)->light.name;
+    for (uint32_t n = 0; n < asset->light_count; n++) {
+        const char *light = asset->lights[n].light.name;
         list_item(known, light);
         nearest_try(&near, light, strlen(light));
     }
@@ -133,14 +131,21 @@ static vxs_result fail_no_such_light(const vxs_asset *asset, const char *path, c
                 nearest_text(meant, &near));
 }
 
-vxs_result asset_choose_lights(const vxs_asset *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
+static const vxs_baked_light *find_light(const vxs_contents *asset, const char *name)
+{
+    for (uint32_t n = 0; n < asset->light_count; n++)
+        if (!strcmp(asset->lights[n].light.name, name)) return &asset->lights[n];
+    return NULL;
+}
+
+vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
                                uint32_t *count, message *m)
 {
     *count = 0;
     if (!names->count)
-        for (uint32_t n = 0; n < vxs_asset_light_count(asset); n++) lights[(*count)++] = vxs_asset_light(asset, n);
+        for (uint32_t n = 0; n < asset->light_count; n++) lights[(*count)++] = &asset->lights[n];
     for (size_t n = 0; n < names->count; n++) {
-        const vxs_baked_light *light = vxs_asset_find_light(asset, names->items[n]);
+        const vxs_baked_light *light = find_light(asset, names->items[n]);
         if (!light) return fail_no_such_light(asset, path, names->items[n], m);
         for (uint32_t before = 0; before < *count; before++)
             if (lights[before] == light) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);

@@ -119,7 +119,8 @@ static vxs_result open_asset(compare_command *c, size_t n, message *m)
     a->closed = c->closed_given ? (closed_mode)c->closed : closed_of_asset(a->made);
     if ((a->lights = calloc(VXS_LIGHTS_MAX, sizeof *a->lights)) == NULL)
         return fail(m, VXS_E_MEMORY, "out of memory for the lights of '%s'", a->path);
-    if ((r = asset_choose_lights(a->asset, a->path, &c->light_names, a->lights, &a->light_count, m)) != VXS_OK) return r;
+    if ((r = asset_choose_lights(vxs_asset_contents(a->asset), a->path, &c->light_names, a->lights, &a->light_count, m)) != VXS_OK)
+        return r;
 
     const vxs_contents *contents = vxs_asset_contents(a->asset);
     a->file_bytes                = asset_file_bytes(a->asset);
@@ -206,8 +207,8 @@ static void traced_scene_free(traced_scene *t)
 /* One camera serves all assets; where its place is not given, it follows from the lights of the first. */
 static void place_camera(compare_command *c, const traced_scene *t)
 {
-    const compared_asset *first = &c->report.assets[0];
-    box around = box_of_corners(t->casters.positions_ws, t->casters.indices, 3 * t->casters.triangle_count);
+    const compared_asset *first  = &c->report.assets[0];
+    box                   around = box_of_corners(t->casters.positions_ws, t->casters.indices, 3 * t->casters.triangle_count);
     camera_place(&c->camera, &around, first->lights, first->light_count, COMPARE_CAMERA_ASPECT);
     c->report.options.camera = &c->camera.camera;
 }

@@ -32,7 +32,8 @@ static vxs_result run(void *command, message *m)
     if ((r = filter_check(&q->filter, m)) != VXS_OK) goto done;
     if ((r = points_check_input("FILE.vxs", q->path, m)) != VXS_OK) goto done;
     if ((r = asset_open_within(&asset, q->path, q->memory_bytes, 0, m)) != VXS_OK) goto done;
-    if ((r = asset_choose_lights(asset, q->path, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK) goto done;
+    if ((r = asset_choose_lights(vxs_asset_contents(asset), q->path, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK)
+        goto done;
     r = points_answer(look_up, q, q->light_count, 1, m);
 done:
     vxs_asset_close(asset);

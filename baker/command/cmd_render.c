@@ -6,10 +6,12 @@
 #include "baker/base/box.h"
 #include "baker/base/parallel.h"
 #include "baker/command/asset_open.h"
+#include "baker/command/asset_stream.h"
 #include "baker/command/commands.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
+#include "baker/measure/clock.h"
 #include "baker/options/camera_choice.h"
 #include "baker/options/filter_choice.h"
 #include "baker/options/fog_choice.h"
@@ -25,6 +27,7 @@ enum {
     SAMPLES_MAX      = 4,
     SAMPLES_SIDE_MAX = 16384,
     TILE_LIGHTS      = 255,
+    UPLOAD_BYTES     = 1 << 20,
     FRAMES           = 60,
     FRAMES_MAX       = 100000
 };
@@ -42,6 +45,8 @@ typedef struct render_command {
     fog_choice     fog;
     const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path;
     uint32_t       frames;
+    uint64_t       budget_bytes;
+    int            budget_given, upload_given;
     int            orbits, samples_given, cull_given, stops_given, frames_given;
 } render_command;
 
@@ -49,7 +54,8 @@ typedef struct render_command {
 typedef struct subject {
     scene                  scene;
     box                    box;
-    vxs_asset             *asset;
+    vxs_asset             *asset;  /* NULL where it is streamed */
+    asset_stream           stream; /* with --budget */
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               light_count;
 } subject;
@@ -58,6 +64,7 @@ typedef struct subject {
 static const char *needs_gl(const render_command *c)
 {
     return c->samples_given   ? "--samples"
+           : c->budget_given  ? "--budget"
            : c->cull_given    ? "--cull"
            : c->stops_given   ? "--exposure"
            : c->passes_folder ? "--passes"
@@ -83,6 +90,8 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->draw == DRAW_GL && c->fog.given) return fail(m, VXS_E_ARGUMENT, "--fog needs --draw rays");
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
+    if (c->upload_given && !c->budget_given)
+        return fail(m, VXS_E_ARGUMENT, "--upload %llu needs --budget", (unsigned long long)o->upload_bytes);
     if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
     if (o->width_px * o->samples > SAMPLES_SIDE_MAX || o->height_px * o->samples > SAMPLES_SIDE_MAX)
         return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
@@ -90,16 +99,31 @@ static vxs_result check_options(const render_command *c, message *m)
     return VXS_OK;
 }
 
+/* All of an asset, or what is resident of it.   contents  [out] */
+static vxs_result open_asset(render_command *c, subject *s, const vxs_contents **contents, message *m)
+{
+    vxs_result r;
+    *contents = &s->stream.contents;
+    if (c->budget_given) {
+        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, s->lights, &s->light_count, m);
+        c->options.stream = s->stream.stream;
+        return r;
+    }
+    if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) return r;
+    *contents = vxs_asset_contents(s->asset);
+    return asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
+}
+
 static vxs_result load(render_command *c, subject *s, message *m)
 {
-    json_t    *made = NULL;
-    vxs_result r;
-    if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) goto done;
-    if ((r = asset_choose_lights(s->asset, c->asset_path, &c->light_names, s->lights, &s->light_count, m)) != VXS_OK) goto done;
-    if ((r = provenance_read(&made, vxs_asset_contents(s->asset), m)) != VXS_OK) goto done;
+    json_t             *made = NULL;
+    const vxs_contents *contents;
+    vxs_result          r;
+    if ((r = open_asset(c, s, &contents, m)) != VXS_OK) goto done;
+    if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
-    r = asset_check_scene(s->asset, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
+    r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);
     if (r != VXS_OK) goto done;
     if (!s->scene.triangle_count) {
         r = casters_none(&s->scene, m);
@@ -143,15 +167,31 @@ static vxs_result choose_path(const render_command *c, camera_path *path, messag
     return c->orbits ? camera_path_orbit(path, &c->camera.camera, m) : VXS_OK;
 }
 
-/* Each frame of a path, or the one that there is without; the last one is the picture. */
-static vxs_result draw_frames(const render_command *c, renderer *drawn, const camera_path *path, drawn_frame *frames,
+/* What has come of a stream since the last frame; before the first one all is waited for, as behind a loading screen. */
+static vxs_result stream_frame(subject *s, drawn_frame *frame, const drawn_frame *before, message *m)
+{
+    double        since       = clock_seconds();
+    const double *eye_ws      = frame->camera.eye_ws;
+    frame->stream.struct_size = sizeof frame->stream;
+    vxs_result r              = before ? asset_stream_frame(&s->stream, eye_ws, &frame->stream, m)
+                                       : asset_stream_fill(&s->stream, eye_ws, &frame->stream, m);
+    frame->read_bytes         = frame->stream.bytes_read - (before ? before->stream.bytes_read : 0);
+    frame->wait_seconds       = clock_seconds() - since;
+    return r;
+}
+
+/* Each frame of a path, or the one that there is without; the last one is the picture. A stream is filled before anything is uploaded. */
+static vxs_result draw_frames(const render_command *c, subject *s, renderer **drawn, const camera_path *path, drawn_frame *frames,
                               uint32_t count, uint8_t *rgb, message *m)
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        double share     = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
-        frames[n].camera = path->count ? camera_path_at(path, share) : c->camera.camera;
-        r                = renderer_draw(drawn, &frames[n].camera, n + 1 == count ? rgb : NULL, &frames[n].frame, m);
+        drawn_frame *f     = &frames[n];
+        double       share = count > 1 ? (double)n / (path->closed ? count : count - 1) : 0;
+        f->camera          = path->count ? camera_path_at(path, share) : c->camera.camera;
+        if (c->budget_given) r = stream_frame(s, f, n ? f - 1 : NULL, m);
+        if (r == VXS_OK && !n) r = renderer_create(drawn, &c->options, &s->scene, s->lights, s->light_count, m);
+        if (r == VXS_OK) r = renderer_draw(*drawn, &f->camera, n + 1 == count ? rgb : NULL, &f->frame, m);
     }
     return r;
 }
@@ -162,8 +202,8 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
     truth     *t       = NULL;
     vxs_result r       = make_truth(&t, &casting, s, c->options.threads, m);
     if (r == VXS_OK)
-        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count, t, c->options.filter_px, c->options.threads,
-                          difference, m);
+        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count, c->budget_given, t, c->options.filter_px,
+                          c->options.threads, difference, m);
     truth_destroy(t);
     casters_free(&casting);
     return r;
@@ -172,24 +212,29 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
 static vxs_result write_reports(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
                                 uint32_t count, const truth_difference *difference, message *m)
 {
-    render_report report = {.scene_path  = c->scene_path,
-                            .asset_path  = c->asset_path,
-                            .renderer    = renderer_name(drawn),
-                            .options     = &c->options,
-                            .light_count = s->light_count,
-                            .culls       = renderer_culls(drawn),
-                            .frames      = frames,
-                            .frame_count = count,
-                            .difference  = c->passes_folder ? difference : NULL};
+    render_report report = {.scene_path   = c->scene_path,
+                            .asset_path   = c->asset_path,
+                            .renderer     = renderer_name(drawn),
+                            .options      = &c->options,
+                            .light_count  = s->light_count,
+                            .culls        = renderer_culls(drawn),
+                            .budget_bytes = c->budget_given ? c->budget_bytes : 0,
+                            .frames       = frames,
+                            .frame_count  = count,
+                            .difference   = c->passes_folder ? difference : NULL};
     vxs_result    r      = VXS_OK;
-    for (uint32_t n = 0; n < s->light_count; n++) report.word_bytes += (uint64_t)s->lights[n]->word_count * sizeof(uint32_t);
+    uint32_t      words  = 0;
+    if (s->stream.stream) vxs_stream_words(s->stream.stream, &words);
+    report.word_bytes = words * sizeof(uint32_t);
+    for (uint32_t n = 0; n < s->light_count && !s->stream.stream; n++)
+        report.word_bytes += (uint64_t)s->lights[n]->word_count * sizeof(uint32_t);
     if (c->json_path) r = json_write(c->json_path, render_report_json(&report), m);
     if (r == VXS_OK && c->csv_path) r = render_report_csv(&report, c->csv_path, m);
     if (r == VXS_OK && c->plot_path) r = render_report_plot(&report, c->plot_path, m);
     return r;
 }
 
-static vxs_result draw_by_gl(const render_command *c, const subject *s, uint8_t *rgb, message *m)
+static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, message *m)
 {
     renderer        *drawn      = NULL;
     camera_path      path       = {0};
@@ -197,8 +242,7 @@ static vxs_result draw_by_gl(const render_command *c, const subject *s, uint8_t 
     uint32_t         count      = c->path_file || c->orbits ? c->frames : 1;
     drawn_frame     *frames     = calloc(count, sizeof *frames);
     vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
-    if (r == VXS_OK) r = renderer_create(&drawn, &c->options, &s->scene, s->lights, s->light_count, m);
-    if (r == VXS_OK) r = draw_frames(c, drawn, &path, frames, count, rgb, m);
+    if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, rgb, m);
     if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
     if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
     renderer_destroy(drawn);
@@ -207,7 +251,7 @@ static vxs_result draw_by_gl(const render_command *c, const subject *s, uint8_t 
     return r;
 }
 
-static vxs_result draw(const render_command *c, const subject *s, output_file *out, message *m)
+static vxs_result draw(const render_command *c, subject *s, output_file *out, message *m)
 {
     uint32_t   width = c->options.width_px, height = c->options.height_px;
     uint8_t   *rgb = malloc((size_t)3 * width * height), *png = NULL;
@@ -237,6 +281,7 @@ static vxs_result run(void *command, message *m)
     if (s) {
         scene_free(&s->scene);
         vxs_asset_close(s->asset);
+        asset_stream_close(&s->stream);
     }
     free(s);
     return r;
@@ -244,11 +289,12 @@ static vxs_result run(void *command, message *m)
 
 int cmd_render(int argc, char **argv)
 {
-    render_command  c      = {.options       = {.width_px    = 1280,
-                                                .height_px   = 720,
-                                                .samples     = 2,
-                                                .tile_lights = TILE_LIGHTS,
-                                                .threads     = parallel_default_threads()},
+    render_command  c      = {.options       = {.width_px     = 1280,
+                                                .height_px    = 720,
+                                                .samples      = 2,
+                                                .tile_lights  = TILE_LIGHTS,
+                                                .upload_bytes = UPLOAD_BYTES,
+                                                .threads      = parallel_default_threads()},
                               .filter.box_px = 5,
                               .fog           = FOG_DEFAULTS};
     render_options *o      = &c.options;
@@ -277,8 +323,14 @@ int cmd_render(int argc, char **argv)
         FOG_ROWS(c.fog),
         {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
          "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
+        {"--budget", OPTION_BYTES, &c.budget_bytes, 0, 0, NULL, "BYTES",
+         "stream FILE.vxs: hold no more of it than this, 4M or plain bytes (default all of the file)", &c.budget_given},
+        {"--upload", OPTION_BYTES, &o->upload_bytes, 0, 0, NULL, "BYTES",
+         "of a stream's pages, in each frame of a path at most (default 1M)", &c.upload_given},
         {"--passes", OPTION_TEXT, &c.passes_folder, 0, 0, NULL, "FOLDER",
-         "also depth, normals, light, lights of each pixel, each light's shadow, and what rays say, as PNG", NULL},
+         "also depth, normals, light, lights of each pixel, each light's shadow, what rays say, and of a stream what is there, as "
+         "PNG",
+         NULL},
         {"--path", OPTION_INPUT, &c.path_file, FILE_UNKNOWN, 0, NULL, "FILE",
          "frames along a path: lines of x y z of the eye, x y z of where it looks; the last one is the picture", NULL},
         {"--orbit", OPTION_SWITCH, &c.orbits, 0, 0, NULL, NULL, "frames once around the target", NULL},

@@ -79,7 +79,8 @@ static vxs_result open_like(truth_options *o, vxs_asset **asset, json_t **made, 
     vxs_result r = asset_open(asset, o->like_path, o->threads, m);
     if (r == VXS_OK) r = provenance_read(made, vxs_asset_contents(*asset), m);
     if (r == VXS_OK) r = asset_scene_choice(*made, &o->choice, m);
-    if (r == VXS_OK) r = asset_choose_lights(*asset, o->like_path, &o->light_names, q->lights, &q->light_count, m);
+    if (r == VXS_OK)
+        r = asset_choose_lights(vxs_asset_contents(*asset), o->like_path, &o->light_names, q->lights, &q->light_count, m);
     for (uint32_t n = 0; r == VXS_OK && n < q->light_count; n++) q->shapes[n] = baked_light_shape(&q->lights[n]->light);
     q->filter_px = filter_px_of(&o->filter);
     return r;
@@ -109,7 +110,8 @@ static vxs_result run(void *command, message *m)
     if ((r = check_options(o, m)) != VXS_OK) goto done;
     if (o->like_path && (r = open_like(o, &asset, &made, &like, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf_checked(&s, o->scene_path, &o->choice, o->like_path ? NULL : &check, m)) != VXS_OK) goto done;
-    if (o->like_path) r = asset_check_scene(asset, made, o->like_path, &s, o->scene_path, "it may answer otherwise", m);
+    if (o->like_path)
+        r = asset_check_scene(vxs_asset_contents(asset), made, o->like_path, &s, o->scene_path, "it may answer otherwise", m);
     if (r != VXS_OK) goto done;
     /* solids and sheets cast the same shadow: nothing needs to be sorted */
     if ((r = casters_from_scene(&c, &s, CLOSED_OFF, o->threads, m)) != VXS_OK) goto done;

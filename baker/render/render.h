@@ -7,7 +7,7 @@
 #include "baker/opengl/gl.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/camera.h"
-#include "runtime/vxs.h"
+#include "runtime/vxs_stream.h"
 
 typedef enum cull_mode { CULL_AUTO, CULL_ON, CULL_OFF } cull_mode;
 #define CULL_CHOICES "auto|on|off" /* their words, in that order; auto: where there is more than one light */
@@ -21,11 +21,14 @@ typedef struct render_options {
     cull_mode  cull;
     gl_backend backend;
     uint32_t   threads;
+
+    const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
+    uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
 
-/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. */
-enum { RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_TONE, RENDER_STAGES };
-extern const char *const render_stage_names[RENDER_STAGES]; /* "surfaces", ... */
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream the first is left out. */
+enum { RENDER_UPLOAD, RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_TONE, RENDER_STAGES };
+extern const char *const render_stage_names[RENDER_STAGES]; /* "upload", ... */
 
 typedef struct render_frame {
     double   seconds[RENDER_STAGES];
@@ -33,14 +36,17 @@ typedef struct render_frame {
     uint64_t asked_lights;   /* lookups of all pixels but those of lights that they face away from */
     uint32_t longest_list;   /* lights of a tile; 0 without culling */
     uint32_t full_lists;     /* tiles that all lights were asked for */
+    uint64_t uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
+    uint64_t waiting_bytes;  /* that are there, and for the next frames to upload */
+    uint64_t full_pixels;    /* surface_pixels of which each lookup is answered in full; all of them without a stream */
 } render_frame;
 
 typedef struct renderer renderer;
 
-/* Upload a scene and the words of an asset's lights.
+/* Upload a scene and the words of lights: all of an asset's, of a stream's what is there.
  * r       [out] NULL on failure; released with renderer_destroy
  * s       at least one triangle; only read here
- * lights  [light_count] of an asset, which outlives the renderer; those of the scene's names shine with the scene's colours
+ * lights  [light_count] of an asset or the stream, which outlives the renderer; those of the scene's names shine with the scene's colours
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result renderer_create(renderer **r, const render_options *o, const scene *s, const vxs_baked_light *const *lights,
                            uint32_t light_count, message *m);
@@ -65,6 +71,11 @@ vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albe
 /* The lit fraction that light n has at each place, as lookups of the last frame say it.   lit  [out] [count]; -1 where nothing is, and
  * where the light does not reach */
 vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
+
+/* Of a stream: the share of lookups at each place, of lights that it faces, that are answered in full.
+ * full  [out] [count]; RENDER_NOT_ASKED where there is none, -1 where nothing is */
+#define RENDER_NOT_ASKED (-2.0f)
+vxs_result renderer_read_full(renderer *r, float *full, message *m);
 
 /* The place of sample (x, y) of the last frame, top row first, `depth` metres along the axis. */
 void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, double place_ws[3]);

@@ -120,6 +120,18 @@ static vxs_result write_lights(passes *p, message *m)
     return write_picture(p, "lights", m);
 }
 
+static vxs_result write_resident(passes *p, message *m)
+{
+    static const double full_rgb[3] = {0.75, 0.75, 0.75}, coarse_rgb[3] = {0.85, 0.15, 0.05};
+    vxs_result          r = renderer_read_full(p->renderer, p->lit, m);
+    for (size_t n = 0; n < p->count && r == VXS_OK; n++) {
+        double share = (double)p->lit[n];
+        set_grey(p->rgb + 3 * n, p->lit[n] == RENDER_NOT_ASKED ? 0.25 : 0);
+        for (size_t k = 0; k < 3 && share >= 0; k++) p->rgb[3 * n + k] = byte_of(share * full_rgb[k] + (1 - share) * coarse_rgb[k]);
+    }
+    return r == VXS_OK ? write_picture(p, "resident", m) : r;
+}
+
 /* each light ---------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct asked_light {
@@ -224,7 +236,7 @@ static vxs_result take(passes *p, message *m)
 }
 
 vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
-                         const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m)
+                         int streamed, const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m)
 {
     passes p = {.renderer = drawn, .folder = folder, .truth = t, .filter_px = filter_px, .threads = threads};
     if (mkdir(folder, 0777) && errno != EEXIST)
@@ -237,6 +249,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK) r = write_albedo(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
+    if (r == VXS_OK && streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);
     free(p.depths);

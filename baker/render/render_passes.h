@@ -19,13 +19,16 @@ typedef struct truth_difference {
  *     light.png        direct light, as exposed, without albedo
  *     lights.png       how many lights were asked: black none, then blue to red for 1 to the most
  *     lit-N-NAME.png   lit fraction of light N, if it reaches a sample; magenta where nothing is, or where its map does not reach
+ *     resident.png     of a stream: grey where each lookup is answered in full, red where coarsely, between them by the share; dark where there is
+ *                      none, for surfaces that face no light
  *     truth.png        mean lit fraction of lights that reach, by K x K rays for the taps of a lookup
  *     difference.png   the same by lookups, less truth: grey where equal, red where too dark, blue where too light
  *
+ * streamed  whether lights are a stream's
  * t       NULL: no truth
  * lights  as renderer_create was given them
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
+vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count, int streamed,
                          const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m);
 
 #endif

@@ -11,6 +11,11 @@
 typedef struct drawn_frame {
     camera_pose  camera;
     render_frame frame;
+
+    /* of a stream, before the frame: what it held then, what it read since the last one, and how long it was waited for */
+    vxs_stream_status stream;
+    uint64_t          read_bytes;
+    double            wait_seconds;
 } drawn_frame;
 
 typedef struct render_report {
@@ -19,7 +24,8 @@ typedef struct render_report {
     uint32_t                light_count;
     int                     culls;
     uint64_t                word_bytes;
-    const drawn_frame      *frames; /* [frame_count] */
+    uint64_t                budget_bytes; /* of a stream; 0: there is none */
+    const drawn_frame      *frames;       /* [frame_count] */
     size_t                  frame_count;
     const truth_difference *difference; /* NULL: none was asked for */
 } render_report;
@@ -30,7 +36,7 @@ json_t *render_report_json(const render_report *r);
 /* A line of names, and a line for each frame.   Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY, as the next does. */
 vxs_result render_report_csv(const render_report *r, const char *path, message *m);
 
-/* Milliseconds of stages by frame, one above the other, as SVG. */
+/* Milliseconds of stages by frame, one above the other, as SVG; of a stream, below it, what is uploaded and what is answered in full. */
 vxs_result render_report_plot(const render_report *r, const char *path, message *m);
 
 #endif

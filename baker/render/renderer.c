@@ -1,5 +1,6 @@
 /* Frames; see render.h.
  *
+ *     upload     of a stream, what has come
  *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
  *     shade      light of each sample, lookups and all
@@ -25,9 +26,9 @@ EMBEDDED(screen_vert_glsl)
 EMBEDDED(shade_frag_glsl)
 EMBEDDED(tone_frag_glsl)
 
-const char *const render_stage_names[RENDER_STAGES] = {"surfaces", "cull", "shade", "tone"};
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "surfaces", "cull", "shade", "tone"};
 
-enum { COLOURS_BINDING = 3, SHOW_LIGHT = 0, SHOW_LIT = 1 };
+enum { COLOURS_BINDING = 3, SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
 
 /* Pictures that are drawn to. */
 enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, TARGETS };
@@ -42,6 +43,7 @@ struct renderer {
     int         day;                           /* there is a sun */
     GLuint      colour_buffer, empty_array;
     GLuint      surface_program, shade_program, tone_program;
+    uint64_t    uploaded_bytes; /* up to and with the last frame */
     GLuint      target[TARGETS], surface_frame, light_frame, screen_frame;
     double      exposure; /* 0: not yet chosen */
     camera_pose camera;   /* of the last frame */
@@ -51,6 +53,8 @@ struct renderer {
 };
 
 /* programs ------------------------------------------------------------------------------------------------------------------------ */
+
+enum { SHADE_PARTS = VXS_GL_TEXTS + 2 };
 
 typedef struct text_part {
     const char *text;
@@ -64,8 +68,8 @@ static text_part part_of(embedded e)
 
 static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
 {
-    const char *texts[VXS_GL_TEXTS + 1];
-    GLint       sizes[VXS_GL_TEXTS + 1];
+    const char *texts[SHADE_PARTS];
+    GLint       sizes[SHADE_PARTS];
     GLuint      shader = gl->CreateShader(kind);
     for (int n = 0; n < count; n++) {
         texts[n] = parts[n].text;
@@ -96,14 +100,15 @@ static vxs_result make_program(const gl_context *gl, GLuint *program, embedded v
 static vxs_result make_programs(renderer *r, message *m)
 {
     const char *texts[VXS_GL_TEXTS];
-    text_part   shade[VXS_GL_TEXTS + 1], surface = part_of(surface_frag_glsl), tone = part_of(tone_frag_glsl);
+    text_part   shade[SHADE_PARTS], surface = part_of(surface_frag_glsl), tone = part_of(tone_frag_glsl);
     vxs_result  result;
     vxs_gl_texts(r->shadows, texts);
     for (int n = 0; n < VXS_GL_TEXTS; n++) shade[n] = (text_part){texts[n], -1};
-    shade[VXS_GL_TEXTS] = part_of(shade_frag_glsl);
+    shade[VXS_GL_TEXTS]     = (text_part){r->options.stream ? "#define STREAMED\n" : "", -1};
+    shade[VXS_GL_TEXTS + 1] = part_of(shade_frag_glsl);
     if ((result = make_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
     if ((result = make_program(r->gl, &r->tone_program, screen_vert_glsl, &tone, 1, m)) != VXS_OK) return result;
-    return make_program(r->gl, &r->shade_program, screen_vert_glsl, shade, VXS_GL_TEXTS + 1, m);
+    return make_program(r->gl, &r->shade_program, screen_vert_glsl, shade, SHADE_PARTS, m);
 }
 
 /* targets ------------------------------------------------------------------------------------------------------------------------- */
@@ -183,7 +188,7 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
     return VXS_OK;
 }
 
-static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, message *m)
+static vxs_result put_asset(renderer *r, const vxs_baked_light *const *lights, vxs_gl_desc *desc)
 {
     uint64_t      words  = 0;
     vxs_gl_light *placed = calloc(r->light_count, sizeof *placed);
@@ -193,20 +198,27 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
         words += lights[n]->word_count;
     }
     if (words > UINT32_MAX) result = VXS_E_MEMORY;
-    vxs_gl_desc desc = {.get_proc_address = lookup,
-                        .user             = r->gl,
-                        .storage          = VXS_GL_BUFFER,
-                        .lights           = placed,
-                        .light_count      = r->light_count,
-                        .word_count       = (uint32_t)words};
-    if (result == VXS_OK) result = vxs_gl_create(&r->shadows, &desc);
+    desc->lights      = placed;
+    desc->light_count = r->light_count;
+    desc->word_count  = (uint32_t)words;
+    if (result == VXS_OK) result = vxs_gl_create(&r->shadows, desc);
     for (uint32_t n = 0; n < r->light_count && result == VXS_OK; n++)
         result = vxs_gl_put(r->shadows, lights[n]->words, placed[n].first_word, lights[n]->word_count);
-    if (result == VXS_OK) vxs_gl_upload(r->shadows, SIZE_MAX);
     free(placed);
-    if (result == VXS_OK) return result;
-    return fail(m, result, "%u lights of %.1f MB cannot be uploaded: %s", r->light_count, (double)words * 4e-6,
-                vxs_result_text(result));
+    return result;
+}
+
+static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights, message *m)
+{
+    vxs_gl_desc desc   = {.struct_size      = sizeof desc,
+                          .get_proc_address = lookup,
+                          .user             = r->gl,
+                          .storage          = VXS_GL_BUFFER,
+                          .stream           = r->options.stream};
+    vxs_result  result = desc.stream ? vxs_gl_create(&r->shadows, &desc) : put_asset(r, lights, &desc);
+    if (result != VXS_OK) return fail(m, result, "%u lights cannot be uploaded: %s", r->light_count, vxs_result_text(result));
+    vxs_gl_upload(r->shadows, SIZE_MAX);
+    return VXS_OK;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
@@ -427,6 +439,27 @@ static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
     return result;
 }
 
+/* How many samples are answered in full. */
+static vxs_result count_full(renderer *r, render_frame *frame, message *m)
+{
+    size_t     count  = (size_t)r->width * r->height;
+    float     *full   = malloc(count * sizeof *full);
+    vxs_result result = full ? renderer_read_full(r, full, m)
+                             : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) frame->full_pixels += full[n] >= 1 || full[n] == RENDER_NOT_ASKED;
+    free(full);
+    return result;
+}
+
+/* What has come, in a slice. */
+static void upload(renderer *r, render_frame *frame)
+{
+    size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
+    frame->waiting_bytes  = vxs_gl_upload(r->shadows, slice);
+    frame->uploaded_bytes = vxs_gl_uploaded_bytes(r->shadows) - r->uploaded_bytes;
+    r->uploaded_bytes += frame->uploaded_bytes;
+}
+
 static double finished(const gl_context *gl)
 {
     gl->Finish();
@@ -440,12 +473,19 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
     now                   = finished(r->gl);                                                                                       \
     frame->seconds[stage] = now - since;                                                                                           \
     since                 = now;
+    if (r->options.stream) upload(r, frame);
+    STAGE_ENDS(RENDER_UPLOAD)
     vxs_gl_origin(r->shadows, r->camera.eye_ws);
     draw_surfaces(r);
     STAGE_ENDS(RENDER_SURFACES)
     if (renderer_culls(r) && vxs_gl_cull(r->shadows, &r->view, r->target[DEPTHS], r->options.tile_lights) != VXS_OK)
         return fail(m, VXS_E_GL, "OpenGL cannot make lists of lights for %u x %u samples", r->width, r->height);
     STAGE_ENDS(RENDER_CULL)
+    if (r->options.stream) {
+        vxs_result result = count_full(r, frame, m);
+        if (result != VXS_OK) return result;
+        since = finished(r->gl);
+    }
     shade(r, SHOW_LIGHT, 0);
     STAGE_ENDS(RENDER_SHADE)
     if (r->exposure <= 0) {
@@ -489,6 +529,7 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
     vxs_result result = draw_frame(r, frame, m);
     if (result == VXS_OK) result = count_lights(r, frame, m);
     if (result != VXS_OK) return result;
+    if (!r->options.stream) frame->full_pixels = frame->surface_pixels;
     if (rgb) read_target(r, SCREEN, GL_RGB, GL_UNSIGNED_BYTE, 3, rgb);
     GLenum error = r->gl->GetError();
     return error == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL says error 0x%x of a frame", error);
@@ -524,6 +565,21 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
     vxs_result result = renderer_read(r, NULL, NULL, NULL, light, m);
     for (size_t i = 0; result == VXS_OK && i < count; i++) lit[i] = light[4 * i + 3] > 0 ? light[4 * i] : -1;
     free(light);
+    return result;
+}
+
+vxs_result renderer_read_full(renderer *r, float *full, message *m)
+{
+    size_t count = (size_t)r->width * r->height;
+    float *found = malloc(4 * count * sizeof *found); /* lookups, those in full, -, whether there is a surface */
+    if (!found) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    shade(r, SHOW_FULL, 0);
+    vxs_result result = renderer_read(r, NULL, NULL, NULL, found, m);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) {
+        const float *f = found + 4 * n;
+        full[n]        = !(f[3] > 0) ? -1 : f[0] > 0 ? f[1] / f[0] : RENDER_NOT_ASKED;
+    }
+    free(found);
     return result;
 }
 

@@ -2,6 +2,7 @@
  * ending at their range and cones as KHR_lights_punctual has it. */
 #define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
+#define SHOW_FULL    2 /* lookups, and how many of them are answered in full; where STREAMED */
 
 layout(std430, binding = 3) readonly restrict buffer colours_block { vec4 colours[]; }; /* and the cosine of the inner cone */
 layout(binding = 0) uniform sampler2D depths;
@@ -51,13 +52,29 @@ void main()
         light_out = vec4(vec3(vxs_lit_by(uint(asked.z), at, normal, asked.x)), 1.0);
         return;
     }
+#ifdef STREAMED
+    vec2 lookups = vec2(0.0);
+#endif
     uint tile = asked.w != 0 ? vxs_tile_of(pixel) : 0u, count = asked.w != 0 ? vxs_tile_light_count(tile) : vxs_light_count();
     for (uint i = 0u; i < count; i++) {
         uint                n = asked.w != 0 ? vxs_tile_light(tile, i) : i;
         vxs_light_constants l = vxs_light_at(n);
         vec3                to_light;
         float               power = strength(l, colours[n].a, at, to_light) * dot(normal, to_light);
-        if (power > 0.0) sum += colours[n].rgb * (power * lit_of(l, at, normal));
+        if (power <= 0.0) continue;
+#ifdef STREAMED
+        if (asked.y == SHOW_FULL) {
+            lookups += vec2(1.0, float(vxs_lit_is_full(l.dag, l, at, normal, asked.x)));
+            continue;
+        }
+#endif
+        sum += colours[n].rgb * (power * lit_of(l, at, normal));
     }
+#ifdef STREAMED
+    if (asked.y == SHOW_FULL) {
+        light_out = vec4(lookups, 0.0, 1.0);
+        return;
+    }
+#endif
     light_out = vec4(sum, float(count));
 }

@@ -1,8 +1,9 @@
-# vxs render with OpenGL: paths and their reports, passes, culling that changes nothing but time. Pictures are in test_compare.py.
+# vxs render with OpenGL: paths and their reports, passes, culling that changes nothing but time, streams within a budget. Pictures are in test_compare.py.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import csv
 import json
 import math
+import re
 import xml.etree.ElementTree
 
 import jsonschema
@@ -207,3 +208,117 @@ def test_passes_need_a_folder(level, render):
     said = render("sun", "--passes", level / "file", status=4).stderr
     assert "file" in said and said.count("\n") == 1
     assert "cannot be made" in render("sun", "--passes", level / "no" / "folder", status=4).stderr
+
+
+# --- streams ------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def forest(vxs, tmp_path_factory):
+    """A folder with forest.glb and forest.vxs, of some pages."""
+    folder = tmp_path_factory.mktemp("stream")
+    vxs("scene", "forest", "--triangles", 20000, "-o", folder / "forest.glb")
+    vxs("bake", folder / "forest.glb", "-o", folder / "forest.vxs", "--resolution", 8192, "--baseline", "off")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def stream(vxs, forest):
+    def run(*options, asset=forest / "forest.vxs", scene=forest / "forest.glb", **more):
+        return vxs("render", scene, asset, "-o", forest / "out.png", *SMALL, *options, **more)
+
+    return run
+
+
+def least_budget(stream, **more):
+    said = stream("--budget", 1, status=6, **more).stderr
+    assert said.count("\n") == 1 and said.startswith("vxs: error: --budget 1: ")
+    return int(re.search(r"needs at least (\d+) bytes", said)[1])
+
+
+def test_a_budget_for_all_changes_nothing(level, render):
+    """Not a byte of the picture, of lights in any order; reports without one know nothing of streams."""
+    lights = "--light", "lamp", "--light", "noon", "--eye", "6,9,2", "--target", "0,0,0", "--fov", 60
+    whole = report(level, render, "all", *lights)
+    picture = (level / "out.png").read_bytes()
+    streamed = report(level, render, "all", *lights, "--budget", "30M")
+    assert (level / "out.png").read_bytes() == picture
+    frame, = streamed["frames"]
+    assert frame["stream"]["full_share"] == 1 and frame["stream"]["pages_resident"] == frame["stream"]["pages"] > 1
+    assert frame["stream"]["uploaded_bytes"] >= whole["word_bytes"] and frame["stream"]["waiting_bytes"] == 0
+    assert streamed["held_bytes"] <= streamed["budget_bytes"] == 30 << 20
+    assert "stream" not in whole["frames"][0] and "upload" not in whole["frames"][0]["ms"] and "budget_bytes" not in whole
+
+
+def test_path_of_a_stream(forest, stream):
+    """Never beyond the budget, never more than a slice a frame; reports agree with each other, with the picture of what is there, and on one thread."""
+    budget, slice_bytes = least_budget(stream) + 1000000, 40000
+    path = "--budget", budget, "--upload", slice_bytes, "--orbit", "--frames", 9, "--eye", "60,20,60", "--target", "0,0,0"
+    stream(*path, "--json", forest / "r.json", "--csv", forest / "r.csv", "--plot", forest / "r.svg", "--passes", forest / "passes")
+    picture, table = (forest / "out.png").read_bytes(), list(csv.DictReader((forest / "r.csv").read_text().splitlines()))
+    found = json.loads((forest / "r.json").read_text())
+    jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "render.schema.json").read_text())).validate(found)
+    assert found["held_bytes"] <= found["budget_bytes"] == budget
+    frames = [frame["stream"] for frame in found["frames"]]
+    for n, (frame, row) in enumerate(zip(frames, table, strict=True)):
+        assert all(float(row[name]) == pytest.approx(value, rel=1e-3, abs=1e-4) for name, value in frame.items())
+        assert frame["resident_bytes"] <= budget
+        assert float(row["upload_ms"]) == pytest.approx(found["frames"][n]["ms"]["upload"], abs=1e-3)
+    for before, frame in zip(frames, frames[1:]):
+        assert frame["uploaded_bytes"] <= slice_bytes + 4 * frame["pages"]
+        assert frame["pages_resident"] == before["pages_resident"] + frame["pages_appeared"] - frame["pages_left"]
+        assert frame["waiting_bytes"] == 0 or frame["uploaded_bytes"] >= slice_bytes
+    assert frames[0]["pages_resident"] == frames[0]["pages_appeared"] > 1 and frames[0]["waiting_bytes"] == 0
+    assert sum(f["pages_left"] for f in frames[1:]) > 1 < sum(f["pages_appeared"] for f in frames[1:])
+    assert any(f["waiting_bytes"] for f in frames) and any(0 < f["full_share"] < 1 for f in frames)
+
+    colours = [tuple(row[n:n + 3]) for row in read_png((forest / "passes" / "resident.png").read_bytes())[2] for n in range(0, len(row), 3)]
+    seen = [c for c in colours if c != (0, 0, 0)]
+    assert set(seen) == {(191, 191, 191), (64, 64, 64), (217, 38, 13)}, "one light: in full, none, coarse"
+    assert frames[-1]["full_share"] == pytest.approx(1 - seen.count((217, 38, 13)) / len(seen), abs=1e-4)
+
+    plot = xml.etree.ElementTree.fromstring((forest / "r.svg").read_text())
+    assert [len(p.get("points").split()) for p in plot.iter("{http://www.w3.org/2000/svg}polygon")] == [18] * 5
+    assert [len(p.get("points").split()) for p in plot.iter("{http://www.w3.org/2000/svg}polyline")] == [9]
+
+    stream(*path, "--csv", forest / "again.csv", "--threads", 1)
+    again = list(csv.DictReader((forest / "again.csv").read_text().splitlines()))
+    assert [{k: v for k, v in row.items() if not k.endswith("_ms")} for row in again] == \
+        [{k: v for k, v in row.items() if not k.endswith("_ms")} for row in table]
+    assert (forest / "out.png").read_bytes() == picture
+
+
+def test_least_budget(forest, stream):
+    """What the message says is enough, a byte less is not; then all that needs a page is coarse."""
+    least = least_budget(stream)
+    assert f"needs at least {least} bytes" in stream("--budget", least - 1, status=6).stderr
+    stream("--budget", least, "--eye", "60,20,60", "--target", "0,0,0", "--json", forest / "r.json")
+    found = json.loads((forest / "r.json").read_text())
+    frame = found["frames"][0]["stream"]
+    assert found["held_bytes"] <= least and frame["pages_resident"] == 0 < frame["pages"] and 0 < frame["full_share"] < 1
+
+
+def test_budget_is_checked(vxs, level, forest, stream):
+    """One line each, before anything is drawn."""
+    for options, status, words in (
+            (("--upload", "1M"), 2, "--upload 1048576 needs --budget"),
+            (("--budget", "much"), 2, "expected a number of bytes"),
+            (("--budget", "30M", "--light", "moon"), 2, "has no light of that name; it has sun"),
+            (("--budget", "30M", "--light", "sun", "--light", "sun"), 2, "--light sun is given twice")):
+        said = stream(*options, status=status).stderr
+        assert words in said and said.count("\n") == 1 and said.startswith("vxs: error: ")
+    said = vxs("render", forest / "forest.glb", forest / "forest.vxs", "-o", forest / "out.png", "--draw", "rays", "--budget", "30M", status=2).stderr
+    assert said == "vxs: error: --draw rays goes without --budget, which is for OpenGL\n"
+    said = vxs("render", forest / "forest.glb", "-", "-o", forest / "out.png", "--budget", "30M", input="x", status=2).stderr
+    assert "standard input is read once" in said and said.count("\n") == 1
+    said = stream("--budget", "30M", "--strict", scene=level / "level.gltf", status=1).stderr
+    assert "was baked from another scene" in said
+
+
+def test_broken_page_of_a_stream(forest, stream):
+    """It opens, and the page that is damaged is named."""
+    data = bytearray((forest / "forest.vxs").read_bytes())
+    data[len(data) // 2] ^= 1
+    (forest / "broken.vxs").write_bytes(data)
+    said = stream("--budget", "30M", asset=forest / "broken.vxs", status=3).stderr
+    assert re.search(r"broken.vxs' is not a valid .vxs file: page \d of light 'sun' \(finding 50\d\)", said) and said.count("\n") == 1
