@@ -73,3 +73,18 @@ uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k
         }
     return count;
 }
+
+uint32_t vxs_dag_path_weight(vxs_dag_path *path, vxs_smooth_box box, uint32_t k, int32_t width_px)
+{
+    int32_t  side = 1 << path->levels, x0 = box.x < 0 ? 0 : box.x, y0 = box.y < 0 ? 0 : box.y;
+    int32_t  x1 = box.x + width_px + (box.across > 0), y1 = box.y + width_px + (box.down > 0);
+    uint32_t sum = 0;
+    x1           = x1 < side ? x1 : side;
+    y1           = y1 < side ? y1 : side;
+    for (int32_t y = y0 & ~7; y < y1; y += 8)
+        for (int32_t x = x0 & ~7; x < x1; x += 8) {
+            vxs_mask mask = slice(path, (uint32_t)x >> 3, (uint32_t)y >> 3, k);
+            if (mask.low | mask.high) sum += vxs_weigh_mask(mask, box, box.x - x, box.y - y, width_px);
+        }
+    return sum;
+}

@@ -19,8 +19,9 @@ typedef struct vxs_dag_path {
 /* Start at the root of a map. */
 void vxs_dag_path_init(vxs_dag_path *path, const vxs_baked_light *baked, uint32_t map);
 
-/* vxs_shadow and vxs_shadow_count from there: the same answers. */
+/* vxs_shadow, vxs_shadow_count and vxs_shadow_weight from there: the same answers. */
 uint32_t vxs_dag_path_shadow(vxs_dag_path *path, uint32_t i, uint32_t j, uint32_t k);
 uint32_t vxs_dag_path_count(vxs_dag_path *path, int32_t i, int32_t j, uint32_t k, int32_t filter_px);
+uint32_t vxs_dag_path_weight(vxs_dag_path *path, vxs_smooth_box box, uint32_t k, int32_t width_px);
 
 #endif

@@ -1,4 +1,4 @@
-/* Lookups of many points; see vxs_query.h. Points are taken 64 at a time: their coordinates side by side, then their voxels, then the taps.
+/* Lookups of many points; see vxs_query.h. Points are taken 64 at a time: their coordinates side by side, then their places, then the taps.
  * SPDX-License-Identifier: MIT */
 #include <string.h>
 
@@ -14,10 +14,11 @@ typedef struct coordinates {
     double at[3][CHUNK];
 } coordinates;
 
-/* Their voxels, as vxs_voxel has them. */
-typedef struct voxels {
+/* Where they are looked up, as vxs_place has it; within a texel of smooth filters alone. */
+typedef struct places {
     int32_t at[3][CHUNK], map[CHUNK];
-} voxels;
+    uint8_t within[2][CHUNK];
+} places;
 
 static void read_doubles(const char *bytes, size_t stride, size_t count, coordinates *out)
 {
@@ -42,18 +43,20 @@ static void read_vectors(const vxs_vectors *v, size_t first, size_t count, coord
 
 /* world to voxel ---------------------------------------------------------------------------------------------------------------- */
 
-/* The voxel of one of them, as a lookup finds it. */
-static void find_voxel(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t n, int filter_px,
-                       voxels *out)
+/* One of them, as a lookup finds it. */
+static void find_place(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t n, int filter_px,
+                       places *out)
 {
-    double  point[3], normal[3];
-    int32_t voxel[3];
+    double point[3], normal[3];
     for (int axis = 0; axis < 3; axis++) {
         point[axis]  = points->at[axis][n];
         normal[axis] = normals ? normals->at[axis][n] : 0;
     }
-    out->map[n] = vxs_voxel_from_ws(light, point, normal, filter_px, voxel);
-    for (int axis = 0; axis < 3; axis++) out->at[axis][n] = voxel[axis];
+    vxs_place place = vxs_place_from_ws(light, point, normal, filter_px);
+    for (int axis = 0; axis < 3; axis++) out->at[axis][n] = place.voxel[axis];
+    out->map[n]       = place.map;
+    out->within[0][n] = (uint8_t)place.across;
+    out->within[1][n] = (uint8_t)place.down;
 }
 
 /* A row of the matrix and points, or directions (one = 0), in the order of vxs_ls_coordinate. */
@@ -63,26 +66,39 @@ static inline vxs_lanes times_row(const double *m, const coordinates *c, int n, 
            vxs_lanes_of(m[2]) * vxs_load(c->at[2] + n) + vxs_lanes_of(m[3] * one);
 }
 
-/* Coordinate `row` of a directional light's voxels, as vxs_sun_coordinate has it. Returns 0 when some are so great that it would clamp
- * them, or are no numbers: then none of `out` counts. */
-static int find_coordinates(const vxs_light *light, int row, const coordinates *points, const coordinates *normals, int filter_px,
-                            int32_t *out)
+/* As vxs_within.   floors  of the same */
+static inline void find_within(vxs_lanes at, vxs_lanes floors, uint8_t *within)
 {
-    const vxs_lanes noise = vxs_lanes_of(VXS_STEP_NOISE), limit = vxs_lanes_of(1 << 29), half = vxs_lanes_of(0.5 * filter_px);
+    double part[VXS_LANES];
+    vxs_store(part, vxs_lanes_of(256) * (at - floors));
+    for (int n = 0; n < VXS_LANES; n++) within[n] = part[n] > 0 ? (uint8_t)(part[n] < 255 ? part[n] : 255) : 0;
+}
+
+/* Coordinate `row` of a directional light's voxels, as vxs_sun_coordinate has it. Returns 0 when some are so great that it would clamp
+ * them, or are no numbers: then none of `out` counts.
+ * within  [out] where in their texels; NULL: nobody asks */
+static int find_coordinates(const vxs_light *light, int row, const coordinates *points, const coordinates *normals, int filter_px,
+                            int32_t *out, uint8_t *within)
+{
+    const vxs_lanes noise = vxs_lanes_of(VXS_STEP_NOISE), limit = vxs_lanes_of(1 << 29);
+    const vxs_lanes half = vxs_lanes_of(vxs_half_filter(filter_px));
     const double   *m = light->ls_from_ws + 4 * row, texel = light->texel_metres;
     double          sum[CHUNK];
     vxs_lane_mask   small = noise < limit; /* all */
     for (int n = 0; n < CHUNK && !normals; n += VXS_LANES) {
-        vxs_lanes at = times_row(m, points, n, 1);
+        vxs_lanes at = times_row(m, points, n, 1), floors = vxs_small_floor(at);
         small &= vxs_abs_lanes(at) < limit;
-        vxs_store(sum + n, vxs_small_floor(at));
+        vxs_store(sum + n, floors);
+        if (within) find_within(at, floors, within + n);
     }
     for (int n = 0; n < CHUNK && normals; n += VXS_LANES) {
-        vxs_lanes at = times_row(m, points, n, 1), step = times_row(m, normals, n, 0) * vxs_lanes_of(texel) * half;
+        vxs_lanes at = times_row(m, points, n, 1), floors = vxs_small_floor(at);
+        vxs_lanes step  = times_row(m, normals, n, 0) * vxs_lanes_of(texel) * half;
         vxs_lanes steps = vxs_abs_lanes(step),
                   away  = -vxs_small_floor(noise - steps); /* from zero, in whole voxels; noise is none */
         small &= (vxs_abs_lanes(at) < limit) & (steps < limit);
-        vxs_store(sum + n, vxs_small_floor(at) + vxs_signed_as(away, step));
+        vxs_store(sum + n, floors + vxs_signed_as(away, step));
+        if (within) find_within(at, floors, within + n);
     }
     if (!vxs_all(small)) return 0;
     for (int n = 0; n < CHUNK; n++) out[n] = (int32_t)sum[n];
@@ -90,13 +106,15 @@ static int find_coordinates(const vxs_light *light, int row, const coordinates *
 }
 
 /* normals  NULL: none */
-static void find_voxels(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t count, int filter_px,
-                        voxels *out)
+static void find_places(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t count, int filter_px,
+                        places *out)
 {
     int     alike = light->kind == VXS_LIGHT_KIND_DIRECTIONAL, bounded = (light->flags & VXS_LIGHT_BOUNDED) != 0;
-    int32_t side = 1 << light->levels;
-    for (int row = 0; row < 3 && alike; row++) alike = find_coordinates(light, row, points, normals, filter_px, out->at[row]);
-    for (size_t n = 0; n < count && !alike; n++) find_voxel(light, points, normals, n, filter_px, out);
+    int     smooth = filter_px >= VXS_SMOOTH;
+    int32_t side   = 1 << light->levels;
+    for (int row = 0; row < 3 && alike; row++)
+        alike = find_coordinates(light, row, points, normals, filter_px, out->at[row], smooth && row < 2 ? out->within[row] : NULL);
+    for (size_t n = 0; n < count && !alike; n++) find_place(light, points, normals, n, filter_px, out);
     for (size_t n = 0; n < count && alike; n++) {
         int inside  = (uint32_t)out->at[0][n] < (uint32_t)side && (uint32_t)out->at[1][n] < (uint32_t)side;
         out->map[n] = inside && (!bounded || (uint32_t)out->at[2][n] < (uint32_t)side) ? 0 : -1;
@@ -105,14 +123,20 @@ static void find_voxels(const vxs_light *light, const coordinates *points, const
 
 /* lookups ------------------------------------------------------------------------------------------------------------------------ */
 
-/* The lit fraction at a voxel, as vxs_lit has it. */
-static float lit_at(vxs_taps *taps, const voxels *v, size_t n, int filter_px)
+/* The lit fraction at a place, as vxs_lit has it. */
+static float lit_at(vxs_taps *taps, const places *p, size_t n, int filter_px)
 {
-    int32_t last = (1 << taps->baked->light.levels) - 1, k = v->at[2][n];
-    if (v->map[n] < 0) return VXS_OUTSIDE;
-    if (k < 0) return 1;
-    uint32_t all  = (uint32_t)(filter_px * filter_px);
-    uint32_t dark = vxs_taps_at(taps, v->map[n], v->at[0][n], v->at[1][n], (uint32_t)(k < last ? k : last), filter_px);
+    int32_t last = (1 << taps->baked->light.levels) - 1, width = vxs_filter_width(filter_px);
+    if (p->map[n] < 0) return VXS_OUTSIDE;
+    if (p->at[2][n] < 0) return 1;
+    uint32_t k = (uint32_t)(p->at[2][n] < last ? p->at[2][n] : last), all = (uint32_t)(width * width), dark;
+    if (filter_px < VXS_SMOOTH) {
+        dark = vxs_taps_at(taps, p->map[n], p->at[0][n], p->at[1][n], k, width);
+    } else {
+        vxs_place place = {p->map[n], {p->at[0][n], p->at[1][n], p->at[2][n]}, p->within[0][n], p->within[1][n]};
+        dark            = vxs_taps_part(taps, place, k, width);
+        all *= 65536;
+    }
     return (float)((double)(all - dark) / (double)all);
 }
 
@@ -126,7 +150,7 @@ static void look_up(const vxs_baked_light *baked, const vxs_batch *b, size_t str
 {
     vxs_taps           taps;
     coordinates        points = {0}, normals;
-    voxels             v;
+    places             p;
     const coordinates *some = b->normals_ws.data ? &normals : NULL;
     vxs_taps_init(&taps, baked);
     memset(&normals, 0, some ? sizeof normals : 0);
@@ -134,21 +158,8 @@ static void look_up(const vxs_baked_light *baked, const vxs_batch *b, size_t str
         size_t count = b->count - first < CHUNK ? b->count - first : CHUNK;
         read_vectors(&b->points_ws, first, count, &points);
         if (some) read_vectors(&b->normals_ws, first, count, &normals);
-        find_voxels(&baked->light, &points, some, count, b->filter_px, &v);
-        for (size_t n = 0; n < count; n++, lit += stride) put(lit, lit_at(&taps, &v, n, b->filter_px));
-    }
-}
-
-/* Smooth filters, of which nothing is kept. */
-static void look_up_smooth(const vxs_baked_light *baked, const vxs_batch *b, size_t stride, char *lit)
-{
-    for (size_t n = 0; n < b->count; n++, lit += stride) {
-        coordinates c[2];
-        read_vectors(&b->points_ws, n, 1, &c[0]);
-        if (b->normals_ws.data) read_vectors(&b->normals_ws, n, 1, &c[1]);
-        const double point[3]  = {c[0].at[0][0], c[0].at[1][0], c[0].at[2][0]};
-        const double normal[3] = {c[1].at[0][0], c[1].at[1][0], c[1].at[2][0]};
-        put(lit, vxs_lookup(baked, point, b->normals_ws.data ? normal : NULL, b->filter_px));
+        find_places(&baked->light, &points, some, count, b->filter_px, &p);
+        for (size_t n = 0; n < count; n++, lit += stride) put(lit, lit_at(&taps, &p, n, b->filter_px));
     }
 }
 
@@ -161,8 +172,6 @@ vxs_result vxs_lookup_batch(const vxs_baked_light *lights, uint32_t light_count,
     if (!lights || !b.lit || !b.points_ws.data) return VXS_E_ARGUMENT;
     size_t stride = b.lit_stride_bytes ? b.lit_stride_bytes : sizeof(float);
     size_t light  = b.light_stride_bytes ? b.light_stride_bytes : b.count * stride;
-    int    box    = b.filter_px < VXS_SMOOTH;
-    if (box) b.filter_px = vxs_filter_width(b.filter_px); /* any number stands for one */
-    for (uint32_t n = 0; n < light_count; n++) (box ? look_up : look_up_smooth)(&lights[n], &b, stride, (char *)b.lit + n * light);
+    for (uint32_t n = 0; n < light_count; n++) look_up(&lights[n], &b, stride, (char *)b.lit + n * light);
     return VXS_OK;
 }

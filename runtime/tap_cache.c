@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-#include "vxs_space.h"
-
 /* In about the time that a lookup gains which finds its tiles: what a tile takes, how much is lent at first, and at most. When it is used
  * up, lookups walk the blocks for a while, twice as long each time that tiles are tried in vain. */
 enum { PRICE_FOR_TAP = 6, PRICE_FOR_FILTER = 2, CREDIT_AT_FIRST = 48, CREDIT_MOST = 1000, REST_LEAST = 64, REST_MOST = 1 << 14 };
@@ -91,6 +89,29 @@ static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32
     return (uint32_t)(two[0] + (two[0] >> 16)) & 0xffff;
 }
 
+/* Columns by the weights of their rows, at most 256 * 17 each; of them the first `width_px` make a box, and all but the first the one beside it. */
+static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_smooth_box box, int32_t width_px, int32_t k)
+{
+    static const eight lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    uint16_t           columns[(VXS_FILTER_MAX / 8 + 1) * 8];
+    eight              limit = (eight){0} + (int16_t)k;
+    vxs_words4         sums  = {0};
+    for (int32_t x = 0; x <= width_px; x += 8) {
+        eight strip = {0}, dark[2];
+        for (int32_t y = 1; y < width_px; y++)
+            strip -= *(const eight *)(depths + ((box.y + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x) < limit;
+        for (int32_t y = 0; y < 2; y++)
+            dark[y] =
+                *(const eight *)(depths + ((box.y + y * width_px) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x) < limit;
+        strip = (strip << 8) + (dark[0] & (int16_t)(256 - box.down)) + (dark[1] & (int16_t)box.down);
+        memcpy(columns + x, &strip, sizeof strip);
+        vxs_words4 pairs = (vxs_words4)(strip & (lane < (int16_t)(width_px - x)));
+        sums += (pairs & 0xffff) + (pairs >> 16);
+    }
+    uint32_t first = sums[0] + sums[1] + sums[2] + sums[3];
+    return (256 - box.across) * first + box.across * (first - columns[0] + columns[width_px]);
+}
+
 #else
 
 static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32_t row, int32_t filter_px, int32_t k)
@@ -100,6 +121,14 @@ static inline uint32_t count_texels(const int16_t *depths, int32_t column, int32
         for (int32_t x = 0; x < filter_px; x++)
             count += depths[((row + y) & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + column + x] < k;
     return count;
+}
+
+static inline uint32_t weigh_texels(const int16_t *depths, int32_t column, vxs_smooth_box box, int32_t width_px, int32_t k)
+{
+    int32_t right = box.across > 0, down = box.down > 0; /* beyond a whole texel nothing is kept, and has no weight */
+    return vxs_weighted(
+        box, count_texels(depths, column, box.y, width_px, k), count_texels(depths, column + right, box.y, width_px, k),
+        count_texels(depths, column, box.y + down, width_px, k), count_texels(depths, column + right, box.y + down, width_px, k));
 }
 
 #endif
@@ -145,6 +174,27 @@ static inline uint32_t tap(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j,
     return c->depth[(j & (VXS_CACHE_PX - 1)) * VXS_CACHE_PITCH + (i & (VXS_CACHE_PX - 1))] < k;
 }
 
+/* Of a map, the last ones with them. */
+typedef struct texels {
+    int32_t x0, y0, x1, y1;
+} texels;
+
+/* What the tiles of some texels agree on. */
+typedef enum kind { LIT, DARK, MIXED, MISSING } kind;
+
+static inline kind look_at_tiles(vxs_tap_cache *c, uint32_t map, texels box, int32_t k)
+{
+    int16_t least = INT16_MAX, greatest = INT16_MIN;
+    for (int32_t y = box.y0 >> 3; y <= box.y1 >> 3; y++)
+        for (int32_t x = box.x0 >> 3; x <= box.x1 >> 3; x++) {
+            if (!have_tile(c, map, x, y, PRICE_FOR_FILTER)) return MISSING;
+            uint32_t place = place_of(x, y);
+            least          = c->least[place] < least ? c->least[place] : least;
+            greatest       = c->greatest[place] > greatest ? c->greatest[place] : greatest;
+        }
+    return k <= least ? LIT : k > greatest ? DARK : MIXED;
+}
+
 uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px)
 {
     int32_t half_px = filter_px / 2, last = (1 << c->baked->light.levels) - 1 - half_px, x0 = i - half_px, y0 = j - half_px;
@@ -156,17 +206,28 @@ uint32_t vxs_cached_taps(vxs_tap_cache *c, uint32_t map, int32_t i, int32_t j, i
 
     earn(c);
     if (filter_px == 1) return tap(c, map, i, j, k);
-    int16_t least = INT16_MAX, greatest = INT16_MIN;
-    for (int32_t y = y0 >> 3; y <= (j + half_px) >> 3; y++)
-        for (int32_t x = x0 >> 3; x <= (i + half_px) >> 3; x++) {
-            if (!have_tile(c, map, x, y, PRICE_FOR_FILTER)) return walked(c, map, i, j, k, filter_px);
-            uint32_t place = place_of(x, y);
-            least          = c->least[place] < least ? c->least[place] : least;
-            greatest       = c->greatest[place] > greatest ? c->greatest[place] : greatest;
-        }
-    if (k <= least) return 0;
-    if (k > greatest) return (uint32_t)(filter_px * filter_px);
+    kind found = look_at_tiles(c, map, (texels){x0, y0, i + half_px, j + half_px}, k);
+    if (found == MISSING) return walked(c, map, i, j, k, filter_px);
+    if (found != MIXED) return found == DARK ? (uint32_t)(filter_px * filter_px) : 0;
     int32_t column = x0 & (VXS_CACHE_PX - 1);
     if (filter_px == 9) return count_texels(c->depth, column, y0, 9, k); /* most are: loops whose lengths are known */
     return count_texels(c->depth, column, y0, filter_px, k);
+}
+
+uint32_t vxs_cached_part(vxs_tap_cache *c, vxs_place place, int32_t k, int32_t width_px)
+{
+    vxs_smooth_box box  = vxs_smooth_box_at(place.voxel[0], place.voxel[1], place.across, place.down, width_px);
+    texels         all  = {box.x, box.y, box.x + width_px - (box.across == 0), box.y + width_px - (box.down == 0)};
+    int32_t        side = 1 << c->baked->light.levels, tries = c->rest <= 0;
+    kind           found = MISSING;
+    if (!tries) c->rest--;
+    if (tries && all.x0 >= 0 && all.y0 >= 0 && all.x1 < side && all.y1 < side) {
+        earn(c);
+        found = look_at_tiles(c, (uint32_t)place.map, all, k);
+    }
+    if (found == MISSING) return vxs_shadow_part(c->baked->words, &c->baked->light, place, (uint32_t)k, width_px);
+    if (found != MIXED) return found == DARK ? 65536 * (uint32_t)(width_px * width_px) : 0;
+    int32_t column = box.x & (VXS_CACHE_PX - 1);
+    if (width_px == 9) return weigh_texels(c->depth, column, box, 9, k); /* as above */
+    return weigh_texels(c->depth, column, box, width_px, k);
 }

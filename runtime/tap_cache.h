@@ -15,7 +15,7 @@
 #define VXS_TAP_CACHE_H
 
 #include "block_depths.h"
-#include "vxs_file.h"
+#include "vxs_space.h"
 
 enum { VXS_CACHE_TILES = 16, VXS_CACHE_PX = 8 * VXS_CACHE_TILES, VXS_CACHE_PITCH = VXS_CACHE_PX + 24, VXS_CACHE_LEVELS_MAX = 15 };
 
@@ -38,5 +38,8 @@ void vxs_tap_cache_init(vxs_tap_cache *cache, const vxs_baked_light *baked);
 
 /* vxs_shadow_taps of such a light: the same answer. i, j  any; k  [0, 2^levels) */
 uint32_t vxs_cached_taps(vxs_tap_cache *cache, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t filter_px);
+
+/* vxs_shadow_part of such a light: the same answer. k  [0, 2^levels) */
+uint32_t vxs_cached_part(vxs_tap_cache *cache, vxs_place place, int32_t k, int32_t width_px);
 
 #endif

@@ -35,4 +35,13 @@ static inline uint32_t vxs_taps_at(vxs_taps *taps, int32_t map, int32_t i, int32
     return vxs_dag_path_count(&taps->kept.path[map], i, j, k, filter_px);
 }
 
+/* vxs_shadow_part: the same answer. */
+static inline uint32_t vxs_taps_part(vxs_taps *taps, vxs_place place, uint32_t k, int32_t width_px)
+{
+    if (taps->cached) return vxs_cached_part(&taps->kept.cache, place, (int32_t)k, width_px);
+    if (!taps->paths) return vxs_shadow_part(taps->baked->words, &taps->baked->light, place, k, width_px);
+    vxs_smooth_box box = vxs_smooth_box_at(place.voxel[0], place.voxel[1], place.across, place.down, width_px);
+    return vxs_dag_path_weight(&taps->kept.path[place.map], box, k, width_px);
+}
+
 #endif

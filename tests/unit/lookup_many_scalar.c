@@ -6,6 +6,7 @@
 
 #define vxs_lookup_batch     scalar_lookup_batch
 #define vxs_cached_taps      scalar_cached_taps
+#define vxs_cached_part      scalar_cached_part
 #define vxs_tap_cache_init   scalar_tap_cache_init
 #define vxs_tap_cache_serves scalar_tap_cache_serves
 #define vxs_tile_depths      scalar_tile_depths
