@@ -133,8 +133,8 @@ $B/baker.a: $(baker.o) $(library.o)
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
 $B/tests/unit/test_air: test_libs += -lgsl -lgslcblas
-$B/tests/unit/test_lookup_blocks: $B/tests/unit/blocks_scalar.c.o
-$B/tests/unit/test_lookup_many: $B/tests/unit/lookup_many_scalar.c.o
+$B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
+$B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(shader)

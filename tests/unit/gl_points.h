@@ -95,19 +95,20 @@ static inline drawing drawing_make(void)
     return d;
 }
 
-static inline void bind_buffer(const drawing *d, GLenum target, size_t size, const void *data)
+static inline GLuint bind_buffer(const drawing *d, GLenum target, size_t size, const void *data)
 {
     GLuint buffer;
     d->gl->GenBuffers(1, &buffer);
     d->gl->BindBuffer(target, buffer);
     d->gl->BufferData(target, (GLsizeiptr)size, data, GL_STATIC_DRAW);
     if (target != GL_ARRAY_BUFFER) d->gl->BindBufferBase(target, 0, buffer);
+    return buffer;
 }
 
 /* answers  [out] [QUERIES] */
 static inline void draw(const drawing *d, const query *queries, float *answers)
 {
-    bind_buffer(d, GL_ARRAY_BUFFER, QUERIES * sizeof *queries, queries);
+    GLuint buffer = bind_buffer(d, GL_ARRAY_BUFFER, QUERIES * sizeof *queries, queries);
     for (GLuint n = 0; n < 2; n++) {
         d->gl->VertexAttribPointer(n, 3, GL_FLOAT, GL_FALSE, sizeof *queries, (const void *)(n * sizeof queries->position));
         d->gl->EnableVertexAttribArray(n);
@@ -115,6 +116,7 @@ static inline void draw(const drawing *d, const query *queries, float *answers)
     d->gl->ClearBufferfv(GL_COLOR, 0, (float[4]){-7, 0, 0, 0});
     d->gl->DrawArrays(GL_POINTS, 0, QUERIES);
     d->gl->ReadPixels(0, 0, WIDTH_PX, HEIGHT_PX, GL_RED, GL_FLOAT, answers);
+    d->gl->DeleteBuffers(1, &buffer);
     assert_int_equal(d->gl->GetError(), GL_NO_ERROR);
 }
 
