@@ -12,8 +12,15 @@
 #include "baker/bake/plan.h"
 #include "baker/truth/truth.h"
 #include "formats/vxs_file.h"
+#include "formats/vxs_format.h"
 
 enum { RIVAL_ZSTD_LEVEL = 12 }; /* of DAGs in files: what vxs bake does when it is not told otherwise */
+
+/* What sets some rivals apart. */
+enum {
+    RIVAL_RAYS   = 1, /* traces rays, and is asked fewer points; may differ from the maps where a ray grazes a triangle */
+    RIVAL_SMOOTH = 2, /* has smooth filters */
+};
 
 /* The maps of one directional light, and what they were made from. */
 typedef struct light_maps {
@@ -44,9 +51,18 @@ void light_maps_free(light_maps *maps);
  * rounding, pyramid, mask or node takes part. */
 void light_maps_contract(const light_maps *maps, uint32_t i, uint32_t j, uint32_t k, int *must_be_lit, int *must_be_dark);
 
+enum { FILTER_PX = 9 };
+
+/* What rivals are asked: single taps, boxes, smooth boxes. */
+typedef enum lookup_kind { LOOKUP_TAP, LOOKUP_BOX, LOOKUP_SMOOTH, LOOKUP_KINDS } lookup_kind;
+
+/* The filter, as lookups take it. */
+static const int32_t lookup_px[LOOKUP_KINDS] = {1, FILTER_PX, VXS_SMOOTH + FILTER_PX};
+
 /* A voxel: each of i, j, k in [0, 1 << levels). */
 typedef struct voxel_at {
-    int32_t i, j, k;
+    int32_t  i, j, k;
+    uint32_t within; /* where in its texel a smooth filter is: across | down << 8, each as vxs_place has it */
 } voxel_at;
 
 /* Ready for lookups. */
@@ -59,7 +75,7 @@ typedef struct rival {
     const char *name; /* unique; NULL ends an array of rivals */
     const char *what; /* one line for people */
     const void *options;
-    int         rays; /* 1: traces rays, and is asked fewer points; may differ from the maps where a ray grazes a triangle */
+    uint32_t    traits; /* RIVAL_ */
 
     /* Encode the maps as a file. NULL: there is none.
      * file  [out] zero it first; released with free(file->data).   Returns VXS_OK or VXS_E_MEMORY. */
@@ -69,8 +85,8 @@ typedef struct rival {
      * asset  [out] ends with close.   Returns VXS_OK, VXS_E_MEMORY, VXS_E_CORRUPT. */
     vxs_result (*open)(const light_maps *maps, const void *options, const vxs_bytes *file, rival_asset *asset);
 
-    /* How many of the filter_px x filter_px taps about each of `count` voxels are in shadow; filter_px odd, 1 is a single tap. Taps
-     * outside the map are lit. */
+    /* How many of the filter_px x filter_px taps about each of `count` voxels are in shadow; filter_px odd, 1 is a single tap; of those with
+     * smooth filters also VXS_SMOOTH + K: how much of a smooth box, of 65536 K K. Taps outside the map are lit. */
     void (*count_dark)(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark);
 
     void (*close)(void *state);

@@ -47,7 +47,10 @@ static void blocks_count_dark(const void *state, const voxel_at *at, size_t coun
 {
     const vxs_baked_light *light = vxs_asset_light(state, 0);
     const uint32_t        *words = light->words, levels = light->light.levels;
-    for (size_t n = 0; n < count; n++)
+    for (size_t n = 0; n < count && filter_px >= VXS_SMOOTH; n++)
+        dark[n] = vxs_blocks_shadow_weight(words, 0, levels, at[n].i, at[n].j, at[n].within & 255, at[n].within >> 8,
+                                           (uint32_t)at[n].k, filter_px - VXS_SMOOTH);
+    for (size_t n = 0; n < count && filter_px < VXS_SMOOTH; n++)
         dark[n] = filter_px == 1 ? vxs_blocks_shadow(words, 0, levels, (uint32_t)at[n].i, (uint32_t)at[n].j, (uint32_t)at[n].k)
                                  : vxs_blocks_shadow_count(words, 0, levels, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
 }
@@ -56,7 +59,11 @@ void asset_count_dark_batch(const void *state, const voxel_at *at, size_t count,
 {
     vxs_taps taps;
     vxs_taps_init(&taps, vxs_asset_light(state, 0));
-    for (size_t n = 0; n < count; n++) dark[n] = vxs_taps_at(&taps, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
+    for (size_t n = 0; n < count && filter_px >= VXS_SMOOTH; n++)
+        dark[n] = vxs_taps_part(&taps, (vxs_place){0, {at[n].i, at[n].j, at[n].k}, at[n].within & 255, at[n].within >> 8},
+                                (uint32_t)at[n].k, filter_px - VXS_SMOOTH);
+    for (size_t n = 0; n < count && filter_px < VXS_SMOOTH; n++)
+        dark[n] = vxs_taps_at(&taps, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
 }
 
 static void blocks_close(void *state)
@@ -65,9 +72,9 @@ static void blocks_close(void *state)
 }
 
 const rival block_rivals[] = {
-    {"palette blocks", "--coding blocks: depths of 32 x 32 blocks, and patterns of tiles that use them", NULL, 0, blocks_build,
-     blocks_open, blocks_count_dark, blocks_close},
-    {"palette blocks, batch", "the same file, asked as vxs_lookup_batch does: what one lookup needed is kept for the next", NULL, 0,
-     blocks_build, blocks_open, asset_count_dark_batch, blocks_close},
+    {"palette blocks", "--coding blocks: depths of 32 x 32 blocks, and patterns of tiles that use them", NULL, RIVAL_SMOOTH,
+     blocks_build, blocks_open, blocks_count_dark, blocks_close},
+    {"palette blocks, batch", "the same file, asked as vxs_lookup_batch does: what one lookup needed is kept for the next", NULL,
+     RIVAL_SMOOTH, blocks_build, blocks_open, asset_count_dark_batch, blocks_close},
     {.name = NULL},
 };

@@ -58,7 +58,10 @@ static vxs_result dag_open(const light_maps *maps, const void *options, const vx
 static void dag_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
 {
     const vxs_baked_light *light = vxs_asset_light(state, 0);
-    for (size_t n = 0; n < count; n++)
+    for (size_t n = 0; n < count && filter_px >= VXS_SMOOTH; n++)
+        dark[n] = vxs_shadow_weight(light->words, 0, light->light.levels, at[n].i, at[n].j, at[n].within & 255, at[n].within >> 8,
+                                    (uint32_t)at[n].k, filter_px - VXS_SMOOTH);
+    for (size_t n = 0; n < count && filter_px < VXS_SMOOTH; n++)
         dark[n] = vxs_shadow_taps(light->words, &light->light, 0, at[n].i, at[n].j, (uint32_t)at[n].k, filter_px);
 }
 
@@ -69,13 +72,13 @@ static void dag_close(void *state)
 
 #define DAG_RIVAL(name, what, ...)                                                                                                 \
     {                                                                                                                              \
-        name, what, &(const dag_options){__VA_ARGS__}, 0, dag_build, dag_open, dag_count_dark, dag_close                           \
+        name, what, &(const dag_options){__VA_ARGS__}, RIVAL_SMOOTH, dag_build, dag_open, dag_count_dark, dag_close                \
     }
 
 const rival dag_rivals[] = {
     DAG_RIVAL("DAG", "as vxs bake --coding dag makes it", .stop = STOP_FINAL),
     {"DAG, batch", "the same file, asked as vxs_lookup_batch does: each walk goes on from the one before it",
-     &(const dag_options){.stop = STOP_FINAL}, 0, dag_build, dag_open, asset_count_dark_batch, dag_close},
+     &(const dag_options){.stop = STOP_FINAL}, RIVAL_SMOOTH, dag_build, dag_open, asset_count_dark_batch, dag_close},
     DAG_RIVAL("DAG, older mask rule", "--rule shadow: undefined voxels become dark", .rule = MASK_RULE_SHADOW, .stop = STOP_FINAL),
     DAG_RIVAL("DAG, no culling", "--reuse off: what equals its neighbour nearer the light is made again", .reuse_off = 1,
               .stop = STOP_FINAL),

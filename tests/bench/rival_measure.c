@@ -9,6 +9,7 @@
 #include "baker/base/random.h"
 #include "runtime/vxs.h"
 #include "tests/bench/rival_screen.h"
+#include "tests/unit/smooth_box.h"
 
 enum { CHUNK = 65536, FILTERS_CHECKED = 20000, WINDOW_VX = 2, RAY_TAP_SHARE = 10, RAY_FILTER_SHARE = 100 };
 
@@ -41,7 +42,8 @@ static voxel_at random_voxel(rng *random, uint32_t levels)
 {
     uint32_t side = 1u << levels;
     int32_t  i = (int32_t)rng_below(random, side), j = (int32_t)rng_below(random, side);
-    return (voxel_at){i, j, (int32_t)rng_below(random, side)};
+    int32_t  k = (int32_t)rng_below(random, side);
+    return (voxel_at){i, j, k, rng_below(random, 1 << 16)};
 }
 
 static voxel_at *random_points(const contest *c, uint64_t set)
@@ -75,7 +77,7 @@ static int move_to_edges(const contest *c, voxel_at *at, const rival *one, const
     rng       random = rng_split(c->o->seed, POINT_SETS);
     int       ok     = ask && lit;
     for (int32_t step = side / 2; step && ok; step /= 2) {
-        for (uint32_t n = 0; n < count; n++) ask[n] = (voxel_at){at[n].i, at[n].j, lit[n] + step - 1};
+        for (uint32_t n = 0; n < count; n++) ask[n] = (voxel_at){at[n].i, at[n].j, lit[n] + step - 1, 0};
         one->count_dark(asset->state, ask, count, 1, c->dark);
         for (uint32_t n = 0; n < count; n++) lit[n] += c->dark[n] ? 0 : step;
     }
@@ -139,27 +141,35 @@ static size_t some_of(size_t points, size_t share)
     return points > share ? points / share : 1;
 }
 
-static size_t points_asked(const contest *c, size_t n, point_set set, int32_t filter_px)
+static int can_answer(const rival *one, lookup_kind what)
 {
-    if (!c->results[n].rival->rays) return c->points[set];
-    return some_of(c->points[set], filter_px == 1 ? RAY_TAP_SHARE : RAY_FILTER_SHARE);
+    return what != LOOKUP_SMOOTH || one->traits & RIVAL_SMOOTH;
+}
+
+static size_t points_asked(const contest *c, size_t n, point_set set, lookup_kind what)
+{
+    const rival *one = c->results[n].rival;
+    if (!can_answer(one, what)) return 0;
+    if (!(one->traits & RIVAL_RAYS)) return c->points[set];
+    return some_of(c->points[set], what == LOOKUP_TAP ? RAY_TAP_SHARE : RAY_FILTER_SHARE);
 }
 
 /* In turns, too. Who is asked some points alone gets those in the middle: of a picture, what it shows. */
-static void ask_all(contest *c, point_set set, int32_t filter_px)
+static void ask_all(contest *c, point_set set, lookup_kind what)
 {
     for (uint32_t run = 0; run < c->o->runs; run++)
         for (size_t n = 0; n < c->count; n++) {
-            size_t count = points_asked(c, n, set, filter_px);
+            size_t count = points_asked(c, n, set, what);
             double start = seconds_now(1);
-            c->results[n].rival->count_dark(c->assets[n].state, c->at[set] + (c->points[set] - count) / 2, count, filter_px,
+            if (!count) continue;
+            c->results[n].rival->count_dark(c->assets[n].state, c->at[set] + (c->points[set] - count) / 2, count, lookup_px[what],
                                             c->dark);
             c->times[n * c->o->runs + run] = 1e9 * (seconds_now(1) - start) / (double)count;
         }
     for (size_t n = 0; n < c->count; n++) {
-        rival_result *r                                                  = &c->results[n];
-        *(filter_px == 1 ? &r->tap_ns[set] : &r->filter_ns[set])         = times_of(c, n);
-        *(filter_px == 1 ? &r->tap_points[set] : &r->filter_points[set]) = points_asked(c, n, set, filter_px);
+        rival_result *r      = &c->results[n];
+        r->points[what][set] = points_asked(c, n, set, what);
+        if (r->points[what][set]) r->lookup_ns[what][set] = times_of(c, n);
     }
 }
 
@@ -173,7 +183,7 @@ static voxel_at voxel_to_check(const light_maps *maps, uint64_t n, const measure
     if (!o->voxels) {
         uint64_t texel = n >> maps->levels;
         return (voxel_at){(int32_t)(texel & (uint64_t)(side - 1)), (int32_t)(texel >> maps->levels),
-                          (int32_t)(n & (uint64_t)(side - 1))};
+                          (int32_t)(n & (uint64_t)(side - 1)), 0};
     }
     rng      random = rng_split(o->seed + 1, n);
     voxel_at v      = random_voxel(&random, maps->levels);
@@ -208,27 +218,37 @@ static int check_taps(const contest *c, rival_result *out, const rival_asset *as
     return ok;
 }
 
-static uint32_t sum_of_taps(const rival *one, const rival_asset *asset, voxel_at at, int32_t side)
+/* What a tap beside a voxel counts. */
+static uint32_t weight_of(lookup_kind what, voxel_at at, int32_t x, int32_t y)
 {
-    tap_box  taps                       = tap_box_at(at, FILTER_PX, side);
-    voxel_at tap[FILTER_PX * FILTER_PX] = {{0, 0, 0}};
-    uint32_t dark[FILTER_PX * FILTER_PX], sum = 0;
+    int inside = abs(x - at.i) <= FILTER_PX / 2 && abs(y - at.j) <= FILTER_PX / 2;
+    if (what == LOOKUP_BOX) return (uint32_t)inside;
+    return smooth_overlap(x, at.i, at.within & 255, FILTER_PX) * smooth_overlap(y, at.j, at.within >> 8, FILTER_PX);
+}
+
+static uint32_t sum_of_taps(const rival *one, const rival_asset *asset, lookup_kind what, voxel_at at, int32_t side)
+{
+    enum { WIDE = FILTER_PX + 2 };
+    tap_box  taps             = tap_box_at(at, WIDE, side);
+    voxel_at tap[WIDE * WIDE] = {{0}};
+    uint32_t dark[WIDE * WIDE], sum = 0;
     size_t   count = 0;
     for (int32_t y = taps.y0; y < taps.y1; y++)
-        for (int32_t x = taps.x0; x < taps.x1; x++) tap[count++] = (voxel_at){x, y, at.k};
+        for (int32_t x = taps.x0; x < taps.x1; x++)
+            if (weight_of(what, at, x, y)) tap[count++] = (voxel_at){x, y, at.k, 0};
     one->count_dark(asset->state, tap, count, 1, dark);
-    for (size_t n = 0; n < count; n++) sum += dark[n];
+    for (size_t n = 0; n < count; n++) sum += dark[n] * weight_of(what, at, tap[n].i, tap[n].j);
     return sum;
 }
 
 /* In all sets; the first points lie in the corners and on the sides of the map, where taps fall outside. */
-static void check_filters(const contest *c, rival_result *out, const rival_asset *asset)
+static void check_filters(const contest *c, rival_result *out, const rival_asset *asset, lookup_kind what)
 {
     int32_t side = 1 << c->maps->levels;
     for (int set = 0; set < POINT_SETS; set++) {
         size_t most  = c->points[set] < FILTERS_CHECKED ? c->points[set] : FILTERS_CHECKED;
-        size_t count = some_of(most, out->rival->rays ? RAY_FILTER_SHARE : 1);
-        out->filters += count;
+        size_t count = some_of(most, out->rival->traits & RIVAL_RAYS ? RAY_FILTER_SHARE : 1);
+        out->filters[what] += count;
         for (size_t n = 0; n < count; n++) {
             voxel_at at = c->at[set][n], asked;
             uint32_t dark;
@@ -236,8 +256,8 @@ static void check_filters(const contest *c, rival_result *out, const rival_asset
             if (n < 32) at.j = n & 2 ? side - 1 - (int32_t)(n >> 3) : (int32_t)(n >> 3);
             asked = at;
             if (c->o->filter_aside) asked.i += at.i + 1 < side ? 1 : -1;
-            out->rival->count_dark(asset->state, &asked, 1, FILTER_PX, &dark);
-            out->wrong_filters += dark != sum_of_taps(out->rival, asset, at, side);
+            out->rival->count_dark(asset->state, &asked, 1, lookup_px[what], &dark);
+            out->wrong_filters[what] += dark != sum_of_taps(out->rival, asset, what, at, side);
         }
     }
 }
@@ -285,14 +305,15 @@ vxs_result rivals_measure(rival_result *results, size_t count, light_maps *maps,
 
     if (!(ok = move_to_edges(&c, c.at[POINTS_EDGE], results[0].rival, &c.assets[0]))) goto done;
     if ((r = screen_open(&c.picture, maps, &o->camera.camera, o->width_px, o->height_px, m)) != VXS_OK) goto done;
-    for (int32_t filter_px = 1; filter_px <= FILTER_PX; filter_px += FILTER_PX - 1) {
-        if ((r = look_at_picture(&c, filter_px, m)) != VXS_OK) goto done;
-        for (int set = 0; set < POINT_SETS; set++) ask_all(&c, set, filter_px);
+    for (lookup_kind what = LOOKUP_TAP; what < LOOKUP_KINDS; what++) {
+        if ((r = look_at_picture(&c, lookup_px[what], m)) != VXS_OK) goto done;
+        for (int set = 0; set < POINT_SETS; set++) ask_all(&c, set, what);
     }
 
     for (size_t n = 0; n < count && ok; n++) {
         ok = check_taps(&c, &results[n], &c.assets[n]);
-        check_filters(&c, &results[n], &c.assets[n]);
+        for (lookup_kind what = LOOKUP_BOX; what < LOOKUP_KINDS; what++)
+            if (can_answer(results[n].rival, what)) check_filters(&c, &results[n], &c.assets[n], what);
     }
 done:
     contest_end(&c);

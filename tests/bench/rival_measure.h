@@ -7,8 +7,6 @@
 #include "baker/options/camera_choice.h"
 #include "tests/bench/rival.h"
 
-enum { FILTER_PX = 9 };
-
 /* Where lookups are asked for: anywhere in the map's volume, where most walks end early; within a voxel of where vxs turns from
  * lit to shadowed, where its walks are as long as they get; and where a picture's pixels see surfaces, next to one another. */
 typedef enum point_set { POINTS_VOLUME, POINTS_EDGE, POINTS_SCREEN, POINT_SETS } point_set;
@@ -27,11 +25,11 @@ typedef struct rival_result {
     const rival *rival;
     uint64_t     memory_bytes, file_bytes; /* 0: not known; no file */
     spread       build_s, open_s;
-    size_t       tap_points[POINT_SETS], filter_points[POINT_SETS]; /* asked in one run */
-    spread       tap_ns[POINT_SETS], filter_ns[POINT_SETS];
+    size_t       points[LOOKUP_KINDS][POINT_SETS]; /* asked in one run; none of who has no such filter */
+    spread       lookup_ns[LOOKUP_KINDS][POINT_SETS];
 
-    uint64_t voxels, wrong_lit, wrong_dark; /* single taps, against the contract; free voxels count as asked */
-    uint64_t filters, wrong_filters;        /* filtered lookups, against the rival's own single taps */
+    uint64_t voxels, wrong_lit, wrong_dark;                      /* single taps, against the contract; free voxels count as asked */
+    uint64_t filters[LOOKUP_KINDS], wrong_filters[LOOKUP_KINDS]; /* filtered lookups, against the rival's own single taps */
 } rival_result;
 
 /* Build, open, ask, check: all of them, in turns.

@@ -64,7 +64,7 @@ static void rays_close(void *state)
 }
 
 const rival ray_rivals[] = {
-    {"Embree shadow rays", "a ray for each tap; built: the tree of triangles", NULL, 1, NULL, rays_open, rays_count_dark,
+    {"Embree shadow rays", "a ray for each tap; built: the tree of triangles", NULL, RIVAL_RAYS, NULL, rays_open, rays_count_dark,
      rays_close},
     {.name = NULL},
 };

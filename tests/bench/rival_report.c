@@ -23,12 +23,25 @@ typedef enum figure {
     FIGURE_FILTER_EDGE,
     FIGURE_TAP_SCREEN,
     FIGURE_FILTER_SCREEN,
+    FIGURE_SMOOTH_VOLUME,
+    FIGURE_SMOOTH_EDGE,
+    FIGURE_SMOOTH_SCREEN,
     FIGURE_COUNT
 } figure;
 
-static const char *const figure_names[FIGURE_COUNT] = {
-    "on disk",         "in memory",       "maps to file",    "file to lookups",     "1 tap, anywhere",
-    "9 x 9, anywhere", "1 tap, at edges", "9 x 9, at edges", "1 tap, in a picture", "9 x 9, in a picture"};
+static const char *const figure_names[FIGURE_COUNT] = {"on disk",
+                                                       "in memory",
+                                                       "maps to file",
+                                                       "file to lookups",
+                                                       "1 tap, anywhere",
+                                                       "9 x 9, anywhere",
+                                                       "1 tap, at edges",
+                                                       "9 x 9, at edges",
+                                                       "1 tap, in a picture",
+                                                       "9 x 9, in a picture",
+                                                       "9 x 9 smooth, anywhere",
+                                                       "9 x 9 smooth, at edges",
+                                                       "9 x 9 smooth, in a picture"};
 
 /* A figure that a rival does not have is 0. */
 static spread figure_of(const rival_result *r, figure f)
@@ -38,12 +51,15 @@ static spread figure_of(const rival_result *r, figure f)
     case FIGURE_MEMORY: return (spread){(double)r->memory_bytes, (double)r->memory_bytes, (double)r->memory_bytes};
     case FIGURE_BUILD: return r->build_s;
     case FIGURE_OPEN: return r->open_s;
-    case FIGURE_TAP_VOLUME: return r->tap_ns[POINTS_VOLUME];
-    case FIGURE_FILTER_VOLUME: return r->filter_ns[POINTS_VOLUME];
-    case FIGURE_TAP_EDGE: return r->tap_ns[POINTS_EDGE];
-    case FIGURE_FILTER_EDGE: return r->filter_ns[POINTS_EDGE];
-    case FIGURE_TAP_SCREEN: return r->tap_ns[POINTS_SCREEN];
-    default: return r->filter_ns[POINTS_SCREEN];
+    case FIGURE_TAP_VOLUME: return r->lookup_ns[LOOKUP_TAP][POINTS_VOLUME];
+    case FIGURE_FILTER_VOLUME: return r->lookup_ns[LOOKUP_BOX][POINTS_VOLUME];
+    case FIGURE_TAP_EDGE: return r->lookup_ns[LOOKUP_TAP][POINTS_EDGE];
+    case FIGURE_FILTER_EDGE: return r->lookup_ns[LOOKUP_BOX][POINTS_EDGE];
+    case FIGURE_TAP_SCREEN: return r->lookup_ns[LOOKUP_TAP][POINTS_SCREEN];
+    case FIGURE_FILTER_SCREEN: return r->lookup_ns[LOOKUP_BOX][POINTS_SCREEN];
+    case FIGURE_SMOOTH_VOLUME: return r->lookup_ns[LOOKUP_SMOOTH][POINTS_VOLUME];
+    case FIGURE_SMOOTH_EDGE: return r->lookup_ns[LOOKUP_SMOOTH][POINTS_EDGE];
+    default: return r->lookup_ns[LOOKUP_SMOOTH][POINTS_SCREEN];
     }
 }
 
@@ -152,6 +168,7 @@ static int print_figures(FILE *to, const rival_report *report, const char *name,
     }
     t.column_count = t.at;
     for (const rival_result *r = vxs; r < vxs + report->count; r++) {
+        if (first >= FIGURE_SMOOTH_VOLUME && !(r->rival->traits & RIVAL_SMOOTH)) continue;
         begin_row(&t, r->rival->name);
         for (figure f = first; f <= last; f++) figure_cells(&t, r, vxs, f);
     }
@@ -182,8 +199,8 @@ static int print_wrong(FILE *to, const rival_report *report)
         cell(&t, "%ju", (uintmax_t)r->voxels);
         cell(&t, "%ju", (uintmax_t)r->wrong_lit);
         cell(&t, "%ju", (uintmax_t)r->wrong_dark);
-        cell(&t, "%ju", (uintmax_t)r->filters);
-        cell(&t, "%ju", (uintmax_t)r->wrong_filters);
+        cell(&t, "%ju", (uintmax_t)(r->filters[LOOKUP_BOX] + r->filters[LOOKUP_SMOOTH]));
+        cell(&t, "%ju", (uintmax_t)(r->wrong_filters[LOOKUP_BOX] + r->wrong_filters[LOOKUP_SMOOTH]));
     }
     print_table(to, &t);
     free(t.rows);
@@ -220,7 +237,8 @@ int rival_report_print(FILE *to, const rival_report *report)
             threads > 1 ? "s of the clock for files and opening, else one of processor time" : ", processor time", o->points);
     machine_free(&here);
     ok = ok && print_figures(to, report, "rival", FIGURE_DISK, FIGURE_OPEN) &&
-         print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_SCREEN) && print_wrong(to, report);
+         print_figures(to, report, "a lookup", FIGURE_TAP_VOLUME, FIGURE_FILTER_SCREEN) &&
+         print_figures(to, report, "a smooth lookup", FIGURE_SMOOTH_VOLUME, FIGURE_SMOOTH_SCREEN) && print_wrong(to, report);
     fputs("Where vxs is beaten (less memory or disk, or the slowest run quicker than its quickest), and the ratio:\n\n", to);
     for (size_t n = 1; n < report->count; n++) print_losses(to, &report->results[n], report->results);
     fputc('\n', to);
@@ -241,8 +259,14 @@ static json_t *bytes_json(uint64_t bytes)
 
 static json_t *lookups_json(const rival_result *r, point_set set)
 {
-    return json_pack("{s:I, s:o, s:I, s:o}", "tap_points", (json_int_t)r->tap_points[set], "tap_ns", spread_json(r->tap_ns[set]),
-                     "filter_points", (json_int_t)r->filter_points[set], "filter_ns", spread_json(r->filter_ns[set]));
+    static const char *const points[LOOKUP_KINDS] = {"tap_points", "filter_points", "smooth_points"};
+    static const char *const times[LOOKUP_KINDS]  = {"tap_ns", "filter_ns", "smooth_ns"};
+    json_t                  *lookups              = json_object();
+    for (int n = 0; n < LOOKUP_KINDS; n++) {
+        json_object_set_new(lookups, points[n], json_integer((json_int_t)r->points[n][set]));
+        json_object_set_new(lookups, times[n], spread_json(r->lookup_ns[n][set]));
+    }
+    return lookups;
 }
 
 static json_t *result_json(const rival_result *r, const rival_result *vxs)
@@ -253,12 +277,14 @@ static json_t *result_json(const rival_result *r, const rival_result *vxs)
     json_t *lookups = json_pack("{s:o, s:o, s:o}", "volume", lookups_json(r, POINTS_VOLUME), "edge", lookups_json(r, POINTS_EDGE),
                                 "screen", lookups_json(r, POINTS_SCREEN));
     json_t *wrong =
-        json_pack("{s:I, s:I, s:I, s:I, s:I}", "voxels", (json_int_t)r->voxels, "wrong_lit", (json_int_t)r->wrong_lit, "wrong_dark",
-                  (json_int_t)r->wrong_dark, "filters", (json_int_t)r->filters, "wrong_filters", (json_int_t)r->wrong_filters);
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "voxels", (json_int_t)r->voxels, "wrong_lit", (json_int_t)r->wrong_lit,
+                  "wrong_dark", (json_int_t)r->wrong_dark, "filters", (json_int_t)r->filters[LOOKUP_BOX], "wrong_filters",
+                  (json_int_t)r->wrong_filters[LOOKUP_BOX], "smooth", (json_int_t)r->filters[LOOKUP_SMOOTH], "wrong_smooth",
+                  (json_int_t)r->wrong_filters[LOOKUP_SMOOTH]);
     return json_pack("{s:s, s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name", r->rival->name, "what", r->rival->what, "rays",
-                     r->rival->rays, "file_bytes", bytes_json(r->file_bytes), "memory_bytes", bytes_json(r->memory_bytes),
-                     "build_seconds", spread_json(r->build_s), "open_seconds", spread_json(r->open_s), "lookups", lookups, "check",
-                     wrong, "beats_vxs", beaten);
+                     r->rival->traits & RIVAL_RAYS, "file_bytes", bytes_json(r->file_bytes), "memory_bytes",
+                     bytes_json(r->memory_bytes), "build_seconds", spread_json(r->build_s), "open_seconds", spread_json(r->open_s),
+                     "lookups", lookups, "check", wrong, "beats_vxs", beaten);
 }
 
 static json_t *picture_json(const measure_options *o)

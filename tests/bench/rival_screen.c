@@ -1,9 +1,10 @@
 /* Pixels of a picture, and the voxels that they look up; see rival_screen.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "formats/vxs_space.h" /* before bake.h, whose structs are called as variables are there */
+
 #include "tests/bench/rival_screen.h"
 
 #include "baker/base/vec3.h"
-#include "runtime/vxs.h"
 
 enum { TILE_PX = 8 };
 
@@ -18,14 +19,15 @@ vxs_result screen_open(screen *out, const light_maps *maps, const camera_pose *c
 int screen_voxel(const screen *s, uint32_t x, uint32_t y, int32_t filter_px, voxel_at *at)
 {
     double  way[3], metres, normal_ws[3], point_ws[3];
-    int32_t voxel[3], last = (1 << s->maps->levels) - 1;
+    int32_t last = (1 << s->maps->levels) - 1;
     camera_direction(&s->view, (x + 0.5) / s->width_px, (y + 0.5) / s->height_px, way);
     if (!truth_first_hit(s->rays, s->camera.eye_ws, way, &metres, normal_ws, NULL)) return 0;
     vec3_mad(s->camera.eye_ws, metres, way, point_ws);
     if (vec3_dot(normal_ws, way) > 0) /* seen from behind */
         for (int n = 0; n < 3; n++) normal_ws[n] = -normal_ws[n];
-    if (vxs_voxel(&s->maps->light, point_ws, normal_ws, filter_px, voxel) < 0 || voxel[2] < 0) return 0;
-    *at = (voxel_at){voxel[0], voxel[1], voxel[2] < last ? voxel[2] : last};
+    vxs_place place = vxs_place_from_ws(&s->maps->light, point_ws, normal_ws, filter_px);
+    if (place.map < 0 || place.voxel[2] < 0) return 0;
+    *at = (voxel_at){place.voxel[0], place.voxel[1], place.voxel[2] < last ? place.voxel[2] : last, place.across | place.down << 8};
     return 1;
 }
 

@@ -1,7 +1,7 @@
 /* Shaders that look up what other rivals made, on OSMesa's llvmpipe; see rival.h. Their answers are checked as those of all rivals are.
  *
  * Voxels go to a buffer, a compute shader counts what is dark about each of them, and the counts come back, which takes 6 to 9 ns a lookup
- * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps.
+ * and is part of the times. Neighbours in the list are neighbours in a shader's group. A filter has 9 x 9 taps, a smooth one weighs 10 x 10.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/opengl/gl.h"
 
@@ -35,14 +35,14 @@ static struct {
 } shared;
 
 typedef struct shader_options {
-    const rival *made_by;      /* the file */
-    int          is_texture;   /* the file is a map of 16-bit depths, not an asset */
-    int          clamps;       /* indices of words are clamped to the array, as by libvxs_gl */
-    const char  *tap, *filter; /* what is dark about voxel (i, j, k): the body of a function */
+    const rival *made_by;          /* the file */
+    int          is_texture;       /* the file is a map of 16-bit depths, not an asset */
+    int          clamps;           /* indices of words are clamped to the array, as by libvxs_gl */
+    const char  *of[LOOKUP_KINDS]; /* what is dark about voxel (i, j, k): the body of a function */
 } shader_options;
 
 typedef struct shader {
-    GLuint   tap, filter;            /* programs */
+    GLuint   programs[LOOKUP_KINDS];
     GLuint   words, voxels, answers; /* buffers, bound to what they are numbered by */
     GLuint   depths;
     uint32_t levels;
@@ -53,7 +53,7 @@ typedef struct shader {
 static const char head[] = "#version 430 core\n"
                            "layout(local_size_x = 64) in;\n"
                            "layout(std430, binding = 0) readonly restrict buffer shadow_words { uint words[]; };\n"
-                           "layout(std430, binding = 1) readonly restrict buffer asked_voxels { int voxels[]; };\n"
+                           "layout(std430, binding = 1) readonly restrict buffer asked_voxels { ivec4 voxels[]; };\n"
                            "layout(std430, binding = 2) writeonly restrict buffer dark_counts { uint answers[]; };\n"
                            "layout(binding = 0) uniform usampler2D depths;\n"
                            "layout(location = 0) uniform ivec4 asked;\n"; /* levels, voxels */
@@ -62,22 +62,36 @@ static const char *const fetch[2] = {"#define vxs_word(dag, i) words[(dag) + (i)
                                      "layout(location = 1) uniform uint last_word;\n"
                                      "#define vxs_word(dag, i) words[min((dag) + (i), last_word)]\n"};
 
-static const char function[] = "uint dark_taps(uint levels, int i, int j, uint k)\n{\n";
+static const char function[] = "uint dark_taps(uint levels, int i, int j, uint k, uint across, uint down)\n{\n";
 
-static const char end[] =
-    "}\n"
-    "void main()\n"
-    "{\n"
-    "    uint n = gl_GlobalInvocationID.x;\n"
-    "    if (n >= uint(asked.y)) return;\n"
-    "    answers[n] = dark_taps(uint(asked.x), voxels[3u * n], voxels[3u * n + 1u], uint(voxels[3u * n + 2u]));\n"
-    "}\n";
+static const char end[] = "}\n"
+                          "void main()\n"
+                          "{\n"
+                          "    uint n = gl_GlobalInvocationID.x;\n"
+                          "    if (n >= uint(asked.y)) return;\n"
+                          "    ivec4 at = voxels[n];\n"
+                          "    answers[n] = dark_taps(uint(asked.x), at.x, at.y, uint(at.z), uint(at.w) & 255u, uint(at.w) >> 8);\n"
+                          "}\n";
 
 static const char texture_filter[] =
     "    int  last = (1 << levels) - 1, x0 = max(i - 4, 0), x1 = min(i + 4, last), y0 = max(j - 4, 0), y1 = min(j + 4, last);\n"
     "    uint dark = 0u, depth = k << (16u - levels);\n"
     "    for (int y = y0; y <= y1; y++)\n"
     "        for (int x = x0; x <= x1; x++) dark += texelFetch(depths, ivec2(x, y), 0).r <= depth ? 1u : 0u;\n"
+    "    return dark;\n";
+
+static const char texture_smooth[] =
+    "    vxs_smooth_box box = vxs_smooth_box_at(i, j, across, down, 9);\n"
+    "    int  last = (1 << levels) - 1, x0 = max(box.x, 0), x1 = min(box.x + 9, last), y0 = max(box.y, 0), y1 = min(box.y + 9, "
+    "last);\n"
+    "    uint dark = 0u, depth = k << (16u - levels);\n"
+    "    for (int y = y0; y <= y1; y++) {\n"
+    "        uint row = y == box.y ? 256u - box.down : y == box.y + 9 ? box.down : 256u;\n"
+    "        for (int x = x0; x <= x1; x++) {\n"
+    "            uint column = x == box.x ? 256u - box.across : x == box.x + 9 ? box.across : 256u;\n"
+    "            dark += texelFetch(depths, ivec2(x, y), 0).r <= depth ? row * column : 0u;\n"
+    "        }\n"
+    "    }\n"
     "    return dark;\n";
 
 static GLuint program_of(const char *body, int clamps, uint32_t words)
@@ -150,8 +164,7 @@ static void shader_close(void *state)
 {
     shader *s = state;
     if (shared.gl) {
-        shared.gl->DeleteProgram(s->tap);
-        shared.gl->DeleteProgram(s->filter);
+        for (int n = 0; n < LOOKUP_KINDS; n++) shared.gl->DeleteProgram(s->programs[n]);
         shared.gl->DeleteBuffers(3, (const GLuint[3]){s->words, s->voxels, s->answers});
         shared.gl->DeleteTextures(1, &s->depths);
     }
@@ -166,20 +179,19 @@ static vxs_result shader_open(const light_maps *maps, const void *options, const
     const shader_options *o      = options;
     shader               *s      = calloc(1, sizeof *s);
     uint64_t              memory = file->size_bytes;
-    uint32_t              dark;
     vxs_result            r;
     if (!s) return VXS_E_MEMORY;
     s->levels = maps->levels;
     if ((r = share_context()) != VXS_OK) goto failed;
     if (!o->is_texture && (r = put_words(s, file, &memory)) != VXS_OK) goto failed;
     if (o->is_texture) s->depths = depths_of(file->data, (GLsizei)1 << maps->levels);
-    s->tap     = program_of(o->tap, o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
-    s->filter  = program_of(o->filter, o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
     s->voxels  = buffer_of(VOXELS_MAX * sizeof(voxel_at), NULL);
     s->answers = buffer_of(VOXELS_MAX * sizeof(uint32_t), NULL);
-    /* llvmpipe compiles when it is first asked */
-    shader_count_dark(s, &(voxel_at){0, 0, 0}, 1, 1, &dark);
-    shader_count_dark(s, &(voxel_at){0, 0, 0}, 1, 9, &dark);
+    for (int n = 0; n < LOOKUP_KINDS; n++) {
+        uint32_t dark;
+        s->programs[n] = program_of(o->of[n], o->clamps, (uint32_t)(memory / sizeof(uint32_t)));
+        shader_count_dark(s, &(voxel_at){0}, 1, lookup_px[n], &dark); /* llvmpipe compiles when it is first asked */
+    }
     *asset = (rival_asset){s, memory};
     if (shared.gl->GetError() == GL_NO_ERROR) return VXS_OK;
     r = VXS_E_GL;
@@ -203,7 +215,7 @@ static void count_some(const shader *s, const voxel_at *at, size_t count, uint32
 static void shader_count_dark(const void *state, const voxel_at *at, size_t count, int32_t filter_px, uint32_t *dark)
 {
     const shader *s       = state;
-    GLuint        program = filter_px == 1 ? s->tap : s->filter;
+    GLuint        program = s->programs[filter_px == 1 ? LOOKUP_TAP : filter_px < VXS_SMOOTH ? LOOKUP_BOX : LOOKUP_SMOOTH];
     shared.gl->UseProgram(program);
     shared.gl->BindTextureUnit(0, s->depths);
     for (GLuint n = 0; n < 3; n++)
@@ -223,20 +235,24 @@ static vxs_result shader_build(light_maps *maps, const void *options, vxs_bytes 
 
 #define SHADER_RIVAL(name, what, ...)                                                                                              \
     {                                                                                                                              \
-        name, what, &(const shader_options){__VA_ARGS__}, 0, shader_build, shader_open, shader_count_dark, shader_close            \
+        name, what, &(const shader_options){__VA_ARGS__}, RIVAL_SMOOTH, shader_build, shader_open, shader_count_dark, shader_close \
     }
 
+static const char dag_tap[]       = "    return vxs_shadow(0u, 0u, levels, uint(i), uint(j), k);\n";
+static const char dag_filter[]    = "    return vxs_shadow_count(0u, 0u, levels, i, j, k, 9);\n";
+static const char dag_smooth[]    = "    return vxs_shadow_weight(0u, 0u, levels, i, j, across, down, k, 9);\n";
+static const char blocks_tap[]    = "    return vxs_blocks_shadow(0u, 0u, levels, uint(i), uint(j), k);\n";
+static const char blocks_filter[] = "    return vxs_blocks_shadow_count(0u, 0u, levels, i, j, k, 9);\n";
+static const char blocks_smooth[] = "    return vxs_blocks_shadow_weight(0u, 0u, levels, i, j, across, down, k, 9);\n";
+static const char texture_tap[]   = "    return texelFetch(depths, ivec2(i, j), 0).r <= k << (16u - levels) ? 1u : 0u;\n";
+
 const rival shader_rivals[] = {
-    SHADER_RIVAL("DAG, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0, 0,
-                 "    return vxs_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
-                 "    return vxs_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
+    SHADER_RIVAL("DAG, GLSL", "formats/vxs_lookup.h on llvmpipe", dag_rivals, 0, 0, {dag_tap, dag_filter, dag_smooth}),
     SHADER_RIVAL("palette blocks, GLSL", "formats/vxs_lookup_blocks.h on llvmpipe", block_rivals, 0, 0,
-                 "    return vxs_blocks_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
-                 "    return vxs_blocks_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
+                 {blocks_tap, blocks_filter, blocks_smooth}),
     SHADER_RIVAL("palette blocks, GLSL, clamped", "the same with indices held in the array, as by libvxs_gl", block_rivals, 0, 1,
-                 "    return vxs_blocks_shadow(0u, 0u, levels, uint(i), uint(j), k);\n",
-                 "    return vxs_blocks_shadow_count(0u, 0u, levels, i, j, k, 9);\n"),
+                 {blocks_tap, blocks_filter, blocks_smooth}),
     SHADER_RIVAL("16-bit texture, GLSL", "texelFetch on llvmpipe, of each tap", depth_rivals, 1, 0,
-                 "    return texelFetch(depths, ivec2(i, j), 0).r <= k << (16u - levels) ? 1u : 0u;\n", texture_filter),
+                 {texture_tap, texture_filter, texture_smooth}),
     {.name = NULL},
 };

@@ -55,7 +55,8 @@ static int all_right(const rival_report *report)
 {
     uint64_t wrong = 0;
     for (const rival_result *r = report->results; r < report->results + report->count; r++)
-        wrong += r->wrong_filters + (r->rival->rays ? 0 : r->wrong_lit + r->wrong_dark);
+        wrong += r->wrong_filters[LOOKUP_BOX] + r->wrong_filters[LOOKUP_SMOOTH] +
+                 (r->rival->traits & RIVAL_RAYS ? 0 : r->wrong_lit + r->wrong_dark);
     return !wrong;
 }
 

@@ -49,6 +49,10 @@ def by_name(result):
     return {r["name"]: r for r in result["rivals"]}
 
 
+def is_smooth(rival):
+    return rival["name"].startswith(("palette blocks", "DAG")) or rival["name"] == "16-bit texture, GLSL"
+
+
 def test_json_keeps_to_its_schema(measured):
     schema = json.loads((ROOT / "docs" / "rivals.schema.json").read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
@@ -71,6 +75,7 @@ def test_no_voxel_is_wrong_and_filters_are_their_taps(measured):
     for r in measured[1]["rivals"]:
         check = r["check"]
         assert check["voxels"] == 256**3 and check["filters"] >= 100 and check["wrong_filters"] == 0, r["name"]
+        assert (check["smooth"], check["wrong_smooth"]) == (check["filters"] if is_smooth(r) else 0, 0), r["name"]
         wrong = check["wrong_lit"] + check["wrong_dark"]
         assert wrong <= (1e-4 * 256**3 if r["rays"] else 0), r["name"]
 
@@ -102,7 +107,7 @@ def test_tables_say_what_the_json_says(measured):
     tables, result = measured
     rows = re.findall(r"^\| ([^|]+?) +\|", tables, re.MULTILINE)
     for r in result["rivals"]:
-        assert rows.count(r["name"]) == 3
+        assert rows.count(r["name"]) == 3 + is_smooth(r)
         line = re.search(rf"^- {re.escape(r['name'])}: (.*)$", tables, re.MULTILINE)
         assert (re.sub(r" \d+\.\d\d", "", line[1]) if line else "") == "; ".join(r["beats_vxs"])
 
@@ -118,8 +123,9 @@ def test_a_picture_asks_where_it_sees_surfaces(rivals, city, tmp_path):
     for r in result["rivals"]:
         lookups = r["lookups"]
         for set_, points in (("volume", 100), ("edge", 100), ("screen", 84 * 47)):
-            asked = [lookups[set_][key] for key in ("tap_points", "filter_points")]
-            assert asked == ([points // 10, points // 100] if r["rays"] else [points, points]), (r["name"], set_)
+            asked = [lookups[set_][key] for key in ("tap_points", "filter_points", "smooth_points")]
+            assert asked == ([points // 10, points // 100, 0] if r["rays"] else [points, points, points * is_smooth(r)]), (r["name"], set_)
+            assert (lookups[set_]["smooth_ns"] is not None) == is_smooth(r)
     rivals(city, *look, "--eye=0,1000,0", "--target=0,2000,0.1", status=2)
     rivals(city, *look, "--eye=0,1000,0", status=2)
 
@@ -132,6 +138,7 @@ def test_fault_is_seen(rivals, city, fault, tmp_path):
     for r in json.loads((tmp_path / "f.json").read_text())["rivals"]:
         if fault == "filter":
             assert r["check"]["wrong_filters"] > 0, r["name"]
+            assert (r["check"]["wrong_smooth"] > 0) == is_smooth(r), r["name"]
         elif not r["rays"]:
             assert r["check"]["wrong_lit"] > 0 and r["check"]["wrong_dark"] == 0, r["name"]
 
