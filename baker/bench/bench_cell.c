@@ -141,7 +141,7 @@ static json_t *tap_error(json_t *found, const char *kind)
 }
 
 /* The same, by lookups through a filter. */
-static json_t *filter_error(json_t *found, const char *kind, uint64_t filter_px)
+static json_t *filter_error(json_t *found, const char *kind, const json_t *filter)
 {
     const json_t *of;
     size_t        n;
@@ -152,8 +152,9 @@ static json_t *filter_error(json_t *found, const char *kind, uint64_t filter_px)
         squares += rmse * rmse * number_at(of, "points");
         most = fmax(most, number_at(of, "max_error"));
     }
-    json_t *error = json_pack("{s:s, s:I, s:I, s:f, s:f}", "points", kind, "filter_px", (json_int_t)filter_px, "checked",
-                              (json_int_t)checked, "rmse", sqrt(squares / fmax(1, checked)), "max_error", most);
+    json_t *error = json_pack("{s:s, s:O, s:O, s:I, s:f, s:f}", "points", kind, "filter_px", json_at(filter, "filter_px"), "smooth",
+                              json_at(filter, "smooth"), "checked", (json_int_t)checked, "rmse", sqrt(squares / fmax(1, checked)),
+                              "max_error", most);
     json_decref(found);
     return error;
 }
@@ -168,7 +169,7 @@ static json_t *errors_json(const json_t *lights)
     json_array_foreach(json_at(lights, "0/filters"), n, filter) for (k = 0; k < KINDS; k++)
     {
         json_t *found = pick(lights, "filters/%zu/%s", n, kinds[k]);
-        json_array_append_new(errors, filter_error(found, kinds[k], count_at(filter, "filter_px")));
+        json_array_append_new(errors, filter_error(found, kinds[k], filter));
     }
     return errors;
 }
@@ -187,8 +188,8 @@ static json_t *lookups_json(const json_t *lights)
     {
         char path[64];
         snprintf(path, sizeof path, "filters/%zu/lookup_ns", n);
-        json_array_append_new(
-            lookups, json_pack("{s:O, s:f}", "filter_px", json_at(filter, "filter_px"), "nanoseconds", mean(lights, path, points)));
+        json_array_append_new(lookups, json_pack("{s:O, s:O, s:f}", "filter_px", json_at(filter, "filter_px"), "smooth",
+                                                 json_at(filter, "smooth"), "nanoseconds", mean(lights, path, points)));
     }
     return lookups;
 }

@@ -6,6 +6,7 @@
 #include "baker/base/text.h"
 #include "baker/bench/bench_json.h"
 #include "baker/bench/children.h"
+#include "baker/options/filter_choice.h"
 
 /* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
  * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
@@ -18,7 +19,7 @@ typedef struct bench_options {
     text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
     text_list   exclude, include;
     const char *region, *scene_name;
-    uint32_t    filters_px[BENCH_FILTERS_MAX]; /* besides single taps: odd, above 1, none twice */
+    uint32_t    filters_px[FILTERS_MAX]; /* besides single taps: as filters_take has them */
     uint32_t    filter_count;
     uint32_t    runs;
     uint32_t    points;   /* that errors are measured at, of each kind; 0: neither errors nor lookups */

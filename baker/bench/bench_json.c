@@ -11,8 +11,8 @@
 #include "baker/files/json_file.h"
 
 /* What a file must hold, but for names with a question mark, which are those of one coding; it may hold more. Leaves are kinds (below), or words that a text may be. In an array, the most items that it
- * may have come first, and then what an item is; where there are two, the first is of single taps, the second of filters, whose
- * "filter_px" is above 1. */
+ * may have come first, and then what an item is; where there are two, the first is of single taps, the second of filters, which are smooth,
+ * or whose "filter_px" is above 1. */
 static const char file_shape[] =
     "{'cells': [4096, {"
     "     'scene': 'text', 'light': 'text', 'triangles': 'count', 'solid_triangles': 'count', 'lights': 'count', 'maps': 'count',"
@@ -26,16 +26,17 @@ static const char file_shape[] =
     "         'palette_blocks?': {'pages': 'count', 'nodes': 'count', 'blocks': 'count', 'tiles': 'count', 'own_tiles': 'count',"
     "             'patterns': 'count'},"
     "         'parts?': [8, {'kind': 'tops|patterns|pages', 'count': 'count', 'memory_bytes': 'count', 'stored_bytes': 'count'}]},"
-    "     'errors': [18,"
+    "     'errors': [52,"
     "         {'points': 'random|surface', 'filter_px': 'u32', 'checked': 'count', 'wrong_share': 'share', 'leaks': 'count',"
     "          'false_shadows': 'count', 'unexplained': 'count'},"
-    "         {'points': 'random|surface', 'filter_px': 'u32', 'checked': 'count', 'rmse': 'share', 'max_error': 'share'}],"
-    "     'lookups': [9, {'filter_px': 'u32', 'nanoseconds': 'spread', 'ray_nanoseconds': 'spread'},"
-    "         {'filter_px': 'u32', 'nanoseconds': 'spread'}]}],"
+    "         {'points': 'random|surface', 'filter_px': 'u32', 'smooth?': 'bool', 'checked': 'count', 'rmse': 'share',"
+    "          'max_error': 'share'}],"
+    "     'lookups': [26, {'filter_px': 'u32', 'nanoseconds': 'spread', 'ray_nanoseconds': 'spread'},"
+    "         {'filter_px': 'u32', 'smooth?': 'bool', 'nanoseconds': 'spread'}]}],"
     " 'vxs': 'text', 'started': 'text', 'runs': 'u32', 'points': 'u32',"
     " 'machine': {'processor': 'text', 'cores': 'count', 'memory_bytes': 'count', 'system': 'text', 'renderer': 'text'}}";
 
-/* Kinds of numbers; besides there are 'text', and 'spread', of times. */
+/* Kinds of numbers; besides there are 'text', 'bool', and 'spread', of times. */
 static const struct number_kind {
     const char *name;
     int         is_whole;
@@ -90,6 +91,7 @@ static int check_leaf(reader *r, const char *name, const json_t *value, const ch
 {
     int is_choice = strchr(kind, '|') != NULL;
     if (!strcmp(kind, "spread")) return check_spread(r, name, value);
+    if (!strcmp(kind, "bool")) return json_is_boolean(value) ? 1 : fault(r, name, "is neither true nor false");
     if (!is_choice && strcmp(kind, "text")) return check_number(r, name, value, kind);
     if (!json_is_string(value)) return fault(r, name, "is missing or no text");
     return !is_choice || choice_index(kind, json_string_value(value)) >= 0 ? 1 : fault(r, name, "is not one of %s", kind);
@@ -123,7 +125,8 @@ static int check_array(reader *r, const char *name, const json_t *array, const j
     {
         if (!json_is_object(item)) return fault(r, name, "has an item that is no object");
         if (is_cells) r->cell = n + 1;
-        if (!check_object(r, name, item, json_array_get(shape, count_at(item, "filter_px") > 1 ? last : 1))) return 0;
+        int is_filter = json_is_true(json_object_get(item, "smooth")) || count_at(item, "filter_px") > 1;
+        if (!check_object(r, name, item, json_array_get(shape, is_filter ? last : 1))) return 0;
     }
     if (is_cells) r->cell = 0;
     return 1;

@@ -8,7 +8,7 @@
 #include "baker/base/message.h"
 #include "baker/measure/spread.h"
 
-enum { BENCH_FILTERS_MAX = 9, BENCH_CELLS_MAX = 4096, BENCH_RUNS_MAX = 1000 };
+enum { BENCH_CELLS_MAX = 4096, BENCH_RUNS_MAX = 1000 };
 
 /* Read a file that anyone may have written.
  * result  [out] NULL on failure; released with json_decref

@@ -8,6 +8,7 @@
 
 #include "baker/base/text.h"
 #include "baker/files/json_file.h"
+#include "baker/options/filter_choice.h"
 
 /* Tables --------------------------------------------------------------------------------------------------------------------- */
 
@@ -158,14 +159,15 @@ static const figure_row rows[] = {
     {"lookups", "ray", "ray_nanoseconds", FIGURE_SECONDS, FIGURE_COLUMN},
 };
 
-/* "stage merge", "lookup 3 x 3", "RMSE 9 x 9, surface" */
+/* "stage merge", "lookup 3 x 3", "RMSE 9 x 9 smooth, surface" */
 static void set_name(char name[96], const figure_row *row, const json_t *item)
 {
     char        filter[32] = "";
-    unsigned    filter_px  = (unsigned)count_at(item, "filter_px");
+    uint32_t    filter_px  = (uint32_t)count_at(item, "filter_px") + (json_is_true(json_at(item, "smooth")) ? VXS_SMOOTH : 0);
     const char *stage = row->flags & FIGURE_STAGE ? text_at(item, "name") : "", *points = text_at(item, "points");
-    if (filter_px > 1) snprintf(filter, sizeof filter, " %u x %u", filter_px, filter_px);
-    snprintf(name, 96, "%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, filter, *points ? ", " : "", points);
+    if (filter_px > 1) filter_text(filter, filter_px);
+    snprintf(name, 96, "%s%s%s%s%s%s%s", row->name, *stage ? " " : "", stage, *filter ? " " : "", filter, *points ? ", " : "",
+             points);
 }
 
 static void add_figure(bench_figure *figures, size_t *count, const figure_row *row, const json_t *item)

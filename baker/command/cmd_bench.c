@@ -16,7 +16,7 @@
 
 typedef struct bench_command {
     bench_options o;
-    number_list   filters;
+    number_list   filters, smooth;
     const char   *output_path, *against_path;
     double        max_slower;
     int           max_slower_given;
@@ -29,7 +29,7 @@ typedef struct bench_command {
 /* What can be found wrong before the work. */
 static vxs_result check(bench_command *c, message *m)
 {
-    vxs_result r = filters_take(&c->filters, NULL, c->o.filters_px, &c->o.filter_count, m);
+    vxs_result r = filters_take(&c->filters, &c->smooth, c->o.filters_px, &c->o.filter_count, m);
     if (r == VXS_OK && c->max_slower_given && !c->against_path) r = fail(m, VXS_E_ARGUMENT, "--max-slower goes with --against");
     for (size_t n = 0; n < c->o.scenes.count && r == VXS_OK; n++)
         if (!is_read_once(c->o.scenes.items[n])) r = scene_check_files_gltf(c->o.scenes.items[n], m);
@@ -87,6 +87,8 @@ int cmd_bench(int argc, char **argv)
          swept(&c, 8, "--maps", MAPS_CHOICES, "where depths come from (default auto)"),
          {"--filter", OPTION_U32S, &c.filters, 1, VXS_FILTER_MAX, NULL, "K",
           "K x K box filters to look up, besides single taps; K odd, 1 to 17 texels (default single taps only)", NULL},
+         {"--smooth", OPTION_U32S, &c.smooth, 1, VXS_FILTER_MAX, NULL, "K",
+          "smooth K x K filters to look up, too; K even or odd, 1 to 17 texels", NULL},
          {"--light", OPTION_TEXTS, &c.o.light_names, 0, 0, NULL, "NAME", "bake this light, in all scenes (default all lights)",
           NULL},
          {"--sun", OPTION_TEXTS, &c.o.suns, 0, 0, NULL, "[NAME=]X,Y,Z",

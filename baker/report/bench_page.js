@@ -65,9 +65,12 @@ const row_name = (cell) => [cell.side, ...names_of(cell)].join(", ");
 
 /* figures of cells ------------------------------------------------------------------------------------------------------------ */
 
-const error_of = (cell, points, filter) => cell.errors.find((e) => e.points === points && e.filter_px === filter);
-const lookup_of = (cell, filter) => cell.lookups.find((l) => l.filter_px === filter);
-const rmse = (error) => error.filter_px === 1 ? Math.sqrt(error.wrong_share) : error.rmse; /* single taps are right or wrong */
+/* "1 x 1" is a single tap; "9 x 9 smooth" */
+const filter_of = (item) => `${item.filter_px} x ${item.filter_px}${item.smooth ? " smooth" : ""}`;
+const TAP = "1 x 1";
+const error_of = (cell, points, filter) => cell.errors.find((e) => e.points === points && filter_of(e) === filter);
+const lookup_of = (cell, filter) => cell.lookups.find((l) => filter_of(l) === filter);
+const rmse = (error) => error.rmse ?? Math.sqrt(error.wrong_share); /* single taps are right or wrong */
 const exactly = (value) => ({ median: value, min: value, max: value });
 const size_of = (cell) => exactly(cell.size.file_bytes);
 const time_of = (cell) => cell.bake.total_seconds;
@@ -255,19 +258,19 @@ function error_chart({ name, points, filters, x_label, x_unit, x_of, y_label, y_
         keys: [...scene_keys(), ...setting_keys(), ...file_keys()], caption }, () => line_chart(
         lines.map((l) => dataset(l.s, l.points, { labels: labels(l) })),
         log_axis(x_label, x_unit, values_of(all, "x"), 0.1), log_axis(y_label, SHARE, values_of(all, "y")),
-        ({ s, cell, filter, x }) => `${series_name(s)}, ${cell.side} texels${many ? `, ${filter} x ${filter}` : ""}: `
+        ({ s, cell, filter, x }) => `${series_name(s)}, ${cell.side} texels${many ? `, ${filter}` : ""}: `
             + `${x_unit.text(x)}, ${percent(share({ cell, filter }))}`))];
 }
 
 /* No wrong answer has no place on a logarithmic axis: it is drawn where half an answer would be. */
 function seen(share, error) {
     const half = error.checked ? 0.5 / error.checked : 0;
-    return share > 0 ? share : error.filter_px === 1 ? half : Math.sqrt(half);
+    return share > 0 ? share : filter_of(error) === TAP ? half : Math.sqrt(half);
 }
 
 function error_charts() {
-    const kinds = ["random", "surface"], filters = [...new Set(cells.flatMap((c) => c.lookups.map((l) => l.filter_px)))];
-    const wrong = (points, of) => ({ points, filters: [1], y_label: "wrong answers", y_of: (e) => e.wrong_share,
+    const kinds = ["random", "surface"], filters = [...new Set(cells.flatMap((c) => c.lookups.map(filter_of)))];
+    const wrong = (points, of) => ({ points, filters: [TAP], y_label: "wrong answers", y_of: (e) => e.wrong_share,
         title: (x, y) => `Of ${points} points, ${y} are answered wrong, by ${of} ${x}`,
         caption: "Single taps against ray tracing; lower and further left is better. Numbers are texels a side. Where nothing is wrong, "
             + "the mark is where half a point would be." });
@@ -279,7 +282,7 @@ function error_charts() {
             x_of: (c, filter) => lookup_of(c, filter)?.nanoseconds, y_label: "root mean square error", y_of: rmse,
             title: (x, y) => `A lookup takes ${x}, and is off by ${y} at ${points} points`,
             caption: "Root mean square against the same filter over rays, of full light; for 1 tap that is the root of the share of wrong "
-                + `answers. A line for each filter: ${filters.map((f) => f === 1 ? "1 tap" : `${f} x ${f}`).join(", ")}. Numbers are texels `
+                + `answers. A line for each filter: ${filters.map((f) => f === TAP ? "1 tap" : f).join(", ")}. Numbers are texels `
                 + "a side." })),
     ].flatMap(error_chart);
 }
@@ -391,8 +394,8 @@ function show_head() {
     }
     if (settings.length > 1)
         show(soft(`Options that differ from the first bake's are named; a bake without such is called base${base ? `: ${base}` : ""}.`));
-    const wrong = cells.flatMap((c) => error_of(c, "surface", 1)?.wrong_share ?? []);
-    const lookups = cells.flatMap((c) => lookup_of(c, 1)?.nanoseconds.median ?? []);
+    const wrong = cells.flatMap((c) => error_of(c, "surface", TAP)?.wrong_share ?? []);
+    const lookups = cells.flatMap((c) => lookup_of(c, TAP)?.nanoseconds.median ?? []);
     const answer = (question, values, unit, about) => values.length ? [fact(question, range_text(values, unit, " – "), about)] : [];
     show(el("div", { class: "facts" },
         ...answer("How big?", cells.map((c) => c.size.file_bytes), bytes, "a file"),
@@ -427,7 +430,7 @@ function ratio(pairs) {
 
 function show_settings() {
     const figures = { "file": (c) => c.size.file_bytes, "in memory": (c) => c.size.memory_bytes, "bake time": (c) => time_of(c).median,
-        "peak memory": (c) => c.bake.peak_bytes, "wrong at surfaces": (c) => error_of(c, "surface", 1)?.wrong_share ?? 0 };
+        "peak memory": (c) => c.bake.peak_bytes, "wrong at surfaces": (c) => error_of(c, "surface", TAP)?.wrong_share ?? 0 };
     const base_of = (cell) => cells.find((b) =>
         !b.setting && b.scene_number === cell.scene_number && b.file === cell.file && b.side === cell.side);
     const row = (name, setting) => {
@@ -451,7 +454,6 @@ const cell_cells = (c) => [...series_cells(c, c.scene_number), String(c.side)];
 const below = (first, ...others) => [first, ...others.flatMap((other) => [el("br", {}), el("small", {}, other)])];
 const beside = (value, more) => [value, el("small", {}, ` ${more}`)];
 const spread = (s, unit = seconds) => s.min === s.max ? unit(s.median) : beside(unit(s.median), `${unit(s.min)}–${unit(s.max)}`);
-const filter_name = (of) => `${of.filter_px} x ${of.filter_px}`;
 
 /* rows_of(cell): what stands behind its name, a list for each row */
 function show_cells(title, heads, rows_of) {
@@ -485,7 +487,7 @@ function show_growth() {
             series.map((s) => [...series_cells(s, s.scene), count(s.cells.length), ...row(s)])));
 }
 
-const error_figures = (e) => e.filter_px === 1
+const error_figures = (e) => filter_of(e) === TAP
     ? [percent(e.wrong_share), count(e.leaks), count(e.false_shadows), count(e.unexplained), percent(rmse(e)), ""]
     : ["", "", "", "", percent(e.rmse), percent(e.max_error)];
 
@@ -505,8 +507,8 @@ function show_figures() {
         (c) => block_parts(c).map((p) => [p.kind, below(count(p.count), bytes(p.stored_bytes), bytes(p.memory_bytes))]));
     show_cells("Errors against ray tracing", ["points", "filter", "checked", "wrong", "leaks", "false shadows", "unexplained",
         "root mean square", "greatest"],
-    (c) => c.errors.map((e) => [text(`${e.points} points`), filter_name(e), count(e.checked), ...error_figures(e)]));
-    show_cells("Lookups", ["filter", "a lookup", "rays for the same"], (c) => c.lookups.map((l) => [filter_name(l),
+    (c) => c.errors.map((e) => [text(`${e.points} points`), filter_of(e), count(e.checked), ...error_figures(e)]));
+    show_cells("Lookups", ["filter", "a lookup", "rays for the same"], (c) => c.lookups.map((l) => [filter_of(l),
         spread(l.nanoseconds, nanoseconds), l.ray_nanoseconds?.median > 0 ? spread(l.ray_nanoseconds, nanoseconds) : ""]));
 }
 

@@ -145,14 +145,16 @@ def test_figures_are_those_of_a_bake(vxs, bench, folder, tmp_path):
 
 def test_filters(vxs, bench, folder, tmp_path):
     """Errors are weighted over lights, in the order of the filters."""
-    cell = bench("--resolution", 64, "--runs", 1, "--points", 2000, "--filter", 5, "--filter", 3)[0]["cells"][0]
-    assert [lookup["filter_px"] for lookup in cell["lookups"]] == [1, 5, 3]
+    filters = ("--filter", 5, "--smooth", 4, "--filter", 3, "--smooth", 1)
+    result, text = bench("--resolution", 64, "--runs", 1, "--points", 2000, *filters)
+    cell, in_order = result["cells"][0], [(5, False), (3, False), (4, True), (1, True)]
+    assert [(lookup["filter_px"], lookup.get("smooth")) for lookup in cell["lookups"]] == [(1, None), *in_order]
+    assert "lookup 4 x 4 smooth" in text and "RMSE 1 x 1 smooth, surface" in text
     vxs("bake", folder / "small.gltf", "-o", tmp_path / "a.vxs", "--resolution", 64, "--baseline", "off")
-    compared = json.loads(vxs("compare", folder / "small.gltf", tmp_path / "a.vxs", "--points", 2000, "--filter", 5, "--filter", 3,
-                              "--json", "-").stdout)
+    compared = json.loads(vxs("compare", folder / "small.gltf", tmp_path / "a.vxs", "--points", 2000, *filters, "--json", "-").stdout)
     lights = compared["assets"][0]["lights"]
     errors = cell["errors"][2:]
-    assert [(e["filter_px"], e["points"]) for e in errors] == [(5, "random"), (5, "surface"), (3, "random"), (3, "surface")]
+    assert [(e["filter_px"], e["smooth"], e["points"]) for e in errors] == [(*f, points) for f in in_order for points in ("random", "surface")]
     for n, error in enumerate(errors):
         parts = [light["filters"][n // 2][error["points"]] for light in lights]
         assert error["checked"] == sum(p["points"] for p in parts) > 0
@@ -551,8 +553,9 @@ def test_every_member_is_checked(rejected, measured, tmp_path):
     lambda c: c["size"]["parts"].extend(3 * c["size"]["parts"]),
     lambda c: c["size"]["parts"][0].update(kind="masks"),
     lambda c: c["bake"]["stages"].extend(3 * c["bake"]["stages"]),
-    lambda c: c["errors"].extend(9 * c["errors"]),
-    lambda c: c["lookups"].extend(9 * c["lookups"]),
+    lambda c: c["errors"].extend(26 * c["errors"]),
+    lambda c: c["lookups"].extend(26 * c["lookups"]),
+    lambda c: c["errors"][2].update(smooth="yes"),
     lambda c: c["errors"][0].update(points="here and there"),
     lambda c: c["errors"][0].update(wrong_share=1.5),
 ], ids=lambda value: "")

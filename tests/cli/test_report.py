@@ -34,8 +34,8 @@ def cell(scene="city.glb", resolution=1024, light="sun", **options):
     levels = [(resolution >> n, 4 ** n) for n in range(resolution.bit_length() - 3)] + [(0, resolution)]
     errors = [{"points": points, "filter_px": 1, "checked": 100000, "wrong_share": share / resolution, "leaks": 7, "false_shadows": 11,
                "unexplained": 0} for points, share in (("random", 1.25), ("surface", 20))]
-    errors += [{"points": points, "filter_px": 9, "checked": 100000, "rmse": 5 / resolution, "max_error": 0.25}
-               for points in ("random", "surface")]
+    errors += [{"points": points, "filter_px": 9, "smooth": smooth, "checked": 100000, "rmse": (5 - smooth) / resolution, "max_error": 0.25}
+               for smooth in (False, True) for points in ("random", "surface")]
     return {
         "scene": scene, "triangles": 12345, "solid_triangles": 12000, "light": light, "lights": 1, "maps": 1,
         "options": {"resolution_px": resolution, "rule": "greedy", "stop": "final", "exit": "auto", "closed": "auto", "reuse": "on",
@@ -49,7 +49,8 @@ def cell(scene="city.glb", resolution=1024, light="sun", **options):
                              "stored_bytes": int(size) // len(levels)} for side, count in levels]},
         "errors": errors,
         "lookups": [{"filter_px": 1, "nanoseconds": spread(50), "ray_nanoseconds": spread(900)},
-                    {"filter_px": 9, "nanoseconds": spread(101)}],
+                    {"filter_px": 9, "smooth": False, "nanoseconds": spread(101)},
+                    {"filter_px": 9, "smooth": True, "nanoseconds": spread(151)}],
     }
 
 
@@ -214,7 +215,7 @@ def test_nothing_at_all(report):
 
     def empty(value):
         if isinstance(value, dict):
-            return {k: v if k in ("options", "triangles", "lights", "maps", "filter_px", "side_voxels") else empty(v)
+            return {k: v if k in ("options", "triangles", "lights", "maps", "filter_px", "smooth", "side_voxels") else empty(v)
                     for k, v in value.items()}
         if isinstance(value, list):
             return [empty(v) for v in value]
