@@ -1,7 +1,7 @@
 /* rivals: vxs beside other ways to keep a light's shadow, on the same depth maps, in one run.
  *
  *     rivals SCENE [--sun X,Y,Z] [--resolution N] [--threads N] [--runs R] [--points P] [--width PX]
- *         [--eye X,Y,Z --target X,Y,Z] [--fov DEGREES] [--voxels all|COUNT] [--json FILE] [--fault depth|filter]
+ *         [--eye X,Y,Z --target X,Y,Z] [--fov DEGREES] [--voxels all|COUNT] [--rival NAME]... [--json FILE] [--fault depth|filter]
  *
  * The maps are made once; then each rival (rival.h) makes a file of them, reads it, answers at the same points, and is checked:
  * single taps against the contract of an asset, voxel by voxel, filtered lookups against its own single taps. Tables go to standard
@@ -28,27 +28,43 @@ typedef struct rivals_command {
     const char     *json_path;
     int             fault;
     uint32_t        threads;
+    text_list       names; /* none: all */
 } rivals_command;
 
 static const rival *const families[] = {block_rivals, dag_rivals, interval_rivals, depth_rivals, shader_rivals, ray_rivals};
 
 enum { FAMILY_COUNT = sizeof families / sizeof *families };
 
-static size_t rival_count(void)
+static int is_listed(const text_list *names, const char *name)
+{
+    for (size_t n = 0; n < names->count; n++)
+        if (!strcmp(names->items[n], name)) return 1;
+    return 0;
+}
+
+/* vxs, which others are held against, and those that are named, or all.
+ * out  [out] their results; NULL: they are counted alone */
+static size_t choose(const text_list *names, rival_result *out)
 {
     size_t count = 0;
     for (int f = 0; f < FAMILY_COUNT; f++)
-        for (const rival *r = families[f]; r->name; r++) count++;
+        for (const rival *r = families[f]; r->name; r++) {
+            if (names->count && count && !is_listed(names, r->name)) continue;
+            if (out) out[count].rival = r;
+            count++;
+        }
     return count;
 }
 
-/* [rival_count()] vxs first; NULL without memory. */
-static rival_result *no_results(void)
+static vxs_result check_names(const text_list *names, message *m)
 {
-    rival_result *results = calloc(rival_count(), sizeof *results), *next = results;
-    for (int f = 0; f < FAMILY_COUNT && results; f++)
-        for (const rival *r = families[f]; r->name; r++) next++->rival = r;
-    return results;
+    for (size_t n = 0; n < names->count; n++) {
+        int known = 0;
+        for (int f = 0; f < FAMILY_COUNT; f++)
+            for (const rival *r = families[f]; r->name; r++) known |= !strcmp(r->name, names->items[n]);
+        if (!known) return fail(m, VXS_E_ARGUMENT, "--rival %s: there is none of that name", names->items[n]);
+    }
+    return VXS_OK;
 }
 
 static int all_right(const rival_report *report)
@@ -70,14 +86,16 @@ static void place_camera(measure_options *o, const light_maps *maps)
 static vxs_result run(rivals_command *c, int *right, message *m)
 {
     light_maps    maps    = {.levels = 0};
-    rival_result *results = no_results();
-    rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, rival_count()};
+    size_t        count   = choose(&c->names, NULL);
+    rival_result *results = calloc(count, sizeof *results);
+    rival_report  report  = {c->bake.scene_path, &maps, &c->measure, results, count};
     vxs_result    r       = results ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
     if (r == VXS_OK) r = light_maps_render(&maps, &c->bake, m);
+    if (results) choose(&c->names, results);
     maps.threads = c->threads;
     place_camera(&c->measure, &maps);
     if (r == VXS_OK && c->fault == FAULT_DEPTH) r = light_maps_spoil(&maps, m);
-    if (r == VXS_OK) r = rivals_measure(results, rival_count(), &maps, &c->measure, m);
+    if (r == VXS_OK) r = rivals_measure(results, count, &maps, &c->measure, m);
     if (r != VXS_OK) goto done;
 
     /* JSON that goes to standard output stays alone there */
@@ -111,6 +129,7 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
          &c->measure.camera.target_given},
         {"--fov", OPTION_F64, &c->measure.camera.camera.fov_degrees, 1, 170, NULL, "DEGREES", "as render (default 35)", NULL},
         {"--voxels", OPTION_TEXT, &voxels, 0, 0, NULL, "COUNT", "random voxels to check, or all (default 2000000)", NULL},
+        {"--rival", OPTION_TEXTS, &c->names, 0, 0, NULL, "NAME", "this one beside vxs; repeat for more (default all)", NULL},
         {"--seed", OPTION_U32, &c->measure.seed, 0, UINT32_MAX, NULL, "S", "other points (default 1)", NULL},
         {"--json", OPTION_OUTPUT, &c->json_path, 0, 0, ".json", "FILE", "the same as JSON; - is standard output", NULL},
         {"--fault", OPTION_CHOICE, &c->fault, 0, 0, "none|depth|filter", NULL, "plant a fault", NULL},
@@ -120,6 +139,7 @@ static vxs_result parse(rivals_command *c, int argc, char **argv, int *help_show
     vxs_result r = options_parse(&line, argc, argv, help_shown, m);
     if (r == VXS_OK && !*help_shown) r = options_check_files(&line, m);
     if (r == VXS_OK && !*help_shown) r = camera_check(&c->measure.camera, m);
+    if (r == VXS_OK) r = check_names(&c->names, m);
     if (r != VXS_OK) return r;
     c->measure.height_px = c->measure.width_px * 9 / 16;
     if (c->bake.resolution & (c->bake.resolution - 1))
@@ -148,6 +168,7 @@ int main(int argc, char **argv)
     vxs_result r = parse(&c, argc, argv, &help_shown, &m);
     if (r == VXS_OK && !help_shown) r = run(&c, &right, &m);
     free(c.bake.light_names.items);
+    free(c.names.items);
     named_list_free(&c.bake.suns);
     run_files_free(&files);
     int status = command_end(&m, r);

@@ -130,6 +130,14 @@ def test_a_picture_asks_where_it_sees_surfaces(rivals, city, tmp_path):
     rivals(city, *look, "--eye=0,1000,0", status=2)
 
 
+def test_some_rivals(rivals, city, tmp_path):
+    """In the order in which all are, whatever that of the options is; vxs first, named or not."""
+    look = ("--resolution", 64, "--voxels", 1, "--runs", 1, "--points", 100, "--width", 84)
+    rivals(city, *look, "--rival", "float depth map", "--rival", "DAG", "--json", tmp_path / "some.json")
+    assert list(by_name(json.loads((tmp_path / "some.json").read_text()))) == ["palette blocks", "DAG", "float depth map"]
+    rivals(city, *look, "--rival", "no such thing", status=2)
+
+
 @pytest.mark.parametrize("fault", ["depth", "filter"])
 def test_fault_is_seen(rivals, city, fault, tmp_path):
     points = {"depth": 1000, "filter": 20000}[fault]  # filters are asked at points, depths in all voxels
