@@ -414,19 +414,22 @@ static void check_every(const vxs_baked_light *baked, const double origin[3], co
     }
 }
 
-/* The shaders as they stand in tests/shaders, for all kinds of lights, some of them a thousand kilometres from the world's origin. */
+/* The shaders as they stand in tests/shaders, for all kinds of lights, some of them a thousand kilometres from the world's origin; and each with
+ * another width in the place of theirs, no two that fetch words alike with the same: a compiler takes longer than all else here. */
 static void test_positions(void **state)
 {
     enum { WIDTHS = 4 };
-    static const char *const widths[WIDTHS]     = {"1", "9", "17", "VXS_SMOOTH + 8"};
-    static const int         filters_px[WIDTHS] = {1, 9, 17, VXS_SMOOTH + 8};
-    static const uint32_t    map_levels[WIDTHS] = {4, 6, 8, 6};
+    static const char *const widths[WIDTHS]        = {"1", "9", "17", "VXS_SMOOTH + 8"};
+    static const int         filters_px[WIDTHS]    = {1, 9, 17, VXS_SMOOTH + 8};
+    static const uint32_t    map_levels[WIDTHS]    = {4, 6, 8, 6};
+    static const int         other_width[DIALECTS] = {3, 0, 2, 3};
     static query             queries[QUERIES];
     static float             answers[QUERIES];
     drawing                  d = drawing_make();
     (void)state;
     for (int dialect = 0; dialect < DIALECTS; dialect++)
         for (int width = 0; width < WIDTHS; width++) {
+            if (width != 1 && width != other_width[dialect]) continue;
             use_program(&d, dialects[dialect], NULL, widths[width]);
             for (int kind = 0; kind < KINDS; kind++) {
                 rng        r         = {(uint64_t)(61 + 3 * kind + width)};
