@@ -61,6 +61,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                  \
     X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                  \
     X(PFNGLPROGRAMUNIFORM3FPROC, ProgramUniform3f)                  \
+    X(PFNGLPROGRAMUNIFORM3IPROC, ProgramUniform3i)                  \
     X(PFNGLPROGRAMUNIFORM4FPROC, ProgramUniform4f)                  \
     X(PFNGLPROGRAMUNIFORM4IPROC, ProgramUniform4i)                  \
     X(PFNGLPROGRAMUNIFORMMATRIX4FVPROC, ProgramUniformMatrix4fv)    \

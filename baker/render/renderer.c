@@ -9,6 +9,7 @@
  * Places count from the camera, in which lookups are as fine as a float can be.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,10 +102,12 @@ static vxs_result make_programs(renderer *r, message *m)
 {
     const char *texts[VXS_GL_TEXTS];
     text_part   shade[SHADE_PARTS], surface = part_of(surface_frag_glsl), tone = part_of(tone_frag_glsl);
+    char        knows[64];
     vxs_result  result;
+    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s", r->options.filter_px, r->options.stream ? "#define STREAMED\n" : "");
     vxs_gl_texts(r->shadows, texts);
     for (int n = 0; n < VXS_GL_TEXTS; n++) shade[n] = (text_part){texts[n], -1};
-    shade[VXS_GL_TEXTS]     = (text_part){r->options.stream ? "#define STREAMED\n" : "", -1};
+    shade[VXS_GL_TEXTS]     = (text_part){knows, -1};
     shade[VXS_GL_TEXTS + 1] = part_of(shade_frag_glsl);
     if ((result = make_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
     if ((result = make_program(r->gl, &r->tone_program, screen_vert_glsl, &tone, 1, m)) != VXS_OK) return result;
@@ -359,7 +362,7 @@ static void shade(const renderer *r, int show, uint32_t light)
     const gl_context *gl = r->gl;
     GLuint            p  = r->shade_program;
     gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
-    gl->ProgramUniform4i(p, gl->GetUniformLocation(p, "asked"), (GLint)r->options.filter_px, show, (GLint)light, renderer_culls(r));
+    gl->ProgramUniform3i(p, gl->GetUniformLocation(p, "asked"), show, (GLint)light, renderer_culls(r));
     gl->BindTextureUnit(3, 0); /* what is drawn to */
     vxs_gl_bind(r->shadows);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);

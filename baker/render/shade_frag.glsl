@@ -1,4 +1,4 @@
-/* Behind the texts of vxs_gl.h: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
+/* Behind the texts of vxs_gl.h, and FILTER_PX, the filter of lookups, which a compiler then knows: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
  * ending at their range and cones as KHR_lights_punctual has it. */
 #define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
@@ -10,7 +10,7 @@ layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
 uniform mat4 point_from_depth;
 uniform vec4 sizes;   /* width, height */
-uniform ivec4 asked;  /* filter, SHOW_, light, 1: lights of the pixel's tile, 0: all */
+uniform ivec3 asked;  /* SHOW_, light of SHOW_LIT, 1: lights of the pixel's tile, 0: all */
 layout(location = 0) out vec4 light_out;
 
 vec3 place_of(vxs_light_constants l)
@@ -34,12 +34,6 @@ float strength(vxs_light_constants l, float cos_inner, vec3 at, out vec3 to_ligh
     return result * edge * edge;
 }
 
-float lit_of(vxs_light_constants l, vec3 at, vec3 normal)
-{
-    float lit = vxs_lit(l.dag, l, at, normal, asked.x);
-    return lit < 0.0 ? (l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0) : lit;
-}
-
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -48,30 +42,33 @@ void main()
     if (depth == 0.0) return;
     vec4 there  = point_from_depth * vec4(gl_FragCoord.xy / sizes.xy, depth, 1.0);
     vec3 at     = there.xyz / there.w, normal = texelFetch(normals, pixel, 0).xyz, sum = vec3(0.0);
-    if (asked.y == SHOW_LIT) {
-        light_out = vec4(vec3(vxs_lit_by(uint(asked.z), at, normal, asked.x)), 1.0);
-        return;
-    }
+    bool one    = asked.x == SHOW_LIT, listed = asked.z != 0 && !one;
+    uint tile   = listed ? vxs_tile_of(pixel) : 0u, count = one ? 1u : listed ? vxs_tile_light_count(tile) : vxs_light_count();
 #ifdef STREAMED
     vec2 lookups = vec2(0.0);
 #endif
-    uint tile = asked.w != 0 ? vxs_tile_of(pixel) : 0u, count = asked.w != 0 ? vxs_tile_light_count(tile) : vxs_light_count();
-    for (uint i = 0u; i < count; i++) {
-        uint                n = asked.w != 0 ? vxs_tile_light(tile, i) : i;
+    for (uint i = 0u; i < count; i++) { /* with one call of vxs_lit: it is inlined, and compilers take long */
+        uint                n = one ? uint(asked.y) : listed ? vxs_tile_light(tile, i) : i;
         vxs_light_constants l = vxs_light_at(n);
         vec3                to_light;
         float               power = strength(l, colours[n].a, at, to_light) * dot(normal, to_light);
-        if (power <= 0.0) continue;
+        if (power <= 0.0 && !one) continue;
 #ifdef STREAMED
-        if (asked.y == SHOW_FULL) {
-            lookups += vec2(1.0, float(vxs_lit_is_full(l.dag, l, at, normal, asked.x)));
+        if (asked.x == SHOW_FULL) {
+            lookups += vec2(1.0, float(vxs_lit_is_full(l.dag, l, at, normal, FILTER_PX)));
             continue;
         }
 #endif
-        sum += colours[n].rgb * (power * lit_of(l, at, normal));
+        float lit = vxs_lit(l.dag, l, at, normal, FILTER_PX);
+        if (one) {
+            light_out = vec4(vec3(lit), 1.0);
+            return;
+        }
+        if (lit < 0.0) lit = l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0;
+        sum += colours[n].rgb * (power * lit);
     }
 #ifdef STREAMED
-    if (asked.y == SHOW_FULL) {
+    if (asked.x == SHOW_FULL) {
         light_out = vec4(lookups, 0.0, 1.0);
         return;
     }
