@@ -240,12 +240,15 @@ VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, vxs
     sum[2] += weight * exp(-VXS_FIELD(medium, extinction)[2] * way);
 }
 
-/* depth  optical, of the part, of the densest channel */
+/* As many nodes as it changes: by what is lost, by b, and by d / (d + h), where b says little because k is great.
+ * depth  optical, of the part, of the densest channel */
 VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real depth,
                              VXS_INOUT vxs_real3 sum)
 {
-    vxs_real wide = VXS_FIELD(part, wide), change = depth + wide * (1.0 + VXS_FIELD(ray, rim_scale));
-    vxs_i32  pairs = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
+    vxs_real wide = VXS_FIELD(part, wide), h = VXS_FIELD(ray, beside), begin = h + VXS_FIELD(part, detour);
+    vxs_real turn   = (h / begin) * (VXS_FIELD(part, more) / (begin + VXS_FIELD(part, more)));
+    vxs_real change = depth + (wide > turn ? wide : turn) * (1.0 + VXS_FIELD(ray, rim_scale));
+    vxs_i32  pairs  = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
     for (vxs_i32 n = 0; n < pairs; n++) {
         vxs_real offset = 0.5 * vxs_air_offset(pairs, n), weight = 0.5 * vxs_air_weight(pairs, n) * wide;
         vxs_air_add_node(medium, ray, k, vxs_air_detour_at(part, 0.5 - offset), weight, sum);

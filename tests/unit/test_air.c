@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/random.h"
+#include "random_lamp.h"
 #include "repeats.h"
 #include "runtime/volumes/vxs_air.h"
 
@@ -25,11 +25,6 @@
 #include <cmocka.h>
 
 #include "gl_points.h"
-
-static double uniform(rng *r, double low, double high)
-{
-    return low + (high - low) * rng_unit(r);
-}
 
 /* Uniform in the logarithm. */
 static double spread(rng *r, double low, double high)
@@ -150,23 +145,15 @@ static void air_of(const question *q, double airlight[3])
 
 /* questions ------------------------------------------------------------------------------------------------------------------------ */
 
-static void random_unit(rng *r, double out[3])
-{
-    double z = uniform(r, -1, 1), turn = uniform(r, 0, 2 * M_PI), wide = sqrt(1 - z * z);
-    out[0] = wide * cos(turn);
-    out[1] = wide * sin(turn);
-    out[2] = z;
-}
-
 /* Any ray: the lamp before the eye, behind it, at it, on the ray; short and endless pieces; thin air and ink.
  * least_beside  of the lamp's distance */
 static question random_question(rng *r, double least_beside, int spots)
 {
     question q = {0};
     double   w[3], side[3], axis[3], along, beside, size = spread(r, 1e-2, 1e5), dot = 0, length = 0;
-    random_unit(r, w);
-    random_unit(r, side);
-    random_unit(r, axis);
+    random_direction(r, w);
+    random_direction(r, side);
+    random_direction(r, axis);
     for (int i = 0; i < 3; i++) dot += w[i] * side[i];
     for (int i = 0; i < 3; i++) side[i] -= dot * w[i];
     for (int i = 0; i < 3; i++) length += side[i] * side[i];
@@ -204,11 +191,13 @@ typedef struct errors {
 } errors;
 
 /* Errors of what a spot light adds count relative to a hundredth of what a point light would, where that is more: a ray that grazes its cone
- * sees nothing. Channels so dark that a float may flush them do not count. */
+ * sees nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
 static void count_errors(errors *e, const question *q, const double found[3])
 {
-    double   wanted[3], all[3] = {0};
-    question point  = *q;
+    double   wanted[3], all[3] = {0}, from_lamp[3], way;
+    question point = *q;
+    for (int i = 0; i < 3; i++) from_lamp[i] = (double)q->begin * (double)q->direction[i] - (double)q->to_lamp[i];
+    way             = (double)q->begin + sqrt(dot(from_lamp, from_lamp));
     point.cos_inner = 0;
     reference(q, wanted);
     if (q->cos_inner > 0) reference(&point, all);
@@ -216,7 +205,7 @@ static void count_errors(errors *e, const question *q, const double found[3])
         assert_true(isfinite(found[i]) && found[i] >= 0);
         if (q->scattering[i] == 0) assert_true(found[i] == 0);
         double scale = fmax(wanted[i], all[i] / 100);
-        if (!(scale > 1e-30)) continue;
+        if (!(scale > 1e-30) || (double)q->extinction[i] * way > 18) continue;
         double error = fabs(found[i] - wanted[i]) / scale;
         e->sum += error;
         e->count++;
@@ -254,14 +243,14 @@ static void test_points(void **state)
 {
     (void)state;
     errors e = errors_in_c(0);
-    check_errors(&e, 3e-2, 1e-4, 0.02, repeats(4000, 100000));
+    check_errors(&e, 6e-2, 1e-4, 0.02, repeats(4000, 100000));
 }
 
 static void test_spots(void **state)
 {
     (void)state;
     errors e = errors_in_c(1);
-    check_errors(&e, 0.25, 1e-4, 0.01, repeats(4000, 100000));
+    check_errors(&e, 1e-2, 1e-4, 0.01, repeats(4000, 100000));
 }
 
 /* The sun's, in fog with a top or without, against the same integrand place by place. */
@@ -335,8 +324,8 @@ static void test_cones(void **state)
     uint32_t inside = 0;
     for (uint32_t n = 0; n < repeats(20000, 200000); n++) {
         double to_lamp[3], direction[3], axis[3], cosine = cos(uniform(&r, 0.05, M_PI / 2)), part[2] = {0, 100};
-        random_unit(&r, direction);
-        random_unit(&r, axis);
+        random_direction(&r, direction);
+        random_direction(&r, axis);
         for (int i = 0; i < 3; i++) to_lamp[i] = uniform(&r, -30, 30);
         vxs_air_ray ray = vxs_air_ray_of_spot(to_lamp, direction, 1e-3, axis, 1, cosine);
         vxs_air_in_cone(&ray, cosine, part);

@@ -5,6 +5,7 @@
 #include "baker/picture/fog.h"
 #include "baker/truth/baked_light.h"
 #include "query_lights.h"
+#include "random_lamp.h"
 #include "runtime/vxs.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
@@ -16,19 +17,6 @@
 #include <cmocka.h>
 
 enum { STEPS = 8000 };
-
-static double uniform(rng *r, double low, double high)
-{
-    return low + (high - low) * rng_unit(r);
-}
-
-static void random_unit(rng *r, double out[3])
-{
-    double z = uniform(r, -1, 1), turn = uniform(r, 0, 2 * M_PI), wide = sqrt(1 - z * z);
-    out[0] = wide * cos(turn);
-    out[1] = wide * sin(turn);
-    out[2] = z;
-}
 
 static double phase_of(double g, double cosine)
 {
@@ -95,7 +83,7 @@ static void test_against_lookups(void **state)
             f.extinction[i] = uniform(&r, 0, 0.3);
             f.scattering[i] = f.extinction[i] * rng_unit(&r);
         }
-        random_unit(&r, w);
+        random_direction(&r, w);
         for (int i = 0; i < 3; i++) ls[i] = l.shape.position_ws[i] - eye[i];
         double along = ls[0] * w[0] + ls[1] * w[1] + ls[2] * w[2];
         if (!is_sun && ls[0] * ls[0] + ls[1] * ls[1] + ls[2] * ls[2] - along * along < 0.05) continue; /* too sharp for steps */
