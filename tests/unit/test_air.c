@@ -243,7 +243,7 @@ static void test_points(void **state)
 {
     (void)state;
     errors e = errors_in_c(0);
-    check_errors(&e, 6e-2, 1e-4, 0.02, repeats(4000, 100000));
+    check_errors(&e, 1e-3 * repeats(5, 60), 1e-4, 0.02, repeats(4000, 100000));
 }
 
 static void test_spots(void **state)
