@@ -3,83 +3,58 @@
 #include "baker/picture/fog.h"
 
 #include <math.h>
+#include <string.h>
 
-#include "baker/base/vec3.h"
-#include "runtime/volumes/vxs_air.h"
+#include "runtime/volumes/vxs_air_path.h"
 #include "runtime/vxs_query.h"
 
 enum { INTERVALS = 32 }; /* asked for at a time */
 
-typedef struct eye_ray {
-    vxs_medium    medium;
-    const double *eye_ws, *direction;
-    double        part[2]; /* in fog */
-} eye_ray;
-
-static eye_ray ray_in_fog(const fog_medium *f, const double eye_ws[3], const double direction[3], double metres)
+static vxs_medium medium_of(const fog_medium *f)
 {
-    eye_ray r = {{.anisotropy = f->anisotropy}, eye_ws, direction, {0, metres}};
+    vxs_medium m = {.anisotropy = f->anisotropy};
     for (int i = 0; i < 3; i++) {
-        r.medium.scattering[i] = f->scattering[i];
-        r.medium.extinction[i] = f->extinction[i];
+        m.scattering[i] = f->scattering[i];
+        m.extinction[i] = f->extinction[i];
     }
-    if (f->top_ws < INFINITY) vxs_air_in_fog(eye_ws[1], direction[1], f->top_ws, r.part);
-    return r;
+    return m;
 }
 
-static void add_times(double sum[3], const double a[3], const double b[3])
+static vxs_air_light air_light_of(const fog_light *light)
 {
-    for (int i = 0; i < 3; i++) sum[i] += a[i] * b[i];
-}
-
-static void add_sun(const fog_medium *f, const fog_light *light, const eye_ray *r, double begin, double end, double airlight[3])
-{
-    double to_sun[3] = {-light->shape.direction_ws[0], -light->shape.direction_ws[1], -light->shape.direction_ws[2]};
-    double cosine = vec3_dot(r->direction, to_sun), way = begin, slope = 1, found[3];
-    if (f->top_ws < INFINITY) {
-        if (!(to_sun[1] > 0)) return; /* from below it has come through fog without end */
-        way   = begin - r->part[0] + (f->top_ws - r->eye_ws[1] - r->direction[1] * begin) / to_sun[1];
-        slope = 1 - r->direction[1] / to_sun[1];
+    static const uint32_t kinds[] = {
+        [LIGHT_DIRECTIONAL] = VXS_LIGHT_KIND_DIRECTIONAL, [LIGHT_SPOT] = VXS_LIGHT_KIND_SPOT, [LIGHT_POINT] = VXS_LIGHT_KIND_POINT};
+    const light_shape *shape = &light->shape;
+    vxs_air_light      air   = {.kind          = kinds[shape->kind],
+                                .cos_inner     = light->cos_inner,
+                                .cos_outer     = cos(shape->outer_rad),
+                                .radius_metres = light->radius_metres};
+    for (int i = 0; i < 3; i++) {
+        air.place[i] = shape->kind == LIGHT_DIRECTIONAL ? -shape->direction_ws[i] : shape->position_ws[i];
+        air.axis[i]  = shape->direction_ws[i];
     }
-    vxs_air_sun(&r->medium, cosine, end - begin, way, slope, found);
-    add_times(airlight, light->colour, found);
-}
-
-static vxs_air_ray pass_lamp(const fog_light *light, const eye_ray *r)
-{
-    double to_lamp[3];
-    vec3_sub(light->shape.position_ws, r->eye_ws, to_lamp);
-    if (light->shape.kind == LIGHT_POINT) return vxs_air_ray_of(to_lamp, r->direction, light->radius_metres);
-    return vxs_air_ray_of_spot(to_lamp, r->direction, light->radius_metres, light->shape.direction_ws, light->cos_inner,
-                               cos(light->shape.outer_rad));
+    return air;
 }
 
 /* Where a map ends, the sun shines on, and a lamp does not. */
-static void add_light(const fog_medium *f, const fog_light *light, const eye_ray *r, double airlight[3])
+static void add_light(const vxs_medium *medium, const fog_light *light, const vxs_air_path *path, const double eye_ws[3],
+                      const double direction[3], double airlight[3])
 {
-    int          is_sun = light->shape.kind == LIGHT_DIRECTIONAL;
-    vxs_ray      ray    = {.t_begin = r->part[0], .t_end = r->part[1]};
-    vxs_air_ray  passed = {0};
+    vxs_ray      ray = {.t_begin = path->begin, .t_end = path->end};
     vxs_lit_walk walk;
     vxs_interval found[INTERVALS];
-    size_t       count = INTERVALS;
-    for (int i = 0; i < 3; i++) {
-        ray.origin_ws[i]    = r->eye_ws[i];
-        ray.direction_ws[i] = r->direction[i];
-    }
-    if (!is_sun) passed = pass_lamp(light, r);
+    size_t       count          = INTERVALS;
+    int          outside_is_lit = light->shape.kind == LIGHT_DIRECTIONAL;
+    memcpy(ray.origin_ws, eye_ws, sizeof ray.origin_ws);
+    memcpy(ray.direction_ws, direction, sizeof ray.direction_ws);
     if (vxs_lit_begin(&walk, light->light, &ray) != VXS_OK) return;
     while (count == INTERVALS) {
         count = vxs_lit_next(&walk, found, INTERVALS);
         for (size_t n = 0; n < count; n++) {
-            const vxs_interval *at = &found[n];
-            double              lamp[3];
-            if (is_sun && at->state != VXS_INTERVAL_SHADOW)
-                add_sun(f, light, r, at->t_begin, at->t_end, airlight);
-            else if (!is_sun && at->state == VXS_INTERVAL_LIT) {
-                vxs_air_lamp(&r->medium, &passed, at->t_begin, at->t_end - at->t_begin, lamp);
-                add_times(airlight, light->colour, lamp);
-            }
+            double lit[3];
+            if (found[n].state == VXS_INTERVAL_SHADOW || (found[n].state == VXS_INTERVAL_OUTSIDE && !outside_is_lit)) continue;
+            vxs_air_lit(medium, path, found[n].t_begin, found[n].t_end, lit);
+            for (int i = 0; i < 3; i++) airlight[i] += light->colour[i] * lit[i];
         }
     }
 }
@@ -87,13 +62,19 @@ static void add_light(const fog_medium *f, const fog_light *light, const eye_ray
 void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t light_count, const double eye_ws[3],
                       const double direction[3], double metres, double airlight[3])
 {
-    eye_ray r = ray_in_fog(f, eye_ws, direction, metres);
-    if (!(r.part[1] > r.part[0])) return;
-    for (uint32_t n = 0; n < light_count; n++) add_light(f, &lights[n], &r, airlight);
+    vxs_medium medium = medium_of(f);
+    double     in_fog[2];
+    for (uint32_t n = 0; n < light_count; n++) {
+        vxs_air_light light = air_light_of(&lights[n]);
+        vxs_air_path  path  = vxs_air_path_of(&light, eye_ws, direction, metres, f->top_ws, in_fog);
+        if (path.end > path.begin) add_light(&medium, &lights[n], &path, eye_ws, direction, airlight);
+    }
 }
 
 void fog_left(const fog_medium *f, const double eye_ws[3], const double direction[3], double metres, double left[3])
 {
-    eye_ray r = ray_in_fog(f, eye_ws, direction, metres);
-    vxs_air_left(&r.medium, fmax(0, r.part[1] - r.part[0]), left);
+    vxs_medium medium    = medium_of(f);
+    double     in_fog[2] = {0, metres};
+    if (f->top_ws < VXS_AIR_EVERYWHERE) vxs_air_in_fog(eye_ws[1], direction[1], f->top_ws, in_fog);
+    vxs_air_left(&medium, fmax(0, in_fog[1] - in_fog[0]), left);
 }

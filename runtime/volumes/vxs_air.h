@@ -45,18 +45,20 @@ typedef vxs_real            vxs_real2[2];
 #define VXS_AIR_RAY  const vxs_air_ray *
 #define VXS_AIR_PART const vxs_air_part *
 #define VXS_INOUT
-#define VXS_REF(x) (&(x))
+#define VXS_REF(x)                (&(x))
+#define VXS_REF_OF(object, field) (&(object)->field)
 #else
 #ifdef VXS_HLSL
 #define vxs_real2 float2
 #else
 #define vxs_real2 vec2
 #endif
-#define VXS_MEDIUM   vxs_medium
-#define VXS_AIR_RAY  vxs_air_ray
-#define VXS_AIR_PART vxs_air_part
-#define VXS_INOUT    inout
-#define VXS_REF(x)   (x)
+#define VXS_MEDIUM                vxs_medium
+#define VXS_AIR_RAY               vxs_air_ray
+#define VXS_AIR_PART              vxs_air_part
+#define VXS_INOUT                 inout
+#define VXS_REF(x)                (x)
+#define VXS_REF_OF(object, field) ((object).field)
 #endif
 
 /* What fills the air. */
@@ -213,6 +215,27 @@ VXS_FN vxs_air_part vxs_air_part_of(VXS_AIR_RAY ray, vxs_real k, vxs_real detour
     return part;
 }
 
+/* k, by which b is as even as it gets. */
+VXS_FN vxs_real vxs_air_sharpness(VXS_MEDIUM medium)
+{
+    return (1.0 + VXS_FIELD(medium, anisotropy)) / (1.0 - VXS_FIELD(medium, anisotropy));
+}
+
+/* The part between two places of the ray: the detour at its begin, and what is more at its end, without a difference of what is nearly equal. */
+VXS_FN vxs_air_part vxs_air_part_between(VXS_AIR_RAY ray, vxs_real k, vxs_real begin, vxs_real length)
+{
+    vxs_real h = VXS_FIELD(ray, beside), y = begin - VXS_FIELD(ray, along), end = y + length;
+    vxs_real detour = vxs_air_detour(ray, y), sum_of_r = sqrt(h * h + y * y) + sqrt(h * h + end * end);
+    return vxs_air_part_of(ray, k, detour, length * ((detour + vxs_air_detour(ray, end)) / sum_of_r));
+}
+
+/* Where a detour is so long: metres along the ray. */
+VXS_FN vxs_real vxs_air_place_of(VXS_AIR_RAY ray, vxs_real detour)
+{
+    vxs_real h = VXS_FIELD(ray, beside);
+    return VXS_FIELD(ray, along) + 0.5 * (detour - h * (h / detour));
+}
+
 /* The detour at a share of the part's angle. The direction between two is their sum, weighed by sines: no term is negative. */
 VXS_FN vxs_real vxs_air_detour_at(VXS_AIR_PART part, vxs_real share)
 {
@@ -259,10 +282,9 @@ VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
 /* Add the airlight of [begin, begin + length), but for what does not depend on it. */
 VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
-    vxs_real h = VXS_FIELD(ray, beside), y = begin - VXS_FIELD(ray, along), end = y + length, most = VXS_REAL(0.0), least = most;
-    vxs_real detour = vxs_air_detour(ray, y), sum_of_r = sqrt(h * h + y * y) + sqrt(h * h + end * end);
-    vxs_real rest = length * ((detour + vxs_air_detour(ray, end)) / sum_of_r); /* their difference, without one */
-    vxs_real k    = (1.0 + VXS_FIELD(medium, anisotropy)) / (1.0 - VXS_FIELD(medium, anisotropy));
+    vxs_real     h = VXS_FIELD(ray, beside), k = vxs_air_sharpness(medium), most = VXS_REAL(0.0), least = most;
+    vxs_air_part whole  = vxs_air_part_between(ray, k, begin, length);
+    vxs_real     detour = whole.detour, rest = whole.more;
     for (vxs_i32 n = 0; n < 3; n++) {
         vxs_real dense = VXS_FIELD(medium, extinction)[n];
         most           = dense > most ? dense : most;
@@ -287,11 +309,17 @@ VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_
     }
 }
 
+/* What a sum of nodes is times, for an intensity of 1. */
+VXS_FN vxs_real vxs_air_node_scale(VXS_MEDIUM medium, VXS_AIR_RAY ray)
+{
+    return 1.0 / (2.0 * VXS_AIR_PI * (1.0 - VXS_FIELD(medium, anisotropy)) * VXS_FIELD(ray, beside));
+}
+
 /* begin, length  of the part of the ray, >= 0, finite; of a spot light's, what lies in its cone counts
  * airlight       [out] */
 VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {
-    vxs_real g = VXS_FIELD(medium, anisotropy), scale = 1.0 / (2.0 * VXS_AIR_PI * (1.0 - g) * VXS_FIELD(ray, beside));
+    vxs_real scale = vxs_air_node_scale(medium, ray);
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     if (VXS_FIELD(ray, cos_outer) < 0.0)
         vxs_air_add(medium, ray, begin, length, airlight);

@@ -1,0 +1,139 @@
+/* An eye ray in the light of a sun, a spot or a point light, in fog that may have a level top: one text for C99, C++, GLSL and HLSL, that
+ * stands on vxs_air.h.
+ *
+ *     vxs_air_path_of    the part of the ray that scatters the light: in fog, in the cone, in range
+ *     vxs_air_lit        airlight of what is lit of it between two places
+ *     vxs_air_at         airlight of a metre at a place: the integrand, for marches
+ *     vxs_air_place_at   where equal steps of an angle lead, for marches
+ *
+ * Numbers are those of vxs_air.h. A technique for shadows in fog says which parts of the path are lit; this is all that it has to know of
+ * media and lights.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_AIR_PATH_H
+#define VXS_AIR_PATH_H
+
+#ifndef VXS_AIR_H /* a shader that cannot include has it already */
+#include "vxs_air.h"
+#endif
+
+#ifdef VXS_C
+typedef struct vxs_air_light vxs_air_light;
+typedef struct vxs_air_path  vxs_air_path;
+#define VXS_AIR_LIGHT const vxs_air_light *
+#define VXS_AIR_PATH  const vxs_air_path *
+#else
+#define VXS_AIR_LIGHT vxs_air_light
+#define VXS_AIR_PATH  vxs_air_path
+#endif
+
+#define VXS_AIR_EVERYWHERE 1e30 /* the top of fog that has none */
+
+struct vxs_air_light {
+    vxs_u32   kind;          /* VXS_LIGHT_KIND_* */
+    vxs_real3 place;         /* of a lamp, metres; of the sun the way to it, of length 1 */
+    vxs_real3 axis;          /* of a spot light: where it shines, of length 1 */
+    vxs_real  cos_inner;     /* of its cone: where it is dimmer, and where it ends (vxs_air_ray_of_spot) */
+    vxs_real  cos_outer;     /* > 0 */
+    vxs_real  radius_metres; /* of a lamp, > 0 */
+    vxs_real  range_metres;  /* of a lamp; 0: it has none */
+};
+
+struct vxs_air_path {
+    vxs_real    begin, end; /* metres along the ray; end <= begin: nothing */
+    vxs_u32     kind;
+    vxs_air_ray passed;             /* lamps */
+    vxs_real    cosine, way, slope; /* the sun, as for vxs_air_sun; way at begin */
+};
+
+/* Within a sphere about the lamp. */
+VXS_FN void vxs_air_in_range(vxs_real along, vxs_real beside2, vxs_real range, VXS_INOUT vxs_real2 part)
+{
+    vxs_real half_length = range * range - beside2;
+    half_length          = half_length > 0.0 ? sqrt(half_length) : VXS_REAL(0.0);
+    if (along - half_length > part[0]) part[0] = along - half_length;
+    if (along + half_length < part[1]) part[1] = along + half_length;
+}
+
+/* eye, direction  metres; of length 1.   metres  to what is behind the air, >= 0, finite
+ * top             height (along y) of the fog's level top; VXS_AIR_EVERYWHERE. A lamp's light is dimmed as if the fog had none
+ * in_fog          [out] the part of the ray in fog: light from behind is dimmed by its length, if that is positive */
+VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, const vxs_real3 direction, vxs_real metres,
+                                    vxs_real top, VXS_OUT vxs_real2 in_fog)
+{
+    vxs_air_path path;
+    vxs_real3    to_light;
+    vxs_i32      has_top = top < VXS_AIR_EVERYWHERE ? 1 : 0;
+    in_fog[0]            = VXS_REAL(0.0);
+    in_fog[1]            = metres;
+    if (has_top != 0) vxs_air_in_fog(eye[1], direction[1], top, in_fog);
+    path.begin  = in_fog[0];
+    path.end    = in_fog[1];
+    path.kind   = VXS_FIELD(light, kind);
+    path.cosine = path.slope = VXS_REAL(1.0);
+    path.way                 = path.begin;
+    for (vxs_i32 n = 0; n < 3; n++)
+        to_light[n] = VXS_FIELD(light, place)[n] - (path.kind == VXS_LIGHT_KIND_DIRECTIONAL ? VXS_REAL(0.0) : eye[n]);
+    if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        path.passed = vxs_air_ray_of(to_light, direction, VXS_REAL(1.0)); /* nobody asks */
+        path.cosine = vxs_air_dot(direction, to_light);
+        if (has_top != 0 && !(to_light[1] > 0.0)) path.end = path.begin; /* from below it has come through fog without end */
+        if (has_top != 0 && to_light[1] > 0.0) {
+            path.way   = (top - eye[1] - direction[1] * path.begin) / to_light[1];
+            path.slope = 1.0 - direction[1] / to_light[1];
+        }
+        return path;
+    }
+    vxs_real2 part;
+    part[0] = path.begin;
+    part[1] = path.end;
+    if (path.kind == VXS_LIGHT_KIND_POINT)
+        path.passed = vxs_air_ray_of(to_light, direction, VXS_FIELD(light, radius_metres));
+    else {
+        path.passed = vxs_air_ray_of_spot(to_light, direction, VXS_FIELD(light, radius_metres), VXS_FIELD(light, axis),
+                                          VXS_FIELD(light, cos_inner), VXS_FIELD(light, cos_outer));
+        vxs_air_in_cone(VXS_REF(path.passed), VXS_FIELD(light, cos_outer), part);
+    }
+    if (VXS_FIELD(light, range_metres) > 0.0)
+        vxs_air_in_range(path.passed.along, path.passed.beside * path.passed.beside, VXS_FIELD(light, range_metres), part);
+    path.begin = part[0];
+    path.end   = part[1] > part[0] ? part[1] : part[0];
+    return path;
+}
+
+/* Airlight of [begin, end], of which the path's part counts; all of it is lit.
+ * airlight  [out] for an intensity or irradiance of 1; finite, >= 0 */
+VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vxs_real end, VXS_OUT vxs_real3 airlight)
+{
+    vxs_real first = begin > VXS_FIELD(path, begin) ? begin : VXS_FIELD(path, begin);
+    vxs_real last  = end < VXS_FIELD(path, end) ? end : VXS_FIELD(path, end);
+    airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
+    if (!(last > first)) return;
+    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL)
+        vxs_air_sun(medium, VXS_FIELD(path, cosine), last - first,
+                    VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (first - VXS_FIELD(path, begin)), VXS_FIELD(path, slope),
+                    airlight);
+    else
+        vxs_air_lamp(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
+}
+
+/* Airlight of a metre at x, on the path. */
+VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real3 airlight)
+{
+    vxs_real g = VXS_FIELD(medium, anisotropy), way, strength;
+    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
+        way      = VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (x - VXS_FIELD(path, begin));
+        strength = vxs_air_phase(g, VXS_FIELD(path, cosine));
+    } else {
+        vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
+        vxs_real rim = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
+        rim          = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
+        rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
+        way          = x + r;
+        strength     = rim * rim * vxs_air_phase(g, -y / r) / (r * r);
+    }
+    if (way < 0.0) way = VXS_REAL(0.0);
+    for (vxs_i32 n = 0; n < 3; n++)
+        airlight[n] = VXS_FIELD(medium, scattering)[n] * strength * exp(-VXS_FIELD(medium, extinction)[n] * way);
+}
+
+#endif
