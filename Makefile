@@ -65,7 +65,7 @@ CXX        := clang++
 endif
 
 warn        := -Wall -Wextra -Wshadow -Wpointer-arith $(if $(werror),-Werror)
-flags       := -I. -Iformats -Iruntime -MMD -MP -ffp-contract=off -pthread $(opt)
+flags       := -I. -Iformats -Iruntime -Iruntime/gl -MMD -MP -ffp-contract=off -pthread $(opt)
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 pic         := -fPIC -fno-semantic-interposition
 # under sanitizers programs are large, and gold, where there is one, links them in a third of the time
@@ -85,12 +85,16 @@ mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 gl.c      := $(wildcard runtime/gl/*.c)
 gl.text   := $(wildcard runtime/gl/*.glsl) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h
+air.h     := $(filter-out %/vxs_volumes.h,$(wildcard runtime/volumes/vxs_*.h))
+volumes.c := $(wildcard runtime/volumes/*.c)
+volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h)
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
 library.c := $(wildcard baker/library/*.c)
 baker.c   := $(filter-out $(library.c) $(mpi.c),$(wildcard baker/*/*.c baker/*/*/*.c))
 library.o := $(library.c:%=$B/%.o)
 runtime.o := $(runtime.c:%=$B/%.o)
 gl.o      := $(gl.c:%=$B/%.o) $B/runtime/gl/texts.c.o
+volumes.o := $(volumes.c:%=$B/%.o) $B/runtime/volumes/texts.c.o
 # what takes longest to compile comes first, so that no processor waits for it in the end
 baker.o   := $(patsubst %,$B/%.o,$(wildcard baker/mend/*.cc baker/casters/*.cc baker/*/*.cc) $(baker.c) $(format.c))
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
@@ -112,25 +116,25 @@ fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
-objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(pic.o) $(gl.pic.o) $(test.o)
+objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
 .PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-flight bench-large bench-lights packages format clean
-all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_bake.a $B/libvxs_bake.so
+all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_volumes.a $B/libvxs_volumes.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
 
-$B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs_gl.a $B/libvxs.a
+$B/vxs: $B/baker/main.c.o $(baker.o) $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 ifdef mpi
-$(mpi): $(mpi.o) $B/baker.a $B/libvxs_gl.a $B/libvxs.a
+$(mpi): $(mpi.o) $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(mpi): test_libs = $(shell $(MPICC) --showme:link)
 $(mpi.o): cflags += $(shell $(MPICC) --showme:compile)
 endif
 # an archive: what a test does not call is not linked into it, which takes the linker a quarter of the time
 $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
-$(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_gl.a $B/libvxs.a
+$(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
 $B/tests/unit/test_air: test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
@@ -144,7 +148,7 @@ $B/vxs $(mpi) $(unit) $(helper):
 	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 $(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
-$(filter-out %/fuzz_vxs,$(fuzz)): $B/baker.a $B/libvxs_gl.a # fuzz_vxs stands on the runtime alone
+$(filter-out %/fuzz_vxs,$(fuzz)): $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a # fuzz_vxs stands on the runtime alone
 $(fuzz): $B/libvxs.a
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(libs) $(LDFLAGS)
@@ -158,16 +162,19 @@ fuzz-commands: $B/vxs
 
 $B/libvxs.a: $(runtime.o)
 $B/libvxs_gl.a: $(gl.o)
-$B/libvxs.a $B/libvxs_gl.a:
+$B/libvxs_volumes.a: $(volumes.o)
+$B/libvxs.a $B/libvxs_gl.a $B/libvxs_volumes.a:
 	@echo "  ar   $@"
 	$Q$(RM) $@ && $(AR) rcs $@ $^
 
 # texts of shaders as C strings: what every compiler takes
-$B/runtime/gl/texts.c: $(gl.text) Makefile
-	$Q mkdir -p $(@D) && for f in $(gl.text); do n=$$(basename $$f | tr . _); \
-	    echo "extern const char vxs_gl_text_$$n[];"; echo "const char vxs_gl_text_$$n[] ="; \
+$B/runtime/gl/texts.c: $(gl.text)
+$B/runtime/volumes/texts.c: $(volumes.text)
+$B/runtime/gl/texts.c $B/runtime/volumes/texts.c: $B/runtime/%/texts.c: Makefile
+	$Q mkdir -p $(@D) && for f in $(filter-out Makefile,$^); do n=vxs_$*_text_$$(basename $$f | tr . _); \
+	    echo "extern const char $$n[];"; echo "const char $$n[] ="; \
 	    sed 's/[\\"]/\\&/g; s/^/    "/; s/$$/\\n"/' $$f; echo "    ;"; done >$@
-$B/runtime/gl/texts.c.o: $B/runtime/gl/texts.c
+$B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it

@@ -11,12 +11,13 @@ zshdir     ?= $(datadir)/zsh/site-functions
 
 version := $(shell sed -n 's/^\#define VXS_VERSION_[MP][A-Z]* *//p' runtime/vxs.h | paste -sd.)
 major   := $(firstword $(subst ., ,$(version)))
-headers := runtime/vxs.h runtime/vxs.hpp runtime/vxs_query.h runtime/vxs_stream.h runtime/gl/vxs_gl.h runtime/gl/vxs_cull.h $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_lookup_blocks.h vxs_space.h)
+headers := runtime/vxs.h runtime/vxs.hpp runtime/vxs_query.h runtime/vxs_stream.h runtime/gl/vxs_gl.h runtime/gl/vxs_cull.h runtime/volumes/vxs_volumes.h $(air.h) $(addprefix formats/,vxs_file.h vxs_format.h vxs_result.h vxs_findings.h vxs_lookup.h vxs_lookup_blocks.h vxs_space.h)
 
 # --- libvxs.so: what the headers declare, under one version of symbols for each that breaks programs ----------------------------
 
 pic.o    := $(runtime.c:%=$B/pic/%.o)
 gl.pic.o := $(gl.c:%=$B/pic/%.o) $B/pic/runtime/gl/texts.c.o
+volumes.pic.o := $(volumes.c:%=$B/pic/%.o) $B/pic/runtime/volumes/texts.c.o
 
 $B/libvxs.so: $(pic.o) $B/libvxs.map
 	@echo "  link $@"
@@ -28,19 +29,25 @@ $B/libvxs_gl.so: $(gl.pic.o) $B/libvxs.so $B/libvxs_gl.map
 	$Q$(CC) $(opt) -shared -Wl,-soname,libvxs_gl.so.$(major) -Wl,--version-script=$B/libvxs_gl.map -Wl,-Bsymbolic-functions -o $@ \
 	    $(gl.pic.o) $B/libvxs.so -lm $(LDFLAGS)
 
+$B/libvxs_volumes.so: $(volumes.pic.o) $B/libvxs_gl.so $B/libvxs.so $B/libvxs_volumes.map
+	@echo "  link $@"
+	$Q$(CC) $(opt) -shared -Wl,-soname,libvxs_volumes.so.$(major) -Wl,--version-script=$B/libvxs_volumes.map -Wl,-Bsymbolic-functions -o $@ \
+	    $(volumes.pic.o) $B/libvxs_gl.so $B/libvxs.so -lm $(LDFLAGS)
+
 define compile_pic
 	@echo "  pic  $<"
 	$Q mkdir -p $(@D) && $(CC) $(cflags) $(pic) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
 endef
 $B/pic/%.c.o: %.c
 	$(compile_pic)
-$B/pic/runtime/gl/texts.c.o: $B/runtime/gl/texts.c
+$B/pic/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile_pic)
 
 $B/libvxs.map: runtime/vxs.h runtime/vxs_query.h runtime/vxs_stream.h formats/vxs_file.h
 $B/libvxs_gl.map: runtime/gl/vxs_gl.h
-$B/libvxs.map $B/libvxs_gl.map:
-	$Q mkdir -p $(@D) && { echo "$(if $(findstring _gl,$@),VXS_GL,VXS)_$(major) { global:"; \
+$B/libvxs_volumes.map: runtime/volumes/vxs_volumes.h
+$B/libvxs.map $B/libvxs_gl.map $B/libvxs_volumes.map:
+	$Q mkdir -p $(@D) && { echo "$(if $(findstring _gl,$@),VXS_GL,$(if $(findstring _volumes,$@),VXS_VOLUMES,VXS))_$(major) { global:"; \
 	    sed -n '/^typedef\|^static/!s/^[a-z].*[ *]\(vxs_[a-z_]*\)(.*/    \1;/p' $^; echo "local: *; };"; } >$@
 
 # --- libvxs_bake: of the command's objects, those that baker/vxs_bake.h leads to, in one, whose other names are its own -----------------
@@ -96,6 +103,10 @@ files     := bindir/vxs=$B/vxs \
              libdir/libvxs_gl.so.$(version)=$B/libvxs_gl.so \
              libdir/libvxs_gl.so.$(major)=@libvxs_gl.so.$(version) \
              libdir/libvxs_gl.so=@libvxs_gl.so.$(major) \
+             libdir/libvxs_volumes.a=$B/libvxs_volumes.a \
+             libdir/libvxs_volumes.so.$(version)=$B/libvxs_volumes.so \
+             libdir/libvxs_volumes.so.$(major)=@libvxs_volumes.so.$(version) \
+             libdir/libvxs_volumes.so=@libvxs_volumes.so.$(major) \
              libdir/libvxs_bake.a=$B/libvxs_bake.a \
              libdir/libvxs_bake.so.$(version)=$B/libvxs_bake.so \
              libdir/libvxs_bake.so.$(major)=@libvxs_bake.so.$(version) \
@@ -103,6 +114,7 @@ files     := bindir/vxs=$B/vxs \
              includedir/vxs/vxs_bake.h=baker/vxs_bake.h \
              libdir/pkgconfig/vxs.pc=runtime/install/vxs.pc.in \
              libdir/pkgconfig/vxs_gl.pc=runtime/install/vxs_gl.pc.in \
+             libdir/pkgconfig/vxs_volumes.pc=runtime/install/vxs_volumes.pc.in \
              libdir/pkgconfig/vxs_bake.pc=runtime/install/vxs_bake.pc.in \
              $(foreach f,vxsConfig vxsConfigVersion,libdir/cmake/vxs/$f.cmake=runtime/install/$f.cmake.in) \
              $(foreach f,$(headers),includedir/vxs/$(notdir $f)=$f) \

@@ -569,5 +569,6 @@ def test_headers_stand_alone(compilers, language, standard, tmp_path):
         source.write_text(f'#include "{header}"\n#include "{header}"\nint nothing;\n')
         asked = ASKED[language] if f"include/vxs/{header.name}" in INSTALLED else []
         done = subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", *WARNINGS, *asked, "-I.", "-Iformats", "-Iruntime",
+                               "-Iruntime/gl",
                                str(source)], cwd=ROOT, capture_output=True, text=True)
         assert done.returncode == 0, f"{header} as {standard}: {done.stderr}"

@@ -20,8 +20,8 @@ def product_files():
     quoted = re.compile(r'^ *# *include "([^"]+)"', re.M)
 
     def path_of(used, beside):
-        return next(str(p.relative_to(ROOT)) for p in (ROOT / used, beside.parent / used, ROOT / "formats" / used, ROOT / "runtime" / used)
-                    if p.exists())
+        return next(str(p.relative_to(ROOT)) for p in (ROOT / used, beside.parent / used, ROOT / "formats" / used, ROOT / "runtime" / used,
+                                                           ROOT / "runtime/gl" / used) if p.exists())
 
     return {str(p.relative_to(ROOT)): [path_of(used, p) for used in quoted.findall(p.read_text())] for p in files}
 

@@ -23,6 +23,8 @@ DOCUMENTS = ["README.md", "LICENSE", "LICENSE.MIT", "LICENSE.GPL-3.0", "formats/
 INSTALLED = {"bin/vxs", "lib/libvxs.a", "lib/libvxs.so", f"lib/libvxs.so.{MAJOR}", f"lib/libvxs.so.{VERSION}", "lib/pkgconfig/vxs.pc",
              "lib/cmake/vxs/vxsConfig.cmake", "lib/cmake/vxs/vxsConfigVersion.cmake",
              "lib/libvxs_gl.a", "lib/libvxs_gl.so", f"lib/libvxs_gl.so.{MAJOR}", f"lib/libvxs_gl.so.{VERSION}", "lib/pkgconfig/vxs_gl.pc",
+             "lib/libvxs_volumes.a", "lib/libvxs_volumes.so", f"lib/libvxs_volumes.so.{MAJOR}", f"lib/libvxs_volumes.so.{VERSION}",
+             "lib/pkgconfig/vxs_volumes.pc", *(f"include/vxs/{path.name}" for path in (ROOT / "runtime/volumes").glob("vxs_*.h")),
              "lib/libvxs_bake.a", "lib/libvxs_bake.so", f"lib/libvxs_bake.so.{MAJOR}", f"lib/libvxs_bake.so.{VERSION}", "lib/pkgconfig/vxs_bake.pc",
              "include/vxs/vxs.hpp", *(f"include/vxs/{name}.h" for name in ("vxs", "vxs_query", "vxs_stream", "vxs_bake", "vxs_file", "vxs_format", "vxs_result", "vxs_findings", "vxs_lookup",
                                              "vxs_lookup_blocks", "vxs_space", "vxs_gl", "vxs_cull")),
@@ -235,7 +237,7 @@ def test_install_use_uninstall(build, tmp_path, staged):
     make(build, "install", *where)  # over what is there
     assert files_under(root) == INSTALLED | others
     assert os.access(root / "bin" / "vxs", os.X_OK) and not os.access(root / "lib" / f"libvxs.so.{VERSION}", os.X_OK)
-    for name in ("pkgconfig/vxs.pc", "pkgconfig/vxs_gl.pc", "pkgconfig/vxs_bake.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
+    for name in ("pkgconfig/vxs.pc", "pkgconfig/vxs_gl.pc", "pkgconfig/vxs_volumes.pc", "pkgconfig/vxs_bake.pc", "cmake/vxs/vxsConfig.cmake", "cmake/vxs/vxsConfigVersion.cmake"):
         assert "@" not in (root / "lib" / name).read_text()
     assert re.match(r'\.TH VXS-BAKE 1 "\d{4}-\d\d-\d\d" ', (root / "share/man/man1/vxs-bake.1").read_text())
 
@@ -283,7 +285,8 @@ def nm(library, *args):
     return {line.split()[0] for line in done.stdout.splitlines() if len(line.split()) > 1}
 
 
-@pytest.mark.parametrize("library, some", [("libvxs.a", {"vxs_lookup", "vxs_read"}), ("libvxs_gl.a", {"vxs_gl_create", "vxs_cull"})])
+@pytest.mark.parametrize("library, some", [("libvxs.a", {"vxs_lookup", "vxs_read"}), ("libvxs_gl.a", {"vxs_gl_create", "vxs_cull"}),
+                                           ("libvxs_volumes.a", {"vxs_volumes_create", "vxs_light_map_fill"})])
 def test_library_symbols(build, library, some):
     defined = nm(build / library, "-g", "--defined-only")
     assert some <= defined
@@ -292,13 +295,15 @@ def test_library_symbols(build, library, some):
         foreign = {name for name in foreign if not re.match(r"__(odr_)?(asan|ubsan|tsan)", name)}
     assert foreign == set()
     missing = {name for name in nm(build / library, "-u") if name.startswith("vxs_")} - defined
-    assert missing <= nm(build / "libvxs.a", "-g", "--defined-only") - defined
+    others = set().union(*(nm(build / other, "-g", "--defined-only") for other in ("libvxs.a", "libvxs_gl.a") if other <= library))
+    assert missing <= others - defined
     assert not {name for name in nm(build / library, "-u") if name.startswith(("gl", "egl", "OSMesa"))}
 
 
 @pytest.mark.parametrize("library, headers, libraries", [
     ("libvxs", ["runtime/vxs.h", "runtime/vxs_query.h", "runtime/vxs_stream.h", "formats/vxs_file.h"], {"libzstd.so.1", "libxxhash.so.0"}),
-    ("libvxs_gl", ["runtime/gl/vxs_gl.h"], {f"libvxs.so.{MAJOR}"})], ids=["libvxs", "libvxs_gl"])
+    ("libvxs_gl", ["runtime/gl/vxs_gl.h"], {f"libvxs.so.{MAJOR}"}),
+    ("libvxs_volumes", ["runtime/volumes/vxs_volumes.h"], {f"libvxs.so.{MAJOR}", f"libvxs_gl.so.{MAJOR}"})], ids=["libvxs", "libvxs_gl", "libvxs_volumes"])
 def test_shared_library_has_what_headers_declare(build, tmp_path, library, headers, libraries):
     shared = build / f"{library}.so"
     exported = subprocess.run(["nm", "-D", "--defined-only", "--with-symbol-versions", shared], capture_output=True, text=True, check=True)
@@ -311,7 +316,8 @@ def test_shared_library_has_what_headers_declare(build, tmp_path, library, heade
     assert f"soname: [{library}.so.{MAJOR}]" in dynamic
     if config_of(build) not in SANITIZERS:
         assert set(needed(shared)) <= {"libc.so.6", "libm.so.6"} | libraries
-        (tmp_path / f"libvxs.so.{MAJOR}").symlink_to(build / "libvxs.so")
+        for other in ("libvxs", "libvxs_gl"):
+            (tmp_path / f"{other}.so.{MAJOR}").symlink_to(build / f"{other}.so")
         loose = subprocess.run(["ldd", "-r", shared], env=os.environ | {"LD_LIBRARY_PATH": str(tmp_path)}, capture_output=True, text=True,
                                check=True)
         assert "undefined symbol" not in loose.stdout + loose.stderr

@@ -1,0 +1,13 @@
+/* The frame's fog over a picture; see vxs_volumes.h.
+ * SPDX-License-Identifier: MIT */
+#include "volumes_state.h"
+
+void vxs_volumes_composite(vxs_volumes *v)
+{
+    if (!v->depth_texture) return;
+    volumes_kept kept   = vxs_volumes_use(v, v->programs[PROGRAM_COMPOSITE], 0, 0, 0);
+    raster_kept  raster = vxs_volumes_draw(v, GL_BLEND_ONE, GL_BLEND_SRC1_COLOUR, GL_BLEND_ONE);
+    v->api.DrawArrays(GL_MODE_TRIANGLES, 0, 3);
+    vxs_volumes_put_back_raster(v, &raster);
+    vxs_volumes_put_back(v, &kept);
+}

@@ -1,0 +1,15 @@
+/* The frame's fog over what was drawn: airlight, and how much of each channel the fog leaves of what is behind it. */
+layout(location = 0, index = 0) out vec4 airlight;
+layout(location = 0, index = 1) out vec4 left;
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float metres;
+    vec3  direction = vxs_eye_ray(pixel, metres), part;
+    vec2  in_fog = vec2(0.0, metres);
+    if (vxs_frame.sizes.w < VXS_AIR_EVERYWHERE) vxs_air_in_fog(vxs_frame.eye_far.y, direction.y, vxs_frame.sizes.w, in_fog);
+    vxs_air_left(vxs_frame_medium(), max(in_fog.y - in_fog.x, 0.0), part);
+    airlight = vec4(texelFetch(vxs_airlight, pixel, 0).rgb, 0.0);
+    left     = vec4(part, 1.0);
+}

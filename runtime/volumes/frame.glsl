@@ -1,0 +1,105 @@
+/* What a frame and the light whose airlight is added are; behind vxs_air_path.h. One uniform block, filled by volumes_frame.c, whose struct
+ * frame_block has the same fields. */
+layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
+    mat4                point_from_depth;
+    vec4                eye_far;        /* where eye rays begin; where they end that meet nothing, metres */
+    vec4                sizes;          /* of the view: wide, high; empty depth; the fog's top */
+    vec4                scattering;     /* and anisotropy */
+    vec4                extinction;
+    vec4                colour;         /* of the light, and its radius */
+    vec4                place;          /* of a lamp; of the sun the way to it; and the inner cone's cosine */
+    vec4                axis;           /* where it shines */
+    vxs_light_constants light;
+    vec4                knobs;          /* of the technique */
+    uvec4               map;            /* of the light's map: side in texels, layers; and what is done now: first, end */
+} vxs_frame;
+
+layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
+layout(binding = VXS_AT_MAP) uniform highp sampler2DArray vxs_map; /* of the light */
+layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_airlight;
+
+vxs_medium vxs_frame_medium()
+{
+    vxs_medium medium;
+    medium.scattering = vxs_frame.scattering.xyz;
+    medium.extinction = vxs_frame.extinction.xyz;
+    medium.anisotropy = vxs_frame.scattering.w;
+    return medium;
+}
+
+vxs_air_light vxs_frame_light()
+{
+    vxs_air_light light;
+    light.kind          = vxs_frame.light.kind;
+    light.place         = vxs_frame.place.xyz;
+    light.axis          = vxs_frame.axis.xyz;
+    light.cos_inner     = vxs_frame.place.w;
+    light.cos_outer     = vxs_frame.light.cos_outer;
+    light.radius_metres = vxs_frame.colour.w;
+    light.range_metres  = vxs_frame.light.range_metres;
+    return light;
+}
+
+/* The direction of a pixel's eye ray, of length 1; metres: to what is seen there. Depths that are no place end the ray at the far bound. */
+vec3 vxs_eye_ray(ivec2 pixel, out float metres)
+{
+    float depth = texelFetch(vxs_depths, pixel, 0).r;
+    vec2  at    = (vec2(pixel) + 0.5) / vxs_frame.sizes.xy;
+    vec4  point = vxs_frame.point_from_depth * vec4(at, depth, 1.0);
+    vec3  way   = point.xyz / point.w - vxs_frame.eye_far.xyz;
+    float far   = dot(way, way);
+    bool  seen  = depth != vxs_frame.sizes.z && far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST;
+    metres      = seen ? min(sqrt(far), vxs_frame.eye_far.w) : vxs_frame.eye_far.w;
+    if (seen) return way / sqrt(far);
+    for (float part = 0.5; part < 1.0; part += 0.125) { /* a pixel's direction does not depend on its depth, but not each depth is a place */
+        point = vxs_frame.point_from_depth * vec4(at, part, 1.0);
+        way   = point.xyz / point.w - vxs_frame.eye_far.xyz;
+        far   = dot(way, way);
+        if (far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST) return way / sqrt(far);
+    }
+    metres = 0.0;
+    return vec3(0.0, 0.0, -1.0);
+}
+
+/* The path of the frame's light along it. */
+vxs_air_path vxs_eye_path(vec3 direction, float metres)
+{
+    vec2 in_fog;
+    return vxs_air_path_of(vxs_frame_light(), vxs_frame.eye_far.xyz, direction, metres, vxs_frame.sizes.w, in_fog);
+}
+
+/* How far along the axis of its map a place of light space is from the light, and where in the map. Outside it nothing is in shadow.
+ * texel  [out] of the light's map, and its layer */
+bool vxs_map_texel(vec3 ls, out ivec3 texel, out float depth)
+{
+    float side = float(vxs_frame.map.x);
+    vec2  at;
+    depth = ls.z;
+    texel = ivec3(0);
+    if (vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+        float baked = float(1u << vxs_frame.light.levels);
+        at = ls.xy * (side / baked);
+        if ((vxs_frame.light.flags & VXS_LIGHT_BOUNDED) != 0u && !(depth >= 0.0 && depth < baked)) return false;
+    } else {
+        vec3 turned;
+        texel.z = vxs_map_from_ls(vxs_frame.light, ls);
+        vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, texel.z), ls, turned);
+        depth = turned.z;
+        if (!(depth > 0.0)) return false;
+        float baked = float(1u << vxs_frame.light.levels);
+        at = 0.5 * side + turned.xy / turned.z * (side / (baked * vxs_frame.light.texel_metres));
+    }
+    if (!(all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(side))))) return false;
+    texel.xy = ivec2(at);
+    return true;
+}
+
+/* Whether the frame's light reaches a place, by its map. */
+bool vxs_map_lit(vec3 at)
+{
+    vec3  ls;
+    ivec3 texel;
+    float depth;
+    vxs_ls_from_ws(vxs_frame.light, at, 1.0, ls);
+    return !vxs_map_texel(ls, texel, depth) || depth < texelFetch(vxs_map, texel, 0).r;
+}

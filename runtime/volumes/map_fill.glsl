@@ -1,0 +1,13 @@
+/* Texels [first, end) of a light map, of the asset: of the texel at the middle of those that each covers. */
+layout(local_size_x = 64) in;
+layout(r32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray first_depths;
+
+void main()
+{
+    uint n = vxs_frame.map.z + gl_GlobalInvocationID.x, side = vxs_frame.map.x, layer = n / (side * side);
+    if (n >= vxs_frame.map.w || layer >= vxs_frame.map.y) return;
+    ivec2 at = ivec2(n % side, n / side % side);
+    int   covers = (1 << vxs_frame.light.levels) / int(side), half_of_it = covers >> 1;
+    int   voxel = vxs_first_shadow(vxs_frame.light, int(layer), at.x * covers + half_of_it, at.y * covers + half_of_it);
+    imageStore(first_depths, ivec3(at, layer), vec4(vxs_first_depth(vxs_frame.light, voxel), 0.0, 0.0, 0.0));
+}

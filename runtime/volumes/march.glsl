@@ -1,0 +1,78 @@
+/* A ray for each pixel, and at the middle of each step whether the light reaches it: by the light's map, or of the asset. */
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
+
+bool lit(vec3 at)
+{
+#ifdef VXS_ASK_ASSET
+    return vxs_lit(vxs_frame.light.dag, vxs_frame.light, at, vec3(0.0), 1) != 0.0;
+#else
+    return vxs_map_lit(at);
+#endif
+}
+
+/* Equal steps of metres: what a metre scatters at the middle, times the step. */
+vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
+{
+    vec3  sum = vec3(0.0), air;
+    float step = (path.end - path.begin) / float(steps);
+    for (int n = 0; n < steps; n++) {
+        float x = path.begin + (float(n) + 0.5) * step;
+        if (!lit(vxs_frame.eye_far.xyz + x * direction)) continue;
+        vxs_air_at(medium, path, x, air);
+        sum += air * step;
+    }
+    return sum;
+}
+
+/* Equal steps of the angle that vxs_air.h integrates in: a node of its quadrature at the middle of each. */
+vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
+{
+    vec3         sum = vec3(0.0);
+    vxs_air_ray  ray = path.passed;
+    float        k = vxs_air_sharpness(medium);
+    vxs_air_part part = vxs_air_part_between(ray, k, path.begin, path.end - path.begin);
+    for (int n = 0; n < steps; n++) {
+        float detour = vxs_air_detour_at(part, (float(n) + 0.5) / float(steps));
+        if (lit(vxs_frame.eye_far.xyz + vxs_air_place_of(ray, detour) * direction))
+            vxs_air_add_node(medium, ray, k, detour, part.wide / float(steps), sum);
+    }
+    return sum * vxs_air_node_scale(medium, ray) * medium.scattering;
+}
+
+/* Equal steps of what the sun lets scatter, in the thinnest channel: then each step counts alike, however thick the fog. */
+vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
+{
+    vec3  sum = vec3(0.0), air;
+    float thinnest = min(medium.extinction.r, min(medium.extinction.g, medium.extinction.b)), begin = path.begin;
+    float turn = max(path.slope, 0.0) * thinnest, gone = 1.0 - exp(-turn * (path.end - path.begin));
+    for (int n = 0; n < steps; n++) {
+        float share = float(n + 1) / float(steps), end = path.begin + share * (path.end - path.begin);
+        if (gone > 1e-3) end = n + 1 == steps ? path.end : path.begin - log(1.0 - share * gone) / turn;
+        if (lit(vxs_frame.eye_far.xyz + 0.5 * (begin + end) * direction)) {
+            vxs_air_lit(medium, path, begin, end, air);
+            sum += air;
+        }
+        begin = end;
+    }
+    return sum;
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(vec2(pixel), vxs_frame.sizes.xy))) return;
+    float        metres;
+    vec3         direction = vxs_eye_ray(pixel, metres), sum;
+    vxs_medium   medium = vxs_frame_medium();
+    vxs_air_path path = vxs_eye_path(direction, metres);
+    int          steps = int(vxs_frame.knobs.x);
+    if (!(path.end > path.begin)) return;
+    if (vxs_frame.knobs.y == 0.0)
+        sum = march_even(medium, path, direction, steps);
+    else if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL)
+        sum = march_sun(medium, path, direction, steps);
+    else
+        sum = march_angle(medium, path, direction, steps);
+    imageStore(airlight, pixel, imageLoad(airlight, pixel) + vec4(sum * vxs_frame.colour.rgb, 0.0));
+}

@@ -1,0 +1,176 @@
+/* Create, a frame, destroy; see vxs_volumes.h.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "volumes_state.h"
+#include "vxs_air_path.h"
+#include "vxs_memory.h"
+
+enum { FIRST_UNIT = 8 };
+
+void *vxs_volumes_take(const vxs_volumes *v, size_t size)
+{
+    return v->memory.alloc(size, v->memory.user);
+}
+
+void vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size)
+{
+    if (memory) v->memory.free(memory, size, v->memory.user);
+}
+
+static int load(vxs_volumes *v, const vxs_volumes_desc *desc)
+{
+#define LOAD(result, name, arguments) v->api.name = (result(GL_CALL *) arguments)desc->get_proc_address("gl" #name, desc->user);
+#define LOADED(result, name, arguments)                                                                                            \
+    if (!v->api.name) return 0;
+    VOLUMES_API(LOAD)
+    VOLUMES_API(LOADED)
+#undef LOADED
+#undef LOAD
+    const char *text  = (const char *)v->api.GetString(GL_NAME_VERSION);
+    int         major = 0, minor = 0;
+    return text && sscanf(text, "%d.%d", &major, &minor) == 2 && 10 * major + minor >= 45;
+}
+
+static int make_programs(vxs_volumes *v)
+{
+    const struct {
+        const char *names, *body;
+    } computed[] = {
+        [PROGRAM_MAP_FILL]    = {"", vxs_volumes_text_map_fill_glsl},
+        [PROGRAM_MAP_JOIN]    = {"", vxs_volumes_text_map_join_glsl},
+        [PROGRAM_MARCH_MAP]   = {"", vxs_volumes_text_march_glsl},
+        [PROGRAM_MARCH_ASSET] = {"#define VXS_ASK_ASSET\n", vxs_volumes_text_march_glsl},
+    };
+    for (int n = 0; n < PROGRAM_COMPOSITE; n++)
+        if (!(v->programs[n] = vxs_volumes_compute(v, computed[n].names, computed[n].body))) return 0;
+    v->programs[PROGRAM_COMPOSITE] =
+        vxs_volumes_raster(v, "", vxs_volumes_text_screen_vert_glsl, vxs_volumes_text_composite_frag_glsl);
+    return v->programs[PROGRAM_COMPOSITE] != 0;
+}
+
+static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
+{
+    int most = 0;
+    if (!load(v, desc)) return VXS_E_GL;
+    v->api.GetIntegerv(GL_MOST_TEXTURE_SIZE, &most);
+    if (v->width_px > (uint32_t)most || v->height_px > (uint32_t)most) return VXS_E_GL;
+    vxs_volumes_forget_error(v);
+    v->airlight = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
+    v->api.CreateBuffers(1, &v->frame_buffer);
+    v->api.NamedBufferStorage(v->frame_buffer, sizeof v->frame, NULL, GL_STORAGE_DYNAMIC);
+    v->api.CreateVertexArrays(1, &v->vertex_array);
+    if (!v->airlight || v->api.GetError() != GL_ERROR_NONE) return VXS_E_MEMORY;
+    return make_programs(v) ? VXS_OK : VXS_E_GL;
+}
+
+vxs_result vxs_volumes_create(vxs_volumes **out, const vxs_volumes_desc *desc)
+{
+    vxs_volumes_desc known  = {0};
+    const size_t     first  = offsetof(vxs_volumes_desc, log) + sizeof known.log;
+    vxs_result       result = vxs_desc_take(&known, sizeof known, first, desc);
+    *out                    = NULL;
+    if (result != VXS_OK) return result;
+    if (!known.get_proc_address || !known.shadows || !known.width_px || !known.height_px) return VXS_E_ARGUMENT;
+    vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
+    vxs_volumes  *v      = memory.alloc(sizeof *v, memory.user);
+    if (!v) return VXS_E_MEMORY;
+    *v     = (vxs_volumes){.memory     = memory,
+                           .log        = known.log,
+                           .user       = known.user,
+                           .shadows    = known.shadows,
+                           .width_px   = known.width_px,
+                           .height_px  = known.height_px,
+                           .first_unit = known.first_unit ? known.first_unit : FIRST_UNIT};
+    result = make(v, &known);
+    if (result == VXS_OK)
+        *out = v;
+    else
+        vxs_volumes_destroy(v);
+    return result;
+}
+
+void vxs_volumes_destroy(vxs_volumes *v)
+{
+    if (!v) return;
+    vxs_allocator memory = v->memory;
+    if (v->airlight) v->api.DeleteTextures(1, &v->airlight);
+    if (v->frame_buffer) v->api.DeleteBuffers(1, &v->frame_buffer);
+    if (v->vertex_array) v->api.DeleteVertexArrays(1, &v->vertex_array);
+    for (int n = 0; n < VOLUMES_PROGRAMS; n++)
+        if (v->programs[n]) v->api.DeleteProgram(v->programs[n]);
+    memory.free(v, sizeof *v, memory.user);
+}
+
+unsigned vxs_volumes_airlight(const vxs_volumes *v)
+{
+    return v->airlight;
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+/* What vxs_medium asks for. */
+static int is_medium(const vxs_volumes_frame *f)
+{
+    for (int n = 0; n < 3; n++)
+        if (!(f->scattering[n] >= 0 && f->extinction[n] >= f->scattering[n] && isfinite(f->extinction[n]))) return 0;
+    return fabsf(f->anisotropy) <= 0.99F && !isnan(f->top_metres);
+}
+
+static int is_view(const vxs_volumes *v, const vxs_volumes_frame *f)
+{
+    for (int n = 0; n < 16; n++)
+        if (!isfinite(f->view.point_from_depth[n])) return 0;
+    for (int n = 0; n < 3; n++)
+        if (!isfinite(f->eye[n])) return 0;
+    return f->view.width_px && f->view.height_px && f->view.width_px <= v->width_px && f->view.height_px <= v->height_px &&
+           f->far_metres > 0 && isfinite(f->far_metres) && f->depth_texture;
+}
+
+vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
+{
+    frame_block *to  = &v->frame;
+    v->depth_texture = 0;
+    if (!is_medium(f) || !is_view(v, f)) return VXS_E_ARGUMENT;
+    *to              = (frame_block){.far_metres  = f->far_metres,
+                                     .wide_px     = (float)f->view.width_px,
+                                     .high_px     = (float)f->view.height_px,
+                                     .empty_depth = f->view.empty_depth,
+                                     .top_metres  = f->top_metres < (float)VXS_AIR_EVERYWHERE ? f->top_metres : 1e38F,
+                                     .anisotropy  = f->anisotropy};
+    v->depth_texture = f->depth_texture;
+    memcpy(to->point_from_depth, f->view.point_from_depth, sizeof to->point_from_depth);
+    memcpy(to->eye, f->eye, sizeof to->eye);
+    memcpy(to->scattering, f->scattering, sizeof to->scattering);
+    memcpy(to->extinction, f->extinction, sizeof to->extinction);
+    v->api.ClearTexImage(v->airlight, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
+    return VXS_OK;
+}
+
+/* Places from the matrix, whose inverse is that of a rotation but for a sun's scale. */
+vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map)
+{
+    frame_block *to = &v->frame;
+    if (!v->depth_texture || (!light->constants && light->baked >= vxs_gl_light_count(v->shadows))) return VXS_E_ARGUMENT;
+    for (int n = 0; n < 3; n++)
+        if (!(light->colour[n] >= 0 && isfinite(light->colour[n]))) return VXS_E_ARGUMENT;
+    to->light                         = light->constants ? *light->constants : vxs_gl_constants(v->shadows)[light->baked];
+    const vxs_light_constants *c      = &to->light;
+    int                        is_sun = c->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    if (!is_sun && !(light->radius_metres > 0 && isfinite(light->radius_metres))) return VXS_E_ARGUMENT;
+    memcpy(to->colour, light->colour, sizeof to->colour);
+    to->radius_metres = light->radius_metres;
+    to->cos_inner     = light->cos_inner > c->cos_outer ? light->cos_inner : c->cos_outer;
+    const float *z = c->ls_from_ws + 8, length = sqrtf(z[0] * z[0] + z[1] * z[1] + z[2] * z[2]);
+    for (int n = 0; n < 3; n++) {
+        to->axis[n]  = z[n] / length;
+        to->place[n] = is_sun ? -to->axis[n]
+                              : -(c->ls_from_ws[n] * c->ls_from_ws[3] + c->ls_from_ws[4 + n] * c->ls_from_ws[7] +
+                                  c->ls_from_ws[8 + n] * c->ls_from_ws[11]);
+    }
+    to->map_side_px = map ? map->side_px : 0;
+    to->map_layers  = map ? map->layers : 0;
+    return VXS_OK;
+}

@@ -1,0 +1,134 @@
+/* The OpenGL 4.5 that libvxs_volumes calls, by its own names: no header of OpenGL is needed to build it. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VOLUMES_GL_H
+#define VOLUMES_GL_H
+
+#include <stdint.h>
+
+#include "runtime/gl/gl_api.h"
+
+enum {
+    GL_FORMAT_R32F              = 0x822E,
+    GL_FORMAT_RGBA32F           = 0x8814,
+    GL_FORMAT_RED               = 0x1903,
+    GL_FORMAT_RGBA              = 0x1908,
+    GL_TYPE_FLOAT               = 0x1406,
+    GL_TARGET_TEXTURE_2D_ARRAY  = 0x8C1A,
+    GL_TARGET_UNIFORM_BUFFER    = 0x8A11,
+    GL_TARGET_DRAW_FRAMEBUFFER  = 0x8CA9,
+    GL_KIND_VERTEX_SHADER       = 0x8B31,
+    GL_KIND_FRAGMENT_SHADER     = 0x8B30,
+    GL_STATUS_COMPILE           = 0x8B81,
+    GL_STORAGE_DYNAMIC          = 0x0100,
+    GL_ACCESS_READ_WRITE        = 0x88BA,
+    GL_MODE_TRIANGLES           = 0x0004,
+    GL_IS_TEXTURE_2D_ARRAY      = 0x8C1D,
+    GL_IS_SAMPLER               = 0x8919,
+    GL_IS_UNIFORM_BUFFER        = 0x8A28,
+    GL_IS_UNIFORM_BUFFER_START  = 0x8A29,
+    GL_IS_UNIFORM_BUFFER_SIZE   = 0x8A2A,
+    GL_IS_IMAGE_NAME            = 0x8F3A,
+    GL_IS_IMAGE_LEVEL           = 0x8F3B,
+    GL_IS_IMAGE_LAYERED         = 0x8F3C,
+    GL_IS_IMAGE_LAYER           = 0x8F3D,
+    GL_IS_IMAGE_ACCESS          = 0x8F3E,
+    GL_IS_IMAGE_FORMAT          = 0x906E,
+    GL_IS_VERTEX_ARRAY          = 0x85B5,
+    GL_IS_VIEWPORT              = 0x0BA2,
+    GL_IS_DRAW_FRAMEBUFFER      = 0x8CA6,
+    GL_IS_BLEND_SRC_RGB         = 0x80C9,
+    GL_IS_BLEND_DST_RGB         = 0x80C8,
+    GL_IS_BLEND_SRC_ALPHA       = 0x80CB,
+    GL_IS_BLEND_DST_ALPHA       = 0x80CA,
+    GL_IS_BLEND_EQUATION_RGB    = 0x8009,
+    GL_IS_BLEND_EQUATION_ALPHA  = 0x883D,
+    GL_IS_COLOUR_MASK           = 0x0C23,
+    GL_IS_POLYGON_MODE          = 0x0B40,
+    GL_STATE_BLEND              = 0x0BE2,
+    GL_STATE_DEPTH_TEST         = 0x0B71,
+    GL_STATE_STENCIL_TEST       = 0x0B90,
+    GL_STATE_SCISSOR_TEST       = 0x0C11,
+    GL_STATE_CULL_FACE          = 0x0B44,
+    GL_STATE_DEPTH_CLAMP        = 0x864F,
+    GL_STATE_RASTERIZER_DISCARD = 0x8C89,
+    GL_BLEND_ADD                = 0x8006,
+    GL_BLEND_ZERO               = 0,
+    GL_BLEND_ONE                = 1,
+    GL_BLEND_SRC1_COLOUR        = 0x88F9,
+    GL_FACES_FRONT_AND_BACK     = 0x0408,
+    GL_POLYGON_FILL             = 0x1B02,
+    GL_BARRIER_TEXTURE_FETCH    = 0x0008,
+    GL_BARRIER_IMAGE            = 0x0020,
+    GL_BARRIER_FRAMEBUFFER      = 0x0400,
+    GL_MOST_ARRAY_LAYERS        = 0x88FF,
+};
+
+/* Result, name without "gl", arguments. */
+/* clang-format off */
+#define VOLUMES_API(X)                                                                                                   \
+    X(const unsigned char *, GetString, (gl_enum))                                                                       \
+    X(gl_enum, GetError, (void))                                                                                         \
+    X(void, GetIntegerv, (gl_enum, int *))                                                                               \
+    X(void, GetIntegeri_v, (gl_enum, gl_name, int *))                                                                    \
+    X(void, GetInteger64i_v, (gl_enum, gl_name, int64_t *))                                                              \
+    X(void, GetBooleani_v, (gl_enum, gl_name, unsigned char *))                                                          \
+    X(unsigned char, IsEnabled, (gl_enum))                                                                               \
+    X(unsigned char, IsEnabledi, (gl_enum, gl_name))                                                                     \
+    X(void, Enable, (gl_enum))                                                                                           \
+    X(void, Disable, (gl_enum))                                                                                          \
+    X(void, Enablei, (gl_enum, gl_name))                                                                                 \
+    X(void, Disablei, (gl_enum, gl_name))                                                                                \
+    X(void, BlendFuncSeparatei, (gl_name, gl_enum, gl_enum, gl_enum, gl_enum))                                           \
+    X(void, BlendEquationSeparatei, (gl_name, gl_enum, gl_enum))                                                         \
+    X(void, ColorMaski, (gl_name, unsigned char, unsigned char, unsigned char, unsigned char))                           \
+    X(void, PolygonMode, (gl_enum, gl_enum))                                                                             \
+    X(void, Viewport, (int, int, int, int))                                                                              \
+    X(void, ActiveTexture, (gl_enum))                                                                                    \
+    X(void, BindTexture, (gl_enum, gl_name))                                                                             \
+    X(void, BindSampler, (gl_name, gl_name))                                                                             \
+    X(void, BindImageTexture, (gl_name, gl_name, int, unsigned char, int, gl_enum, gl_enum))                             \
+    X(void, CreateTextures, (gl_enum, int, gl_name *))                                                                   \
+    X(void, DeleteTextures, (int, const gl_name *))                                                                      \
+    X(void, TextureStorage2D, (gl_name, int, gl_enum, int, int))                                                         \
+    X(void, TextureStorage3D, (gl_name, int, gl_enum, int, int, int))                                                    \
+    X(void, TextureParameteri, (gl_name, gl_enum, int))                                                                  \
+    X(void, ClearTexImage, (gl_name, int, gl_enum, gl_enum, const void *))                                               \
+    X(void, CopyImageSubData, (gl_name, gl_enum, int, int, int, int, gl_name, gl_enum, int, int, int, int, int, int, int)) \
+    X(void, CreateBuffers, (int, gl_name *))                                                                             \
+    X(void, DeleteBuffers, (int, const gl_name *))                                                                       \
+    X(void, NamedBufferStorage, (gl_name, gl_bytes, const void *, gl_enum))                                              \
+    X(void, NamedBufferSubData, (gl_name, gl_bytes, gl_bytes, const void *))                                             \
+    X(void, BindBuffer, (gl_enum, gl_name))                                                                              \
+    X(void, BindBufferBase, (gl_enum, gl_name, gl_name))                                                                 \
+    X(void, BindBufferRange, (gl_enum, gl_name, gl_name, gl_bytes, gl_bytes))                                            \
+    X(void, CreateFramebuffers, (int, gl_name *))                                                                        \
+    X(void, DeleteFramebuffers, (int, const gl_name *))                                                                  \
+    X(void, NamedFramebufferTexture, (gl_name, gl_enum, gl_name, int))                                                   \
+    X(void, BindFramebuffer, (gl_enum, gl_name))                                                                         \
+    X(void, CreateVertexArrays, (int, gl_name *))                                                                        \
+    X(void, DeleteVertexArrays, (int, const gl_name *))                                                                  \
+    X(void, BindVertexArray, (gl_name))                                                                                  \
+    X(gl_name, CreateShader, (gl_enum))                                                                                  \
+    X(void, ShaderSource, (gl_name, int, const char *const *, const int *))                                              \
+    X(void, CompileShader, (gl_name))                                                                                    \
+    X(void, GetShaderiv, (gl_name, gl_enum, int *))                                                                      \
+    X(void, GetShaderInfoLog, (gl_name, int, int *, char *))                                                             \
+    X(void, DeleteShader, (gl_name))                                                                                     \
+    X(gl_name, CreateProgram, (void))                                                                                    \
+    X(void, AttachShader, (gl_name, gl_name))                                                                            \
+    X(void, LinkProgram, (gl_name))                                                                                      \
+    X(void, GetProgramiv, (gl_name, gl_enum, int *))                                                                     \
+    X(void, DeleteProgram, (gl_name))                                                                                    \
+    X(void, UseProgram, (gl_name))                                                                                       \
+    X(void, DrawArrays, (gl_enum, int, int))                                                                             \
+    X(void, DispatchCompute, (unsigned, unsigned, unsigned))                                                             \
+    X(void, MemoryBarrier, (unsigned))
+/* clang-format on */
+
+typedef struct volumes_api {
+#define VOLUMES_POINTER(result, name, arguments) result(GL_CALL *name) arguments;
+    VOLUMES_API(VOLUMES_POINTER)
+#undef VOLUMES_POINTER
+} volumes_api;
+
+#endif

@@ -1,0 +1,105 @@
+/* Programs and textures; see volumes_state.h.
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+#include <string.h>
+
+#include "volumes_state.h"
+
+/* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
+ * library have. */
+enum { TEXTS = VXS_GL_TEXTS + 8, LOG_BYTES = 1024 };
+
+static void texts_of(const vxs_volumes *v, char *own, size_t own_size, const char *names, const char *body,
+                     const char *texts[TEXTS])
+{
+    const char *shared[VXS_GL_TEXTS];
+    vxs_gl_texts(v->shadows, shared);
+    snprintf(own, own_size,
+             "#define VXS_AT_FRAME %u\n#define VXS_AT_IMAGE %u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n"
+             "#define VXS_AT_OTHER %u\n#define VXS_NO_END 1e30\n#define VXS_FAR_MOST 1e15\n",
+             FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER);
+    const char *const all[TEXTS] = {"#version 450 core\n",
+                                    strchr(shared[0], '\n') + 1,
+                                    shared[1],
+                                    shared[2],
+                                    shared[3],
+                                    shared[4],
+                                    shared[5],
+                                    shared[6],
+                                    own,
+                                    names,
+                                    vxs_volumes_text_vxs_air_h,
+                                    vxs_volumes_text_vxs_air_path_h,
+                                    vxs_volumes_text_frame_glsl,
+                                    vxs_volumes_text_first_shadow_glsl,
+                                    body};
+    memcpy(texts, all, sizeof all);
+}
+
+static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const char *names, const char *body)
+{
+    char        own[320];
+    char        log[LOG_BYTES];
+    int         good = 0;
+    const char *texts[TEXTS];
+    gl_name     shader = v->api.CreateShader(kind);
+    texts_of(v, own, sizeof own, names, body, texts);
+    v->api.ShaderSource(shader, TEXTS, texts, NULL);
+    v->api.CompileShader(shader);
+    v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);
+    if (!good && v->log) {
+        v->api.GetShaderInfoLog(shader, sizeof log, NULL, log);
+        v->log(log, v->user);
+    }
+    v->api.AttachShader(program, shader);
+    v->api.DeleteShader(shader);
+}
+
+static gl_name linked(const vxs_volumes *v, gl_name program)
+{
+    int good = 0;
+    v->api.LinkProgram(program);
+    v->api.GetProgramiv(program, GL_STATUS_LINK, &good);
+    if (good) {
+        vxs_gl_link(v->shadows, program);
+        return program;
+    }
+    v->api.DeleteProgram(program);
+    return 0;
+}
+
+gl_name vxs_volumes_compute(const vxs_volumes *v, const char *names, const char *body)
+{
+    gl_name program = v->api.CreateProgram();
+    attach(v, program, GL_KIND_COMPUTE_SHADER, names, body);
+    return linked(v, program);
+}
+
+gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *vertex, const char *fragment)
+{
+    gl_name program = v->api.CreateProgram();
+    attach(v, program, GL_KIND_VERTEX_SHADER, names, vertex);
+    attach(v, program, GL_KIND_FRAGMENT_SHADER, names, fragment);
+    return linked(v, program);
+}
+
+void vxs_volumes_forget_error(const vxs_volumes *v)
+{
+    for (int n = 0; n < 16 && v->api.GetError() != GL_ERROR_NONE; n++) continue; /* a lost context says it for ever */
+}
+
+gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide, uint32_t high, uint32_t layers)
+{
+    gl_name texture = 0;
+    vxs_volumes_forget_error(v);
+    v->api.CreateTextures(layers ? GL_TARGET_TEXTURE_2D_ARRAY : GL_TARGET_TEXTURE_2D, 1, &texture);
+    if (layers)
+        v->api.TextureStorage3D(texture, 1, format, (int)wide, (int)high, (int)layers);
+    else
+        v->api.TextureStorage2D(texture, 1, format, (int)wide, (int)high);
+    v->api.TextureParameteri(texture, GL_SET_MIN_FILTER, GL_FILTER_NEAREST);
+    v->api.TextureParameteri(texture, GL_SET_MAG_FILTER, GL_FILTER_NEAREST);
+    if (v->api.GetError() == GL_ERROR_NONE) return texture;
+    v->api.DeleteTextures(1, &texture);
+    return 0;
+}

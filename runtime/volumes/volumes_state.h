@@ -1,0 +1,108 @@
+/* The object of vxs_volumes.h, and what techniques share. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef VOLUMES_STATE_H
+#define VOLUMES_STATE_H
+
+#include "volumes_gl.h"
+#include "vxs_volumes.h"
+
+/* As shaders have it (frame.glsl, std140). */
+typedef struct frame_block {
+    float               point_from_depth[16];
+    float               eye[3], far_metres;
+    float               wide_px, high_px, empty_depth, top_metres;
+    float               scattering[3], anisotropy;
+    float               extinction[3], reserved;
+    float               colour[3], radius_metres;
+    float               place[3], cos_inner;
+    float               axis[4];
+    vxs_light_constants light;
+    float               knobs[4];
+    uint32_t            map_side_px, map_layers, first, end;
+} frame_block;
+
+/* Places in the context, from those of the caller on. */
+enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0 };
+
+typedef enum volumes_program {
+    PROGRAM_MAP_FILL,
+    PROGRAM_MAP_JOIN,
+    PROGRAM_MARCH_MAP,
+    PROGRAM_MARCH_ASSET,
+    PROGRAM_COMPOSITE,
+    VOLUMES_PROGRAMS,
+} volumes_program;
+
+struct vxs_volumes {
+    volumes_api   api;
+    vxs_allocator memory;
+    void (*log)(const char *text, void *user);
+    void       *user;
+    vxs_gl     *shadows;
+    uint32_t    width_px, height_px, first_unit;
+    gl_name     airlight, frame_buffer, vertex_array;
+    gl_name     programs[VOLUMES_PROGRAMS];
+    frame_block frame;
+    gl_name     depth_texture; /* of the frame; 0: none has begun */
+};
+
+struct vxs_light_map {
+    vxs_volumes        *volumes;
+    vxs_light_constants constants; /* of a light that is not baked */
+    uint32_t            baked, is_baked, side_px, layers;
+    uint64_t            filled;        /* texels */
+    gl_name             first, joined; /* textures; joined: 0 where nothing moves */
+};
+
+/* Memory, as asked for in the caller's desc. */
+void *vxs_volumes_take(const vxs_volumes *v, size_t size);
+void  vxs_volumes_give_back(const vxs_volumes *v, void *memory, size_t size);
+
+/* A program of the texts that all have, and bodies of its own.
+ * names  lines of #define, or ""
+ * Returns 0 when it does not compile. */
+gl_name vxs_volumes_compute(const vxs_volumes *v, const char *names, const char *body);
+gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *vertex, const char *fragment);
+
+/* A texture of one level, not filtered.   layers  0: GL_TEXTURE_2D;   Returns 0 where there is no room. */
+gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide, uint32_t high, uint32_t layers);
+
+void vxs_volumes_forget_error(const vxs_volumes *v);
+
+/* What a technique changes of the context beside words and lights, as it was. */
+typedef struct volumes_kept {
+    int     program, active, textures[UNITS], samplers[UNITS];
+    int     buffer, frame, image[6];
+    int64_t frame_start, frame_size;
+} volumes_kept;
+
+/* Begin to use a program: the frame's block goes up and is bound, and the words and lights; depths, a map and an image, where they are not 0.
+ * map     a GL_TEXTURE_2D_ARRAY
+ * image   bound to read and write, all its layers;  format  of it */
+volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format);
+
+/* Behind it. */
+void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept);
+
+/* What drawing changes beside that. */
+typedef struct raster_kept {
+    int           array, viewport[4], framebuffer, blend[6], polygon[2];
+    unsigned char mask[4], blends, enabled[6];
+} raster_kept;
+
+/* Begin to draw the frame's pixels: no tests, both sides of faces, colour and alpha, one buffer that is added to as the caller says. */
+raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum destination, gl_enum destination_alpha);
+void        vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept *kept);
+
+/* The light of what follows, for shaders.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame or such a light. */
+vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map);
+
+/* Its constants. */
+const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map);
+
+/* The texts of shaders (made by the Makefile from the files of these names). */
+extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],
+    vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
+    vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_vxs_air_h[], vxs_volumes_text_vxs_air_path_h[];
+
+#endif

@@ -1,0 +1,145 @@
+/* libvxs_volumes: shadows in fog, on a graphics processor. It stands on libvxs_gl, whose words and lights it asks.
+ *
+ *     vxs_volumes *air;                                                 // when a level is loaded, with a context current
+ *     vxs_volumes_desc desc = {.get_proc_address = my_loader, .shadows = shadows, .width_px = 1920, .height_px = 1080};
+ *     if (vxs_volumes_create(&air, &desc) != VXS_OK) ...
+ *
+ *     vxs_volumes_begin(air, &frame);                                   // each frame: medium, camera, depths of what was drawn
+ *     vxs_volumes_march(air, &sun, sun_map, 64, VXS_STEPS_EVEN);        // each light by a technique of its own
+ *     vxs_volumes_composite(air, width, height);                        // onto what was drawn
+ *
+ * Light that a homogeneous medium turns once toward the eye is added up along each eye ray, where a light reaches it. Techniques differ in how they
+ * know that; what media and lights are is the same for all (vxs_air_path.h).
+ *
+ * A light map tells of each light ray where shadow begins on it: of what stands, from the baked asset, and of what moves, from depth maps of the
+ * caller; joined there, ray by ray, and nowhere else.
+ *
+ * It links no OpenGL, and wants 4.5. Every call needs the context of vxs_volumes_create current on the calling thread. What it changes
+ * of the context's state it puts back, but for words and lights, which it leaves bound as vxs_gl_bind does. Memory and programs are taken by the
+ * calls that end in create.
+ * Places are metres from the origin that vxs_gl_origin was told last.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_VOLUMES_H
+#define VXS_VOLUMES_H
+
+#include "vxs_gl.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct vxs_volumes   vxs_volumes;
+typedef struct vxs_light_map vxs_light_map;
+
+/* What is not named is 0, and means the default. It grows at its end only. */
+typedef struct vxs_volumes_desc {
+    size_t struct_size; /* sizeof(vxs_volumes_desc); 0: as it was at first, up to log */
+    vxs_gl_function (*get_proc_address)(const char *name, void *user);
+    void                *user;
+    const vxs_allocator *allocator;            /* NULL: malloc and free; copied, but its functions must outlive the object */
+    vxs_gl              *shadows;              /* the baked lights; borrowed until vxs_volumes_destroy */
+    uint32_t             width_px, height_px;  /* of the largest view, > 0 */
+    uint32_t             first_unit;           /* texture units from here on are used, and put back; 0: 8 */
+    void (*log)(const char *text, void *user); /* told what the compiler says of a shader that does not compile; NULL */
+} vxs_volumes_desc;
+
+/* volumes  [out] NULL on failure
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_MEMORY; VXS_E_GL: older than OpenGL 4.5, without a function, a shader that does not compile, or a view
+ * larger than its textures. Then the frame is drawn without fog. */
+vxs_result vxs_volumes_create(vxs_volumes **volumes, const vxs_volumes_desc *desc);
+
+/* Behind all that was created of it. Accepts NULL. */
+void vxs_volumes_destroy(vxs_volumes *volumes);
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+/* What fills the air, and what was drawn. */
+typedef struct vxs_volumes_frame {
+    float    scattering[3], extinction[3]; /* per metre, as for vxs_medium */
+    float    anisotropy;
+    float    top_metres;    /* height (along y) of the level top of ground fog; VXS_AIR_EVERYWHERE, or more: it has none */
+    vxs_view view;          /* of vxs_gl.h; filter_px is not used */
+    float    eye[3];        /* where all eye rays begin */
+    float    far_metres;    /* where a ray ends that meets nothing, > 0 */
+    unsigned depth_texture; /* GL_TEXTURE_2D of view.width_px x view.height_px depths or R32F; level 0 is read */
+} vxs_volumes_frame;
+
+/* Begin a frame: no airlight yet.
+ * Returns VXS_OK; VXS_E_ARGUMENT for a view that is larger than that of create, or numbers that are none. */
+vxs_result vxs_volumes_begin(vxs_volumes *volumes, const vxs_volumes_frame *frame);
+
+/* A light of the frame. */
+typedef struct vxs_volumes_light {
+    uint32_t                   baked;     /* its number in vxs_gl; without constants */
+    const vxs_light_constants *constants; /* of a light that is not baked: how its maps lie; NULL: it is */
+    float colour[3];     /* lamps: intensity, in candela; suns: irradiance, in lux; or in the units of the picture */
+    float cos_inner;     /* spot lights: where the cone is dimmer, as in glTF; at least that of where it ends */
+    float radius_metres; /* lamps, > 0: airlight has no bound where a ray meets a point that shines */
+} vxs_volumes_light;
+
+/* Airlight, linear: RGBA32F, of the size of create, of which the view's corner is used; rows as those of the depths. Alpha is not used. Valid until
+ * vxs_volumes_destroy. */
+unsigned vxs_volumes_airlight(const vxs_volumes *volumes);
+
+/* Lay the frame's fog over a linear picture: its colour times what the fog leaves of it, per channel, and airlight added.
+ * The current draw framebuffer, from (0, 0) on, where its pixels are those of the depths */
+void vxs_volumes_composite(vxs_volumes *volumes);
+
+/* light maps ---------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct vxs_light_map_desc {
+    uint32_t baked; /* the light's number in vxs_gl; without constants */
+    const vxs_light_constants
+            *constants; /* of a light that is not baked: a map without end is of this prism, frustum or cube; NULL: it is */
+    uint32_t side_px;   /* a power of two; 0, or more than the baked map has: as that */
+    uint32_t moves;     /* 1: vxs_light_map_join will be called */
+} vxs_light_map_desc;
+
+/* An R32F array of one or six layers of side_px x side_px texels, in the prism, frustum or cube of the light's baked maps. A texel is where
+ * shadow begins on the light ray through its centre: of suns in voxels of the baked light, of lamps in metres along the map's axis; 1e30
+ * where light does not end. The baked part is looked up once, in calls of vxs_light_map_fill.
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_MEMORY; VXS_E_GL for a side that the context does not have. */
+vxs_result vxs_light_map_create(vxs_light_map **map, vxs_volumes *volumes, const vxs_light_map_desc *desc);
+void       vxs_light_map_destroy(vxs_light_map *map);
+
+/* Look up what is baked of the next max_texels, or fewer; again, when pages have come.
+ * Returns how many are left. */
+uint64_t vxs_light_map_fill(vxs_light_map *map, uint64_t max_texels);
+
+/* Look all of it up again in calls of vxs_light_map_fill that follow. */
+void vxs_light_map_refill(vxs_light_map *map);
+
+/* A depth map of what moves, seen from the light. Of a point light there may be several, each of a part. */
+typedef struct vxs_moving_casters {
+    unsigned depth_texture; /* GL_TEXTURE_2D */
+    uint32_t width_px, height_px;
+    float    depth_from_point[16]; /* by columns: metres to texture coordinates and depth, times w */
+    float    empty_depth;          /* where nothing is */
+} vxs_moving_casters;
+
+/* Each frame: the baked map, and before it what moves.
+ * casters  [count]; 0: the baked map alone */
+vxs_result vxs_light_map_join(vxs_light_map *map, const vxs_moving_casters *casters, uint32_t count);
+
+/* The texture, a GL_TEXTURE_2D_ARRAY. Valid until vxs_light_map_destroy. */
+unsigned vxs_light_map_texture(const vxs_light_map *map);
+uint32_t vxs_light_map_side_px(const vxs_light_map *map);
+uint32_t vxs_light_map_layers(const vxs_light_map *map);
+
+/* marches ------------------------------------------------------------------------------------------------------------------------- */
+
+typedef enum vxs_steps {
+    VXS_STEPS_EVEN,  /* alike in metres */
+    VXS_STEPS_ANGLE, /* of lamps alike in an angle in which phase and falloff are nearly even; of suns alike in what they scatter */
+} vxs_steps;
+
+/* Add a light's airlight by so many questions a ray, each at the middle of a step.
+ * map  of the light; NULL: the asset is asked at each step
+ * steps  1 to 65536 */
+vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,
+                             vxs_steps which);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
