@@ -1,4 +1,5 @@
-/* The frame's fog over what was drawn: airlight, and how much of each channel the fog leaves of what is behind it. */
+/* The frame's fog over what was drawn: airlight, what it turns of light from all sides, and how much of each channel it leaves of what is
+ * behind it. */
 layout(location = 0, index = 0) out vec4 airlight;
 layout(location = 0, index = 1) out vec4 left;
 
@@ -10,6 +11,7 @@ void main()
     vec2  in_fog = vec2(0.0, metres);
     if (vxs_frame.sizes.w < VXS_AIR_EVERYWHERE) vxs_air_in_fog(vxs_frame.eye_far.y, direction.y, vxs_frame.sizes.w, in_fog);
     vxs_air_left(vxs_frame_medium(), max(in_fog.y - in_fog.x, 0.0), part);
-    airlight = vec4(texelFetch(vxs_airlight, pixel, 0).rgb, 0.0);
+    vec3 turned = vxs_frame.scattering.rgb / max(vxs_frame.extinction.rgb, vec3(1e-30)) * (1.0 - part);
+    airlight = vec4(texelFetch(vxs_airlight, pixel, 0).rgb + vxs_frame.ambient.rgb * turned, 0.0);
     left     = vec4(part, 1.0);
 }

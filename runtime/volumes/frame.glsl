@@ -6,6 +6,7 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     vec4                sizes;          /* of the view: wide, high; empty depth; the fog's top */
     vec4                scattering;     /* and anisotropy */
     vec4                extinction;
+    vec4                ambient;
     vec4                colour;         /* of the light, and its radius */
     vec4                place;          /* of a lamp; of the sun the way to it; and the inner cone's cosine */
     vec4                axis;           /* where it shines */

@@ -115,7 +115,9 @@ unsigned vxs_volumes_airlight(const vxs_volumes *v)
 static int is_medium(const vxs_volumes_frame *f)
 {
     for (int n = 0; n < 3; n++)
-        if (!(f->scattering[n] >= 0 && f->extinction[n] >= f->scattering[n] && isfinite(f->extinction[n]))) return 0;
+        if (!(f->scattering[n] >= 0 && f->extinction[n] >= f->scattering[n] && isfinite(f->extinction[n]) && f->ambient[n] >= 0 &&
+              isfinite(f->ambient[n])))
+            return 0;
     return fabsf(f->anisotropy) <= 0.99F && !isnan(f->top_metres);
 }
 
@@ -145,6 +147,7 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
     memcpy(to->eye, f->eye, sizeof to->eye);
     memcpy(to->scattering, f->scattering, sizeof to->scattering);
     memcpy(to->extinction, f->extinction, sizeof to->extinction);
+    memcpy(to->ambient, f->ambient, sizeof to->ambient);
     v->api.ClearTexImage(v->airlight, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
     return VXS_OK;
 }

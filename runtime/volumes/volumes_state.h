@@ -12,7 +12,8 @@ typedef struct frame_block {
     float               eye[3], far_metres;
     float               wide_px, high_px, empty_depth, top_metres;
     float               scattering[3], anisotropy;
-    float               extinction[3], reserved;
+    float               extinction[3], reserved_0;
+    float               ambient[3], reserved_1;
     float               colour[3], radius_metres;
     float               place[3], cos_inner;
     float               axis[4];

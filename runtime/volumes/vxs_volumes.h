@@ -57,6 +57,7 @@ void vxs_volumes_destroy(vxs_volumes *volumes);
 typedef struct vxs_volumes_frame {
     float    scattering[3], extinction[3]; /* per metre, as for vxs_medium */
     float    anisotropy;
+    float    ambient[3];    /* radiance that comes from all sides, such as a part of the sky's: fog scatters it, too; 0: none */
     float    top_metres;    /* height (along y) of the level top of ground fog; VXS_AIR_EVERYWHERE, or more: it has none */
     vxs_view view;          /* of vxs_gl.h; filter_px is not used */
     float    eye[3];        /* where all eye rays begin */

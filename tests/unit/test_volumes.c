@@ -246,6 +246,7 @@ static void test_composite(void **state)
         vxs_volumes_light l   = scene_light(SCENE_SUN);
         volumes_camera    c   = camera_at(eyes[camera], looks[camera], 0.8);
         see(&s, camera, SCENE_SUN, top, &v);
+        v.frame.ambient[0] = 0.3F;
         s.gl->ClearBufferfv(GL_COLOR, 0, (float[4]){0.5F, 2, 7, 0.25F});
         assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
         assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 64, VXS_STEPS_ANGLE), VXS_OK);
@@ -258,7 +259,8 @@ static void test_composite(void **state)
             if (top < VXS_AIR_EVERYWHERE) vxs_air_in_fog(c.eye[1], direction[1], top, in_fog);
             for (int i = 0; i < 3; i++) {
                 double left = exp(-haze.extinction[i] * fmax(0, in_fog[1] - in_fog[0])), behind = (double[]){0.5, 2, 7}[i];
-                assert_float_equal(picture[4 * n + (size_t)i], behind * left + (double)air[4 * n + (size_t)i], 1e-4);
+                double turned = i == 0 ? 0.3 * haze.scattering[0] / haze.extinction[0] * (1 - left) : 0;
+                assert_float_equal(picture[4 * n + (size_t)i], behind * left + turned + (double)air[4 * n + (size_t)i], 1e-4);
             }
             assert_float_equal(picture[4 * n + 3], 0.25F, 0);
         }
