@@ -63,17 +63,19 @@ typedef struct subject {
 /* The first option that is given and means nothing without OpenGL, or without a path; NULL: there is none. */
 static const char *needs_gl(const render_command *c)
 {
-    return c->samples_given   ? "--samples"
-           : c->budget_given  ? "--budget"
-           : c->cull_given    ? "--cull"
-           : c->stops_given   ? "--exposure"
-           : c->passes_folder ? "--passes"
-           : c->path_file     ? "--path"
-           : c->orbits        ? "--orbit"
-           : c->json_path     ? "--json"
-           : c->csv_path      ? "--csv"
-           : c->plot_path     ? "--plot"
-                              : NULL;
+    return c->samples_given     ? "--samples"
+           : c->budget_given    ? "--budget"
+           : c->cull_given      ? "--cull"
+           : c->fog.by_given    ? "--fog-by"
+           : c->fog.steps_given ? "--fog-steps"
+           : c->stops_given     ? "--exposure"
+           : c->passes_folder   ? "--passes"
+           : c->path_file       ? "--path"
+           : c->orbits          ? "--orbit"
+           : c->json_path       ? "--json"
+           : c->csv_path        ? "--csv"
+           : c->plot_path       ? "--plot"
+                                : NULL;
 }
 
 static vxs_result check_options(const render_command *c, message *m)
@@ -87,7 +89,6 @@ static vxs_result check_options(const render_command *c, message *m)
         return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
     if (r == VXS_OK) r = fog_check(&c->fog, m);
     if (r != VXS_OK) return r;
-    if (c->draw == DRAW_GL && c->fog.given) return fail(m, VXS_E_ARGUMENT, "--fog needs --draw rays");
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
@@ -149,12 +150,11 @@ static vxs_result draw_by_rays(const render_command *c, const subject *s, uint8_
                                .height_px = c->options.height_px,
                                .filter_px = c->options.filter_px,
                                .threads   = c->options.threads,
+                               .fog       = c->options.fog,
                                .camera    = c->camera.camera};
-    fog_medium      medium  = fog_of(&c->fog);
     casters         casting = {0};
     truth          *t       = NULL;
     vxs_result      r       = make_truth(&t, &casting, s, o.threads, m);
-    if (c->fog.given) o.fog = &medium;
     if (r == VXS_OK) r = picture_render(rgb, &o, t, &casting, s->lights, s->light_count, m);
     truth_destroy(t);
     casters_free(&casting);
@@ -268,11 +268,15 @@ static vxs_result draw(const render_command *c, subject *s, output_file *out, me
 
 static vxs_result run(void *command, message *m)
 {
-    render_command *c    = command;
-    subject        *s    = calloc(1, sizeof *s);
-    output_file     out  = {0};
-    vxs_result      r    = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    c->options.filter_px = filter_px_of(&c->filter);
+    render_command *c      = command;
+    subject        *s      = calloc(1, sizeof *s);
+    output_file     out    = {0};
+    vxs_result      r      = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    fog_medium      medium = fog_of(&c->fog);
+    c->options.filter_px   = filter_px_of(&c->filter);
+    c->options.fog         = c->fog.given ? &medium : NULL;
+    c->options.fog_by      = c->fog.by;
+    c->options.fog_steps   = c->fog.steps;
     if (r == VXS_OK) r = load(c, s, m);
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
     if (r == VXS_OK) r = draw(c, s, &out, m);

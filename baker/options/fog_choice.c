@@ -9,6 +9,8 @@ vxs_result fog_check(const fog_choice *c, message *m)
     const char *alone = c->albedo_given       ? "--fog-albedo"
                         : c->anisotropy_given ? "--fog-anisotropy"
                         : c->top_given        ? "--fog-top"
+                        : c->by_given         ? "--fog-by"
+                        : c->steps_given      ? "--fog-steps"
                                               : NULL;
     if (!alone || c->given) return VXS_OK;
     return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);

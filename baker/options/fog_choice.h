@@ -4,17 +4,19 @@
 #define FOG_CHOICE_H
 
 #include "baker/base/message.h"
-#include "baker/picture/fog.h"
+#include "baker/render/fog_pass.h"
 
 typedef struct fog_choice {
-    double per_metre, albedo, anisotropy, top_metres;
-    int    given, albedo_given, anisotropy_given, top_given;
+    double   per_metre, albedo, anisotropy, top_metres;
+    fog_by   by;
+    uint32_t steps;
+    int      given, albedo_given, anisotropy_given, top_given, by_given, steps_given;
 } fog_choice;
 
 /* Most of what light meets in fog is drops, which absorb little and turn light by small angles. */
 #define FOG_DEFAULTS                                                                                                               \
     {                                                                                                                              \
-        .albedo = 0.9, .anisotropy = 0.4                                                                                           \
+        .albedo = 0.9, .anisotropy = 0.4, .by = FOG_BY_ANGLES, .steps = 64                                                         \
     }
 
 /* choice  a fog_choice, FOG_DEFAULTS before */
@@ -27,7 +29,11 @@ typedef struct fog_choice {
     {"--fog-anisotropy", OPTION_F64, &(choice).anisotropy, -0.99, 0.99, NULL, "G",                                                 \
      "-0.99, light turns back, to 0.99, it goes on (default 0.4)", &(choice).anisotropy_given},                                    \
     {"--fog-top", OPTION_F64, &(choice).top_metres, -1e7, 1e7, NULL, "Y",                                                          \
-     "fog lies on the ground, to this height (default everywhere)", &(choice).top_given}
+     "fog lies on the ground, to this height (default everywhere)", &(choice).top_given},                                          \
+    {"--fog-by", OPTION_CHOICE, &(choice).by, 0, 0, FOG_BY_CHOICES, NULL,                                                          \
+     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike (default angles)", &(choice).by_given},     \
+    {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
+     "so many of them, 1 to 65536 (default 64)", &(choice).steps_given}
 /* clang-format on */
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog. */

@@ -4,15 +4,9 @@
 #ifndef FOG_H
 #define FOG_H
 
+#include "baker/scene/fog_medium.h"
 #include "baker/scene/scene.h"
 #include "formats/vxs_file.h"
-
-/* As vxs_medium, with a top. */
-typedef struct fog_medium {
-    double scattering[3], extinction[3]; /* per metre */
-    double anisotropy;
-    double top_ws; /* height of its level top, metres; INFINITY: it is everywhere */
-} fog_medium;
 
 /* A baked light, and how bright it is. */
 typedef struct fog_light {

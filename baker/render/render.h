@@ -5,6 +5,7 @@
 #define RENDER_H
 
 #include "baker/opengl/gl.h"
+#include "baker/render/fog_pass.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/camera.h"
 #include "runtime/vxs_stream.h"
@@ -22,12 +23,16 @@ typedef struct render_options {
     gl_backend backend;
     uint32_t   threads;
 
+    const fog_medium *fog; /* NULL: there is none */
+    fog_by            fog_by;
+    uint32_t          fog_steps;
+
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
 
-/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream the first is left out. */
-enum { RENDER_UPLOAD, RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_TONE, RENDER_STAGES };
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, or fog, theirs is left out. */
+enum { RENDER_UPLOAD, RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_FOG, RENDER_TONE, RENDER_STAGES };
 extern const char *const render_stage_names[RENDER_STAGES]; /* "upload", ... */
 
 typedef struct render_frame {
@@ -72,6 +77,9 @@ vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albe
  * where the light does not reach */
 vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
 
+/* What fog scatters toward the eye, as exposed.   air  [out] [3 * count] linear */
+vxs_result renderer_read_airlight(renderer *r, float *air, message *m);
+
 /* Of a stream: the share of lookups at each place, of lights that it faces, that are answered in full.
  * full  [out] [count]; RENDER_NOT_ASKED where there is none, -1 where nothing is */
 #define RENDER_NOT_ASKED (-2.0f)
@@ -84,8 +92,9 @@ void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, doub
 double        renderer_exposure(const renderer *r);
 const double *renderer_light_colour(const renderer *r, uint32_t n);
 
-/* Whether lists of lights are made. */
+/* Whether lists of lights are made; whether there is fog. */
 int renderer_culls(const renderer *r);
+int renderer_is_in_fog(const renderer *r);
 
 /* What draws. */
 const char *renderer_name(const renderer *r);

@@ -101,6 +101,15 @@ static vxs_result write_light(passes *p, message *m)
     return write_picture(p, "light", m);
 }
 
+static vxs_result write_airlight(passes *p, message *m)
+{
+    float     *air = malloc(3 * p->count * sizeof *air);
+    vxs_result r   = air ? renderer_read_airlight(p->renderer, air, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) p->rgb[n] = byte_of(curve(fmin(1, (double)air[n])));
+    free(air);
+    return r == VXS_OK ? write_picture(p, "airlight", m) : r;
+}
+
 /* Blue, green, yellow, red. */
 static void set_heat(uint8_t rgb[3], double share)
 {
@@ -249,6 +258,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK) r = write_albedo(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
+    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_airlight(&p, m);
     if (r == VXS_OK && streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);

@@ -13,10 +13,9 @@
 #include "baker/files/output_file.h"
 #include "baker/measure/spread.h"
 
-/* The first is a stream's. */
-static int first_stage(const render_report *r)
+static int has_stage(const render_report *r, int stage)
 {
-    return r->budget_bytes ? RENDER_UPLOAD : RENDER_UPLOAD + 1;
+    return stage == RENDER_UPLOAD ? r->budget_bytes != 0 : stage != RENDER_FOG || r->options->fog;
 }
 
 static double total_of(const render_frame *f)
@@ -80,8 +79,8 @@ static json_t *stream_json(const drawn_frame *d)
 static json_t *frame_json(const render_report *r, const drawn_frame *d)
 {
     json_t *o = json_object(), *stages = json_object();
-    for (int n = first_stage(r); n < RENDER_STAGES; n++)
-        json_set(&stages, render_stage_names[n], milliseconds(d->frame.seconds[n]));
+    for (int n = 0; n < RENDER_STAGES; n++)
+        if (has_stage(r, n)) json_set(&stages, render_stage_names[n], milliseconds(d->frame.seconds[n]));
     json_set(&o, "eye", json_vector(d->camera.eye_ws));
     json_set(&o, "target", json_vector(d->camera.target_ws));
     json_set(&o, "ms", stages);
@@ -99,7 +98,8 @@ static json_t *median_json(const render_report *r)
     size_t  skipped = r->frame_count > 1, count = r->frame_count - skipped;
     double *values = malloc(count * sizeof *values);
     json_t *o      = values ? json_object() : NULL;
-    for (int stage = first_stage(r); stage <= RENDER_STAGES && values; stage++) {
+    for (int stage = 0; stage <= RENDER_STAGES && values; stage++) {
+        if (!has_stage(r, stage)) continue;
         for (size_t n = 0; n < count; n++) {
             const render_frame *f = &r->frames[skipped + n].frame;
             values[n]             = stage < RENDER_STAGES ? f->seconds[stage] : total_of(f);
@@ -121,6 +121,18 @@ static json_t *difference_json(const truth_difference *d)
     return o;
 }
 
+static json_t *fog_json(const render_options *o)
+{
+    json_t *fog = json_object();
+    json_set(&fog, "extinction_per_metre", json_vector(o->fog->extinction));
+    json_set(&fog, "scattering_per_metre", json_vector(o->fog->scattering));
+    json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
+    json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
+    json_set(&fog, "by", json_text(o->fog_by == FOG_BY_MARCH ? "march" : "angles"));
+    json_set(&fog, "steps", json_integer(o->fog_steps));
+    return fog;
+}
+
 json_t *render_report_json(const render_report *r)
 {
     json_t *o = json_object(), *frames = json_array();
@@ -137,6 +149,7 @@ json_t *render_report_json(const render_report *r)
     json_set(&o, "lights", json_integer(r->light_count));
     json_set(&o, "culling", json_boolean(r->culls));
     json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
+    if (r->options->fog) json_set(&o, "fog", fog_json(r->options));
     if (r->budget_bytes) {
         json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
         json_set(&o, "held_bytes", json_integer((json_int_t)r->frames[0].stream.bytes_held));
@@ -167,7 +180,8 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
     vxs_result  result = output_file_open(&out, path, m);
     if (result != VXS_OK) return result;
     fputs("frame,eye_x,eye_y,eye_z,target_x,target_y,target_z", out.stream);
-    for (int n = first_stage(r); n < RENDER_STAGES; n++) fprintf(out.stream, ",%s_ms", render_stage_names[n]);
+    for (int n = 0; n < RENDER_STAGES; n++)
+        if (has_stage(r, n)) fprintf(out.stream, ",%s_ms", render_stage_names[n]);
     fputs(",total_ms,surface_samples,lights_per_sample,longest_list", out.stream);
     if (r->budget_bytes) write_stream_names(out.stream, r);
     fputc('\n', out.stream);
@@ -175,7 +189,8 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
         const drawn_frame *d = &r->frames[n];
         fprintf(out.stream, "%zu", n);
         for (int k = 0; k < 6; k++) fprintf(out.stream, ",%.6g", k < 3 ? d->camera.eye_ws[k] : d->camera.target_ws[k - 3]);
-        for (int k = first_stage(r); k < RENDER_STAGES; k++) fprintf(out.stream, ",%.4g", 1000 * d->frame.seconds[k]);
+        for (int k = 0; k < RENDER_STAGES; k++)
+            if (has_stage(r, k)) fprintf(out.stream, ",%.4g", 1000 * d->frame.seconds[k]);
         fprintf(out.stream, ",%.4g,%llu,%.4g,%u", 1000 * total_of(&d->frame), (unsigned long long)d->frame.surface_pixels,
                 lights_per_pixel(&d->frame), d->frame.longest_list);
         if (r->budget_bytes) write_stream_numbers(out.stream, d);
@@ -190,7 +205,7 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
 
 enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
 
-static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#4477aa", "#ccbb44", "#cc6677", "#999999"};
+static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#4477aa", "#ccbb44", "#cc6677", "#aa3377", "#999999"};
 
 /* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
 static double step_for(double most)
@@ -270,7 +285,8 @@ vxs_result render_report_plot(const render_report *r, const char *path, message 
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" font-size=\"13\">\n",
             PLOT_WIDE, high);
     fprintf(out.stream, "<rect width=\"%d\" height=\"%d\" fill=\"white\"/>\n", PLOT_WIDE, high);
-    for (int n = first_stage(r); n < RENDER_STAGES; n++) plot_stage(out.stream, r, n, most);
+    for (int n = 0; n < RENDER_STAGES; n++)
+        if (has_stage(r, n)) plot_stage(out.stream, r, n, most);
     for (double ms = 0, step = step_for(most); ms <= most; ms += step)
         fprintf(out.stream, "<path stroke=\"#ccc\" d=\"M%d %.1fH%d\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
                 LEFT, y_of(ms, most), PLOT_WIDE - RIGHT, LEFT - 6, y_of(ms, most) + 4, ms);

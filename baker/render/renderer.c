@@ -4,6 +4,7 @@
  *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
  *     shade      light of each sample, lookups and all
+ *     fog        over the picture that this makes (fog_pass.h); left out where there is none
  *     tone       what a screen shows of the mean of a pixel's samples
  *
  * Places count from the camera, in which lookups are as fine as a float can be.
@@ -27,12 +28,14 @@ EMBEDDED(screen_vert_glsl)
 EMBEDDED(shade_frag_glsl)
 EMBEDDED(tone_frag_glsl)
 
-const char *const render_stage_names[RENDER_STAGES] = {"upload", "surfaces", "cull", "shade", "tone"};
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "surfaces", "cull", "shade", "fog", "tone"};
 
-enum { COLOURS_BINDING = 3, SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
+static const double pi = 3.14159265358979324;
+
+enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4, SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
 
 /* Pictures that are drawn to. */
-enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, TARGETS };
+enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, PICTURE, TARGETS };
 
 struct renderer {
     render_options options;
@@ -40,12 +43,14 @@ struct renderer {
     vxs_gl        *shadows;
     surface_mesh   mesh;
     uint32_t       light_count, width, height; /* samples */
+    fog_pass      *fog;                        /* NULL: there is none */
     double (*colours)[3];                      /* [light_count] the greatest is 1 */
+    fog_shine  *shines;                        /* [light_count] the same, as fog has it */
     int         day;                           /* there is a sun */
     GLuint      colour_buffer, empty_array;
-    GLuint      surface_program, shade_program, tone_program;
+    GLuint      surface_program, shade_program, tone_program, picture_program;
     uint64_t    uploaded_bytes; /* up to and with the last frame */
-    GLuint      target[TARGETS], surface_frame, light_frame, screen_frame;
+    GLuint      target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
     double      exposure; /* 0: not yet chosen */
     camera_pose camera;   /* of the last frame */
     camera_view seen;
@@ -101,7 +106,9 @@ static vxs_result make_program(const gl_context *gl, GLuint *program, embedded v
 static vxs_result make_programs(renderer *r, message *m)
 {
     const char *texts[VXS_GL_TEXTS];
-    text_part   shade[SHADE_PARTS], surface = part_of(surface_frag_glsl), tone = part_of(tone_frag_glsl);
+    text_part   shade[SHADE_PARTS], surface = part_of(surface_frag_glsl);
+    text_part   tone[]    = {{"#version 450 core\n", -1}, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, part_of(tone_frag_glsl)};
+    text_part   picture[] = {tone[0], {"#define TO_PICTURE\n", -1}, tone[2]};
     char        knows[64];
     vxs_result  result;
     snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s", r->options.filter_px, r->options.stream ? "#define STREAMED\n" : "");
@@ -110,7 +117,8 @@ static vxs_result make_programs(renderer *r, message *m)
     shade[VXS_GL_TEXTS]     = (text_part){knows, -1};
     shade[VXS_GL_TEXTS + 1] = part_of(shade_frag_glsl);
     if ((result = make_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
-    if ((result = make_program(r->gl, &r->tone_program, screen_vert_glsl, &tone, 1, m)) != VXS_OK) return result;
+    if ((result = make_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
+    if (r->fog && (result = make_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
     return make_program(r->gl, &r->shade_program, screen_vert_glsl, shade, SHADE_PARTS, m);
 }
 
@@ -130,10 +138,11 @@ static GLuint make_frame(const gl_context *gl, GLuint depth, const GLuint *colou
 
 static vxs_result make_targets(renderer *r, message *m)
 {
-    static const GLenum formats[TARGETS] = {GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8, GL_RGBA32F, GL_RGBA8};
+    static const GLenum formats[TARGETS] = {GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8, GL_RGBA32F, GL_RGBA8, GL_RGBA32F};
     const gl_context   *gl               = r->gl;
     for (int n = 0; n < TARGETS; n++) {
         int small = n == SCREEN;
+        if (n == PICTURE && !r->fog) continue;
         gl->CreateTextures(GL_TEXTURE_2D, 1, &r->target[n]);
         gl->TextureStorage2D(r->target[n], 1, formats[n], (GLsizei)(small ? r->options.width_px : r->width),
                              (GLsizei)(small ? r->options.height_px : r->height));
@@ -143,6 +152,7 @@ static vxs_result make_targets(renderer *r, message *m)
     r->surface_frame = make_frame(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
     r->light_frame   = make_frame(gl, 0, &r->target[LIGHTS], 1);
     r->screen_frame  = make_frame(gl, 0, &r->target[SCREEN], 1);
+    if (r->fog) r->picture_frame = make_frame(gl, 0, &r->target[PICTURE], 1);
     gl->GenVertexArrays(1, &r->empty_array);
     if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for a picture of %u x %u samples", r->width, r->height);
@@ -171,19 +181,25 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
     double most     = 0;
     float(*rows)[4] = calloc(r->light_count, sizeof *rows);
     r->colours      = calloc(r->light_count, sizeof *r->colours);
-    if (!rows || !r->colours) {
+    r->shines       = calloc(r->light_count, sizeof *r->shines);
+    if (!rows || !r->colours || !r->shines) {
         free(rows);
         return fail(m, VXS_E_MEMORY, "out of memory for %u lights", r->light_count);
     }
     for (uint32_t n = 0; n < r->light_count; n++) {
         scene_light light = described(s, &lights[n]->light);
         memcpy(r->colours[n], light.colour, sizeof light.colour);
-        rows[n][3] = (float)cos(light.inner_rad);
+        r->shines[n].cos_inner = cos(light.inner_rad);
+        rows[n][3]             = (float)r->shines[n].cos_inner;
         r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
         for (int k = 0; k < 3; k++) most = fmax(most, r->colours[n][k]);
     }
     for (uint32_t n = 0; n < r->light_count; n++)
-        for (int k = 0; k < 3; k++) rows[n][k] = (float)(r->colours[n][k] /= most);
+        for (int k = 0; k < 3; k++) {
+            rows[n][k] = (float)(r->colours[n][k] /= most);
+            r->shines[n].colour[k] =
+                pi * r->colours[n][k]; /* a matt surface sends back 1 / pi of what reaches it to each direction */
+        }
     r->gl->GenBuffers(1, &r->colour_buffer);
     r->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, r->colour_buffer);
     r->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(r->light_count * sizeof *rows), rows, GL_STATIC_DRAW);
@@ -226,15 +242,29 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
 
+static vxs_result make_fog(renderer *r, message *m)
+{
+    const render_options *o   = &r->options;
+    fog_pass_options      fog = {.medium      = o->fog,
+                                 .by          = o->fog_by,
+                                 .steps       = o->fog_steps,
+                                 .width       = r->width,
+                                 .height      = r->height,
+                                 .size_metres = r->mesh.size_metres};
+    return o->fog ? fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m) : VXS_OK;
+}
+
 static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
-    uint64_t samples = (uint64_t)r->width * r->height, bytes_each = 4 + 16 + 4 + 16 + 28; /* targets, and two that are read back */
-    vxs_result result = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
+    uint64_t   samples    = (uint64_t)r->width * r->height;
+    uint64_t   bytes_each = 4 + 16 + 4 + 16 + 28 + (r->options.fog ? 32 : 0); /* targets, and two that are read back */
+    vxs_result result     = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
     if (result != VXS_OK) return result;
     if ((result = gl_context_create(&r->gl, r->options.backend, r->options.threads, m)) != VXS_OK) return result;
     if ((result = surface_mesh_make(&r->mesh, r->gl, s, m)) != VXS_OK) return result;
     if ((result = put_colours(r, s, lights, m)) != VXS_OK) return result;
     if ((result = put_shadows(r, lights, m)) != VXS_OK) return result;
+    if ((result = make_fog(r, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     r->near_metres = 1e-5 * r->mesh.size_metres;
     return make_targets(r, m);
@@ -263,11 +293,12 @@ void renderer_destroy(renderer *r)
     if (!r) return;
     if (r->gl) {
         surface_mesh_free(&r->mesh, r->gl);
+        fog_pass_destroy(r->fog);
         vxs_gl_destroy(r->shadows);
         r->gl->DeleteTextures(TARGETS, r->target);
-        r->gl->DeleteFramebuffers(3, (const GLuint[3]){r->surface_frame, r->light_frame, r->screen_frame});
-        for (int n = 0; n < 3; n++) {
-            GLuint program = (const GLuint[3]){r->surface_program, r->shade_program, r->tone_program}[n];
+        r->gl->DeleteFramebuffers(4, (const GLuint[4]){r->surface_frame, r->light_frame, r->screen_frame, r->picture_frame});
+        for (int n = 0; n < 4; n++) {
+            GLuint program = (const GLuint[4]){r->surface_program, r->shade_program, r->tone_program, r->picture_program}[n];
             if (program) r->gl->DeleteProgram(program);
         }
         r->gl->DeleteBuffers(1, &r->colour_buffer);
@@ -275,6 +306,7 @@ void renderer_destroy(renderer *r)
         gl_context_destroy(r->gl);
     }
     free(r->colours);
+    free(r->shines);
     free(r);
 }
 
@@ -343,6 +375,11 @@ int renderer_culls(const renderer *r)
     return r->options.cull == CULL_ON || (r->options.cull == CULL_AUTO && r->light_count > 1);
 }
 
+int renderer_is_in_fog(const renderer *r)
+{
+    return r->fog != NULL;
+}
+
 static void draw_screen(const renderer *r, GLuint frame, GLuint program, uint32_t width, uint32_t height)
 {
     const gl_context *gl = r->gl;
@@ -375,11 +412,32 @@ static void shade(const renderer *r, int show, uint32_t light)
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+/* What is left of the sky at night. */
+static double day_of(const renderer *r)
+{
+    return r->day ? 1 : 0.07;
+}
+
+static void set_sizes(const renderer *r, GLuint program)
+{
+    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "sizes"), (float)r->width, (float)r->height,
+                            (float)r->exposure, (float)day_of(r));
+}
+
+/* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere. */
+static vxs_result fog(const renderer *r, message *m)
+{
+    const double ambient[3] = {0.070 * day_of(r), 0.081 * day_of(r), 0.095 * day_of(r)};
+    set_sizes(r, r->picture_program);
+    draw_screen(r, r->picture_frame, r->picture_program, r->width, r->height);
+    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->exposure, ambient, m);
+}
+
 static void tone(const renderer *r)
 {
     GLuint p = r->tone_program;
-    r->gl->ProgramUniform4f(p, r->gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, (float)r->exposure,
-                            r->day ? 1.0f : 0.07f);
+    set_sizes(r, p);
+    if (r->fog) r->gl->BindTextureUnit(PICTURE_UNIT, r->target[PICTURE]);
     r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)r->options.samples);
     draw_screen(r, r->screen_frame, p, r->options.width_px, r->options.height_px);
 }
@@ -496,6 +554,11 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
         if (result != VXS_OK) return result;
         since = finished(r->gl);
     }
+    if (r->fog) {
+        vxs_result result = fog(r, m);
+        if (result != VXS_OK) return result;
+    }
+    STAGE_ENDS(RENDER_FOG)
     tone(r);
     STAGE_ENDS(RENDER_TONE)
 #undef STAGE_ENDS
@@ -569,6 +632,15 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
     for (size_t i = 0; result == VXS_OK && i < count; i++) lit[i] = light[4 * i + 3] > 0 ? light[4 * i] : -1;
     free(light);
     return result;
+}
+
+vxs_result renderer_read_airlight(renderer *r, float *air, message *m)
+{
+    size_t row = 3 * sizeof *air * r->width;
+    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    r->gl->GetTextureImage(fog_pass_airlight(r->fog), 0, GL_RGB, GL_FLOAT, (GLsizei)(row * r->height), air);
+    turn_over(air, row, r->height);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
 vxs_result renderer_read_full(renderer *r, float *full, message *m)

@@ -1,9 +1,10 @@
-#version 450 core
-/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples. */
+/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples. In fog it
+ * is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE, and between them there is the fog. */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
 layout(binding = 3) uniform sampler2D lights;
+layout(binding = 4) uniform sampler2D picture;
 uniform mat4 point_from_depth;
 uniform vec4 sizes; /* width, height of the light, exposure, day: 1, or what is left of the sky at night */
 uniform int samples;
@@ -18,6 +19,9 @@ vec3 sky(float y)
 
 vec3 shown(ivec2 pixel)
 {
+#ifdef FROM_PICTURE
+    return texelFetch(picture, pixel, 0).rgb;
+#endif
     float depth = texelFetch(depths, pixel, 0).r;
     vec4  way   = point_from_depth * vec4((vec2(pixel) + 0.5) / sizes.xy, depth, 1.0);
     if (depth == 0.0) return sizes.w * sky(normalize(way.xyz).y);
@@ -33,6 +37,10 @@ float curve(float x)
 
 void main()
 {
+#ifdef TO_PICTURE
+    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 1.0);
+    return;
+#endif
     vec3 sum = vec3(0.0);
     for (int y = 0; y < samples; y++)
         for (int x = 0; x < samples; x++) {

@@ -140,10 +140,11 @@ def test_colours_of_lights(vxs, level, render):
     small_scene.write(level / "level.gltf", lights=LAMPS)
 
 
-def test_fog(vxs, level):
+@pytest.mark.parametrize("draw", ["rays", "gl"])
+def test_fog(vxs, level, draw):
     """Ink hides all, thin air nothing; drops shine where light comes, and below the fog's top alone."""
     def brightness(asset, *fog):
-        vxs("render", level / "level.gltf", level / f"{asset}.vxs", "-o", level / "out.png", *SMALL[:4], "--draw", "rays",
+        vxs("render", level / "level.gltf", level / f"{asset}.vxs", "-o", level / "out.png", *SMALL[:4], "--draw", draw,
             "--eye", "0.1,20,0", "--target", "0,0,0", "--fov", 20, *(("--fog", *fog) if fog else ()))
         rows = read_png((level / "out.png").read_bytes())[2]
         return sum(map(sum, rows)) / (3 * 64 * 48)
@@ -153,6 +154,21 @@ def test_fog(vxs, level):
     assert brightness("sun", 10, "--fog-albedo", 0, "--fog-top", -9) == brightness("sun", 0)
     assert brightness("all", 0.1, "--fog-albedo", 1) > 1.2 * brightness("all", 0.1, "--fog-albedo", 0) > 0
     assert brightness("sun", 0.1, "--fog-anisotropy", 0.9) != brightness("sun", 0.1, "--fog-anisotropy", -0.9)
+
+
+def test_fog_with_opengl(vxs, level, render):
+    """Both ways to march come to the same airlight; it is a pass, and a stage."""
+    rows = {}
+    for by in ("march", "angles"):
+        told = report(level, render, "all", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-top", 8, "--fog-by", by,
+                      "--fog-steps", 400, "--passes", level / by)
+        assert told["fog"] == {"extinction_per_metre": [0.05] * 3, "scattering_per_metre": [pytest.approx(0.045)] * 3, "anisotropy": 0.4,
+                               "top_metres": 8, "by": by, "steps": 400}
+        assert told["median_ms"]["fog"] > 0
+        rows[by] = [v for row in read_png((level / by / "airlight.png").read_bytes())[2] for v in row]
+    assert sum(rows["march"]) > 10 * len(rows["march"])
+    different = [abs(a - b) for a, b in zip(*rows.values())]
+    assert max(different) < 20 and sum(different) < len(different)
 
 
 def test_inner_cones(vxs, level, render):
@@ -191,7 +207,7 @@ def test_bad_paths(level, render, text, words):
 @pytest.mark.parametrize("options, words", [
     (["--frames", 3], "--frames 3 needs --path or --orbit"),
     (["--orbit", "--path", "PATH"], "exclude each other"),
-    (["--fog", 1], "--fog needs --draw rays"),
+    (["--fog-by", "march"], "--fog-by needs --fog"),
     (["--fog-top", 1], "--fog-top needs --fog"),
     (["--fog", -1], "--fog"),
     (["--fog", 1, "--fog-albedo", 2], "--fog-albedo"),

@@ -1,0 +1,45 @@
+/* Fog over a picture, by libvxs_volumes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef FOG_PASS_H
+#define FOG_PASS_H
+
+#include "baker/opengl/gl.h"
+#include "baker/scene/fog_medium.h"
+#include "runtime/gl/vxs_gl.h"
+
+/* What tells where fog is lit. */
+typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES } fog_by;
+#define FOG_BY_CHOICES "march|angles" /* their words, in that order */
+
+typedef struct fog_pass_options {
+    const fog_medium *medium; /* it outlives the pass */
+    fog_by            by;
+    uint32_t          steps;
+    uint32_t          width, height; /* samples */
+    double            size_metres;   /* of the scene */
+} fog_pass_options;
+
+/* What a light of libvxs_gl is beside its shadows. */
+typedef struct fog_shine {
+    double colour[3]; /* as for vxs_volumes_light */
+    double cos_inner;
+} fog_shine;
+
+typedef struct fog_pass fog_pass;
+
+/* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
+vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m);
+
+/* Accepts NULL. */
+void fog_pass_destroy(fog_pass *pass);
+
+/* A frame's fog, over the linear picture in the current framebuffer.
+ * shines   [lights of shadows];   exposure  what their colours are times
+ * ambient  of the sky, which fog scatters, too */
+vxs_result fog_pass_draw(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
+                         double exposure, const double ambient[3], message *m);
+
+/* An RGBA32F texture of width x height. */
+unsigned fog_pass_airlight(const fog_pass *pass);
+
+#endif
