@@ -13,11 +13,21 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     vxs_light_constants light;
     vec4                knobs;          /* of the technique */
     uvec4               map;            /* of the light's map: side in texels, layers; and what is done now: first, end */
+    uvec4               pixels;         /* that are drawn: the first, and how many across and up */
 } vxs_frame;
 
 layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
 layout(binding = VXS_AT_MAP) uniform highp sampler2DArray vxs_map; /* of the light */
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_airlight;
+
+/* The pixel of an invocation of 8 x 8 a group.   Returns whether it is drawn */
+#ifdef VXS_COMPUTE
+bool vxs_pixel(out ivec2 pixel)
+{
+    pixel = ivec2(gl_GlobalInvocationID.xy + vxs_frame.pixels.xy);
+    return all(lessThan(gl_GlobalInvocationID.xy, vxs_frame.pixels.zw));
+}
+#endif
 
 vxs_medium vxs_frame_medium()
 {

@@ -5,16 +5,13 @@
 vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,
                              vxs_steps which)
 {
-    enum { STEPS_MAX = 65536, GROUP = 8 };
+    enum { STEPS_MAX = 65536 };
     if (!steps || steps > STEPS_MAX || (which != VXS_STEPS_EVEN && which != VXS_STEPS_ANGLE)) return VXS_E_ARGUMENT;
     if (!map && light->constants) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
     v->frame.knobs[0] = (float)steps;
     v->frame.knobs[1] = (float)which;
-    volumes_kept kept = vxs_volumes_use(v, v->programs[map ? PROGRAM_MARCH_MAP : PROGRAM_MARCH_ASSET],
-                                        map ? vxs_light_map_texture(map) : 0, v->airlight, GL_FORMAT_RGBA32F);
-    v->api.DispatchCompute(((uint32_t)v->frame.wide_px + GROUP - 1) / GROUP, ((uint32_t)v->frame.high_px + GROUP - 1) / GROUP, 1);
-    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_add(v, v->programs[map ? PROGRAM_MARCH_MAP : PROGRAM_MARCH_ASSET], map ? vxs_light_map_texture(map) : 0);
     return VXS_OK;
 }

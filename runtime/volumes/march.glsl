@@ -60,8 +60,8 @@ vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(vec2(pixel), vxs_frame.sizes.xy))) return;
+    ivec2 pixel;
+    if (!vxs_pixel(pixel)) return;
     float        metres;
     vec3         direction = vxs_eye_ray(pixel, metres), sum;
     vxs_medium   medium = vxs_frame_medium();

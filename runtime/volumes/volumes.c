@@ -128,7 +128,7 @@ static int is_view(const vxs_volumes *v, const vxs_volumes_frame *f)
     for (int n = 0; n < 3; n++)
         if (!isfinite(f->eye[n])) return 0;
     return f->view.width_px && f->view.height_px && f->view.width_px <= v->width_px && f->view.height_px <= v->height_px &&
-           f->far_metres > 0 && isfinite(f->far_metres) && f->depth_texture;
+           f->far_metres > 0 && isfinite(f->far_metres) && f->least >= 0 && f->depth_texture;
 }
 
 vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
@@ -143,6 +143,7 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
                                      .top_metres  = f->top_metres < (float)VXS_AIR_EVERYWHERE ? f->top_metres : 1e38F,
                                      .anisotropy  = f->anisotropy};
     v->depth_texture = f->depth_texture;
+    v->least         = f->least;
     memcpy(to->point_from_depth, f->view.point_from_depth, sizeof to->point_from_depth);
     memcpy(to->eye, f->eye, sizeof to->eye);
     memcpy(to->scattering, f->scattering, sizeof to->scattering);
@@ -176,4 +177,20 @@ vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light,
     to->map_side_px = map ? map->side_px : 0;
     to->map_layers  = map ? map->layers : 0;
     return VXS_OK;
+}
+
+vxs_reach vxs_volumes_reach(vxs_volumes *v, const vxs_volumes_light *light, vxs_pixels *pixels)
+{
+    *pixels = (vxs_pixels){0};
+    return vxs_volumes_set_light(v, light, NULL) == VXS_OK ? vxs_volumes_find_reach(v, pixels) : VXS_REACH_BESIDE;
+}
+
+void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map)
+{
+    enum { GROUP = 8 };
+    vxs_pixels *p = &v->frame.pixels;
+    if (vxs_volumes_find_reach(v, p) != VXS_REACH_SEEN) return;
+    volumes_kept kept = vxs_volumes_use(v, program, map, v->airlight, GL_FORMAT_RGBA32F);
+    v->api.DispatchCompute((p->wide_px + GROUP - 1) / GROUP, (p->high_px + GROUP - 1) / GROUP, 1);
+    vxs_volumes_put_back(v, &kept);
 }

@@ -9,15 +9,16 @@
  * library have. */
 enum { TEXTS = VXS_GL_TEXTS + 8, LOG_BYTES = 1024 };
 
-static void texts_of(const vxs_volumes *v, char *own, size_t own_size, const char *names, const char *body,
+static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
 {
     const char *shared[VXS_GL_TEXTS];
     vxs_gl_texts(v->shadows, shared);
     snprintf(own, own_size,
              "#define VXS_AT_FRAME %u\n#define VXS_AT_IMAGE %u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n"
-             "#define VXS_AT_OTHER %u\n#define VXS_NO_END 1e30\n#define VXS_FAR_MOST 1e15\n",
-             FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER);
+             "#define VXS_AT_OTHER %u\n#define VXS_NO_END 1e30\n#define VXS_FAR_MOST 1e15\n%s",
+             FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER,
+             kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
     const char *const all[TEXTS] = {"#version 450 core\n",
                                     strchr(shared[0], '\n') + 1,
                                     shared[1],
@@ -43,7 +44,7 @@ static void attach(const vxs_volumes *v, gl_name program, gl_enum kind, const ch
     int         good = 0;
     const char *texts[TEXTS];
     gl_name     shader = v->api.CreateShader(kind);
-    texts_of(v, own, sizeof own, names, body, texts);
+    texts_of(v, kind, own, sizeof own, names, body, texts);
     v->api.ShaderSource(shader, TEXTS, texts, NULL);
     v->api.CompileShader(shader);
     v->api.GetShaderiv(shader, GL_STATUS_COMPILE, &good);

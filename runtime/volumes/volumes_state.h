@@ -20,6 +20,7 @@ typedef struct frame_block {
     vxs_light_constants light;
     float               knobs[4];
     uint32_t            map_side_px, map_layers, first, end;
+    vxs_pixels          pixels;
 } frame_block;
 
 /* Places in the context, from those of the caller on. */
@@ -44,6 +45,7 @@ struct vxs_volumes {
     gl_name     airlight, frame_buffer, vertex_array;
     gl_name     programs[VOLUMES_PROGRAMS];
     frame_block frame;
+    float       least;         /* as vxs_volumes_frame has it */
     gl_name     depth_texture; /* of the frame; 0: none has begun */
 };
 
@@ -97,6 +99,12 @@ void        vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept 
 
 /* The light of what follows, for shaders.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame or such a light. */
 vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map);
+
+/* Which of the frame's pixels may see that light.   Returns why there are none */
+vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels);
+
+/* Add its airlight by a program, in groups of 8 x 8 pixels, where it may be seen. */
+void vxs_volumes_add(vxs_volumes *v, gl_name program, gl_name map);
 
 /* Its constants. */
 const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map);

@@ -57,11 +57,12 @@ void vxs_volumes_destroy(vxs_volumes *volumes);
 typedef struct vxs_volumes_frame {
     float    scattering[3], extinction[3]; /* per metre, as for vxs_medium */
     float    anisotropy;
-    float    ambient[3];    /* radiance that comes from all sides, such as a part of the sky's: fog scatters it, too; 0: none */
-    float    top_metres;    /* height (along y) of the level top of ground fog; VXS_AIR_EVERYWHERE, or more: it has none */
-    vxs_view view;          /* of vxs_gl.h; filter_px is not used */
-    float    eye[3];        /* where all eye rays begin */
-    float    far_metres;    /* where a ray ends that meets nothing, > 0 */
+    float    ambient[3]; /* radiance that comes from all sides, such as a part of the sky's: fog scatters it, too; 0: none */
+    float    top_metres; /* height (along y) of the level top of ground fog; VXS_AIR_EVERYWHERE, or more: it has none */
+    vxs_view view;       /* of vxs_gl.h; filter_px is not used */
+    float    eye[3];     /* where all eye rays begin */
+    float    far_metres; /* where a ray ends that meets nothing, > 0 */
+    float    least; /* airlight that is not worth a pass: lights, and pixels, that have no more of any are left out. 0: none are */
     unsigned depth_texture; /* GL_TEXTURE_2D of view.width_px x view.height_px depths or R32F; level 0 is read */
 } vxs_volumes_frame;
 
@@ -77,6 +78,24 @@ typedef struct vxs_volumes_light {
     float cos_inner;     /* spot lights: where the cone is dimmer, as in glTF; at least that of where it ends */
     float radius_metres; /* lamps, > 0: airlight has no bound where a ray meets a point that shines */
 } vxs_volumes_light;
+
+/* Why a light is left out of a frame. */
+typedef enum vxs_reach {
+    VXS_REACH_SEEN,   /* it is not */
+    VXS_REACH_FAINT,  /* it has no more airlight than the least that counts, wherever one looks */
+    VXS_REACH_BESIDE, /* nor in any pixel of the view: the rest is out of it */
+} vxs_reach;
+
+/* A rectangle of pixels. */
+typedef struct vxs_pixels {
+    uint32_t x, y, wide_px, high_px;
+} vxs_pixels;
+
+/* Whether a light's airlight can be seen in the frame that has begun, and where: in no other pixel there is more than `least` of it. By its cone, its range
+ * and a bound that holds whatever is in shadow; techniques draw no other pixels, so that nobody has to ask.
+ * pixels  [out]
+ * Returns VXS_REACH_BESIDE also for what the techniques refuse. */
+vxs_reach vxs_volumes_reach(vxs_volumes *volumes, const vxs_volumes_light *light, vxs_pixels *pixels);
 
 /* Airlight, linear: RGBA32F, of the size of create, of which the view's corner is used; rows as those of the depths. Alpha is not used. Valid until
  * vxs_volumes_destroy. */

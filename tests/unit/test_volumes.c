@@ -445,6 +445,62 @@ static void test_any_numbers(void **state)
     scene_close(&s);
 }
 
+/* What is left out has no more airlight than was said, whatever the camera, the light, the medium and what is in shadow; and much is left out. */
+static void test_reach(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static double metres[PIXELS];
+    static float  all[4 * PIXELS], some[4 * PIXELS];
+    uint64_t      left_out = 0, dark = 0;
+    uint32_t      counts[3] = {0};
+    rng           r         = {17};
+    scene_open(&s, 64, WIDE, HIGH);
+    for (uint32_t n = 0; n < repeats(150, 3000); n++) {
+        int                        light = (int)rng_below(&r, SCENE_LIGHTS);
+        double                     eye[3], to[3], dense = exp(uniform(&r, log(1e-4), log(1)));
+        vxs_medium                 medium = {{dense, 0.5 * dense, 0}, {dense, dense, dense}, uniform(&r, -0.9, 0.9)};
+        vxs_volumes_light          l      = scene_light(light);
+        const vxs_light_constants *baked  = &vxs_gl_constants(s.shadows)[light];
+        vxs_light_constants        moved  = *baked;
+        for (int i = 0; i < 3; i++) {
+            eye[i] = uniform(&r, -30, 30);
+            to[i]  = uniform(&r, -30, 30);
+        }
+        /* a light without shadows, of any range and cone: what stands in its light can only take of it */
+        if (light != SCENE_SUN) moved.range_metres = rng_below(&r, 2) ? (float)uniform(&r, 1, 20) : 0;
+        if (light == SCENE_SPOT) moved.cos_outer = (float)cos(uniform(&r, 0.05, 1.5));
+        l.constants         = &moved;
+        volumes_camera    c = camera_at(eye, to, exp(uniform(&r, log(0.05), log(3))));
+        vxs_volumes_frame f = scene_frame(&s, &c, &medium, VXS_AIR_EVERYWHERE, 100, metres);
+        vxs_light_map    *map;
+        vxs_pixels        pixels;
+        assert_int_equal(vxs_light_map_create(&map, s.volumes, &(vxs_light_map_desc){.constants = &moved, .side_px = 8}), VXS_OK);
+        float least = (float)exp(uniform(&r, log(1e-5), log(1)));
+        for (int pass = 0; pass < 2; pass++) {
+            f.least = pass ? least : 0;
+            assert_int_equal(vxs_volumes_begin(s.volumes, &f), VXS_OK);
+            assert_int_equal(vxs_volumes_march(s.volumes, &l, map, 64, VXS_STEPS_ANGLE), VXS_OK);
+            scene_read(&s, pass ? some : all);
+        }
+        vxs_reach reach = vxs_volumes_reach(s.volumes, &l, &pixels);
+        counts[reach]++;
+        for (uint32_t p = 0; p < PIXELS; p++) {
+            int   inside = reach == VXS_REACH_SEEN && p % WIDE - pixels.x < pixels.wide_px && p / WIDE - pixels.y < pixels.high_px;
+            float most   = fmaxf(all[4 * p], fmaxf(all[4 * p + 1], all[4 * p + 2]));
+            if (!inside && most > least * 1.02F)
+                fail_msg("case %u, pixel %u: %g of %g is left out", n, p, (double)most, (double)least);
+            assert_memory_equal(some + 4 * p, inside ? all + 4 * p : (float[4]){0}, 4 * sizeof *some);
+            left_out += !inside;
+            dark += most <= least;
+        }
+        vxs_light_map_destroy(map);
+    }
+    assert_true(counts[VXS_REACH_SEEN] > 30 && counts[VXS_REACH_FAINT] > 3 && counts[VXS_REACH_BESIDE] > 10);
+    assert_true(left_out > dark / 2);
+    scene_close(&s);
+}
+
 static vxs_gl_function without(const char *name, void *user)
 {
     return strcmp(name, user) ? scene_function(name, NULL) : NULL;
@@ -530,7 +586,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_light_maps), cmocka_unit_test(test_marches), cmocka_unit_test(test_joined),
         cmocka_unit_test(test_composite),  cmocka_unit_test(test_state),   cmocka_unit_test(test_any_numbers),
-        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_reach),      cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }

@@ -1,0 +1,137 @@
+/* Which pixels of a frame a light's airlight can be seen in; see vxs_volumes.h.
+ *
+ * A lamp's airlight along a ray that passes it at a distance h is at most I scattering p exp(-extinction D) pi / h: light goes no shorter way than
+ * the D metres from the lamp to the eye, p is the greatest that the phase function has, and the square of the distance, all along the ray, leaves pi / h.
+ * So rays on which it is more than the least that counts pass a sphere about the lamp; those that it lights at all, one about its cone and range.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+
+#include "volumes_state.h"
+
+typedef struct sphere {
+    double middle[3], radius; /* from the eye; INFINITY: everything */
+} sphere;
+
+/* Rows by which a place from the eye becomes (u, v, 1) s, s > 0 before it. */
+typedef struct projection {
+    double u[3], v[3], s[3];
+} projection;
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double *a, const double *b, double *out)
+{
+    for (int n = 0; n < 3; n++) out[n] = a[(n + 1) % 3] * b[(n + 2) % 3] - a[(n + 2) % 3] * b[(n + 1) % 3];
+}
+
+/* The way to what is seen at (u, v) is a sum u a + v b + c: of columns of the matrix, less the eye's place. Its inverse has the rows.
+ * Returns 0 where it has none. */
+static int projection_of(const frame_block *f, projection *p)
+{
+    const float *m = f->point_from_depth;
+    double       column[4][3], a[3], b[3], c[3];
+    for (int k = 0; k < 4; k++)
+        for (int n = 0; n < 3; n++) column[k][n] = (double)m[4 * k + n] - (double)f->eye[n] * (double)m[4 * k + 3];
+    for (double depth = 0.125; depth < 1; depth += 0.25) { /* any that is a place before the eye */
+        double w = (double)m[3] * 0.5 + (double)m[7] * 0.5 + (double)m[11] * depth + (double)m[15], sign = w < 0 ? -1 : 1;
+        for (int n = 0; n < 3; n++) {
+            a[n] = sign * column[0][n];
+            b[n] = sign * column[1][n];
+            c[n] = sign * (column[3][n] + depth * column[2][n]);
+        }
+        cross(b, c, p->u);
+        cross(c, a, p->v);
+        cross(a, b, p->s);
+        double size = dot(a, p->u);
+        if (w == 0 || !(fabs(size) > 0) || !isfinite(size)) continue;
+        for (int n = 0; n < 3; n++) {
+            p->u[n] /= size;
+            p->v[n] /= size;
+            p->s[n] /= size;
+        }
+        return isfinite(dot(p->u, p->u) + dot(p->v, p->v) + dot(p->s, p->s));
+    }
+    return 0;
+}
+
+/* Whether a sphere is all on the far side of the plane in which row = at s. */
+static int is_beyond(const sphere *b, const double *row, const double *s, double at, double side)
+{
+    double normal[3];
+    for (int n = 0; n < 3; n++) normal[n] = side * (row[n] - at * s[n]);
+    return dot(normal, b->middle) < -b->radius * sqrt(dot(normal, normal));
+}
+
+/* Of so many pixels along an axis, those that may see a sphere.   range  [out] first, end */
+static void narrow(const sphere *b, const double *row, const double *s, uint32_t count, uint32_t range[2])
+{
+    if (!(b->radius < INFINITY)) return;
+    while (range[0] < range[1] && is_beyond(b, row, s, (double)(range[0] + 1) / count, -1)) range[0]++;
+    while (range[0] < range[1] && is_beyond(b, row, s, (double)(range[1] - 1) / count, 1)) range[1]--;
+}
+
+/* The least sphere about a spot light's cone, or about a lamp's range. */
+static sphere sphere_of_range(const frame_block *f)
+{
+    double range = (double)f->light.range_metres, cosine = fmin(fmax((double)f->light.cos_outer, 0), 1), along = 0;
+    sphere b = {{0}, range > 0 ? range : INFINITY};
+    if (f->light.kind != VXS_LIGHT_KIND_POINT && range > 0) {
+        int narrow_cone = cosine > sqrt(0.5);
+        along           = narrow_cone ? range / (2 * cosine) : range * cosine;
+        b.radius        = narrow_cone ? along : range * sqrt(1 - cosine * cosine);
+    }
+    b.radius *= 1 + 1e-5;
+    for (int n = 0; n < 3; n++) b.middle[n] = (double)f->place[n] + along * (double)f->axis[n] - (double)f->eye[n];
+    return b;
+}
+
+/* Where a lamp's airlight is more than `least` is within so many metres. */
+static double metres_of(const frame_block *f, double least, double distance)
+{
+    const double pi = 3.14159265358979324;
+    double       g = fabs((double)f->anisotropy), phase = (1 + g) / (4 * pi * (1 - g) * (1 - g)), most = 0;
+    for (int n = 0; n < 3; n++)
+        most = fmax(most, (double)f->colour[n] * (double)f->scattering[n] * exp(-(double)f->extinction[n] * distance));
+    return least > 0 ? pi * phase * most / least : INFINITY;
+}
+
+/* The sun's airlight, at most. */
+static double most_of_sun(const frame_block *f)
+{
+    const double pi = 3.14159265358979324;
+    double       g = fabs((double)f->anisotropy), phase = (1 + g) / (4 * pi * (1 - g) * (1 - g)), most = 0;
+    for (int n = 0; n < 3; n++) {
+        double dense = (double)f->extinction[n],
+               way   = dense > 0 ? -expm1(-dense * (double)f->far_metres) / dense : (double)f->far_metres;
+        most         = fmax(most, phase * (double)f->colour[n] * (double)f->scattering[n] * way);
+    }
+    return most;
+}
+
+vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
+{
+    const frame_block *f    = &v->frame;
+    uint32_t           wide = (uint32_t)f->wide_px, high = (uint32_t)f->high_px, across[2] = {0, wide}, up[2] = {0, high};
+    double             least = (double)v->least;
+    projection         p;
+    *pixels = (vxs_pixels){0, 0, wide, high};
+    if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return most_of_sun(f) > least || least == 0 ? VXS_REACH_SEEN : VXS_REACH_FAINT;
+    sphere lit = sphere_of_range(f), bright = {{0}, 0};
+    for (int n = 0; n < 3; n++) bright.middle[n] = (double)f->place[n] - (double)f->eye[n];
+    double distance = sqrt(dot(bright.middle, bright.middle));
+    bright.radius   = metres_of(f, least, distance);
+    if (bright.radius < (double)f->radius_metres) return VXS_REACH_FAINT;
+    if (bright.radius >= distance) bright.radius = INFINITY; /* on rays that lead away from it, too */
+    if (!projection_of(f, &p)) return VXS_REACH_SEEN;
+    const sphere *both[2] = {&lit, &bright};
+    for (int n = 0; n < 2; n++) {
+        narrow(both[n], p.u, p.s, wide, across);
+        narrow(both[n], p.v, p.s, high, up);
+        if (both[n]->radius < INFINITY && dot(p.s, both[n]->middle) < -both[n]->radius * sqrt(dot(p.s, p.s))) across[1] = across[0];
+    }
+    *pixels = (vxs_pixels){across[0], up[0], across[1] - across[0], up[1] - up[0]};
+    return pixels->wide_px && pixels->high_px ? VXS_REACH_SEEN : VXS_REACH_BESIDE;
+}
