@@ -124,7 +124,6 @@ vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
     double distance = sqrt(dot(bright.middle, bright.middle));
     bright.radius   = metres_of(f, least, distance);
     if (bright.radius < (double)f->radius_metres) return VXS_REACH_FAINT;
-    if (bright.radius >= distance) bright.radius = INFINITY; /* on rays that lead away from it, too */
     if (!projection_of(f, &p)) return VXS_REACH_SEEN;
     const sphere *both[2] = {&lit, &bright};
     for (int n = 0; n < 2; n++) {
