@@ -166,7 +166,7 @@ static inline double scene_trace(const volumes_scene *s, const double from[3], c
 }
 
 /* A frame of a camera: depths are NEAR_METRES over the distance along the camera's axis.
- * metres  [out] [height_px * width_px] as a shader has them; rays that meet nothing have far_metres */
+ * metres  [out] [height_px * width_px] as a shader has them; rays that meet nothing have far_metres. NULL: none of them does */
 static inline vxs_volumes_frame scene_frame(const volumes_scene *s, const volumes_camera *c, const vxs_medium *medium, double top,
                                             double far_metres, double *metres)
 {
@@ -192,9 +192,9 @@ static inline vxs_volumes_frame scene_frame(const volumes_scene *s, const volume
             double direction[3];
             size_t at = (size_t)y * s->width_px + x;
             camera_ray(s, c, x, y, direction);
-            double met = scene_trace(s, c->eye, direction);
+            double met = metres ? scene_trace(s, c->eye, direction) : INFINITY;
             depths[at] = met < INFINITY ? (float)(NEAR_METRES / (met * dot(direction, c->forward))) : EMPTY_DEPTH;
-            metres[at] = met < far_metres ? met : far_metres;
+            if (metres) metres[at] = met < far_metres ? met : far_metres;
         }
     s->gl->TextureSubImage2D(s->depths, 0, 0, 0, (GLsizei)s->width_px, (GLsizei)s->height_px, GL_RED, GL_FLOAT, depths);
     free(depths);
