@@ -12,7 +12,8 @@ import jsonschema
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SMALL = ("--resolution", 256, "--voxels", "all", "--runs", 2, "--points", 5000, "--width", 256)
+SIDE = 128
+SMALL = ("--resolution", SIDE, "--voxels", "all", "--runs", 2, "--points", 5000, "--width", 128)
 
 
 @pytest.fixture(scope="module")
@@ -79,15 +80,15 @@ def test_threads_make_the_same_files(rivals, city, measured, tmp_path):
 def test_no_voxel_is_wrong_and_filters_are_their_taps(measured):
     for r in measured[1]["rivals"]:
         check = r["check"]
-        assert check["voxels"] == 256**3 and check["filters"] >= 100 and check["wrong_filters"] == 0, r["name"]
+        assert check["voxels"] == SIDE**3 and check["filters"] >= 100 and check["wrong_filters"] == 0, r["name"]
         assert (check["smooth"], check["wrong_smooth"]) == (check["filters"] if is_smooth(r) else 0, 0), r["name"]
         wrong = check["wrong_lit"] + check["wrong_dark"]
-        assert wrong <= (1e-4 * 256**3 if r["rays"] else 0), r["name"]
+        assert wrong <= (1e-4 * SIDE**3 if r["rays"] else 0), r["name"]
 
 
 def test_vxs_is_what_a_bake_makes(vxs, city, measured, tmp_path):
     for coding, rival in (("dag", "DAG"), ("blocks", "palette blocks")):
-        vxs("bake", city, "-o", tmp_path / "city.vxs", "--resolution", 256, "--coding", coding, "--maps", "gl", "--baseline", "off", "--json",
+        vxs("bake", city, "-o", tmp_path / "city.vxs", "--resolution", SIDE, "--coding", coding, "--maps", "gl", "--baseline", "off", "--json",
             tmp_path / "bake.json")
         size = json.loads((tmp_path / "bake.json").read_text())["lights"][0]["size"]
         assert by_name(measured[1])[rival]["memory_bytes"] == size["memory_bytes"]
@@ -100,7 +101,7 @@ def test_rivals_differ_where_they_should(measured):
     assert memory["DAG"] <= memory["DAG, no culling"] < 1.01 * memory["DAG"]
     assert memory["DAG"] < memory["DAG, older mask rule"] and memory["DAG"] < memory["DAG, uncompressed"]
     assert memory["DAG, uncompressed"] < memory["DAG, uncompressed, no culling"]
-    assert memory["16-bit depth map"] == found["16-bit depth map"]["file_bytes"] == 2 * 256**2
+    assert memory["16-bit depth map"] == found["16-bit depth map"]["file_bytes"] == 2 * SIDE**2
     for shader, asked in (("DAG, GLSL", "DAG"), ("palette blocks, GLSL", "palette blocks"),
                           ("palette blocks, GLSL, clamped", "palette blocks"), ("16-bit texture, GLSL", "16-bit depth map")):
         assert (memory[shader], found[shader]["file_bytes"]) == (memory[asked], found[asked]["file_bytes"])
