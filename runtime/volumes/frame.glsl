@@ -14,6 +14,7 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     vec4                knobs;          /* of the technique */
     uvec4               map;            /* of the light's map: side in texels, layers; and what is done now: first, end */
     uvec4               pixels;         /* that are drawn: the first, and how many across and up */
+    uvec4               counts;         /* of the technique */
 } vxs_frame;
 
 layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;

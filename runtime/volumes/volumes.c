@@ -8,7 +8,7 @@
 #include "vxs_air_path.h"
 #include "vxs_memory.h"
 
-enum { FIRST_UNIT = 8 };
+enum { FIRST_UNIT = 8, FIRST_STORAGE = 6 };
 
 void *vxs_volumes_take(const vxs_volumes *v, size_t size)
 {
@@ -77,13 +77,14 @@ vxs_result vxs_volumes_create(vxs_volumes **out, const vxs_volumes_desc *desc)
     vxs_allocator memory = vxs_allocator_of(&(vxs_read_desc){.allocator = known.allocator});
     vxs_volumes  *v      = memory.alloc(sizeof *v, memory.user);
     if (!v) return VXS_E_MEMORY;
-    *v     = (vxs_volumes){.memory     = memory,
-                           .log        = known.log,
-                           .user       = known.user,
-                           .shadows    = known.shadows,
-                           .width_px   = known.width_px,
-                           .height_px  = known.height_px,
-                           .first_unit = known.first_unit ? known.first_unit : FIRST_UNIT};
+    *v     = (vxs_volumes){.memory        = memory,
+                           .log           = known.log,
+                           .user          = known.user,
+                           .shadows       = known.shadows,
+                           .width_px      = known.width_px,
+                           .height_px     = known.height_px,
+                           .first_unit    = known.first_unit ? known.first_unit : FIRST_UNIT,
+                           .first_storage = known.first_storage ? known.first_storage : FIRST_STORAGE};
     result = make(v, &known);
     if (result == VXS_OK)
         *out = v;

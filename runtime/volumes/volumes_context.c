@@ -32,6 +32,15 @@ static void bind_unit(const vxs_volumes *v, int unit, gl_name texture, volumes_k
     v->api.BindSampler(v->first_unit + (gl_name)unit, 0);
 }
 
+/* A part of a buffer, or, where that is 0, all of it. */
+static void bind_as_it_was(const vxs_volumes *v, gl_enum target, gl_name binding, int buffer, int64_t start, int64_t size)
+{
+    if (buffer && size)
+        v->api.BindBufferRange(target, binding, (gl_name)buffer, (gl_bytes)start, (gl_bytes)size);
+    else
+        v->api.BindBufferBase(target, binding, (gl_name)buffer);
+}
+
 volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, gl_enum format)
 {
     const volumes_api *api = &v->api;
@@ -60,15 +69,12 @@ volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map,
 void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept)
 {
     const volumes_api *api = &v->api;
-    api->MemoryBarrier(GL_BARRIER_TEXTURE_FETCH | GL_BARRIER_IMAGE | GL_BARRIER_FRAMEBUFFER);
+    api->MemoryBarrier(GL_BARRIER_TEXTURE_FETCH | GL_BARRIER_IMAGE | GL_BARRIER_FRAMEBUFFER | GL_BARRIER_SHADER_STORAGE |
+                       GL_BARRIER_BUFFER_UPDATE);
     api->UseProgram((gl_name)kept->program);
     const int *i = kept->image;
     api->BindImageTexture(IMAGE_BINDING, (gl_name)i[0], i[1], (unsigned char)(i[2] != 0), i[3], (gl_enum)i[4], (gl_enum)i[5]);
-    if (kept->frame && kept->frame_size)
-        api->BindBufferRange(GL_TARGET_UNIFORM_BUFFER, FRAME_BINDING, (gl_name)kept->frame, (gl_bytes)kept->frame_start,
-                             (gl_bytes)kept->frame_size);
-    else
-        api->BindBufferBase(GL_TARGET_UNIFORM_BUFFER, FRAME_BINDING, (gl_name)kept->frame);
+    bind_as_it_was(v, GL_TARGET_UNIFORM_BUFFER, FRAME_BINDING, kept->frame, kept->frame_start, kept->frame_size);
     api->BindBuffer(GL_TARGET_UNIFORM_BUFFER, (gl_name)kept->buffer);
     for (int unit = 0; unit < UNITS; unit++) {
         api->ActiveTexture(GL_UNIT_0 + v->first_unit + (gl_enum)unit);
@@ -76,6 +82,39 @@ void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept)
         api->BindSampler(v->first_unit + (gl_name)unit, (gl_name)kept->samplers[unit]);
     }
     api->ActiveTexture((gl_enum)kept->active);
+}
+
+void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
+                     uint32_t groups_down)
+{
+    volumes_kept kept = vxs_volumes_use(v, program, map, image, GL_FORMAT_RGBA32F);
+    v->api.DispatchCompute(groups_across, groups_down, 1);
+    vxs_volumes_put_back(v, &kept);
+}
+
+storage_kept vxs_volumes_keep_storage(const vxs_volumes *v)
+{
+    storage_kept kept;
+    v->api.GetIntegerv(GL_IS_STORAGE_BUFFER, &kept.buffer);
+    for (gl_name n = 0; n < STORAGES; n++) {
+        v->api.GetIntegeri_v(GL_IS_STORAGE_BUFFER, v->first_storage + n, &kept.buffers[n]);
+        v->api.GetInteger64i_v(GL_IS_STORAGE_BUFFER_START, v->first_storage + n, &kept.starts[n]);
+        v->api.GetInteger64i_v(GL_IS_STORAGE_BUFFER_SIZE, v->first_storage + n, &kept.sizes[n]);
+    }
+    return kept;
+}
+
+void vxs_volumes_use_storage(const vxs_volumes *v, gl_name first, gl_name second)
+{
+    v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage, first);
+    v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 1, second);
+}
+
+void vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_kept *kept)
+{
+    for (gl_name n = 0; n < STORAGES; n++)
+        bind_as_it_was(v, GL_TARGET_STORAGE_BUFFER, v->first_storage + n, kept->buffers[n], kept->starts[n], kept->sizes[n]);
+    v->api.BindBuffer(GL_TARGET_STORAGE_BUFFER, (gl_name)kept->buffer);
 }
 
 /* drawing -------------------------------------------------------------------------------------------------------------------------- */

@@ -27,6 +27,9 @@ enum {
     GL_IS_UNIFORM_BUFFER        = 0x8A28,
     GL_IS_UNIFORM_BUFFER_START  = 0x8A29,
     GL_IS_UNIFORM_BUFFER_SIZE   = 0x8A2A,
+    GL_IS_STORAGE_BUFFER        = 0x90D3,
+    GL_IS_STORAGE_BUFFER_START  = 0x90D4,
+    GL_IS_STORAGE_BUFFER_SIZE   = 0x90D5,
     GL_IS_IMAGE_NAME            = 0x8F3A,
     GL_IS_IMAGE_LEVEL           = 0x8F3B,
     GL_IS_IMAGE_LAYERED         = 0x8F3C,
@@ -58,6 +61,7 @@ enum {
     GL_FACES_FRONT_AND_BACK     = 0x0408,
     GL_POLYGON_FILL             = 0x1B02,
     GL_BARRIER_TEXTURE_FETCH    = 0x0008,
+    GL_BARRIER_BUFFER_UPDATE    = 0x0200,
     GL_BARRIER_IMAGE            = 0x0020,
     GL_BARRIER_FRAMEBUFFER      = 0x0400,
     GL_MOST_ARRAY_LAYERS        = 0x88FF,
@@ -98,6 +102,8 @@ enum {
     X(void, DeleteBuffers, (int, const gl_name *))                                                                       \
     X(void, NamedBufferStorage, (gl_name, gl_bytes, const void *, gl_enum))                                              \
     X(void, NamedBufferSubData, (gl_name, gl_bytes, gl_bytes, const void *))                                             \
+    X(void, ClearNamedBufferSubData, (gl_name, gl_enum, gl_bytes, gl_bytes, gl_enum, gl_enum, const void *))             \
+    X(void, CopyNamedBufferSubData, (gl_name, gl_name, gl_bytes, gl_bytes, gl_bytes))                                    \
     X(void, BindBuffer, (gl_enum, gl_name))                                                                              \
     X(void, BindBufferBase, (gl_enum, gl_name, gl_name))                                                                 \
     X(void, BindBufferRange, (gl_enum, gl_name, gl_name, gl_bytes, gl_bytes))                                            \

@@ -21,10 +21,11 @@ typedef struct frame_block {
     float               knobs[4];
     uint32_t            map_side_px, map_layers, first, end;
     vxs_pixels          pixels;
+    uint32_t            counts[4];
 } frame_block;
 
 /* Places in the context, from those of the caller on. */
-enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0 };
+enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 2 };
 
 typedef enum volumes_program {
     PROGRAM_MAP_FILL,
@@ -41,7 +42,7 @@ struct vxs_volumes {
     void (*log)(const char *text, void *user);
     void       *user;
     vxs_gl     *shadows;
-    uint32_t    width_px, height_px, first_unit;
+    uint32_t    width_px, height_px, first_unit, first_storage;
     gl_name     airlight, frame_buffer, vertex_array;
     gl_name     programs[VOLUMES_PROGRAMS];
     frame_block frame;
@@ -70,6 +71,9 @@ gl_name vxs_volumes_raster(const vxs_volumes *v, const char *names, const char *
 /* A texture of one level, not filtered.   layers  0: GL_TEXTURE_2D;   Returns 0 where there is no room. */
 gl_name vxs_volumes_texture(const vxs_volumes *v, gl_enum format, uint32_t wide, uint32_t high, uint32_t layers);
 
+/* A storage buffer.   Returns 0 where there is no room. */
+gl_name vxs_volumes_buffer(const vxs_volumes *v, uint64_t size_bytes);
+
 void vxs_volumes_forget_error(const vxs_volumes *v);
 
 /* What a technique changes of the context beside words and lights, as it was. */
@@ -86,6 +90,20 @@ volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map,
 
 /* Behind it. */
 void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept);
+
+/* A dispatch between these two; map, image (RGBA32F) as above. */
+void vxs_volumes_run(const vxs_volumes *v, gl_name program, gl_name map, gl_name image, uint32_t groups_across,
+                     uint32_t groups_down);
+
+/* Storage buffers of a technique, from the binding on that the caller gave; as they were. */
+typedef struct storage_kept {
+    int     buffer, buffers[STORAGES];
+    int64_t starts[STORAGES], sizes[STORAGES];
+} storage_kept;
+
+storage_kept vxs_volumes_keep_storage(const vxs_volumes *v);
+void         vxs_volumes_use_storage(const vxs_volumes *v, gl_name first, gl_name second);
+void         vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_kept *kept);
 
 /* What drawing changes beside that. */
 typedef struct raster_kept {
@@ -112,6 +130,8 @@ const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map);
 /* The texts of shaders (made by the Makefile from the files of these names). */
 extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],
     vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
-    vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_vxs_air_h[], vxs_volumes_text_vxs_air_path_h[];
+    vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_vxs_air_h[], vxs_volumes_text_vxs_air_path_h[],
+    vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[],
+    vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_or_scan_glsl[];
 
 #endif

@@ -45,10 +45,16 @@ VXS_FN vxs_i32 vxs_grid_words(VXS_GRID_SIZE size)
     return 4 * ((VXS_FIELD(size, bits) + 127) >> 7) * VXS_FIELD(size, rows) * VXS_FIELD(size, columns);
 }
 
-/* The middle of voxel n of `count` that a range has. */
+/* Where so many of `count` voxels of a range end. */
+VXS_FN vxs_real vxs_grid_place(const vxs_real2 range, vxs_real voxels, vxs_i32 count)
+{
+    return range[0] + (range[1] - range[0]) * (voxels / VXS_REAL(count));
+}
+
+/* The middle of one. */
 VXS_FN vxs_real vxs_grid_middle(const vxs_real2 range, vxs_i32 n, vxs_i32 count)
 {
-    return range[0] + (range[1] - range[0]) * ((VXS_REAL(n) + 0.5) / VXS_REAL(count));
+    return vxs_grid_place(range, VXS_REAL(n) + 0.5, count);
 }
 
 /* How many voxels of a range lie before a place. */
@@ -80,28 +86,39 @@ VXS_FN vxs_i32 vxs_grid_word_of(VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row,
     return 4 * texel + ((bit & 127) >> 5);
 }
 
-/* How many of the bits [first, end) of an eye ray are in shadow. */
-VXS_FN vxs_i32 vxs_grid_shadow_count(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 first,
-                                     vxs_i32 end)
+/* Which part of the bits [first, end) of an eye ray is lit, [0, 1]. */
+VXS_FN vxs_real vxs_grid_lit_part(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 first, vxs_i32 end)
 {
-    vxs_i32 count = 0;
+    vxs_u32 dark = 0u;
     for (vxs_i32 bit = first; bit < end; bit = (bit | 31) + 1) {
         vxs_u32 mask = 0xffffffffu << (bit & 31);
         if (end <= (bit | 31)) mask &= ~(0xffffffffu << (end & 31));
-        count += VXS_I(vxs_popcount(vxs_grid_word(words, vxs_grid_word_of(size, column, row, bit)) & mask));
+        dark += vxs_popcount(vxs_grid_word(words, vxs_grid_word_of(size, column, row, bit)) & mask);
     }
-    return count;
+    return 1.0 - VXS_REAL(dark) / VXS_REAL(end - first);
 }
 
-VXS_FN void vxs_grid_add(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vxs_real end, vxs_real share,
-                         VXS_INOUT vxs_real3 sum)
+/* The middle of an eye ray's column, as a ray: where the voxels are that stand for it. */
+VXS_FN vxs_epipolar_ray vxs_grid_column_ray(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_i32 column)
 {
-    vxs_real3 found;
-    vxs_air_lit(medium, path, begin, end, found);
-    for (vxs_i32 n = 0; n < 3; n++) sum[n] += share * found[n];
+    vxs_epipolar_ray ray;
+    vxs_real2        turned;
+    ray.alpha = vxs_grid_middle(VXS_FIELD(space, alpha), column, VXS_FIELD(size, columns));
+    ray.theta = VXS_REAL(0.0);
+    vxs_epipolar_turn(ray.alpha, turned);
+    ray.sine   = turned[0];
+    ray.cosine = turned[1];
+    return ray;
 }
 
-/* Airlight of an eye ray's path, whose bits are taken in runs: each is as lit as its bits are in the mean, and what is all lit is one part.
+/* How many bits of an eye ray lie before a place on it. */
+VXS_FN vxs_real vxs_grid_bits_before(VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_EPIPOLAR_RAY ray, vxs_real metres)
+{
+    return vxs_grid_before(VXS_FIELD(space, phi), vxs_epipolar_phi_at(space, ray, metres), VXS_FIELD(size, bits));
+}
+
+/* Airlight of an eye ray's path, whose bits are taken in runs: each is as lit as its bits are in the mean, and counts as much as its middle
+ * scatters. All of it lit is what vxs_air_lit says.
  * A bit whose middle is not on the path does not count; beyond the last that is, nothing changes. Two kinds of rays are shorter than a bit, or
  * nearly: those away from the light see all that the eye does; those toward a lamp, of which one column has all, end before it, in the dark,
  * or behind it, all lit.
@@ -112,56 +129,54 @@ VXS_FN void vxs_grid_add(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, v
 VXS_FN void vxs_grid_airlight(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
                               const vxs_real3 direction, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit, VXS_OUT vxs_real3 airlight)
 {
-    vxs_epipolar_ray ray   = vxs_epipolar_eye(space, direction), middle;
     vxs_real         begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), away = VXS_FIELD(space, away);
     vxs_i32          columns = VXS_FIELD(size, columns), rows = VXS_FIELD(size, rows), bits = VXS_FIELD(size, bits);
-    vxs_real         at     = vxs_grid_before(VXS_FIELD(space, alpha), ray.alpha, columns);
-    vxs_i32          column = vxs_grid_voxel(at, columns);
+    vxs_epipolar_ray ray    = vxs_epipolar_eye(space, direction);
+    vxs_real         across = vxs_grid_before(VXS_FIELD(space, alpha), ray.alpha, columns);
+    vxs_i32          column = vxs_grid_voxel(across, columns);
     vxs_i32          row    = vxs_grid_voxel(vxs_grid_before(VXS_FIELD(space, theta), ray.theta, rows), rows);
-    vxs_real2        turned;
-    middle.alpha = vxs_grid_middle(VXS_FIELD(space, alpha), column, columns);
-    middle.theta = ray.theta;
-    vxs_epipolar_turn(middle.alpha, turned);
-    middle.sine    = turned[0];
-    middle.cosine  = turned[1];
-    vxs_real from  = vxs_grid_before(VXS_FIELD(space, phi), vxs_epipolar_phi_at(space, VXS_REF(middle), begin), bits);
-    vxs_real to    = vxs_grid_before(VXS_FIELD(space, phi), vxs_epipolar_phi_at(space, VXS_REF(middle), end), bits);
-    vxs_i32  first = from > 0.5 ? vxs_grid_voxel(ceil(from - 0.5), bits) : 0, last = vxs_grid_voxel(to - 0.5, bits);
+    vxs_epipolar_ray middle = vxs_grid_column_ray(space, size, column);
+    vxs_real         from   = vxs_grid_bits_before(space, size, VXS_REF(middle), begin);
+    vxs_real         to     = vxs_grid_bits_before(space, size, VXS_REF(middle), end);
+    vxs_i32          first = from > 0.5 ? vxs_grid_voxel(ceil(from - 0.5), bits) : 0, last = vxs_grid_voxel(to - 0.5, bits);
+    vxs_i32          count = last > first ? last + 1 - first : 1, parts = runs < count ? runs : count;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     if (!(end > begin)) return;
-    vxs_i32 lit = -1; /* all of it; -1: bits say */
+
+    vxs_real3 all, lit, now;
+    vxs_real  same = VXS_REAL(-1.0); /* 0, 1: of all of it */
     if (eye_lit > 1)
-        lit = 1;
-    else if (away > 0.0 && ray.cosine > 0.0 && VXS_FIELD(space, alpha)[0] == 0.0 && at < 1.0)
-        lit = metres >= away ? 1 : 0;
+        same = VXS_REAL(1.0);
+    else if (away > 0.0 && ray.cosine > 0.0 && VXS_FIELD(space, alpha)[0] == 0.0 && across < 1.0)
+        same = VXS_REAL(metres >= away ? 1.0 : 0.0);
     else if (to < 0.5 && VXS_FIELD(space, phi)[0] == 0.0)
-        lit = eye_lit;
-    if (lit >= 0) {
-        if (lit > 0) vxs_air_lit(medium, path, begin, end, airlight);
-        return;
-    }
-    if (last < first) last = first;
-    vxs_i32  count = last + 1 - first, parts = runs < count ? runs : count;
-    vxs_real lit_from = begin, x = begin;
+        same = VXS_REAL(eye_lit);
+    for (vxs_i32 i = 0; i < 3; i++) all[i] = lit[i] = VXS_REAL(0.0);
+    if (same >= 0.0) parts = 0;
+
+    vxs_real bit    = vxs_grid_bits_before(space, size, VXS_REF(ray), begin),
+             behind = vxs_grid_bits_before(space, size, VXS_REF(ray), end);
     for (vxs_i32 n = 0; n < parts; n++) {
-        vxs_i32  a = first + count * n / parts, b = first + count * (n + 1) / parts;
-        vxs_i32  dark = vxs_grid_shadow_count(words, size, column, row, a, b);
-        vxs_real next = end;
-        if (n + 1 < parts) {
-            vxs_real phi =
-                VXS_FIELD(space, phi)[0] + (VXS_FIELD(space, phi)[1] - VXS_FIELD(space, phi)[0]) * (VXS_REAL(b) / VXS_REAL(bits));
-            vxs_epipolar_turn_of(space, phi, turned);
-            next = vxs_epipolar_distance(space, VXS_REF(ray), turned, end);
-            next = next > x ? next : x;
+        vxs_i32   a = first + count * n / parts, b = first + count * (n + 1) / parts;
+        vxs_real  part = vxs_grid_lit_part(words, size, column, row, a, b), next = n + 1 < parts ? VXS_REAL(b) : behind;
+        vxs_real2 turned;
+        next = next > bit ? next : bit;
+        vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
+        vxs_real x = vxs_epipolar_distance(space, VXS_REF(ray), turned, end), weight = next - bit;
+        x = x > begin ? x : begin;
+        if (away > 0.0) { /* a bit is as long as the lamp's square distance */
+            vxs_real y = x - VXS_FIELD(path, passed).along, h = VXS_FIELD(path, passed).beside;
+            weight *= h * h + y * y;
         }
-        if (dark > 0) {
-            if (x > lit_from) vxs_grid_add(medium, path, lit_from, x, VXS_REAL(1.0), airlight);
-            if (dark < b - a) vxs_grid_add(medium, path, x, next, 1.0 - VXS_REAL(dark) / VXS_REAL(b - a), airlight);
-            lit_from = next;
+        vxs_air_at(medium, path, x, now);
+        for (vxs_i32 i = 0; i < 3; i++) {
+            all[i] += weight * now[i];
+            lit[i] += part * (weight * now[i]);
         }
-        x = next;
+        bit = next;
     }
-    if (x > lit_from) vxs_grid_add(medium, path, lit_from, x, VXS_REAL(1.0), airlight);
+    vxs_air_lit(medium, path, begin, end, airlight);
+    for (vxs_i32 i = 0; i < 3; i++) airlight[i] *= same >= 0.0 ? same : all[i] > 0.0 ? lit[i] / all[i] : VXS_REAL(0.0);
 }
 
 #endif

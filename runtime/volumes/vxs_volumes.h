@@ -28,8 +28,9 @@
 extern "C" {
 #endif
 
-typedef struct vxs_volumes   vxs_volumes;
-typedef struct vxs_light_map vxs_light_map;
+typedef struct vxs_volumes     vxs_volumes;
+typedef struct vxs_light_map   vxs_light_map;
+typedef struct vxs_shadow_grid vxs_shadow_grid;
 
 /* What is not named is 0, and means the default. It grows at its end only. */
 typedef struct vxs_volumes_desc {
@@ -41,6 +42,8 @@ typedef struct vxs_volumes_desc {
     uint32_t             width_px, height_px;  /* of the largest view, > 0 */
     uint32_t             first_unit;           /* texture units from here on are used, and put back; 0: 8 */
     void (*log)(const char *text, void *user); /* told what the compiler says of a shader that does not compile; NULL */
+    uint32_t
+        first_storage; /* bindings of storage buffers, this and the next, are used, and put back; they are not those of vxs_gl. 0: 6 */
 } vxs_volumes_desc;
 
 /* volumes  [out] NULL on failure
@@ -158,6 +161,33 @@ typedef enum vxs_steps {
  * steps  1 to 65536 */
 vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,
                              vxs_steps which);
+
+/* voxelized shadow volumes -------------------------------------------------------------------------------------------------------- */
+
+/* What is not named is 0, and means the default. */
+typedef struct vxs_shadow_grid_desc {
+    uint32_t columns; /* of angles at the eye; 0: 512 */
+    uint32_t rows;    /* of angles about the way to the light; 0: 2048 */
+    uint32_t bits;    /* of angles at a lamp, or distances from the way to the sun; 0: 512. Memory is of whole 128s */
+    uint32_t
+        scan_in_passes; /* 1: of all of it, from one buffer to another, which takes as much memory again; 0: in one dispatch, in shared memory */
+} vxs_shadow_grid_desc;
+
+/* A grid of bits, columns * rows * bits / 8 bytes in a storage buffer, made again for each light of each frame: any number of lights may use one.
+ * Returns VXS_OK; VXS_E_ARGUMENT for more than 16384 along a side; VXS_E_GL for more than a storage buffer of the context holds; VXS_E_MEMORY. */
+vxs_result vxs_shadow_grid_create(vxs_shadow_grid **grid, vxs_volumes *volumes, const vxs_shadow_grid_desc *desc);
+void       vxs_shadow_grid_destroy(vxs_shadow_grid *grid);
+
+/* The buffer: 128 bytes, and words as in vxs_shadow_grid.h. Valid until vxs_shadow_grid_destroy. */
+unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid);
+
+/* Add a light's airlight by a grid: of each light ray where shadow begins on it, a bit for each place of an eye ray ([VSV11]).
+ * map   of the light; NULL: the asset is asked for each light ray, and no map is needed
+ * runs  how many parts of an eye ray are each as lit as their bits are in the mean; 0: 16, or 32 where the anisotropy is 0.7 and more, or a cone has a
+ *       sharp rim; 16384 at most
+ * Behind the end of a sun's map that is bounded, what was in shadow is taken to stay so. */
+vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+                            uint32_t runs);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,57 @@
+/* See or_scan.h.
+ * SPDX-License-Identifier: MIT */
+#include "or_scan.h"
+
+enum { PASS_GROUP = 256, GROUPS_ACROSS = 32768 };
+
+vxs_result vxs_or_scan_create(or_scan *scan, vxs_volumes *v, uint64_t size_bytes)
+{
+    *scan         = (or_scan){.volumes = v};
+    scan->program = vxs_volumes_compute(v, size_bytes ? "#define VXS_SCAN_STEPS\n" : "", vxs_volumes_text_or_scan_glsl);
+    if (scan->program && size_bytes) scan->other = vxs_volumes_buffer(v, size_bytes);
+    if (scan->program && (scan->other || !size_bytes)) return VXS_OK;
+    vxs_result result = scan->program ? VXS_E_MEMORY : VXS_E_GL;
+    vxs_or_scan_destroy(scan);
+    return result;
+}
+
+void vxs_or_scan_destroy(or_scan *scan)
+{
+    if (scan->program) scan->volumes->api.DeleteProgram(scan->program);
+    if (scan->other) scan->volumes->api.DeleteBuffers(1, &scan->other);
+    *scan = (or_scan){0};
+}
+
+static void dispatch(const or_scan *scan, uint32_t groups, uint32_t length, uint32_t segments, uint32_t first, uint32_t step)
+{
+    vxs_volumes   *v         = scan->volumes;
+    const uint32_t counts[4] = {length, segments, first, step}, across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
+    for (int n = 0; n < 4; n++) v->frame.counts[n] = counts[n];
+    vxs_volumes_run(v, scan->program, 0, 0, across, (groups + across - 1) / across);
+}
+
+/* From one buffer to the other and back; a last copy where their number is odd. */
+static void in_passes(const or_scan *scan, gl_name texels, uint32_t first, uint32_t length, uint32_t segments)
+{
+    const vxs_volumes *v    = scan->volumes;
+    gl_name            from = texels, to = scan->other;
+    gl_bytes           start = (gl_bytes)first * 16, size = (gl_bytes)length * segments * 16;
+    for (uint32_t step = 1; step < length; step *= 2) {
+        vxs_volumes_use_storage(v, from, to);
+        dispatch(scan, (length * segments + PASS_GROUP - 1) / PASS_GROUP, length, segments, first, step);
+        from = to;
+        to   = from == texels ? scan->other : texels;
+    }
+    if (from != texels) v->api.CopyNamedBufferSubData(from, texels, start, start, size);
+}
+
+void vxs_or_scan_run(const or_scan *scan, gl_name texels, uint32_t first, uint32_t length, uint32_t segments)
+{
+    if (!length || !segments) return;
+    if (scan->other) {
+        in_passes(scan, texels, first, length, segments);
+        return;
+    }
+    vxs_volumes_use_storage(scan->volumes, texels, 0);
+    dispatch(scan, segments, length, segments, first, 0);
+}

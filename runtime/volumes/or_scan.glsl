@@ -1,0 +1,47 @@
+/* An inclusive scan by OR along segments of texels of 128 bits: each becomes all of its segment up to it. counts: texels in a segment, segments, the
+ * first texel, and a step. */
+#ifdef VXS_SCAN_STEPS
+/* One step of log2 that a segment needs: what a texel is after it covers twice as many. */
+layout(local_size_x = 256) in;
+layout(std430, binding = VXS_AT_GRID) readonly buffer vxs_scan_from { uvec4 scanned_before[]; };
+layout(std430, binding = VXS_AT_GRID + 1) writeonly buffer vxs_scan_to { uvec4 scanned[]; };
+
+void main()
+{
+    uvec4 counts = vxs_frame.counts;
+    uint  group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, n = group * 256u + gl_LocalInvocationID.x;
+    if (n >= counts.x * counts.y) return;
+    uvec4 bits = scanned_before[counts.z + n];
+    if (n % counts.x >= counts.w) bits |= scanned_before[counts.z + n - counts.w];
+    scanned[counts.z + n] = bits;
+}
+#else
+/* A workgroup for each segment: each invocation joins texels that lie side by side, what it has is scanned in shared memory, and all before it is
+ * joined to each of its own. */
+layout(local_size_x = 128) in;
+layout(std430, binding = VXS_AT_GRID) buffer vxs_scan_in_place { uvec4 scanned[]; };
+shared uvec4 parts[2][128];
+
+void main()
+{
+    uvec4 counts = vxs_frame.counts, bits = uvec4(0u);
+    uint  segment = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, at = gl_LocalInvocationID.x, which = 0u;
+    if (segment >= counts.y) return;
+    uint each = (counts.x + 127u) / 128u, start = counts.z + segment * counts.x;
+    uint begin = start + min(at * each, counts.x), end = start + min((at + 1u) * each, counts.x);
+    for (uint n = begin; n < end; n++) bits |= scanned[n];
+    parts[0][at] = bits;
+    barrier();
+    for (uint step = 1u; step < 128u; step *= 2u) {
+        if (at >= step) bits |= parts[which][at - step];
+        which = 1u - which;
+        parts[which][at] = bits;
+        barrier();
+    }
+    bits = at > 0u ? parts[which][at - 1u] : uvec4(0u);
+    for (uint n = begin; n < end; n++) {
+        bits |= scanned[n];
+        scanned[n] = bits;
+    }
+}
+#endif

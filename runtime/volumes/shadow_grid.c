@@ -1,0 +1,197 @@
+/* Voxelized shadow volumes; see vxs_volumes.h. The grid is one storage buffer: a head (grid.glsl), and words as vxs_shadow_grid.h has them. For each light
+ * of each frame it is cleared, filled with a bit for each light ray, scanned along alpha, and looked up.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <string.h>
+
+#include "or_scan.h"
+#include "vxs_shadow_grid.h"
+
+enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS_SHARP = 32 };
+
+/* As grid.glsl has it (std430); words follow. */
+typedef struct grid_head {
+    float   axis[3], away;
+    float   ahead[4], side[4];
+    float   alpha[2], theta[2];
+    float   phi[4];
+    int32_t columns, rows, bits, runs;
+    int32_t eye_lit, reserved[7];
+} grid_head;
+_Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
+enum { HEAD_TEXELS = sizeof(grid_head) / 16 };
+
+struct vxs_shadow_grid {
+    vxs_volumes  *volumes;
+    vxs_grid_size size;
+    gl_name       buffer;
+    gl_name       fill_map, fill_asset, look_up; /* programs */
+    or_scan       scan;
+};
+
+static uint64_t bytes_of(const vxs_grid_size *size)
+{
+    uint64_t layers = ((uint64_t)size->bits + 127) / 128;
+    return sizeof(grid_head) + 16 * layers * (uint64_t)size->columns * (uint64_t)size->rows;
+}
+
+static vxs_result make(vxs_shadow_grid *grid, int in_passes)
+{
+    vxs_volumes *v      = grid->volumes;
+    vxs_result   result = vxs_or_scan_create(&grid->scan, v, in_passes ? bytes_of(&grid->size) : 0);
+    if (result != VXS_OK) return result;
+    grid->fill_map   = vxs_volumes_compute(v, "#define VXS_USES_GRID\n", vxs_volumes_text_grid_fill_glsl);
+    grid->fill_asset = vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n", vxs_volumes_text_grid_fill_glsl);
+    grid->look_up =
+        vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_GRID_ACCESS readonly\n", vxs_volumes_text_grid_light_glsl);
+    if (!grid->fill_map || !grid->fill_asset || !grid->look_up) return VXS_E_GL;
+    grid->buffer = vxs_volumes_buffer(v, bytes_of(&grid->size));
+    return grid->buffer ? VXS_OK : VXS_E_MEMORY;
+}
+
+vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const vxs_shadow_grid_desc *desc)
+{
+    vxs_grid_size size = {desc->columns ? (int)desc->columns : COLUMNS, desc->rows ? (int)desc->rows : ROWS,
+                          desc->bits ? (int)desc->bits : BITS};
+    int most = 0;
+    *out     = NULL;
+    if (desc->columns > SIDE_MAX || desc->rows > SIDE_MAX || desc->bits > SIDE_MAX) return VXS_E_ARGUMENT;
+    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
+    if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
+    vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
+    if (!grid) return VXS_E_MEMORY;
+    *grid             = (vxs_shadow_grid){.volumes = v, .size = size};
+    vxs_result result = make(grid, desc->scan_in_passes != 0);
+    if (result != VXS_OK) {
+        vxs_shadow_grid_destroy(grid);
+        return result;
+    }
+    *out = grid;
+    return VXS_OK;
+}
+
+void vxs_shadow_grid_destroy(vxs_shadow_grid *grid)
+{
+    if (!grid) return;
+    const vxs_volumes *v = grid->volumes;
+    if (grid->buffer) v->api.DeleteBuffers(1, &grid->buffer);
+    const gl_name programs[] = {grid->fill_map, grid->fill_asset, grid->look_up};
+    for (int n = 0; n < 3; n++)
+        if (programs[n]) v->api.DeleteProgram(programs[n]);
+    vxs_or_scan_destroy(&grid->scan);
+    vxs_volumes_give_back(v, grid, sizeof *grid);
+}
+
+unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid)
+{
+    return grid->buffer;
+}
+
+/* The way from the eye to what a depth shows at a place of the image; 0 where that is no place. */
+static int way_to(const frame_block *f, double x, double y, double depth, double way[3])
+{
+    const float *m = f->point_from_depth;
+    double       point[4], square = 0;
+    for (int n = 0; n < 4; n++) point[n] = (double)m[n] * x + (double)m[4 + n] * y + (double)m[8 + n] * depth + (double)m[12 + n];
+    for (int n = 0; n < 3; n++) {
+        way[n] = point[n] / point[3] - (double)f->eye[n];
+        square += way[n] * way[n];
+    }
+    return square > 0 && square < (double)VXS_VIEW_METRES * (double)VXS_VIEW_METRES;
+}
+
+/* The corners of the pixels that are drawn, by the first depth at which each is a place. */
+static vxs_epipolar_view view_of(const frame_block *f)
+{
+    vxs_epipolar_view view = {.far_metres = (double)f->far_metres};
+    const vxs_pixels *p    = &f->pixels;
+    double            u[2] = {p->x / (double)f->wide_px, (p->x + p->wide_px) / (double)f->wide_px};
+    double            v[2] = {p->y / (double)f->high_px, (p->y + p->high_px) / (double)f->high_px};
+    for (int n = 0; n < 4; n++)
+        for (double depth = 0.5; depth < 1; depth += 0.125)
+            if (way_to(f, u[n == 1 || n == 2], v[n >= 2], depth, view.corners[n])) break;
+    return view;
+}
+
+static vxs_epipolar space_of(const frame_block *f)
+{
+    int               is_sun = f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    double            to_light[3], axis[3];
+    vxs_epipolar_view view = view_of(f);
+    for (int n = 0; n < 3; n++) {
+        to_light[n] = (double)f->place[n] - (is_sun ? 0 : (double)f->eye[n]);
+        axis[n]     = (double)f->axis[n];
+    }
+    if (is_sun) return vxs_epipolar_of_sun(to_light, &view);
+    double range = (double)f->light.range_metres, away = sqrt(vxs_air_dot(to_light, to_light));
+    if (range > 0 && away + range < view.far_metres) view.far_metres = away + range;
+    vxs_epipolar space = vxs_epipolar_of_lamp(to_light, &view);
+    if (f->light.kind != VXS_LIGHT_KIND_POINT) vxs_epipolar_in_cone(&space, axis, (double)f->light.cos_outer, space.phi);
+    return space;
+}
+
+static void put_head(const vxs_shadow_grid *grid, uint32_t runs)
+{
+    const vxs_volumes *v     = grid->volumes;
+    vxs_epipolar       space = space_of(&v->frame);
+    grid_head          head  = {.away    = (float)space.away,
+                                .columns = grid->size.columns,
+                                .rows    = grid->size.rows,
+                                .bits    = grid->size.bits,
+                                .runs    = (int32_t)runs};
+    for (int n = 0; n < 3; n++) {
+        head.axis[n]  = (float)space.axis[n];
+        head.ahead[n] = (float)space.ahead[n];
+        head.side[n]  = (float)space.side[n];
+    }
+    for (int n = 0; n < 2; n++) {
+        head.alpha[n] = (float)space.alpha[n];
+        head.theta[n] = (float)space.theta[n];
+        head.phi[n]   = (float)space.phi[n];
+    }
+    v->api.NamedBufferSubData(grid->buffer, 0, sizeof head, &head);
+}
+
+/* Where what a run scatters is not what its middle does: a sharp phase, or the sharp rim of a cone. */
+static int is_sharp(const frame_block *f)
+{
+    return f->anisotropy >= 0.7F || (f->light.kind == VXS_LIGHT_KIND_SPOT && f->cos_inner - f->light.cos_outer < 0.05F);
+}
+
+static uint32_t groups(uint32_t count, uint32_t each)
+{
+    return (count + each - 1) / each;
+}
+
+/* map  a texture; 0: the asset is asked */
+static void fill(const vxs_shadow_grid *grid, gl_name map)
+{
+    enum { BITS_ACROSS = 32, ROWS_DOWN = 4 };
+    vxs_volumes *v       = grid->volumes;
+    gl_name      program = map ? grid->fill_map : grid->fill_asset;
+    uint32_t     rows = (uint32_t)grid->size.rows, bits = (uint32_t)grid->size.bits, layers = groups(bits, 128);
+    vxs_volumes_use_storage(v, grid->buffer, 0);
+    v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof(grid_head),
+                                   (gl_bytes)(bytes_of(&grid->size) - sizeof(grid_head)), GL_FORMAT_RED_INTEGER,
+                                   GL_TYPE_UNSIGNED_INT, NULL);
+    vxs_volumes_run(v, program, map, 0, groups(bits, BITS_ACROSS), groups(rows, ROWS_DOWN));
+    vxs_or_scan_run(&grid->scan, grid->buffer, HEAD_TEXELS, (uint32_t)grid->size.columns, rows * layers);
+}
+
+vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+                            uint32_t runs)
+{
+    if (runs > SIDE_MAX || (!map && light->constants)) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_volumes_set_light(v, light, map);
+    if (result != VXS_OK) return result;
+    if (!map) v->frame.map_side_px = 1U << v->frame.light.levels; /* the asset is asked as a map of its own texels */
+    if (!runs) runs = is_sharp(&v->frame) ? RUNS_SHARP : RUNS;
+    if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return VXS_OK;
+    storage_kept kept = vxs_volumes_keep_storage(v);
+    put_head(grid, runs);
+    fill(grid, map ? vxs_light_map_texture(map) : 0);
+    vxs_volumes_use_storage(v, grid->buffer, 0);
+    vxs_volumes_add(v, grid->look_up, 0);
+    vxs_volumes_put_back_storage(v, &kept);
+    return VXS_OK;
+}

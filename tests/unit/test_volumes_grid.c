@@ -1,0 +1,397 @@
+/* Voxelized shadow volumes of libvxs_volumes on llvmpipe: their scans against a serial one, bit for bit; their words and airlight against those of
+ * shadow_grid.h in double; the asset against its map; all of it against exact lit intervals; the context's state, misuse, and no number that is none.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/opengl/gl.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "random_lamp.h"
+#include "repeats.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "runtime/volumes/or_scan.h"
+#include "shadow_grid.h"
+#include "volumes_scene.h"
+
+enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH, HEAD_WORDS = 32 };
+
+static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
+
+/* The point light off screen, in view, beside the eye, behind it; the same of the others. */
+static const double eyes[][3]  = {{9, 3, 1}, {-4, 6, 9}, {0.4, 1.5, 0}, {-8, 0.5, -8}, {4, 2.6, 1}};
+static const double looks[][3] = {{0, 2, 0}, {0, 1, 0}, {5, 1.6, 2}, {0.5, 2.5, -0.3}, {9, 2.5, 2.1}};
+enum { CAMERAS = sizeof eyes / sizeof *eyes };
+
+static void read_buffer(GLuint buffer, size_t start, size_t size, void *data)
+{
+    PFNGLGETNAMEDBUFFERSUBDATAPROC get =
+        (PFNGLGETNAMEDBUFFERSUBDATAPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetNamedBufferSubData");
+    get(buffer, (GLintptr)start, (GLsizeiptr)size, data);
+}
+
+static vxs_light_map *filled_map(const volumes_scene *s, int light)
+{
+    vxs_light_map     *map;
+    vxs_light_map_desc desc = {.baked = (uint32_t)light};
+    assert_int_equal(vxs_light_map_create(&map, s->volumes, &desc), VXS_OK);
+    while (vxs_light_map_fill(map, 1 << 20)) continue;
+    return map;
+}
+
+/* The same map in memory. */
+static light_map read_map(const volumes_scene *s, const vxs_light_map *map, int light)
+{
+    light_map m    = {.light  = vxs_asset_light(s->asset, (uint32_t)light)->light,
+                      .side   = (int)vxs_light_map_side_px(map),
+                      .layers = (int)vxs_light_map_layers(map)};
+    size_t    size = sizeof(float) * (size_t)(m.side * m.side * m.layers);
+    m.first        = malloc(size);
+    assert_non_null(m.first);
+    s->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, m.first);
+    return m;
+}
+
+/* The grid of the last frame, as shaders had it.   eye_lit  [out] */
+static shadow_grid read_grid(const vxs_shadow_grid *grid, const double *eye, int *eye_lit)
+{
+    struct {
+        float   axis[4], ahead[4], side[4], alpha_theta[4], phi[4];
+        int32_t size[4], eye[4], reserved[4];
+    } head;
+    read_buffer(vxs_shadow_grid_buffer(grid), 0, sizeof head, &head);
+    shadow_grid g = {.size = {head.size[0], head.size[1], head.size[2]}};
+    for (int i = 0; i < 3; i++) {
+        g.space.axis[i]  = (double)head.axis[i];
+        g.space.ahead[i] = (double)head.ahead[i];
+        g.space.side[i]  = (double)head.side[i];
+        g.eye[i]         = (double)(float)eye[i];
+    }
+    g.space.away = (double)head.axis[3];
+    for (int i = 0; i < 2; i++) {
+        g.space.alpha[i] = (double)head.alpha_theta[i];
+        g.space.theta[i] = (double)head.alpha_theta[2 + i];
+        g.space.phi[i]   = (double)head.phi[i];
+    }
+    *eye_lit = head.eye[0];
+    g.words  = malloc((size_t)vxs_grid_words(&g.size) * sizeof *g.words);
+    assert_non_null(g.words);
+    read_buffer(vxs_shadow_grid_buffer(grid), sizeof head, (size_t)vxs_grid_words(&g.size) * sizeof *g.words, g.words);
+    return g;
+}
+
+static vxs_shadow_grid *make_grid(const volumes_scene *s, uint32_t columns, uint32_t rows, uint32_t bits, int in_passes)
+{
+    vxs_shadow_grid     *grid;
+    vxs_shadow_grid_desc desc = {columns, rows, bits, (uint32_t)in_passes};
+    assert_int_equal(vxs_shadow_grid_create(&grid, s->volumes, &desc), VXS_OK);
+    return grid;
+}
+
+static double error_of(const float *pixels, const double *wanted)
+{
+    double wrong = 0, size = 0;
+    for (size_t n = 0; n < PIXELS; n++)
+        for (size_t i = 0; i < 3; i++) {
+            double w = wanted[3 * n + i], more = (double)pixels[4 * n + i] - w;
+            assert_true(isfinite(pixels[4 * n + i]) && pixels[4 * n + i] >= 0);
+            wrong += more * more;
+            size += w * w;
+        }
+    return size > 0 ? sqrt(wrong / size) : wrong;
+}
+
+/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* Both scans are the serial one, bit for bit, of any number of texels in a segment, and touch nothing beside them. */
+static void test_scans(void **state)
+{
+    (void)state;
+    static const uint32_t lengths[] = {1, 2, 3, 127, 128, 129, 300, 512, 1000, 2048};
+    volumes_scene         s;
+    rng                   r = {3};
+    scene_open(&s, 64, WIDE, HIGH);
+    volumes_api *api = &s.volumes->api;
+    or_scan      scans[2];
+    assert_int_equal(vxs_or_scan_create(&scans[0], s.volumes, 0), VXS_OK);
+    assert_int_equal(vxs_or_scan_create(&scans[1], s.volumes, 2 << 20), VXS_OK);
+    for (size_t n = 0; n < sizeof lengths / sizeof *lengths; n++)
+        for (uint32_t segments = 1; segments < 40; segments += 12)
+            for (int passes = 0; passes < 2; passes++) {
+                vxs_grid_size size  = {(int)lengths[n], (int)segments, 128};
+                uint32_t      words = (uint32_t)vxs_grid_words(&size), first = n & 1 ? 8 : 3, all = words + 4 * first + 8;
+                uint32_t     *before = malloc(all * sizeof *before), *after = malloc(all * sizeof *after);
+                GLuint        buffer;
+                assert_true(before && after);
+                for (uint32_t k = 0; k < all; k++) before[k] = rng_below(&r, 16) ? 0 : 1U << rng_below(&r, 32);
+                api->CreateBuffers(1, &buffer);
+                api->NamedBufferStorage(buffer, (gl_bytes)(all * sizeof *before), before, GL_STORAGE_DYNAMIC);
+                vxs_or_scan_run(&scans[passes], buffer, first, lengths[n], segments);
+                read_buffer(buffer, 0, all * sizeof *after, after);
+                grid_scan(before + (size_t)4 * first, &size);
+                assert_memory_equal(after, before, all * sizeof *after);
+                api->DeleteBuffers(1, &buffer);
+                free(before);
+                free(after);
+            }
+    for (int n = 0; n < 2; n++) vxs_or_scan_destroy(&scans[n]);
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
+}
+
+/* In the words of a light ray, the first column in shadow: as many as are not. No column behind it is lit. */
+static int first_column(const shadow_grid *g, int row, int bit)
+{
+    int first = g->size.columns;
+    for (int column = g->size.columns - 1; column >= 0; column--) {
+        int dark = (int)(g->words[vxs_grid_word_of(&g->size, column, row, bit)] >> (bit & 31) & 1);
+        if (dark && first != column + 1) fail_msg("row %d, bit %d: light begins again behind column %d", row, bit, column);
+        if (dark) first = column;
+    }
+    return first;
+}
+
+/* Where shadow begins on each light ray, against the same in double: the next column or the one before only where rounding decides, but for rays
+ * between two texels of the map. */
+static void check_columns(const shadow_grid *g, const light_map *m, uint32_t *dark)
+{
+    uint32_t elsewhere = 0;
+    for (int row = 0; row < g->size.rows; row++)
+        for (int bit = 0; bit < g->size.bits; bit++) {
+            double across[3], begin[3], direction[3], turned[2], metres, wanted;
+            int    found = first_column(g, row, bit);
+            vxs_epipolar_turn_of(&g->space, vxs_grid_middle(g->space.phi, bit, g->size.bits), turned);
+            vxs_epipolar_across(&g->space, vxs_grid_middle(g->space.theta, row, g->size.rows), across);
+            vxs_epipolar_light_ray(&g->space, across, turned, begin, direction);
+            metres = ray_shadow(m, g->eye, begin, direction);
+            wanted = metres < INFINITY
+                         ? vxs_grid_before(g->space.alpha, vxs_epipolar_alpha_at(&g->space, turned, metres), g->size.columns) - 0.5
+                         : g->size.columns;
+            wanted = fmin(fmax(wanted, 0), g->size.columns);
+            elsewhere += !(found > wanted - 1e-2 && found < wanted + 1 + 1e-2);
+            *dark += found < g->size.columns;
+        }
+    assert_true(elsewhere < (uint32_t)(g->size.rows * g->size.bits) / 300);
+}
+
+/* Words and airlight, of maps and of the asset, scanned in both ways. */
+static void test_words(void **state)
+{
+    (void)state;
+    enum { GRIDS = 2, WAYS = 2 * GRIDS };
+    volumes_scene s;
+    static double metres[PIXELS], wanted[3 * PIXELS];
+    float         pixels[4 * PIXELS];
+    uint32_t      dark = 0;
+    double        most = 0;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    vxs_shadow_grid *grids[GRIDS];
+    for (int n = 0; n < GRIDS; n++) grids[n] = make_grid(&s, 150, 90, 300, n);
+    for (int light = 0; light < SCENE_LIGHTS; light++) {
+        vxs_volumes_light l   = scene_light(light);
+        vxs_air_light     air = scene_air_light(&s, &l);
+        vxs_light_map    *map = filled_map(&s, light);
+        light_map         m   = read_map(&s, map, light);
+        for (int camera = 0; camera < CAMERAS; camera++) {
+            volumes_camera    c     = camera_at(eyes[camera], looks[camera], 0.8);
+            double            top   = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE;
+            vxs_volumes_frame frame = scene_frame(&s, &c, &haze, top, 30, metres);
+            shadow_grid       found[WAYS];
+            int               eye_lit;
+            for (int n = 0; n < WAYS; n++) {
+                assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+                assert_int_equal(vxs_volumes_grid(s.volumes, &l, n < GRIDS ? map : NULL, grids[n % GRIDS], 12), VXS_OK);
+                found[n] = read_grid(grids[n % GRIDS], c.eye, &eye_lit);
+                assert_int_equal(eye_lit, light_map_lit(&m, c.eye));
+                assert_memory_equal(found[n].words, found[0].words, (size_t)vxs_grid_words(&found[0].size) * sizeof(uint32_t));
+            }
+            scene_read(&s, pixels);
+            check_columns(&found[0], &m, &dark);
+            for (uint32_t n = 0; n < PIXELS; n++) {
+                double direction[3], in_fog[2], *to = wanted + 3 * (size_t)n;
+                camera_ray(&s, &c, n % WIDE, n / WIDE, direction);
+                vxs_air_path path = vxs_air_path_of(&air, c.eye, direction, metres[n], top, in_fog);
+                vxs_grid_airlight(found[0].words, &found[0].space, &found[0].size, &haze, &path, direction, metres[n], 12, eye_lit,
+                                  to);
+                for (int i = 0; i < 3; i++) to[i] *= (double)l.colour[i];
+            }
+            double error = error_of(pixels, wanted);
+            most         = fmax(most, error);
+            if (getenv("VXS_VERBOSE")) print_message("light %d, camera %d: %.1e\n", light, camera, error);
+            for (int n = 0; n < WAYS; n++) free(found[n].words);
+        }
+        free(m.first);
+        vxs_light_map_destroy(map);
+    }
+    print_message("%u light rays in shadow; airlight of shaders against double: RMS %.1e at most\n", dark, most);
+    assert_true(dark > 20000);
+    assert_true(most < 1e-3); /* a ray between two rows, or columns, takes either */
+    for (int n = 0; n < GRIDS; n++) vxs_shadow_grid_destroy(grids[n]);
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
+}
+
+/* Larger grids, less error, to exact lit intervals of the asset. */
+static void test_converges(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static double metres[PIXELS], wanted[3 * PIXELS];
+    float         pixels[4 * PIXELS];
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    vxs_shadow_grid *grids[2] = {make_grid(&s, 128, 128, 128, 0), make_grid(&s, 512, 512, 512, 0)};
+    for (int light = 0; light < SCENE_LIGHTS; light++)
+        for (int camera = 0; camera < CAMERAS; camera++) {
+            vxs_volumes_light l     = scene_light(light);
+            volumes_camera    c     = camera_at(eyes[camera], looks[camera], 0.8);
+            double            top   = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE, errors[2];
+            vxs_volumes_frame frame = scene_frame(&s, &c, &haze, top, 30, metres);
+            memset(wanted, 0, sizeof wanted);
+            for (uint32_t n = 0; n < PIXELS; n++) {
+                double direction[3];
+                camera_ray(&s, &c, n % WIDE, n / WIDE, direction);
+                scene_airlight(&s, &l, &haze, top, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
+            }
+            for (int n = 0; n < 2; n++) {
+                assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+                assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grids[n], 0), VXS_OK);
+                scene_read(&s, pixels);
+                errors[n] = error_of(pixels, wanted);
+            }
+            print_message("light %d, camera %d: RMS %.4f at 128^3, %.4f at 512^3\n", light, camera, errors[0], errors[1]);
+            assert_true(errors[1] < 5e-3);
+            assert_true(errors[1] < errors[0] / 2.56 || errors[1] < 1e-3);
+        }
+    for (int n = 0; n < 2; n++) vxs_shadow_grid_destroy(grids[n]);
+    scene_close(&s);
+}
+
+/* Storage buffers, which are bound nowhere else in this library, are as they were. */
+static void test_state(void **state)
+{
+    (void)state;
+    volumes_scene            s;
+    static double            metres[PIXELS];
+    PFNGLGETINTEGERI_VPROC   get_i      = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegeri_v");
+    PFNGLGETINTEGERVPROC     get        = (PFNGLGETINTEGERVPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegerv");
+    PFNGLBINDBUFFERRANGEPROC bind_range = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindBufferRange");
+    const GLenum names[] = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE};
+    GLint        before[7], after[7];
+    GLuint       buffer;
+    scene_open(&s, 64, WIDE, HIGH);
+    vxs_shadow_grid  *grid  = make_grid(&s, 16, 16, 128, 1);
+    vxs_volumes_light l     = scene_light(SCENE_SPOT);
+    volumes_camera    c     = camera_at(eyes[0], looks[0], 0.8);
+    vxs_volumes_frame frame = scene_frame(&s, &c, &haze, 2.5, 30, metres);
+    s.gl->GenBuffers(1, &buffer);
+    s.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    s.gl->BufferData(GL_SHADER_STORAGE_BUFFER, 1024, NULL, GL_STATIC_DRAW);
+    bind_range(GL_SHADER_STORAGE_BUFFER, 6, buffer, 256, 512);
+    s.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, buffer);
+    for (int n = 0; n < 6; n++) get_i(names[n / 2], (GLuint)(6 + n % 2), before + n);
+    get(GL_SHADER_STORAGE_BUFFER_BINDING, before + 6);
+    assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_OK);
+    for (int n = 0; n < 6; n++) get_i(names[n / 2], (GLuint)(6 + n % 2), after + n);
+    get(GL_SHADER_STORAGE_BUFFER_BINDING, after + 6);
+    for (int n = 0; n < 7; n++)
+        if (before[n] != after[n]) fail_msg("state %d was %d and is %d", n, before[n], after[n]);
+    assert_int_equal(before[2], 256);
+    vxs_shadow_grid_destroy(grid);
+    scene_close(&s);
+}
+
+static void test_misuse(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static double metres[PIXELS];
+    scene_open(&s, 64, WIDE, HIGH);
+    vxs_shadow_grid           *grid      = NULL;
+    const vxs_shadow_grid_desc bad[]     = {{16385, 1, 1, 0}, {1, 16385, 1, 0}, {1, 1, 16385, 0}, {UINT32_MAX, 0, 0, 0}};
+    const vxs_shadow_grid_desc large     = {16384, 16384, 16384, 0};
+    vxs_volumes_light          l         = scene_light(SCENE_SUN);
+    vxs_light_constants        constants = vxs_gl_constants(s.shadows)[0];
+    volumes_camera             c         = camera_at(eyes[0], looks[0], 0.8);
+    vxs_volumes_frame          frame     = scene_frame(&s, &c, &haze, 1e30, 30, metres);
+    for (size_t n = 0; n < sizeof bad / sizeof *bad; n++) {
+        assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &bad[n]), VXS_E_ARGUMENT);
+        assert_null(grid);
+    }
+    assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &large), VXS_E_GL);
+    assert_null(grid);
+    vxs_shadow_grid_destroy(NULL);
+    grid = make_grid(&s, 1, 1, 1, 0);
+    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_E_ARGUMENT); /* no frame */
+    assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 16385), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_OK); /* one voxel is a grid */
+    l.constants = &constants;
+    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_E_ARGUMENT); /* no map, and none is baked */
+    l.constants = NULL;
+    l.baked     = SCENE_LIGHTS;
+    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_E_ARGUMENT);
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    vxs_shadow_grid_destroy(grid);
+    scene_close(&s);
+}
+
+/* Cameras, lights and media at random: nothing that is drawn is no number, or negative, or more than all the light without shadow. */
+static void test_any_numbers(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static double metres[PIXELS];
+    float         pixels[4 * PIXELS];
+    rng           r = {11};
+    scene_open(&s, 64, WIDE, HIGH);
+    vxs_shadow_grid *grids[2] = {make_grid(&s, 33, 20, 130, 0), make_grid(&s, 1, 1, 1, 0)};
+    for (uint32_t n = 0; n < repeats(60, 2000); n++) {
+        int    light = (int)rng_below(&r, SCENE_LIGHTS);
+        double eye[3], to[3], g = rng_below(&r, 4) ? uniform(&r, -0.9, 0.9) : 0.99 * (int)(rng_below(&r, 3)) - 0.99,
+                              tangent = exp(uniform(&r, -7, 1.5));
+        vxs_medium        medium      = {.anisotropy = g};
+        vxs_volumes_light l           = scene_light(light);
+        for (int i = 0; i < 3; i++) {
+            medium.extinction[i] = exp(uniform(&r, log(1e-8), log(1e4)));
+            medium.scattering[i] = medium.extinction[i] * uniform(&r, 0, 1);
+            eye[i]               = uniform(&r, -12, 12);
+            to[i]                = uniform(&r, -5, 5);
+        }
+        const vxs_air_light air = scene_air_light(&s, &l);
+        if (!rng_below(&r, 3)) memcpy(to, air.place, sizeof to); /* toward a lamp */
+        if (!rng_below(&r, 4))
+            for (int i = 0; i < 3; i++) to[i] = 2 * eye[i] - air.place[i]; /* or away from it */
+        if (!rng_below(&r, 6))
+            for (int i = 0; i < 3; i++) eye[i] = air.place[i] + 1e-3 * uniform(&r, -1, 1); /* or in it */
+        if (light == SCENE_SUN && rng_below(&r, 2))
+            for (int i = 0; i < 3; i++) to[i] = eye[i] + (n & 1 ? air.place[i] : -air.place[i]);
+        l.radius_metres     = (float)exp(uniform(&r, log(1e-4), 0));
+        volumes_camera    c = camera_at(eye, to, tangent);
+        vxs_volumes_frame frame =
+            scene_frame(&s, &c, &medium, rng_below(&r, 3) ? 1e30 : uniform(&r, -1, 5), exp(uniform(&r, -5, 12)), metres);
+        assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+        assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grids[rng_below(&r, 4) == 0], rng_below(&r, 40)), VXS_OK);
+        scene_read(&s, pixels);
+        for (size_t k = 0; k < 4 * PIXELS; k++)
+            if (!(isfinite(pixels[k]) && pixels[k] >= 0)) fail_msg("repeat %u, number %zu is %g", n, k, (double)pixels[k]);
+    }
+    for (int n = 0; n < 2; n++) vxs_shadow_grid_destroy(grids[n]);
+    scene_close(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_scans), cmocka_unit_test(test_words),  cmocka_unit_test(test_converges),
+        cmocka_unit_test(test_state), cmocka_unit_test(test_misuse), cmocka_unit_test(test_any_numbers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
