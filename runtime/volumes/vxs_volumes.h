@@ -42,8 +42,7 @@ typedef struct vxs_volumes_desc {
     uint32_t             width_px, height_px;  /* of the largest view, > 0 */
     uint32_t             first_unit;           /* texture units from here on are used, and put back; 0: 8 */
     void (*log)(const char *text, void *user); /* told what the compiler says of a shader that does not compile; NULL */
-    uint32_t
-        first_storage; /* bindings of storage buffers, this and the next, are used, and put back; they are not those of vxs_gl. 0: 6 */
+    uint32_t first_storage; /* bindings of storage buffers, as units: this and the next, none of vxs_gl's; 0: 6 */
 } vxs_volumes_desc;
 
 /* volumes  [out] NULL on failure
@@ -166,11 +165,10 @@ vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *ligh
 
 /* What is not named is 0, and means the default. */
 typedef struct vxs_shadow_grid_desc {
-    uint32_t columns; /* of angles at the eye; 0: 512 */
-    uint32_t rows;    /* of angles about the way to the light; 0: 2048 */
-    uint32_t bits;    /* of angles at a lamp, or distances from the way to the sun; 0: 512. Memory is of whole 128s */
-    uint32_t
-        scan_in_passes; /* 1: of all of it, from one buffer to another, which takes as much memory again; 0: in one dispatch, in shared memory */
+    uint32_t columns;        /* of angles at the eye; 0: 512 */
+    uint32_t rows;           /* of angles about the way to the light; 0: 2048 */
+    uint32_t bits;           /* of angles at a lamp, or distances from the way to the sun; 0: 512. Memory is of whole 128s */
+    uint32_t scan_in_passes; /* 1: all at once, which takes as much memory again; 0: row by row, in shared memory */
 } vxs_shadow_grid_desc;
 
 /* A grid of bits, columns * rows * bits / 8 bytes in a storage buffer, made again for each light of each frame: any number of lights may use one.
