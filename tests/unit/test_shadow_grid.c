@@ -263,6 +263,46 @@ static void test_before_the_view(void **state)
     free(images[1]);
 }
 
+/* Toward a lamp and away from it, where all rays of a column are one: lit if nothing is between the lamp and the eye, else dark. And all is lit for an eye
+ * in a lamp, whatever bits say. */
+static void test_poles(void **state)
+{
+    (void)state;
+    for (int n = 0; n < 4; n++) {
+        int     toward = n & 1, covered = n >> 1;
+        setting s = setting_make(toward ? IN_VIEW : BEHIND, 32, 24);
+        double  to_lamp[3], wanted[3], found[3], in_fog[2];
+        for (int i = 0; i < 3; i++) {
+            to_lamp[i]            = s.air.place[i] - s.view.eye[i];
+            s.scene.spheres[0][i] = s.view.eye[i] + to_lamp[i] / 2;
+        }
+        s.scene.spheres[0][3] = 0.5;
+        s.scene.count         = (uint32_t)covered;
+        light_map   m         = light_map_make(&s.scene, &s.light, 256);
+        shadow_grid g         = grid_make(&m, &s.view, 32, 32, 128);
+        int         eye_lit   = light_map_lit(&m, s.view.eye);
+        assert_int_equal(eye_lit, !covered);
+        make_unit(to_lamp);
+        for (int k = 0; k < 16; k++) {
+            double direction[3];
+            for (int i = 0; i < 3; i++) direction[i] = (toward ? 1 : -1) * to_lamp[i] + 2e-4 * ((k * (i + 3) % 7) - 3);
+            make_unit(direction);
+            double       metres = toward ? fmin(spheres_hit(&s.scene, s.view.eye, direction), s.view.far_metres) : 1;
+            vxs_air_path path   = vxs_air_path_of(&s.air, s.view.eye, direction, metres, VXS_AIR_EVERYWHERE, in_fog);
+            map_airlight(&m, &s.medium, &path, s.view.eye, direction, wanted);
+            vxs_grid_airlight(g.words, &g.space, &g.size, &s.medium, &path, direction, metres, 16, eye_lit, found);
+            for (int i = 0; i < 3; i++) {
+                assert_true(covered ? wanted[i] == 0 && found[i] == 0 : wanted[i] > 0 && fabs(found[i] / wanted[i] - 1) < 1e-9);
+            }
+            vxs_air_lit(&s.medium, &path, path.begin, path.end, wanted);
+            vxs_grid_airlight(g.words, &g.space, &g.size, &s.medium, &path, direction, metres, 16, 2, found);
+            for (int i = 0; i < 3; i++) assert_true(found[i] == wanted[i]);
+        }
+        free(g.words);
+        free(m.first);
+    }
+}
+
 /* Each bit alone, the last of a layer among them, takes its part of the ray and no other. */
 static void test_single_bits(void **state)
 {
@@ -355,8 +395,9 @@ static void test_any_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_bit),       cmocka_unit_test(test_converges),   cmocka_unit_test(test_rotated),
-        cmocka_unit_test(test_before_the_view), cmocka_unit_test(test_single_bits), cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_every_bit),       cmocka_unit_test(test_converges), cmocka_unit_test(test_rotated),
+        cmocka_unit_test(test_before_the_view), cmocka_unit_test(test_poles),     cmocka_unit_test(test_single_bits),
+        cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
