@@ -238,6 +238,39 @@ static void test_words(void **state)
     scene_close(&s);
 }
 
+/* A sun whose map has an end, seen from where the map has none: its light rays are asked all the same. */
+static void test_bounded_sun(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static double metres[PIXELS];
+    shadow_grid   found[2];
+    uint32_t      dark = 0;
+    int           eye_lit;
+    scene_open(&s, 64, WIDE, HIGH);
+    vxs_shadow_grid    *grid      = make_grid(&s, 64, 64, 128, 0);
+    vxs_light_map      *map       = filled_map(&s, SCENE_SUN);
+    vxs_volumes_light   l         = scene_light(SCENE_SUN);
+    vxs_light_constants constants = vxs_gl_constants(s.shadows)[SCENE_SUN];
+    const double        eye[3] = {-20, 40, -15}, look[3] = {0, 0, 0};
+    volumes_camera      c     = camera_at(eye, look, 0.4);
+    vxs_volumes_frame   frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 90, metres);
+    constants.flags |= VXS_LIGHT_BOUNDED;
+    for (int n = 0; n < 2; n++) {
+        l.constants = n ? &constants : NULL;
+        assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+        assert_int_equal(vxs_volumes_grid(s.volumes, &l, map, grid, 0), VXS_OK);
+        found[n] = read_grid(grid, c.eye, &eye_lit);
+    }
+    for (int n = 0; n < vxs_grid_words(&found[0].size); n++) dark += found[0].words[n] != 0;
+    assert_true(dark > 100);
+    assert_memory_equal(found[1].words, found[0].words, (size_t)vxs_grid_words(&found[0].size) * sizeof(uint32_t));
+    for (int n = 0; n < 2; n++) free(found[n].words);
+    vxs_light_map_destroy(map);
+    vxs_shadow_grid_destroy(grid);
+    scene_close(&s);
+}
+
 /* Larger grids, less error, to exact lit intervals of the asset. */
 static void test_converges(void **state)
 {
@@ -390,8 +423,9 @@ static void test_any_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scans), cmocka_unit_test(test_words),  cmocka_unit_test(test_converges),
-        cmocka_unit_test(test_state), cmocka_unit_test(test_misuse), cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_scans),       cmocka_unit_test(test_words), cmocka_unit_test(test_bounded_sun),
+        cmocka_unit_test(test_converges),   cmocka_unit_test(test_state), cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
