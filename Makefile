@@ -109,13 +109,14 @@ unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
+reference.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/volumes/*.c))
 # that rivals hand to a compiler of shaders
 shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h)
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
@@ -136,7 +137,8 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-$B/tests/unit/test_air: test_libs += -lgsl -lgslcblas
+$B/tests/unit/test_air $B/tests/unit/test_air_table: $(reference.o)
+$B/tests/unit/test_air $B/tests/unit/test_air_table: test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o

@@ -315,30 +315,46 @@ VXS_FN vxs_real vxs_air_node_scale(VXS_MEDIUM medium, VXS_AIR_RAY ray)
     return 1.0 / (2.0 * VXS_AIR_PI * (1.0 - VXS_FIELD(medium, anisotropy)) * VXS_FIELD(ray, beside));
 }
 
+/* Add what a spot light lights before its inner cone and behind it: at the ends of that its rim has kinks. What lies in the inner cone is
+ * left to the caller; of a point light, all.
+ * part  [in, out] begin and length; a length that is not positive: nothing is left */
+VXS_FN void vxs_air_add_rims(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_real2 part, VXS_INOUT vxs_real3 sum)
+{
+    vxs_real2 lit, full;
+    if (VXS_FIELD(ray, cos_outer) < 0.0) return;
+    lit[0] = part[0];
+    lit[1] = part[0] + part[1];
+    vxs_air_in_cone(ray, VXS_FIELD(ray, cos_outer), lit);
+    full[0] = lit[0];
+    full[1] = lit[1];
+    vxs_air_in_cone(ray, VXS_FIELD(ray, cos_inner), full);
+    if (full[1] <= full[0]) full[0] = full[1] = lit[0];
+    if (full[0] > lit[0]) vxs_air_add(medium, ray, lit[0], full[0] - lit[0], sum);
+    if (lit[1] > full[1]) vxs_air_add(medium, ray, full[1], lit[1] - full[1], sum);
+    part[0] = full[0];
+    part[1] = full[1] - full[0];
+}
+
+/* What airlight does not owe to its place. */
+VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_real3 sum)
+{
+    vxs_real scale = vxs_air_node_scale(medium, ray);
+    sum[0] *= scale * VXS_FIELD(medium, scattering)[0];
+    sum[1] *= scale * VXS_FIELD(medium, scattering)[1];
+    sum[2] *= scale * VXS_FIELD(medium, scattering)[2];
+}
+
 /* begin, length  of the part of the ray, >= 0, finite; of a spot light's, what lies in its cone counts
  * airlight       [out] */
 VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {
-    vxs_real scale = vxs_air_node_scale(medium, ray);
+    vxs_real2 part;
+    part[0]     = begin;
+    part[1]     = length;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
-    if (VXS_FIELD(ray, cos_outer) < 0.0)
-        vxs_air_add(medium, ray, begin, length, airlight);
-    else { /* before the inner cone, in it, behind it: between these its rim has kinks */
-        vxs_real2 lit, full;
-        lit[0] = begin;
-        lit[1] = begin + length;
-        vxs_air_in_cone(ray, VXS_FIELD(ray, cos_outer), lit);
-        full[0] = lit[0];
-        full[1] = lit[1];
-        vxs_air_in_cone(ray, VXS_FIELD(ray, cos_inner), full);
-        if (full[1] <= full[0]) full[0] = full[1] = lit[0];
-        if (full[0] > lit[0]) vxs_air_add(medium, ray, lit[0], full[0] - lit[0], airlight);
-        if (full[1] > full[0]) vxs_air_add(medium, ray, full[0], full[1] - full[0], airlight);
-        if (lit[1] > full[1]) vxs_air_add(medium, ray, full[1], lit[1] - full[1], airlight);
-    }
-    airlight[0] *= scale * VXS_FIELD(medium, scattering)[0];
-    airlight[1] *= scale * VXS_FIELD(medium, scattering)[1];
-    airlight[2] *= scale * VXS_FIELD(medium, scattering)[2];
+    vxs_air_add_rims(medium, ray, part, airlight);
+    if (part[1] > 0.0) vxs_air_add(medium, ray, part[0], part[1], airlight);
+    vxs_air_finish(medium, ray, airlight);
 }
 
 /* The part of a ray that is in fog whose top is level: height, top and up are the eye's, the fog's, and the ray's along the vertical.

@@ -1,0 +1,183 @@
+/* Random questions about airlight of lamps, to C and to a shader, and errors of answers. Included behind cmocka.h and gl_points.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef AIR_QUESTIONS_H
+#define AIR_QUESTIONS_H
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "random_lamp.h"
+#include "runtime/volumes/vxs_air_table.h"
+#include "tests/volumes/airlight.h"
+
+/* Uniform in the logarithm. */
+static inline double spread(rng *r, double low, double high)
+{
+    return exp(uniform(r, log(low), log(high)));
+}
+
+/* A question to C and to a shader alike: floats, as the shader reads them. */
+typedef struct question {
+    float to_lamp[3], radius;
+    float direction[3], begin;
+    float axis[3], length; /* of a spot light; 0: of a point light */
+    float scattering[3], anisotropy;
+    float extinction[3], cos_inner;
+    float cos_outer, unused[3];
+} question;
+
+static inline void reference(const question *q, double airlight[3])
+{
+    double w[3], l[3], axis[3];
+    for (int i = 0; i < 3; i++) {
+        w[i]    = q->direction[i];
+        l[i]    = q->to_lamp[i];
+        axis[i] = q->axis[i];
+    }
+    air_passing p = air_passing_of(w, l, q->radius, q->cos_inner > 0 ? axis : NULL, q->cos_inner, q->cos_outer);
+    for (int i = 0; i < 3; i++)
+        airlight[i] = (double)q->scattering[i] * air_of_lamp(&p, q->anisotropy, q->extinction[i], q->begin, q->length);
+}
+
+/* The same for runtime/volumes. */
+static inline void ask_c(const question *q, vxs_medium *medium, vxs_air_ray *ray)
+{
+    double to_lamp[3], direction[3], axis[3];
+    for (int i = 0; i < 3; i++) {
+        to_lamp[i]            = q->to_lamp[i];
+        direction[i]          = q->direction[i];
+        axis[i]               = q->axis[i];
+        medium->scattering[i] = q->scattering[i];
+        medium->extinction[i] = q->extinction[i];
+    }
+    medium->anisotropy = q->anisotropy;
+    *ray               = q->cos_inner > 0 ? vxs_air_ray_of_spot(to_lamp, direction, q->radius, axis, q->cos_inner, q->cos_outer)
+                                          : vxs_air_ray_of(to_lamp, direction, q->radius);
+}
+
+/* Any ray: the lamp before the eye, behind it, at it, on the ray; short and endless pieces; thin air and ink.
+ * least_beside  of the lamp's distance */
+static inline question random_question(rng *r, double least_beside, int spots)
+{
+    question q = {0};
+    double   w[3], side[3], axis[3], along, beside, size = spread(r, 1e-2, 1e5), dot = 0, length = 0;
+    random_direction(r, w);
+    random_direction(r, side);
+    random_direction(r, axis);
+    for (int i = 0; i < 3; i++) dot += w[i] * side[i];
+    for (int i = 0; i < 3; i++) side[i] -= dot * w[i];
+    for (int i = 0; i < 3; i++) length += side[i] * side[i];
+    along    = size * (rng_below(r, 8) ? uniform(r, -1, 1) : 0);
+    beside   = rng_below(r, 8) ? size * spread(r, least_beside, 10) : 0;
+    q.radius = (float)(size * spread(r, least_beside, 1e-1));
+    for (int i = 0; i < 3; i++) {
+        q.direction[i] = (float)w[i];
+        q.to_lamp[i]   = (float)(along * w[i] + beside * side[i] / sqrt(length));
+        q.axis[i]      = (float)axis[i];
+    }
+    q.begin     = (float)(rng_below(r, 3) ? size * spread(r, 1e-3, 3) : 0);
+    q.length    = (float)(rng_below(r, 8) ? size * spread(r, 1e-7, 10) : size * 1e3);
+    double most = spread(r, 1e-6, 1e4) / hypot(along, fmax(beside, (double)q.radius));
+    int    grey = rng_below(r, 2) == 0;
+    for (int i = 0; i < 3; i++) {
+        q.extinction[i] = (float)(grey ? most : most * spread(r, 1e-2, 1));
+        q.scattering[i] = q.extinction[i] * (rng_below(r, 8) ? (float)rng_unit(r) : 0);
+    }
+    if (!rng_below(r, 16)) q.scattering[0] = q.extinction[0] = 0;
+    q.anisotropy = rng_below(r, 3) ? (float)uniform(r, -0.99, 0.99) : rng_below(r, 2) ? 0 : 0.99F;
+    if (spots) {
+        double outer = uniform(r, 0.05, M_PI / 2), inner = outer * uniform(r, 0, 0.9);
+        q.cos_outer = (float)cos(outer);
+        q.cos_inner = (float)cos(inner);
+    }
+    return q;
+}
+
+typedef struct errors {
+    double   most, sum;
+    uint32_t count, large; /* channels; those with an error of 1e-3 and more */
+} errors;
+
+/* Errors of what a spot light adds count relative to a hundredth of what a point light would, where that is more: a ray that grazes its cone
+ * sees nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
+static inline void count_errors(errors *e, const question *q, const double found[3])
+{
+    double   wanted[3], all[3] = {0}, from_lamp[3], way;
+    question point = *q;
+    for (int i = 0; i < 3; i++) from_lamp[i] = (double)q->begin * (double)q->direction[i] - (double)q->to_lamp[i];
+    way             = (double)q->begin + sqrt(dot(from_lamp, from_lamp));
+    point.cos_inner = 0;
+    reference(q, wanted);
+    if (q->cos_inner > 0) reference(&point, all);
+    for (int i = 0; i < 3; i++) {
+        assert_true(isfinite(found[i]) && found[i] >= 0);
+        if (q->scattering[i] == 0) assert_true(found[i] == 0);
+        double scale = fmax(wanted[i], all[i] / 100);
+        if (!(scale > 1e-30) || (double)q->extinction[i] * way > 18) continue;
+        double error = fabs(found[i] - wanted[i]) / scale;
+        e->sum += error;
+        e->count++;
+        e->large += error >= 1e-3;
+        e->most = fmax(e->most, error);
+    }
+}
+
+/* mean, share  of relative errors, and of those of 1e-3 and more */
+static inline void check_errors(const errors *e, double most, double mean, double share, uint32_t least_count)
+{
+    print_message("%u channels: relative error %.1e at most, %.1e in the mean, 1e-3 and more in %.2f %%\n", e->count, e->most,
+                  e->sum / e->count, 100.0 * e->large / e->count);
+    assert_true(e->count >= least_count);
+    assert_true(e->most < most);
+    assert_true(e->sum < mean * e->count);
+    assert_true(e->large < share * e->count);
+}
+
+static inline char *read_text(const char *path)
+{
+    enum { MOST = 1 << 16 };
+    char *text = calloc(1, MOST);
+    FILE *file = fopen(path, "r");
+    assert_non_null(text);
+    if (!file) {
+        print_message("%s is not here: start this test in the root of the repository\n", path);
+        skip();
+    }
+    assert_in_range(fread(text, 1, MOST - 1, file), 1, MOST - 2);
+    fclose(file);
+    return text;
+}
+
+/* A point of gl_points.h asks for one channel of a question. */
+static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scattering, extinction, rest; };\n"
+                                   "layout(std430, binding = 0) readonly buffer asked { question questions[]; };\n"
+                                   "flat in int vertex;\n"
+                                   "out float answer;\n"
+                                   "void main() {\n"
+                                   "    question q = questions[vertex / 3];\n"
+                                   "    vxs_medium medium = vxs_medium(q.scattering.xyz, q.extinction.xyz, q.scattering.w);\n"
+                                   "    vxs_air_ray ray = vxs_air_ray_of(q.lamp.xyz, q.way.xyz, q.lamp.w);\n"
+                                   "    if (q.extinction.w > 0.0) ray = vxs_air_ray_of_spot(q.lamp.xyz, q.way.xyz, q.lamp.w,\n"
+                                   "                                        q.axis.xyz, q.extinction.w, q.rest.x);\n"
+                                   "    vec3 airlight;\n"
+                                   "    ask_lamp(medium, ray, q.way.w, q.axis.w, airlight);\n"
+                                   "    answer = airlight[vertex % 3];\n"
+                                   "}\n";
+
+/* ask_lamp  text that defines this function, as vxs_air_lamp */
+static inline void use_air(drawing *d, const char *ask_lamp)
+{
+    const char *paths[] = {"formats/vxs_lookup.h", "formats/vxs_lookup_blocks.h", "formats/vxs_space.h",
+                           "runtime/volumes/vxs_air.h", "runtime/volumes/vxs_air_table.h"};
+    enum { PATHS = sizeof paths / sizeof *paths };
+    char       *texts[PATHS];
+    const char *all[PATHS + 3] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};
+    for (int n = 0; n < PATHS; n++) all[n + 1] = texts[n] = read_text(paths[n]);
+    all[PATHS + 1] = ask_lamp;
+    all[PATHS + 2] = air_ask_text;
+    use_texts(d, "vxs_air.h", "#version 430", all, PATHS + 3);
+    for (int n = 0; n < PATHS; n++) free(texts[n]);
+}
+
+#endif
