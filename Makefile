@@ -109,9 +109,10 @@ unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
-reference.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/volumes/*.c))
+# the reference of light in the air, and rivals there, with their shaders
+reference.o := $(patsubst %,$B/%.o,$(wildcard tests/volumes/*.c tests/volumes/*.glsl))
 # that rivals hand to a compiler of shaders
-shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h)
+shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h $(wildcard tests/volumes/*.glsl))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
@@ -137,13 +138,13 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics): $(reference.o)
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics): test_libs += -lgsl -lgslcblas
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_volumes): $(reference.o)
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_volumes): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
 $B/tests/exact/exact: $(exact.o)
-$B/tests/bench/rivals: $(rival.o) $(shader)
+$B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
 $B/vxs $(mpi) $(unit) $(helper):
 	@echo "  link $@"

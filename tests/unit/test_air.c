@@ -3,8 +3,6 @@
 #include "baker/opengl/gl.h"
 
 #include "repeats.h"
-#include <gsl/gsl_errno.h>
-
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -166,6 +164,5 @@ int main(void)
         cmocka_unit_test(test_points), cmocka_unit_test(test_spots), cmocka_unit_test(test_sun),
         cmocka_unit_test(test_phase),  cmocka_unit_test(test_cones), cmocka_unit_test(test_shader),
     };
-    gsl_set_error_handler_off(); /* its estimates of error are cautious where little is left */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,8 +3,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/opengl/gl.h"
 
-#include <gsl/gsl_errno.h>
-
 #include "repeats.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
@@ -195,6 +193,5 @@ int main(void)
         cmocka_unit_test(test_points),          cmocka_unit_test(test_spots), cmocka_unit_test(test_who_is_asked),
         cmocka_unit_test(test_table_is_smooth), cmocka_unit_test(test_until), cmocka_unit_test(test_shader),
     };
-    gsl_set_error_handler_off(); /* its estimates of error are cautious where little is left */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,6 @@
 /* The reference of light in the air (tests/volumes/): each oracle of visibility against formulas or brute force of its own, airlight between
  * lit ends against closed forms, and that nothing changes when it is asked twice as finely.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <gsl/gsl_errno.h>
-
 #include "mesh_sample.h"
 #include "random_lamp.h"
 #include "repeats.h"
@@ -576,6 +574,5 @@ int main(void)
         cmocka_unit_test(test_mesh_is_map),    cmocka_unit_test(test_mesh_is_tight), cmocka_unit_test(test_airlight),
         cmocka_unit_test(test_converged),
     };
-    gsl_set_error_handler_off(); /* its estimates of error are cautious where little is left */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,205 @@
+/* Rivals for shadows in fog (tests/volumes/rival_*.h): each reaches its own limit, exact lit intervals in double, as its knobs grow, and is off as
+ * it is known to be where they are small. Sun, spot and point light, from four sides, llvmpipe.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/opengl/gl.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "random_lamp.h"
+#include "repeats.h"
+#include "tests/volumes/map_parts.h"
+#include "tests/volumes/metrics.h"
+#include "tests/volumes/reference.h"
+#include "tests/volumes/rival_froxels.h"
+#include "tests/volumes/rival_slices.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "volumes_scene.h"
+
+enum { RESOLUTION = 256, WIDE = 40, HIGH = 32, PIXELS = WIDE * HIGH, CAMERAS = 4 };
+
+static const vxs_medium haze = {.scattering = {0.03, 0.035, 0.04}, .extinction = {0.04, 0.045, 0.05}, .anisotropy = 0.4};
+
+static const double eyes[CAMERAS][3]  = {{9, 3, 1}, {-4, 6, 9}, {0.4, 1.5, 0}, {-8, 0.5, -8}};
+static const double looks[CAMERAS][3] = {{0, 2, 0}, {0, 1, 0}, {5, 1.6, 2}, {0.5, 2.5, -0.3}};
+
+/* A light seen by a camera: its map, and airlight by exact traversal of that. */
+typedef struct seen {
+    vxs_volumes_light light;
+    vxs_light_map    *map;
+    vxs_volumes_frame frame;
+    double            wanted[3 * PIXELS];
+    uint8_t           classes[PIXELS];
+} seen;
+
+static vxs_light_map *filled_map(const volumes_scene *s, int light)
+{
+    vxs_light_map     *map;
+    vxs_light_map_desc desc = {.baked = (uint32_t)light};
+    assert_int_equal(vxs_light_map_create(&map, s->volumes, &desc), VXS_OK);
+    while (vxs_light_map_fill(map, 100000)) continue;
+    return map;
+}
+
+static float *read_map(const volumes_scene *s, const vxs_light_map *map)
+{
+    size_t side = vxs_light_map_side_px(map), size = sizeof(float) * side * side * vxs_light_map_layers(map);
+    float *data = malloc(size);
+    assert_non_null(data);
+    s->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, data);
+    return data;
+}
+
+static void see(const volumes_scene *s, int camera, int light, seen *v)
+{
+    static double  metres[PIXELS];
+    volumes_camera c      = camera_at(eyes[camera], looks[camera], 0.8);
+    double         top    = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE;
+    v->light              = scene_light(light);
+    v->map                = filled_map(s, light);
+    v->frame              = scene_frame(s, &c, &haze, top, 30, metres);
+    float          *first = read_map(s, v->map);
+    light_map       map   = {&vxs_asset_light(s->asset, (uint32_t)light)->light, vxs_light_map_side_px(v->map),
+                             vxs_light_map_layers(v->map), first};
+    reference_light of    = {.light = scene_air_light(s, &v->light), .oracle = map_parts, .subject = &map};
+    for (int n = 0; n < 3; n++) of.colour[n] = (double)v->light.colour[n];
+    for (uint32_t n = 0; n < PIXELS; n++) {
+        eye_ray ray = {.end = metres[n]};
+        memcpy(ray.eye, c.eye, sizeof ray.eye);
+        camera_ray(s, &c, n % WIDE, n / WIDE, ray.direction);
+        reference_airlight(&haze, top, &of, &ray, v->wanted + 3 * (size_t)n);
+        v->classes[n] =
+            (uint8_t)(light == SCENE_SUN ? PIXELS_ELSEWHERE
+                                         : pixel_class_of(ray.eye, ray.direction, of.light.place, of.light.radius_metres));
+    }
+    free(first);
+}
+
+/* Relative RMS of the frame outside the epipole. */
+static double frame_error(const volumes_scene *s, const seen *v)
+{
+    static float  pixels[4 * PIXELS];
+    static double found[3 * PIXELS];
+    scene_read(s, pixels);
+    for (size_t n = 0; n < 3 * PIXELS; n++) {
+        found[n] = (double)pixels[n / 3 * 4 + n % 3];
+        assert_true(isfinite(found[n]) && found[n] >= 0);
+    }
+    return picture_error_of(found, v->wanted, PIXELS, v->classes, PIXELS_ELSEWHERE).relative_rms;
+}
+
+/* As many columns as pixels, and more and more slices; then few columns. */
+static void test_froxels(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static seen   v;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    for (int light = 0; light < SCENE_LIGHTS; light++)
+        for (int camera = 0; camera < CAMERAS; camera++) {
+            static const uint32_t sizes[4][3] = {
+                {WIDE, HIGH, 16}, {WIDE, HIGH, 128}, {WIDE, HIGH, 1024}, {WIDE / 8, HIGH / 8, 1024}};
+            double errors[4];
+            see(&s, camera, light, &v);
+            for (int n = 0; n < 4; n++) {
+                rival_froxels *froxels;
+                assert_int_equal(rival_froxels_create(&froxels, s.volumes, sizes[n][0], sizes[n][1], sizes[n][2]), VXS_OK);
+                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+                assert_int_equal(rival_froxels_add(froxels, &v.light, v.map), VXS_OK);
+                errors[n] = frame_error(&s, &v);
+                rival_froxels_destroy(froxels);
+            }
+            if (getenv("VXS_VERBOSE"))
+                print_message("light %d, camera %d: %.4f %.4f %.5f; few columns %.3f\n", light, camera, errors[0], errors[1],
+                              errors[2], errors[3]);
+            assert_true(errors[2] < 2e-2 && errors[2] < 0.06 * errors[0]); /* first order */
+            assert_true(errors[3] > 3 * errors[2]);
+            if (light == SCENE_SUN && camera != 1) assert_true(errors[0] < 0.016); /* pixels read between slices */
+            vxs_light_map_destroy(v.map);
+        }
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
+}
+
+/* Each pixel by itself, in more and more slices of more bins; then between samples, many and few. */
+static void test_slices(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static seen   v;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    for (int light = 0; light < SCENE_LIGHTS; light++)
+        for (int camera = 0; camera < CAMERAS; camera++) {
+            static const uint32_t sizes[5][3] = {{64, 128, 0}, {256, 512, 0}, {1024, 2048, 0}, {512, 512, 128}, {32, 512, 16}};
+            double                errors[5];
+            see(&s, camera, light, &v);
+            for (int n = 0; n < 5; n++) {
+                rival_slices *slices;
+                assert_int_equal(rival_slices_create(&slices, s.volumes, sizes[n][0], sizes[n][1], sizes[n][2]), VXS_OK);
+                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+                assert_int_equal(rival_slices_add(slices, &v.light, v.map), VXS_OK);
+                errors[n] = frame_error(&s, &v);
+                rival_slices_destroy(slices);
+            }
+            if (getenv("VXS_VERBOSE"))
+                print_message("light %d, camera %d: %.4f %.4f %.5f; samples: many %.4f, few %.3f\n", light, camera, errors[0],
+                              errors[1], errors[2], errors[3], errors[4]);
+            assert_true(errors[2] < 2e-3 && errors[2] < 0.12 * errors[0]);
+            assert_true(errors[3] < 1e-2 && errors[4] > 10 * errors[2]);
+            if (light == SCENE_SUN && camera != 1)
+                assert_true(errors[4] < 0.03); /* pixels before what samples see walk themselves */
+            vxs_light_map_destroy(v.map);
+        }
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
+}
+
+/* A tree says no more than its leaves: the same picture bin by bin, wherever a lamp is nearest to a ray. */
+static void test_slices_tree(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static seen   v;
+    static float  pixels[2][4 * PIXELS];
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    for (int light = 0; light < SCENE_LIGHTS; light++)
+        for (int camera = 0; camera < CAMERAS; camera++) {
+            rival_slices *slices;
+            double        most = 0, largest = 0;
+            see(&s, camera, light, &v);
+            assert_int_equal(rival_slices_create(&slices, s.volumes, 64, 1024, 0), VXS_OK);
+            for (int flat = 0; flat < 2; flat++) {
+                rival_slices_set_flat(slices, flat);
+                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+                assert_int_equal(rival_slices_add(slices, &v.light, v.map), VXS_OK);
+                scene_read(&s, pixels[flat]);
+            }
+            for (size_t n = 0; n < 4 * PIXELS; n++) {
+                most    = fmax(most, fabs((double)pixels[0][n] - (double)pixels[1][n]));
+                largest = fmax(largest, (double)pixels[1][n]);
+            }
+            if (getenv("VXS_VERBOSE")) print_message("light %d, camera %d: %.1e\n", light, camera, most / largest);
+            assert_true(most < 1e-6 * largest);
+            rival_slices_destroy(slices);
+            vxs_light_map_destroy(v.map);
+        }
+    scene_close(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_froxels),
+        cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_slices_tree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

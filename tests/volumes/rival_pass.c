@@ -1,0 +1,28 @@
+/* A pass of a rival; see rival_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tests/volumes/rival_pass.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+gl_name rival_program(const vxs_volumes *v, const char *names, embedded body)
+{
+    size_t size = (size_t)(body.end - body.begin);
+    char  *text = malloc(size + 1);
+    if (!text) abort();
+    memcpy(text, body.begin, size);
+    text[size]      = 0;
+    gl_name program = vxs_volumes_compute(v, names, text);
+    free(text);
+    return program;
+}
+
+void rival_run(vxs_volumes *v, gl_name program, const vxs_light_map *map, gl_name image, gl_enum format, uint32_t x, uint32_t y,
+               uint32_t z)
+{
+    volumes_kept kept = vxs_volumes_use(v, program, vxs_light_map_texture(map), v->airlight, GL_FORMAT_RGBA32F);
+    v->api.BindImageTexture(RIVAL_IMAGE, image, 0, 1, 0, GL_ACCESS_READ_WRITE, format);
+    v->api.DispatchCompute(x, y, z);
+    v->api.BindImageTexture(RIVAL_IMAGE, 0, 0, 0, 0, GL_ACCESS_READ_WRITE, format);
+    vxs_volumes_put_back(v, &kept);
+}
