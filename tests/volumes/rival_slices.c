@@ -10,13 +10,17 @@
 
 EMBEDDED(rival_slices_glsl)
 
-enum { FILL, TREE, SAMPLE, SHOW, PROGRAMS };
+enum { FILL, TREE, SAMPLE, SHOW, SUM, SHOW_MOMENTS, PROGRAMS };
+
+static const char *const names[PROGRAMS] = {"#define FILL\n", "#define TREE\n", "#define SAMPLE\n",
+                                            "#define SHOW\n", "#define SUM\n",  "#define SHOW_MOMENTS\n"};
 
 /* As the shader has it, std140. */
 typedef struct slices_block {
     float axis[4], up[4],
         across
-            [4]; /* of the slices' frame: toward the light, theta = 0, theta = pi / 2; axis[3]: metres to the light; across[3]: 1 where there is no tree */
+            [4]; /* of the slices' frame: toward the light, theta = 0, theta = pi / 2; axis[3]: metres to the light; up[3]: parts of
+                      a ray that ask moments; across[3]: 1 where there is no tree */
     float theta, theta_range, alpha, alpha_range;
     float bin_range, slices, bins, samples; /* the first: of phi, or metres; from 0 on */
     float depth_from_point[16];             /* of the view, by columns */
@@ -25,15 +29,14 @@ typedef struct slices_block {
 struct rival_slices {
     vxs_volumes *v;
     slices_block block;
-    gl_name      tree, airlight, buffer, programs[PROGRAMS];
+    gl_name      tree, airlight, moments, buffer, programs[PROGRAMS];
 };
 
 vxs_result rival_slices_create(rival_slices **out, vxs_volumes *v, uint32_t slices, uint32_t bins, uint32_t samples)
 {
-    static const char *const names[PROGRAMS] = {"#define FILL\n", "#define TREE\n", "#define SAMPLE\n", "#define SHOW\n"};
-    rival_slices            *s               = calloc(1, sizeof *s);
-    vxs_result               result          = VXS_OK;
-    *out                                     = NULL;
+    rival_slices *s      = calloc(1, sizeof *s);
+    vxs_result    result = VXS_OK;
+    *out                 = NULL;
     if (!s) return VXS_E_MEMORY;
     s->v             = v;
     s->block.slices  = (float)slices;
@@ -44,7 +47,7 @@ vxs_result rival_slices_create(rival_slices **out, vxs_volumes *v, uint32_t slic
     if (!s->tree || !s->airlight) result = VXS_E_MEMORY;
     v->api.CreateBuffers(1, &s->buffer);
     v->api.NamedBufferStorage(s->buffer, sizeof s->block, NULL, GL_STORAGE_DYNAMIC);
-    for (int n = 0; n < PROGRAMS && result == VXS_OK; n++)
+    for (int n = 0; n < SUM && result == VXS_OK; n++)
         if (!(s->programs[n] = rival_program(v, names[n], rival_slices_glsl))) result = VXS_E_GL;
     if (result == VXS_OK)
         *out = s;
@@ -58,6 +61,7 @@ void rival_slices_destroy(rival_slices *s)
     if (!s) return;
     if (s->tree) s->v->api.DeleteTextures(1, &s->tree);
     if (s->airlight) s->v->api.DeleteTextures(1, &s->airlight);
+    if (s->moments) s->v->api.DeleteTextures(1, &s->moments);
     if (s->buffer) s->v->api.DeleteBuffers(1, &s->buffer);
     for (int n = 0; n < PROGRAMS; n++)
         if (s->programs[n]) s->v->api.DeleteProgram(s->programs[n]);
@@ -165,10 +169,21 @@ void rival_slices_set_flat(rival_slices *s, int flat)
     s->block.across[3] = flat ? 1 : 0;
 }
 
+vxs_result rival_slices_set_moments(rival_slices *s, uint32_t parts)
+{
+    s->block.up[3] = (float)parts;
+    if (!parts || s->moments) return VXS_OK;
+    for (int n = SUM; n < PROGRAMS; n++)
+        if (!s->programs[n] && !(s->programs[n] = rival_program(s->v, names[n], rival_slices_glsl))) return VXS_E_GL;
+    s->moments = vxs_volumes_texture(s->v, GL_FORMAT_RGBA32F, (uint32_t)s->block.bins + 1, (uint32_t)s->block.slices, 1);
+    return s->moments ? VXS_OK : VXS_E_MEMORY;
+}
+
 static void run(rival_slices *s, int program, const vxs_light_map *map, gl_name image, uint32_t x, uint32_t y)
 {
     s->v->api.BindBufferBase(GL_TARGET_UNIFORM_BUFFER, RIVAL_BLOCK, s->buffer);
-    s->v->api.BindImageTexture(RIVAL_IMAGE + 1, s->airlight, 0, 1, 0, GL_ACCESS_READ_WRITE, GL_FORMAT_RGBA32F);
+    s->v->api.BindImageTexture(RIVAL_IMAGE + 1, program >= SUM ? s->moments : s->airlight, 0, 1, 0, GL_ACCESS_READ_WRITE,
+                               GL_FORMAT_RGBA32F);
     rival_run(s->v, s->programs[program], map, image, RIVAL_FORMAT_RG32F, x, y, 1);
 }
 
@@ -189,6 +204,11 @@ vxs_result rival_slices_add(rival_slices *s, const vxs_volumes_light *light, con
 
     uint32_t slices = (uint32_t)b->slices, wide = (uint32_t)v->frame.wide_px, high = (uint32_t)v->frame.high_px;
     run(s, FILL, map, s->tree, rival_groups((uint32_t)b->bins, 64), slices);
+    if (b->up[3] > 0) {
+        run(s, SUM, map, s->tree, rival_groups(slices, 64), 1);
+        run(s, SHOW_MOMENTS, map, s->tree, rival_groups(wide, 64), high);
+        return VXS_OK;
+    }
     run(s, TREE, map, s->tree, 1, slices);
     if (b->samples > 0) run(s, SAMPLE, map, s->tree, rival_groups((uint32_t)b->samples, 64), slices);
     run(s, SHOW, map, s->tree, rival_groups(wide, 64), high);

@@ -1,12 +1,12 @@
 /* Epipolar slices: FILL finds where shadow begins in each bin of each slice; TREE the least and most of 2, 4, 8... of them; SAMPLE airlight at
- * each angle of each slice; SHOW each pixel's, between them.
+ * each angle of each slice; SHOW each pixel's, between them. Or SUM adds up moments of angles, and SHOW_MOMENTS asks these.
  *
  *     tree, a row for a slice:  | bins ...            | bins / 2 ... | bins / 4 ... | ... |    .r least, .g most
  */
 layout(local_size_x = 64) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 layout(rg32f, binding = 1) uniform coherent image2DArray tree;
-layout(rgba32f, binding = 2) uniform restrict image2DArray samples; /* .a: the metres that it is for */
+layout(rgba32f, binding = 2) uniform restrict image2DArray samples; /* .a: the metres that it is for; or sums of moments, of bins before one */
 
 layout(std140, binding = 1) uniform slices_block {
     vec4 axis, up, across;
@@ -75,7 +75,7 @@ void main()
 }
 #endif
 
-#if defined(SAMPLE) || defined(SHOW)
+#if defined(SAMPLE) || defined(SHOW) || defined(SHOW_MOMENTS)
 /* An eye ray in its slice: x metres along it, how far along the light's ray there, and in which bin. */
 struct slice_ray {
     float sine, cosine, to_light; /* of alpha */
@@ -195,5 +195,83 @@ void main()
     }
     vec3 air = sum.a > 0.2 ? sum.rgb / sum.a : walk_towards(direction, metres, clamp(int(round(slice)), 0, size.y - 1));
     imageStore(airlight, pixel, imageLoad(airlight, pixel) + vec4(air * vxs_frame.colour.rgb, 0.0));
+}
+#endif
+
+/* An angle at the eye in the view's range as [-1, 1]. Shadow only begins farther from the axis. */
+float moment_place(float alpha)
+{
+    return clamp(2.0 * (alpha - slices.angles.z) / slices.angles.w - 1.0, -1.0, 1.0);
+}
+
+#ifdef SUM
+void main()
+{
+    int  slice = int(gl_GlobalInvocationID.x), bins = int(slices.sizes.z);
+    vec4 sum   = vec4(0.0);
+    if (slice >= int(slices.sizes.y)) return;
+    imageStore(samples, ivec3(0, slice, 0), sum);
+    for (int n = 0; n < bins; n++) {
+        float bin = (float(n) + 0.5) / slices.sizes.z * slices.sizes.x, first = imageLoad(tree, ivec3(n, slice, 0)).r, z = 1.0;
+        if (first < VXS_NO_END)
+            z = moment_place(is_sun() ? atan(bin, -first) : atan(first * sin(bin), slices.axis.w - first * cos(bin)));
+        sum += vec4(z, z * z, z * z * z, z * z * z * z);
+        imageStore(samples, ivec3(n + 1, slice, 0), sum);
+    }
+}
+#endif
+
+#ifdef SHOW_MOMENTS
+/* What part of a distribution on [-1, 1] lies above z, by its first four moments: of the distribution of three values that has them and has z among
+ * them, all that is above, and half of what is at z: the middle of the least and the most that it can be. The other two values are roots of
+ * the kernel polynomial of the moments; it and the weights are from the matrix of moments, as L D L^T. */
+float part_above(vec4 moments, float z)
+{
+    const float BIAS = 3e-6; /* toward a distribution that is no single value, as far as floats need it */
+    vec4  b   = mix(moments, vec4(0.0, 0.375, 0.0, 0.375), BIAS);
+    float d1  = max(b.y - b.x * b.x, 1e-9), l = (b.z - b.x * b.y) / d1, d2 = max(b.w - b.y * b.y - l * l * d1, 1e-12);
+    float y1  = z - b.x, y2 = (z * z - b.y - l * y1) / d2; /* forward, then back */
+    float c2  = y2, c1 = y1 / d1 - l * c2, c0 = 1.0 - b.x * c1 - b.y * c2;
+    float own = 1.0 / max(c0 + z * (c1 + z * c2), 1e-9);
+    if (abs(c2) < 1e-9) return 1.0 - 0.5 * own;
+    float half_sum = -0.5 * c1 / c2, root = sqrt(max(half_sum * half_sum - c0 / c2, 0.0));
+    float low = half_sum - root, high = half_sum + root;
+    float other = (b.y - b.x * (z + low) + z * low) / ((high - z) * (high - low)); /* the weight of `high` */
+    float above = 0.5 * own;
+    if (high > z) above += clamp(other, 0.0, 1.0);
+    if (low > z) above += clamp(1.0 - own - other, 0.0, 1.0);
+    return clamp(above, 0.0, 1.0);
+}
+
+vec4 sum_before(float bin, int slice)
+{
+    int n = int(floor(bin));
+    return mix(imageLoad(samples, ivec3(n, slice, 0)), imageLoad(samples, ivec3(min(n + 1, int(slices.sizes.z)), slice, 0)),
+               bin - float(n));
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    float metres;
+    if (pixel.x >= int(vxs_frame.sizes.x)) return;
+    vec3         direction = vxs_eye_ray(pixel, metres), sum = vec3(0.0), air;
+    vxs_air_path path      = vxs_eye_path(direction, metres);
+    if (!(path.end > path.begin)) return;
+    vxs_medium medium = vxs_frame_medium();
+    slice_ray  ray    = slice_ray(length(cross(direction, slices.axis.xyz)), dot(direction, slices.axis.xyz), slices.axis.w);
+    float turned = mod(atan(dot(direction, slices.across.xyz), dot(direction, slices.up.xyz)) - slices.angles.x, 6.283185307);
+    int   slice  = clamp(int(turned / slices.angles.y * slices.sizes.y), 0, int(slices.sizes.y) - 1), parts = int(slices.up.w);
+    float begin = bin_of(ray, path.begin), end = bin_of(ray, path.end), z = moment_place(atan(ray.sine, ray.cosine));
+    float from = path.begin;
+    for (int n = 0; n < parts; n++) {
+        float one = mix(begin, end, float(n) / float(parts)), two = mix(begin, end, float(n + 1) / float(parts));
+        float to  = n + 1 == parts ? path.end : clamp(place_of(ray, two), from, path.end);
+        vec4  all = sum_before(two, slice) - sum_before(one, slice);
+        vxs_air_lit(medium, path, from, to, air);
+        if (two - one > 1e-6) sum += air * part_above(all / (two - one), z);
+        from = to;
+    }
+    imageStore(airlight, pixel, imageLoad(airlight, pixel) + vec4(sum * vxs_frame.colour.rgb, 0.0));
 }
 #endif

@@ -26,6 +26,13 @@ void       rival_slices_destroy(rival_slices *s);
 /* 1: walk bin by bin, as if there were no tree. What it is worth is a question to measure. */
 void rival_slices_set_flat(rival_slices *s, int flat);
 
+/* Prefiltered moments: instead of walking, a ray asks what part of its bins is lit, of four moments of the angles at which shadow begins, summed
+ * along each slice; their bounds for four moments, and the middle between these. So often along a ray; 0: it walks.
+ * Source: Klehm, Seidel, Eisemann, Prefiltered Single Scattering, I3D 2014; Peters et al., Improved Moment Shadow Maps for Translucent Occluders,
+ * Soft Shadows and Single Scattering, JCGT 2017.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_GL */
+vxs_result rival_slices_set_moments(rival_slices *s, uint32_t parts);
+
 /* Add a light's airlight to the frame, as vxs_volumes_march does. A sun's map that is bounded is taken for one that is not. */
 vxs_result rival_slices_add(rival_slices *s, const vxs_volumes_light *light, const vxs_light_map *map);
 
