@@ -1,5 +1,5 @@
-/* Airlight of a lamp along a part of an eye ray from a table: two places of it and an exponential for each colour channel, where the
- * quadrature of vxs_air.h takes up to a hundred. One text for C99, C++ and GLSL, that stands on vxs_air.h.
+/* Airlight of a lamp along a part of an eye ray from a table: two places of it and an exponential for each colour channel, where
+ * the quadrature of vxs_air.h takes up to a hundred. One text for C99, C++ and GLSL, that stands on vxs_air.h.
  *
  *     vxs_air_table_fill   make the table of a phase function; C and C++
  *     vxs_air_table_lamp   as vxs_air_lamp
@@ -9,21 +9,24 @@
  *
  *     H(u, T) = Int[T..inf] s(t) exp(-u (t - T) / k) / (1 + t^2) dt        s(t) = sqrt((1 + t^2 / k^2) / (1 + t^2))
  *
- * times what is lost until there; a segment is the difference of two such tails. They fall to nothing behind the lamp and in dense air, too
- * fast for a table. So the table holds H over a formula that falls as they do and is within a factor of two, which leaves something smooth:
+ * times what is lost until there; a segment is the difference of two such tails. They fall to nothing behind the lamp and in dense
+ * air, too fast for a table. So the table holds H over a formula that falls as they do and is within a factor of two, which leaves
+ * something smooth:
  *
  *     c s(T + m) (z + p) / (z^2 + (p + 2) z + p)     c = cos b, z = u / (k c), m = 0.7 / (u / k + 1 / (1 + T)), p = 1.1
  *
- * The fraction is (1 + z)^-1 made better, of the exponential integral exp(z) E_2(z), which the tail is far behind the lamp; s is asked where the tail
- * has its middle.
+ * The fraction is (1 + z)^-1 made better, of the exponential integral exp(z) E_2(z), which the tail is far behind the lamp; s is
+ * asked where the tail has its middle.
  *
- *           x ->  0            u             1       x = (z / (1 + z) + z' / (1 + z')) / 2, z' = u / cos t, tan t = T / k = d / h
+ *           x ->  0            u             1       x^2 = (z / (1 + z) + z' / (1 + z')) / 2,
+ *                                                    z' = u / cos t, tan t = T / k = d / h
  *      y   0  begins far before the lamp             y = (b + t) / pi
  *      |      ...
- *      v   1  begins far behind it                   both have as much room for d = h / k as for d = h: there phase and distance change
+ *      v   1  begins far behind it                   both have as much room for d = h / k as for d = h,
+ *                                                    where phase and distance change
  *
- * A difference of tails that are nearly equal says little: where one leaves more than VXS_AIR_TABLE_MOST of the other, and in the rims of spot
- * lights, the quadrature is asked instead. Errors and times: docs/volumes.md.
+ * A difference of tails that are nearly equal says little: where one leaves more than VXS_AIR_TABLE_MOST of the other, and in the
+ * rims of spot lights, the quadrature is asked instead. Errors and times: docs/volumes.md.
  * Source: [Sun 2005] tabulates such an integral from the lamp on, of even scattering, without the formula; scaled tails are ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_TABLE_H
@@ -33,7 +36,7 @@
 #include "vxs_air.h"
 #endif
 
-/* A shader's table is a texture of side x side R32F texels, filtered linearly and clamped to its edges; or what the includer says. */
+/* A shader's table is a texture of side x side R32F texels, filtered linearly, clamped to edges; or what the includer says. */
 #ifdef VXS_C
 typedef struct vxs_air_table vxs_air_table;
 struct vxs_air_table {
@@ -88,8 +91,10 @@ VXS_FN vxs_real vxs_air_table_scale(vxs_real k, vxs_real u, vxs_real tangent)
     return c * s * ((z + 1.1) / (z * (z + 3.1) + 1.1));
 }
 
-/* Add the airlight of [begin, begin + length), all within a spot light's inner cone, but for what does not depend on it: as vxs_air_add.
- * most  where the tail at the end is more of that at the begin, the difference says little: nothing is added, and 0 is returned; else 1 */
+/* Add the airlight of [begin, begin + length), all within a spot light's inner cone, but for what does not depend on it: as
+ * vxs_air_add.
+ * most  where the tail at the end is more of that at the begin, the difference says little: nothing is added, and 0 is returned;
+ *       else 1 */
 VXS_FN vxs_i32 vxs_air_table_add(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length,
                                  vxs_real most, VXS_INOUT vxs_real3 sum)
 {
@@ -129,8 +134,8 @@ VXS_FN void vxs_air_table_lamp(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_R
     vxs_air_finish(medium, ray, airlight);
 }
 
-/* The airlight of [0, metres), of a point light, to an error relative to that of the whole ray and not to its own: for sums of such terms, as
- * light meshes are. No quadrature, and no branch. */
+/* The airlight of [0, metres), of a point light, to an error relative to that of the whole ray and not to its own: for sums of such
+ * terms, as light meshes are. No quadrature, and no branch. */
 VXS_FN void vxs_air_table_until(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real metres,
                                 VXS_OUT vxs_real3 airlight)
 {

@@ -99,8 +99,8 @@ typedef struct errors {
     uint32_t count, large; /* channels; those with an error of 1e-3 and more */
 } errors;
 
-/* Errors of what a spot light adds count relative to a hundredth of what a point light would, where that is more: a ray that grazes its cone
- * sees nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
+/* Errors of what a spot light adds count relative to a hundredth of what a point light would, where that is more: a ray that grazes
+ * its cone sees nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
 static inline void count_errors(errors *e, const question *q, const double found[3])
 {
     double   wanted[3], all[3] = {0}, from_lamp[3], way;

@@ -1,5 +1,5 @@
-/* The reference of light in the air (tests/volumes/): each oracle of visibility against formulas or brute force of its own, airlight between
- * lit ends against closed forms, and that nothing changes when it is asked twice as finely.
+/* The reference of light in the air (tests/volumes/): each oracle of visibility against formulas or brute force of its own,
+ * airlight between lit ends against closed forms, and that nothing changes when it is asked twice as finely.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mesh_sample.h"
 #include "random_lamp.h"
@@ -46,7 +46,7 @@ static void check_ordered(const lit_parts *parts, const eye_ray *ray)
     }
 }
 
-/* T0: spheres --------------------------------------------------------------------------------------------------------------------- */
+/* T0: spheres --------------------------------------------------------------------------------------------------------- */
 
 enum { SPHERES = 6 };
 
@@ -204,7 +204,7 @@ static void test_traced_spheres(void **state)
     lit_parts_free(&wanted);
 }
 
-/* T0: Embree ---------------------------------------------------------------------------------------------------------------------- */
+/* T0: Embree ---------------------------------------------------------------------------------------------------------- */
 
 typedef struct brute {
     const scene *s;
@@ -271,7 +271,7 @@ static void test_traced_scene(void **state)
     sample_clear(&b);
 }
 
-/* T1: texels ---------------------------------------------------------------------------------------------------------------------- */
+/* T1: texels ---------------------------------------------------------------------------------------------------------- */
 
 /* A map of random depths, some without end; of a sun or of a lamp. */
 typedef struct random_map {
@@ -356,7 +356,7 @@ static void test_map_parts(void **state)
     lit_parts_free(&lit);
 }
 
-/* T2: meshes ---------------------------------------------------------------------------------------------------------------------- */
+/* T2: meshes ---------------------------------------------------------------------------------------------------------- */
 
 static void add_quad(double (*triangles)[3][3], size_t *count, const double corners[4][3])
 {
@@ -382,8 +382,8 @@ static void add_column(double (*triangles)[3][3], size_t *count, double x, doubl
     }
 }
 
-/* Columns of light as boxes are a mesh of the map that is exact: both oracles agree. Faces between neighbours are there twice and cancel; some rays
- * run along them, and through corners. */
+/* Columns of light as boxes are a mesh of the map that is exact: both oracles agree. Faces between neighbours are there twice and
+ * cancel; some rays run along them, and through corners. */
 static void test_mesh_is_map(void **state)
 {
     (void)state;
@@ -432,7 +432,8 @@ static void test_mesh_is_map(void **state)
     lit_parts_free(&mapped);
 }
 
-/* A ball of triangles about the eye: whichever way it looks, and at edges and corners of all, it is inside once; and outside not at all. */
+/* A ball of triangles about the eye: whichever way it looks, and at edges and corners of all, it is inside once; and outside not at
+ * all. */
 static void test_mesh_is_tight(void **state)
 {
     (void)state;
@@ -465,7 +466,7 @@ static void test_mesh_is_tight(void **state)
     sample_clear(&b);
 }
 
-/* airlight ------------------------------------------------------------------------------------------------------------------------ */
+/* airlight ------------------------------------------------------------------------------------------------------------ */
 
 static void all_lit(const void *nobody, const eye_ray *ray, lit_parts *parts)
 {
@@ -499,8 +500,8 @@ static vxs_medium random_medium(rng *r)
     return m;
 }
 
-/* Without shadows it is what the library's closed forms say, of which range, cone and fog are cut in other ways; a light that is lit in two
- * parts has their sum. */
+/* Without shadows it is what the library's closed forms say, of which range, cone and fog are cut in other ways; a light that is
+ * lit in two parts has their sum. */
 static void test_airlight(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
 /* Airlight as it is said, by adaptive quadrature in double: what runtime/volumes is held against. It shares no line with it.
  *
- * Of lamps the integrand phase(cosine) * exp(-extinction * way) / r^2 is asked place by place along a ray, in pieces between places where it
- * may change fast; of the sun phase * exp(-extinction * way). Metres; for an intensity or irradiance and a scattering of 1.
+ * Of lamps the integrand phase(cosine) * exp(-extinction * way) / r^2 is asked place by place along a ray, in pieces between places
+ * where it may change fast; of the sun phase * exp(-extinction * way). Metres; for an intensity or irradiance
+ * and a scattering of 1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef AIRLIGHT_H
 #define AIRLIGHT_H

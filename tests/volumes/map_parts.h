@@ -1,5 +1,5 @@
-/* Oracle T1: lit parts of a ray by the texels of a light map ("where shadow begins on the light ray through a texel's centre"), each of which the
- * ray crosses: in double, and without any stepping. All planes between texels are cut with the ray, and sorted.
+/* Oracle T1: lit parts of a ray by the texels of a light map ("where shadow begins on the light ray through a texel's centre"),
+ * each of which the ray crosses: in double, and without any stepping. All planes between texels are cut with the ray, and sorted.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MAP_PARTS_H
 #define MAP_PARTS_H

@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Pixels are counted apart: those within EPIPOLE_RADII radii of a lamp that is seen, beside the ray, where airlight is largest and sharpest. */
+/* Pixels are counted apart: those within EPIPOLE_RADII radii of a lamp that is seen, beside the ray, where airlight is largest and
+ * sharpest. */
 typedef enum pixel_class { PIXELS_ELSEWHERE, PIXELS_EPIPOLE, PIXEL_CLASSES } pixel_class;
 
 #define EPIPOLE_RADII 4.0

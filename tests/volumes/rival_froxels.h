@@ -1,5 +1,5 @@
-/* A rival: froxels. Airlight from the eye on, in a grid of columns of the view and slices of distance, one question to the light map a cell; pixels
- * read it between cells.
+/* A rival: froxels. Airlight from the eye on, in a grid of columns of the view and slices of distance, one question to the light
+ * map a cell; pixels read it between cells.
  * Source: Wronski, Volumetric fog, SIGGRAPH 2014 courses; as engines have it, without what they gather over frames.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RIVAL_FROXELS_H

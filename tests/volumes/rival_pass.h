@@ -1,5 +1,6 @@
-/* A pass of a rival: techniques that others use for shadows in fog, beside those of libvxs_volumes and in its frames, so that what they are given is
- * the same: the eye's rays, the medium, the light and its map. They stand on the library's inside, and are no part of it.
+/* A pass of a rival: techniques that others use for shadows in fog, beside those of libvxs_volumes and in its frames, so that what
+ * they are given is the same: the eye's rays, the medium, the light and its map. They stand on the library's inside, and are no
+ * part of it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef RIVAL_PASS_H
 #define RIVAL_PASS_H

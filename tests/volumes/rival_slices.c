@@ -127,7 +127,7 @@ static void set_axis(slices_block *b, const frame_block *f, double axis[3], doub
     vec3_cross(axis, up, across);
 }
 
-/* Which angles the view has, by its border: where that goes around the axis or its other end, all theta, and alpha from 0 or to pi. */
+/* Which angles the view has, by its border: where that goes around the axis or its other end, all theta, alpha from 0 or to pi. */
 static void set_range(slices_block *b, const frame_block *f, const double axis[3], const double up[3], const double across[3])
 {
     enum { STEPS = 256 };

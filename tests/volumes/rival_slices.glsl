@@ -1,12 +1,13 @@
-/* Epipolar slices: FILL finds where shadow begins in each bin of each slice; TREE the least and most of 2, 4, 8... of them; SAMPLE airlight at
- * each angle of each slice; SHOW each pixel's, between them. Or SUM adds up moments of angles, and SHOW_MOMENTS asks these.
+/* Epipolar slices: FILL finds where shadow begins in each bin of each slice; TREE the least and most of 2, 4, 8... of them; SAMPLE
+ * airlight at each angle of each slice; SHOW each pixel's, between them. Or SUM adds up moments of angles, and SHOW_MOMENTS asks
+ * these.
  *
  *     tree, a row for a slice:  | bins ...            | bins / 2 ... | bins / 4 ... | ... |    .r least, .g most
  */
 layout(local_size_x = 64) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 layout(rg32f, binding = 1) uniform coherent image2DArray tree;
-layout(rgba32f, binding = 2) uniform restrict image2DArray samples; /* .a: the metres that it is for; or sums of moments, of bins before one */
+layout(rgba32f, binding = 2) uniform restrict image2DArray samples; /* .a: its metres; or moments of the bins before one */
 
 layout(std140, binding = 1) uniform slices_block {
     vec4 axis, up, across;
@@ -102,7 +103,8 @@ float way_of(slice_ray ray, float x)
     return length(vec2(ray.sine * x, ray.to_light - ray.cosine * x));
 }
 
-/* 1 when all of a node is lit along the ray, -1 when none, 0 when nothing is said. A way to a lamp is least where the ray is nearest to it. */
+/* 1 when all of a node is lit along the ray, -1 when none, 0 when nothing is said. A way to a lamp is least where the ray is
+ * nearest to it. */
 int node_lit(slice_ray ray, int slice, int level, int node, float begin, float end)
 {
     vec2  first = imageLoad(tree, ivec3(level_begin(level) + node, slice, 0)).rg;
@@ -112,13 +114,14 @@ int node_lit(slice_ray ray, int slice, int level, int node, float begin, float e
     return max(one, two) < first.r ? 1 : least >= first.g ? -1 : 0;
 }
 
-/* Airlight of the path, by the bins of a slice: nodes as large as they can be, from the eye on; what is lit in one piece is added in one. */
+/* Airlight of the path, by the bins of a slice: nodes as large as they can be, from the eye on; what is lit in one piece is added
+ * in one. */
 vec3 walk(vxs_medium medium, vxs_air_path path, slice_ray ray, int slice)
 {
     vec3  sum = vec3(0.0), air;
-    int   last_level = slices.across.w > 0.0 ? 0 : findMSB(int(slices.sizes.z)), bin, last = min(int(bin_of(ray, path.end)), int(slices.sizes.z) - 1), level = 0;
+    int   bins = int(slices.sizes.z), last_level = slices.across.w > 0.0 ? 0 : findMSB(bins), level = 0;
+    int   last = min(int(bin_of(ray, path.end)), bins - 1), bin = min(int(bin_of(ray, path.begin)), last);
     float at = path.begin, lit_from = -1.0;
-    bin = min(int(bin_of(ray, path.begin)), last);
     while (bin <= last) {
         while (level < last_level && (bin & ((2 << level) - 1)) == 0 && bin + (2 << level) <= last + 1) level++;
         while (level > 0 && ((bin & ((1 << level) - 1)) != 0 || bin + (1 << level) > last + 1)) level--;
@@ -182,7 +185,8 @@ void main()
     vec3  direction = vxs_eye_ray(pixel, metres);
     float u = dot(direction, slices.up.xyz), v = dot(direction, slices.across.xyz);
     float turned = mod(atan(v, u) - slices.angles.x, 6.283185307), slice = turned / slices.angles.y * slices.sizes.y - 0.5;
-    float at  = (atan(length(vec2(u, v)), dot(direction, slices.axis.xyz)) - slices.angles.z) / slices.angles.w * slices.sizes.w - 0.5;
+    float alpha = atan(length(vec2(u, v)), dot(direction, slices.axis.xyz));
+    float at    = (alpha - slices.angles.z) / slices.angles.w * slices.sizes.w - 0.5;
     vec4  sum = vec4(0.0);
     ivec2 first = ivec2(floor(vec2(at, slice)));
     for (int n = 0; n < 4 && size.x > 0; n++) { /* the four samples about it, where they end near the pixel's own place */
@@ -222,9 +226,9 @@ void main()
 #endif
 
 #ifdef SHOW_MOMENTS
-/* What part of a distribution on [-1, 1] lies above z, by its first four moments: of the distribution of three values that has them and has z among
- * them, all that is above, and half of what is at z: the middle of the least and the most that it can be. The other two values are roots of
- * the kernel polynomial of the moments; it and the weights are from the matrix of moments, as L D L^T. */
+/* What part of a distribution on [-1, 1] lies above z, by its first four moments: of the distribution of three values that has them
+ * and has z among them, all that is above, and half of what is at z: the middle of the least and the most that it can be. The other
+ * two values are roots of the kernel polynomial of the moments; it and the weights are from the matrix of moments, as L D L^T. */
 float part_above(vec4 moments, float z)
 {
     const float BIAS = 3e-6; /* toward a distribution that is no single value, as far as floats need it */
