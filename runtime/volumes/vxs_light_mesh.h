@@ -1,0 +1,222 @@
+/* The mesh about what a light reaches: which vertices its triangles have, and where they lie. One text for C99, C++ and GLSL, that stands on
+ * vxs_space.h.
+ *
+ *     vxs_mesh_triangles   how many triangles there are with a quad for every texel
+ *     vxs_mesh_corner      the vertex at a corner of one of them
+ *     vxs_mesh_texel       the texel of the light's map that says how deep a vertex is
+ *     vxs_mesh_place       where in light space it is, then
+ *
+ * A light map says where shadow begins on the light ray through each texel's middle. A grid of side + 1 by side + 1 vertices is displaced to these
+ * depths. All of them lie on the rays through texels' middles but the outermost, which lie on the border, so that the grid covers all of a map and has a
+ * power of two of quads:
+ *
+ *     0   1   2   3   4     vertices of a map of 4 texels
+ *     |---:-|---:-|-:---:|
+ *     texel 0  1    2   3
+ *
+ * What closes it:
+ *
+ *     spot        the border is joined to the light: four walls of triangles that end there
+ *     six maps    nothing: they meet in the edges of the cube, inside the border that each of them has. Vertices beyond an edge fall together
+ *                 in it, and how deep an edge is, is asked of one of the faces that meet there
+ *     sun         what is beside the map is lit. So the mesh is that of the shadow below the grid, with four walls and a far side, turned inside
+ *                 out, and of a box about everything
+ *
+ * Normals point out of what is lit, where light space is right-handed.
+ * Source: [PLV10] 4, [McC00] for the displaced grid; vertices on borders and edges, and the sun's, are ours.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_LIGHT_MESH_H
+#define VXS_LIGHT_MESH_H
+
+#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#include "vxs_space.h"
+#endif
+
+#ifdef VXS_C
+typedef struct vxs_mesh_shape  vxs_mesh_shape;
+typedef struct vxs_mesh_vertex vxs_mesh_vertex;
+#define VXS_MESH const vxs_mesh_shape *
+#else
+#define VXS_MESH vxs_mesh_shape
+#endif
+
+/* How a light's map lies, and where what is lit ends in any case. */
+struct vxs_mesh_shape {
+    vxs_i32   side, layers;        /* texels of the map; 1 or 6 */
+    vxs_i32   is_sun;              /* 0 or 1 */
+    vxs_i32   first, last;         /* texels in which the grid begins and ends */
+    vxs_real  low, high;           /* where it does, in texels: 0 and side; of six maps, the edges of the cube */
+    vxs_real  texel;               /* of suns, texels of the baked map; of lamps, metres at one metre along the axis */
+    vxs_real  least, reach;        /* depths are held between these; where light does not end, it ends at the second */
+    vxs_real3 box_low, box_high;   /* of suns, the box about everything, in light space */
+};
+
+/* A vertex of the grid; or, where layer is -1, number i of those that are beside it: 0 to 3 where walls end, 4 to 11 of the sun's box. */
+struct vxs_mesh_vertex {
+    vxs_i32 layer, i, j;
+};
+
+/* -1, 1: vertex i of a row is at the low or the high end of it; 0: between. */
+VXS_FN vxs_i32 vxs_mesh_end(VXS_MESH shape, vxs_i32 i)
+{
+    vxs_real middle = VXS_REAL(i) + 0.5;
+    if (i == 0 || middle <= VXS_FIELD(shape, low)) return -1;
+    return i == VXS_FIELD(shape, side) || middle >= VXS_FIELD(shape, high) ? 1 : 0;
+}
+
+/* Where vertex i of a row is, in texels of the map. */
+VXS_FN vxs_real vxs_mesh_at(VXS_MESH shape, vxs_i32 i)
+{
+    vxs_i32 end = vxs_mesh_end(shape, i);
+    return end < 0 ? VXS_FIELD(shape, low) : end > 0 ? VXS_FIELD(shape, high) : VXS_REAL(i) + 0.5;
+}
+
+VXS_FN vxs_i32 vxs_mesh_texel_of(VXS_MESH shape, vxs_i32 i)
+{
+    vxs_i32 end = vxs_mesh_end(shape, i);
+    return end < 0 ? VXS_FIELD(shape, first) : end > 0 ? VXS_FIELD(shape, last) : i;
+}
+
+/* The texel that says how deep a vertex of the grid is. In an edge of a cube it is of the face along the first axis of those that meet there.
+ * texel  [out] i, j, layer */
+VXS_FN void vxs_mesh_texel(VXS_MESH shape, vxs_mesh_vertex v, VXS_OUT vxs_int3 texel)
+{
+    vxs_i32 across = vxs_mesh_end(shape, v.i), down = vxs_mesh_end(shape, v.j), face = v.layer;
+    texel[0] = vxs_mesh_texel_of(shape, v.i);
+    texel[1] = vxs_mesh_texel_of(shape, v.j);
+    texel[2] = v.layer;
+    if (VXS_FIELD(shape, layers) == 1 || (across == 0 && down == 0)) return;
+    vxs_int3 end, at; /* along the axes of light space */
+    end[vxs_ls_axis_from_face(face, 0)] = across;
+    end[vxs_ls_axis_from_face(face, 1)] = down;
+    end[face / 2]                       = (face & 1) != 0 ? -1 : 1;
+    at[vxs_ls_axis_from_face(face, 0)]  = texel[0];
+    at[vxs_ls_axis_from_face(face, 1)]  = texel[1];
+    at[face / 2]                        = (face & 1) != 0 ? VXS_FIELD(shape, first) : VXS_FIELD(shape, last);
+    vxs_i32 along                       = end[0] != 0 ? 0 : 1;
+    texel[2]                            = 2 * along + (end[along] < 0 ? 1 : 0);
+    texel[0]                            = at[vxs_ls_axis_from_face(texel[2], 0)];
+    texel[1]                            = at[vxs_ls_axis_from_face(texel[2], 1)];
+}
+
+/* A depth of the map, held where the mesh is; what is no number counts as the least. */
+VXS_FN vxs_real vxs_mesh_depth(VXS_MESH shape, vxs_real depth)
+{
+    if (!(depth > VXS_FIELD(shape, least))) return VXS_FIELD(shape, least);
+    return depth < VXS_FIELD(shape, reach) ? depth : VXS_FIELD(shape, reach);
+}
+
+/* Metres across a lamp's map at one metre along its axis, of vertex i: in the edge of a cube exactly one, so that two faces agree. */
+VXS_FN vxs_real vxs_mesh_across(VXS_MESH shape, vxs_i32 i)
+{
+    vxs_i32 end = vxs_mesh_end(shape, i);
+    if (VXS_FIELD(shape, layers) != 1 && end != 0) return VXS_REAL(end);
+    return (vxs_mesh_at(shape, i) - 0.5 * VXS_REAL(VXS_FIELD(shape, side))) * VXS_FIELD(shape, texel);
+}
+
+/* Where a vertex beside the grid is. */
+VXS_FN void vxs_mesh_place_beside(VXS_MESH shape, vxs_i32 n, VXS_OUT vxs_real3 ls)
+{
+    ls[0] = ls[1] = ls[2] = VXS_REAL(0.0);
+    if (VXS_FIELD(shape, is_sun) == 0) return; /* the light */
+    if (n < 4) {
+        ls[0] = (n == 1 || n == 2 ? VXS_FIELD(shape, high) : VXS_FIELD(shape, low)) * VXS_FIELD(shape, texel);
+        ls[1] = (n >= 2 ? VXS_FIELD(shape, high) : VXS_FIELD(shape, low)) * VXS_FIELD(shape, texel);
+        ls[2] = VXS_FIELD(shape, reach);
+        return;
+    }
+    for (vxs_i32 axis = 0; axis < 3; axis++)
+        ls[axis] = (((n - 4) >> axis) & 1) != 0 ? VXS_FIELD(shape, box_high)[axis] : VXS_FIELD(shape, box_low)[axis];
+}
+
+/* Where a vertex is.
+ * depth  of vxs_mesh_texel in the map; of vertices beside the grid nobody asks
+ * ls     [out] light space */
+VXS_FN void vxs_mesh_place(VXS_MESH shape, vxs_mesh_vertex v, vxs_real depth, VXS_OUT vxs_real3 ls)
+{
+    vxs_real3 turned;
+    vxs_real  z = vxs_mesh_depth(shape, depth);
+    if (v.layer < 0) {
+        vxs_mesh_place_beside(shape, v.i, ls);
+        return;
+    }
+    if (VXS_FIELD(shape, is_sun) != 0) {
+        ls[0] = vxs_mesh_at(shape, v.i) * VXS_FIELD(shape, texel);
+        ls[1] = vxs_mesh_at(shape, v.j) * VXS_FIELD(shape, texel);
+        ls[2] = z;
+        return;
+    }
+    turned[0] = vxs_mesh_across(shape, v.i) * z;
+    turned[1] = vxs_mesh_across(shape, v.j) * z;
+    turned[2] = z;
+    vxs_ls_from_face(VXS_FIELD(shape, layers) == 1 ? 4 : v.layer, turned, ls);
+}
+
+/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+
+#define VXS_MESH_CORNERS_CLOSED 6  /* triangles between where walls end; of a spot light they have no area */
+#define VXS_MESH_BOX            12 /* triangles of the sun's box */
+
+/* Those that close a mesh beside its walls. */
+VXS_FN vxs_i32 vxs_mesh_closing(VXS_MESH shape)
+{
+    if (VXS_FIELD(shape, layers) != 1) return 0;
+    return VXS_FIELD(shape, is_sun) != 0 ? VXS_MESH_CORNERS_CLOSED + VXS_MESH_BOX : VXS_MESH_CORNERS_CLOSED;
+}
+
+VXS_FN vxs_i32 vxs_mesh_triangles(VXS_MESH shape)
+{
+    vxs_i32 side = VXS_FIELD(shape, side), walls = VXS_FIELD(shape, layers) == 1 ? 4 * side : 0;
+    return 2 * side * side * VXS_FIELD(shape, layers) + walls + vxs_mesh_closing(shape);
+}
+
+VXS_FN vxs_mesh_vertex vxs_mesh_vertex_of(vxs_i32 layer, vxs_i32 i, vxs_i32 j)
+{
+    vxs_mesh_vertex v;
+    v.layer = layer;
+    v.i     = i;
+    v.j     = j;
+    return v;
+}
+
+/* Vertex n of the border of the one map, from (0, 0) on along j = 0. */
+VXS_FN vxs_mesh_vertex vxs_mesh_border(VXS_MESH shape, vxs_i32 n)
+{
+    vxs_i32 side = VXS_FIELD(shape, side), wall = (n / side) & 3, way = n % side;
+    if (wall == 0) return vxs_mesh_vertex_of(0, way, 0);
+    if (wall == 1) return vxs_mesh_vertex_of(0, side, way);
+    if (wall == 2) return vxs_mesh_vertex_of(0, side - way, side);
+    return vxs_mesh_vertex_of(0, 0, side - way);
+}
+
+/* A corner, 0 to 2, of triangle n of those that close a mesh beside its walls: at each end of a wall, the far side, the box. */
+VXS_FN vxs_mesh_vertex vxs_mesh_closing_corner(VXS_MESH shape, vxs_i32 n, vxs_i32 corner)
+{
+    if (n < 4) {
+        if (corner == 0) return vxs_mesh_border(shape, (n + 1) * VXS_FIELD(shape, side));
+        return vxs_mesh_vertex_of(-1, corner == 1 ? n : (n + 1) & 3, 0);
+    }
+    if (n < VXS_MESH_CORNERS_CLOSED) return vxs_mesh_vertex_of(-1, corner == 0 ? 0 : 8 - n - corner, 0);
+    n -= VXS_MESH_CORNERS_CLOSED;
+    vxs_i32 axis = n / 4, high = (n / 2) & 1, quad = corner == 0 ? 0 : corner + (n & 1);
+    vxs_i32 one = quad == 1 || quad == 2 ? 1 : 0, other = quad >= 2 ? 1 : 0; /* counterclockwise as seen from outside */
+    vxs_i32 next = (axis + 1) % 3, after = (axis + 2) % 3;
+    return vxs_mesh_vertex_of(-1, 4 + (high << axis) + ((high != 0 ? one : other) << next) + ((high != 0 ? other : one) << after), 0);
+}
+
+/* A corner, 0 to 2, of triangle n, [0, vxs_mesh_triangles): of quads, then of walls, then of what closes them. */
+VXS_FN vxs_mesh_vertex vxs_mesh_corner(VXS_MESH shape, vxs_i32 n, vxs_i32 corner)
+{
+    vxs_i32 side = VXS_FIELD(shape, side), quads = side * side * VXS_FIELD(shape, layers);
+    if (n < 2 * quads) {
+        vxs_i32 quad = n / 2, at = corner == 0 ? 0 : corner + (n & 1); /* 0, 1, 2 and 0, 2, 3 of its corners, in turn */
+        vxs_i32 i = quad % side, j = quad / side % side;
+        return vxs_mesh_vertex_of(quad / (side * side), at == 1 || at == 2 ? i + 1 : i, at >= 2 ? j + 1 : j);
+    }
+    n -= 2 * quads;
+    if (n >= 4 * side) return vxs_mesh_closing_corner(shape, n - 4 * side, corner);
+    if (corner == 2) return vxs_mesh_vertex_of(-1, n / side, 0);
+    return vxs_mesh_border(shape, n + 1 - corner);
+}
+
+#endif
