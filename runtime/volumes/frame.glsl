@@ -15,10 +15,16 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     uvec4               map;            /* of the light's map: side in texels, layers; and what is done now: first, end */
     uvec4               pixels;         /* that are drawn: the first, and how many across and up */
     uvec4               counts;         /* of the technique */
+    mat4                clip_from_ls;   /* of a mesh: of the view; places from the eye */
+    mat4                eye_from_ls;
+    vec4                mesh;           /* of vxs_mesh_shape: low, high, texel; and 1 or -1: how what is lit is turned in the view */
+    vec4                mesh_depths;    /* least, reach */
+    vec4                box_low, box_high;
 } vxs_frame;
 
 layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
 layout(binding = VXS_AT_MAP) uniform highp sampler2DArray vxs_map; /* of the light */
+layout(binding = VXS_AT_MESH) uniform highp usamplerBuffer vxs_mesh; /* corners, then places */
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_airlight;
 
 /* The pixel of an invocation of 8 x 8 a group.   Returns whether it is drawn */

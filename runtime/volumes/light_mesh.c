@@ -1,4 +1,4 @@
-/* The mesh about what a light reaches, in C; see light_mesh.h.
+/* The mesh about what a light reaches, in C; see vxs_volumes.h.
  *
  * Each map is a tree of quads, its root as wide as the map. A quad splits where its two triangles lie too far off the depth of any texel, and where the
  * quad beside it has split twice, so that quads that meet differ by one level; then the larger one has a vertex in the middle of
@@ -10,7 +10,7 @@
  *     |       |   |   |
  *     +-------+---+---+
  *
- * Source: [PLV10] 4.1 for a restricted tree and its fans. There a filter for edges says what splits; here the error does, which it bounds.
+ * Source: [Billeter 2010] 4.1 for a restricted tree and its fans. There a filter for edges says what splits; here the error does, which it bounds.
  * SPDX-License-Identifier: MIT */
 #include "light_mesh.h"
 
@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "vxs_desc.h"
+#include "vxs_volumes.h"
 
 enum { LEVELS_MAX = 13, BESIDE = 12 };
 
@@ -25,12 +26,12 @@ enum { LEVELS_MAX = 13, BESIDE = 12 };
 typedef struct mesh_plan {
     vxs_light_mesh_desc desc;
     vxs_mesh_shape      shape;
-    int                 levels;   /* quads of the root: 2^levels texels wide */
-    double              nearest;  /* of lamps: depths nearer than this are alike, for errors */
+    int                 levels;  /* quads of the root: 2^levels texels wide */
+    double              nearest; /* of lamps: depths nearer than this are alike, for errors */
     double              error_scale;
-    uint32_t           *numbers;  /* [layers][side + 1][side + 1], then [BESIDE]: 1 + number of a vertex; 0: it has none */
-    uint8_t            *splits;   /* [layers][quads_of_layer] */
-    float              *places;   /* NULL while the mesh is counted */
+    uint32_t           *numbers; /* [layers][side + 1][side + 1], then [BESIDE]: 1 + number of a vertex; 0: it has none */
+    uint8_t            *splits;  /* [layers][quads_of_layer] */
+    float              *places;  /* NULL while the mesh is counted */
     uint32_t           *corners;
     uint32_t            vertex_count, triangle_count;
 } mesh_plan;
@@ -176,7 +177,7 @@ static int beside(const mesh_plan *p, quad q, int edge, quad *other)
         return 1;
     }
     if (p->shape.layers == 1) return 0;
-    int crossed = vxs_ls_axis_from_face(q.layer, is_across ? 0 : 1), along[3];
+    int crossed                              = vxs_ls_axis_from_face(q.layer, is_across ? 0 : 1), along[3];
     along[vxs_ls_axis_from_face(q.layer, 0)] = q.x;
     along[vxs_ls_axis_from_face(q.layer, 1)] = q.y;
     along[q.layer / 2]                       = q.layer & 1 ? 0 : last;
@@ -196,11 +197,10 @@ static int beside(const mesh_plan *p, quad q, int edge, quad *other)
  * splits are no larger than it was. */
 static void choose_quads(mesh_plan *p)
 {
-    for (int level = p->levels; level > 0; level--)
-        EACH_QUAD(p, q, level)
-            *split_of(p, q) = exists(p, q) && (p->desc.error_texels == 0 || is_off(p, q));
-    for (int level = 1; level < p->levels; level++)
-        EACH_QUAD(p, q, level) {
+    for (int level = p->levels; level > 0; level--) EACH_QUAD(p, q, level)
+    *split_of(p, q) = exists(p, q) && (p->desc.error_texels == 0 || is_off(p, q));
+    for (int level = 1; level < p->levels; level++) EACH_QUAD(p, q, level)
+        {
             quad other;
             if (!*split_of(p, q)) continue;
             *split_of(p, parent_of(q)) = 1;
@@ -280,9 +280,8 @@ static void add_quad(mesh_plan *p, quad q)
 
 static void add_triangles(mesh_plan *p)
 {
-    for (int level = p->levels; level >= 0; level--)
-        EACH_QUAD(p, q, level)
-            if (exists(p, q) && !has_split(p, q)) add_quad(p, q);
+    for (int level = p->levels; level >= 0; level--) EACH_QUAD(p, q, level)
+    if (exists(p, q) && !has_split(p, q)) add_quad(p, q);
     for (int n = 0; n < vxs_mesh_closing(&p->shape); n++)
         add_triangle(p, vxs_mesh_closing_corner(&p->shape, n, 0), vxs_mesh_closing_corner(&p->shape, n, 1),
                      vxs_mesh_closing_corner(&p->shape, n, 2));
@@ -301,9 +300,10 @@ static int begin_plan(mesh_plan *p, const vxs_light_mesh_desc *desc)
     if (!light || !p->desc.first || p->levels > LEVELS_MAX || (uint32_t)p->levels > light->levels) return 0;
     if (!(p->desc.far_metres > 0 && isfinite(p->desc.far_metres)) || !(p->desc.error_texels >= 0)) return 0;
     if (!(light->texel_metres > 0 && isfinite(light->texel_metres)) || !isfinite(light->range_metres)) return 0;
-    p->shape       = vxs_light_mesh_shape(light, p->desc.side_px, (double)p->desc.far_metres, NULL);
-    p->nearest     = 1e-6 * p->shape.reach;
-    p->error_scale = p->shape.is_sun ? (double)light->voxel_metres / ((double)light->texel_metres * p->shape.texel) : 1 / p->shape.texel;
+    p->shape   = vxs_light_mesh_shape(light, p->desc.side_px, (double)p->desc.far_metres, NULL);
+    p->nearest = 1e-6 * p->shape.reach;
+    p->error_scale =
+        p->shape.is_sun ? (double)light->voxel_metres / ((double)light->texel_metres * p->shape.texel) : 1 / p->shape.texel;
     return 1;
 }
 

@@ -43,12 +43,22 @@ static int make_programs(vxs_volumes *v)
         [PROGRAM_MAP_JOIN]    = {"", vxs_volumes_text_map_join_glsl},
         [PROGRAM_MARCH_MAP]   = {"", vxs_volumes_text_march_glsl},
         [PROGRAM_MARCH_ASSET] = {"#define VXS_ASK_ASSET\n", vxs_volumes_text_march_glsl},
+        [PROGRAM_MESH_WHOLE]  = {"", vxs_volumes_text_mesh_whole_glsl},
     };
     for (int n = 0; n < PROGRAM_COMPOSITE; n++)
         if (!(v->programs[n] = vxs_volumes_compute(v, computed[n].names, computed[n].body))) return 0;
-    v->programs[PROGRAM_COMPOSITE] =
-        vxs_volumes_raster(v, "", vxs_volumes_text_screen_vert_glsl, vxs_volumes_text_composite_frag_glsl);
-    return v->programs[PROGRAM_COMPOSITE] != 0;
+    const struct {
+        const char *names, *vertex, *fragment;
+    } drawn[] = {
+        {"", vxs_volumes_text_screen_vert_glsl, vxs_volumes_text_composite_frag_glsl},
+        {"", vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl},
+        {"#define VXS_MESH_OF_MAP\n", vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl},
+    };
+    for (int n = PROGRAM_COMPOSITE; n < VOLUMES_PROGRAMS; n++) {
+        int k = n - PROGRAM_COMPOSITE;
+        if (!(v->programs[n] = vxs_volumes_raster(v, drawn[k].names, drawn[k].vertex, drawn[k].fragment))) return 0;
+    }
+    return 1;
 }
 
 static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
@@ -62,6 +72,8 @@ static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
     v->api.CreateBuffers(1, &v->frame_buffer);
     v->api.NamedBufferStorage(v->frame_buffer, sizeof v->frame, NULL, GL_STORAGE_DYNAMIC);
     v->api.CreateVertexArrays(1, &v->vertex_array);
+    v->api.CreateFramebuffers(1, &v->target);
+    v->api.NamedFramebufferTexture(v->target, GL_ATTACHMENT_COLOUR, v->airlight, 0);
     if (!v->airlight || v->api.GetError() != GL_ERROR_NONE) return VXS_E_MEMORY;
     return make_programs(v) ? VXS_OK : VXS_E_GL;
 }
@@ -100,6 +112,7 @@ void vxs_volumes_destroy(vxs_volumes *v)
     if (v->airlight) v->api.DeleteTextures(1, &v->airlight);
     if (v->frame_buffer) v->api.DeleteBuffers(1, &v->frame_buffer);
     if (v->vertex_array) v->api.DeleteVertexArrays(1, &v->vertex_array);
+    if (v->target) v->api.DeleteFramebuffers(1, &v->target);
     for (int n = 0; n < VOLUMES_PROGRAMS; n++)
         if (v->programs[n]) v->api.DeleteProgram(v->programs[n]);
     memory.free(v, sizeof *v, memory.user);

@@ -2,8 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "volumes_state.h"
 
-static const gl_enum tests[] = {GL_STATE_DEPTH_TEST, GL_STATE_STENCIL_TEST,       GL_STATE_SCISSOR_TEST,
-                                GL_STATE_CULL_FACE,  GL_STATE_RASTERIZER_DISCARD, GL_STATE_DEPTH_CLAMP};
+static const gl_enum tests[] = {GL_STATE_DEPTH_TEST,         GL_STATE_STENCIL_TEST, GL_STATE_SCISSOR_TEST,     GL_STATE_CULL_FACE,
+                                GL_STATE_RASTERIZER_DISCARD, GL_STATE_DEPTH_CLAMP,  GL_STATE_PRIMITIVE_RESTART};
 enum { TESTS = sizeof tests / sizeof *tests };
 _Static_assert(sizeof((raster_kept *)0)->enabled == TESTS, "each is kept");
 
@@ -17,18 +17,22 @@ static const gl_enum blend_state[] = {GL_IS_BLEND_SRC_RGB,   GL_IS_BLEND_DST_RGB
 enum { BLEND_STATE = sizeof blend_state / sizeof *blend_state };
 _Static_assert(sizeof((raster_kept *)0)->blend == BLEND_STATE * sizeof(int), "each is kept");
 
-static gl_enum target_of(int unit)
-{
-    return unit == UNIT_MAP ? GL_TARGET_TEXTURE_2D_ARRAY : GL_TARGET_TEXTURE_2D;
-}
+static const struct {
+    gl_enum target, bound;
+} unit_state[UNITS] = {
+    [UNIT_DEPTHS] = {GL_TARGET_TEXTURE_2D, GL_IS_TEXTURE_2D},
+    [UNIT_MAP]    = {GL_TARGET_TEXTURE_2D_ARRAY, GL_IS_TEXTURE_2D_ARRAY},
+    [UNIT_OTHER]  = {GL_TARGET_TEXTURE_2D, GL_IS_TEXTURE_2D},
+    [UNIT_MESH]   = {GL_TARGET_TEXTURE_BUFFER, GL_IS_TEXTURE_BUFFER},
+};
 
 /* A texture and no sampler on a unit; what was there is kept. */
 static void bind_unit(const vxs_volumes *v, int unit, gl_name texture, volumes_kept *kept)
 {
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + (gl_enum)unit);
-    v->api.GetIntegerv(unit == UNIT_MAP ? GL_IS_TEXTURE_2D_ARRAY : GL_IS_TEXTURE_2D, &kept->textures[unit]);
+    v->api.GetIntegerv(unit_state[unit].bound, &kept->textures[unit]);
     v->api.GetIntegerv(GL_IS_SAMPLER, &kept->samplers[unit]);
-    v->api.BindTexture(target_of(unit), texture);
+    v->api.BindTexture(unit_state[unit].target, texture);
     v->api.BindSampler(v->first_unit + (gl_name)unit, 0);
 }
 
@@ -50,6 +54,7 @@ volumes_kept vxs_volumes_use(const vxs_volumes *v, gl_name program, gl_name map,
     bind_unit(v, UNIT_DEPTHS, v->depth_texture, &kept);
     bind_unit(v, UNIT_MAP, map, &kept);
     bind_unit(v, UNIT_OTHER, v->airlight, &kept);
+    bind_unit(v, UNIT_MESH, 0, &kept);
     api->ActiveTexture((gl_enum)kept.active);
 
     api->GetIntegerv(GL_IS_UNIFORM_BUFFER, &kept.buffer);
@@ -78,7 +83,7 @@ void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept)
     api->BindBuffer(GL_TARGET_UNIFORM_BUFFER, (gl_name)kept->buffer);
     for (int unit = 0; unit < UNITS; unit++) {
         api->ActiveTexture(GL_UNIT_0 + v->first_unit + (gl_enum)unit);
-        api->BindTexture(target_of(unit), (gl_name)kept->textures[unit]);
+        api->BindTexture(unit_state[unit].target, (gl_name)kept->textures[unit]);
         api->BindSampler(v->first_unit + (gl_name)unit, (gl_name)kept->samplers[unit]);
     }
     api->ActiveTexture((gl_enum)kept->active);
@@ -133,8 +138,12 @@ raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum desti
     raster_kept        kept;
     api->GetIntegerv(GL_IS_VERTEX_ARRAY, &kept.array);
     api->GetIntegerv(GL_IS_VIEWPORT, kept.viewport);
+    api->GetIntegerv(GL_IS_SCISSOR_BOX, kept.scissor);
     api->GetIntegerv(GL_IS_DRAW_FRAMEBUFFER, &kept.framebuffer);
     api->GetIntegerv(GL_IS_POLYGON_MODE, kept.polygon);
+    api->GetIntegerv(GL_IS_FRONT_FACE, &kept.front);
+    api->GetIntegerv(GL_IS_CLIP_ORIGIN, &kept.clip[0]);
+    api->GetIntegerv(GL_IS_CLIP_DEPTHS, &kept.clip[1]);
     api->GetBooleani_v(GL_IS_COLOUR_MASK, 0, kept.mask);
     for (int n = 0; n < BLEND_STATE; n++) api->GetIntegeri_v(blend_state[n], 0, &kept.blend[n]);
     kept.blends = api->IsEnabledi(GL_STATE_BLEND, 0);
@@ -145,6 +154,8 @@ raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum desti
     api->BindVertexArray(v->vertex_array);
     api->Viewport(0, 0, (int)v->frame.wide_px, (int)v->frame.high_px);
     api->PolygonMode(GL_FACES_FRONT_AND_BACK, GL_POLYGON_FILL);
+    api->FrontFace(GL_FACE_COUNTERCLOCKWISE);
+    api->ClipControl(GL_CLIP_LOWER_LEFT, GL_CLIP_NEGATIVE_ONE_TO_ONE);
     api->ColorMaski(0, 1, 1, 1, 1);
     api->Enablei(GL_STATE_BLEND, 0);
     api->BlendEquationSeparatei(0, GL_BLEND_ADD, GL_BLEND_ADD);
@@ -155,14 +166,17 @@ raster_kept vxs_volumes_draw(const vxs_volumes *v, gl_enum source, gl_enum desti
 void vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept *kept)
 {
     const volumes_api *api = &v->api;
-    const int         *b = kept->blend, *p = kept->viewport;
+    const int         *b = kept->blend, *p = kept->viewport, *s = kept->scissor;
     api->BlendFuncSeparatei(0, (gl_enum)b[0], (gl_enum)b[1], (gl_enum)b[2], (gl_enum)b[3]);
     api->BlendEquationSeparatei(0, (gl_enum)b[4], (gl_enum)b[5]);
     if (!kept->blends) api->Disablei(GL_STATE_BLEND, 0);
     api->ColorMaski(0, kept->mask[0], kept->mask[1], kept->mask[2], kept->mask[3]);
     api->PolygonMode(GL_FACES_FRONT_AND_BACK, (gl_enum)kept->polygon[0]);
+    api->FrontFace((gl_enum)kept->front);
+    api->ClipControl((gl_enum)kept->clip[0], (gl_enum)kept->clip[1]);
     for (int n = 0; n < TESTS; n++) enable(v, tests[n], kept->enabled[n]);
     api->BindFramebuffer(GL_TARGET_DRAW_FRAMEBUFFER, (gl_name)kept->framebuffer);
     api->Viewport(p[0], p[1], p[2], p[3]);
+    api->Scissor(s[0], s[1], s[2], s[3]);
     api->BindVertexArray((gl_name)kept->array);
 }

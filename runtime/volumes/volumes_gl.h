@@ -14,6 +14,7 @@ enum {
     GL_FORMAT_RGBA              = 0x1908,
     GL_TYPE_FLOAT               = 0x1406,
     GL_TARGET_TEXTURE_2D_ARRAY  = 0x8C1A,
+    GL_TARGET_TEXTURE_BUFFER    = 0x8C2A,
     GL_TARGET_UNIFORM_BUFFER    = 0x8A11,
     GL_TARGET_DRAW_FRAMEBUFFER  = 0x8CA9,
     GL_KIND_VERTEX_SHADER       = 0x8B31,
@@ -23,6 +24,7 @@ enum {
     GL_ACCESS_READ_WRITE        = 0x88BA,
     GL_MODE_TRIANGLES           = 0x0004,
     GL_IS_TEXTURE_2D_ARRAY      = 0x8C1D,
+    GL_IS_TEXTURE_BUFFER        = 0x8C2C,
     GL_IS_SAMPLER               = 0x8919,
     GL_IS_UNIFORM_BUFFER        = 0x8A28,
     GL_IS_UNIFORM_BUFFER_START  = 0x8A29,
@@ -47,6 +49,10 @@ enum {
     GL_IS_BLEND_EQUATION_ALPHA  = 0x883D,
     GL_IS_COLOUR_MASK           = 0x0C23,
     GL_IS_POLYGON_MODE          = 0x0B40,
+    GL_IS_FRONT_FACE            = 0x0B46,
+    GL_IS_SCISSOR_BOX           = 0x0C10,
+    GL_IS_CLIP_ORIGIN           = 0x935C,
+    GL_IS_CLIP_DEPTHS           = 0x935D,
     GL_STATE_BLEND              = 0x0BE2,
     GL_STATE_DEPTH_TEST         = 0x0B71,
     GL_STATE_STENCIL_TEST       = 0x0B90,
@@ -54,17 +60,24 @@ enum {
     GL_STATE_CULL_FACE          = 0x0B44,
     GL_STATE_DEPTH_CLAMP        = 0x864F,
     GL_STATE_RASTERIZER_DISCARD = 0x8C89,
+    GL_STATE_PRIMITIVE_RESTART  = 0x8F9D,
     GL_BLEND_ADD                = 0x8006,
     GL_BLEND_ZERO               = 0,
     GL_BLEND_ONE                = 1,
     GL_BLEND_SRC1_COLOUR        = 0x88F9,
     GL_FACES_FRONT_AND_BACK     = 0x0408,
     GL_POLYGON_FILL             = 0x1B02,
+    GL_FACE_COUNTERCLOCKWISE    = 0x0901,
+    GL_CLIP_LOWER_LEFT          = 0x8CA1,
+    GL_CLIP_NEGATIVE_ONE_TO_ONE = 0x935E,
+    GL_ATTACHMENT_COLOUR        = 0x8CE0,
+    GL_BUFFER_COLOUR            = 0x1800,
     GL_BARRIER_TEXTURE_FETCH    = 0x0008,
     GL_BARRIER_BUFFER_UPDATE    = 0x0200,
     GL_BARRIER_IMAGE            = 0x0020,
     GL_BARRIER_FRAMEBUFFER      = 0x0400,
     GL_MOST_ARRAY_LAYERS        = 0x88FF,
+    GL_MOST_BUFFER_TEXELS       = 0x8C2B,
 };
 
 /* Result, name without "gl", arguments. */
@@ -110,6 +123,7 @@ enum {
     X(void, CreateFramebuffers, (int, gl_name *))                                                                        \
     X(void, DeleteFramebuffers, (int, const gl_name *))                                                                  \
     X(void, NamedFramebufferTexture, (gl_name, gl_enum, gl_name, int))                                                   \
+    X(void, ClearNamedFramebufferfv, (gl_name, gl_enum, int, const float *))                                             \
     X(void, BindFramebuffer, (gl_enum, gl_name))                                                                         \
     X(void, CreateVertexArrays, (int, gl_name *))                                                                        \
     X(void, DeleteVertexArrays, (int, const gl_name *))                                                                  \
@@ -126,6 +140,16 @@ enum {
     X(void, GetProgramiv, (gl_name, gl_enum, int *))                                                                     \
     X(void, DeleteProgram, (gl_name))                                                                                    \
     X(void, UseProgram, (gl_name))                                                                                       \
+    X(void, Scissor, (int, int, int, int))                                                                               \
+    X(void, FrontFace, (gl_enum))                                                                                        \
+    X(void, ClipControl, (gl_enum, gl_enum))                                                                             \
+    X(void, TextureBuffer, (gl_name, gl_enum, gl_name))                                                                  \
+    X(void, EnableVertexArrayAttrib, (gl_name, gl_name))                                                                 \
+    X(void, VertexArrayAttribFormat, (gl_name, gl_name, int, gl_enum, unsigned char, gl_name))                           \
+    X(void, VertexArrayAttribBinding, (gl_name, gl_name, gl_name))                                                       \
+    X(void, VertexArrayVertexBuffer, (gl_name, gl_name, gl_name, gl_bytes, int))                                         \
+    X(void, VertexArrayElementBuffer, (gl_name, gl_name))                                                                \
+    X(void, DrawElements, (gl_enum, int, gl_enum, const void *))                                                         \
     X(void, DrawArrays, (gl_enum, int, int))                                                                             \
     X(void, DispatchCompute, (unsigned, unsigned, unsigned))                                                             \
     X(void, MemoryBarrier, (unsigned))

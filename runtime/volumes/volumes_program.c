@@ -7,7 +7,7 @@
 
 /* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
  * library have. */
-enum { TEXTS = VXS_GL_TEXTS + 13, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 15, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -16,9 +16,10 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
     vxs_gl_texts(v->shadows, shared);
     snprintf(own, own_size,
              "#define VXS_AT_FRAME %u\n#define VXS_AT_IMAGE %u\n#define VXS_AT_DEPTHS %u\n#define VXS_AT_MAP %u\n"
-             "#define VXS_AT_OTHER %u\n#define VXS_AT_GRID %u\n#define VXS_NO_END 1e30\n#define VXS_FAR_MOST 1e15\n%s",
+             "#define VXS_AT_OTHER %u\n#define VXS_AT_GRID %u\n#define VXS_AT_MESH %u\n#define VXS_NO_END 1e30\n#define "
+             "VXS_FAR_MOST 1e15\n%s",
              FRAME_BINDING, IMAGE_BINDING, v->first_unit + UNIT_DEPTHS, v->first_unit + UNIT_MAP, v->first_unit + UNIT_OTHER,
-             v->first_storage, kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
+             v->first_storage, v->first_unit + UNIT_MESH, kind == GL_KIND_COMPUTE_SHADER ? "#define VXS_COMPUTE\n" : "");
     const char *const all[TEXTS] = {"#version 450 core\n",
                                     strchr(shared[0], '\n') + 1,
                                     shared[1],
@@ -31,6 +32,7 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     names,
                                     vxs_volumes_text_vxs_air_h,
                                     vxs_volumes_text_vxs_air_path_h,
+                                    vxs_volumes_text_vxs_light_mesh_h,
                                     vxs_volumes_text_frame_glsl,
                                     vxs_volumes_text_first_shadow_glsl,
                                     "#ifdef VXS_USES_GRID\n#define vxs_grid_word(words, i) vxs_grid.words[i]\n",
@@ -38,6 +40,7 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     vxs_volumes_text_grid_glsl,
                                     vxs_volumes_text_vxs_shadow_grid_h,
                                     "#endif\n",
+                                    vxs_volumes_text_mesh_glsl,
                                     body};
     memcpy(texts, all, sizeof all);
 }

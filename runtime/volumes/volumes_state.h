@@ -22,17 +22,24 @@ typedef struct frame_block {
     uint32_t            map_side_px, map_layers, first, end;
     vxs_pixels          pixels;
     uint32_t            counts[4];
+    float               clip_from_ls[16], eye_from_ls[16]; /* of a mesh */
+    float               mesh_low, mesh_high, mesh_texel, mesh_turn;
+    float               mesh_least, mesh_reach, reserved_mesh[2];
+    float               box_low[4], box_high[4];
 } frame_block;
 
 /* Places in the context, from those of the caller on. */
-enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 2 };
+enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 2 };
 
 typedef enum volumes_program {
     PROGRAM_MAP_FILL,
     PROGRAM_MAP_JOIN,
     PROGRAM_MARCH_MAP,
     PROGRAM_MARCH_ASSET,
+    PROGRAM_MESH_WHOLE,
     PROGRAM_COMPOSITE,
+    PROGRAM_MESH,
+    PROGRAM_MESH_MAP,
     VOLUMES_PROGRAMS,
 } volumes_program;
 
@@ -43,7 +50,7 @@ struct vxs_volumes {
     void       *user;
     vxs_gl     *shadows;
     uint32_t    width_px, height_px, first_unit, first_storage;
-    gl_name     airlight, frame_buffer, vertex_array;
+    gl_name     airlight, frame_buffer, vertex_array, target; /* target: to draw into airlight */
     gl_name     programs[VOLUMES_PROGRAMS];
     frame_block frame;
     float       least;         /* as vxs_volumes_frame has it */
@@ -56,6 +63,12 @@ struct vxs_light_map {
     uint32_t            baked, is_baked, side_px, layers;
     uint64_t            filled;        /* texels */
     gl_name             first, joined; /* textures; joined: 0 where nothing moves */
+};
+
+struct vxs_light_mesh {
+    vxs_volumes *volumes;
+    uint32_t     triangle_count;
+    gl_name      words, texture, vertex_array; /* one buffer of corners, then places */
 };
 
 /* Memory, as asked for in the caller's desc. */
@@ -107,8 +120,8 @@ void         vxs_volumes_put_back_storage(const vxs_volumes *v, const storage_ke
 
 /* What drawing changes beside that. */
 typedef struct raster_kept {
-    int           array, viewport[4], framebuffer, blend[6], polygon[2];
-    unsigned char mask[4], blends, enabled[6];
+    int           array, viewport[4], scissor[4], framebuffer, blend[6], polygon[2], front, clip[2];
+    unsigned char mask[4], blends, enabled[7];
 } raster_kept;
 
 /* Begin to draw the frame's pixels: no tests, both sides of faces, colour and alpha, one buffer that is added to as the caller says. */
@@ -130,8 +143,10 @@ const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map);
 /* The texts of shaders (made by the Makefile from the files of these names). */
 extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],
     vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
-    vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_vxs_air_h[], vxs_volumes_text_vxs_air_path_h[],
-    vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[],
-    vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_or_scan_glsl[];
+    vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_mesh_glsl[], vxs_volumes_text_mesh_vert_glsl[],
+    vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_vxs_light_mesh_h[],
+    vxs_volumes_text_vxs_air_h[], vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[],
+    vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[],
+    vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_or_scan_glsl[];
 
 #endif

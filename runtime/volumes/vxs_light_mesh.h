@@ -23,7 +23,7 @@
  *                 out, and of a box about everything
  *
  * Normals point out of what is lit, where light space is right-handed.
- * Source: [PLV10] 4, [McC00] for the displaced grid; vertices on borders and edges, and the sun's, are ours.
+ * Source: [Billeter 2010] 4, [McCool 2000] for the displaced grid; vertices on borders and edges, and the sun's, are ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_LIGHT_MESH_H
 #define VXS_LIGHT_MESH_H
@@ -42,13 +42,13 @@ typedef struct vxs_mesh_vertex vxs_mesh_vertex;
 
 /* How a light's map lies, and where what is lit ends in any case. */
 struct vxs_mesh_shape {
-    vxs_i32   side, layers;        /* texels of the map; 1 or 6 */
-    vxs_i32   is_sun;              /* 0 or 1 */
-    vxs_i32   first, last;         /* texels in which the grid begins and ends */
-    vxs_real  low, high;           /* where it does, in texels: 0 and side; of six maps, the edges of the cube */
-    vxs_real  texel;               /* of suns, texels of the baked map; of lamps, metres at one metre along the axis */
-    vxs_real  least, reach;        /* depths are held between these; where light does not end, it ends at the second */
-    vxs_real3 box_low, box_high;   /* of suns, the box about everything, in light space */
+    vxs_i32   side, layers;      /* texels of the map; 1 or 6 */
+    vxs_i32   is_sun;            /* 0 or 1 */
+    vxs_i32   first, last;       /* texels in which the grid begins and ends */
+    vxs_real  low, high;         /* where it does, in texels: 0 and side; of six maps, the edges of the cube */
+    vxs_real  texel;             /* of suns, texels of the baked map; of lamps, metres at one metre along the axis */
+    vxs_real  least, reach;      /* depths are held between these; where light does not end, it ends at the second */
+    vxs_real3 box_low, box_high; /* of suns, the box about everything, in light space */
 };
 
 /* A vertex of the grid; or, where layer is -1, number i of those that are beside it: 0 to 3 where walls end, 4 to 11 of the sun's box. */
@@ -201,7 +201,8 @@ VXS_FN vxs_mesh_vertex vxs_mesh_closing_corner(VXS_MESH shape, vxs_i32 n, vxs_i3
     vxs_i32 axis = n / 4, high = (n / 2) & 1, quad = corner == 0 ? 0 : corner + (n & 1);
     vxs_i32 one = quad == 1 || quad == 2 ? 1 : 0, other = quad >= 2 ? 1 : 0; /* counterclockwise as seen from outside */
     vxs_i32 next = (axis + 1) % 3, after = (axis + 2) % 3;
-    return vxs_mesh_vertex_of(-1, 4 + (high << axis) + ((high != 0 ? one : other) << next) + ((high != 0 ? other : one) << after), 0);
+    return vxs_mesh_vertex_of(-1, 4 + (high << axis) + ((high != 0 ? one : other) << next) + ((high != 0 ? other : one) << after),
+                              0);
 }
 
 /* A corner, 0 to 2, of triangle n, [0, vxs_mesh_triangles): of quads, then of walls, then of what closes them. */

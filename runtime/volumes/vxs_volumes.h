@@ -187,6 +187,60 @@ unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid);
 vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
                             uint32_t runs);
 
+/* polygonal light volumes --------------------------------------------------------------------------------------------------------- */
+
+/* What a light reaches has a closed surface: the light's map displaced to where shadow begins. Along an eye ray airlight is a sum over its crossings
+ * in any order: where the ray enters what is lit, the airlight from there to what is seen is added, where it leaves, taken away; and all of it is
+ * added where the eye is in light [Billeter 2010]. It is exact towards the surface, in which a step of depth between two texels is a slope
+ * from the middle of one to that of the other. */
+
+/* Add a light's airlight by the surface of its map as it is now: two triangles for each texel, made where they are drawn. */
+vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map);
+
+/* The surface of a map in which nothing moves: made in C when a level is loaded, with few triangles where it is flat. What is not named is 0, and
+ * means the default. It grows at its end only. */
+typedef struct vxs_light_mesh_desc {
+    size_t                     struct_size; /* sizeof(vxs_light_mesh_desc); 0: as it was at first, up to error_texels */
+    const vxs_light_constants *light;       /* how its maps lie; their origin does not count */
+    const float               *first;       /* [layers][side_px][side_px] the light map, as vxs_light_map_create has it */
+    uint32_t                   side_px;     /* a power of two, 1 to 8192; no more than the baked map has */
+    float far_metres;   /* > 0: what an eye ray sees is no farther from a lamp without a range, or from a sun's map */
+    float error_texels; /* how far a larger quad's triangles may be off the depth of a texel, in widths of one; 0: none is larger */
+} vxs_light_mesh_desc;
+
+typedef struct vxs_light_mesh_size {
+    uint32_t vertex_count, triangle_count;
+} vxs_light_mesh_size;
+
+/* Bytes of working memory; 0 where the description makes no sense, or is too large for 32-bit indices. */
+size_t vxs_light_mesh_room(const vxs_light_mesh_desc *desc);
+
+/* Choose the quads, and say how large the mesh is.
+ * room  [vxs_light_mesh_room] aligned as for uint32_t; vxs_light_mesh_fill reads it
+ * size  [out]
+ * Returns VXS_OK; VXS_E_ARGUMENT, and nothing is written.
+ * Cost: 0.1 to 0.3 us for each texel of the map. Threads: none shared. */
+vxs_result vxs_light_mesh_plan(const vxs_light_mesh_desc *desc, void *room, vxs_light_mesh_size *size);
+
+/* Write the mesh that was planned with the same description and room. It is closed: each edge is met by as many triangles one way as the other, at
+ * equal vertices, or at vertices with equal places where faces of a cube meet. Depths that are no number count as 0.
+ * places   [out] [3 * vertex_count] light space: of suns texels, texels and voxels of the baked map; of lamps metres about the light, along
+ *          the axes of light space
+ * corners  [out] [3 * triangle_count] vertices; counterclockwise as seen from where no light is, in a light space that is right-handed */
+void vxs_light_mesh_fill(const vxs_light_mesh_desc *desc, const void *room, float *places, uint32_t *corners);
+
+typedef struct vxs_light_mesh vxs_light_mesh;
+
+/* Upload a mesh.
+ * mesh  [out] NULL on failure.   places, corners  as vxs_light_mesh_fill writes them
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_MEMORY, or more words than a texture of a buffer has in this context. */
+vxs_result vxs_light_mesh_create(vxs_light_mesh **mesh, vxs_volumes *volumes, const float *places, const uint32_t *corners,
+                                 const vxs_light_mesh_size *size);
+void       vxs_light_mesh_destroy(vxs_light_mesh *mesh);
+
+/* Add a light's airlight by its mesh. */
+vxs_result vxs_volumes_mesh(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_mesh *mesh);
+
 #ifdef __cplusplus
 }
 #endif

@@ -8,7 +8,6 @@
 
 #include "random_lamp.h"
 #include "repeats.h"
-#include "runtime/volumes/light_mesh.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -17,6 +16,8 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+
+#include "mesh_walk.h"
 
 static const float no_end = 1e30F;
 
@@ -94,12 +95,6 @@ static lit_map random_map(rng *r, int shape, int side_most)
 
 /* meshes ----------------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct mesh {
-    float              *places;
-    uint32_t           *corners;
-    vxs_light_mesh_size size;
-} mesh;
-
 static vxs_light_mesh_desc desc_of(const lit_map *m, float error_texels)
 {
     return (vxs_light_mesh_desc){.light        = &m->constants,
@@ -109,27 +104,10 @@ static vxs_light_mesh_desc desc_of(const lit_map *m, float error_texels)
                                  .error_texels = error_texels};
 }
 
-static mesh mesh_make(const lit_map *m, float error_texels)
+static mesh_lists mesh_of(const lit_map *m, float error_texels)
 {
-    mesh                out  = {0};
     vxs_light_mesh_desc desc = desc_of(m, error_texels);
-    size_t              room = vxs_light_mesh_room(&desc);
-    void               *work = malloc(room);
-    assert_non_null(work);
-    assert_int_equal(vxs_light_mesh_plan(&desc, work, &out.size), VXS_OK);
-    out.places  = malloc((size_t)out.size.vertex_count * 3 * sizeof *out.places);
-    out.corners = malloc((size_t)out.size.triangle_count * 3 * sizeof *out.corners);
-    vxs_light_mesh_fill(&desc, work, out.places, out.corners);
-    for (size_t n = 0; n < (size_t)out.size.vertex_count * 3; n++) assert_true(isfinite(out.places[n]));
-    for (size_t n = 0; n < (size_t)out.size.triangle_count * 3; n++) assert_true(out.corners[n] < out.size.vertex_count);
-    free(work);
-    return out;
-}
-
-static void mesh_free(mesh *m)
-{
-    free(m->places);
-    free(m->corners);
+    return mesh_make(&desc);
 }
 
 /* An edge by the places of its ends, the lesser first. */
@@ -147,7 +125,7 @@ static int by_ends(const void *a, const void *b)
 }
 
 /* Edges that are walked more often one way than the other. */
-static uint32_t open_edges(const mesh *m)
+static uint32_t open_edges(const mesh_lists *m)
 {
     size_t   count = (size_t)m->size.triangle_count * 3, used = 0;
     edge    *edges = malloc(count * sizeof *edges);
@@ -175,29 +153,16 @@ static uint32_t open_edges(const mesh *m)
 }
 
 /* Where a ray leaves what is lit (+1) and enters it (-1), summed; and the metres, or units of light space, that are lit of its first `length`. */
-static int walk_ray(const mesh *m, const double from[3], const double way[3], double length, double *lit)
+static int walk_ray(const mesh_lists *m, const double from[3], const double way[3], double length, double *lit)
 {
     int sum = 0;
     *lit    = 0;
     for (uint32_t t = 0; t < m->size.triangle_count; t++) {
-        double p[3][3], normal[3], ab[3], ac[3], volume[3];
-        for (int c = 0; c < 3; c++)
-            for (int n = 0; n < 3; n++) p[c][n] = (double)m->places[3 * m->corners[3 * t + (uint32_t)c] + (uint32_t)n] - from[n];
-        for (int c = 0; c < 3; c++) {
-            cross(p[c], p[(c + 1) % 3], normal);
-            volume[c] = dot(normal, way);
-        }
-        int in = volume[0] > 0 && volume[1] > 0 && volume[2] > 0, out = volume[0] < 0 && volume[1] < 0 && volume[2] < 0;
-        if (!in && !out) continue;
-        for (int n = 0; n < 3; n++) {
-            ab[n] = p[1][n] - p[0][n];
-            ac[n] = p[2][n] - p[0][n];
-        }
-        cross(ab, ac, normal);
-        double at = dot(normal, p[0]) / dot(normal, way);
-        if (at < 0) continue;
-        sum += in ? 1 : -1;
-        *lit += (in ? 1 : -1) * fmin(at, length);
+        double at;
+        int    sign = crossing(m, t, from, way, &at);
+        if (!sign) continue;
+        sum += sign;
+        *lit += sign * fmin(at, length);
     }
     return sum;
 }
@@ -272,7 +237,7 @@ static void test_closed(void **state)
     for (uint32_t n = 0; n < repeats(400, 8000); n++) {
         lit_map m = random_map(&r, (int)(n % SHAPES_OF_LIGHTS), 32);
         for (int k = 0; k < THRESHOLDS; k++) {
-            mesh out = mesh_make(&m, thresholds[k]);
+            mesh_lists out = mesh_of(&m, thresholds[k]);
             assert_int_equal(open_edges(&out), 0);
             if (!k) largest = out.size.triangle_count;
             assert_true(out.size.triangle_count <= largest);
@@ -289,8 +254,8 @@ static void test_rays(void **state)
     rng      r      = {2};
     uint32_t lit[2] = {0};
     for (uint32_t n = 0; n < repeats(200, 4000); n++) {
-        lit_map m   = random_map(&r, (int)(n % SHAPES_OF_LIGHTS), 32);
-        mesh    out = mesh_make(&m, n % 3 ? 0 : 1e-4F), loose = mesh_make(&m, 2);
+        lit_map    m   = random_map(&r, (int)(n % SHAPES_OF_LIGHTS), 32);
+        mesh_lists out = mesh_of(&m, n % 3 ? 0 : 1e-4F), loose = mesh_of(&m, 2);
         for (int k = 0; k < 20; k++) {
             double ls[3], ws[3], way[3], metres;
             random_point(&r, &m, ls, ws);
@@ -352,12 +317,12 @@ static void test_threshold(void **state)
         m.layers             = (int)vxs_light_map_count(&m.light);
         m.first              = malloc((size_t)(m.layers * m.side * m.side) * sizeof *m.first);
         fill_city(&r, &m);
-        mesh     all       = mesh_make(&m, 0);
-        uint32_t triangles = all.size.triangle_count;
+        mesh_lists all       = mesh_of(&m, 0);
+        uint32_t   triangles = all.size.triangle_count;
         for (size_t k = 0; k < sizeof allowed / sizeof *allowed; k++) {
-            mesh   some   = mesh_make(&m, allowed[k]);
-            double square = 0, error = 0;
-            rng    same = {4};
+            mesh_lists some   = mesh_of(&m, allowed[k]);
+            double     square = 0, error = 0;
+            rng        same = {4};
             for (int n = 0; n < RAYS; n++) {
                 double from[3], way[3], one, other;
                 for (int i = 0; i < 3; i++) from[i] = uniform(&same, -8, 8);
@@ -390,8 +355,8 @@ static void test_empty(void **state)
     for (uint32_t n = 0; n < repeats(60, 600); n++) {
         lit_map m = random_map(&r, (int)(n % SHAPES_OF_LIGHTS), 16);
         for (int k = 0; k < m.layers * m.side * m.side; k++) m.first[k] = no_end;
-        mesh   out = mesh_make(&m, 0), few = mesh_make(&m, 1e-3F);
-        double reach = m.light.range_metres > 0 ? m.light.range_metres : (double)m.far_metres;
+        mesh_lists out = mesh_of(&m, 0), few = mesh_of(&m, 1e-3F);
+        double     reach = m.light.range_metres > 0 ? m.light.range_metres : (double)m.far_metres;
         for (int k = 0; k < 10; k++) {
             double ls[3] = {0}, way[3], lit, lit_too, wanted;
             random_direction(&r, way);
@@ -430,7 +395,7 @@ static void test_any_depths(void **state)
         lit_map m = random_map(&r, (int)(n % SHAPES_OF_LIGHTS), 16);
         for (int k = 0; k < m.layers * m.side * m.side; k++) m.first[k] = odd[rng_below(&r, sizeof odd / sizeof *odd)];
         for (int k = 0; k < THRESHOLDS; k++) {
-            mesh out = mesh_make(&m, thresholds[k]);
+            mesh_lists out = mesh_of(&m, thresholds[k]);
             assert_int_equal(open_edges(&out), 0);
             mesh_free(&out);
         }

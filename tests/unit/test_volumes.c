@@ -291,11 +291,15 @@ static const GLenum asked_numbers[] = {GL_CURRENT_PROGRAM,
                                        GL_BLEND_DST_ALPHA,
                                        GL_BLEND_EQUATION_RGB,
                                        GL_BLEND_EQUATION_ALPHA,
-                                       GL_COPY_READ_BUFFER_BINDING};
+                                       GL_COPY_READ_BUFFER_BINDING,
+                                       GL_FRONT_FACE,
+                                       GL_CLIP_ORIGIN,
+                                       GL_CLIP_DEPTH_MODE,
+                                       GL_PRIMITIVE_RESTART};
 enum {
     ASKED_NUMBERS = sizeof asked_numbers / sizeof *asked_numbers,
     UNITS_ASKED   = 12,
-    STATE         = ASKED_NUMBERS + 3 * UNITS_ASKED + 4 + 4 + 2 + 9
+    STATE         = ASKED_NUMBERS + 4 * UNITS_ASKED + 4 + 4 + 4 + 2 + 9
 };
 
 static void read_state(const volumes_scene *s, GLint state[STATE])
@@ -313,13 +317,15 @@ static void read_state(const volumes_scene *s, GLint state[STATE])
         active(GL_TEXTURE0 + n);
         get(GL_TEXTURE_BINDING_2D, to++);
         get(GL_TEXTURE_BINDING_2D_ARRAY, to++);
+        get(GL_TEXTURE_BINDING_BUFFER, to++);
         get(GL_SAMPLER_BINDING, to++);
     }
     active((GLenum)unit);
     get(GL_VIEWPORT, to);
     get(GL_COLOR_WRITEMASK, to + 4);
     get(GL_POLYGON_MODE, to + 8);
-    to += 10;
+    get(GL_SCISSOR_BOX, to + 10);
+    to += 14;
     for (int n = 0; n < 6; n++) get_i(image[n], 0, to++);
     get_i(GL_UNIFORM_BUFFER_BINDING, 0, to++);
     get_i(GL_UNIFORM_BUFFER_START, 0, to++);
@@ -331,7 +337,7 @@ static void read_state(const volumes_scene *s, GLint state[STATE])
 static void disturb(const volumes_scene *s)
 {
     gl_context *gl = s->gl;
-    GLuint      textures[2], samplers, buffer, array, frame, colour, program = gl->CreateProgram(),
+    GLuint      textures[3], samplers, buffer, array, frame, colour, program = gl->CreateProgram(),
                                                                 shader = gl->CreateShader(GL_COMPUTE_SHADER);
     gl->ShaderSource(shader, 1, (const char *[]){"#version 430\nlayout(local_size_x = 1) in;\nvoid main() {}"}, NULL);
     gl->CompileShader(shader);
@@ -342,6 +348,7 @@ static void disturb(const volumes_scene *s)
     gl->TextureStorage2D(textures[0], 1, GL_RGBA8, 4, 4);
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, textures + 1);
     ((PFNGLTEXTURESTORAGE3DPROC)(vxs_gl_function)OSMesaGetProcAddress("glTextureStorage3D"))(textures[1], 2, GL_RGBA8, 4, 4, 3);
+    gl->CreateTextures(GL_TEXTURE_BUFFER, 1, textures + 2);
     gl->CreateTextures(GL_TEXTURE_2D, 1, &colour);
     gl->TextureStorage2D(colour, 1, GL_RGBA8, 64, 64);
     ((PFNGLGENSAMPLERSPROC)(vxs_gl_function)OSMesaGetProcAddress("glGenSamplers"))(1, &samplers);
@@ -349,6 +356,7 @@ static void disturb(const volumes_scene *s)
         ((PFNGLACTIVETEXTUREPROC)(vxs_gl_function)OSMesaGetProcAddress("glActiveTexture"))(GL_TEXTURE0 + n);
         ((void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture"))(GL_TEXTURE_2D, textures[0]);
         ((void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture"))(GL_TEXTURE_2D_ARRAY, textures[1]);
+        ((void(APIENTRY *)(GLenum, GLuint))OSMesaGetProcAddress("glBindTexture"))(GL_TEXTURE_BUFFER, textures[2]);
         ((PFNGLBINDSAMPLERPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindSampler"))(n, samplers);
     }
     gl->GenBuffers(1, &buffer);
@@ -367,6 +375,9 @@ static void disturb(const volumes_scene *s)
     gl->Enable(GL_SCISSOR_TEST);
     gl->Enable(GL_CULL_FACE);
     gl->Enable(GL_RASTERIZER_DISCARD);
+    gl->Enable(GL_PRIMITIVE_RESTART);
+    gl->FrontFace(GL_CW);
+    gl->ClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
     gl->Scissor(1, 2, 3, 4);
     gl->Viewport(5, 6, 7, 8);
     gl->BlendFunc(GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA);
@@ -396,6 +407,13 @@ static void test_state(void **state)
     vxs_volumes_begin(s.volumes, &v.frame);
     vxs_volumes_march(s.volumes, &l, map, 4, VXS_STEPS_EVEN);
     vxs_volumes_march(s.volumes, &l, NULL, 4, VXS_STEPS_ANGLE);
+    vxs_volumes_mesh_map(s.volumes, &l, map);
+    vxs_light_mesh *mesh;
+    assert_int_equal(vxs_light_mesh_create(&mesh, s.volumes, (const float[9]){0, 0, 1, 1, 0, 1, 0, 1, 1},
+                                           (const uint32_t[3]){0, 1, 2}, &(vxs_light_mesh_size){3, 1}),
+                     VXS_OK);
+    vxs_volumes_mesh(s.volumes, &l, mesh);
+    vxs_light_mesh_destroy(mesh);
     vxs_volumes_composite(s.volumes);
     read_state(&s, after);
     for (int n = 0; n < STATE; n++)

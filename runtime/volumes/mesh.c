@@ -1,0 +1,220 @@
+/* Polygonal light volumes, drawn; see vxs_volumes.h.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <stddef.h>
+
+#include "light_mesh.h"
+#include "volumes_state.h"
+
+#define FAR_MOST 1e12 /* metres: squares of places are still floats */
+
+/* Matrices in double, by columns. */
+
+static void multiply(const double a[16], const double b[16], double out[16])
+{
+    for (int n = 0; n < 16; n++) {
+        out[n] = 0;
+        for (int k = 0; k < 4; k++) out[n] += a[4 * k + n % 4] * b[4 * (n / 4) + k];
+    }
+}
+
+/* By elimination with the largest pivots.   Returns 0 where there is no inverse. */
+static int invert(const double of[16], double out[16])
+{
+    double rows[4][8];
+    for (int row = 0; row < 4; row++)
+        for (int n = 0; n < 8; n++) rows[row][n] = n < 4 ? of[4 * n + row] : n == 4 + row;
+    for (int k = 0; k < 4; k++) {
+        int most = k;
+        for (int row = k; row < 4; row++)
+            if (fabs(rows[row][k]) > fabs(rows[most][k])) most = row;
+        if (!(fabs(rows[most][k]) > 0) || !isfinite(rows[most][k])) return 0;
+        for (int n = 0; n < 8; n++) {
+            double swap   = rows[k][n];
+            rows[k][n]    = rows[most][n];
+            rows[most][n] = swap;
+        }
+        for (int n = 7; n >= k; n--) rows[k][n] /= rows[k][k];
+        for (int row = 0; row < 4; row++)
+            for (int n = 7; n >= k && row != k; n--) rows[row][n] -= rows[row][k] * rows[k][n];
+    }
+    for (int n = 0; n < 16; n++) out[n] = rows[n % 4][4 + n / 4];
+    return 1;
+}
+
+/* Clip space of the view, as OpenGL has it but for depth; w is positive before the eye. */
+static int clip_from_point(const frame_block *f, double out[16])
+{
+    const double clip[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1};
+    double       point_from_depth[16], depth_from_point[16], middle_w = 0;
+    for (int n = 0; n < 16; n++) point_from_depth[n] = (double)f->point_from_depth[n];
+    if (!invert(point_from_depth, depth_from_point)) return 0;
+    for (int n = 0; n < 4; n++) middle_w += point_from_depth[4 * n + 3] * (n < 3 ? 0.5 : 1);
+    for (int n = 0; n < 16 && middle_w < 0; n++) depth_from_point[n] = -depth_from_point[n];
+    multiply(clip, depth_from_point, out);
+    return 1;
+}
+
+/* Whether what is counterclockwise in light space is so in the view, as seen from the eye. */
+static float turn_of(const double clip[16])
+{
+    static const int rows[3] = {0, 1, 3};
+    double           d       = 0;
+    for (int n = 0; n < 3; n++) {
+        int next = (n + 1) % 3, after = (n + 2) % 3;
+        d += clip[rows[n]] * (clip[4 + rows[next]] * clip[8 + rows[after]] - clip[4 + rows[after]] * clip[8 + rows[next]]);
+    }
+    return d < 0 ? -1.0F : 1.0F;
+}
+
+/* How the light and its mesh lie in the view.   eye_ls  [out]   Returns 0 where there is no inverse. */
+static int set_places(frame_block *f, double eye_ls[3])
+{
+    double ls_from_ws[16] = {[15] = 1}, point_from_ls[16], clip[16], clip_ls[16];
+    for (int n = 0; n < 12; n++) ls_from_ws[4 * (n % 4) + n / 4] = (double)f->light.ls_from_ws[n];
+    if (!invert(ls_from_ws, point_from_ls) || !clip_from_point(f, clip)) return 0;
+    for (int row = 0; row < 3; row++) {
+        eye_ls[row] = ls_from_ws[12 + row];
+        for (int n = 0; n < 3; n++) eye_ls[row] += ls_from_ws[4 * n + row] * (double)f->eye[n];
+    }
+    multiply(clip, point_from_ls, clip_ls);
+    for (int n = 0; n < 3; n++) point_from_ls[12 + n] -= (double)f->eye[n];
+    for (int n = 0; n < 16; n++) {
+        f->clip_from_ls[n] = (float)clip_ls[n];
+        f->eye_from_ls[n]  = (float)point_from_ls[n];
+        if (!isfinite(f->clip_from_ls[n]) || !isfinite(f->eye_from_ls[n])) return 0;
+    }
+    f->mesh_turn = turn_of(clip_ls);
+    return 1;
+}
+
+/* So large that no eye ray leaves it, but where a lamp's range ends. */
+static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
+{
+    double far_metres = (double)f->far_metres;
+    int    is_sun     = f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    for (int n = 0; n < 3 && !is_sun; n++) far_metres += fabs(eye_ls[n]);
+    vxs_mesh_shape s = vxs_light_mesh_shape(&f->light, f->map_side_px, far_metres < FAR_MOST ? far_metres : FAR_MOST, eye_ls);
+    f->mesh_low      = (float)s.low;
+    f->mesh_high     = (float)s.high;
+    f->mesh_texel    = (float)s.texel;
+    f->mesh_least    = (float)s.least;
+    f->mesh_reach    = (float)s.reach;
+    f->first         = (uint32_t)s.first;
+    f->end           = (uint32_t)s.last;
+    for (int n = 0; n < 3; n++) {
+        f->box_low[n]  = (float)s.box_low[n];
+        f->box_high[n] = (float)s.box_high[n];
+    }
+    return s;
+}
+
+/* The frame's crossings, in the pixels that may see the light. Alpha counts those of this light alone. */
+static void draw_crossings(const vxs_volumes *v, const vxs_light_mesh *mesh, int corners)
+{
+    static const float none[4] = {0};
+    const volumes_api *api     = &v->api;
+    const vxs_pixels  *p       = &v->frame.pixels;
+    raster_kept        kept    = vxs_volumes_draw(v, GL_BLEND_ONE, GL_BLEND_ONE, GL_BLEND_ONE);
+    api->Scissor((int)p->x, (int)p->y, (int)p->wide_px, (int)p->high_px);
+    api->Enable(GL_STATE_SCISSOR_TEST);
+    api->ColorMaski(0, 0, 0, 0, 1);
+    api->ClearNamedFramebufferfv(v->target, GL_BUFFER_COLOUR, 0, none);
+    api->ColorMaski(0, 1, 1, 1, 1);
+    api->BindFramebuffer(GL_TARGET_DRAW_FRAMEBUFFER, v->target);
+    if (mesh) {
+        api->ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_MESH);
+        api->BindTexture(GL_TARGET_TEXTURE_BUFFER, mesh->texture);
+        api->BindVertexArray(mesh->vertex_array);
+        api->DrawElements(GL_MODE_TRIANGLES, corners, GL_TYPE_UNSIGNED_INT, NULL);
+    } else
+        api->DrawArrays(GL_MODE_TRIANGLES, 0, corners);
+    vxs_volumes_put_back_raster(v, &kept);
+}
+
+/* Add the light of the frame: at its crossings, and then all of it where these leave the eye in light.
+ * mesh  NULL: of the map */
+static void add(vxs_volumes *v, const vxs_light_map *map, const vxs_light_mesh *mesh, int corners)
+{
+    gl_name texture = map ? vxs_light_map_texture(map) : 0;
+    if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return;
+    volumes_kept kept = vxs_volumes_use(v, v->programs[mesh ? PROGRAM_MESH : PROGRAM_MESH_MAP], texture, 0, 0);
+    draw_crossings(v, mesh, corners);
+    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_add(v, v->programs[PROGRAM_MESH_WHOLE], 0);
+}
+
+/* The largest mesh of which an int counts the vertices. */
+enum { SIDE_MOST = 8192 };
+
+vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map)
+{
+    double eye_ls[3];
+    if (!map || map->side_px > SIDE_MOST) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_volumes_set_light(v, light, map);
+    if (result != VXS_OK) return result;
+    if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;
+    vxs_mesh_shape shape = set_shape(&v->frame, eye_ls);
+    add(v, map, NULL, 3 * vxs_mesh_triangles(&shape));
+    return VXS_OK;
+}
+
+/* made in C ------------------------------------------------------------------------------------------------------------------------ */
+
+vxs_result vxs_light_mesh_create(vxs_light_mesh **out, vxs_volumes *v, const float *places, const uint32_t *corners,
+                                 const vxs_light_mesh_size *size)
+{
+    const volumes_api *api          = &v->api;
+    int                most         = 0;
+    uint64_t           corner_words = 3 * (uint64_t)size->triangle_count, place_words = 3 * (uint64_t)size->vertex_count;
+    gl_bytes           corner_bytes = (gl_bytes)(corner_words * sizeof *corners);
+    gl_bytes           place_bytes  = (gl_bytes)(place_words * sizeof *places);
+    *out                            = NULL;
+    if (!places || !corners || !size->vertex_count || !size->triangle_count) return VXS_E_ARGUMENT;
+    api->GetIntegerv(GL_MOST_BUFFER_TEXELS, &most);
+    if (corner_words + place_words > (uint64_t)most) return VXS_E_MEMORY;
+    vxs_light_mesh *mesh = vxs_volumes_take(v, sizeof *mesh);
+    if (!mesh) return VXS_E_MEMORY;
+    *mesh = (vxs_light_mesh){.volumes = v, .triangle_count = size->triangle_count};
+    vxs_volumes_forget_error(v);
+    api->CreateBuffers(1, &mesh->words);
+    api->NamedBufferStorage(mesh->words, corner_bytes + place_bytes, NULL, GL_STORAGE_DYNAMIC);
+    if (api->GetError() != GL_ERROR_NONE) {
+        vxs_light_mesh_destroy(mesh);
+        return VXS_E_MEMORY;
+    }
+    api->NamedBufferSubData(mesh->words, 0, corner_bytes, corners);
+    api->NamedBufferSubData(mesh->words, corner_bytes, place_bytes, places);
+    api->CreateTextures(GL_TARGET_TEXTURE_BUFFER, 1, &mesh->texture);
+    api->TextureBuffer(mesh->texture, GL_FORMAT_R32UI, mesh->words);
+    api->CreateVertexArrays(1, &mesh->vertex_array);
+    api->EnableVertexArrayAttrib(mesh->vertex_array, 0);
+    api->VertexArrayAttribFormat(mesh->vertex_array, 0, 3, GL_TYPE_FLOAT, 0, 0);
+    api->VertexArrayAttribBinding(mesh->vertex_array, 0, 0);
+    api->VertexArrayVertexBuffer(mesh->vertex_array, 0, mesh->words, corner_bytes, 3 * sizeof *places);
+    api->VertexArrayElementBuffer(mesh->vertex_array, mesh->words);
+    *out = mesh;
+    return VXS_OK;
+}
+
+void vxs_light_mesh_destroy(vxs_light_mesh *mesh)
+{
+    if (!mesh) return;
+    const vxs_volumes *v = mesh->volumes;
+    if (mesh->vertex_array) v->api.DeleteVertexArrays(1, &mesh->vertex_array);
+    if (mesh->texture) v->api.DeleteTextures(1, &mesh->texture);
+    if (mesh->words) v->api.DeleteBuffers(1, &mesh->words);
+    vxs_volumes_give_back(v, mesh, sizeof *mesh);
+}
+
+vxs_result vxs_volumes_mesh(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_mesh *mesh)
+{
+    double eye_ls[3];
+    if (!mesh) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_volumes_set_light(v, light, NULL);
+    if (result != VXS_OK) return result;
+    if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;
+    v->frame.first = 3 * mesh->triangle_count; /* places are behind corners */
+    add(v, NULL, mesh, 3 * (int)mesh->triangle_count);
+    return VXS_OK;
+}
