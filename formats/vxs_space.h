@@ -52,6 +52,9 @@ typedef vxs_real         vxs_real3[3];
 typedef vxs_i32          vxs_int3[3];
 typedef struct vxs_place vxs_place;
 #define VXS_OUT
+#define VXS_INOUT
+#define VXS_REF(x)                         (&(x)) /* a struct handed to a function that fills it, or that is not to copy it */
+#define VXS_REF_OF(object, field)          (&(object)->field)
 #define VXS_REAL(x)                        VXS_CAST(vxs_real, x)
 #define VXS_FIELD(light, field)            ((light)->field)
 #define VXS_LS_FROM_WS(light, row, column) ((light)->ls_from_ws[4 * (row) + (column)])
@@ -70,6 +73,9 @@ typedef struct vxs_place vxs_place;
 #define vxs_real4 vec4
 #endif
 #define VXS_OUT                            out
+#define VXS_INOUT                          inout
+#define VXS_REF(x)                         (x)
+#define VXS_REF_OF(object, field)          ((object).field)
 #define VXS_REAL(x)                        float(x)
 #define VXS_FIELD(light, field)            ((light).field)
 #define VXS_LS_FROM_WS(light, row, column) ((light).ls_from_ws[row][column])

@@ -5,7 +5,7 @@
 #ifndef VXS_BLOCK_DEPTHS_H
 #define VXS_BLOCK_DEPTHS_H
 
-#include "vxs_lookup_blocks.h"
+#include "vxs_depths.h"
 
 enum { VXS_CELL_PX = 2048, VXS_SQUARE_PX = 256, VXS_BLOCK_PX = 32, VXS_TILE_PX = 8 };
 
@@ -15,13 +15,7 @@ typedef struct vxs_blocks_map {
     uint32_t        map, levels;
 } vxs_blocks_map;
 
-/* A square of texels. Of each of them, voxels before `least` are lit, and those from `greatest` on are in shadow. */
-typedef struct vxs_depth_square {
-    int32_t i, j, side_px;   /* its first texel; VXS_CELL_PX to VXS_TILE_PX, or 1; never more than the map's */
-    int32_t least, greatest; /* [0, 2^levels]; equal: the depth of all of its texels */
-    int32_t coarse;          /* 1: its page is missing, and they are the coarse answer (vxs_lookup_blocks.h) */
-    int32_t low, high;       /* of a coarse one: voxels before low are lit, and those from high on in shadow, by the file itself */
-} vxs_depth_square;
+typedef vxs_depths_square vxs_depth_square; /* of side VXS_CELL_PX to VXS_TILE_PX, or 1 */
 
 /* A block of 32 x 32 texels, kept from one tile to the next, so that those of one block find it once; zero it first. */
 typedef struct vxs_block_cursor {
@@ -29,25 +23,15 @@ typedef struct vxs_block_cursor {
     int32_t          found; /* 0: of its square nothing is kept */
     vxs_blocks_node  node;  /* its k is that of depth 0 */
     vxs_blocks_block record;
-    int32_t          low, high;   /* of all depths of the square */
-    int32_t          whole;       /* -1, or the depth of all of the square */
-    int32_t          entries[16]; /* of the block's palette, depths relative to its base */
+    int32_t          low, high; /* of all depths of the square */
+    int32_t          whole;     /* -1, or the depth of all of the square */
 } vxs_block_cursor;
-
-/* Where a question came to, so that the next one, beside it, begins there; zero it before others of the map, or of another. */
-typedef struct vxs_depth_cursor {
-    vxs_depth_square block, tile; /* side_px 0: nothing is kept */
-    vxs_block_cursor of_block;
-    int32_t          has_depths;
-    int32_t          depth[64]; /* of the tile's texels */
-} vxs_depth_cursor;
 
 /* The greatest square about texel (i, j) of which all voxels at depth k are alike. k below 0: the greatest of which all texels have one
  * depth. It is one texel where nothing greater is.
  * least_px  1; or VXS_TILE_PX, VXS_BLOCK_PX, VXS_SQUARE_PX: smaller squares are not looked for, and depths may be mixed in what is found
- * i, j      of the map
- * kept      NULL, or zero, or as the last call with this map left it */
-vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, int32_t k, int32_t least_px, vxs_depth_cursor *kept);
+ * i, j      of the map */
+vxs_depth_square vxs_depth_square_at(vxs_blocks_map map, int32_t i, int32_t j, int32_t k, int32_t least_px);
 
 enum { VXS_TILE_MISSING, VXS_TILE_WHOLE, VXS_TILE_MIXED };
 

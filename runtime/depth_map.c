@@ -102,7 +102,7 @@ static void paint_texels(const depth_painter *p, texel_box box, const int32_t de
 static int32_t paint_blocks(depth_painter *p, texel_box strip)
 {
     const vxs_blocks_map m = {p->baked->words, (uint32_t)p->to.map, p->baked->light.levels};
-    vxs_depth_square     s = vxs_depth_square_at(m, strip.i0, strip.j0, -1, VXS_SQUARE_PX, NULL);
+    vxs_depth_square     s = vxs_depth_square_at(m, strip.i0, strip.j0, -1, VXS_SQUARE_PX);
     int32_t              depth[64], whole = s.least == s.greatest;
     p->coarse |= s.coarse && s.low < s.high;
     strip.i1 = less(strip.i1, whole ? s.i + s.side_px : (strip.i0 | 7) + 1);

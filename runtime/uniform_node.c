@@ -1,8 +1,8 @@
 /* Uniform nodes; see vxs_query.h.
  * SPDX-License-Identifier: MIT */
-#include "uniform_node.h"
 #include "block_depths.h"
 #include "dag_depths.h"
+#include "vxs_query.h"
 
 static void set_depths(vxs_node *node, int32_t state, int32_t first, int32_t end)
 {
@@ -12,11 +12,10 @@ static void set_depths(vxs_node *node, int32_t state, int32_t first, int32_t end
 }
 
 /* Of the greatest square that is decided at depth k: what is before its depths, behind them, or between. */
-static void find_in_blocks(const vxs_baked_light *baked, uint32_t map, const int32_t voxel[3], int32_t least_px, vxs_node *node,
-                           vxs_depth_cursor *kept)
+static void find_in_blocks(const vxs_baked_light *baked, uint32_t map, const int32_t voxel[3], int32_t least_px, vxs_node *node)
 {
     const vxs_blocks_map m = {baked->words, map, baked->light.levels};
-    vxs_depth_square     s = vxs_depth_square_at(m, voxel[0], voxel[1], voxel[2], least_px, kept);
+    vxs_depth_square     s = vxs_depth_square_at(m, voxel[0], voxel[1], voxel[2], least_px);
     int32_t              k = voxel[2], side = 1 << baked->light.levels, near = s.coarse ? s.low : 0, far = s.coarse ? s.high : side;
     node->first[0] = s.i;
     node->first[1] = s.j;
@@ -35,8 +34,7 @@ static void find_in_blocks(const vxs_baked_light *baked, uint32_t map, const int
         set_depths(node, VXS_NODE_MIXED, s.least, s.greatest);
 }
 
-int vxs_find_uniform_node(const vxs_baked_light *baked, int map, const int32_t voxel[3], int least_px, vxs_node *node,
-                          vxs_depth_cursor *kept)
+int vxs_uniform_node(const vxs_baked_light *baked, int map, const int32_t voxel[3], int least_px, vxs_node *node)
 {
     int32_t side = 1 << baked->light.levels, bounded = (baked->light.flags & VXS_LIGHT_BOUNDED) != 0, k = voxel[2];
     if (map < 0 || map >= (int)vxs_light_map_count(&baked->light)) return 0;
@@ -50,16 +48,11 @@ int vxs_find_uniform_node(const vxs_baked_light *baked, int map, const int32_t v
 
     const int32_t at[3] = {voxel[0], voxel[1], k < side ? k : side - 1}; /* behind the map all is as its last voxels are */
     if (baked->light.coding == VXS_CODING_BLOCKS)
-        find_in_blocks(baked, (uint32_t)map, at, least_px, node, kept);
+        find_in_blocks(baked, (uint32_t)map, at, least_px, node);
     else
         vxs_dag_uniform_node(baked, (uint32_t)map, at, least_px, node);
     if (bounded) return 1;
     if (node->end[2] == side) node->end[2] = VXS_NODE_FAR;
     if (node->first[2] == 0 && node->state == VXS_NODE_LIT) node->first[2] = -VXS_NODE_FAR;
     return 1;
-}
-
-int vxs_uniform_node(const vxs_baked_light *baked, int map, const int32_t voxel[3], int least_px, vxs_node *node)
-{
-    return vxs_find_uniform_node(baked, map, voxel, least_px, node, NULL);
 }

@@ -132,15 +132,7 @@ typedef struct vxs_interval {
 /* A walk along a ray, in the caller's memory; its fields are the library's. */
 typedef struct vxs_lit_walk {
     const vxs_baked_light *baked;
-    double                 from[3], along[3]; /* light space; in a map, as its face has it */
-    double                 p[3], d[3];
-    double                 t;
-    double                 cuts[16]; /* where the ray enters and leaves the volume, and its maps */
-    int32_t                cut_count, cut;
-    int32_t                map, voxel[3], way[3], in_tile;
-    double                 next[2];   /* in a tile: where its texel ends across, and down */
-    int32_t                kept[176]; /* what is known of texels about it, and room to know more in later versions */
-    vxs_interval           last;      /* that is not returned yet, because it may go on */
+    uint64_t               room[127]; /* for what is known of the ray, and more in later versions */
 } vxs_lit_walk;
 
 /* Begin at t_begin. The light is borrowed while the walk lasts, and its words must not change.
@@ -153,7 +145,7 @@ vxs_result vxs_lit_begin(vxs_lit_walk *walk, const vxs_baked_light *baked, const
  * segment without length has none.
  * intervals  [out] [capacity]
  * Returns how many were written. As many as there was room for: call again, there may be more; fewer: that was the end.
- * Cost: a step for each uniform node (vxs_uniform_node) that the ray passes, whatever its length. Threads: a walk is one thread's; any
+ * Cost: a step for each block, tile or texel that the ray cannot pass with more, whatever its length. Threads: a walk is one thread's; any
  * number of walks at once. */
 size_t vxs_lit_next(vxs_lit_walk *walk, vxs_interval *intervals, size_t capacity);
 

@@ -44,21 +44,15 @@ typedef vxs_real            vxs_real2[2];
 #define VXS_MEDIUM   const vxs_medium *
 #define VXS_AIR_RAY  const vxs_air_ray *
 #define VXS_AIR_PART const vxs_air_part *
-#define VXS_INOUT
-#define VXS_REF(x)                (&(x))
-#define VXS_REF_OF(object, field) (&(object)->field)
 #else
 #ifdef VXS_HLSL
 #define vxs_real2 float2
 #else
 #define vxs_real2 vec2
 #endif
-#define VXS_MEDIUM                vxs_medium
-#define VXS_AIR_RAY               vxs_air_ray
-#define VXS_AIR_PART              vxs_air_part
-#define VXS_INOUT                 inout
-#define VXS_REF(x)                (x)
-#define VXS_REF_OF(object, field) ((object).field)
+#define VXS_MEDIUM   vxs_medium
+#define VXS_AIR_RAY  vxs_air_ray
+#define VXS_AIR_PART vxs_air_part
 #endif
 
 /* What fills the air. */

@@ -96,6 +96,23 @@ def test_lookup_header_alone(glslang):
             "    + vxs_shadow(1u, 0u, 8u, 5u, 6u, 7u); }\n", "lookup.comp")
 
 
+WALK = """void main() {
+    vxs_light_constants light;
+    light.levels = 5u;
+    vxs_walk w = vxs_walk_of(light, vec3(1.0), vec3(0.0, 1.0, 0.0), 0.0, 9.0);
+    vxs_span span;
+    while (vxs_walk_next(3u, light, w, span) != 0 || vxs_walk_next_lit(3u, light, w, span) != 0) words[0] += uint(span.state);
+}
+"""
+
+
+@pytest.mark.parametrize("version", ["#version 430 core", "#version 310 es"])
+def test_intervals(glslang, version):
+    """A walk along a ray, behind the headers of a lookup."""
+    texts = [header(name) for name in (*HEADERS, "vxs_depths.h", "vxs_intervals.h")]
+    glslang(WORDS.replace("#version 430 core", version) + COMPUTE + WORD + "".join(texts) + WALK, "walk.comp")
+
+
 def test_word_has_to_be_defined(glslang):
     said = glslang(WORDS + header("vxs_lookup.h") + "void main() {}\n", "none.frag", good=False)
     assert "vxs_word is not defined" in said
@@ -175,6 +192,34 @@ def test_macros_of_the_includer(language, standard, tmp_path):
     (tmp_path / "floats").write_text(FLOATS)
     subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
                     f"-I{ROOT / 'formats'}", f"-I{ROOT / 'runtime'}", tmp_path / "floats", "-o", tmp_path / "run", "-lm"], check=True)
+    assert subprocess.run([tmp_path / "run"]).returncode == 0
+
+
+WALKED = """
+#include "formats/vxs_intervals.h"
+int main(void)
+{
+    static const uint32_t words[14] = {0, 0, 8, 0, 0, 0, 0, 0, 0x80000003, 0, 0, 0, 0, 0};
+    const double from[3] = {1, 1, -5}, along[3] = {0, 0, 1};
+    vxs_light light = {{0}, VXS_LIGHT_KIND_DIRECTIONAL, 0, 3, VXS_CODING_BLOCKS, {0}, 1, 1, {0, 0, 1}, 0, 0, 0};
+    vxs_walk w;
+    vxs_span span;
+    int n;
+    for (n = 0; n < 3; n++) light.ls_from_ws[5 * n] = 1;
+    w = vxs_walk_of(&light, from, along, 0, 20);
+    if (!vxs_walk_next(words, &light, &w, &span) || span.state != VXS_SPAN_LIT || span.begin != 0 || span.end != 8) return 1;
+    if (!vxs_walk_next(words, &light, &w, &span) || span.state != VXS_SPAN_SHADOW || span.end != 20) return 2;
+    return vxs_walk_next(words, &light, &w, &span);
+}
+"""
+
+
+@pytest.mark.parametrize("language, standard", [("c", "c99"), ("c++", "c++11")])
+def test_intervals_in_c(language, standard, tmp_path):
+    compiler = os.environ.get("CC", "cc") if language == "c" else os.environ.get("CXX", "c++")
+    (tmp_path / "walked").write_text(WALKED)
+    subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
+                    f"-I{ROOT / 'formats'}", tmp_path / "walked", "-o", tmp_path / "run", "-lm"], check=True)
     assert subprocess.run([tmp_path / "run"]).returncode == 0
 
 

@@ -22,7 +22,7 @@ static int32_t depth_at(const blocks_sample *s, uint32_t map, int32_t i, int32_t
 /* All texels of what was found are as it says; of large squares, some. */
 static void check_square(const blocks_sample *s, rng *r, uint32_t map, int32_t i, int32_t j, int32_t k, int32_t least_px)
 {
-    vxs_depth_square q = vxs_depth_square_at((vxs_blocks_map){s->words, map, s->levels}, i, j, k, least_px, NULL);
+    vxs_depth_square q = vxs_depth_square_at((vxs_blocks_map){s->words, map, s->levels}, i, j, k, least_px);
     assert_true(q.i <= i && i < q.i + q.side_px && q.j <= j && j < q.j + q.side_px);
     assert_int_equal(q.coarse, 0);
     assert_in_range(q.greatest, q.least, 1 << s->levels);
@@ -107,7 +107,7 @@ static void test_missing_pages(void **state)
     for (int n = 0; n < 2000; n++) {
         int32_t          i = rng_between(&r, 0, 1023), j = rng_between(&r, 0, 1023);
         vxs_blocks_map   map = {s.words, 0, s.levels};
-        vxs_depth_square q   = vxs_depth_square_at(map, i, j, -1, 1, NULL);
+        vxs_depth_square q   = vxs_depth_square_at(map, i, j, -1, 1);
         vxs_block_cursor c   = {0};
         int32_t          depth[64];
         assert_int_equal(q.side_px, 256);

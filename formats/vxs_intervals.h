@@ -1,0 +1,717 @@
+/* Where a ray is lit, exactly to the voxel: a walk through the words of a light. One text for C99, C++, GLSL and HLSL, that stands on
+ * vxs_depths.h.
+ *
+ *     vxs_walk w = vxs_walk_of(light, eye_ws, direction_ws, t_begin, t_end);
+ *     vxs_span span;
+ *     while (vxs_walk_next(words, light, w, span) != 0)
+ *         if (span.state == VXS_SPAN_LIT) airlight += ... from span.begin to span.end;
+ *
+ * In light space a ray stays a line: of a sun in texels and voxels, of a lamp in metres about it, where borders of texels are planes
+ * through the light, and borders of voxels planes across its axis. So all that may change along a ray is crossed at a plane, or at the
+ * light's cone and range, which are quadrics:
+ *
+ *     t_begin --- cut --- cut ------------ cut --- t_end      cuts: cone, range, borders of maps; between two it is in one map, or outside
+ *                          |  block | tile | tile |           in a map: through what is lit or in shadow as a whole, at once;
+ *                                   |. . . |                  in tiles where that changes from texel to texel, each of which has a depth
+ *
+ * What is a whole depends on how deep the ray is there: a square, a block, whose depths are bounded, is lit up to the least of them and in
+ * shadow from the greatest on; a tile is so where the ray leaves it as well as where it enters. Only tiles where neither holds are
+ * looked at by texels, and of those only the texels that the ray crosses.
+ *
+ * Between cuts a voxel's coordinates only grow or only shrink. A step leaves a box through the plane that is crossed first, into the voxel
+ * behind it; the other coordinates are held in the box, and never turn back. So rounding can move where a border is crossed, but not lead
+ * through a border twice, and a walk ends, after as many steps as a map has texels a side times VXS_WALK_STEPS whatever the words are.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_INTERVALS_H
+#define VXS_INTERVALS_H
+
+#ifndef VXS_DEPTHS_H /* a shader that cannot include has it already */
+#include "vxs_depths.h"
+#endif
+
+#ifdef VXS_C
+typedef struct vxs_span vxs_span;
+typedef struct vxs_walk vxs_walk;
+typedef struct vxs_box  vxs_box;
+#define VXS_WALK       vxs_walk *
+#define VXS_SQUARE     const vxs_depths_square *
+#define VXS_SPAN       vxs_span *
+#define VXS_SPAN_INOUT vxs_span *
+#ifndef VXS_NEVER
+#define VXS_NEVER INFINITY
+#endif
+#else
+#define VXS_WALK       inout vxs_walk
+#define VXS_SQUARE     vxs_depths_square
+#define VXS_SPAN       out vxs_span
+#define VXS_SPAN_INOUT inout vxs_span
+#define VXS_NEVER      3e38
+#endif
+
+#define VXS_SPAN_SHADOW  0
+#define VXS_SPAN_LIT     1
+#define VXS_SPAN_OUTSIDE 2
+#define VXS_SPAN_NONE    (-1)
+#define VXS_SPAN_COARSE  4 /* added to a state while a walk keeps it */
+
+#define VXS_WALK_STEPS 64
+#define VXS_NO_BORDER  (1 << 30)
+
+/* A part of a ray, [begin, end), that is all lit, in shadow, or outside of the light's volume. */
+struct vxs_span {
+    vxs_real begin, end;
+    vxs_i32  state;  /* VXS_SPAN_* */
+    vxs_i32  coarse; /* 1: a page is missing, and this is the coarse answer; else 0 */
+};
+
+/* Voxels of a map that are alike: texels of a square, depths [near, far); VXS_NO_BORDER and its negative: no end. */
+struct vxs_box {
+    vxs_i32 i, j, side_px, near, far;
+    vxs_i32 state; /* VXS_SPAN_*, with VXS_SPAN_COARSE */
+};
+
+struct vxs_walk {
+    vxs_real3 from, along; /* the ray in light space */
+    vxs_real3 p, d;        /* the same as its map has it, */
+    vxs_real3 per_d;       /* and 1 / d; of a lamp, away from it alone */
+    vxs_real  t, cut, end; /* where it is; up to where that is its map; the end of the ray */
+    vxs_real  begin;       /* of what is alike up to t, */
+    vxs_i32   state;       /* and what that is; with VXS_SPAN_COARSE */
+    vxs_i32   outside;     /* the state of what is outside: VXS_SPAN_OUTSIDE, unless the caller says otherwise */
+    vxs_i32   steps;       /* that are left */
+    vxs_i32   map;
+    vxs_int3  voxel, way; /* and which way each coordinate goes */
+
+    vxs_depths_square block;    /* bounds of a block, or of something greater; side_px 0: none is known */
+    vxs_i32           is_block; /* 1: of a block, which is */
+    vxs_blocks_block  record;
+    vxs_i32           square_i, square_j; /* which square of 256 x 256 texels is known; -1: none */
+    vxs_depths_square square;
+    vxs_i32           has_node; /* 1: its node is known, too */
+    vxs_blocks_node   node;
+
+    vxs_i32         tile_i, tile_j; /* tile of the map; -1: none is known */
+    vxs_depths_tile tile;
+    vxs_i32         least, greatest; /* of its depths */
+
+    vxs_i32   in_tile;           /* 1: it goes from texel to texel, */
+    vxs_real3 next;              /* whose borders it crosses here, across and down, */
+    vxs_i32   nearest, farthest; /* from one depth to another */
+};
+
+VXS_FN vxs_i32 vxs_walk_is_sun(VXS_LIGHT light)
+{
+    return VXS_FIELD(light, kind) == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
+}
+
+VXS_FN vxs_i32 vxs_walk_side(VXS_LIGHT light)
+{
+    return VXS_I(1) << VXS_FIELD(light, levels);
+}
+
+/* cuts --------------------------------------------------------------------------------------------------------------------------- */
+
+/* Of two places behind t, the one that is nearer; one that is not behind it is none. */
+VXS_FN vxs_real vxs_walk_sooner(vxs_real place, vxs_real t, vxs_real next)
+{
+    return place > t && place < next ? place : next;
+}
+
+/* Where a + b t is 0. */
+VXS_FN vxs_real vxs_walk_plane(vxs_real a, vxs_real b, vxs_real t, vxs_real next)
+{
+    return b != 0.0 ? vxs_walk_sooner(-a / b, t, next) : next;
+}
+
+/* Where a s^2 + 2 b s + c is 0, s counted from `middle`; by sums that do not cancel. */
+VXS_FN vxs_real vxs_walk_roots(vxs_real middle, vxs_real a, vxs_real b, vxs_real c, vxs_real t, vxs_real next)
+{
+    vxs_real part = b * b - a * c;
+    if (!(part >= 0.0)) return next;
+    vxs_real far = b < 0.0 ? sqrt(part) - b : -(b + sqrt(part));
+    if (a != 0.0) next = vxs_walk_sooner(middle + far / a, t, next);
+    if (far != 0.0) next = vxs_walk_sooner(middle + c / far, t, next);
+    return next;
+}
+
+VXS_FN vxs_real vxs_walk_dot(const vxs_real3 a, const vxs_real3 b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* A lamp's range, and a spot's cone; from where the ray is nearest the light, so that its distance from there costs no digits. */
+VXS_FN vxs_real vxs_walk_quadrics(VXS_LIGHT light, const vxs_real3 from, const vxs_real3 along, vxs_real t, vxs_real next)
+{
+    vxs_real  length = vxs_walk_dot(along, along), range = VXS_FIELD(light, range_metres), outer = VXS_FIELD(light, cos_outer);
+    vxs_real3 near;
+    if (!(length > 0.0)) return next;
+    vxs_real middle = -vxs_walk_dot(from, along) / length;
+    for (vxs_i32 n = 0; n < 3; n++) near[n] = from[n] + middle * along[n];
+    vxs_real slope = vxs_walk_dot(near, along), distance2 = vxs_walk_dot(near, near), cos2 = outer * outer;
+    if (range > 0.0) next = vxs_walk_roots(middle, length, slope, distance2 - range * range, t, next);
+    if (VXS_FIELD(light, kind) == VXS_LIGHT_KIND_POINT) return next;
+    next = vxs_walk_plane(from[2], along[2], t, next); /* the cone has another behind the light */
+    return vxs_walk_roots(middle, along[2] * along[2] - cos2 * length, near[2] * along[2] - cos2 * slope,
+                          near[2] * near[2] - cos2 * distance2, t, next);
+}
+
+/* The first cut behind t, but no later than `next`. */
+VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, const vxs_real3 from, const vxs_real3 along, vxs_real t, vxs_real next)
+{
+    vxs_real side   = VXS_REAL(vxs_walk_side(light));
+    vxs_i32  is_sun = vxs_walk_is_sun(light), axes = (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? 3 : 2;
+    for (vxs_i32 axis = 0; axis < axes && is_sun != 0; axis++) {
+        next = vxs_walk_plane(from[axis], along[axis], t, next);
+        next = vxs_walk_plane(from[axis] - side, along[axis], t, next);
+    }
+    if (is_sun != 0) return next;
+    next = vxs_walk_quadrics(light, from, along, t, next);
+    for (vxs_i32 a = 0; a < 3 && (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u; a++) {
+        vxs_i32 b = (a + 1) % 3;
+        next      = vxs_walk_plane(from[a] - from[b], along[a] - along[b], t, next);
+        next      = vxs_walk_plane(from[a] + from[b], along[a] + along[b], t, next);
+    }
+    return next;
+}
+
+/* maps --------------------------------------------------------------------------------------------------------------------------- */
+
+/* At t, which may be infinite. */
+VXS_FN vxs_real vxs_walk_at(vxs_real p, vxs_real d, vxs_real t)
+{
+    return d != 0.0 ? p + d * t : p;
+}
+
+/* The map of a point of light space, or -1. */
+VXS_FN vxs_i32 vxs_walk_map_at(VXS_LIGHT light, const vxs_real3 ls)
+{
+    vxs_real side = VXS_REAL(vxs_walk_side(light));
+    if (vxs_walk_is_sun(light) == 0) return vxs_in_reach(light, ls) != 0 ? vxs_map_from_ls(light, ls) : -1;
+    if (!(ls[0] >= 0.0 && ls[0] < side && ls[1] >= 0.0 && ls[1] < side)) return -1;
+    if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u && !(ls[2] >= 0.0 && ls[2] < side)) return -1;
+    return 0;
+}
+
+/* A coordinate as an integer, rounded down; as vxs_clamped, without floor, which not all processors have. */
+VXS_INLINE vxs_i32 vxs_walk_floor(vxs_real coordinate)
+{
+    vxs_real limit = VXS_REAL(1 << 30);
+    if (!(coordinate > -limit)) return -(1 << 30);
+    if (!(coordinate < limit)) return 1 << 30;
+    vxs_i32 n = VXS_I(coordinate);
+    return VXS_REAL(n) > coordinate ? n - 1 : n;
+}
+
+/* The texel of a place of a map's space, across or down, where that is `along` away from the light. What rounding leads out of the map is
+ * held in it. */
+VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, vxs_real across, vxs_real along)
+{
+    if (vxs_walk_is_sun(light) != 0) return vxs_clamp(vxs_walk_floor(across), 0, vxs_walk_side(light) - 1);
+    along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
+    return vxs_clamp(vxs_walk_floor(vxs_lamp_coordinate(light, across, along)), 0, vxs_walk_side(light) - 1);
+}
+
+/* And its depth, in voxels. */
+VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, vxs_real along)
+{
+    if (vxs_walk_is_sun(light) == 0) {
+        along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
+        return vxs_walk_floor(log(along / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres));
+    }
+    vxs_i32 k = vxs_walk_floor(along);
+    return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? vxs_clamp(k, 0, vxs_walk_side(light) - 1) : k;
+}
+
+VXS_FN vxs_i32 vxs_walk_sign(vxs_real x)
+{
+    return x > 0.0 ? 1 : x < 0.0 ? -1 : 0;
+}
+
+/* Within the part of the ray between two cuts: its middle; or, where that is very far, where the ray has gone as far again as it is from
+ * anything: beyond, rounding would decide which of two maps it is in. */
+VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, const vxs_real3 from, const vxs_real3 along, vxs_real first, vxs_real next)
+{
+    vxs_real size = VXS_REAL(vxs_walk_side(light)), speed = VXS_REAL(0.0), middle = 0.5 * next - 0.5 * first;
+    for (vxs_i32 n = 0; n < 3; n++) {
+        size  = vxs_abs(from[n]) > size ? vxs_abs(from[n]) : size;
+        speed = vxs_abs(along[n]) > speed ? vxs_abs(along[n]) : speed;
+    }
+    vxs_real far = speed > 0.0 ? vxs_abs(first) + 8.0 * size / speed : VXS_REAL(1.0);
+    return first + (middle < far ? middle : far);
+}
+
+/* The texels and the depth of the ray at t, which is finite. */
+VXS_FN void vxs_walk_place(VXS_LIGHT light, VXS_WALK w, vxs_real t)
+{
+    vxs_real z             = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
+    VXS_FIELD(w, voxel)[0] = vxs_walk_texel(light, VXS_FIELD(w, p)[0] + VXS_FIELD(w, d)[0] * t, z);
+    VXS_FIELD(w, voxel)[1] = vxs_walk_texel(light, VXS_FIELD(w, p)[1] + VXS_FIELD(w, d)[1] * t, z);
+    VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, z);
+}
+
+/* Into the map behind a cut: its space, the voxel there, and which way each coordinate goes. Of a lamp u is x / z: its way is the sign of
+ * x' z - x z'. */
+VXS_FN void vxs_walk_pass_cut(VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_real  t = VXS_FIELD(w, t);
+    vxs_real3 middle;
+    VXS_FIELD(w, cut) = vxs_walk_next_cut(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, VXS_FIELD(w, end));
+    vxs_real within   = vxs_walk_within(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, VXS_FIELD(w, cut));
+    for (vxs_i32 n = 0; n < 3; n++) middle[n] = vxs_walk_at(VXS_FIELD(w, from)[n], VXS_FIELD(w, along)[n], within);
+    VXS_FIELD(w, map)           = vxs_walk_map_at(light, middle);
+    VXS_FIELD(w, block).side_px = 0;
+    VXS_FIELD(w, square_i)      = -1;
+    VXS_FIELD(w, tile_i)        = -1;
+    VXS_FIELD(w, in_tile)       = 0;
+    if (VXS_FIELD(w, map) < 0) return;
+    vxs_i32 face = vxs_walk_is_sun(light) != 0 ? 4 : vxs_face_of_map(light, VXS_FIELD(w, map)); /* 4: as they are */
+    vxs_face_from_ls(face, VXS_FIELD(w, from), VXS_FIELD(w, p));
+    vxs_face_from_ls(face, VXS_FIELD(w, along), VXS_FIELD(w, d));
+    vxs_real z = VXS_FIELD(w, p)[2], dz = VXS_FIELD(w, d)[2];
+    for (vxs_i32 axis = 0; axis < 3; axis++) {
+        vxs_real d = VXS_FIELD(w, d)[axis];
+        if (vxs_walk_is_sun(light) == 0 && axis < 2) d = d * z - VXS_FIELD(w, p)[axis] * dz;
+        VXS_FIELD(w, per_d)[axis] = 1.0 / d;
+        VXS_FIELD(w, way)[axis]   = vxs_abs(d) > VXS_REAL_MIN ? vxs_walk_sign(d) : 0;
+    }
+    vxs_walk_place(light, w, t);
+}
+
+/* Where the ray, from t on, crosses border `border` of texels, across or down, in its way there; VXS_NEVER: nowhere. At a border of the map
+ * is a cut. */
+VXS_INLINE vxs_real vxs_walk_cross(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_i32 border, vxs_real t)
+{
+    vxs_i32  side = vxs_walk_side(light), way = VXS_FIELD(w, way)[axis];
+    vxs_real p = VXS_FIELD(w, p)[axis], d = VXS_FIELD(w, d)[axis];
+    if (way == 0 || VXS_U(border - 1) >= VXS_U(side - 1)) return VXS_REAL(VXS_NEVER);
+    if (vxs_walk_is_sun(light) != 0) {
+        vxs_real at = (VXS_REAL(border) - p) * VXS_FIELD(w, per_d)[axis];
+        return at > t ? at : t;
+    }
+    vxs_real slope = (VXS_REAL(border) - 0.5 * VXS_REAL(side)) * VXS_FIELD(light, texel_metres);
+    p -= slope * VXS_FIELD(w, p)[2];
+    d -= slope * VXS_FIELD(w, d)[2];
+    if (VXS_REAL(way) * (d != 0.0 ? p + d * t : p) >= 0.0) return t;
+    if (!(VXS_REAL(way) * d > 0.0)) return VXS_REAL(VXS_NEVER);
+    return -p / d > t ? -p / d : t;
+}
+
+/* The same of a border of voxels; the ray goes deeper, or nearer. */
+VXS_INLINE vxs_real vxs_walk_cross_depth(VXS_LIGHT light, VXS_WALK w, vxs_i32 border, vxs_real t)
+{
+    vxs_real z = VXS_REAL(border);
+    if (vxs_walk_is_sun(light) == 0) z = VXS_FIELD(light, near_metres) * exp(z * VXS_FIELD(light, voxel_metres));
+    vxs_real at = (z - VXS_FIELD(w, p)[2]) * VXS_FIELD(w, per_d)[2];
+    return at > t ? at : t;
+}
+
+/* boxes -------------------------------------------------------------------------------------------------------------------------- */
+
+/* A coordinate that comes from rounding: held in [first, end), and not turned back. */
+VXS_FN vxs_i32 vxs_walk_on(vxs_i32 was, vxs_i32 at, vxs_i32 way, vxs_i32 first, vxs_i32 end)
+{
+    vxs_i32 on = vxs_clamp(at, first, end - 1);
+    return way * (on - was) > 0 ? on : was;
+}
+
+/* From t to where a box is left, but not beyond the cut. */
+VXS_FN void vxs_walk_leave(VXS_LIGHT light, VXS_WALK w, vxs_box box)
+{
+    vxs_real t = VXS_FIELD(w, t), first = VXS_FIELD(w, cut);
+    vxs_i32  u = VXS_FIELD(w, way)[0], v = VXS_FIELD(w, way)[1], k = VXS_FIELD(w, way)[2], through = -1;
+    vxs_i32  end_i = box.i + box.side_px, end_j = box.j + box.side_px, border = k > 0 ? box.far : box.near;
+    vxs_real crossed = vxs_walk_cross(light, w, 0, u > 0 ? end_i : box.i, t);
+    if (crossed < first) {
+        first   = crossed;
+        through = 0;
+    }
+    crossed = vxs_walk_cross(light, w, 1, v > 0 ? end_j : box.j, t);
+    if (crossed < first) {
+        first   = crossed;
+        through = 1;
+    }
+    if (k != 0 && border < VXS_NO_BORDER && border > -VXS_NO_BORDER) {
+        crossed = vxs_walk_cross_depth(light, w, border, t);
+        if (crossed < first) {
+            first   = crossed;
+            through = 2;
+        }
+    }
+    VXS_FIELD(w, t) = first;
+    if (through < 0) return;
+    vxs_i32 was_i = VXS_FIELD(w, voxel)[0], was_j = VXS_FIELD(w, voxel)[1], was_k = VXS_FIELD(w, voxel)[2];
+    vxs_walk_place(light, w, first);
+    VXS_FIELD(w, voxel)[0] = vxs_walk_on(was_i, VXS_FIELD(w, voxel)[0], u, box.i, end_i);
+    VXS_FIELD(w, voxel)[1] = vxs_walk_on(was_j, VXS_FIELD(w, voxel)[1], v, box.j, end_j);
+    VXS_FIELD(w, voxel)[2] = vxs_walk_on(was_k, VXS_FIELD(w, voxel)[2], k, box.near, box.far);
+    if (through == 0) VXS_FIELD(w, voxel)[0] = u > 0 ? end_i : box.i - 1;
+    if (through == 1) VXS_FIELD(w, voxel)[1] = v > 0 ? end_j : box.j - 1;
+    if (through == 2) VXS_FIELD(w, voxel)[2] = k > 0 ? box.far : box.near - 1;
+}
+
+/* Before the map all texels are lit: near a lamp theirs would be rounding noise. */
+VXS_FN vxs_i32 vxs_walk_in_front(VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_real first = VXS_FIELD(w, cut);
+    if (VXS_FIELD(w, way)[2] > 0) first = vxs_walk_cross_depth(light, w, 0, VXS_FIELD(w, t));
+    if (first < VXS_FIELD(w, cut)) {
+        VXS_FIELD(w, t) = first;
+        vxs_walk_place(light, w, first);
+        VXS_FIELD(w, voxel)[2] = 0;
+    } else
+        VXS_FIELD(w, t) = VXS_FIELD(w, cut);
+    return VXS_SPAN_LIT;
+}
+
+/* The depth of the ray in the map: what lies behind it is as its last voxels are. */
+VXS_FN vxs_i32 vxs_walk_in_map(VXS_LIGHT light, vxs_i32 k)
+{
+    vxs_i32 last = vxs_walk_side(light) - 1;
+    return k < last ? k : last;
+}
+
+/* Whether the bounds of a square say what is at depth k. */
+VXS_INLINE vxs_i32 vxs_walk_decides(VXS_SQUARE s, vxs_i32 k)
+{
+    return k < VXS_FIELD(s, least) || k >= VXS_FIELD(s, greatest) ? 1 : 0;
+}
+
+/* The part of it that is alike about that depth. Of a coarse one, what is nearer and farther than its page is certain. */
+VXS_FN vxs_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
+{
+    vxs_box box;
+    vxs_i32 side = vxs_walk_side(light), low = VXS_FIELD(s, low), high = VXS_FIELD(s, high),
+            is_coarse = k >= low && k < high ? 1 : 0;
+    box.i             = VXS_FIELD(s, i);
+    box.j             = VXS_FIELD(s, j);
+    box.side_px       = VXS_FIELD(s, side_px);
+    box.near          = 0;
+    box.far           = side;
+    if (VXS_FIELD(s, coarse) == 0 || is_coarse != 0) {
+        if (VXS_FIELD(s, coarse) != 0) box.near = low;
+        if (VXS_FIELD(s, coarse) != 0) box.far = high;
+        box.state = k < VXS_FIELD(s, least) ? VXS_SPAN_LIT : VXS_SPAN_SHADOW;
+        if (box.state == VXS_SPAN_LIT)
+            box.far = VXS_FIELD(s, least);
+        else
+            box.near = VXS_FIELD(s, greatest);
+        if (VXS_FIELD(s, coarse) != 0) box.state += VXS_SPAN_COARSE;
+    } else if (k < low) {
+        box.far   = low;
+        box.state = VXS_SPAN_LIT;
+    } else {
+        box.near  = high;
+        box.state = VXS_SPAN_SHADOW;
+    }
+    if (box.far == side) box.far = VXS_NO_BORDER;
+    if (box.near == 0 && (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u) box.near = -VXS_NO_BORDER;
+    return box;
+}
+
+/* tiles -------------------------------------------------------------------------------------------------------------------------- */
+
+/* Out of a tile, or a texel of it, through the border that was crossed at t: along u (axis 0) or v. */
+VXS_INLINE void vxs_walk_into_next(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t)
+{
+    vxs_i32  other = 1 - axis, i = VXS_FIELD(w, voxel)[other], way = VXS_FIELD(w, way)[other];
+    vxs_real z                 = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
+    vxs_i32  at                = vxs_walk_texel(light, VXS_FIELD(w, p)[other] + VXS_FIELD(w, d)[other] * t, z);
+    vxs_i32  u                 = VXS_FIELD(w, voxel)[axis];
+    VXS_FIELD(w, voxel)[other] = vxs_walk_on(i, at, way, i & ~7, (i & ~7) + 8);
+    VXS_FIELD(w, voxel)[axis]  = VXS_FIELD(w, way)[axis] > 0 ? (u | 7) + 1 : (u & ~7) - 1;
+}
+
+/* The border of its texel, or of `side_px` texels about it, that the ray goes to. */
+VXS_FN vxs_i32 vxs_walk_ahead(vxs_i32 i, vxs_i32 way, vxs_i32 side_px)
+{
+    return (i & -side_px) + (way > 0 ? side_px : 0);
+}
+
+/* Through a tile at once, or into its texels. */
+VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_real t = VXS_FIELD(w, t), cut = VXS_FIELD(w, cut);
+    vxs_i32  i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], k = VXS_FIELD(w, voxel)[2], way = VXS_FIELD(w, way)[2];
+    vxs_real u      = vxs_walk_cross(light, w, 0, vxs_walk_ahead(i, VXS_FIELD(w, way)[0], 8), t);
+    vxs_real v      = vxs_walk_cross(light, w, 1, vxs_walk_ahead(j, VXS_FIELD(w, way)[1], 8), t);
+    vxs_real across = u < v ? u : v, last = across < cut ? across : cut;
+    vxs_i32  k_last = k, state;
+    if (way != 0) {
+        k_last = vxs_walk_depth(light, VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * last);
+        k_last = way * (k_last - k) > 0 ? k_last : k;
+    }
+    vxs_i32 nearest = vxs_walk_in_map(light, way > 0 ? k : k_last), farthest = vxs_walk_in_map(light, way > 0 ? k_last : k);
+    if (farthest < VXS_FIELD(w, least))
+        state = VXS_SPAN_LIT;
+    else if (nearest >= VXS_FIELD(w, greatest))
+        state = VXS_SPAN_SHADOW;
+    else {
+        VXS_FIELD(w, in_tile)  = 1;
+        VXS_FIELD(w, next)[0]  = vxs_walk_cross(light, w, 0, vxs_walk_ahead(i, VXS_FIELD(w, way)[0], 1), t);
+        VXS_FIELD(w, next)[1]  = vxs_walk_cross(light, w, 1, vxs_walk_ahead(j, VXS_FIELD(w, way)[1], 1), t);
+        VXS_FIELD(w, nearest)  = way > 0 ? k : k_last;
+        VXS_FIELD(w, farthest) = way > 0 ? k_last : k;
+        return VXS_SPAN_NONE;
+    }
+    VXS_FIELD(w, t)        = last;
+    VXS_FIELD(w, voxel)[2] = k_last;
+    if (across < cut) vxs_walk_into_next(light, w, u < v ? 0 : 1, across);
+    return state;
+}
+
+/* To the end of a texel, or to where the ray crosses its depth. Of its borders only the one that is crossed is another then. */
+VXS_INLINE vxs_i32 vxs_walk_through_texel(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_i32  i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], way = VXS_FIELD(w, way)[2], lit;
+    vxs_i32  depth = VXS_FIELD(w, least);
+    vxs_real t = VXS_FIELD(w, t), cut = VXS_FIELD(w, cut);
+    vxs_i32  axis   = VXS_FIELD(w, next)[1] < VXS_FIELD(w, next)[0] ? 1 : 0;
+    vxs_real across = VXS_FIELD(w, next)[axis], next = across < cut ? across : cut;
+    if (depth != VXS_FIELD(w, greatest))
+        depth = vxs_depths_texel(blocks, VXS_REF_OF(w, tile), depth, VXS_FIELD(w, greatest), VXS_U(i & 7), VXS_U(j & 7));
+    if (depth == vxs_walk_side(light) || depth > VXS_FIELD(w, farthest))
+        lit = 1;
+    else if (way == 0 || depth <= VXS_FIELD(w, nearest))
+        lit = 0;
+    else {
+        vxs_real at = vxs_walk_cross_depth(light, w, depth, t);
+        lit         = (at > t) == (way > 0) ? 1 : 0;
+        if (at > t && at < next) {
+            VXS_FIELD(w, t) = at;
+            return lit;
+        }
+    }
+    VXS_FIELD(w, t) = next;
+    if (across < cut) {
+        vxs_i32 was = VXS_FIELD(w, voxel)[axis], now = was + VXS_FIELD(w, way)[axis];
+        VXS_FIELD(w, voxel)[axis] = now;
+        if (((was ^ now) & ~7) == 0) {
+            VXS_FIELD(w, next)[axis] = vxs_walk_cross(light, w, axis, vxs_walk_ahead(now, VXS_FIELD(w, way)[axis], 1), next);
+            return lit;
+        }
+        VXS_FIELD(w, voxel)[2] = way > 0 ? VXS_FIELD(w, farthest) : VXS_FIELD(w, nearest);
+    }
+    VXS_FIELD(w, in_tile) = 0;
+    return lit;
+}
+
+/* palette blocks ----------------------------------------------------------------------------------------------------------------- */
+
+/* Bounds of the square about the voxel where they say what is at its depth, else of the block. */
+VXS_FN void vxs_walk_find_block(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_i32 i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], k = vxs_walk_in_map(light, VXS_FIELD(w, voxel)[2]);
+    vxs_u32 map = VXS_U(VXS_FIELD(w, map)), levels = VXS_FIELD(light, levels);
+    VXS_FIELD(w, tile_i) = -1;
+    if (VXS_FIELD(w, square_i) != i >> 8 || VXS_FIELD(w, square_j) != j >> 8) {
+        VXS_FIELD(w, square)   = vxs_depths_square_at(blocks, map, levels, i, j);
+        VXS_FIELD(w, square_i) = i >> 8;
+        VXS_FIELD(w, square_j) = j >> 8;
+        VXS_FIELD(w, has_node) = 0;
+    }
+    vxs_depths_square s    = VXS_FIELD(w, square);
+    VXS_FIELD(w, is_block) = 0;
+    if (s.least == s.greatest || k < s.least || k >= s.greatest) {
+        VXS_FIELD(w, block) = s;
+        return;
+    }
+    if (VXS_FIELD(w, has_node) == 0) VXS_FIELD(w, node) = vxs_depths_node_of(blocks, map, levels, i, j, s.least);
+    VXS_FIELD(w, has_node) = 1;
+    VXS_FIELD(w, record)   = vxs_blocks_find_block(blocks, VXS_FIELD(w, node), VXS_U(((i >> 5) & 7) | (((j >> 5) & 7) << 3)));
+    s.side_px              = s.side_px < 32 ? s.side_px : 32;
+    s.i                    = i & -s.side_px;
+    s.j                    = j & -s.side_px;
+    vxs_depths_bounds b = vxs_depths_bound_block(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), (s.i >> 3) & 28, (s.j >> 3) & 28,
+                                                 s.side_px / 8 - 1, s.least, s.greatest);
+    s.least             = b.least;
+    s.greatest          = b.greatest;
+    VXS_FIELD(w, block) = s;
+    VXS_FIELD(w, is_block) = 1;
+}
+
+VXS_FN void vxs_walk_find_tile(VXS_WORDS blocks, VXS_WALK w)
+{
+    vxs_i32 x = VXS_FIELD(w, voxel)[0] >> 3, y = VXS_FIELD(w, voxel)[1] >> 3;
+    if (VXS_FIELD(w, tile_i) == x && VXS_FIELD(w, tile_j) == y) return;
+    VXS_FIELD(w, tile_i) = x;
+    VXS_FIELD(w, tile_j) = y;
+    if ((((VXS_FIELD(w, record).mixed | VXS_FIELD(w, record).own) >> VXS_U((x & 3) | ((y & 3) << 2))) & 1u) == 0u) {
+        VXS_FIELD(w, least)    = vxs_depths_whole(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
+                                                  VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
+        VXS_FIELD(w, greatest) = VXS_FIELD(w, least);
+        return;
+    }
+    VXS_FIELD(w, tile)     = vxs_depths_tile_of(blocks, VXS_FIELD(w, node), VXS_FIELD(w, record), x & 31, y & 31,
+                                                VXS_FIELD(w, square).least, VXS_FIELD(w, square).greatest);
+    vxs_depths_bounds b    = vxs_depths_bound(blocks, VXS_REF_OF(w, tile));
+    VXS_FIELD(w, least)    = b.least;
+    VXS_FIELD(w, greatest) = b.greatest;
+}
+
+VXS_INLINE vxs_i32 vxs_walk_in_blocks(VXS_WORDS blocks, VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_i32 i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], k = VXS_FIELD(w, voxel)[2];
+    vxs_i32 side_px = VXS_FIELD(w, block).side_px;
+    if (side_px == 0 || (((i ^ VXS_FIELD(w, block).i) | (j ^ VXS_FIELD(w, block).j)) & -side_px) != 0)
+        vxs_walk_find_block(blocks, light, w);
+    k = vxs_walk_in_map(light, k);
+    if (VXS_FIELD(w, is_block) == 0 && vxs_walk_decides(VXS_REF_OF(w, block), k) == 0)
+        vxs_walk_find_block(blocks, light, w); /* was kept from another depth */
+    if (vxs_walk_decides(VXS_REF_OF(w, block), k) != 0) {
+        vxs_box box = vxs_walk_box_in(light, VXS_REF_OF(w, block), k);
+        vxs_walk_leave(light, w, box);
+        return box.state;
+    }
+    vxs_walk_find_tile(blocks, w);
+    return vxs_walk_through_tile(light, w);
+}
+
+/* DAGs --------------------------------------------------------------------------------------------------------------------------- */
+
+/* The greatest node about a voxel that is uniform; of a slice with a mask, the voxel alone. */
+VXS_FN vxs_box vxs_walk_box_of_dag(VXS_WORDS dag, VXS_LIGHT light, vxs_i32 map, vxs_i32 i, vxs_i32 j, vxs_i32 k)
+{
+    vxs_box box;
+    vxs_u32 node = (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u ? vxs_face_root(dag, VXS_U(map)) : 0u, state = 2u, states;
+    vxs_u32 bit = VXS_FIELD(light, levels);
+    while (state >= 2u && bit > 3u) {
+        bit--;
+        vxs_u32 xy = ((VXS_U(i) >> bit) & 1u) | (((VXS_U(j) >> bit) & 1u) << 1), c = xy | (((VXS_U(k) >> bit) & 1u) << 2);
+        states = vxs_word(dag, node);
+        state  = (states >> (2u * c)) & 3u;
+        if (state == 3u) c = xy; /* VXS_CHILD_SAME: the sibling with z = 0 owns the offset */
+        if (state >= 2u) node = vxs_word(dag, node + 1u + vxs_popcount(vxs_own(states) & ((1u << (2u * c)) - 1u)));
+    }
+    box.side_px = VXS_I(1) << bit;
+    box.near    = k & -box.side_px;
+    box.far     = box.near + box.side_px;
+    if (state >= 2u) {
+        vxs_u32 slice = VXS_U(k) & 7u;
+        states        = vxs_word(dag, node);
+        state         = (states >> (2u * slice)) & 3u;
+        if (state >= 2u) { /* the last slice at or before this one that owns a mask */
+            vxs_u32 at  = vxs_word(dag, node + vxs_popcount(vxs_own(states) & ((2u << (2u * slice)) - 1u)));
+            state       = (vxs_word(dag, at + ((VXS_U(j) >> 2) & 1u)) >> ((VXS_U(i) & 7u) + 8u * (VXS_U(j) & 3u))) & 1u;
+            box.side_px = 1;
+        }
+        box.near = k;
+        box.far  = k + 1;
+    }
+    box.i     = i & -box.side_px;
+    box.j     = j & -box.side_px;
+    box.state = state == 0u ? VXS_SPAN_LIT : VXS_SPAN_SHADOW;
+    if (box.far == vxs_walk_side(light)) box.far = VXS_NO_BORDER;
+    if (box.near == 0 && (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u) box.near = -VXS_NO_BORDER;
+    return box;
+}
+
+VXS_FN vxs_i32 vxs_walk_in_dag(VXS_WORDS dag, VXS_LIGHT light, VXS_WALK w)
+{
+    vxs_i32 k   = vxs_walk_in_map(light, VXS_FIELD(w, voxel)[2]);
+    vxs_box box = vxs_walk_box_of_dag(dag, light, VXS_FIELD(w, map), VXS_FIELD(w, voxel)[0], VXS_FIELD(w, voxel)[1], k);
+    vxs_walk_leave(light, w, box);
+    return box.state;
+}
+
+/* the walk ----------------------------------------------------------------------------------------------------------------------- */
+
+/* On to where something may change; not in a tile. Returns what the ray passed; VXS_SPAN_NONE: nothing. */
+VXS_INLINE vxs_i32 vxs_walk_step(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w)
+{
+    if (!(VXS_FIELD(w, t) < VXS_FIELD(w, cut))) vxs_walk_pass_cut(light, w);
+    if (VXS_FIELD(w, map) < 0) {
+        VXS_FIELD(w, t) = VXS_FIELD(w, cut);
+        return VXS_FIELD(w, outside);
+    }
+    if (VXS_FIELD(w, voxel)[2] < 0) return vxs_walk_in_front(light, w);
+    if (VXS_FIELD(light, coding) == VXS_CODING_BLOCKS) return vxs_walk_in_blocks(words, light, w);
+    return vxs_walk_in_dag(words, light, w);
+}
+
+/* What was passed from `from` on is in state `next`. Returns 1 where that ends an interval which is wanted; then span is that. */
+VXS_INLINE vxs_i32 vxs_walk_passed(VXS_WALK w, vxs_real from, vxs_i32 next, vxs_i32 only, VXS_SPAN_INOUT span)
+{
+    vxs_i32 was = VXS_FIELD(w, state);
+    VXS_FIELD(w, steps) -= 1;
+    if (VXS_FIELD(w, steps) < 0) VXS_FIELD(w, t) = VXS_FIELD(w, end);
+    if (!(VXS_FIELD(w, t) > from) || next == was) return 0;
+    VXS_FIELD(span, begin) = VXS_FIELD(w, begin);
+    VXS_FIELD(span, end)   = from;
+    VXS_FIELD(span, state) = was;
+    VXS_FIELD(w, state)    = next;
+    VXS_FIELD(w, begin)    = from;
+    return was != VXS_SPAN_NONE && (only == VXS_SPAN_NONE || (was & 3) == only) ? 1 : 0;
+}
+
+/* Begin at t_begin.
+ * origin_ws, direction_ws  metres, as for vxs_place_from_ws; the direction of any length: t = 1 is a metre when that is 1
+ * t_begin, t_end           finite in shaders; t_end < t_begin: there is nothing to walk */
+VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vxs_real3 direction_ws, vxs_real t_begin,
+                            vxs_real t_end)
+{
+    vxs_walk w;
+    vxs_ls_from_ws(light, origin_ws, VXS_REAL(1.0), w.from);
+    vxs_ls_from_ws(light, direction_ws, VXS_REAL(0.0), w.along);
+    w.t = w.cut = w.begin = t_begin;
+    w.end                 = t_end;
+    w.state               = VXS_SPAN_NONE;
+    w.steps               = VXS_WALK_STEPS * vxs_walk_side(light);
+    w.outside             = VXS_SPAN_OUTSIDE;
+    w.map                 = -1;
+    w.in_tile             = 0;
+    return w;
+}
+
+/* The next interval, or the next of one state. Texels have a loop of their own: where rays go side by side, few are in tiles at a time.
+ * only  VXS_SPAN_NONE: of any */
+VXS_INLINE vxs_i32 vxs_walk_next_of(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w, vxs_i32 only, VXS_SPAN span)
+{
+    vxs_i32  found = 0, was;
+    vxs_span s;
+    s.begin = s.end = VXS_FIELD(w, begin);
+    s.state         = VXS_SPAN_NONE;
+    while (found == 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end)) {
+        vxs_real from = VXS_FIELD(w, t);
+        if (VXS_FIELD(w, in_tile) == 0) {
+            vxs_i32 next = vxs_walk_step(words, light, w);
+            found        = vxs_walk_passed(w, from, next, only, VXS_REF(s));
+        }
+        while (found == 0 && VXS_FIELD(w, in_tile) != 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end)) {
+            from         = VXS_FIELD(w, t);
+            vxs_i32 next = vxs_walk_through_texel(words, light, w);
+            found        = vxs_walk_passed(w, from, next, only, VXS_REF(s));
+        }
+    }
+    was = VXS_FIELD(w, state);
+    if (found == 0 && was != VXS_SPAN_NONE) { /* the last one */
+        s.begin             = VXS_FIELD(w, begin);
+        s.end               = VXS_FIELD(w, t);
+        s.state             = was;
+        found               = s.end > s.begin && (only == VXS_SPAN_NONE || (was & 3) == only) ? 1 : 0;
+        VXS_FIELD(w, begin) = s.end;
+        VXS_FIELD(w, state) = VXS_SPAN_NONE;
+    }
+    VXS_FIELD(span, begin)  = s.begin;
+    VXS_FIELD(span, end)    = s.end;
+    VXS_FIELD(span, state)  = s.state & 3;
+    VXS_FIELD(span, coarse) = s.state >= VXS_SPAN_COARSE ? 1 : 0;
+    return found;
+}
+
+/* The next interval of a ray, one behind the other without gaps, each unlike the one before it, from t_begin of the first to t_end of the
+ * last. A point between has that state as a single tap at it without a normal, but for rounding within its ends.
+ * words  of the light
+ * span   [out] means something only when there is one
+ * Returns 1, or 0: that was the end. */
+VXS_FN vxs_i32 vxs_walk_next(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w, VXS_SPAN span)
+{
+    return vxs_walk_next_of(words, light, w, VXS_SPAN_NONE, span);
+}
+
+/* The next that is lit: where rays go side by side, none waits for another that is in shadow. Outside a light's volume is as w.outside says. */
+VXS_FN vxs_i32 vxs_walk_next_lit(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w, VXS_SPAN span)
+{
+    return vxs_walk_next_of(words, light, w, VXS_SPAN_LIT, span);
+}
+
+#endif
