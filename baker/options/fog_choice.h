@@ -31,9 +31,9 @@ typedef struct fog_choice {
     {"--fog-top", OPTION_F64, &(choice).top_metres, -1e7, 1e7, NULL, "Y",                                                          \
      "fog lies on the ground, to this height (default everywhere)", &(choice).top_given},                                          \
     {"--fog-by", OPTION_CHOICE, &(choice).by, 0, 0, FOG_BY_CHOICES, NULL,                                                          \
-     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike (default angles)", &(choice).by_given},     \
+     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike; or what is lit, exactly (default angles)", &(choice).by_given},     \
     {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
-     "so many of them, 1 to 65536 (default 64)", &(choice).steps_given}
+     "so many steps, 1 to 65536 (default 64)", &(choice).steps_given}
 /* clang-format on */
 
 /* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog. */

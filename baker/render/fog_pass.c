@@ -70,6 +70,7 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, dou
     const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
     vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
+    if (p->options.by == FOG_BY_INTERVALS) return vxs_volumes_intervals(p->volumes, &light);
     return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps,
                              p->options.by == FOG_BY_MARCH ? VXS_STEPS_EVEN : VXS_STEPS_ANGLE);
 }

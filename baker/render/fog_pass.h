@@ -8,8 +8,8 @@
 #include "runtime/gl/vxs_gl.h"
 
 /* What tells where fog is lit. */
-typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES } fog_by;
-#define FOG_BY_CHOICES "march|angles" /* their words, in that order */
+typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES, FOG_BY_INTERVALS } fog_by;
+#define FOG_BY_CHOICES "march|angles|intervals" /* their words, in that order */
 
 typedef struct fog_pass_options {
     const fog_medium *medium; /* it outlives the pass */

@@ -128,7 +128,7 @@ static json_t *fog_json(const render_options *o)
     json_set(&fog, "scattering_per_metre", json_vector(o->fog->scattering));
     json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
     json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
-    json_set(&fog, "by", json_text(o->fog_by == FOG_BY_MARCH ? "march" : "angles"));
+    json_set(&fog, "by", json_text((const char *const[]){"march", "angles", "intervals"}[o->fog_by]));
     json_set(&fog, "steps", json_integer(o->fog_steps));
     return fog;
 }

@@ -1,4 +1,4 @@
-/* Marches; see vxs_volumes.h.
+/* Marches, and exact intervals; see vxs_volumes.h.
  * SPDX-License-Identifier: MIT */
 #include "volumes_state.h"
 
@@ -14,4 +14,12 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     v->frame.knobs[1] = (float)which;
     vxs_volumes_add(v, v->programs[map ? PROGRAM_MARCH_MAP : PROGRAM_MARCH_ASSET], map ? vxs_light_map_texture(map) : 0);
     return VXS_OK;
+}
+
+vxs_result vxs_volumes_intervals(vxs_volumes *v, const vxs_volumes_light *light)
+{
+    if (light->constants) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_volumes_set_light(v, light, NULL);
+    if (result == VXS_OK) vxs_volumes_add(v, v->programs[PROGRAM_INTERVALS], 0);
+    return result;
 }

@@ -44,6 +44,7 @@ static int make_programs(vxs_volumes *v)
         [PROGRAM_MARCH_MAP]   = {"", vxs_volumes_text_march_glsl},
         [PROGRAM_MARCH_ASSET] = {"#define VXS_ASK_ASSET\n", vxs_volumes_text_march_glsl},
         [PROGRAM_MESH_WHOLE]  = {"", vxs_volumes_text_mesh_whole_glsl},
+        [PROGRAM_INTERVALS]   = {"", vxs_volumes_text_intervals_glsl},
     };
     for (int n = 0; n < PROGRAM_COMPOSITE; n++)
         if (!(v->programs[n] = vxs_volumes_compute(v, computed[n].names, computed[n].body))) return 0;

@@ -37,6 +37,7 @@ typedef enum volumes_program {
     PROGRAM_MARCH_MAP,
     PROGRAM_MARCH_ASSET,
     PROGRAM_MESH_WHOLE,
+    PROGRAM_INTERVALS,
     PROGRAM_COMPOSITE,
     PROGRAM_MESH,
     PROGRAM_MESH_MAP,
@@ -142,6 +143,7 @@ const vxs_light_constants *vxs_light_map_constants(const vxs_light_map *map);
 
 /* The texts of shaders (made by the Makefile from the files of these names). */
 extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_glsl[], vxs_volumes_text_march_glsl[],
+    vxs_volumes_text_intervals_glsl[], vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[],
     vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
     vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_mesh_glsl[], vxs_volumes_text_mesh_vert_glsl[],
     vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_vxs_light_mesh_h[],

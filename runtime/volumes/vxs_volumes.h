@@ -187,6 +187,12 @@ unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid);
 vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
                             uint32_t runs);
 
+/* exact intervals ----------------------------------------------------------------------------------------------------------------- */
+
+/* Add a baked light's airlight by the parts of each ray that it reaches, exactly to the voxel (vxs_intervals.h): the limit of marches of the
+ * asset. Where pages are missing, by the coarse answer. Returns VXS_OK, or VXS_E_ARGUMENT, as of a light that is not baked. */
+vxs_result vxs_volumes_intervals(vxs_volumes *volumes, const vxs_volumes_light *light);
+
 /* polygonal light volumes --------------------------------------------------------------------------------------------------------- */
 
 /* What a light reaches has a closed surface: the light's map displaced to where shadow begins. Along an eye ray airlight is a sum over its crossings

@@ -15,8 +15,8 @@ static inline vxs_baked_light blocks_light(const uint32_t *words, uint32_t level
 {
     dag_sample      shape = {.levels = levels};
     vxs_write_light sun = dag_sample_light(&shape, "sun"), spot = dag_sample_lamp(&shape, "spot", VXS_LIGHT_KIND_SPOT, 0);
-    vxs_write_light lamp = dag_sample_lamp(&shape, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
-    vxs_baked_light l    = {.light = kind < 2 ? sun.light : kind == 2 ? spot.light : lamp.light, .words = words};
+    vxs_write_light point = dag_sample_lamp(&shape, "lamp", VXS_LIGHT_KIND_POINT, VXS_LIGHT_CUBE);
+    vxs_baked_light l     = {.light = kind < 2 ? sun.light : kind == 2 ? spot.light : point.light, .words = words};
     if (kind == 1) l.light.flags = VXS_LIGHT_BOUNDED;
     l.light.coding = VXS_CODING_BLOCKS;
     return l;

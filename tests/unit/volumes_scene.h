@@ -84,18 +84,17 @@ static inline void scene_bake(volumes_scene *s, uint32_t resolution)
     vxs_bake_bytes_free(&file);
 }
 
-/* Skips the test where there is no OpenGL. */
-static inline void scene_open(volumes_scene *s, uint32_t resolution, uint32_t width_px, uint32_t height_px)
+/* Of an asset. Skips the test where there is no OpenGL. */
+static inline void scene_open_asset(volumes_scene *s, vxs_asset *asset, uint32_t width_px, uint32_t height_px)
 {
-    rng     r = {7};
-    message m = {0};
-    *s        = (volumes_scene){.width_px = width_px, .height_px = height_px};
+    message m    = {0};
+    s->asset     = asset;
+    s->width_px  = width_px;
+    s->height_px = height_px;
     if (gl_context_create(&s->gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
         print_message("no OpenGL 4.5: %s\n", m.error);
         skip();
     }
-    scene_boxes(s, &r);
-    scene_bake(s, resolution);
     vxs_gl_desc desc = {.get_proc_address = scene_function, .asset = s->asset};
     assert_int_equal(vxs_gl_create(&s->shadows, &desc), VXS_OK);
     assert_int_equal(vxs_gl_upload(s->shadows, SIZE_MAX), 0);
@@ -104,6 +103,15 @@ static inline void scene_open(volumes_scene *s, uint32_t resolution, uint32_t wi
     assert_int_equal(vxs_volumes_create(&s->volumes, &of), VXS_OK);
     s->gl->CreateTextures(GL_TEXTURE_2D, 1, &s->depths);
     s->gl->TextureStorage2D(s->depths, 1, GL_R32F, (GLsizei)width_px, (GLsizei)height_px);
+}
+
+static inline void scene_open(volumes_scene *s, uint32_t resolution, uint32_t width_px, uint32_t height_px)
+{
+    rng r = {7};
+    *s    = (volumes_scene){0};
+    scene_boxes(s, &r);
+    scene_bake(s, resolution);
+    scene_open_asset(s, s->asset, width_px, height_px);
 }
 
 static inline void scene_close(volumes_scene *s)

@@ -1,0 +1,436 @@
+/* Exact lit intervals on a graphics processor, on llvmpipe, against those in double: whole pictures in fog, and the intervals of any rays in
+ * any light, with words that are missing or damaged.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/opengl/gl.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "random_lamp.h"
+#include "repeats.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "query_lights.h"
+#include "volumes_scene.h"
+
+/* pictures ------------------------------------------------------------------------------------------------------------------------ */
+
+enum { RESOLUTION = 1024, WIDE = 96, HIGH = 80, PIXELS = WIDE * HIGH };
+
+static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
+
+/* Into the light, from afar, in a shadow, through the lamp. */
+static const double eyes[][3]  = {{9, 3, 1}, {-4, 6, 9}, {0.4, 1.5, 0}, {-8, 0.5, -8}, {0.5, 2.5, 8}};
+static const double looks[][3] = {{0, 2, 0}, {0, 1, 0}, {5, 1.6, 2}, {0.5, 2.5, -0.3}, {0.5, 2.5, -0.3}};
+enum { CAMERAS = sizeof eyes / sizeof *eyes };
+
+/* Each pixel is that of intervals in double, to 1e-4 of the brightest. */
+static void test_pictures(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static double metres[PIXELS], wanted[3 * PIXELS];
+    static float  pixels[4 * PIXELS];
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    for (int light = 0; light < SCENE_LIGHTS; light++)
+        for (int camera = 0; camera < CAMERAS; camera++) {
+            volumes_camera    c = camera_at(eyes[camera], looks[camera], 0.8);
+            vxs_volumes_light l = scene_light(light);
+            if (light == SCENE_SPOT) l.cos_inner = 0.9F; /* where a ray but touches a cone, floats do not know for how long */
+            double            top = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE, most = 0, error = 0, sum = 0;
+            vxs_volumes_frame frame = scene_frame(&s, &c, &haze, top, 30, metres);
+            memset(wanted, 0, sizeof wanted);
+            for (uint32_t n = 0; n < PIXELS; n++) {
+                double direction[3];
+                camera_ray(&s, &c, n % WIDE, n / WIDE, direction);
+                scene_airlight(&s, &l, &haze, top, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
+            }
+            assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+            assert_int_equal(vxs_volumes_intervals(s.volumes, &l), VXS_OK);
+            scene_read(&s, pixels);
+            for (size_t n = 0; n < 3 * PIXELS; n++) {
+                double is = (double)pixels[n / 3 * 4 + n % 3];
+                assert_true(isfinite(is) && is >= 0);
+                most  = fmax(most, wanted[n]);
+                error = fmax(error, fabs(is - wanted[n]));
+                sum += fabs(is - wanted[n]);
+            }
+            if (getenv("VXS_VERBOSE"))
+                print_message("light %d, camera %d: largest error %.2g of the brightest, mean %.2g\n", light, camera, error / most,
+                              sum / most / (3 * PIXELS));
+            assert_true(error < (light == SCENE_SPOT ? 2e-4 : 1e-4) * most); /* vxs_air_in_cone itself */
+        }
+    scene_close(&s);
+}
+
+/* The same of the first light of baked files, whose names VXS_FILES has, separated by colons: looking level, 2 m above random surfaces. */
+static void test_files(void **state)
+{
+    (void)state;
+    char         *names = getenv("VXS_FILES") ? strdup(getenv("VXS_FILES")) : NULL, *rest = names;
+    static double metres[PIXELS];
+    static float  pixels[4 * PIXELS];
+    if (!names) skip();
+    for (char *name = strtok_r(names, ":", &rest); name; name = strtok_r(NULL, ":", &rest)) {
+        volumes_scene s     = {0};
+        rng           r     = {5};
+        vxs_asset    *asset = NULL;
+        double        worst = 0;
+        assert_int_equal(vxs_asset_open_file(&asset, name, NULL), VXS_OK);
+        const vxs_baked_light *baked = vxs_asset_light(asset, 0);
+        scene_open_asset(&s, asset, WIDE, HIGH);
+        for (int camera = 0; camera < 8; camera++) {
+            int32_t           depth, i, j, side = 1 << baked->light.levels;
+            double            eye[3], to[3], angle = uniform(&r, 0, 7), most = 0, error = 0;
+            vxs_volumes_light l = scene_light(SCENE_SUN);
+            do {
+                i     = (int32_t)rng_below(&r, (uint32_t)side);
+                j     = (int32_t)rng_below(&r, (uint32_t)side);
+                depth = vxs_first_shadow(baked, 0, i, j, NULL);
+            } while (depth == side);
+            vxs_point(&baked->light, 0, (double[]){i + 0.5, j + 0.5, depth}, eye);
+            eye[1] += 2;
+            memcpy(to, (double[]){eye[0] + cos(angle), eye[1], eye[2] + sin(angle)}, sizeof to);
+            volumes_camera    c     = camera_at(eye, to, 0.6);
+            vxs_volumes_frame frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 100, metres);
+            vxs_gl_origin(s.shadows, eye); /* as far from the world's origin floats do not know where the eye is */
+            for (int n = 0; n < 3; n++) frame.eye[n] = frame.view.point_from_depth[8 + n] = 0;
+            assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+            assert_int_equal(vxs_volumes_intervals(s.volumes, &l), VXS_OK);
+            scene_read(&s, pixels);
+            for (uint32_t n = 0; n < PIXELS; n++) {
+                double direction[3], wanted[3] = {0};
+                camera_ray(&s, &c, n % WIDE, n / WIDE, direction);
+                scene_airlight(&s, &l, &haze, VXS_AIR_EVERYWHERE, eye, direction, metres[n], wanted);
+                most  = fmax(most, wanted[0]);
+                error = fmax(error, fabs(wanted[0] - (double)pixels[4 * n]));
+            }
+            worst = fmax(worst, error / most);
+        }
+        print_message("%s: largest error %.2g of the brightest\n", name, worst);
+        assert_true(worst < (baked->light.levels < 14 ? 1e-4 : 5e-4)); /* a float has 1/512 texel of 16384 */
+        scene_close(&s);
+    }
+    free(names);
+}
+
+/* rays ---------------------------------------------------------------------------------------------------------------------------- */
+
+enum { RAYS = 512, SPANS = 400, RAYS_AT = 10, SPANS_AT = 11, ROOM = 4 * (1 + SPANS) };
+
+/* As shaders read it. */
+typedef struct asked_ray {
+    float    origin[3], begin, direction[3], end;
+    uint32_t light, unused[3];
+} asked_ray;
+
+/* What one answers: how many spans, and each. */
+typedef struct answer {
+    float count, unused[3];
+    struct {
+        float begin, end, state, coarse;
+    } span[SPANS];
+} answer;
+
+extern const char vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[];
+
+static const char rays_text[] =
+    "layout(local_size_x = 64) in;\n"
+    "struct asked { vec4 origin, direction; uvec4 light; };\n"
+    "layout(std430, binding = 10) readonly restrict buffer rays_block { asked rays[]; };\n"
+    "layout(std430, binding = 11) restrict buffer spans_block { vec4 spans[]; };\n"
+    "void main() {\n"
+    "    asked ray = rays[gl_GlobalInvocationID.x];\n"
+    "    int at = int(gl_GlobalInvocationID.x) * 401, count = 0;\n"
+    "    vxs_light_constants light = vxs_light_at(ray.light.x);\n"
+    "    vxs_walk w = vxs_walk_of(light, ray.origin.xyz, ray.direction.xyz, ray.origin.w, ray.direction.w);\n"
+    "    vxs_span span;\n"
+    "    while (count < 400 && vxs_walk_next(light.dag, light, w, span) != 0) {\n"
+    "        count++;\n"
+    "        spans[at + count] = vec4(span.begin, span.end, float(span.state), float(span.coarse));\n"
+    "    }\n"
+    "    spans[at] = vec4(float(count));\n"
+    "}\n";
+
+typedef struct asker {
+    gl_context *gl;
+    vxs_gl     *shadows;
+    GLuint      program, rays, spans;
+    asked_ray   asked[RAYS];
+    answer     *answers; /* [RAYS] */
+} asker;
+
+/* Lights of the same words, or of words of their own, one behind the other. */
+static void asker_open(asker *a, gl_context *gl, const vxs_baked_light *lights, uint32_t light_count, const size_t *word_counts)
+{
+    vxs_gl_light list[LIGHTS];
+    uint32_t     words = 0;
+    GLint        good  = 0;
+    char         log[4096];
+    const char  *texts[VXS_GL_TEXTS + 3];
+    GLuint       shader;
+    *a = (asker){.gl = gl, .answers = blocks_alloc(RAYS, sizeof(answer))};
+    for (uint32_t n = 0; n < light_count; n++) {
+        list[n] = (vxs_gl_light){&lights[n].light, words};
+        words += (uint32_t)word_counts[n] + BLOCKS_SPARE_WORDS;
+    }
+    vxs_gl_desc desc = {.get_proc_address = scene_function,
+                        .lights           = list,
+                        .light_count      = light_count,
+                        .word_count       = words,
+                        .storage          = VXS_GL_BUFFER};
+    assert_int_equal(vxs_gl_create(&a->shadows, &desc), VXS_OK);
+    for (uint32_t n = 0; n < light_count; n++)
+        assert_int_equal(vxs_gl_put(a->shadows, lights[n].words, list[n].first_word, (uint32_t)word_counts[n]), VXS_OK);
+    assert_int_equal(vxs_gl_upload(a->shadows, SIZE_MAX), 0);
+    vxs_gl_texts(a->shadows, texts);
+    texts[VXS_GL_TEXTS]     = vxs_volumes_text_vxs_depths_h;
+    texts[VXS_GL_TEXTS + 1] = vxs_volumes_text_vxs_intervals_h;
+    texts[VXS_GL_TEXTS + 2] = rays_text;
+    shader                  = gl->CreateShader(GL_COMPUTE_SHADER);
+    a->program              = gl->CreateProgram();
+    gl->ShaderSource(shader, VXS_GL_TEXTS + 3, texts, NULL);
+    gl->CompileShader(shader);
+    ((PFNGLGETSHADERINFOLOGPROC)scene_function("glGetShaderInfoLog", NULL))(shader, sizeof log, NULL, log);
+    if (log[0]) fail_msg("%s", log);
+    gl->AttachShader(a->program, shader);
+    gl->LinkProgram(a->program);
+    gl->GetProgramiv(a->program, GL_LINK_STATUS, &good);
+    assert_true(good);
+    gl->DeleteShader(shader);
+    gl->GenBuffers(1, &a->rays);
+    gl->GenBuffers(1, &a->spans);
+}
+
+static void asker_close(asker *a)
+{
+    a->gl->DeleteBuffers(1, &a->rays);
+    a->gl->DeleteBuffers(1, &a->spans);
+    a->gl->DeleteProgram(a->program);
+    vxs_gl_destroy(a->shadows);
+    free(a->answers);
+}
+
+static void ask(asker *a)
+{
+    gl_context *gl = a->gl;
+    gl->UseProgram(a->program);
+    vxs_gl_bind(a->shadows);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, a->rays);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, sizeof a->asked, a->asked, GL_STATIC_DRAW);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, RAYS_AT, a->rays);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, a->spans);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, RAYS * sizeof(answer), NULL, GL_STATIC_DRAW);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SPANS_AT, a->spans);
+    ((PFNGLDISPATCHCOMPUTEPROC)scene_function("glDispatchCompute", NULL))(RAYS / 64, 1, 1);
+    ((PFNGLMEMORYBARRIERPROC)scene_function("glMemoryBarrier", NULL))(GL_BUFFER_UPDATE_BARRIER_BIT);
+    ((PFNGLGETBUFFERSUBDATAPROC)scene_function("glGetBufferSubData", NULL))(GL_SHADER_STORAGE_BUFFER, 0, RAYS * sizeof(answer),
+                                                                            a->answers);
+    assert_int_equal(gl->GetError(), GL_NO_ERROR);
+}
+
+/* One behind the other without gaps, each unlike the one before it, from begin to end. */
+static void check_parts(const asked_ray *ray, const answer *found)
+{
+    uint32_t count = (uint32_t)found->count;
+    assert_in_range(count, 1, SPANS);
+    assert_true(found->span[0].begin == ray->begin);
+    if (count < SPANS) assert_true(found->span[count - 1].end == ray->end);
+    for (uint32_t n = 0; n < count; n++) {
+        assert_true(found->span[n].begin < found->span[n].end);
+        if (!n) continue;
+        assert_true(found->span[n].begin == found->span[n - 1].end);
+        assert_true(found->span[n].state != found->span[n - 1].state || found->span[n].coarse != found->span[n - 1].coarse);
+    }
+}
+
+/* How much of a ray is said to be something else by intervals in double. */
+static double difference(const vxs_baked_light *light, const asked_ray *ray, const answer *found)
+{
+    static vxs_interval list[8 * SPANS];
+    vxs_lit_walk        walk;
+    vxs_ray             in_double = {.t_begin = (double)ray->begin, .t_end = (double)ray->end};
+    double              differs = 0, from = in_double.t_begin;
+    for (int n = 0; n < 3; n++) {
+        in_double.origin_ws[n]    = (double)ray->origin[n];
+        in_double.direction_ws[n] = (double)ray->direction[n];
+    }
+    assert_int_equal(vxs_lit_begin(&walk, light, &in_double), VXS_OK);
+    size_t count = vxs_lit_next(&walk, list, 8 * SPANS), n = 0;
+    for (uint32_t at = 0; n < count && at < (uint32_t)found->count;) {
+        double end = fmin(list[n].t_end, (double)found->span[at].end);
+        if (list[n].state != (int)found->span[at].state || list[n].coarse != (int)found->span[at].coarse) differs += end - from;
+        from = end;
+        if (list[n].t_end <= end) n++;
+        if ((double)found->span[at].end <= end) at++;
+    }
+    return differs / ((double)ray->end - (double)ray->begin);
+}
+
+/* A place in a map, or about it. */
+static void random_place(rng *r, const vxs_light *light, double *ws)
+{
+    double side = ldexp(1, (int)light->levels), c[3];
+    for (int axis = 0; axis < 3; axis++) c[axis] = uniform(r, -0.3, 1.3) * side;
+    vxs_point(light, (int)rng_below(r, vxs_light_map_count(light)), c, ws);
+}
+
+static void random_rays(rng *r, asker *a, const vxs_baked_light *lights, uint32_t light_count)
+{
+    for (uint32_t n = 0; n < RAYS; n++) {
+        uint32_t         which = rng_below(r, light_count);
+        const vxs_light *light = &lights[which].light;
+        double           from[3], to[3];
+        asked_ray       *ray = &a->asked[n];
+        *ray                 = (asked_ray){.end = 1, .light = which};
+        random_place(r, light, from);
+        random_place(r, light, to);
+        if (n % 8 == 0) /* from the lamp, or to it */
+            for (int i = 0; i < 3; i++) {
+                double at = -light->ls_from_ws[i] * light->ls_from_ws[3] - light->ls_from_ws[4 + i] * light->ls_from_ws[7] -
+                            light->ls_from_ws[8 + i] * light->ls_from_ws[11];
+                if (light->kind != VXS_LIGHT_KIND_DIRECTIONAL) *(n % 16 ? &from[i] : &to[i]) = at;
+            }
+        if (n % 8 == 1) /* along an axis */
+            for (int i = 0; i < 3; i++)
+                if (i != (int)(n / 8 % 3)) to[i] = from[i];
+        if (n % 8 == 2) ray->begin = -0.5F, ray->end = 2;
+        for (int i = 0; i < 3; i++) {
+            ray->origin[i]    = (float)from[i];
+            ray->direction[i] = (float)(to[i] - from[i]);
+        }
+    }
+}
+
+/* Rays in all of the lights, against intervals in double. Floats may see a border on the other side of a ray that runs along it. */
+static void check_lights(rng *r, gl_context *gl, const vxs_baked_light *lights, uint32_t light_count, const size_t *word_counts,
+                         const char *what)
+{
+    asker    a;
+    double   sum = 0;
+    uint32_t far = 0, rays = 0, spans = 0;
+    asker_open(&a, gl, lights, light_count, word_counts);
+    for (uint32_t turn = 0; turn < repeats(2, 20); turn++) {
+        random_rays(r, &a, lights, light_count);
+        ask(&a);
+        for (uint32_t n = 0; n < RAYS; n++) {
+            check_parts(&a.asked[n], &a.answers[n]);
+            if (a.answers[n].count == SPANS) continue;
+            double differs = difference(&lights[a.asked[n].light], &a.asked[n], &a.answers[n]);
+            sum += differs;
+            far += differs > 1e-3;
+            rays++;
+            spans += (uint32_t)a.answers[n].count;
+        }
+    }
+    if (getenv("VXS_VERBOSE"))
+        print_message("%s: %u rays, %u spans; differ by %.2g in the mean, %u by more than 1e-3\n", what, rays, spans, sum / rays,
+                      far);
+    assert_in_range(rays, RAYS / 2, UINT32_MAX);
+    assert_in_range(spans, 2 * rays, UINT32_MAX);
+    assert_true(sum < 2e-4 * rays);
+    assert_in_range(far, 0, rays / 50);
+    asker_close(&a);
+}
+
+static gl_context *open_context(void)
+{
+    gl_context *gl = NULL;
+    message     m  = {0};
+    if (gl_context_create(&gl, GL_BACKEND_OSMESA, 1, &m) != VXS_OK) {
+        print_message("no OpenGL 4.5: %s\n", m.error);
+        skip();
+    }
+    return gl;
+}
+
+static void test_blocks(void **state)
+{
+    (void)state;
+    gl_context           *gl       = open_context();
+    static const uint32_t levels[] = {3, 5, 8, 10};
+    for (size_t n = 0; n < sizeof levels / sizeof *levels; n++) {
+        blocks_sample   s;
+        rng             r = {170 + n};
+        vxs_baked_light lights[LIGHTS];
+        size_t          counts[LIGHTS];
+        blocks_sample_init(&s, &r, levels[n], levels[n] < 10 ? 6 : 1, 6);
+        uint32_t count = s.map_count == 6 ? LIGHTS : 3;
+        for (uint32_t kind = 0; kind < count; kind++) {
+            lights[kind] = blocks_light(s.words, levels[n], (int)kind);
+            counts[kind] = s.word_count;
+            if (kind >= 2 && n % 2) lights[kind].light.range_metres = 6.5;
+        }
+        check_lights(&r, gl, lights, count, counts, "blocks");
+        for (uint32_t page = 0; page < s.page_count; page += 2) s.words[8 + page] = 0;
+        check_lights(&r, gl, lights, count, counts, "blocks without every other page");
+        blocks_sample_free(&s);
+    }
+    gl_context_destroy(gl);
+}
+
+static void test_dags(void **state)
+{
+    (void)state;
+    gl_context *gl = open_context();
+    for (uint32_t levels = 3; levels <= 7; levels += 2) {
+        dag_sample      s;
+        rng             r = {180 + levels};
+        vxs_baked_light lights[LIGHTS];
+        size_t          counts[LIGHTS];
+        dag_sample_init(&s, &r, levels, levels < 5 ? 20 : 200);
+        vxs_asset *asset = dag_asset(&s);
+        for (uint32_t kind = 0; kind < LIGHTS; kind++) {
+            lights[kind] = *vxs_asset_light(asset, kind);
+            counts[kind] = lights[kind].word_count;
+        }
+        check_lights(&r, gl, lights, LIGHTS, counts, "dag");
+        vxs_asset_close(asset);
+        dag_sample_free(&s);
+    }
+    gl_context_destroy(gl);
+}
+
+/* Words of any kind: some partition of the ray, in little time. */
+static void test_damage(void **state)
+{
+    (void)state;
+    gl_context *gl = open_context();
+    for (uint32_t turn = 0; turn < repeats(4, 40); turn++) {
+        blocks_sample   s;
+        rng             r = {190 + turn};
+        vxs_baked_light lights[LIGHTS];
+        size_t          counts[LIGHTS];
+        asker           a;
+        blocks_sample_init(&s, &r, 9, 6, 6);
+        for (size_t n = 0; n < s.word_count; n += 1 + rng_below(&r, turn % 2 ? 3 : 40)) s.words[n] = rng_u32(&r);
+        for (uint32_t kind = 0; kind < LIGHTS; kind++) {
+            lights[kind] = blocks_light(s.words, 9, (int)kind);
+            counts[kind] = s.word_count;
+            if (turn % 4 == 3) lights[kind].light.coding = VXS_CODING_DAG;
+        }
+        asker_open(&a, gl, lights, LIGHTS, counts);
+        random_rays(&r, &a, lights, LIGHTS);
+        ask(&a);
+        for (uint32_t n = 0; n < RAYS; n++) check_parts(&a.asked[n], &a.answers[n]);
+        asker_close(&a);
+        blocks_sample_free(&s);
+    }
+    gl_context_destroy(gl);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pictures), cmocka_unit_test(test_files),  cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_dags),     cmocka_unit_test(test_damage),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
