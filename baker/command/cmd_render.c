@@ -68,6 +68,7 @@ static const char *needs_gl(const render_command *c)
            : c->cull_given      ? "--cull"
            : c->fog.by_given    ? "--fog-by"
            : c->fog.steps_given ? "--fog-steps"
+           : c->fog.grid_given  ? "--fog-grid"
            : c->stops_given     ? "--exposure"
            : c->passes_folder   ? "--passes"
            : c->path_file       ? "--path"
@@ -89,6 +90,8 @@ static vxs_result check_options(const render_command *c, message *m)
         return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
     if (r == VXS_OK) r = fog_check(&c->fog, m);
     if (r != VXS_OK) return r;
+    if (c->fog.by == FOG_BY_MESH && c->budget_given)
+        return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
@@ -216,6 +219,7 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
                             .asset_path   = c->asset_path,
                             .renderer     = renderer_name(drawn),
                             .options      = &c->options,
+                            .fog_grid     = renderer_fog_grid(drawn),
                             .light_count  = s->light_count,
                             .culls        = renderer_culls(drawn),
                             .budget_bytes = c->budget_given ? c->budget_bytes : 0,
@@ -277,6 +281,7 @@ static vxs_result run(void *command, message *m)
     c->options.fog         = c->fog.given ? &medium : NULL;
     c->options.fog_by      = c->fog.by;
     c->options.fog_steps   = c->fog.steps;
+    c->options.fog_grid    = c->fog.grid;
     if (r == VXS_OK) r = load(c, s, m);
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
     if (r == VXS_OK) r = draw(c, s, &out, m);

@@ -6,14 +6,18 @@
 
 vxs_result fog_check(const fog_choice *c, message *m)
 {
-    const char *alone = c->albedo_given       ? "--fog-albedo"
-                        : c->anisotropy_given ? "--fog-anisotropy"
-                        : c->top_given        ? "--fog-top"
-                        : c->by_given         ? "--fog-by"
-                        : c->steps_given      ? "--fog-steps"
-                                              : NULL;
-    if (!alone || c->given) return VXS_OK;
-    return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
+    const char *alone   = c->albedo_given       ? "--fog-albedo"
+                          : c->anisotropy_given ? "--fog-anisotropy"
+                          : c->top_given        ? "--fog-top"
+                          : c->by_given         ? "--fog-by"
+                          : c->steps_given      ? "--fog-steps"
+                          : c->grid_given       ? "--fog-grid"
+                                                : NULL;
+    int         marches = c->by == FOG_BY_MARCH || c->by == FOG_BY_ANGLES;
+    if (alone && !c->given) return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
+    if (c->steps_given && !marches) return fail(m, VXS_E_ARGUMENT, "--fog-steps %u needs --fog-by march or angles", c->steps);
+    if (c->grid_given && c->by != FOG_BY_GRID) return fail(m, VXS_E_ARGUMENT, "--fog-grid %u needs --fog-by grid", c->grid);
+    return VXS_OK;
 }
 
 fog_medium fog_of(const fog_choice *c)

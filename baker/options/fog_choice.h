@@ -9,14 +9,14 @@
 typedef struct fog_choice {
     double   per_metre, albedo, anisotropy, top_metres;
     fog_by   by;
-    uint32_t steps;
-    int      given, albedo_given, anisotropy_given, top_given, by_given, steps_given;
+    uint32_t steps, grid;
+    int      given, albedo_given, anisotropy_given, top_given, by_given, steps_given, grid_given;
 } fog_choice;
 
 /* Most of what light meets in fog is drops, which absorb little and turn light by small angles. */
 #define FOG_DEFAULTS                                                                                                               \
     {                                                                                                                              \
-        .albedo = 0.9, .anisotropy = 0.4, .by = FOG_BY_ANGLES, .steps = 64                                                         \
+        .albedo = 0.9, .anisotropy = 0.4, .by = FOG_BY_INTERVALS, .steps = 64                                                      \
     }
 
 /* choice  a fog_choice, FOG_DEFAULTS before */
@@ -31,12 +31,15 @@ typedef struct fog_choice {
     {"--fog-top", OPTION_F64, &(choice).top_metres, -1e7, 1e7, NULL, "Y",                                                          \
      "fog lies on the ground, to this height (default everywhere)", &(choice).top_given},                                          \
     {"--fog-by", OPTION_CHOICE, &(choice).by, 0, 0, FOG_BY_CHOICES, NULL,                                                          \
-     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike; or what is lit, exactly (default angles)", &(choice).by_given},     \
+     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike; what is lit, exactly; a mesh of what is lit, made once; or a "  \
+     "grid of light rays (default intervals)", &(choice).by_given},     \
     {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
-     "so many steps, 1 to 65536 (default 64)", &(choice).steps_given}
+     "of march or angles, 1 to 65536 (default 64)", &(choice).steps_given},                                                        \
+    {"--fog-grid", OPTION_U32, &(choice).grid, 16, 1024, NULL, "N",                                                                \
+     "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given}
 /* clang-format on */
 
-/* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog. */
+/* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog, or for the way that shadows are found. */
 vxs_result fog_check(const fog_choice *c, message *m);
 
 fog_medium fog_of(const fog_choice *c);

@@ -7,15 +7,33 @@
 
 #include "runtime/volumes/vxs_volumes.h"
 
+/* Texels along a side of a mesh's map at most, which takes about a second to be meshed, six of them; voxels along alpha and phi of a grid, which a
+ * processor without a GPU fills for each light of each frame. */
+enum { MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
+
 struct fog_pass {
-    fog_pass_options options;
-    vxs_gl          *shadows;
-    vxs_volumes     *volumes;
+    fog_pass_options  options;
+    const gl_context *gl;
+    vxs_gl           *shadows;
+    vxs_volumes      *volumes;
+    vxs_shadow_grid  *grid;   /* FOG_BY_GRID */
+    vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], made at the first frame; NULL before */
 };
 
 static vxs_gl_function lookup(const char *name, void *user)
 {
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
+}
+
+static vxs_result make_grid(fog_pass *p, message *m)
+{
+    uint32_t             fits   = p->gl->backend == GL_BACKEND_OSMESA ? GRID_SIDE_SOFTWARE : GRID_SIDE;
+    uint32_t             side   = p->options.grid ? p->options.grid : fits;
+    vxs_shadow_grid_desc desc   = {.columns = side, .rows = 2 * side, .bits = side};
+    vxs_result           result = vxs_shadow_grid_create(&p->grid, p->volumes, &desc);
+    p->options.grid             = side;
+    if (result == VXS_OK) return VXS_OK;
+    return fail(m, result, "a shadow grid of %u x %u x %u voxels is larger than what OpenGL has room for", side, 2 * side, side);
 }
 
 vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_context *gl, vxs_gl *shadows, message *m)
@@ -30,22 +48,98 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
     *out                  = NULL;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for fog");
     p->options        = *o;
+    p->gl             = gl;
     p->shadows        = shadows;
     vxs_result result = vxs_volumes_create(&p->volumes, &desc);
-    if (result == VXS_OK) {
+    if (result != VXS_OK)
+        fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
+    else if (o->by == FOG_BY_GRID)
+        result = make_grid(p, m);
+    if (result == VXS_OK)
         *out = p;
-        return VXS_OK;
-    }
-    free(p);
-    return fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
+    else
+        fog_pass_destroy(p);
+    return result;
 }
 
 void fog_pass_destroy(fog_pass *p)
 {
     if (!p) return;
+    for (uint32_t n = 0; p->meshes && n < vxs_gl_light_count(p->shadows); n++) vxs_light_mesh_destroy(p->meshes[n]);
+    vxs_shadow_grid_destroy(p->grid);
     vxs_volumes_destroy(p->volumes);
+    free(p->meshes);
     free(p);
 }
+
+/* meshes -------------------------------------------------------------------------------------------------------------------------- */
+
+/* Where shadow begins on each light ray, from the asset.   first  [out] released with free */
+static vxs_result read_map(const fog_pass *p, uint32_t light, float **first, uint32_t *side_px, message *m)
+{
+    vxs_light_map *map    = NULL;
+    vxs_result     result = vxs_light_map_create(&map, p->volumes, &(vxs_light_map_desc){.baked = light, .side_px = MESH_SIDE});
+    if (result != VXS_OK) return fail(m, result, "OpenGL has no room for a light map: %s", vxs_result_text(result));
+    while (vxs_light_map_fill(map, UINT64_MAX)) continue;
+    *side_px    = vxs_light_map_side_px(map);
+    size_t size = sizeof **first * *side_px * *side_px * vxs_light_map_layers(map);
+    *first      = malloc(size);
+    if (*first)
+        p->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, *first);
+    else
+        result = fail(m, VXS_E_MEMORY, "out of memory for a light map of %u texels a side", *side_px);
+    vxs_light_map_destroy(map);
+    return result;
+}
+
+static vxs_result upload_mesh(vxs_light_mesh **mesh, vxs_volumes *volumes, const vxs_light_mesh_desc *desc, void *room)
+{
+    vxs_light_mesh_size size;
+    vxs_result          result  = vxs_light_mesh_plan(desc, room, &size);
+    float              *places  = NULL;
+    uint32_t           *corners = NULL;
+    if (result != VXS_OK) return result;
+    places  = malloc(3 * sizeof *places * size.vertex_count);
+    corners = malloc(3 * sizeof *corners * size.triangle_count);
+    result  = VXS_E_MEMORY;
+    if (places && corners) {
+        vxs_light_mesh_fill(desc, room, places, corners);
+        result = vxs_light_mesh_create(mesh, volumes, places, corners, &size);
+    }
+    free(places);
+    free(corners);
+    return result;
+}
+
+/* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
+static vxs_result make_mesh(const fog_pass *p, uint32_t light, message *m)
+{
+    vxs_light_mesh_desc desc   = {.struct_size  = sizeof desc,
+                                  .light        = &vxs_gl_constants(p->shadows)[light],
+                                  .far_metres   = (float)(16 * p->options.size_metres),
+                                  .error_texels = 1};
+    float              *first  = NULL;
+    vxs_result          result = read_map(p, light, &first, &desc.side_px, m);
+    if (result != VXS_OK) return result;
+    desc.first = first;
+    void *room = malloc(vxs_light_mesh_room(&desc) + 1);
+    result     = room ? upload_mesh(&p->meshes[light], p->volumes, &desc, room) : VXS_E_MEMORY;
+    free(room);
+    free(first);
+    return result == VXS_OK ? VXS_OK : fail(m, result, "no mesh can be made of light %u: %s", light, vxs_result_text(result));
+}
+
+static vxs_result make_meshes(fog_pass *p, message *m)
+{
+    uint32_t   count  = vxs_gl_light_count(p->shadows);
+    vxs_result result = VXS_OK;
+    p->meshes         = calloc(count, sizeof *p->meshes);
+    if (!p->meshes) return fail(m, VXS_E_MEMORY, "out of memory for meshes of %u lights", count);
+    for (uint32_t n = 0; n < count && result == VXS_OK; n++) result = make_mesh(p, n, m);
+    return result;
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
 
 /* Rays that meet nothing end where nothing of the scene is any more. Fog lies below the eye's own height by so much. */
 static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3],
@@ -70,21 +164,33 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, dou
     const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
     vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
-    if (p->options.by == FOG_BY_INTERVALS) return vxs_volumes_intervals(p->volumes, &light);
-    return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps,
-                             p->options.by == FOG_BY_MARCH ? VXS_STEPS_EVEN : VXS_STEPS_ANGLE);
+    switch (p->options.by) {
+    case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps, VXS_STEPS_EVEN);
+    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps, VXS_STEPS_ANGLE);
+    case FOG_BY_MESH: return vxs_volumes_mesh(p->volumes, &light, p->meshes[n]);
+    case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, &light, NULL, p->grid, 0);
+    case FOG_BY_INTERVALS: break;
+    }
+    return vxs_volumes_intervals(p->volumes, &light);
 }
 
 vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
                          double exposure, const double ambient[3], message *m)
 {
     vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
-    vxs_result        result = vxs_volumes_begin(p->volumes, &frame);
+    vxs_result        result = p->options.by == FOG_BY_MESH && !p->meshes ? make_meshes(p, m) : VXS_OK;
+    if (result != VXS_OK) return result;
+    result = vxs_volumes_begin(p->volumes, &frame);
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
         result = add_light(p, n, &shines[n], exposure);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     vxs_volumes_composite(p->volumes);
     return VXS_OK;
+}
+
+uint32_t fog_pass_grid(const fog_pass *p)
+{
+    return p->options.grid;
 }
 
 unsigned fog_pass_airlight(const fog_pass *p)

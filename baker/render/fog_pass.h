@@ -8,13 +8,14 @@
 #include "runtime/gl/vxs_gl.h"
 
 /* What tells where fog is lit. */
-typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES, FOG_BY_INTERVALS } fog_by;
-#define FOG_BY_CHOICES "march|angles|intervals" /* their words, in that order */
+typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES, FOG_BY_INTERVALS, FOG_BY_MESH, FOG_BY_GRID } fog_by;
+#define FOG_BY_CHOICES "march|angles|intervals|mesh|grid" /* their words, in that order */
 
 typedef struct fog_pass_options {
     const fog_medium *medium; /* it outlives the pass */
     fog_by            by;
-    uint32_t          steps;
+    uint32_t          steps;         /* of a march */
+    uint32_t          grid;          /* n: a grid of n x 2n x n; 0: as fits the processor that draws */
     uint32_t          width, height; /* samples */
     double            size_metres;   /* of the scene */
 } fog_pass_options;
@@ -38,6 +39,9 @@ void fog_pass_destroy(fog_pass *pass);
  * ambient  of the sky, which fog scatters, too */
 vxs_result fog_pass_draw(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
                          double exposure, const double ambient[3], message *m);
+
+/* n of its grid of n x 2n x n; 0 without one. */
+uint32_t fog_pass_grid(const fog_pass *pass);
 
 /* An RGBA32F texture of width x height. */
 unsigned fog_pass_airlight(const fog_pass *pass);

@@ -25,7 +25,7 @@ typedef struct render_options {
 
     const fog_medium *fog; /* NULL: there is none */
     fog_by            fog_by;
-    uint32_t          fog_steps;
+    uint32_t          fog_steps, fog_grid; /* as for fog_pass_options */
 
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
@@ -95,6 +95,9 @@ const double *renderer_light_colour(const renderer *r, uint32_t n);
 /* Whether lists of lights are made; whether there is fog. */
 int renderer_culls(const renderer *r);
 int renderer_is_in_fog(const renderer *r);
+
+/* n of the fog's grid of n x 2n x n; 0 without one. */
+uint32_t renderer_fog_grid(const renderer *r);
 
 /* What draws. */
 const char *renderer_name(const renderer *r);

@@ -121,15 +121,18 @@ static json_t *difference_json(const truth_difference *d)
     return o;
 }
 
-static json_t *fog_json(const render_options *o)
+static json_t *fog_json(const render_report *r)
 {
-    json_t *fog = json_object();
+    static const char *const by[] = {"march", "angles", "intervals", "mesh", "grid"};
+    const render_options    *o    = r->options;
+    json_t                  *fog  = json_object();
     json_set(&fog, "extinction_per_metre", json_vector(o->fog->extinction));
     json_set(&fog, "scattering_per_metre", json_vector(o->fog->scattering));
     json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
     json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
-    json_set(&fog, "by", json_text((const char *const[]){"march", "angles", "intervals"}[o->fog_by]));
-    json_set(&fog, "steps", json_integer(o->fog_steps));
+    json_set(&fog, "by", json_text(by[o->fog_by]));
+    if (o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES) json_set(&fog, "steps", json_integer(o->fog_steps));
+    if (r->fog_grid) json_set(&fog, "grid", json_integer(r->fog_grid));
     return fog;
 }
 
@@ -149,7 +152,7 @@ json_t *render_report_json(const render_report *r)
     json_set(&o, "lights", json_integer(r->light_count));
     json_set(&o, "culling", json_boolean(r->culls));
     json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
-    if (r->options->fog) json_set(&o, "fog", fog_json(r->options));
+    if (r->options->fog) json_set(&o, "fog", fog_json(r));
     if (r->budget_bytes) {
         json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
         json_set(&o, "held_bytes", json_integer((json_int_t)r->frames[0].stream.bytes_held));

@@ -21,6 +21,7 @@ typedef struct drawn_frame {
 typedef struct render_report {
     const char             *scene_path, *asset_path, *renderer;
     const render_options   *options;
+    uint32_t                fog_grid; /* n of the fog's grid; 0 without one */
     uint32_t                light_count;
     int                     culls;
     uint64_t                word_bytes;

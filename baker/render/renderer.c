@@ -248,6 +248,7 @@ static vxs_result make_fog(renderer *r, message *m)
     fog_pass_options      fog = {.medium      = o->fog,
                                  .by          = o->fog_by,
                                  .steps       = o->fog_steps,
+                                 .grid        = o->fog_grid,
                                  .width       = r->width,
                                  .height      = r->height,
                                  .size_metres = r->mesh.size_metres};
@@ -378,6 +379,11 @@ int renderer_culls(const renderer *r)
 int renderer_is_in_fog(const renderer *r)
 {
     return r->fog != NULL;
+}
+
+uint32_t renderer_fog_grid(const renderer *r)
+{
+    return r->fog ? fog_pass_grid(r->fog) : 0;
 }
 
 static void draw_screen(const renderer *r, GLuint frame, GLuint program, uint32_t width, uint32_t height)

@@ -157,19 +157,38 @@ def test_fog(vxs, level, draw):
 
 
 def test_fog_with_opengl(vxs, level, render):
-    """Both ways to march come to the airlight of exact intervals; it is a pass, and a stage."""
+    """All techniques come to the airlight of exact intervals, which are the default; it is a pass, and a stage."""
     rows = {}
-    for by in ("march", "angles", "intervals"):
-        told = report(level, render, "all", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-top", 8, "--fog-by", by,
-                      "--fog-steps", 400, "--passes", level / by)
+    for by, knob in (("march", ("steps", 400)), ("angles", ("steps", 400)), ("mesh", None), ("grid", ("grid", 128)), ("intervals", None)):
+        options = ("--fog-by", by) if by != "intervals" else ()
+        options += (f"--fog-{knob[0]}", knob[1]) if knob else ()
+        told = report(level, render, "all", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-top", 8, *options, "--passes", level / by)
         assert told["fog"] == {"extinction_per_metre": [0.05] * 3, "scattering_per_metre": [pytest.approx(0.045)] * 3, "anisotropy": 0.4,
-                               "top_metres": 8, "by": by, "steps": 400}
+                               "top_metres": 8, "by": by} | dict([knob] if knob else [])
         assert told["median_ms"]["fog"] > 0
         rows[by] = [v for row in read_png((level / by / "airlight.png").read_bytes())[2] for v in row]
-    assert sum(rows["march"]) > 10 * len(rows["march"])
-    for by in ("march", "angles"):
-        different = [abs(a - b) for a, b in zip(rows[by], rows["intervals"])]
-        assert max(different) < 20 and sum(different) < len(different)
+    exact = rows.pop("intervals")
+    assert sum(exact) > 10 * len(exact)
+    for by, found in rows.items():
+        different = [abs(a - b) for a, b in zip(found, exact)]
+        assert max(different) < 20 and sum(different) < len(different), by
+
+
+def test_grid_of_a_processor(level, render):
+    """Fewer voxels without a GPU; and one that OpenGL has no room for is an error."""
+    camera = "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-by", "grid"
+    assert report(level, render, "sun", *camera)["fog"]["grid"] == 256
+    said = render("sun", *camera, "--fog-grid", 1024, status=6).stderr
+    assert "shadow grid of 1024 x 2048 x 1024" in said and said.count("\n") == 1
+
+
+def test_meshes_along_a_path(level, render):
+    """Made once, they are right wherever the eye goes."""
+    airlight = []
+    for by in ("mesh", "intervals"):
+        render("all", "--orbit", "--frames", 4, "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-by", by, "--passes", level / by)
+        airlight.append([v for row in read_png((level / by / "airlight.png").read_bytes())[2] for v in row])
+    assert sum(abs(a - b) for a, b in zip(*airlight)) < len(airlight[0])
 
 
 def test_inner_cones(vxs, level, render):
@@ -210,6 +229,12 @@ def test_bad_paths(level, render, text, words):
     (["--orbit", "--path", "PATH"], "exclude each other"),
     (["--fog-by", "march"], "--fog-by needs --fog"),
     (["--fog-top", 1], "--fog-top needs --fog"),
+    (["--fog-grid", 64], "--fog-grid needs --fog"),
+    (["--fog", 1, "--fog-steps", 9], "--fog-steps 9 needs --fog-by march or angles"),
+    (["--fog", 1, "--fog-by", "grid", "--fog-steps", 9], "--fog-steps 9 needs --fog-by march or angles"),
+    (["--fog", 1, "--fog-by", "mesh", "--fog-grid", 64], "--fog-grid 64 needs --fog-by grid"),
+    (["--fog", 1, "--fog-by", "grid", "--fog-grid", 8], "--fog-grid"),
+    (["--fog", 1, "--fog-by", "mesh", "--budget", "30M"], "--fog-by mesh goes without --budget"),
     (["--fog", -1], "--fog"),
     (["--fog", 1, "--fog-albedo", 2], "--fog-albedo"),
     (["--path", "PATH", "--eye", "0,1,2", "--target", "0,0,0"], "--path and --eye exclude each other"),
