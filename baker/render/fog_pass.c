@@ -150,6 +150,7 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
                                 .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
                                 .view          = *view,
                                 .far_metres    = (float)(2 * p->options.size_metres),
+                                .least         = (float)FOG_FAINTEST,
                                 .depth_texture = depths};
     for (int n = 0; n < 3; n++) {
         f.scattering[n] = (float)medium->scattering[n];
@@ -159,11 +160,22 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
     return f;
 }
 
-static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, double exposure)
+static void count_light(fog_pass *p, const vxs_volumes_light *light, fog_plan *plan)
+{
+    vxs_pixels pixels;
+    switch (vxs_volumes_reach(p->volumes, light, &pixels)) {
+    case VXS_REACH_SEEN: plan->drawn++; break;
+    case VXS_REACH_FAINT: plan->faint++; break;
+    case VXS_REACH_BESIDE: plan->out_of_view++; break;
+    }
+}
+
+static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, double exposure, fog_plan *plan)
 {
     const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
     vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
+    count_light(p, &light, plan);
     switch (p->options.by) {
     case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps, VXS_STEPS_EVEN);
     case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps, VXS_STEPS_ANGLE);
@@ -175,14 +187,15 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, dou
 }
 
 vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
-                         double exposure, const double ambient[3], message *m)
+                         double exposure, const double ambient[3], fog_plan *plan, message *m)
 {
+    *plan                    = (fog_plan){0};
     vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
     vxs_result        result = p->options.by == FOG_BY_MESH && !p->meshes ? make_meshes(p, m) : VXS_OK;
     if (result != VXS_OK) return result;
     result = vxs_volumes_begin(p->volumes, &frame);
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
-        result = add_light(p, n, &shines[n], exposure);
+        result = add_light(p, n, &shines[n], exposure, plan);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     vxs_volumes_composite(p->volumes);
     return VXS_OK;

@@ -26,6 +26,17 @@ typedef struct fog_shine {
     double cos_inner;
 } fog_shine;
 
+/* How many lights a frame's fog was drawn of, and how many were left out, and why. */
+typedef struct fog_plan {
+    uint32_t drawn;
+    uint32_t faint;       /* of less than FOG_FAINTEST, wherever one looks */
+    uint32_t out_of_view; /* of less than that in any pixel */
+} fog_plan;
+
+/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps at middle grey. In the dark it is some of them, but
+ * what it is held against is a bound for light that meets nothing, of which scenes have a part. */
+#define FOG_FAINTEST (1.0 / 512)
+
 typedef struct fog_pass fog_pass;
 
 /* pass  [out] NULL on failure.   Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
@@ -36,9 +47,9 @@ void fog_pass_destroy(fog_pass *pass);
 
 /* A frame's fog, over the linear picture in the current framebuffer.
  * shines   [lights of shadows];   exposure  what their colours are times
- * ambient  of the sky, which fog scatters, too */
+ * ambient  of the sky, which fog scatters, too;   plan  [out] */
 vxs_result fog_pass_draw(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
-                         double exposure, const double ambient[3], message *m);
+                         double exposure, const double ambient[3], fog_plan *plan, message *m);
 
 /* n of its grid of n x 2n x n; 0 without one. */
 uint32_t fog_pass_grid(const fog_pass *pass);

@@ -43,6 +43,7 @@ typedef struct render_frame {
     uint32_t full_lists;     /* tiles that all lights were asked for */
     uint64_t uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
     uint64_t waiting_bytes;  /* that are there, and for the next frames to upload */
+    fog_plan fog;            /* lights of it; without fog all 0 */
     uint64_t full_pixels;    /* surface_pixels of which each lookup is answered in full; all of them without a stream */
 } render_frame;
 

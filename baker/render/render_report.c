@@ -76,6 +76,15 @@ static json_t *stream_json(const drawn_frame *d)
     return o;
 }
 
+static json_t *plan_json(const fog_plan *plan)
+{
+    json_t *o = json_object();
+    json_set(&o, "drawn", json_integer(plan->drawn));
+    json_set(&o, "faint", json_integer(plan->faint));
+    json_set(&o, "out_of_view", json_integer(plan->out_of_view));
+    return o;
+}
+
 static json_t *frame_json(const render_report *r, const drawn_frame *d)
 {
     json_t *o = json_object(), *stages = json_object();
@@ -88,6 +97,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     json_set(&o, "surface_samples", json_integer((json_int_t)d->frame.surface_pixels));
     json_set(&o, "lights_per_sample", json_real(rounded(lights_per_pixel(&d->frame), 4)));
     json_set(&o, "longest_list", json_integer(d->frame.longest_list));
+    if (r->options->fog) json_set(&o, "fog_lights", plan_json(&d->frame.fog));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
 }

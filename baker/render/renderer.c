@@ -431,12 +431,12 @@ static void set_sizes(const renderer *r, GLuint program)
 }
 
 /* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere. */
-static vxs_result fog(const renderer *r, message *m)
+static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
 {
     const double ambient[3] = {0.070 * day_of(r), 0.081 * day_of(r), 0.095 * day_of(r)};
     set_sizes(r, r->picture_program);
     draw_screen(r, r->picture_frame, r->picture_program, r->width, r->height);
-    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->exposure, ambient, m);
+    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->exposure, ambient, plan, m);
 }
 
 static void tone(const renderer *r)
@@ -561,7 +561,7 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
         since = finished(r->gl);
     }
     if (r->fog) {
-        vxs_result result = fog(r, m);
+        vxs_result result = fog(r, &frame->fog, m);
         if (result != VXS_OK) return result;
     }
     STAGE_ENDS(RENDER_FOG)

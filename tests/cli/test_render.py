@@ -174,6 +174,22 @@ def test_fog_with_opengl(vxs, level, render):
         assert max(different) < 20 and sum(different) < len(different), by
 
 
+def test_plan_of_fog(level, render):
+    """Lights that have no airlight to speak of, or none in view, are left out, counted, and told of."""
+    away = "--eye", "30,3,0", "--target", "60,3,0"
+    for drawn, faint, out, options in ((3, 0, 0, ("--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05)),
+                                       (0, 3, 0, ("--eye", "1,6,9", "--target", "0,1,0", "--fog", 1e-9)),
+                                       (1, 0, 2, (*away, "--fog", 0.01))):
+        frame, = report(level, render, "all", *options)["frames"]
+        assert frame["fog_lights"] == {"drawn": drawn, "faint": faint, "out_of_view": out}
+        said = render("all", *options).stdout
+        assert said == f"fog          3 lights: {drawn} drawn, {faint} too faint (less than 1/512 of white), {out} out of view\n"
+        assert render("all", *options, "--quiet").stdout == ""
+    assert "fog_lights" not in report(level, render, "all")["frames"][0] and render("all").stdout == ""
+    told = render("sun", *away, "--fog", 0.01, "--json", "-")
+    assert json.loads(told.stdout)["frames"][0]["fog_lights"]["drawn"] == 1 and told.stderr.startswith("fog          1 light: 1 drawn")
+
+
 def test_grid_of_a_processor(level, render):
     """Fewer voxels without a GPU; and one that OpenGL has no room for is an error."""
     camera = "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-by", "grid"
