@@ -17,6 +17,8 @@
 
 #include <cmocka.h>
 
+#include "tests/volumes/map_parts.h"
+#include "tests/volumes/reference.h"
 #include "volumes_scene.h"
 
 enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH };
@@ -159,48 +161,70 @@ static void test_marches(void **state)
     scene_close(&s);
 }
 
-/* What moves, a disc that faces the light two metres before it (the sun: among the boxes), seen by a depth map of the light's own or of one
- * turned a little: on each light ray the nearer of both, and nothing elsewhere. */
+/* What moves: a disc that faces the light two metres before it (the sun: among the boxes), seen by a depth map of the light's own. */
+typedef struct moving_disc {
+    double             depth, radius; /* of lamps metres, of the sun voxels and texels */
+    vxs_moving_casters casters;
+} moving_disc;
+
+enum { JOINED_SIDE = 128, MOVING_PX = 512 };
+
+static moving_disc disc_before(const volumes_scene *s, int light, GLuint depths)
+{
+    const vxs_light *l      = &vxs_asset_light(s->asset, (uint32_t)light)->light;
+    const double    *m      = l->ls_from_ws;
+    int              is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    double           side   = ldexp(1, (int)l->levels);
+    moving_disc      d      = {is_sun ? side / 6 : 2, is_sun ? side / 5 : 0.7, {depths, MOVING_PX, MOVING_PX, {0}, 1.0F}};
+    /* texture coordinates and depth by light space: a plane's depth is linear in the sun's, and 1 - near / z of a lamp's */
+    double           across = is_sun ? 1 / side : 0.4, rows[4][4] = {{0}};
+    float           *seen_depths = malloc(sizeof(float) * MOVING_PX * MOVING_PX);
+    assert_non_null(seen_depths);
+    for (int n = 0; n < 4; n++) {
+        double x = m[n], y = m[4 + n], z = m[8 + n], one = n == 3;
+        rows[3][n] = is_sun ? one : z;
+        rows[0][n] = across * x + (is_sun ? 0 : 0.5 * z);
+        rows[1][n] = across * y + (is_sun ? 0 : 0.5 * z);
+        rows[2][n] = is_sun ? z / side : z - 0.1 * one;
+    }
+    for (int n = 0; n < 16; n++) d.casters.depth_from_point[n] = (float)rows[n % 4][n / 4];
+    for (int n = 0; n < MOVING_PX * MOVING_PX; n++) {
+        double u = (n % MOVING_PX + 0.5) / MOVING_PX, v = (n / MOVING_PX + 0.5) / MOVING_PX;
+        double x       = is_sun ? u / across - 0.5 * side : (u - 0.5) / across * d.depth,
+               y       = is_sun ? v / across - 0.5 * side : (v - 0.5) / across * d.depth;
+        int inside     = x * x + y * y < d.radius * d.radius;
+        seen_depths[n] = !inside ? 1 : is_sun ? (float)(d.depth / side) : (float)((d.depth - 0.1) / d.depth);
+    }
+    s->gl->TextureSubImage2D(depths, 0, 0, 0, MOVING_PX, MOVING_PX, GL_RED, GL_FLOAT, seen_depths);
+    free(seen_depths);
+    return d;
+}
+
+static GLuint moving_depths(const volumes_scene *s)
+{
+    GLuint depths;
+    s->gl->CreateTextures(GL_TEXTURE_2D, 1, &depths);
+    s->gl->TextureStorage2D(depths, 1, GL_R32F, MOVING_PX, MOVING_PX);
+    return depths;
+}
+
+/* On each light ray the nearer of what moves and what stands, and nothing elsewhere. */
 static void test_joined(void **state)
 {
     (void)state;
-    enum { SIDE = 128, MOVING_PX = 512 };
+    enum { SIDE = JOINED_SIDE };
     volumes_scene s;
-    GLuint        depths;
-    float        *seen_depths = malloc(sizeof(float) * MOVING_PX * MOVING_PX);
-    assert_non_null(seen_depths);
     scene_open(&s, RESOLUTION, WIDE, HIGH);
-    s.gl->CreateTextures(GL_TEXTURE_2D, 1, &depths);
-    s.gl->TextureStorage2D(depths, 1, GL_R32F, MOVING_PX, MOVING_PX);
+    GLuint depths = moving_depths(&s);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         const vxs_light *l      = &vxs_asset_light(s.asset, (uint32_t)light)->light;
-        const double    *m      = l->ls_from_ws;
         int              is_sun = l->kind == VXS_LIGHT_KIND_DIRECTIONAL;
-        double           side = ldexp(1, (int)l->levels), disc = is_sun ? side / 6 : 2, radius = is_sun ? side / 5 : 0.7;
-        /* texture coordinates and depth by light space: a plane's depth is linear in the sun's, and 1 - near / z of a lamp's */
-        double           across = is_sun ? 1 / side : 0.4, rows[4][4] = {{0}};
-        for (int n = 0; n < 4; n++) {
-            double x = m[n], y = m[4 + n], z = m[8 + n], one = n == 3;
-            rows[3][n] = is_sun ? one : z;
-            rows[0][n] = across * x + (is_sun ? 0 : 0.5 * z);
-            rows[1][n] = across * y + (is_sun ? 0 : 0.5 * z);
-            rows[2][n] = is_sun ? z / side : z - 0.1 * one;
-        }
-        vxs_moving_casters casters = {depths, MOVING_PX, MOVING_PX, {0}, 1.0F};
-        for (int n = 0; n < 16; n++) casters.depth_from_point[n] = (float)rows[n % 4][n / 4];
-        for (int n = 0; n < MOVING_PX * MOVING_PX; n++) {
-            double u = (n % MOVING_PX + 0.5) / MOVING_PX, v = (n / MOVING_PX + 0.5) / MOVING_PX;
-            double x       = is_sun ? u / across - 0.5 * side : (u - 0.5) / across * disc,
-                   y       = is_sun ? v / across - 0.5 * side : (v - 0.5) / across * disc;
-            int inside     = x * x + y * y < radius * radius;
-            seen_depths[n] = !inside ? 1 : is_sun ? (float)(disc / side) : (float)((disc - 0.1) / disc);
-        }
-        s.gl->TextureSubImage2D(depths, 0, 0, 0, MOVING_PX, MOVING_PX, GL_RED, GL_FLOAT, seen_depths);
-
-        vxs_light_map *map = filled_map(&s, light, SIDE, 1);
+        moving_disc      moving = disc_before(&s, light, depths);
+        double           side = ldexp(1, (int)l->levels), disc = moving.depth, radius = moving.radius;
+        vxs_light_map   *map = filled_map(&s, light, SIDE, 1);
         assert_int_equal(vxs_light_map_join(map, NULL, 0), VXS_OK);
         float *alone = read_map(&s, map);
-        assert_int_equal(vxs_light_map_join(map, &casters, 1), VXS_OK);
+        assert_int_equal(vxs_light_map_join(map, &moving.casters, 1), VXS_OK);
         float   *joined = read_map(&s, map);
         uint32_t nearer = 0, kept = 0;
         for (uint32_t n = 0; n < SIDE * SIDE * vxs_light_map_layers(map); n++) {
@@ -227,7 +251,83 @@ static void test_joined(void **state)
         free(alone);
         vxs_light_map_destroy(map);
     }
-    free(seen_depths);
+    scene_close(&s);
+}
+
+/* Airlight of a light map by exact traversal of its texels, adaptively, in double, of every so many pixels; what differs from it, by RMS. */
+enum { ASKED_EACH = 7, ASKED_PIXELS = (PIXELS + ASKED_EACH - 1) / ASKED_EACH };
+
+static void traverse(const volumes_scene *s, const volumes_camera *c, int light, const seen *v, const float *first,
+                     double wanted[ASKED_PIXELS][3])
+{
+    vxs_volumes_light l   = scene_light(light);
+    light_map         map = {&vxs_asset_light(s->asset, (uint32_t)light)->light, JOINED_SIDE, light == SCENE_POINT ? 6 : 1, first};
+    reference_light   of  = {.light = scene_air_light(s, &l), .oracle = map_parts, .subject = &map};
+    for (int i = 0; i < 3; i++) of.colour[i] = (double)l.colour[i];
+    for (uint32_t n = 0; n < ASKED_PIXELS; n++) {
+        uint32_t pixel = n * ASKED_EACH;
+        eye_ray  ray   = {.end = v->metres[pixel]};
+        camera_ray(s, c, pixel % WIDE, pixel / WIDE, ray.direction);
+        memcpy(ray.eye, c->eye, sizeof ray.eye);
+        reference_airlight(&haze, VXS_AIR_EVERYWHERE, &of, &ray, wanted[n]);
+    }
+}
+
+static double rms_from(const double found[ASKED_PIXELS][3], const double wanted[ASKED_PIXELS][3])
+{
+    double wrong = 0, size = 0;
+    for (int n = 0; n < ASKED_PIXELS; n++)
+        for (int i = 0; i < 3; i++) {
+            wrong += (found[n][i] - wanted[n][i]) * (found[n][i] - wanted[n][i]);
+            size += wanted[n][i] * wanted[n][i];
+        }
+    return sqrt(wrong / size);
+}
+
+/* All techniques that read a light map know what moves: their airlight is that of the map as it was joined, which is not that of what stands. */
+static void test_joined_airlight(void **state)
+{
+    (void)state;
+    static const char *const names[]     = {"march", "mesh", "grid"};
+    static const double      tolerance[] = {2e-3, 1.2e-2, 4e-3};
+    static seen              v;
+    volumes_scene            s;
+    vxs_shadow_grid         *grid;
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    GLuint               depths = moving_depths(&s);
+    vxs_shadow_grid_desc desc   = {.columns = 256, .rows = 512, .bits = 256};
+    assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &desc), VXS_OK);
+    for (int light = 0; light < SCENE_LIGHTS; light++) {
+        double            wanted[ASKED_PIXELS][3], standing[ASKED_PIXELS][3], found[ASKED_PIXELS][3];
+        float             pixels[4 * PIXELS];
+        volumes_camera    c      = camera_at(eyes[light == SCENE_POINT], looks[light == SCENE_POINT], 0.8);
+        vxs_volumes_light l      = scene_light(light);
+        vxs_light_map    *map    = filled_map(&s, light, JOINED_SIDE, 1);
+        moving_disc       moving = disc_before(&s, light, depths);
+        v.frame                  = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, v.metres);
+        for (int joined = 0; joined < 2; joined++) {
+            assert_int_equal(vxs_light_map_join(map, &moving.casters, (uint32_t)joined), VXS_OK);
+            float *first = read_map(&s, map);
+            traverse(&s, &c, light, &v, first, joined ? wanted : standing);
+            free(first);
+        }
+        for (int n = 0; n < 3; n++) {
+            assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+            vxs_result result = n == 0   ? vxs_volumes_march(s.volumes, &l, map, 512, VXS_STEPS_ANGLE)
+                                : n == 1 ? vxs_volumes_mesh_map(s.volumes, &l, map)
+                                         : vxs_volumes_grid(s.volumes, &l, map, grid, 64);
+            assert_int_equal(result, VXS_OK);
+            scene_read(&s, pixels);
+            for (size_t k = 0; k < ASKED_PIXELS; k++)
+                for (size_t i = 0; i < 3; i++) found[k][i] = (double)pixels[4 * ASKED_EACH * k + i];
+            double error = rms_from(found, wanted), without = rms_from(found, standing);
+            if (getenv("VXS_VERBOSE")) print_message("light %d, %s: %.5f, of what stands %.5f\n", light, names[n], error, without);
+            if (!(error < tolerance[n] && without > 4 * error)) fail_msg("light %d, %s: %g, %g", light, names[n], error, without);
+        }
+        vxs_light_map_destroy(map);
+    }
+    vxs_shadow_grid_destroy(grid);
+    assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
 }
 
@@ -612,9 +712,9 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_light_maps), cmocka_unit_test(test_marches), cmocka_unit_test(test_joined),
-        cmocka_unit_test(test_composite),  cmocka_unit_test(test_state),   cmocka_unit_test(test_any_numbers),
-        cmocka_unit_test(test_reach),      cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_light_maps),      cmocka_unit_test(test_marches),   cmocka_unit_test(test_joined),
+        cmocka_unit_test(test_joined_airlight), cmocka_unit_test(test_composite), cmocka_unit_test(test_state),
+        cmocka_unit_test(test_any_numbers),     cmocka_unit_test(test_reach),     cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests_name("volumes", tests, NULL, NULL);
 }
