@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_volumes.h"
 
 /* Texels along a side of a mesh's map at most, which takes about a second to be meshed, six of them; voxels along alpha and phi of a grid, which a
@@ -141,7 +143,13 @@ static vxs_result make_meshes(fog_pass *p, message *m)
 
 /* a frame ------------------------------------------------------------------------------------------------------------------------- */
 
-/* Rays that meet nothing end where nothing of the scene is any more. Fog lies below the eye's own height by so much. */
+/* Rays that meet nothing end where nothing of the scene is any more. */
+static double far_metres_of(const fog_pass *p)
+{
+    return 2 * p->options.size_metres;
+}
+
+/* Fog lies below the eye's own height by so much. */
 static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3],
                                   const double ambient[3])
 {
@@ -149,7 +157,7 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
     vxs_volumes_frame f      = {.anisotropy    = (float)medium->anisotropy,
                                 .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
                                 .view          = *view,
-                                .far_metres    = (float)(2 * p->options.size_metres),
+                                .far_metres    = (float)far_metres_of(p),
                                 .least         = (float)FOG_FAINTEST,
                                 .depth_texture = depths};
     for (int n = 0; n < 3; n++) {
@@ -199,6 +207,17 @@ vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, con
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     vxs_volumes_composite(p->volumes);
     return VXS_OK;
+}
+
+void fog_pass_left(const fog_pass *p, const double eye_ws[3], const double direction[3], double metres, double left[3])
+{
+    const fog_medium *medium    = p->options.medium;
+    double            in_fog[2] = {0, fmin(metres, far_metres_of(p))};
+    vxs_medium        air       = {.anisotropy = medium->anisotropy};
+    memcpy(air.scattering, medium->scattering, sizeof air.scattering);
+    memcpy(air.extinction, medium->extinction, sizeof air.extinction);
+    if (medium->top_ws < INFINITY) vxs_air_in_fog(eye_ws[1], direction[1], medium->top_ws, in_fog);
+    vxs_air_left(&air, fmax(in_fog[1] - in_fog[0], 0), left);
 }
 
 uint32_t fog_pass_grid(const fog_pass *p)

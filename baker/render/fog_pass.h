@@ -51,6 +51,10 @@ void fog_pass_destroy(fog_pass *pass);
 vxs_result fog_pass_draw(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
                          double exposure, const double ambient[3], fog_plan *plan, message *m);
 
+/* What fog leaves of light that comes to the eye along a ray.
+ * direction  of length 1;   metres  INFINITY: from where rays end that meet nothing;   left  [out] of each channel */
+void fog_pass_left(const fog_pass *pass, const double eye_ws[3], const double direction[3], double metres, double left[3]);
+
 /* n of its grid of n x 2n x n; 0 without one. */
 uint32_t fog_pass_grid(const fog_pass *pass);
 

@@ -81,6 +81,9 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m);
 /* What fog scatters toward the eye, as exposed.   air  [out] [3 * count] linear */
 vxs_result renderer_read_airlight(renderer *r, float *air, message *m);
 
+/* What fog leaves of what is seen.   depths  as renderer_read has them;   left  [out] [3 * count] */
+void renderer_fog_left(const renderer *r, const float *depths, float *left);
+
 /* Of a stream: the share of lookups at each place, of lights that it faces, that are answered in full.
  * full  [out] [count]; RENDER_NOT_ASKED where there is none, -1 where nothing is */
 #define RENDER_NOT_ASKED (-2.0f)

@@ -110,6 +110,16 @@ static vxs_result write_airlight(passes *p, message *m)
     return r == VXS_OK ? write_picture(p, "airlight", m) : r;
 }
 
+static vxs_result write_transmittance(passes *p, message *m)
+{
+    float *left = malloc(3 * p->count * sizeof *left);
+    if (!left) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    renderer_fog_left(p->renderer, p->depths, left);
+    for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = byte_of((double)left[n]);
+    free(left);
+    return write_picture(p, "transmittance", m);
+}
+
 /* Blue, green, yellow, red. */
 static void set_heat(uint8_t rgb[3], double share)
 {
@@ -259,6 +269,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_airlight(&p, m);
+    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
     if (r == VXS_OK && streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);

@@ -671,6 +671,19 @@ void renderer_place(const renderer *r, uint32_t x, uint32_t y, float depth, doub
         place_ws[n] = r->camera.eye_ws[n] + (double)depth * (r->seen.forward[n] + across * r->seen.right[n] + up * r->seen.up[n]);
 }
 
+void renderer_fog_left(const renderer *r, const float *depths, float *left)
+{
+    for (uint32_t n = 0; n < r->width * r->height; n++) {
+        double way[3], direction[3], part[3];
+        renderer_place(r, n % r->width, n / r->width, depths[n] > 0 ? depths[n] : 1, way);
+        vec3_sub(way, r->camera.eye_ws, way);
+        double metres = sqrt(vec3_dot(way, way));
+        for (int k = 0; k < 3; k++) direction[k] = way[k] / metres;
+        fog_pass_left(r->fog, r->camera.eye_ws, direction, depths[n] > 0 ? metres : INFINITY, part);
+        for (size_t k = 0; k < 3; k++) left[3 * (size_t)n + k] = (float)part[k];
+    }
+}
+
 double renderer_exposure(const renderer *r)
 {
     return r->exposure;

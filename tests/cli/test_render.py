@@ -174,6 +174,19 @@ def test_fog_with_opengl(vxs, level, render):
         assert max(different) < 20 and sum(different) < len(different), by
 
 
+def test_transmittance(level, render):
+    """What fog leaves is exponential in the way through it: seen from above, through all of it, below its top alone, and up to the sky."""
+    def middle(*options):
+        render("sun", "--eye", "0.01,20,0", "--target", "0,0,0", "--fov", 20, *options, "--passes", level / "left")
+        return read_png((level / "left" / "transmittance.png").read_bytes())[2]
+
+    block, ground = middle("--fog", 0.05), middle("--fog", 0.05, "--fog-top", 1)
+    assert list(block[24][3 * 32 : 3 * 33]) == [pytest.approx(255 * math.exp(-0.05 * 17), abs=1)] * 3  # its top is 3 high
+    assert ground[24][3 * 32] == 255 and ground[24][3] == pytest.approx(255 * math.exp(-0.05 * math.hypot(1, math.tan(math.radians(10)) * 4 / 3)), abs=1)
+    render("sun", "--eye", "0,20,0.1", "--target", "0,40,0", "--fog", 0.05, "--passes", level / "left")
+    assert max(map(max, read_png((level / "left" / "transmittance.png").read_bytes())[2])) < 64
+
+
 def test_plan_of_fog(level, render):
     """Lights that have no airlight to speak of, or none in view, are left out, counted, and told of."""
     away = "--eye", "30,3,0", "--target", "60,3,0"
