@@ -51,6 +51,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                    \
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                    \
     X(PFNGLGETERRORPROC, GetError)                                  \
+    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)        \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                          \
     X(PFNGLGETSTRINGPROC, GetString)                                \

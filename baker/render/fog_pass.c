@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "runtime/volumes/vxs_air_path.h"
+#include "runtime/volumes/vxs_shadow_grid.h"
 #include "runtime/volumes/vxs_volumes.h"
 
 /* Texels along a side of a mesh's map at most, which takes about a second to be meshed, six of them; voxels along alpha and phi of a grid, which a
@@ -19,6 +20,7 @@ struct fog_pass {
     vxs_gl           *shadows;
     vxs_volumes      *volumes;
     vxs_shadow_grid  *grid;   /* FOG_BY_GRID */
+    uint32_t          drawn;  /* lights of the last frame */
     vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], made at the first frame; NULL before */
 };
 
@@ -205,6 +207,7 @@ vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, con
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
         result = add_light(p, n, &shines[n], exposure, plan);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
+    p->drawn = plan->drawn;
     vxs_volumes_composite(p->volumes);
     return VXS_OK;
 }
@@ -223,6 +226,23 @@ void fog_pass_left(const fog_pass *p, const double eye_ws[3], const double direc
 uint32_t fog_pass_grid(const fog_pass *p)
 {
     return p->options.grid;
+}
+
+vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, message *m)
+{
+    enum { HEAD_BYTES = 128 };
+    const int     side  = (int)p->options.grid;
+    vxs_grid_size size  = {.columns = side, .rows = 2 * side, .bits = side};
+    size_t        bytes = sizeof(uint32_t) * (size_t)vxs_grid_words(&size);
+    uint32_t     *words = malloc(bytes);
+    if (!words) return fail(m, VXS_E_MEMORY, "out of memory for a shadow grid");
+    memset(words, 0, bytes);
+    if (p->drawn) p->gl->GetNamedBufferSubData(vxs_shadow_grid_buffer(p->grid), HEAD_BYTES, (GLsizeiptr)bytes, words);
+    for (int row = 0; row < size.rows; row++)
+        for (int column = 0; column < size.columns; column++)
+            dark[row * side + column] = (float)(1 - vxs_grid_lit_part(words, &size, column, row, 0, size.bits));
+    free(words);
+    return VXS_OK;
 }
 
 unsigned fog_pass_airlight(const fog_pass *p)

@@ -58,6 +58,10 @@ void fog_pass_left(const fog_pass *pass, const double eye_ws[3], const double di
 /* n of its grid of n x 2n x n; 0 without one. */
 uint32_t fog_pass_grid(const fog_pass *pass);
 
+/* Of the grid of the light that was drawn last: how much of each column and row is in shadow. Without such a light, nothing is.
+ * dark  [out] [2n][n] rows of theta, columns of alpha, 0 to 1;   Returns VXS_OK, VXS_E_MEMORY. */
+vxs_result fog_pass_read_grid(const fog_pass *pass, float *dark, message *m);
+
 /* An RGBA32F texture of width x height. */
 unsigned fog_pass_airlight(const fog_pass *pass);
 

@@ -48,21 +48,25 @@ static void set_grey(uint8_t rgb[3], double share)
 
 static const uint8_t nothing[3] = {255, 0, 255};
 
-/* Write p->rgb. */
-static vxs_result write_picture(const passes *p, const char *name, message *m)
+static vxs_result write_pixels(const passes *p, const char *name, const uint8_t *rgb, uint32_t width, uint32_t height, message *m)
 {
     char        path[4096];
     output_file out  = {0};
     size_t      size = 0;
     if ((size_t)snprintf(path, sizeof path, "%s/%s.png", p->folder, name) >= sizeof path)
         return fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
-    uint8_t   *png = png_encode(p->rgb, p->width, p->height, 3, &size);
+    uint8_t   *png = png_encode(rgb, width, height, 3, &size);
     vxs_result r   = png ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
     if (r == VXS_OK) r = output_file_write(&out, png, size, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);
     output_file_abort(&out);
     free(png);
     return r;
+}
+
+static vxs_result write_picture(const passes *p, const char *name, message *m)
+{
+    return write_pixels(p, name, p->rgb, p->width, p->height, m);
 }
 
 /* surfaces and light -------------------------------------------------------------------------------------------------------------- */
@@ -118,6 +122,20 @@ static vxs_result write_transmittance(passes *p, message *m)
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = byte_of((double)left[n]);
     free(left);
     return write_picture(p, "transmittance", m);
+}
+
+static vxs_result write_shadow_grid(const passes *p, message *m)
+{
+    uint32_t   side  = renderer_fog_grid(p->renderer);
+    size_t     count = (size_t)2 * side * side;
+    float     *dark  = malloc(count * sizeof *dark);
+    uint8_t   *rgb   = malloc(3 * count);
+    vxs_result r = dark && rgb ? renderer_read_grid(p->renderer, dark, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < count && r == VXS_OK; n++) set_grey(rgb + 3 * n, 1 - (double)dark[n]);
+    if (r == VXS_OK) r = write_pixels(p, "shadow-grid", rgb, side, 2 * side, m);
+    free(dark);
+    free(rgb);
+    return r;
 }
 
 /* Blue, green, yellow, red. */
@@ -270,6 +288,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK) r = write_lights(&p, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_airlight(&p, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
+    if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
     if (r == VXS_OK && streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);

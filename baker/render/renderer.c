@@ -386,6 +386,11 @@ uint32_t renderer_fog_grid(const renderer *r)
     return r->fog ? fog_pass_grid(r->fog) : 0;
 }
 
+vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
+{
+    return fog_pass_read_grid(r->fog, dark, m);
+}
+
 static void draw_screen(const renderer *r, GLuint frame, GLuint program, uint32_t width, uint32_t height)
 {
     const gl_context *gl = r->gl;

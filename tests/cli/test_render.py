@@ -203,6 +203,16 @@ def test_plan_of_fog(level, render):
     assert json.loads(told.stdout)["frames"][0]["fog_lights"]["drawn"] == 1 and told.stderr.startswith("fog          1 light: 1 drawn")
 
 
+def test_picture_of_a_grid(level, render):
+    """Behind what shadows a ray all of it is dark: columns only grow darker with alpha."""
+    render("sun", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-by", "grid", "--fog-grid", 64, "--passes", level / "grid")
+    wide, high, rows = read_png((level / "grid" / "shadow-grid.png").read_bytes())[:3]
+    greys = [list(row[::3]) for row in rows]
+    assert (wide, high) == (64, 128)
+    assert all(a >= b for row in greys for a, b in zip(row, row[1:]))
+    assert any(0 < grey < 255 for row in greys for grey in row)
+
+
 def test_grid_of_a_processor(level, render):
     """Fewer voxels without a GPU; and one that OpenGL has no room for is an error."""
     camera = "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-by", "grid"
