@@ -10,8 +10,8 @@
 #include "runtime/volumes/vxs_shadow_grid.h"
 #include "runtime/volumes/vxs_volumes.h"
 
-/* Texels along a side of a mesh's map at most, which takes about a second to be meshed, six of them; voxels along alpha and phi of a grid, which a
- * processor without a GPU fills for each light of each frame. */
+/* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and phi, fewer where a
+ * processor fills it, for each light of each frame. */
 enum { MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
 struct fog_pass {
