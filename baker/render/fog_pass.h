@@ -33,9 +33,8 @@ typedef struct fog_plan {
     uint32_t out_of_view; /* of less than that in any pixel */
 } fog_plan;
 
-/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps at middle grey. In the dark it is some of them, but
- * what it is held against is a bound for light that meets nothing, of which scenes have a part. */
-#define FOG_FAINTEST (1.0 / 512)
+/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps in black, where they are finest: 1 / (2 * 255 * 12.92). */
+#define FOG_FAINTEST (1.0 / 6600)
 
 typedef struct fog_pass fog_pass;
 

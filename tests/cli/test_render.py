@@ -196,7 +196,7 @@ def test_plan_of_fog(level, render):
         frame, = report(level, render, "all", *options)["frames"]
         assert frame["fog_lights"] == {"drawn": drawn, "faint": faint, "out_of_view": out}
         said = render("all", *options).stdout
-        assert said == f"fog          3 lights: {drawn} drawn, {faint} too faint (less than 1/512 of white), {out} out of view\n"
+        assert said == f"fog          3 lights: {drawn} drawn, {faint} too faint (less than 1/6600 of white), {out} out of view\n"
         assert render("all", *options, "--quiet").stdout == ""
     assert "fog_lights" not in report(level, render, "all")["frames"][0] and render("all").stdout == ""
     told = render("sun", *away, "--fog", 0.01, "--json", "-")
