@@ -304,6 +304,7 @@ static void test_threshold(void **state)
 {
     (void)state;
     enum { RAYS = 600 };
+    const int          rays = (int)repeats(300, RAYS);
     double             from[RAYS][3], way[RAYS][3], one[RAYS];
     static const float allowed[] = {1e-6F, 0.1F, 1, 10, 100};
     rng                r         = {3};
@@ -321,7 +322,7 @@ static void test_threshold(void **state)
         mesh_lists all       = mesh_of(&m, 0);
         uint32_t   triangles = all.size.triangle_count;
         double     square    = 0;
-        for (int n = 0; n < RAYS; n++) {
+        for (int n = 0; n < rays; n++) {
             for (int i = 0; i < 3; i++) from[n][i] = uniform(&r, -8, 8);
             random_direction(&r, way[n]);
             walk_ray(&all, from[n], way[n], 10, &one[n]);
@@ -330,7 +331,7 @@ static void test_threshold(void **state)
         for (size_t k = 0; k < sizeof allowed / sizeof *allowed; k++) {
             mesh_lists some  = mesh_of(&m, allowed[k]);
             double     error = 0;
-            for (int n = 0; n < RAYS; n++) {
+            for (int n = 0; n < rays; n++) {
                 double other;
                 walk_ray(&some, from[n], way[n], 10, &other);
                 error += (one[n] - other) * (one[n] - other);
