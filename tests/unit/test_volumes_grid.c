@@ -200,6 +200,7 @@ static void test_words(void **state)
         vxs_light_map    *map = filled_map(&s, light);
         light_map         m   = read_map(&s, map, light);
         for (int camera = 0; camera < CAMERAS; camera++) {
+            if (!scene_asks(light, camera)) continue;
             volumes_camera    c     = camera_at(eyes[camera], looks[camera], 0.8);
             double            top   = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE;
             vxs_volumes_frame frame = scene_frame(&s, &c, &haze, top, 30, metres);
@@ -279,9 +280,11 @@ static void test_converges(void **state)
     static double metres[PIXELS], wanted[3 * PIXELS];
     float         pixels[4 * PIXELS];
     scene_open(&s, RESOLUTION, WIDE, HIGH);
-    vxs_shadow_grid *grids[2] = {make_grid(&s, 128, 128, 128, 0), make_grid(&s, 512, 512, 512, 0)};
+    const uint32_t   sides[2] = {repeats(64, 128), repeats(256, 512)};
+    vxs_shadow_grid *grids[2] = {make_grid(&s, sides[0], sides[0], sides[0], 0), make_grid(&s, sides[1], sides[1], sides[1], 0)};
     for (int light = 0; light < SCENE_LIGHTS; light++)
         for (int camera = 0; camera < CAMERAS; camera++) {
+            if (!scene_asks(light, camera)) continue;
             vxs_volumes_light l     = scene_light(light);
             volumes_camera    c     = camera_at(eyes[camera], looks[camera], 0.8);
             double            top   = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE, errors[2];
@@ -298,8 +301,9 @@ static void test_converges(void **state)
                 scene_read(&s, pixels);
                 errors[n] = error_of(pixels, wanted);
             }
-            print_message("light %d, camera %d: RMS %.4f at 128^3, %.4f at 512^3\n", light, camera, errors[0], errors[1]);
-            assert_true(errors[1] < 5e-3);
+            print_message("light %d, camera %d: RMS %.4f at %u^3, %.4f at %u^3\n", light, camera, errors[0], sides[0], errors[1],
+                          sides[1]);
+            assert_true(errors[1] < 1e-3 * repeats(10, 5)); /* of half the side: twice */
             assert_true(errors[1] < errors[0] / 2.56 || errors[1] < 1e-3);
         }
     for (int n = 0; n < 2; n++) vxs_shadow_grid_destroy(grids[n]);

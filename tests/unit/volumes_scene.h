@@ -13,6 +13,8 @@
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
 
+#include "repeats.h"
+
 enum { SCENE_SUN, SCENE_SPOT, SCENE_POINT, SCENE_LIGHTS, SCENE_BOXES = 12, SCENE_TRIANGLES = 12 * SCENE_BOXES + 2 };
 
 #define EMPTY_DEPTH 0.0F
@@ -120,6 +122,14 @@ static inline void scene_close(volumes_scene *s)
     vxs_gl_destroy(s->shadows);
     vxs_asset_close(s->asset);
     gl_context_destroy(s->gl);
+}
+
+/* Whether a test that may ask all lights of all cameras asks a light of a camera. The part: each light and each camera, fog with a top
+ * (camera 1) of the sun and of a lamp, and the point light in view of camera 3. */
+static inline int scene_asks(int light, int camera)
+{
+    static const uint32_t cameras[SCENE_LIGHTS] = {1 << 0 | 1 << 1, 1 << 1 | 1 << 2, 1 << 3 | 1 << 4};
+    return (int)(repeats(cameras[light], UINT32_MAX) >> camera & 1);
 }
 
 /* The lights as they are asked for, each bright enough to be seen. */
