@@ -135,7 +135,7 @@ static void test_counts(void **state)
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         vxs_volumes_light l = scene_light(light);
         lit_surface       u = surface_make(&s, &l, 64);
-        for (uint32_t n = 0; n < repeats(24, 500); n++) {
+        for (uint32_t n = 0; n < repeats(12, 500); n++) {
             volumes_camera    c      = random_camera(&r);
             vxs_volumes_frame f      = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
             int               wanted = eye_is_lit(&u.all, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
@@ -155,9 +155,9 @@ static void test_counts(void **state)
         }
         surface_free(&u);
     }
-    print_message("%u pixels, %u of %u eyes in light\n", asked, lit, repeats(24, 500) * SCENE_LIGHTS);
-    assert_true(asked > 2000 * repeats(24, 500));
-    assert_true(lit > repeats(24, 500) / 2 && lit < repeats(24, 500) * SCENE_LIGHTS - repeats(24, 500) / 2);
+    print_message("%u pixels, %u of %u eyes in light\n", asked, lit, repeats(12, 500) * SCENE_LIGHTS);
+    assert_true(asked > 2000 * repeats(12, 500));
+    assert_true(lit > repeats(12, 500) / 2 && lit < repeats(12, 500) * SCENE_LIGHTS - repeats(12, 500) / 2);
     scene_close(&s);
 }
 
@@ -177,7 +177,7 @@ static void test_airlight(void **state)
         lit_surface       u     = surface_make(&s, &l, 32);
         vxs_air_light     air   = scene_air_light(&s, &l);
         const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked)->light;
-        for (uint32_t n = 0; n < repeats(4, 60); n++) {
+        for (uint32_t n = 0; n < repeats(3, 60); n++) {
             volumes_camera    c   = random_camera(&r);
             double            top = n % 3 == 2 ? 2.5 : VXS_AIR_EVERYWHERE, in_fog[2], brightest = 0;
             vxs_volumes_frame f = scene_frame(&s, &c, &haze, top, 30, metres);
@@ -333,7 +333,7 @@ static void test_any_numbers(void **state)
         vxs_volumes_light   l   = scene_light(light);
         lit_surface         u   = surface_make(&s, &l, 16);
         const vxs_air_light air = scene_air_light(&s, &l);
-        for (uint32_t n = 0; n < repeats(50, 2000); n++) {
+        for (uint32_t n = 0; n < repeats(20, 2000); n++) {
             double     eye[3], to[3];
             vxs_medium medium = {.anisotropy = rng_below(&r, 4) ? uniform(&r, -0.9, 0.9) : 0.99 * (int)rng_below(&r, 3) - 0.99};
             for (int i = 0; i < 3; i++) {
