@@ -63,8 +63,8 @@ VXS_FN vxs_real vxs_air_table_at(VXS_AIR_TABLE table, vxs_real x, vxs_real y)
     at = table->values + j * table->side + i;
     across -= i;
     down -= j;
-    return (1.0 - down) * ((1.0 - across) * at[0] + across * at[1]) +
-           down * ((1.0 - across) * at[table->side] + across * at[table->side + 1]);
+    return (1.0 - down) * ((1.0 - across) * VXS_REAL(at[0]) + across * VXS_REAL(at[1])) +
+           down * ((1.0 - across) * VXS_REAL(at[table->side]) + across * VXS_REAL(at[table->side + 1]));
 #else
     vec2 side = vec2(textureSize(table, 0));
     return textureLod(table, (vec2(x, y) * (side - 1.0) + 0.5) / side, 0.0).x;
