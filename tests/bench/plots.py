@@ -94,4 +94,5 @@ def main():
     bars(options.folder / "bytes-city.svg", city, "the file by part", "KiB", kib, parts)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -94,3 +94,21 @@ def test_large_maps(measure, tmp_path):
     assert stages[-1] == f"{second['processor_seconds'] / 2:.3g} s"
     for stage in second["stages"]:
         assert stage["three_threads_seconds"] <= stage["seconds"] + 1e-9
+
+
+def test_volumes(measure, tmp_path):
+    """Each technique comes nearer with more of its knob, and the front has both ends."""
+    printed = measure("volumes.py", "--json", tmp_path / "volumes.json", "--folder", tmp_path, "--only", "room, lamp", "--size", "48x27",
+                      "--resolution", "256", "--rounds", "2")
+    result = json.loads((tmp_path / "volumes.json").read_text())
+    schema("volumes").validate(result)
+    (scene,) = result["scenes"]
+    drawn = [c for c in scene["cells"] if not c["refused"]]
+    assert len(drawn) == len(scene["cells"]) > 10 and (tmp_path / "room-lamp.svg").stat().st_size > 1000
+    for name in {c["technique"] for c in drawn}:
+        errors = [c["error"]["relative_rms"] for c in drawn if c["technique"] == name]
+        assert len(errors) == 1 or errors[-1] < 0.8 * errors[0], name
+    front = [c for c in drawn if c["front"]]
+    for end in (lambda c: c["ms"]["median"], lambda c: c["error"]["relative_rms"]):
+        assert min(map(end, drawn)) == min(map(end, front))
+    assert len(rows(printed, "room, lamp")) == len(front)
