@@ -75,7 +75,7 @@ def test_plots(vxs, tmp_path):
     subprocess.run(["/usr/bin/python3", ROOT / "tests" / "bench" / "plots.py", tmp_path / "b.json", tmp_path / "plots"], check=True)
     words = {p.stem: " ".join("".join(e.itertext()) for e in xml.etree.ElementTree.parse(p).iter("{http://www.w3.org/2000/svg}text"))
              for p in (tmp_path / "plots").iterdir()}
-    assert set(words) == {p.stem for p in (ROOT / "docs" / "plots").iterdir()}
+    assert set(words) == {p.stem for p in (ROOT / "docs" / "plots").iterdir() if not p.stem.startswith("volumes-")}
     for name in ("error-bake-surface", "error-bytes-surface"):
         assert {"city.glb", "it's", "forest.glb", "64", "128", "%"} <= set(words[name].split()), words[name]
     assert {"maps", "64", "128", "s"} <= set(words["stages-city"].split())
@@ -107,7 +107,12 @@ def test_volumes(measure, tmp_path):
     assert len(drawn) == len(scene["cells"]) > 10 and (tmp_path / "room-lamp.svg").stat().st_size > 1000
     for name in {c["technique"] for c in drawn}:
         errors = [c["error"]["relative_rms"] for c in drawn if c["technique"] == name]
-        assert len(errors) == 1 or errors[-1] < 0.8 * errors[0], name
+        if name in ("mesh", "froxels"):  # whose error is that of what stays: a map's texels, columns
+            assert errors[-1] < 1.1 * errors[0]
+        elif name == "intervals":
+            assert errors[0] < 1e-4
+        else:
+            assert errors[-1] < 0.8 * errors[0], name
     front = [c for c in drawn if c["front"]]
     for end in (lambda c: c["ms"]["median"], lambda c: c["error"]["relative_rms"]):
         assert min(map(end, drawn)) == min(map(end, front))

@@ -192,7 +192,7 @@ def test_plan_of_fog(level, render):
     away = "--eye", "30,3,0", "--target", "60,3,0"
     for drawn, faint, out, options in ((3, 0, 0, ("--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05)),
                                        (0, 3, 0, ("--eye", "1,6,9", "--target", "0,1,0", "--fog", 1e-9)),
-                                       (1, 0, 2, (*away, "--fog", 0.01))):
+                                       (1, 0, 2, (*away, "--fog", 0.0005))):
         frame, = report(level, render, "all", *options)["frames"]
         assert frame["fog_lights"] == {"drawn": drawn, "faint": faint, "out_of_view": out}
         said = render("all", *options).stdout
