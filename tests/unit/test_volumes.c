@@ -256,7 +256,7 @@ static void test_joined(void **state)
 }
 
 /* Airlight of a light map by exact traversal of its texels, adaptively, in double, of every so many pixels; what differs from it, by RMS. */
-enum { ASKED_EACH = 7, ASKED_PIXELS = (PIXELS + ASKED_EACH - 1) / ASKED_EACH };
+enum { ASKED_EACH = 2, ASKED_PIXELS = (PIXELS + ASKED_EACH - 1) / ASKED_EACH };
 
 static void traverse(const volumes_scene *s, const volumes_camera *c, int light, const seen *v, const float *first,
                      double wanted[ASKED_PIXELS][3])
