@@ -62,7 +62,6 @@ enum {
     GL_STATE_RASTERIZER_DISCARD = 0x8C89,
     GL_STATE_PRIMITIVE_RESTART  = 0x8F9D,
     GL_BLEND_ADD                = 0x8006,
-    GL_BLEND_ZERO               = 0,
     GL_BLEND_ONE                = 1,
     GL_BLEND_SRC1_COLOUR        = 0x88F9,
     GL_FACES_FRONT_AND_BACK     = 0x0408,
@@ -76,16 +75,14 @@ enum {
     GL_BARRIER_BUFFER_UPDATE    = 0x0200,
     GL_BARRIER_IMAGE            = 0x0020,
     GL_BARRIER_FRAMEBUFFER      = 0x0400,
-    GL_MOST_ARRAY_LAYERS        = 0x88FF,
     GL_MOST_BUFFER_TEXELS       = 0x8C2B,
 };
 
-/* Result, name without "gl", arguments. */
+/* Beside what libvxs_gl calls: result, name without "gl", arguments. */
 /* clang-format off */
 #define VOLUMES_API(X)                                                                                                   \
-    X(const unsigned char *, GetString, (gl_enum))                                                                       \
-    X(gl_enum, GetError, (void))                                                                                         \
-    X(void, GetIntegerv, (gl_enum, int *))                                                                               \
+    GL_API(X)                                                                                                            \
+    GL_COMPUTE_API(X)                                                                                                    \
     X(void, GetIntegeri_v, (gl_enum, gl_name, int *))                                                                    \
     X(void, GetInteger64i_v, (gl_enum, gl_name, int64_t *))                                                              \
     X(void, GetBooleani_v, (gl_enum, gl_name, unsigned char *))                                                          \
@@ -100,25 +97,19 @@ enum {
     X(void, ColorMaski, (gl_name, unsigned char, unsigned char, unsigned char, unsigned char))                           \
     X(void, PolygonMode, (gl_enum, gl_enum))                                                                             \
     X(void, Viewport, (int, int, int, int))                                                                              \
-    X(void, ActiveTexture, (gl_enum))                                                                                    \
-    X(void, BindTexture, (gl_enum, gl_name))                                                                             \
     X(void, BindSampler, (gl_name, gl_name))                                                                             \
     X(void, BindImageTexture, (gl_name, gl_name, int, unsigned char, int, gl_enum, gl_enum))                             \
     X(void, CreateTextures, (gl_enum, int, gl_name *))                                                                   \
-    X(void, DeleteTextures, (int, const gl_name *))                                                                      \
     X(void, TextureStorage2D, (gl_name, int, gl_enum, int, int))                                                         \
     X(void, TextureStorage3D, (gl_name, int, gl_enum, int, int, int))                                                    \
     X(void, TextureParameteri, (gl_name, gl_enum, int))                                                                  \
     X(void, ClearTexImage, (gl_name, int, gl_enum, gl_enum, const void *))                                               \
     X(void, CopyImageSubData, (gl_name, gl_enum, int, int, int, int, gl_name, gl_enum, int, int, int, int, int, int, int)) \
     X(void, CreateBuffers, (int, gl_name *))                                                                             \
-    X(void, DeleteBuffers, (int, const gl_name *))                                                                       \
     X(void, NamedBufferStorage, (gl_name, gl_bytes, const void *, gl_enum))                                              \
     X(void, NamedBufferSubData, (gl_name, gl_bytes, gl_bytes, const void *))                                             \
     X(void, ClearNamedBufferSubData, (gl_name, gl_enum, gl_bytes, gl_bytes, gl_enum, gl_enum, const void *))             \
     X(void, CopyNamedBufferSubData, (gl_name, gl_name, gl_bytes, gl_bytes, gl_bytes))                                    \
-    X(void, BindBuffer, (gl_enum, gl_name))                                                                              \
-    X(void, BindBufferBase, (gl_enum, gl_name, gl_name))                                                                 \
     X(void, BindBufferRange, (gl_enum, gl_name, gl_name, gl_bytes, gl_bytes))                                            \
     X(void, CreateFramebuffers, (int, gl_name *))                                                                        \
     X(void, DeleteFramebuffers, (int, const gl_name *))                                                                  \
@@ -128,18 +119,8 @@ enum {
     X(void, CreateVertexArrays, (int, gl_name *))                                                                        \
     X(void, DeleteVertexArrays, (int, const gl_name *))                                                                  \
     X(void, BindVertexArray, (gl_name))                                                                                  \
-    X(gl_name, CreateShader, (gl_enum))                                                                                  \
-    X(void, ShaderSource, (gl_name, int, const char *const *, const int *))                                              \
-    X(void, CompileShader, (gl_name))                                                                                    \
     X(void, GetShaderiv, (gl_name, gl_enum, int *))                                                                      \
     X(void, GetShaderInfoLog, (gl_name, int, int *, char *))                                                             \
-    X(void, DeleteShader, (gl_name))                                                                                     \
-    X(gl_name, CreateProgram, (void))                                                                                    \
-    X(void, AttachShader, (gl_name, gl_name))                                                                            \
-    X(void, LinkProgram, (gl_name))                                                                                      \
-    X(void, GetProgramiv, (gl_name, gl_enum, int *))                                                                     \
-    X(void, DeleteProgram, (gl_name))                                                                                    \
-    X(void, UseProgram, (gl_name))                                                                                       \
     X(void, Scissor, (int, int, int, int))                                                                               \
     X(void, FrontFace, (gl_enum))                                                                                        \
     X(void, ClipControl, (gl_enum, gl_enum))                                                                             \
@@ -150,9 +131,7 @@ enum {
     X(void, VertexArrayVertexBuffer, (gl_name, gl_name, gl_name, gl_bytes, int))                                         \
     X(void, VertexArrayElementBuffer, (gl_name, gl_name))                                                                \
     X(void, DrawElements, (gl_enum, int, gl_enum, const void *))                                                         \
-    X(void, DrawArrays, (gl_enum, int, int))                                                                             \
-    X(void, DispatchCompute, (unsigned, unsigned, unsigned))                                                             \
-    X(void, MemoryBarrier, (unsigned))
+    X(void, DrawArrays, (gl_enum, int, int))
 /* clang-format on */
 
 typedef struct volumes_api {
