@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/render/baked_mesh.h"
 #include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_shadow_grid.h"
 #include "runtime/volumes/vxs_volumes.h"
@@ -78,59 +79,12 @@ void fog_pass_destroy(fog_pass *p)
 
 /* meshes -------------------------------------------------------------------------------------------------------------------------- */
 
-/* Where shadow begins on each light ray, from the asset.   first  [out] released with free */
-static vxs_result read_map(const fog_pass *p, uint32_t light, float **first, uint32_t *side_px, message *m)
-{
-    vxs_light_map *map    = NULL;
-    vxs_result     result = vxs_light_map_create(&map, p->volumes, &(vxs_light_map_desc){.baked = light, .side_px = MESH_SIDE});
-    if (result != VXS_OK) return fail(m, result, "OpenGL has no room for a light map: %s", vxs_result_text(result));
-    while (vxs_light_map_fill(map, UINT64_MAX)) continue;
-    *side_px    = vxs_light_map_side_px(map);
-    size_t size = sizeof **first * *side_px * *side_px * vxs_light_map_layers(map);
-    *first      = malloc(size);
-    if (*first)
-        p->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, *first);
-    else
-        result = fail(m, VXS_E_MEMORY, "out of memory for a light map of %u texels a side", *side_px);
-    vxs_light_map_destroy(map);
-    return result;
-}
-
-static vxs_result upload_mesh(vxs_light_mesh **mesh, vxs_volumes *volumes, const vxs_light_mesh_desc *desc, void *room)
-{
-    vxs_light_mesh_size size;
-    vxs_result          result  = vxs_light_mesh_plan(desc, room, &size);
-    float              *places  = NULL;
-    uint32_t           *corners = NULL;
-    if (result != VXS_OK) return result;
-    places  = malloc(3 * sizeof *places * size.vertex_count);
-    corners = malloc(3 * sizeof *corners * size.triangle_count);
-    result  = VXS_E_MEMORY;
-    if (places && corners) {
-        vxs_light_mesh_fill(desc, room, places, corners);
-        result = vxs_light_mesh_create(mesh, volumes, places, corners, &size);
-    }
-    free(places);
-    free(corners);
-    return result;
-}
-
 /* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
 static vxs_result make_mesh(const fog_pass *p, uint32_t light, message *m)
 {
-    vxs_light_mesh_desc desc   = {.struct_size  = sizeof desc,
-                                  .light        = &vxs_gl_constants(p->shadows)[light],
-                                  .far_metres   = (float)(16 * p->options.size_metres),
-                                  .error_texels = 1};
-    float              *first  = NULL;
-    vxs_result          result = read_map(p, light, &first, &desc.side_px, m);
-    if (result != VXS_OK) return result;
-    desc.first = first;
-    void *room = malloc(vxs_light_mesh_room(&desc) + 1);
-    result     = room ? upload_mesh(&p->meshes[light], p->volumes, &desc, room) : VXS_E_MEMORY;
-    free(room);
-    free(first);
-    return result == VXS_OK ? VXS_OK : fail(m, result, "no mesh can be made of light %u: %s", light, vxs_result_text(result));
+    const baked_mesh_options o = {
+        .light = light, .side_px = MESH_SIDE, .far_metres = 16 * p->options.size_metres, .error_texels = 1};
+    return baked_mesh_make(&p->meshes[light], &o, p->gl, p->shadows, p->volumes, m);
 }
 
 static vxs_result make_meshes(fog_pass *p, message *m)

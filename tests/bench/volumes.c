@@ -24,6 +24,7 @@
 #include "baker/options/fog_choice.h"
 #include "baker/options/options.h"
 #include "baker/picture/fog.h"
+#include "baker/render/baked_mesh.h"
 #include "baker/truth/baked_light.h"
 #include "baker/truth/camera.h"
 #include "baker/truth/truth.h"
@@ -68,73 +69,43 @@ static vxs_volumes_light light_of(const bench *b)
     return (vxs_volumes_light){.baked = b->number, .colour = {1, 1, 1}, .cos_inner = 1, .radius_metres = (float)b->radius_metres};
 }
 
-static vxs_result even_of_map(bench *b, void *state, uint32_t steps)
+static vxs_result even_of_map(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
 {
-    vxs_volumes_light l = light_of(b);
     (void)state;
-    return vxs_volumes_march(b->volumes, &l, b->map, steps, VXS_STEPS_EVEN);
+    return vxs_volumes_march(b->volumes, light, b->map, steps, VXS_STEPS_EVEN);
 }
 
-static vxs_result angles_of_map(bench *b, void *state, uint32_t steps)
+static vxs_result angles_of_map(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
 {
-    vxs_volumes_light l = light_of(b);
     (void)state;
-    return vxs_volumes_march(b->volumes, &l, b->map, steps, VXS_STEPS_ANGLE);
+    return vxs_volumes_march(b->volumes, light, b->map, steps, VXS_STEPS_ANGLE);
 }
 
-static vxs_result angles_of_asset(bench *b, void *state, uint32_t steps)
+static vxs_result angles_of_asset(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
 {
-    vxs_volumes_light l = light_of(b);
     (void)state;
-    return vxs_volumes_march(b->volumes, &l, NULL, steps, VXS_STEPS_ANGLE);
+    return vxs_volumes_march(b->volumes, light, NULL, steps, VXS_STEPS_ANGLE);
 }
 
-static vxs_result intervals(bench *b, void *state, uint32_t value)
+static vxs_result intervals(bench *b, const vxs_volumes_light *light, void *state, uint32_t value)
 {
-    vxs_volumes_light l = light_of(b);
     (void)state;
     (void)value;
-    return vxs_volumes_intervals(b->volumes, &l);
+    return vxs_volumes_intervals(b->volumes, light);
 }
 
 /* A mesh of the light map, made once; quads are as large as so many texels' width of error lets them be. */
 static vxs_result open_mesh(bench *b, void **state, uint32_t error_texels)
 {
-    size_t    texels = (size_t)vxs_light_map_side_px(b->map) * vxs_light_map_side_px(b->map) * vxs_light_map_layers(b->map);
-    float    *first = malloc(texels * sizeof *first), *places = NULL;
-    void     *room    = NULL;
-    uint32_t *corners = NULL;
-    vxs_light_mesh_size size;
-    vxs_light_mesh_desc desc = {.light        = &vxs_gl_constants(b->shadows)[b->number],
-                                .first        = first,
-                                .side_px      = vxs_light_map_side_px(b->map),
-                                .far_metres   = (float)b->far_metres,
-                                .error_texels = (float)error_texels};
-    vxs_result          r    = VXS_E_MEMORY;
-    if (!first) return r;
-    b->gl->GetTextureImage(vxs_light_map_texture(b->map), 0, GL_RED, GL_FLOAT, (GLsizei)(texels * sizeof *first), first);
-    if ((room = malloc(vxs_light_mesh_room(&desc)))) r = vxs_light_mesh_plan(&desc, room, &size);
-    if (r == VXS_OK) {
-        places  = malloc(3 * sizeof *places * size.vertex_count);
-        corners = malloc(3 * sizeof *corners * size.triangle_count);
-        r       = places && corners ? VXS_OK : VXS_E_MEMORY;
-    }
-    if (r == VXS_OK) {
-        vxs_light_mesh_fill(&desc, room, places, corners);
-        r = vxs_light_mesh_create((vxs_light_mesh **)state, b->volumes, places, corners, &size);
-    }
-    free(corners);
-    free(places);
-    free(room);
-    free(first);
-    return r;
+    const baked_mesh_options o = {.light = b->number, .far_metres = b->far_metres, .error_texels = error_texels};
+    message                  m = {0};
+    return baked_mesh_make((vxs_light_mesh **)state, &o, b->gl, b->shadows, b->volumes, &m);
 }
 
-static vxs_result mesh(bench *b, void *mesh, uint32_t value)
+static vxs_result mesh(bench *b, const vxs_volumes_light *light, void *mesh, uint32_t value)
 {
-    vxs_volumes_light l = light_of(b);
     (void)value;
-    return vxs_volumes_mesh(b->volumes, &l, mesh);
+    return vxs_volumes_mesh(b->volumes, light, mesh);
 }
 
 static void close_mesh(void *mesh)
@@ -151,11 +122,10 @@ static vxs_result open_map(bench *b, void **state, uint32_t side_px)
     return r;
 }
 
-static vxs_result mesh_of_map(bench *b, void *map, uint32_t value)
+static vxs_result mesh_of_map(bench *b, const vxs_volumes_light *light, void *map, uint32_t value)
 {
-    vxs_volumes_light l = light_of(b);
     (void)value;
-    return vxs_volumes_mesh_map(b->volumes, &l, map);
+    return vxs_volumes_mesh_map(b->volumes, light, map);
 }
 
 static void close_map(void *map)
@@ -170,18 +140,16 @@ static vxs_result open_grid(bench *b, void **state, uint32_t size)
     return vxs_shadow_grid_create((vxs_shadow_grid **)state, b->volumes, &desc);
 }
 
-static vxs_result grid_of_map(bench *b, void *grid, uint32_t size)
+static vxs_result grid_of_map(bench *b, const vxs_volumes_light *light, void *grid, uint32_t size)
 {
-    vxs_volumes_light l = light_of(b);
     (void)size;
-    return vxs_volumes_grid(b->volumes, &l, b->map, grid, 0);
+    return vxs_volumes_grid(b->volumes, light, b->map, grid, 0);
 }
 
-static vxs_result grid_of_asset(bench *b, void *grid, uint32_t size)
+static vxs_result grid_of_asset(bench *b, const vxs_volumes_light *light, void *grid, uint32_t size)
 {
-    vxs_volumes_light l = light_of(b);
     (void)size;
-    return vxs_volumes_grid(b->volumes, &l, NULL, grid, 0);
+    return vxs_volumes_grid(b->volumes, light, NULL, grid, 0);
 }
 
 static void close_grid(void *grid)
@@ -195,11 +163,10 @@ static vxs_result open_froxels(bench *b, void **state, uint32_t deep)
     return rival_froxels_create((rival_froxels **)state, b->volumes, (b->width + 7) / 8, (b->height + 7) / 8, deep);
 }
 
-static vxs_result froxels_of_map(bench *b, void *froxels, uint32_t deep)
+static vxs_result froxels_of_map(bench *b, const vxs_volumes_light *light, void *froxels, uint32_t deep)
 {
-    vxs_volumes_light l = light_of(b);
     (void)deep;
-    return rival_froxels_add(froxels, &l, b->map);
+    return rival_froxels_add(froxels, light, b->map);
 }
 
 static void close_froxels(void *froxels)
@@ -220,11 +187,10 @@ static vxs_result open_moments(bench *b, void **state, uint32_t parts)
     return r == VXS_OK ? rival_slices_set_moments(*state, parts) : r;
 }
 
-static vxs_result slices_of_map(bench *b, void *slices, uint32_t count)
+static vxs_result slices_of_map(bench *b, const vxs_volumes_light *light, void *slices, uint32_t count)
 {
-    vxs_volumes_light l = light_of(b);
     (void)count;
-    return rival_slices_add(slices, &l, b->map);
+    return rival_slices_add(slices, light, b->map);
 }
 
 static void close_slices(void *slices)
@@ -250,8 +216,8 @@ typedef struct technique {
     const char *name, *knob;
     uint32_t    values[8];
     vxs_result (*open)(bench *b, void **state,
-                       uint32_t value);                        /* before the first round: what a level or a size is made ready by */
-    vxs_result (*draw)(bench *b, void *state, uint32_t value); /* what a frame does */
+                       uint32_t value); /* before the first round: what a level or a size is made ready by */
+    vxs_result (*draw)(bench *b, const vxs_volumes_light *light, void *state, uint32_t value); /* what a frame does */
     void (*close)(void *state);
 } technique;
 
@@ -398,8 +364,9 @@ static double finished(const bench *b)
 
 static vxs_result draw(bench *b, const cell *c, int camera)
 {
-    vxs_result r = vxs_volumes_begin(b->volumes, &b->frames[camera]);
-    return r == VXS_OK ? c->technique->draw(b, c->state, c->value) : r;
+    vxs_volumes_light light = light_of(b);
+    vxs_result        r     = vxs_volumes_begin(b->volumes, &b->frames[camera]);
+    return r == VXS_OK ? c->technique->draw(b, &light, c->state, c->value) : r;
 }
 
 static void open_cells(bench *b, cell *cells, size_t *count)
