@@ -147,6 +147,18 @@ static void test_froxels(void **state)
     scene_close(&s);
 }
 
+static void draw_slices(const volumes_scene *s, const seen *v, rival_slices *slices)
+{
+    assert_int_equal(vxs_volumes_begin(s->volumes, &v->frame), VXS_OK);
+    assert_int_equal(rival_slices_add(slices, &v->light, v->map), VXS_OK);
+}
+
+static double slices_error(const volumes_scene *s, const seen *v, rival_slices *slices)
+{
+    draw_slices(s, v, slices);
+    return frame_error(s, v);
+}
+
 /* Each pixel by itself, in more and more slices of more bins; then between samples, many and few. */
 static void test_slices(void **state)
 {
@@ -163,9 +175,7 @@ static void test_slices(void **state)
             for (int n = 0; n < 5; n++) {
                 rival_slices *slices;
                 assert_int_equal(rival_slices_create(&slices, s.volumes, sizes[n][0], sizes[n][1], sizes[n][2]), VXS_OK);
-                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
-                assert_int_equal(rival_slices_add(slices, &v.light, v.map), VXS_OK);
-                errors[n] = frame_error(&s, &v);
+                errors[n] = slices_error(&s, &v, slices);
                 rival_slices_destroy(slices);
             }
             if (getenv("VXS_VERBOSE"))
@@ -198,8 +208,7 @@ static void test_slices_tree(void **state)
             assert_int_equal(rival_slices_create(&slices, s.volumes, 64, 1024, 0), VXS_OK);
             for (int flat = 0; flat < 2; flat++) {
                 rival_slices_set_flat(slices, flat);
-                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
-                assert_int_equal(rival_slices_add(slices, &v.light, v.map), VXS_OK);
+                draw_slices(&s, &v, slices);
                 scene_read(&s, pixels[flat]);
             }
             for (size_t n = 0; n < 4 * PIXELS; n++) {
@@ -231,9 +240,7 @@ static void test_moments(void **state)
             assert_int_equal(rival_slices_create(&slices, s.volumes, repeats(512, 1024), repeats(512, 1024), 0), VXS_OK);
             for (int n = 0; n < 5; n++) {
                 assert_int_equal(rival_slices_set_moments(slices, parts[n]), VXS_OK);
-                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
-                assert_int_equal(rival_slices_add(slices, &v.light, v.map), VXS_OK);
-                errors[n] = frame_error(&s, &v);
+                errors[n] = slices_error(&s, &v, slices);
             }
             if (getenv("VXS_VERBOSE"))
                 print_message("light %d, camera %d: %.4f %.4f %.4f %.4f %.4f\n", light, camera, errors[0], errors[1], errors[2],
