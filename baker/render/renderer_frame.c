@@ -1,0 +1,272 @@
+/* Frames; see render.h.
+ *
+ *     upload     of a stream, what has come
+ *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
+ *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
+ *     shade      light of each sample, lookups and all
+ *     fog        over the picture that this makes (fog_pass.h); left out where there is none
+ *     tone       what a screen shows of the mean of a pixel's samples
+ *
+ * Places count from the camera, in which lookups are as fine as a float can be.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/vec3.h"
+#include "baker/measure/clock.h"
+#include "baker/render/renderer_state.h"
+
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "surfaces", "cull", "shade", "fog", "tone"};
+
+enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
+
+/* Depths are near / z; u and v go up from the lower left corner. By columns. */
+static void set_view(renderer *r, const camera_pose *camera)
+{
+    const camera_view *v = &r->seen;
+    float             *m = r->view.point_from_depth;
+    r->camera            = *camera;
+    r->seen              = camera_view_of(camera, (double)r->width / r->height);
+    r->view =
+        (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter_px = (int32_t)r->options.filter_px};
+    for (int n = 0; n < 3; n++) {
+        m[n]      = (float)(2 * v->right[n]);
+        m[4 + n]  = (float)(2 * v->up[n]);
+        m[12 + n] = (float)(v->forward[n] - v->right[n] - v->up[n]);
+    }
+    m[11] = (float)(1 / r->near_metres);
+}
+
+/* From the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w. */
+static void clip_from_scene(const renderer *r, const double eye[3], float m[16])
+{
+    const camera_view *v      = &r->seen;
+    const double      *row[3] = {v->right, v->up, v->forward};
+    memset(m, 0, 16 * sizeof *m);
+    for (int i = 0; i < 3; i++) {
+        int    to     = i == 2 ? 3 : i;
+        double square = vec3_dot(row[i], row[i]);
+        for (int n = 0; n < 3; n++) m[4 * n + to] = (float)(row[i][n] / square);
+        m[12 + to] = (float)(-vec3_dot(row[i], eye) / square);
+    }
+    m[14] = (float)r->near_metres;
+}
+
+static void draw_surfaces(renderer *r)
+{
+    const gl_context *gl       = r->gl;
+    const float       black[4] = {0};
+    double            eye[3];
+    float             matrix[16];
+    vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
+    clip_from_scene(r, eye, matrix);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, r->surface_frame);
+    gl->Viewport(0, 0, (GLsizei)r->width, (GLsizei)r->height);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthMask(GL_TRUE);
+    gl->DepthFunc(GL_GREATER);
+    gl->ClearBufferfv(GL_DEPTH, 0, black);
+    gl->ClearBufferfv(GL_COLOR, 0, black);
+    gl->ClearBufferfv(GL_COLOR, 1, black);
+    gl->ProgramUniformMatrix4fv(r->surface_program, gl->GetUniformLocation(r->surface_program, "clip_from_scene"), 1, GL_FALSE,
+                                matrix);
+    gl->ProgramUniform3f(r->surface_program, gl->GetUniformLocation(r->surface_program, "eye"), (float)eye[0], (float)eye[1],
+                         (float)eye[2]);
+    gl->UseProgram(r->surface_program);
+    surface_mesh_draw(&r->mesh, gl, r->surface_program);
+    gl->Disable(GL_DEPTH_TEST);
+}
+
+/* textures  of targets, from the first on, that the program reads */
+static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
+{
+    const gl_context *gl = r->gl;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
+    gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
+    for (GLuint n = 0; n < textures; n++) gl->BindTextureUnit(n, r->target[n]);
+    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE,
+                                r->view.point_from_depth);
+    gl->UseProgram(program);
+    gl->BindVertexArray(r->empty_array);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void renderer_shade(const renderer *r, int show, uint32_t light)
+{
+    const gl_context *gl = r->gl;
+    GLuint            p  = r->shade_program;
+    gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
+    gl->ProgramUniform3i(p, gl->GetUniformLocation(p, "asked"), show, (GLint)light, renderer_culls(r));
+    gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
+    vxs_gl_bind(r->shadows);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
+    draw_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
+}
+
+/* What is left of the sky at night. */
+static double day_of(const renderer *r)
+{
+    return r->day ? 1 : 0.07;
+}
+
+static void set_sizes(const renderer *r, GLuint program)
+{
+    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "sizes"), (float)r->width, (float)r->height,
+                            (float)r->exposure, (float)day_of(r));
+}
+
+/* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere. */
+static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
+{
+    const double ambient[3] = {0.070 * day_of(r), 0.081 * day_of(r), 0.095 * day_of(r)};
+    set_sizes(r, r->picture_program);
+    draw_screen(r, r->picture_frame, r->picture_program, SCREEN, r->width, r->height);
+    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->exposure, ambient, plan, m);
+}
+
+static void tone(const renderer *r)
+{
+    GLuint p = r->tone_program;
+    set_sizes(r, p);
+    if (r->fog) r->gl->BindTextureUnit(PICTURE_UNIT, r->target[PICTURE]);
+    r->gl->ProgramUniform1i(p, r->gl->GetUniformLocation(p, "samples"), (GLint)r->options.samples);
+    draw_screen(r, r->screen_frame, p, SCREEN, r->options.width_px, r->options.height_px);
+}
+
+static int brighter(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* So that of the samples that have light, the brightest tenth begins where a screen is nearly white. */
+static double exposure_of(const float *light, const float *albedos, size_t count, double stops)
+{
+    const double white = 0.8, share = 0.9;
+    size_t       lit    = 0;
+    float       *bright = malloc((count + 1) * sizeof *bright);
+    double       value  = 0;
+    for (size_t n = 0; bright && n < count; n++) {
+        const float *c = light + 4 * n, *a = albedos + 3 * n;
+        bright[lit] = 0.2126f * a[0] * c[0] + 0.7152f * a[1] * c[1] + 0.0722f * a[2] * c[2];
+        lit += bright[lit] > 0;
+    }
+    if (lit) {
+        qsort(bright, lit, sizeof *bright, brighter);
+        value = (double)bright[(size_t)(share * (double)(lit - 1))];
+    }
+    free(bright);
+    return (value > 0 ? white / value : 1) * exp2(stops);
+}
+
+static vxs_result choose_exposure(renderer *r, message *m)
+{
+    size_t     count = (size_t)r->width * r->height;
+    float     *light = malloc(4 * count * sizeof *light), *albedos = malloc(3 * count * sizeof *albedos);
+    vxs_result result = light && albedos
+                            ? renderer_read(r, NULL, NULL, albedos, light, m)
+                            : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    if (result == VXS_OK) r->exposure = exposure_of(light, albedos, count, r->options.stops);
+    free(light);
+    free(albedos);
+    return result;
+}
+
+/* How many lights samples asked for, and how long lists are. */
+static vxs_result count_lights(renderer *r, render_frame *frame, message *m)
+{
+    size_t     count  = (size_t)r->width * r->height;
+    float     *depths = malloc(count * sizeof *depths), *light = malloc(4 * count * sizeof *light);
+    vxs_result result = depths && light
+                            ? renderer_read(r, depths, NULL, NULL, light, m)
+                            : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) {
+        uint32_t asked = (uint32_t)light[4 * n + 3];
+        frame->surface_pixels += depths[n] > 0;
+        frame->asked_lights += asked;
+        if (renderer_culls(r) && asked > frame->longest_list) frame->longest_list = asked;
+    }
+    free(depths);
+    free(light);
+    return result;
+}
+
+/* How many samples are answered in full. */
+static vxs_result count_full(renderer *r, render_frame *frame, message *m)
+{
+    size_t     count  = (size_t)r->width * r->height;
+    float     *full   = malloc(count * sizeof *full);
+    vxs_result result = full ? renderer_read_full(r, full, m)
+                             : fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u samples", r->width, r->height);
+    for (size_t n = 0; result == VXS_OK && n < count; n++) frame->full_pixels += full[n] >= 1 || full[n] == RENDER_NOT_ASKED;
+    free(full);
+    return result;
+}
+
+/* What has come, in a slice. */
+static void upload(renderer *r, render_frame *frame)
+{
+    size_t slice          = r->options.upload_bytes < SIZE_MAX ? (size_t)r->options.upload_bytes : SIZE_MAX;
+    frame->waiting_bytes  = vxs_gl_upload(r->shadows, slice);
+    frame->uploaded_bytes = vxs_gl_uploaded_bytes(r->shadows) - r->uploaded_bytes;
+    r->uploaded_bytes += frame->uploaded_bytes;
+}
+
+static double finished(const gl_context *gl)
+{
+    gl->Finish();
+    return clock_seconds();
+}
+
+static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
+{
+    double since = finished(r->gl), now;
+#define STAGE_ENDS(stage)                                                                                                          \
+    now                   = finished(r->gl);                                                                                       \
+    frame->seconds[stage] = now - since;                                                                                           \
+    since                 = now;
+    if (r->options.stream) upload(r, frame);
+    STAGE_ENDS(RENDER_UPLOAD)
+    vxs_gl_origin(r->shadows, r->camera.eye_ws);
+    draw_surfaces(r);
+    STAGE_ENDS(RENDER_SURFACES)
+    if (renderer_culls(r) && vxs_gl_cull(r->shadows, &r->view, r->target[DEPTHS], r->options.tile_lights) != VXS_OK)
+        return fail(m, VXS_E_GL, "OpenGL cannot make lists of lights for %u x %u samples", r->width, r->height);
+    STAGE_ENDS(RENDER_CULL)
+    if (r->options.stream) {
+        vxs_result result = count_full(r, frame, m);
+        if (result != VXS_OK) return result;
+        since = finished(r->gl);
+    }
+    renderer_shade(r, SHOW_LIGHT, 0);
+    STAGE_ENDS(RENDER_SHADE)
+    if (r->exposure <= 0) {
+        vxs_result result = choose_exposure(r, m);
+        if (result != VXS_OK) return result;
+        since = finished(r->gl);
+    }
+    if (r->fog) {
+        vxs_result result = fog(r, &frame->fog, m);
+        if (result != VXS_OK) return result;
+    }
+    STAGE_ENDS(RENDER_FOG)
+    tone(r);
+    STAGE_ENDS(RENDER_TONE)
+#undef STAGE_ENDS
+    return VXS_OK;
+}
+
+vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m)
+{
+    *frame = (render_frame){0};
+    set_view(r, camera);
+    vxs_result result = draw_frame(r, frame, m);
+    if (result == VXS_OK) result = count_lights(r, frame, m);
+    if (result != VXS_OK) return result;
+    if (!r->options.stream) frame->full_pixels = frame->surface_pixels;
+    if (rgb) renderer_read_target(r, SCREEN, GL_RGB, GL_UNSIGNED_BYTE, 3, rgb);
+    GLenum error = r->gl->GetError();
+    return error == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL says error 0x%x of a frame", error);
+}

@@ -1,0 +1,43 @@
+/* What a renderer holds, for the files that it is in: renderer.c makes it, renderer_frame.c draws, renderer_read.c reads back.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef RENDERER_STATE_H
+#define RENDERER_STATE_H
+
+#include "baker/render/render.h"
+#include "baker/render/surface_mesh.h"
+#include "runtime/gl/vxs_gl.h"
+
+/* Pictures that are drawn to. */
+enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, PICTURE, TARGETS };
+
+struct renderer {
+    render_options options;
+    gl_context    *gl;
+    vxs_gl        *shadows;
+    surface_mesh   mesh;
+    uint32_t       light_count, width, height; /* samples */
+    fog_pass      *fog;                        /* NULL: there is none */
+    double (*colours)[3];                      /* [light_count] the greatest is 1 */
+    fog_shine  *shines;                        /* [light_count] the same, as fog has it */
+    int         day;                           /* there is a sun */
+    GLuint      colour_buffer, empty_array;
+    GLuint      surface_program, shade_program, tone_program, picture_program;
+    uint64_t    uploaded_bytes; /* up to and with the last frame */
+    GLuint      target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
+    double      exposure; /* 0: not yet chosen */
+    camera_pose camera;   /* of the last frame */
+    camera_view seen;
+    vxs_view    view;
+    double      near_metres;
+};
+
+/* What shade_frag.glsl shows. */
+enum { SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
+
+/* Ask all lights again of the last frame's surfaces, into target LIGHTS.   light  of SHOW_LIT */
+void renderer_shade(const renderer *r, int show, uint32_t light);
+
+/* A target's pixels, top row first.   out  [width * height] of pixel_bytes each */
+void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out);
+
+#endif
