@@ -41,9 +41,10 @@ static int tear_down(void **state)
 
 /* sources ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A caller that reads: at once, or later. */
+/* A caller that reads: at once, which threads of the stream may do side by side, or later. */
 typedef struct reading {
-    uint64_t            calls, bytes, fail_every; /* each so many fail */
+    _Atomic uint64_t    calls, bytes;
+    uint64_t            fail_every; /* each so many fail */
     int                 later, failing_short;
     vxs_stream_request *pending[VXS_STREAM_REQUESTS_MAX];
     uint64_t            offset[VXS_STREAM_REQUESTS_MAX];
@@ -56,8 +57,8 @@ static vxs_stream_answer read_sample(void *user, uint64_t offset, uint32_t size_
 {
     reading *a = user;
     assert_true(size_bytes <= sample.file.size_bytes && offset <= sample.file.size_bytes - size_bytes);
-    a->calls++;
-    if (a->fail_every && a->calls % a->fail_every == 0) {
+    uint64_t call = ++a->calls;
+    if (a->fail_every && call % a->fail_every == 0) {
         if (a->failing_short) memcpy(buffer, sample.file.data + offset, size_bytes / 2);
         return VXS_STREAM_FAILED;
     }
