@@ -225,14 +225,15 @@ static void test_clamped(void **state)
     volumes_scene s;
     static float  pixels[4 * PIXELS];
     static double metres[PIXELS];
-    rng           r     = {3};
-    double        worst = 0;
+    rng           r        = {3};
+    double        worst[2] = {0}; /* of spot lights: a float does not know well where a ray along the side of a cone ends in it */
     scene_open(&s, RESOLUTION, WIDE, HIGH);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         vxs_light_constants constants = vxs_gl_constants(s.shadows)[light];
         vxs_volumes_light   l         = scene_light(light);
         vxs_air_light       air       = scene_air_light(&s, &l);
         l.constants                   = &constants;
+        int         spot              = constants.kind == VXS_LIGHT_KIND_SPOT;
         lit_surface u                 = surface_make(&s, &l, 32);
         for (uint32_t n = 0; n < repeats(4, 60); n++) {
             volumes_camera    c = random_camera(&r);
@@ -247,15 +248,15 @@ static void test_clamped(void **state)
                     vxs_air_lit(&haze, &path, 0, metres[k], wanted);
                     for (size_t i = 0; i < 3; i++) {
                         double found = (double)pixels[4 * (size_t)k + i], of = (double)l.colour[i] * wanted[i];
-                        worst = fmax(worst, fabs(found - of) / (of + 1e-3));
+                        worst[spot] = fmax(worst[spot], fabs(found - of) / (of + 1e-3));
                     }
                 }
             }
         }
         surface_free(&u);
     }
-    print_message("relative error at most %.1e\n", worst);
-    assert_true(worst < 1e-3);
+    print_message("relative error at most %.1e, of spot lights %.1e\n", worst[0], worst[1]);
+    assert_true(worst[0] < 1e-4 && worst[1] < 2e-3);
     scene_close(&s);
 }
 
