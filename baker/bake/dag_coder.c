@@ -21,22 +21,22 @@ static vxs_result begin(void *data, const vxs_light *light)
     return dag_merger_init(&c->merger, 1u << light->levels, vxs_light_map_count(light), c->unify);
 }
 
-static vxs_result show_masks(void *user, bake_stage stage, column_tree *tree, dag *d)
+/* A picture gets the masks of a square; and what the run may hold is looked at after each step. */
+static vxs_result after_step(void *user, bake_stage stage, column_tree *tree, dag *d)
 {
     const dag_coder *c = user;
     (void)d;
-    if (stage == STAGE_MASKS) light_picture_add_masks(c->picture, tree, c->map);
-    return VXS_OK;
+    if (c->picture && stage == STAGE_MASKS) light_picture_add_masks(c->picture, tree, c->map);
+    return context_has_memory(c->ctx) ? VXS_OK : VXS_E_MEMORY;
 }
 
 static vxs_result add_map(void *data, uint32_t map, const column_map *columns, bake_context *ctx)
 {
-    dag_coder *c = data;
-    c->map       = map;
-    if (c->picture) {
-        c->build.after = show_masks;
-        c->build.user  = c;
-    }
+    dag_coder *c   = data;
+    c->map         = map;
+    c->ctx         = ctx;
+    c->build.after = after_step;
+    c->build.user  = c;
     return dag_build_map(&c->merger, map, columns, &c->build, &c->stats, ctx);
 }
 

@@ -14,7 +14,9 @@ typedef struct dag_coder {
     const vxs_light *light;   /* NULL: not begun */
     dag_merger       merger;
     build_stats      stats; /* of all maps so far */
-    uint32_t         map;   /* that is added */
+
+    uint32_t            map; /* that is added */
+    const bake_context *ctx; /* the run's, meanwhile */
 } dag_coder;
 
 /* compress  the order that a plan has chosen

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "baker/base/cpu.h"
+#include "baker/base/memory.h"
 #include "baker/columns/sparse/sparse_key.h"
 #include "baker/columns/sparse/sparse_square.h"
 
@@ -23,6 +24,7 @@ typedef struct sparse_map {
     leaf_desc           desc;
     const sparse_level *level;
     sparse_keys         keys;
+    const bake_context *ctx;   /* of the run: what it may hold */
     pthread_mutex_t     lock;  /* of the pool */
     pooled_square      *spare; /* squares that were released */
 } sparse_map;
@@ -64,7 +66,7 @@ static void put_square(sparse_map *o, pooled_square *p)
 static vxs_result fetch_square(sparse_map *o, texel_square at, column_square *out, uint32_t threads)
 {
     pooled_square *p = take_square(o);
-    vxs_result     r = p ? sparse_square_make(&p->square, o->level, &o->desc, &o->bins, at, threads) : VXS_E_MEMORY;
+    vxs_result     r = p ? sparse_square_make(&p->square, o->level, &o->desc, &o->bins, at, threads, o->ctx) : VXS_E_MEMORY;
     if (r == VXS_OK) {
         *out = sparse_square_columns(&p->square);
     } else if (p) {
@@ -82,6 +84,7 @@ static vxs_result map_fetch(void *data, uint32_t level, uint32_t i, uint32_t j, 
     stage_begin(ctx, STAGE_MAPS);
     vxs_result r = fetch_square(data, (texel_square){i * side, j * side, side}, out, ctx->threads);
     stage_begin(ctx, STAGE_NONE);
+    if (r == VXS_E_MEMORY) context_check(ctx); /* says more, where it was not allowed */
     return r == VXS_OK ? r : fail(ctx->message, r, "out of memory for the columns of %u x %u texels", side, side);
 }
 
@@ -124,11 +127,14 @@ static vxs_result prepare(sparse_map *o, const sparse_columns *owner, uint32_t m
 {
     projection p;
     double     coarser = ldexp(side, -(int)owner->light->levels);
+    o->ctx             = ctx;
     vxs_result r       = projection_init(&p, owner->casters, owner->light, (int)map, ctx->threads, ctx->message);
     for (size_t n = 0; n < p.vertex_count && coarser < 1; n++) {
         p.vertices[n].u *= coarser;
         p.vertices[n].v *= coarser;
     }
+    if (r == VXS_OK)
+        r = memory_check(sparse_triangles_bytes(&p), ctx->message, "%zu triangles of a map: they need", p.triangle_count);
     if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, &p, side, ctx->threads);
     projection_free(&p);
     if (r == VXS_OK) r = triangle_bins_init(&o->bins, &o->triangles, side, ctx->threads);

@@ -18,6 +18,7 @@ enum {
     TASK_PX_MAX = 1024, /* a square from which the descent begins: there are enough of them for all threads */
     SMALL_PX    = 16,   /* a square as small as this is settled only if that tells as much as its texels would */
     PASS_PX     = 64,   /* a square before which a thread passes the gate */
+    LOOK_PAGES  = 16,   /* fresh pages, half a mebibyte, after which a thread looks whether there may be more */
 };
 
 struct leaf_page {
@@ -31,6 +32,7 @@ struct square_worker {
     square_list  list, quarter[SPARSE_LEVELS_MAX][4];
     leaf_scratch leaf;
     leaf_page   *pages, *spare; /* the first of them is filled; those of squares before */
+    uint32_t     page_count;    /* of both */
 };
 
 typedef struct square_maker {
@@ -38,6 +40,7 @@ typedef struct square_maker {
     const sparse_level  *level;
     const leaf_desc     *d;
     const triangle_bins *bins;
+    const bake_context  *ctx;
     uint32_t             task_px;
     atomic_int           out_of_memory;
 } square_maker;
@@ -71,12 +74,12 @@ static void set_bounds(sparse_square *q, texel_square at, column_bounds b)
 }
 
 /* A page that is empty, before the others of the worker. Returns 0 without memory. */
-static int next_page(square_worker *worker)
+static int next_page(const bake_context *ctx, square_worker *worker)
 {
     leaf_page *page = worker->spare;
     if (page)
         worker->spare = page->next;
-    else if (!(page = malloc(sizeof *page)))
+    else if ((++worker->page_count % LOOK_PAGES == 0 && !context_has_memory(ctx)) || !(page = malloc(sizeof *page)))
         return 0;
     page->next    = worker->pages;
     page->count   = 0;
@@ -85,12 +88,12 @@ static int next_page(square_worker *worker)
 }
 
 /* Returns 0 without memory. */
-static int keep_tile(const sparse_square *q, square_worker *worker, texel_square at, const column_tile *tile)
+static int keep_tile(const square_maker *w, square_worker *worker, texel_square at, const column_tile *tile)
 {
-    if ((!worker->pages || worker->pages->count == PAGE_TILES) && !next_page(worker)) return 0;
-    column_tile *kept        = &worker->pages->tiles[worker->pages->count++];
-    *kept                    = *tile;
-    q->tiles[tile_at(q, at)] = kept;
+    if ((!worker->pages || worker->pages->count == PAGE_TILES) && !next_page(w->ctx, worker)) return 0;
+    column_tile *kept              = &worker->pages->tiles[worker->pages->count++];
+    *kept                          = *tile;
+    w->q->tiles[tile_at(w->q, at)] = kept;
     return 1;
 }
 
@@ -103,7 +106,7 @@ static int make_leaf(const square_maker *w, square_worker *worker, texel_square 
     column_bounds b;
     if (!w->level->leaf(&worker->leaf, w->d, l, bound, at, &tile, &b)) return 0;
     set_bounds(w->q, at, b);
-    return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w->q, worker, at, &tile);
+    return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
 }
 
 /* Whether one depth parts all that is lit from all that is in shadow, with so much room; then it is said so. */
@@ -196,10 +199,10 @@ static int make_room(sparse_square *q, texel_square at, uint32_t threads)
 }
 
 vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
-                              texel_square at, uint32_t threads)
+                              texel_square at, uint32_t threads, const bake_context *ctx)
 {
     square_maker w = {
-        .q = q, .level = level, .d = d, .bins = bins, .task_px = min_u32(at.side, min_u32(bins->cell_px, TASK_PX_MAX))};
+        .q = q, .level = level, .d = d, .bins = bins, .ctx = ctx, .task_px = min_u32(at.side, min_u32(bins->cell_px, TASK_PX_MAX))};
     uint32_t across = at.side / w.task_px, tasks = across * across;
     threads = min_u32(max_u32(threads, 1), min_u32(tasks, PARALLEL_THREADS_MAX));
     if (!make_room(q, at, threads)) return VXS_E_MEMORY;

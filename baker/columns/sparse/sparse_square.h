@@ -11,6 +11,7 @@
 
 #include "baker/columns/sparse/leaf.h"
 #include "baker/columns/sparse/triangle_bins.h"
+#include "baker/measure/context.h"
 
 enum { SPARSE_LEVELS_MAX = 20 };
 
@@ -38,10 +39,11 @@ typedef struct sparse_level {
 extern const sparse_level sparse_levels[3];
 
 /* Compute a square. Its bins are as large as it is, or the square as large as one of them or smaller.
- * q  zeroed, or cleared: what it holds serves again
+ * q    zeroed, or cleared: what it holds serves again
+ * ctx  the run's, which may hold so much; nothing is told to it
  * Returns VXS_OK or VXS_E_MEMORY; released with sparse_square_free either way. */
 vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const leaf_desc *d, const triangle_bins *bins,
-                              texel_square at, uint32_t threads);
+                              texel_square at, uint32_t threads, const bake_context *ctx);
 
 /* Release the columns, and keep arrays for the next square. Accepts a zeroed object. */
 void sparse_square_clear(sparse_square *q);

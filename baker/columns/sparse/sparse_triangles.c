@@ -173,6 +173,13 @@ static vxs_result make(maker *w, uint32_t threads)
     return VXS_OK;
 }
 
+uint64_t sparse_triangles_bytes(const projection *p)
+{
+    const maker *w     = NULL; /* for sizes alone */
+    uint64_t     whole = sizeof *w->facing + sizeof *w->patch_of + sizeof *w->ends + sizeof *w->order + sizeof *w->s->all;
+    return p->triangle_count * whole + (p->triangle_count - p->holed_first) * (sizeof *w->s->uvq + sizeof *w->s->mask_of);
+}
+
 vxs_result sparse_triangles_init(sparse_triangles *s, const projection *p, uint32_t side_px, uint32_t threads)
 {
     *s           = (sparse_triangles){.grid = sparse_grid(side_px), .casters = p->casters};

@@ -44,6 +44,9 @@ typedef struct sparse_triangles {
 /* Returns VXS_OK or VXS_E_MEMORY; released with sparse_triangles_free either way. Nothing is kept of p but its casters. */
 vxs_result sparse_triangles_init(sparse_triangles *s, const projection *p, uint32_t side_px, uint32_t threads);
 
+/* What that takes at its most, nearly: bytes. */
+uint64_t sparse_triangles_bytes(const projection *p);
+
 /* Accepts a zeroed object. */
 void sparse_triangles_free(sparse_triangles *s);
 
