@@ -5,6 +5,7 @@
  *     vxs_mesh_corner      the vertex at a corner of one of them
  *     vxs_mesh_texel       the texel of the light's map that says how deep a vertex is
  *     vxs_mesh_place       where in light space it is, then
+ *     vxs_mesh_held        vertices that have fallen together, as one
  *
  * A light map says where shadow begins on the light ray through each texel's middle. A grid of side + 1 by side + 1 vertices is displaced to these
  * depths. All of them lie on the rays through texels' middles but the outermost, which lie on the border, so that the grid covers all of a map and has a
@@ -42,13 +43,15 @@ typedef struct vxs_mesh_vertex vxs_mesh_vertex;
 
 /* How a light's map lies, and where what is lit ends in any case. */
 struct vxs_mesh_shape {
-    vxs_i32   side, layers;      /* texels of the map; 1 or 6 */
+    vxs_i32   side, layers;      /* texels of the map, a power of two; 1 or 6 */
+    vxs_i32   levels;            /* the side is 2^levels */
     vxs_i32   is_sun;            /* 0 or 1 */
     vxs_i32   first, last;       /* texels in which the grid begins and ends */
     vxs_real  low, high;         /* where it does, in texels: 0 and side; of six maps, the edges of the cube */
     vxs_real  texel;             /* of suns, texels of the baked map; of lamps, metres at one metre along the axis */
     vxs_real  least, reach;      /* depths are held between these; where light does not end, it ends at the second */
     vxs_real3 box_low, box_high; /* of suns, the box about everything, in light space */
+    vxs_real  error_scale;       /* of suns, widths of a texel in a voxel of depth; of lamps, in all of a depth */
 };
 
 /* A vertex of the grid; or, where layer is -1, number i of those that are beside it: 0 to 3 where walls end, 4 to 11 of the sun's box. */
@@ -150,6 +153,19 @@ VXS_FN void vxs_mesh_place(VXS_MESH shape, vxs_mesh_vertex v, vxs_real depth, VX
     turned[1] = vxs_mesh_across(shape, v.j) * z;
     turned[2] = z;
     vxs_ls_from_face(VXS_FIELD(shape, layers) == 1 ? 4 : v.layer, turned, ls);
+}
+
+/* Vertices of the grid that have fallen together are one; beside it, those of a lamp all are the light. */
+VXS_FN vxs_mesh_vertex vxs_mesh_held(VXS_MESH shape, vxs_mesh_vertex v)
+{
+    vxs_i32 across = vxs_mesh_end(shape, v.i), down = vxs_mesh_end(shape, v.j), side = VXS_FIELD(shape, side);
+    if (v.layer < 0) {
+        if (VXS_FIELD(shape, is_sun) == 0) v.i = 0;
+        return v;
+    }
+    if (across != 0) v.i = across < 0 ? 0 : side;
+    if (down != 0) v.j = down < 0 ? 0 : side;
+    return v;
 }
 
 /* triangles ---------------------------------------------------------------------------------------------------------------------- */

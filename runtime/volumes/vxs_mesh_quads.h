@@ -1,0 +1,232 @@
+/* The quads of a mesh about what a light reaches that is adaptive: large ones where it is flat. One text for C99, C++ and GLSL, that stands on
+ * vxs_light_mesh.h.
+ *
+ *     vxs_mesh_is_off      whether a quad's two triangles lie too far off the map's depths: then it splits
+ *     vxs_mesh_let_meet    what has to split about a quad that does
+ *     vxs_mesh_is_drawn    whether a quad is one of those that are left
+ *     vxs_mesh_finer       on which edges smaller ones meet it; vxs_mesh_fan_first, vxs_mesh_fan_next: its triangles, then
+ *
+ * Each layer of a map is a tree of quads, its root as wide as the layer. A quad splits where its two triangles lie too far off the depth of any vertex
+ * in it, and where a quad beside it has split twice, so that quads that meet differ by one level; then the larger one has a vertex in the middle of
+ * that edge, which leaves no gap. Trees of a cube's faces meet in its edges as quads of one face do.
+ *
+ *     +-------+---+---+
+ *     |       |   |   |     the left one is a fan of three triangles about *
+ *     |       *---+---+
+ *     |       |   |   |
+ *     +-------+---+---+
+ *
+ * Which quads split is a list of one number for each of more than a texel, 0 or 1: by layers, in each of them coarse ones first, by rows.
+ *
+ * A shader defines, before this text, what C has here: vxs_mesh_first, vxs_mesh_split and vxs_mesh_set_split. `first` and `splits` are what it hands
+ * to these.
+ * Source: [Billeter 2010] 4.1 for a restricted tree and its fans. There a filter for edges says what splits; here the error does, which it bounds.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_MESH_QUADS_H
+#define VXS_MESH_QUADS_H
+
+#ifndef VXS_LIGHT_MESH_H /* a shader that cannot include has it already */
+#include "vxs_light_mesh.h"
+#endif
+
+#ifdef VXS_C
+typedef struct vxs_mesh_quad vxs_mesh_quad;
+#define VXS_MESH_FIRST  const float *
+#define VXS_MESH_SPLITS uint8_t *
+
+/* A texel of a light map: [layers][side][side]. */
+VXS_FN vxs_real vxs_mesh_first(VXS_MESH_FIRST first, VXS_MESH shape, const vxs_int3 texel)
+{
+    size_t side = (size_t)shape->side;
+    return VXS_REAL(first[((size_t)texel[2] * side + (size_t)texel[1]) * side + (size_t)texel[0]]);
+}
+
+VXS_FN vxs_i32 vxs_mesh_split(VXS_MESH_SPLITS splits, vxs_i32 at)
+{
+    return splits[at];
+}
+
+VXS_FN void vxs_mesh_set_split(VXS_MESH_SPLITS splits, vxs_i32 at)
+{
+    splits[at] = 1;
+}
+#else
+#define VXS_MESH_FIRST  int
+#define VXS_MESH_SPLITS int
+#endif
+
+/* A quad of 2^level x 2^level texels; x, y count such quads. */
+struct vxs_mesh_quad {
+    vxs_i32 layer, level, x, y;
+};
+
+VXS_FN vxs_mesh_quad vxs_mesh_quad_of(vxs_i32 layer, vxs_i32 level, vxs_i32 x, vxs_i32 y)
+{
+    vxs_mesh_quad q;
+    q.layer = layer;
+    q.level = level;
+    q.x     = x;
+    q.y     = y;
+    return q;
+}
+
+VXS_FN vxs_mesh_quad vxs_mesh_parent(vxs_mesh_quad q)
+{
+    return vxs_mesh_quad_of(q.layer, q.level + 1, q.x >> 1, q.y >> 1);
+}
+
+/* Quads of more than a texel in a layer of 2^levels: (4^levels - 1) / 3. */
+VXS_FN vxs_i32 vxs_mesh_larger_quads(vxs_i32 levels)
+{
+    return ((VXS_I(1) << (2 * levels)) - 1) / 3;
+}
+
+/* Which one of the list a quad is. */
+VXS_FN vxs_i32 vxs_mesh_quad_at(VXS_MESH shape, vxs_mesh_quad q)
+{
+    vxs_i32 levels = VXS_FIELD(shape, levels), halved = levels - q.level;
+    return q.layer * vxs_mesh_larger_quads(levels) + vxs_mesh_larger_quads(halved) + (q.y << halved) + q.x;
+}
+
+/* The quad of the same size beyond edge `edge`: 0 above, 1 right, 2 below, 3 left. Beyond the edge of a cube it is of another face.
+ * Returns one of layer -1 at the border of a light with one map. */
+VXS_FN vxs_mesh_quad vxs_mesh_beside(VXS_MESH shape, vxs_mesh_quad q, vxs_i32 edge)
+{
+    vxs_mesh_quad other = q;
+    vxs_i32       last = (VXS_I(1) << (VXS_FIELD(shape, levels) - q.level)) - 1, across = edge & 1;
+    vxs_i32       high = edge == 1 || edge == 2 ? 1 : 0, step = high != 0 ? 1 : -1;
+    if ((across != 0 ? q.x : q.y) != (high != 0 ? last : 0)) {
+        other.x += across != 0 ? step : 0;
+        other.y += across != 0 ? 0 : step;
+        return other;
+    }
+    other.layer = -1;
+    if (VXS_FIELD(shape, layers) == 1) return other;
+    vxs_int3 along; /* the axes of light space */
+    along[vxs_ls_axis_from_face(q.layer, 0)] = q.x;
+    along[vxs_ls_axis_from_face(q.layer, 1)] = q.y;
+    along[q.layer / 2]                       = (q.layer & 1) != 0 ? 0 : last;
+    other.layer                              = 2 * vxs_ls_axis_from_face(q.layer, across != 0 ? 0 : 1) + (high != 0 ? 0 : 1);
+    other.x                                  = along[vxs_ls_axis_from_face(other.layer, 0)];
+    other.y                                  = along[vxs_ls_axis_from_face(other.layer, 1)];
+    return other;
+}
+
+/* splitting ---------------------------------------------------------------------------------------------------------------------- */
+
+VXS_FN vxs_i32 vxs_mesh_has_split(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
+{
+    return q.level > 0 ? vxs_mesh_split(splits, vxs_mesh_quad_at(shape, q)) : 0;
+}
+
+/* 0: it is a part of a larger one that has not split. */
+VXS_FN vxs_i32 vxs_mesh_exists(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
+{
+    return q.level == VXS_FIELD(shape, levels) ? 1 : vxs_mesh_has_split(splits, shape, vxs_mesh_parent(q));
+}
+
+VXS_FN vxs_i32 vxs_mesh_is_drawn(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
+{
+    return vxs_mesh_has_split(splits, shape, q) == 0 ? vxs_mesh_exists(splits, shape, q) : 0;
+}
+
+/* Split what is beside a quad that has split, if it is larger than that was. Asked of all quads of a level, from 1 up to below the root's, quads that meet
+ * differ by one level. */
+VXS_FN void vxs_mesh_let_meet(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
+{
+    if (vxs_mesh_has_split(splits, shape, q) == 0) return;
+    vxs_mesh_set_split(splits, vxs_mesh_quad_at(shape, vxs_mesh_parent(q)));
+    for (vxs_i32 edge = 0; edge < 4; edge++) {
+        vxs_mesh_quad other = vxs_mesh_beside(shape, q, edge);
+        if (other.layer >= 0) vxs_mesh_set_split(splits, vxs_mesh_quad_at(shape, vxs_mesh_parent(other)));
+    }
+}
+
+/* errors ------------------------------------------------------------------------------------------------------------------------- */
+
+/* What is linear on a triangle, where vertices are by their places in the map: a sun's depth, the inverse of a lamp's. A lamp's depths below a millionth
+ * of where its light ends are alike. */
+VXS_FN vxs_real vxs_mesh_linear(VXS_MESH_FIRST first, VXS_MESH shape, vxs_i32 layer, vxs_i32 i, vxs_i32 j)
+{
+    vxs_int3 texel;
+    vxs_mesh_texel(shape, vxs_mesh_vertex_of(layer, i, j), texel);
+    vxs_real z = vxs_mesh_depth(shape, vxs_mesh_first(first, shape, texel)), nearest = 1e-6 * VXS_FIELD(shape, reach);
+    if (VXS_FIELD(shape, is_sun) != 0) return z;
+    return 1.0 / (z > nearest ? z : nearest);
+}
+
+/* How far apart two of these are, in widths of a texel at the nearer. */
+VXS_FN vxs_real vxs_mesh_error(VXS_MESH shape, vxs_real one, vxs_real other)
+{
+    vxs_real apart = vxs_abs(one - other), less = one < other ? one : other;
+    return VXS_FIELD(shape, error_scale) * (VXS_FIELD(shape, is_sun) != 0 ? apart : apart / less);
+}
+
+/* Where, of vertices a to b of a row, vertex i lies, [0, 1]; 0 where they have fallen together. */
+VXS_FN vxs_real vxs_mesh_share(VXS_MESH shape, vxs_i32 a, vxs_i32 b, vxs_i32 i)
+{
+    vxs_real low = vxs_mesh_at(shape, a), high = vxs_mesh_at(shape, b);
+    return high > low ? (vxs_mesh_at(shape, i) - low) / (high - low) : VXS_REAL(0.0);
+}
+
+/* Whether a vertex of a quad lies farther off its two triangles than is allowed. Asked are those about size x size texels of it, from (i0, j0) on.
+ * error_texels  in widths of a texel */
+VXS_FN vxs_i32 vxs_mesh_is_off(VXS_MESH_FIRST first, VXS_MESH shape, vxs_mesh_quad q, vxs_i32 i0, vxs_i32 j0, vxs_i32 size,
+                               vxs_real error_texels)
+{
+    vxs_i32  a = q.x << q.level, b = (q.x + 1) << q.level, c = q.y << q.level, d = (q.y + 1) << q.level;
+    vxs_real ac = vxs_mesh_linear(first, shape, q.layer, a, c), bc = vxs_mesh_linear(first, shape, q.layer, b, c);
+    vxs_real ad = vxs_mesh_linear(first, shape, q.layer, a, d), bd = vxs_mesh_linear(first, shape, q.layer, b, d);
+    for (vxs_i32 j = j0; j <= j0 + size; j++) {
+        vxs_real t = vxs_mesh_share(shape, c, d, j);
+        for (vxs_i32 i = i0; i <= i0 + size; i++) {
+            vxs_real s       = vxs_mesh_share(shape, a, b, i);
+            vxs_real flat_at = s >= t ? ac + s * (bc - ac) + t * (bd - bc) : ac + t * (ad - ac) + s * (bd - ad);
+            if (vxs_mesh_error(shape, flat_at, vxs_mesh_linear(first, shape, q.layer, i, j)) > error_texels) return 1;
+        }
+    }
+    return 0;
+}
+
+/* triangles ---------------------------------------------------------------------------------------------------------------------- */
+
+/* A place of the outline of a quad, counterclockwise: 0, 2, 4, 6 are its corners, 1, 3, 5, 7 the middles of edges 0 to 3. */
+VXS_FN vxs_mesh_vertex vxs_mesh_outline(vxs_mesh_quad q, vxs_i32 place)
+{
+    vxs_i32 size = VXS_I(1) << q.level, half_size = size >> 1, x = place & 7, y = (place + 6) & 7;
+    return vxs_mesh_vertex_of(q.layer,
+                              q.x * size + (x == 1 || x == 5   ? half_size
+                                            : x >= 2 && x <= 4 ? size
+                                                               : 0),
+                              q.y * size + (y == 1 || y == 5   ? half_size
+                                            : y >= 2 && y <= 4 ? size
+                                                               : 0));
+}
+
+/* Bit `edge` of four: quads beyond it are smaller, and there is a vertex in its middle. */
+VXS_FN vxs_i32 vxs_mesh_finer(VXS_MESH_SPLITS splits, VXS_MESH shape, vxs_mesh_quad q)
+{
+    vxs_i32 finer = 0;
+    for (vxs_i32 edge = 0; edge < 4; edge++) {
+        vxs_mesh_quad other = vxs_mesh_beside(shape, q, edge);
+        if (other.layer >= 0 && vxs_mesh_has_split(splits, shape, other) != 0) finer |= VXS_I(1) << edge;
+    }
+    return finer;
+}
+
+/* The place of the outline that a quad's triangles are a fan about: the first middle of an edge, or a corner. */
+VXS_FN vxs_i32 vxs_mesh_fan_first(vxs_i32 finer)
+{
+    for (vxs_i32 edge = 0; edge < 4; edge++)
+        if (((finer >> edge) & 1) != 0) return 2 * edge + 1;
+    return 0;
+}
+
+/* The place behind one: triangles are `first`, a place, and the place behind it, until that is `first` again. */
+VXS_FN vxs_i32 vxs_mesh_fan_next(vxs_i32 finer, vxs_i32 place)
+{
+    vxs_i32 is_middle = place & 1, has_middle = (finer >> (place >> 1)) & 1;
+    return (place + (is_middle != 0 || has_middle != 0 ? 1 : 2)) & 7;
+}
+
+#endif
