@@ -18,13 +18,13 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     mat4                clip_from_ls;   /* of a mesh: of the view; places from the eye */
     mat4                eye_from_ls;
     vec4                mesh;           /* of vxs_mesh_shape: low, high, texel; and 1 or -1: how what is lit is turned in the view */
-    vec4                mesh_depths;    /* least, reach */
+    vec4                mesh_depths;    /* least, reach; error_scale, and the error that is allowed */
     vec4                box_low, box_high;
 } vxs_frame;
 
 layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
 layout(binding = VXS_AT_MAP) uniform highp sampler2DArray vxs_map; /* of the light */
-layout(binding = VXS_AT_MESH) uniform highp usamplerBuffer vxs_mesh; /* corners, then places */
+layout(binding = VXS_AT_MESH) uniform highp usamplerBuffer vxs_mesh; /* corners, then places; or as mesh_quads.glsl has it */
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_airlight;
 
 /* The pixel of an invocation of 8 x 8 a group.   Returns whether it is drawn */

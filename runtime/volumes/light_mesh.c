@@ -45,9 +45,17 @@ static void shape_sun(vxs_mesh_shape *s, const vxs_light_constants *light, doubl
     s->box_high[2] += 1;
 }
 
+int vxs_mesh_levels(uint32_t side_px)
+{
+    for (int levels = 0; levels <= LEVELS_MAX; levels++)
+        if (1U << levels == side_px) return levels;
+    return -1;
+}
+
 vxs_mesh_shape vxs_light_mesh_shape(const vxs_light_constants *light, uint32_t side_px, double far_metres, const double *about_ls)
 {
     vxs_mesh_shape s = {.side   = (int32_t)side_px,
+                        .levels = vxs_mesh_levels(side_px),
                         .layers = light->flags & VXS_LIGHT_CUBE ? 6 : 1,
                         .is_sun = light->kind == VXS_LIGHT_KIND_DIRECTIONAL,
                         .high   = side_px,
@@ -57,7 +65,6 @@ vxs_mesh_shape vxs_light_mesh_shape(const vxs_light_constants *light, uint32_t s
     else
         s.texel = (double)light->texel_metres * ldexp(1, (int)light->levels) / side_px;
     s.error_scale = s.is_sun ? (double)light->voxel_metres / ((double)light->texel_metres * s.texel) : 1 / s.texel;
-    while (s.levels < LEVELS_MAX && 1U << s.levels < side_px) s.levels++;
     if (s.layers == 6) { /* the edges of the cube; a map without border ends in them */
         s.low  = fmax(0, 0.5 * side_px - 1 / s.texel);
         s.high = side_px - s.low;
@@ -161,13 +168,13 @@ static int begin_plan(mesh_plan *p, const vxs_light_mesh_desc *desc)
     const size_t first = offsetof(vxs_light_mesh_desc, error_texels) + sizeof desc->error_texels;
     *p                 = (mesh_plan){0};
     if (vxs_desc_take(&p->desc, sizeof p->desc, first, desc) != VXS_OK) return 0;
-    const vxs_light_constants *light = p->desc.light;
-    uint32_t                   side  = p->desc.side_px;
-    if (!light || !p->desc.first || !side || side & (side - 1) || side > 1U << LEVELS_MAX) return 0;
+    const vxs_light_constants *light  = p->desc.light;
+    int                        levels = vxs_mesh_levels(p->desc.side_px);
+    if (!light || !p->desc.first || levels < 0 || (uint32_t)levels > light->levels) return 0;
     if (!(p->desc.far_metres > 0 && isfinite(p->desc.far_metres)) || !(p->desc.error_texels >= 0)) return 0;
     if (!(light->texel_metres > 0 && isfinite(light->texel_metres)) || !isfinite(light->range_metres)) return 0;
-    p->shape = vxs_light_mesh_shape(light, side, (double)p->desc.far_metres, NULL);
-    return (uint32_t)p->shape.levels <= light->levels;
+    p->shape = vxs_light_mesh_shape(light, p->desc.side_px, (double)p->desc.far_metres, NULL);
+    return 1;
 }
 
 static size_t number_count(const mesh_plan *p)

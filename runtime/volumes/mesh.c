@@ -1,10 +1,10 @@
 /* Polygonal light volumes, drawn; see vxs_volumes.h.
  * SPDX-License-Identifier: MIT */
+#include <limits.h>
 #include <math.h>
 #include <stddef.h>
 
 #include "light_mesh.h"
-#include "volumes_state.h"
 
 #define FAR_MOST 1e12 /* metres: squares of places are still floats */
 
@@ -100,6 +100,7 @@ static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
     f->mesh_texel    = (float)s.texel;
     f->mesh_least    = (float)s.least;
     f->mesh_reach    = (float)s.reach;
+    f->mesh_scale    = (float)s.error_scale;
     f->first         = (uint32_t)s.first;
     f->end           = (uint32_t)s.last;
     for (int n = 0; n < 3; n++) {
@@ -109,8 +110,36 @@ static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
     return s;
 }
 
+vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_mesh_shape *shape)
+{
+    double     eye_ls[3];
+    vxs_result result = vxs_volumes_set_light(v, light, map);
+    if (result != VXS_OK) return result;
+    if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;
+    if (!map) return VXS_OK;
+    if (vxs_mesh_levels(map->side_px) < 0) return VXS_E_ARGUMENT;
+    *shape = set_shape(&v->frame, eye_ls);
+    return vxs_mesh_triangles(shape) <= INT_MAX / 3 ? VXS_OK : VXS_E_ARGUMENT;
+}
+
+static void draw_corners(const vxs_volumes *v, const mesh_draw *draw)
+{
+    const volumes_api *api = &v->api;
+    int                commands;
+    if (draw->vertex_array) {
+        api->BindVertexArray(draw->vertex_array);
+        api->DrawElements(GL_MODE_TRIANGLES, draw->corners, GL_TYPE_UNSIGNED_INT, NULL);
+    } else if (draw->commands) {
+        api->GetIntegerv(GL_IS_DRAW_COMMANDS, &commands);
+        api->BindBuffer(GL_TARGET_DRAW_COMMANDS, draw->commands);
+        api->DrawArraysIndirect(GL_MODE_TRIANGLES, NULL);
+        api->BindBuffer(GL_TARGET_DRAW_COMMANDS, (gl_name)commands);
+    } else
+        api->DrawArrays(GL_MODE_TRIANGLES, 0, draw->corners);
+}
+
 /* The frame's crossings, in the pixels that may see the light. Alpha counts those of this light alone. */
-static void draw_crossings(const vxs_volumes *v, const vxs_light_mesh *mesh, int corners)
+static void draw_crossings(const vxs_volumes *v, const mesh_draw *draw)
 {
     static const float none[4] = {0};
     const volumes_api *api     = &v->api;
@@ -122,40 +151,29 @@ static void draw_crossings(const vxs_volumes *v, const vxs_light_mesh *mesh, int
     api->ClearNamedFramebufferfv(v->target, GL_BUFFER_COLOUR, 0, none);
     api->ColorMaski(0, 1, 1, 1, 1);
     api->BindFramebuffer(GL_TARGET_DRAW_FRAMEBUFFER, v->target);
-    if (mesh) {
-        api->ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_MESH);
-        api->BindTexture(GL_TARGET_TEXTURE_BUFFER, mesh->texture);
-        api->BindVertexArray(mesh->vertex_array);
-        api->DrawElements(GL_MODE_TRIANGLES, corners, GL_TYPE_UNSIGNED_INT, NULL);
-    } else
-        api->DrawArrays(GL_MODE_TRIANGLES, 0, corners);
+    api->ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_MESH);
+    api->BindTexture(GL_TARGET_TEXTURE_BUFFER, draw->texture);
+    draw_corners(v, draw);
     vxs_volumes_put_back_raster(v, &kept);
 }
 
-/* Add the light of the frame: at its crossings, and then all of it where these leave the eye in light.
- * mesh  NULL: of the map */
-static void add(vxs_volumes *v, const vxs_light_map *map, const vxs_light_mesh *mesh, int corners)
+/* At its crossings, and then all of it where these leave the eye in light. */
+void vxs_mesh_add(vxs_volumes *v, const vxs_light_map *map, const mesh_draw *draw)
 {
-    gl_name texture = map ? vxs_light_map_texture(map) : 0;
     if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return;
-    volumes_kept kept = vxs_volumes_use(v, v->programs[mesh ? PROGRAM_MESH : PROGRAM_MESH_MAP], texture, 0, 0);
-    draw_crossings(v, mesh, corners);
+    volumes_kept kept = vxs_volumes_use(v, draw->program, map ? vxs_light_map_texture(map) : 0, 0, 0);
+    draw_crossings(v, draw);
     vxs_volumes_put_back(v, &kept);
     vxs_volumes_add(v, v->programs[PROGRAM_MESH_WHOLE], 0);
 }
 
-/* The largest mesh of which an int counts the vertices. */
-enum { SIDE_MOST = 8192 };
-
 vxs_result vxs_volumes_mesh_map(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map)
 {
-    double eye_ls[3];
-    if (!map || map->side_px > SIDE_MOST) return VXS_E_ARGUMENT;
-    vxs_result result = vxs_volumes_set_light(v, light, map);
+    vxs_mesh_shape shape;
+    if (!map) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_mesh_begin(v, light, map, &shape);
     if (result != VXS_OK) return result;
-    if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;
-    vxs_mesh_shape shape = set_shape(&v->frame, eye_ls);
-    add(v, map, NULL, 3 * vxs_mesh_triangles(&shape));
+    vxs_mesh_add(v, map, &(mesh_draw){.program = v->programs[PROGRAM_MESH_MAP], .corners = 3 * vxs_mesh_triangles(&shape)});
     return VXS_OK;
 }
 
@@ -209,12 +227,14 @@ void vxs_light_mesh_destroy(vxs_light_mesh *mesh)
 
 vxs_result vxs_volumes_mesh(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_mesh *mesh)
 {
-    double eye_ls[3];
     if (!mesh) return VXS_E_ARGUMENT;
-    vxs_result result = vxs_volumes_set_light(v, light, NULL);
+    vxs_result result = vxs_mesh_begin(v, light, NULL, NULL);
     if (result != VXS_OK) return result;
-    if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;
     v->frame.first = 3 * mesh->triangle_count; /* places are behind corners */
-    add(v, NULL, mesh, 3 * (int)mesh->triangle_count);
+    vxs_mesh_add(v, NULL,
+                 &(mesh_draw){.program      = v->programs[PROGRAM_MESH],
+                              .texture      = mesh->texture,
+                              .vertex_array = mesh->vertex_array,
+                              .corners      = 3 * (int)mesh->triangle_count});
     return VXS_OK;
 }

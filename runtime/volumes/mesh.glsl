@@ -1,21 +1,39 @@
-/* Vertices of the mesh about what a light reaches: of its map as it is now, or from a buffer; see vxs_light_mesh.h. Both stages read them. */
+/* Vertices of the mesh about what a light reaches: of its map as it is now, of all its quads or of those that were listed, or from a buffer; see
+ * vxs_light_mesh.h. Both stages read them. */
 vxs_mesh_shape vxs_frame_mesh()
 {
     vxs_mesh_shape shape;
-    shape.side     = int(vxs_frame.map.x);
-    shape.layers   = int(vxs_frame.map.y);
-    shape.is_sun   = vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
-    shape.low      = vxs_frame.mesh.x;
-    shape.high     = vxs_frame.mesh.y;
-    shape.first    = int(vxs_frame.map.z);
-    shape.last     = int(vxs_frame.map.w);
-    shape.texel    = vxs_frame.mesh.z;
-    shape.least    = vxs_frame.mesh_depths.x;
-    shape.reach    = vxs_frame.mesh_depths.y;
-    shape.box_low  = vxs_frame.box_low.xyz;
-    shape.box_high = vxs_frame.box_high.xyz;
+    shape.side        = int(vxs_frame.map.x);
+    shape.layers      = int(vxs_frame.map.y);
+    shape.levels      = findMSB(shape.side);
+    shape.is_sun      = vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1 : 0;
+    shape.low         = vxs_frame.mesh.x;
+    shape.high        = vxs_frame.mesh.y;
+    shape.first       = int(vxs_frame.map.z);
+    shape.last        = int(vxs_frame.map.w);
+    shape.texel       = vxs_frame.mesh.z;
+    shape.least       = vxs_frame.mesh_depths.x;
+    shape.reach       = vxs_frame.mesh_depths.y;
+    shape.error_scale = vxs_frame.mesh_depths.z;
+    shape.box_low     = vxs_frame.box_low.xyz;
+    shape.box_high    = vxs_frame.box_high.xyz;
     return shape;
 }
+
+#ifdef VXS_MESH_LISTED
+/* Words of the buffer of mesh_quads.glsl. */
+#define VXS_MESH_WANTED 4
+#define VXS_MESH_HEAD   8
+
+/* A corner of a triangle of the list, or, where it did not fit, of all quads. */
+vxs_mesh_vertex vxs_frame_corner(vxs_mesh_shape shape, int triangle, int corner)
+{
+    if (texelFetch(vxs_mesh, VXS_MESH_WANTED).r > vxs_frame.counts.y) return vxs_mesh_corner(shape, triangle, corner);
+    return vxs_mesh_vertex_from_code(texelFetch(vxs_mesh, VXS_MESH_HEAD + 3 * triangle + corner).r);
+}
+#else
+#define vxs_frame_corner vxs_mesh_corner
+#endif
 
 /* A corner, 0 to 2, of a triangle, in light space. */
 vec3 vxs_mesh_corner_ls(int triangle, int corner)
@@ -23,7 +41,7 @@ vec3 vxs_mesh_corner_ls(int triangle, int corner)
     vec3 ls;
 #ifdef VXS_MESH_OF_MAP
     vxs_mesh_shape  shape = vxs_frame_mesh();
-    vxs_mesh_vertex v = vxs_mesh_corner(shape, triangle, corner);
+    vxs_mesh_vertex v = vxs_frame_corner(shape, triangle, corner);
     ivec3           texel = ivec3(0);
     float           depth = 0.0;
     if (v.layer >= 0) {

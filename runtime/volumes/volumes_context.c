@@ -75,7 +75,7 @@ void vxs_volumes_put_back(const vxs_volumes *v, const volumes_kept *kept)
 {
     const volumes_api *api = &v->api;
     api->MemoryBarrier(GL_BARRIER_TEXTURE_FETCH | GL_BARRIER_IMAGE | GL_BARRIER_FRAMEBUFFER | GL_BARRIER_SHADER_STORAGE |
-                       GL_BARRIER_BUFFER_UPDATE);
+                       GL_BARRIER_BUFFER_UPDATE | GL_BARRIER_COMMANDS);
     api->UseProgram((gl_name)kept->program);
     const int *i = kept->image;
     api->BindImageTexture(IMAGE_BINDING, (gl_name)i[0], i[1], (unsigned char)(i[2] != 0), i[3], (gl_enum)i[4], (gl_enum)i[5]);

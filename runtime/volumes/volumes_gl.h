@@ -17,6 +17,7 @@ enum {
     GL_TARGET_TEXTURE_BUFFER    = 0x8C2A,
     GL_TARGET_UNIFORM_BUFFER    = 0x8A11,
     GL_TARGET_DRAW_FRAMEBUFFER  = 0x8CA9,
+    GL_TARGET_DRAW_COMMANDS     = 0x8F3F,
     GL_KIND_VERTEX_SHADER       = 0x8B31,
     GL_KIND_FRAGMENT_SHADER     = 0x8B30,
     GL_STATUS_COMPILE           = 0x8B81,
@@ -38,6 +39,7 @@ enum {
     GL_IS_IMAGE_LAYER           = 0x8F3D,
     GL_IS_IMAGE_ACCESS          = 0x8F3E,
     GL_IS_IMAGE_FORMAT          = 0x906E,
+    GL_IS_DRAW_COMMANDS         = 0x8F43,
     GL_IS_VERTEX_ARRAY          = 0x85B5,
     GL_IS_VIEWPORT              = 0x0BA2,
     GL_IS_DRAW_FRAMEBUFFER      = 0x8CA6,
@@ -73,6 +75,7 @@ enum {
     GL_BUFFER_COLOUR            = 0x1800,
     GL_BARRIER_TEXTURE_FETCH    = 0x0008,
     GL_BARRIER_BUFFER_UPDATE    = 0x0200,
+    GL_BARRIER_COMMANDS         = 0x0040,
     GL_BARRIER_IMAGE            = 0x0020,
     GL_BARRIER_FRAMEBUFFER      = 0x0400,
     GL_MOST_BUFFER_TEXELS       = 0x8C2B,
@@ -131,7 +134,8 @@ enum {
     X(void, VertexArrayVertexBuffer, (gl_name, gl_name, gl_name, gl_bytes, int))                                         \
     X(void, VertexArrayElementBuffer, (gl_name, gl_name))                                                                \
     X(void, DrawElements, (gl_enum, int, gl_enum, const void *))                                                         \
-    X(void, DrawArrays, (gl_enum, int, int))
+    X(void, DrawArrays, (gl_enum, int, int))                                                                             \
+    X(void, DrawArraysIndirect, (gl_enum, const void *))
 /* clang-format on */
 
 typedef struct volumes_api {

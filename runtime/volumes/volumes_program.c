@@ -7,7 +7,7 @@
 
 /* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
  * library have. */
-enum { TEXTS = VXS_GL_TEXTS + 17, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 21, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -43,6 +43,10 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     vxs_volumes_text_vxs_shadow_grid_h,
                                     "#endif\n",
                                     vxs_volumes_text_mesh_glsl,
+                                    "#ifdef VXS_USES_QUADS\n",
+                                    vxs_volumes_text_mesh_quads_glsl,
+                                    vxs_volumes_text_vxs_mesh_quads_h,
+                                    "#endif\n",
                                     body};
     memcpy(texts, all, sizeof all);
 }

@@ -24,7 +24,7 @@ typedef struct frame_block {
     uint32_t            counts[4];
     float               clip_from_ls[16], eye_from_ls[16]; /* of a mesh */
     float               mesh_low, mesh_high, mesh_texel, mesh_turn;
-    float               mesh_least, mesh_reach, reserved_mesh[2];
+    float               mesh_least, mesh_reach, mesh_scale, error_texels;
     float               box_low[4], box_high[4];
 } frame_block;
 
@@ -146,9 +146,11 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_intervals_glsl[], vxs_volumes_text_vxs_depths_h[], vxs_volumes_text_vxs_intervals_h[],
     vxs_volumes_text_map_fill_glsl[], vxs_volumes_text_map_join_glsl[], vxs_volumes_text_screen_vert_glsl[],
     vxs_volumes_text_composite_frag_glsl[], vxs_volumes_text_mesh_glsl[], vxs_volumes_text_mesh_vert_glsl[],
-    vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_vxs_light_mesh_h[],
-    vxs_volumes_text_vxs_air_h[], vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[],
-    vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[],
-    vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_or_scan_glsl[];
+    vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_mesh_quads_glsl[],
+    vxs_volumes_text_mesh_split_glsl[], vxs_volumes_text_mesh_meet_glsl[], vxs_volumes_text_mesh_list_glsl[],
+    vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
+    vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[],
+    vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[],
+    vxs_volumes_text_or_scan_glsl[];
 
 #endif

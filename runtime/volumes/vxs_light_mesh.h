@@ -5,7 +5,7 @@
  *     vxs_mesh_corner      the vertex at a corner of one of them
  *     vxs_mesh_texel       the texel of the light's map that says how deep a vertex is
  *     vxs_mesh_place       where in light space it is, then
- *     vxs_mesh_held        vertices that have fallen together, as one
+ *     vxs_mesh_held        vertices that have fallen together, as one; vxs_mesh_code: a vertex as one number
  *
  * A light map says where shadow begins on the light ray through each texel's middle. A grid of side + 1 by side + 1 vertices is displaced to these
  * depths. All of them lie on the rays through texels' middles but the outermost, which lie on the border, so that the grid covers all of a map and has a
@@ -165,6 +165,21 @@ VXS_FN vxs_mesh_vertex vxs_mesh_held(VXS_MESH shape, vxs_mesh_vertex v)
     }
     if (across != 0) v.i = across < 0 ? 0 : side;
     if (down != 0) v.j = down < 0 ? 0 : side;
+    return v;
+}
+
+/* A vertex as a number, and back. */
+VXS_FN vxs_u32 vxs_mesh_code(vxs_mesh_vertex v)
+{
+    return (VXS_U(v.layer + 1) << 28) | (VXS_U(v.j) << 14) | VXS_U(v.i);
+}
+
+VXS_FN vxs_mesh_vertex vxs_mesh_vertex_from_code(vxs_u32 code)
+{
+    vxs_mesh_vertex v;
+    v.layer = VXS_I(code >> 28) - 1;
+    v.i     = VXS_I(code & 0x3fffu);
+    v.j     = VXS_I((code >> 14) & 0x3fffu);
     return v;
 }
 

@@ -181,7 +181,7 @@ VXS_FN vxs_i32 vxs_mesh_is_off(VXS_MESH_FIRST first, VXS_MESH shape, vxs_mesh_qu
         vxs_real t = vxs_mesh_share(shape, c, d, j);
         for (vxs_i32 i = i0; i <= i0 + size; i++) {
             vxs_real s       = vxs_mesh_share(shape, a, b, i);
-            vxs_real flat_at = s >= t ? ac + s * (bc - ac) + t * (bd - bc) : ac + t * (ad - ac) + s * (bd - ad);
+            vxs_real flat_at = s >= t ? (1.0 - s) * ac + (s - t) * bc + t * bd : (1.0 - t) * ac + (t - s) * ad + s * bd;
             if (vxs_mesh_error(shape, flat_at, vxs_mesh_linear(first, shape, q.layer, i, j)) > error_texels) return 1;
         }
     }

@@ -28,9 +28,10 @@
 extern "C" {
 #endif
 
-typedef struct vxs_volumes     vxs_volumes;
-typedef struct vxs_light_map   vxs_light_map;
-typedef struct vxs_shadow_grid vxs_shadow_grid;
+typedef struct vxs_volumes       vxs_volumes;
+typedef struct vxs_light_map     vxs_light_map;
+typedef struct vxs_shadow_grid   vxs_shadow_grid;
+typedef struct vxs_adaptive_mesh vxs_adaptive_mesh;
 
 /* What is not named is 0, and means the default. It grows at its end only. */
 typedef struct vxs_volumes_desc {
@@ -200,8 +201,33 @@ vxs_result vxs_volumes_intervals(vxs_volumes *volumes, const vxs_volumes_light *
  * added where the eye is in light [Billeter 2010]. It is exact towards the surface, in which a step of depth between two texels is a slope
  * from the middle of one to that of the other. */
 
-/* Add a light's airlight by the surface of its map as it is now: two triangles for each texel, made where they are drawn. */
+/* Add a light's airlight by the surface of its map as it is now: two triangles for each texel, made where they are drawn. Six maps have 4096 x 4096 texels
+ * at most, one has 8192 x 8192. */
 vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map);
+
+typedef struct vxs_adaptive_mesh_desc {
+    uint32_t side_px, layers; /* of the largest light map that it is used with: a power of two, 1 to 8192, of six 4096; 1 or 6 */
+    uint32_t triangles_most; /* that there is room for, 12 bytes each; 0, or more than a quad for each texel has: as many as that */
+} vxs_adaptive_mesh_desc;
+
+/* Room for the surface of a map as it is now, with few triangles where it is flat: made by shaders in each vxs_volumes_mesh_adaptive, so that any number
+ * of lights may use one.
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL for more than a storage buffer, or a texture of a buffer, has in this context, or a shader that does not
+ * compile; VXS_E_MEMORY. */
+vxs_result vxs_adaptive_mesh_create(vxs_adaptive_mesh **mesh, vxs_volumes *volumes, const vxs_adaptive_mesh_desc *desc);
+void       vxs_adaptive_mesh_destroy(vxs_adaptive_mesh *mesh);
+
+/* The buffer of its triangles, for who wants to know how many: the fifth of its words, as vxs_volumes_mesh_adaptive left it. The first four are an indirect
+ * draw; behind eight words are three vertices of each triangle (vxs_mesh_code). Valid until vxs_adaptive_mesh_destroy. */
+unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh);
+
+/* Add a light's airlight by the surface of its map as it is now, with the quads that vxs_light_mesh_plan chooses of that map, but where an error is what is
+ * allowed to the rounding of a float.
+ * map  no larger than the mesh was created for
+ * error_texels  as vxs_light_mesh_desc has it, >= 0; below a hundredth, the rounding of floats may split what is flat
+ * Where the triangles are more than there is room for, which the buffer tells, vxs_volumes_mesh_map's are drawn. */
+vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map,
+                                     vxs_adaptive_mesh *mesh, float error_texels);
 
 /* The surface of a map in which nothing moves: made in C when a level is loaded, with few triangles where it is flat. What is not named is 0, and
  * means the default. It grows at its end only. */

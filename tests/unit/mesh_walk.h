@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "formats/vxs_space.h"
 #include "runtime/volumes/vxs_volumes.h"
 
 typedef struct mesh_lists {
@@ -59,6 +60,22 @@ static inline int crossing(const mesh_lists *m, uint32_t triangle, const double 
     cross(ab, ac, normal);
     *at = dot(normal, p[0]) / dot(normal, way);
     return *at < 0 ? 0 : leaves ? 1 : -1;
+}
+
+/* Whether the eye is in light, by a ray or two through the mesh. */
+static inline int mesh_is_lit(const mesh_lists *m, const vxs_light *light, const double eye[3])
+{
+    rng    r = {11};
+    double from[3], way[3], at;
+    int    counts[3] = {0};
+    vxs_ls_from_ws(light, eye, 1, from);
+    for (int k = 0; k < 3; k++) {
+        random_direction(&r, way);
+        for (uint32_t t = 0; t < m->size.triangle_count; t++) counts[k] += crossing(m, t, from, way, &at);
+    }
+    assert_int_equal(counts[0], counts[1]);
+    assert_int_equal(counts[0], counts[2]);
+    return counts[0];
 }
 
 #endif

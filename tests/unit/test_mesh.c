@@ -98,30 +98,6 @@ static int walk_airlight(const mesh_lists *m, const vxs_light *light, const vxs_
     return count;
 }
 
-/* Anywhere among the boxes and about them, high and low, looking anywhere. */
-static volumes_camera random_camera(rng *r)
-{
-    double eye[3] = {uniform(r, -9, 9), uniform(r, 0.2, 9), uniform(r, -9, 9)}, to[3];
-    for (int n = 0; n < 3; n++) to[n] = eye[n] + uniform(r, -1, 1);
-    return camera_at(eye, to, uniform(r, 0.3, 2));
-}
-
-/* Whether the eye is in light, by a ray or two through the mesh. */
-static int eye_is_lit(const mesh_lists *m, const vxs_light *light, const double eye[3])
-{
-    rng    r = {11};
-    double from[3], way[3], at;
-    int    counts[3] = {0};
-    vxs_ls_from_ws(light, eye, 1, from);
-    for (int k = 0; k < 3; k++) {
-        random_direction(&r, way);
-        for (uint32_t t = 0; t < m->size.triangle_count; t++) counts[k] += crossing(m, t, from, way, &at);
-    }
-    assert_int_equal(counts[0], counts[1]);
-    assert_int_equal(counts[0], counts[2]);
-    return counts[0];
-}
-
 /* In every pixel the ray leaves what is lit once more than it enters where the eye is in light, and as often else. */
 static void test_counts(void **state)
 {
@@ -136,11 +112,11 @@ static void test_counts(void **state)
         vxs_volumes_light l = scene_light(light);
         lit_surface       u = surface_make(&s, &l, 64);
         for (uint32_t n = 0; n < repeats(12, 500); n++) {
-            volumes_camera    c      = random_camera(&r);
+            volumes_camera    c      = scene_random_camera(&r);
             vxs_volumes_frame f      = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
-            int               wanted = eye_is_lit(&u.all, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
+            int               wanted = mesh_is_lit(&u.all, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
             vxs_pixels        seen;
-            int               few = eye_is_lit(&u.few, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
+            int               few = mesh_is_lit(&u.few, &vxs_asset_light(s.asset, l.baked)->light, c.eye);
             for (int which = 0; which < SURFACES; which++) {
                 draw_surface(&s, &u, (surface)which, &f, pixels);
                 vxs_volumes_reach(s.volumes, &l, &seen);
@@ -178,7 +154,7 @@ static void test_airlight(void **state)
         vxs_air_light     air   = scene_air_light(&s, &l);
         const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked)->light;
         for (uint32_t n = 0; n < repeats(3, 60); n++) {
-            volumes_camera    c   = random_camera(&r);
+            volumes_camera    c   = scene_random_camera(&r);
             double            top = n % 3 == 2 ? 2.5 : VXS_AIR_EVERYWHERE, in_fog[2], brightest = 0;
             vxs_volumes_frame f = scene_frame(&s, &c, &haze, top, 30, metres);
             memset(wanted, 0, sizeof wanted);
@@ -236,7 +212,7 @@ static void test_clamped(void **state)
         int         spot              = constants.kind == VXS_LIGHT_KIND_SPOT;
         lit_surface u                 = surface_make(&s, &l, 32);
         for (uint32_t n = 0; n < repeats(4, 60); n++) {
-            volumes_camera    c = random_camera(&r);
+            volumes_camera    c = scene_random_camera(&r);
             vxs_volumes_frame f = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
             double            in_fog[2];
             for (int which = 0; which < SURFACES; which++) {
@@ -272,7 +248,7 @@ static void test_lights_add(void **state)
     vxs_volumes_light sun = scene_light(SCENE_SUN), point = scene_light(SCENE_POINT), spot = scene_light(SCENE_SPOT);
     lit_surface       a = surface_make(&s, &sun, 32), b = surface_make(&s, &point, 32);
     for (uint32_t n = 0; n < repeats(6, 100); n++) {
-        volumes_camera    c = random_camera(&r);
+        volumes_camera    c = scene_random_camera(&r);
         vxs_volumes_frame f = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
         draw_surface(&s, &a, OF_FEW, &f, parts[0]);
         draw_surface(&s, &b, OF_MAP, &f, parts[1]);
@@ -382,7 +358,7 @@ static void test_arguments(void **state)
     assert_int_equal(vxs_light_mesh_create(&mesh, s.volumes, places, corners, &far_too_large), VXS_E_MEMORY);
     vxs_light_mesh_destroy(NULL);
     assert_int_equal(vxs_volumes_mesh(s.volumes, &l, u.meshes[OF_MESH]), VXS_E_ARGUMENT); /* no frame */
-    volumes_camera    c = random_camera(&r);
+    volumes_camera    c = scene_random_camera(&r);
     vxs_volumes_frame f = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
     assert_int_equal(vxs_volumes_begin(s.volumes, &f), VXS_OK);
     assert_int_equal(vxs_volumes_mesh(s.volumes, &l, NULL), VXS_E_ARGUMENT);

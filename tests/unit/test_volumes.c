@@ -289,15 +289,18 @@ static double rms_from(const double found[ASKED_PIXELS][3], const double wanted[
 static void test_joined_airlight(void **state)
 {
     (void)state;
-    static const char *const names[]     = {"march", "mesh", "grid"};
-    static const double      tolerance[] = {2e-3, 1.2e-2, 4e-3};
+    static const char *const names[]     = {"march", "mesh", "grid", "adaptive mesh"};
+    static const double      tolerance[] = {2e-3, 1.2e-2, 4e-3, 1.2e-2};
     static seen              v;
     volumes_scene            s;
     vxs_shadow_grid         *grid;
+    vxs_adaptive_mesh       *mesh;
     scene_open(&s, RESOLUTION, WIDE, HIGH);
-    GLuint               depths = moving_depths(&s);
-    vxs_shadow_grid_desc desc   = {.columns = 256, .rows = 512, .bits = 256};
+    GLuint                 depths = moving_depths(&s);
+    vxs_shadow_grid_desc   desc   = {.columns = 256, .rows = 512, .bits = 256};
+    vxs_adaptive_mesh_desc room   = {.side_px = JOINED_SIDE, .layers = 6};
     assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &desc), VXS_OK);
+    assert_int_equal(vxs_adaptive_mesh_create(&mesh, s.volumes, &room), VXS_OK);
     for (int light = 0; light < SCENE_LIGHTS; light++) {
         double            wanted[ASKED_PIXELS][3], standing[ASKED_PIXELS][3], found[ASKED_PIXELS][3];
         float             pixels[4 * PIXELS];
@@ -312,11 +315,12 @@ static void test_joined_airlight(void **state)
             traverse(&s, &c, light, &v, first, joined ? wanted : standing);
             free(first);
         }
-        for (int n = 0; n < 3; n++) {
+        for (int n = 0; n < 4; n++) {
             assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
             vxs_result result = n == 0   ? vxs_volumes_march(s.volumes, &l, map, 512, VXS_STEPS_ANGLE)
                                 : n == 1 ? vxs_volumes_mesh_map(s.volumes, &l, map)
-                                         : vxs_volumes_grid(s.volumes, &l, map, grid, 64);
+                                : n == 2 ? vxs_volumes_grid(s.volumes, &l, map, grid, 64)
+                                         : vxs_volumes_mesh_adaptive(s.volumes, &l, map, mesh, 1);
             assert_int_equal(result, VXS_OK);
             scene_read(&s, pixels);
             for (size_t k = 0; k < ASKED_PIXELS; k++)
@@ -328,6 +332,7 @@ static void test_joined_airlight(void **state)
         vxs_light_map_destroy(map);
     }
     vxs_shadow_grid_destroy(grid);
+    vxs_adaptive_mesh_destroy(mesh);
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
 }
@@ -393,6 +398,7 @@ static const GLenum asked_numbers[] = {GL_CURRENT_PROGRAM,
                                        GL_BLEND_EQUATION_RGB,
                                        GL_BLEND_EQUATION_ALPHA,
                                        GL_COPY_READ_BUFFER_BINDING,
+                                       GL_DRAW_INDIRECT_BUFFER_BINDING,
                                        GL_FRONT_FACE,
                                        GL_CLIP_ORIGIN,
                                        GL_CLIP_DEPTH_MODE,
@@ -400,7 +406,8 @@ static const GLenum asked_numbers[] = {GL_CURRENT_PROGRAM,
 enum {
     ASKED_NUMBERS = sizeof asked_numbers / sizeof *asked_numbers,
     UNITS_ASKED   = 12,
-    STATE         = ASKED_NUMBERS + 4 * UNITS_ASKED + 4 + 4 + 4 + 2 + 9
+    STORAGES      = 2, /* from the sixth on, of a technique */
+    STATE         = ASKED_NUMBERS + 4 * UNITS_ASKED + 4 + 4 + 4 + 2 + 9 + 3 * STORAGES
 };
 
 static void read_state(const volumes_scene *s, GLint state[STATE])
@@ -431,6 +438,11 @@ static void read_state(const volumes_scene *s, GLint state[STATE])
     get_i(GL_UNIFORM_BUFFER_BINDING, 0, to++);
     get_i(GL_UNIFORM_BUFFER_START, 0, to++);
     get_i(GL_UNIFORM_BUFFER_SIZE, 0, to++);
+    for (GLuint n = 0; n < STORAGES; n++) {
+        get_i(GL_SHADER_STORAGE_BUFFER_BINDING, 6 + n, to++);
+        get_i(GL_SHADER_STORAGE_BUFFER_START, 6 + n, to++);
+        get_i(GL_SHADER_STORAGE_BUFFER_SIZE, 6 + n, to++);
+    }
     assert_int_equal(s->gl->GetError(), GL_NO_ERROR);
 }
 
@@ -463,7 +475,10 @@ static void disturb(const volumes_scene *s)
     gl->GenBuffers(1, &buffer);
     gl->BindBuffer(GL_UNIFORM_BUFFER, buffer);
     gl->BufferData(GL_UNIFORM_BUFFER, 1024, NULL, GL_STATIC_DRAW);
-    ((PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindBufferRange"))(GL_UNIFORM_BUFFER, 0, buffer, 256, 512);
+    PFNGLBINDBUFFERRANGEPROC bind = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindBufferRange");
+    bind(GL_UNIFORM_BUFFER, 0, buffer, 256, 512);
+    for (GLuint n = 0; n < STORAGES; n++) bind(GL_SHADER_STORAGE_BUFFER, 6 + n, buffer, 256, 512);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
     ((PFNGLBINDIMAGETEXTUREPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindImageTexture"))(0, textures[1], 1, GL_FALSE, 2,
                                                                                              GL_READ_ONLY, GL_RGBA8);
     gl->GenVertexArrays(1, &array);
@@ -515,6 +530,10 @@ static void test_state(void **state)
                      VXS_OK);
     vxs_volumes_mesh(s.volumes, &l, mesh);
     vxs_light_mesh_destroy(mesh);
+    vxs_adaptive_mesh *adaptive;
+    assert_int_equal(vxs_adaptive_mesh_create(&adaptive, s.volumes, &(vxs_adaptive_mesh_desc){.side_px = 64, .layers = 1}), VXS_OK);
+    assert_int_equal(vxs_volumes_mesh_adaptive(s.volumes, &l, map, adaptive, 1), VXS_OK);
+    vxs_adaptive_mesh_destroy(adaptive);
     vxs_volumes_composite(s.volumes);
     read_state(&s, after);
     for (int n = 0; n < STATE; n++)

@@ -155,6 +155,14 @@ static inline volumes_camera camera_at(const double eye[3], const double to[3], 
     return c;
 }
 
+/* Anywhere among the boxes and about them, high and low, looking anywhere. */
+static inline volumes_camera scene_random_camera(rng *r)
+{
+    double eye[3] = {uniform(r, -9, 9), uniform(r, 0.2, 9), uniform(r, -9, 9)}, to[3];
+    for (int n = 0; n < 3; n++) to[n] = eye[n] + uniform(r, -1, 1);
+    return camera_at(eye, to, uniform(r, 0.3, 2));
+}
+
 /* Direction of the ray through a pixel. */
 static inline void camera_ray(const volumes_scene *s, const volumes_camera *c, uint32_t x, uint32_t y, double direction[3])
 {

@@ -1,0 +1,146 @@
+/* Light meshes of a map as it is now, with few triangles where it is flat; see vxs_volumes.h. In each frame shaders choose the quads of vxs_mesh_quads.h,
+ * level by level, list their triangles, and draw as many as they listed.
+ * SPDX-License-Identifier: MIT */
+#include <limits.h>
+
+#include "light_mesh.h"
+#include "vxs_mesh_quads.h"
+
+/* As mesh_quads.glsl has it (std430); corners follow. */
+typedef struct list_head {
+    uint32_t corners_drawn, instances, first_corner, first_instance;
+    uint32_t triangles, reserved[3];
+} list_head;
+_Static_assert(sizeof(list_head) == 32, "a head is eight words");
+
+struct vxs_adaptive_mesh {
+    vxs_volumes   *volumes;
+    vxs_mesh_shape most; /* of the largest map, as far as it says how many triangles there are */
+    uint32_t       triangles_most;
+    gl_name        splits, list, list_texture;
+    gl_name        split, meet, add, draw; /* programs */
+};
+
+static uint64_t split_bytes(const vxs_mesh_shape *shape)
+{
+    return 4 * ((uint64_t)shape->layers * (uint64_t)vxs_mesh_larger_quads(shape->levels) + 1); /* of one texel there are none */
+}
+
+static uint64_t list_bytes(const vxs_adaptive_mesh *mesh)
+{
+    return sizeof(list_head) + 12 * (uint64_t)mesh->triangles_most;
+}
+
+static vxs_result make(vxs_adaptive_mesh *mesh)
+{
+    static const char of_map[] = "#define VXS_MESH_OF_MAP\n#define VXS_MESH_LISTED\n", quads[] = "#define VXS_USES_QUADS\n";
+    vxs_volumes      *v            = mesh->volumes;
+    int               most_storage = 0, most_texels = 0;
+    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most_storage);
+    v->api.GetIntegerv(GL_MOST_BUFFER_TEXELS, &most_texels);
+    if (split_bytes(&mesh->most) > (uint32_t)most_storage || list_bytes(mesh) > (uint32_t)most_storage ||
+        list_bytes(mesh) / 4 > (uint32_t)most_texels)
+        return VXS_E_GL;
+    mesh->split = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_split_glsl);
+    mesh->meet  = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_meet_glsl);
+    mesh->add   = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_list_glsl);
+    mesh->draw  = vxs_volumes_raster(v, of_map, vxs_volumes_text_mesh_vert_glsl, vxs_volumes_text_mesh_frag_glsl);
+    if (!mesh->split || !mesh->meet || !mesh->add || !mesh->draw) return VXS_E_GL;
+    mesh->splits = vxs_volumes_buffer(v, split_bytes(&mesh->most));
+    mesh->list   = vxs_volumes_buffer(v, list_bytes(mesh));
+    if (!mesh->splits || !mesh->list) return VXS_E_MEMORY;
+    v->api.CreateTextures(GL_TARGET_TEXTURE_BUFFER, 1, &mesh->list_texture);
+    v->api.TextureBuffer(mesh->list_texture, GL_FORMAT_R32UI, mesh->list);
+    return VXS_OK;
+}
+
+vxs_result vxs_adaptive_mesh_create(vxs_adaptive_mesh **out, vxs_volumes *v, const vxs_adaptive_mesh_desc *desc)
+{
+    vxs_mesh_shape shape = {.side   = (int32_t)desc->side_px,
+                            .levels = vxs_mesh_levels(desc->side_px),
+                            .layers = (int32_t)desc->layers,
+                            .is_sun = desc->layers == 1};
+    *out                 = NULL;
+    if (shape.levels < 0 || (shape.layers != 1 && shape.layers != 6)) return VXS_E_ARGUMENT;
+    if (vxs_mesh_triangles(&shape) > INT_MAX / 3) return VXS_E_ARGUMENT;
+    vxs_adaptive_mesh *mesh = vxs_volumes_take(v, sizeof *mesh);
+    if (!mesh) return VXS_E_MEMORY;
+    uint32_t all = (uint32_t)vxs_mesh_triangles(&shape), some = desc->triangles_most;
+    *mesh             = (vxs_adaptive_mesh){.volumes = v, .most = shape, .triangles_most = some && some < all ? some : all};
+    vxs_result result = make(mesh);
+    if (result == VXS_OK)
+        *out = mesh;
+    else
+        vxs_adaptive_mesh_destroy(mesh);
+    return result;
+}
+
+void vxs_adaptive_mesh_destroy(vxs_adaptive_mesh *mesh)
+{
+    if (!mesh) return;
+    const vxs_volumes *v          = mesh->volumes;
+    const gl_name      programs[] = {mesh->split, mesh->meet, mesh->add, mesh->draw}, buffers[] = {mesh->splits, mesh->list};
+    for (int n = 0; n < 4; n++)
+        if (programs[n]) v->api.DeleteProgram(programs[n]);
+    if (mesh->list_texture) v->api.DeleteTextures(1, &mesh->list_texture);
+    for (int n = 0; n < 2; n++)
+        if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
+    vxs_volumes_give_back(v, mesh, sizeof *mesh);
+}
+
+unsigned vxs_adaptive_mesh_buffer(const vxs_adaptive_mesh *mesh)
+{
+    return mesh->list;
+}
+
+/* A program over quads, or parts of them, of a level.   side  of them, in each layer */
+static void run(const vxs_adaptive_mesh *mesh, gl_name program, gl_name map, int level, int side)
+{
+    enum { GROUP = 8 };
+    vxs_volumes *v      = mesh->volumes;
+    uint32_t     groups = ((uint32_t)side + GROUP - 1) / GROUP;
+    v->frame.counts[0]  = (uint32_t)level;
+    volumes_kept kept   = vxs_volumes_use(v, program, map, 0, 0);
+    v->api.DispatchCompute(groups, groups, v->frame.map_layers);
+    vxs_volumes_put_back(v, &kept);
+}
+
+/* As in light_mesh.c: from the root down, what is too far off; then from the smallest up. */
+static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map, float error_texels)
+{
+    const volumes_api *api = &mesh->volumes->api;
+    const uint32_t     all = error_texels == 0;
+    api->ClearNamedBufferSubData(mesh->splits, GL_FORMAT_R32UI, 0, (gl_bytes)split_bytes(shape), GL_FORMAT_RED_INTEGER,
+                                 GL_TYPE_UNSIGNED_INT, &all);
+    if (all) return;
+    for (int level = shape->levels; level > 0; level--)
+        run(mesh, mesh->split, map, level, shape->side >> (level < 3 ? level : 3)); /* as mesh_split.glsl has it */
+    for (int level = 1; level < shape->levels; level++) run(mesh, mesh->meet, map, level, shape->side >> level);
+}
+
+static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)
+{
+    const list_head none = {.instances = 1};
+    mesh->volumes->api.NamedBufferSubData(mesh->list, 0, sizeof none, &none);
+    for (int level = shape->levels; level >= 0; level--) run(mesh, mesh->add, map, level, shape->side >> level);
+}
+
+vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map,
+                                     vxs_adaptive_mesh *mesh, float error_texels)
+{
+    vxs_mesh_shape shape;
+    if (!map || !mesh || !(error_texels >= 0)) return VXS_E_ARGUMENT;
+    if (map->side_px > (uint32_t)mesh->most.side || map->layers > (uint32_t)mesh->most.layers) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_mesh_begin(v, light, map, &shape);
+    if (result != VXS_OK || vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return result;
+    gl_name      texture  = vxs_light_map_texture(map);
+    storage_kept kept     = vxs_volumes_keep_storage(v);
+    v->frame.error_texels = error_texels;
+    v->frame.counts[1]    = mesh->triangles_most;
+    vxs_volumes_use_storage(v, mesh->splits, mesh->list);
+    choose_quads(mesh, &shape, texture, error_texels);
+    list_triangles(mesh, &shape, texture);
+    vxs_volumes_put_back_storage(v, &kept);
+    vxs_mesh_add(v, map, &(mesh_draw){.program = mesh->draw, .texture = mesh->list_texture, .commands = mesh->list});
+    return VXS_OK;
+}

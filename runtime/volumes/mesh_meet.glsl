@@ -1,0 +1,11 @@
+/* What has to split about the quads of a level that do, so that quads that meet differ by one level. */
+layout(local_size_x = 8, local_size_y = 8) in;
+
+void main()
+{
+    vxs_mesh_shape shape = vxs_frame_mesh();
+    ivec3          at = ivec3(gl_GlobalInvocationID);
+    int            level = int(vxs_frame.counts.x);
+    if (any(greaterThanEqual(at.xy, ivec2(shape.side >> level)))) return;
+    vxs_mesh_let_meet(0, shape, vxs_mesh_quad_of(at.z, level, at.x, at.y));
+}
