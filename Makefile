@@ -107,9 +107,10 @@ endif
 embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl)) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
 unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
-helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_%,$(wildcard tests/bench/*.c)))
+helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_% tests/bench/volumes_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
+volumes_bench.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/volumes_*.c))
 # the reference of light in the air, and rivals there, with their shaders
 reference.o := $(patsubst %,$B/%.o,$(wildcard tests/volumes/*.c tests/volumes/*.glsl))
 # that rivals hand to a compiler of shaders
@@ -118,7 +119,7 @@ shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
 fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
-test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
+test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
@@ -147,7 +148,7 @@ $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
-$B/tests/bench/volumes: $(reference.o)
+$B/tests/bench/volumes: $(volumes_bench.o) $(reference.o)
 $B/tests/bench/volumes: test_libs := -lOSMesa -lgsl -lgslcblas
 $B/vxs $(mpi) $(unit) $(helper):
 	@echo "  link $@"

@@ -1,0 +1,164 @@
+/* Every technique of fog and every rival, each with the values of its knob; see volumes_bench.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tests/bench/volumes_bench.h"
+
+#include "baker/render/baked_mesh.h"
+#include "tests/volumes/rival_froxels.h"
+#include "tests/volumes/rival_slices.h"
+
+static vxs_result even_of_map(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
+{
+    (void)state;
+    return vxs_volumes_march(b->volumes, light, b->map, steps, VXS_STEPS_EVEN);
+}
+
+static vxs_result angles_of_map(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
+{
+    (void)state;
+    return vxs_volumes_march(b->volumes, light, b->map, steps, VXS_STEPS_ANGLE);
+}
+
+static vxs_result angles_of_asset(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
+{
+    (void)state;
+    return vxs_volumes_march(b->volumes, light, NULL, steps, VXS_STEPS_ANGLE);
+}
+
+static vxs_result intervals(bench *b, const vxs_volumes_light *light, void *state, uint32_t value)
+{
+    (void)state;
+    (void)value;
+    return vxs_volumes_intervals(b->volumes, light);
+}
+
+/* A mesh of the light map, made once; quads are as large as so many texels' width of error lets them be. */
+static vxs_result open_mesh(bench *b, void **state, uint32_t error_texels)
+{
+    const baked_mesh_options o = {.light = b->number, .far_metres = b->far_metres, .error_texels = error_texels};
+    message                  m = {0};
+    return baked_mesh_make((vxs_light_mesh **)state, &o, b->gl, b->shadows, b->volumes, &m);
+}
+
+static vxs_result mesh(bench *b, const vxs_volumes_light *light, void *mesh, uint32_t value)
+{
+    (void)value;
+    return vxs_volumes_mesh(b->volumes, light, mesh);
+}
+
+static void close_mesh(void *mesh)
+{
+    vxs_light_mesh_destroy(mesh);
+}
+
+/* A mesh that is made where it is drawn, of a map of so many texels a side. */
+static vxs_result open_map(bench *b, void **state, uint32_t side_px)
+{
+    vxs_light_map_desc desc = {.baked = b->number, .side_px = side_px};
+    vxs_result         r    = vxs_light_map_create((vxs_light_map **)state, b->volumes, &desc);
+    while (r == VXS_OK && vxs_light_map_fill(*state, 1 << 20)) continue;
+    return r;
+}
+
+static vxs_result mesh_of_map(bench *b, const vxs_volumes_light *light, void *map, uint32_t value)
+{
+    (void)value;
+    return vxs_volumes_mesh_map(b->volumes, light, map);
+}
+
+static void close_map(void *map)
+{
+    vxs_light_map_destroy(map);
+}
+
+/* The grid of n x 2n x n bits, filled of the map, or of the asset without one. */
+static vxs_result open_grid(bench *b, void **state, uint32_t size)
+{
+    vxs_shadow_grid_desc desc = {.columns = size, .rows = 2 * size, .bits = size};
+    return vxs_shadow_grid_create((vxs_shadow_grid **)state, b->volumes, &desc);
+}
+
+static vxs_result grid_of_map(bench *b, const vxs_volumes_light *light, void *grid, uint32_t size)
+{
+    (void)size;
+    return vxs_volumes_grid(b->volumes, light, b->map, grid, 0);
+}
+
+static vxs_result grid_of_asset(bench *b, const vxs_volumes_light *light, void *grid, uint32_t size)
+{
+    (void)size;
+    return vxs_volumes_grid(b->volumes, light, NULL, grid, 0);
+}
+
+static void close_grid(void *grid)
+{
+    vxs_shadow_grid_destroy(grid);
+}
+
+/* Columns of 8 x 8 pixels, as engines have it, and so many slices. */
+static vxs_result open_froxels(bench *b, void **state, uint32_t deep)
+{
+    return rival_froxels_create((rival_froxels **)state, b->volumes, (b->width + 7) / 8, (b->height + 7) / 8, deep);
+}
+
+static vxs_result froxels_of_map(bench *b, const vxs_volumes_light *light, void *froxels, uint32_t deep)
+{
+    (void)deep;
+    return rival_froxels_add(froxels, light, b->map);
+}
+
+static void close_froxels(void *froxels)
+{
+    rival_froxels_destroy(froxels);
+}
+
+/* Twice as many bins as slices, and as many samples. */
+static vxs_result open_slices(bench *b, void **state, uint32_t slices)
+{
+    return rival_slices_create((rival_slices **)state, b->volumes, slices, 2 * slices, slices);
+}
+
+/* At 256 slices, so many questions a ray. */
+static vxs_result open_moments(bench *b, void **state, uint32_t parts)
+{
+    vxs_result r = open_slices(b, state, 256);
+    return r == VXS_OK ? rival_slices_set_moments(*state, parts) : r;
+}
+
+static vxs_result slices_of_map(bench *b, const vxs_volumes_light *light, void *slices, uint32_t count)
+{
+    (void)count;
+    return rival_slices_add(slices, light, b->map);
+}
+
+static void close_slices(void *slices)
+{
+    rival_slices_destroy(slices);
+}
+
+static vxs_result nothing(bench *b, void **state, uint32_t value)
+{
+    (void)b;
+    (void)value;
+    *state = NULL;
+    return VXS_OK;
+}
+
+static void forget(void *state)
+{
+    (void)state;
+}
+
+const technique volumes_techniques[] = {
+    {"march", "steps", {8, 16, 32, 64, 128, 256, 512}, nothing, even_of_map, forget},
+    {"angles", "steps", {8, 16, 32, 64, 128, 256, 512}, nothing, angles_of_map, forget},
+    {"angles, asset", "steps", {16, 64, 256}, nothing, angles_of_asset, forget},
+    {"intervals", "-", {1}, nothing, intervals, forget},
+    {"mesh", "texels of error", {16, 4, 1}, open_mesh, mesh, close_mesh},
+    {"mesh of the map", "texels a side", {64, 256, 1024}, open_map, mesh_of_map, close_map},
+    {"grid", "bits a side", {64, 128, 256, 512}, open_grid, grid_of_map, close_grid},
+    {"grid, asset", "bits a side", {64, 128, 256}, open_grid, grid_of_asset, close_grid},
+    {"froxels", "slices", {16, 64, 256, 1024}, open_froxels, froxels_of_map, close_froxels},
+    {"moments", "parts a ray", {1, 4, 16, 64}, open_moments, slices_of_map, close_slices},
+    {"min-max slices", "slices", {64, 128, 256, 512}, open_slices, slices_of_map, close_slices},
+};
+const size_t volumes_technique_count = sizeof volumes_techniques / sizeof *volumes_techniques;
