@@ -7,6 +7,7 @@
 #include "tests/volumes/map_parts.h"
 #include "tests/volumes/mesh_parts.h"
 #include "tests/volumes/reference.h"
+#include "tests/volumes/sphere_parts.h"
 #include "tests/volumes/traced_parts.h"
 
 static eye_ray random_ray(rng *r, double size, double length)
@@ -50,125 +51,48 @@ static void check_ordered(const lit_parts *parts, const eye_ray *ray)
 
 enum { SPHERES = 6 };
 
-typedef struct spheres {
-    double      centre[SPHERES][3], radius[SPHERES];
-    light_shape light;
-} spheres;
-
 /* Whether the way from a place to the light is free: how near it passes each sphere. */
 static int spheres_lit(const void *user, const double point[3])
 {
-    const spheres *s = user;
-    for (int n = 0; n < SPHERES; n++) {
+    const lit_spheres *s = user;
+    for (size_t n = 0; n < s->count; n++) {
         double way[3], to[3], nearest[3];
         for (int k = 0; k < 3; k++) {
             way[k] = s->light.kind == LIGHT_POINT ? s->light.position_ws[k] - point[k] : -1e3 * s->light.direction_ws[k];
-            to[k]  = s->centre[n][k] - point[k];
+            to[k]  = s->at[n].centre[k] - point[k];
         }
         double at = fmin(fmax(dot(to, way) / dot(way, way), 0), 1);
         for (int k = 0; k < 3; k++) nearest[k] = to[k] - at * way[k];
-        if (dot(nearest, nearest) < s->radius[n] * s->radius[n]) return 0;
+        if (dot(nearest, nearest) < s->at[n].radius * s->at[n].radius) return 0;
     }
     return 1;
 }
 
-/* Where a x^2 + 2 b x + c < 0, a > 0; low > high: nowhere. */
-static void roots_of(double a, double b, double c, double *low, double *high)
+/* at  [SPHERES] */
+static lit_spheres random_spheres(rng *r, int is_lamp, sphere *at)
 {
-    double square = b * b - a * c;
-    *low          = square > 0 ? (-b - sqrt(square)) / a : 1;
-    *high         = square > 0 ? (-b + sqrt(square)) / a : 0;
-}
-
-/* Add the part of the ray in a sphere's shadow: in the sphere, or behind its rim in the cylinder or cone of rays that touch it. */
-static void add_shadow(const spheres *s, int n, const eye_ray *ray, places *shadows)
-{
-    double to[3], from_lamp[3], centre[3], low, high, r2 = s->radius[n] * s->radius[n];
-    for (int k = 0; k < 3; k++) {
-        to[k]        = ray->eye[k] - s->centre[n][k];
-        from_lamp[k] = ray->eye[k] - s->light.position_ws[k];
-        centre[k]    = s->centre[n][k] - s->light.position_ws[k];
-    }
-    roots_of(1, dot(to, ray->direction), dot(to, to) - r2, &low, &high);
-    if (low < high) {
-        places_add(shadows, low);
-        places_add(shadows, high);
-    }
-    double a, b, c, rim_at, rim_way, begin = -INFINITY, end = INFINITY;
-    if (s->light.kind == LIGHT_POINT) {
-        double tangent2 = dot(centre, centre) - r2, p = dot(from_lamp, centre), q = dot(ray->direction, centre);
-        a       = tangent2 - q * q; /* |x|^2 tangent2 < (x . centre)^2 */
-        b       = tangent2 * dot(from_lamp, ray->direction) - p * q;
-        c       = tangent2 * dot(from_lamp, from_lamp) - p * p;
-        rim_at  = p - tangent2;
-        rim_way = q;
-    } else {
-        double p = dot(to, s->light.direction_ws), q = dot(ray->direction, s->light.direction_ws);
-        a       = 1 - q * q;
-        b       = dot(to, ray->direction) - p * q;
-        c       = dot(to, to) - p * p - r2;
-        rim_at  = p;
-        rim_way = q;
-    }
-    if (rim_way > 0) begin = -rim_at / rim_way; /* behind the rim */
-    if (rim_way < 0) end = -rim_at / rim_way;
-    if (a > 0) {
-        roots_of(a, b, c, &low, &high);
-        low  = fmax(low, begin);
-        high = fmin(high, end);
-    } else { /* a ray steeper than the cone stays in it behind the rim, or was in it before */
-        double one = (-b + sqrt(fmax(b * b - a * c, 0))) / a, two = (-b - sqrt(fmax(b * b - a * c, 0))) / a;
-        low  = rim_way > 0 ? fmax(fmax(one, two), begin) : -INFINITY;
-        high = rim_way > 0 ? INFINITY : fmin(fmin(one, two), end);
-    }
-    if (low < high) {
-        places_add(shadows, low);
-        places_add(shadows, high);
-    }
-}
-
-/* What is lit of the ray, by formulas. */
-static void spheres_parts(const void *user, const eye_ray *ray, lit_parts *parts)
-{
-    places shadows = {0};
-    double at      = ray->begin;
-    for (int n = 0; n < SPHERES; n++) add_shadow(user, n, ray, &shadows);
-    lit_parts_clear(parts);
-    while (at < ray->end) { /* to the next begin of a shadow that is not over yet, and behind all that hold that place */
-        double next = ray->end, behind = at;
-        for (int moved = 1; moved;) {
-            moved = 0;
-            for (size_t k = 0; k < shadows.count; k += 2)
-                if (shadows.at[k] <= behind && shadows.at[k + 1] > behind) {
-                    behind = shadows.at[k + 1];
-                    moved  = 1;
-                }
-        }
-        at = behind;
-        for (size_t k = 0; k < shadows.count; k += 2)
-            if (shadows.at[k] > at) next = fmin(next, shadows.at[k]);
-        lit_parts_add(parts, at, fmin(next, ray->end));
-        at = next;
-    }
-    places_free(&shadows);
-}
-
-static spheres random_spheres(rng *r, int is_lamp)
-{
-    spheres s = {.light = {.kind = is_lamp ? LIGHT_POINT : LIGHT_DIRECTIONAL, .range_m = INFINITY}};
+    lit_spheres s = {at, SPHERES, .light = {.kind = is_lamp ? LIGHT_POINT : LIGHT_DIRECTIONAL, .range_m = INFINITY}};
     random_direction(r, s.light.direction_ws);
     for (int n = 0; n < 3; n++) s.light.position_ws[n] = is_lamp ? uniform(r, -3, 3) : 0;
     for (int n = 0; n < SPHERES; n++) {
         double away[3];
         do {
             for (int k = 0; k < 3; k++) {
-                s.centre[n][k] = uniform(r, -5, 5);
-                away[k]        = s.centre[n][k] - s.light.position_ws[k];
+                at[n].centre[k] = uniform(r, -5, 5);
+                away[k]         = at[n].centre[k] - s.light.position_ws[k];
             }
-            s.radius[n] = uniform(r, 0.3, 1.5);
-        } while (sqrt(dot(away, away)) < 1.2 * s.radius[n]);
+            at[n].radius = uniform(r, 0.3, 1.5);
+        } while (sqrt(dot(away, away)) < 1.2 * at[n].radius);
     }
     return s;
+}
+
+/* Turn a ray to a lamp, or to the sun. */
+static void look_into(eye_ray *ray, const light_shape *light)
+{
+    for (int k = 0; k < 3; k++)
+        ray->direction[k] = light->kind == LIGHT_POINT ? light->position_ws[k] - ray->eye[k] : -light->direction_ws[k];
+    make_unit(ray->direction);
 }
 
 static void test_traced_spheres(void **state)
@@ -178,10 +102,12 @@ static void test_traced_spheres(void **state)
     lit_parts lit = {0}, wanted = {0};
     uint32_t  ends = 0;
     for (uint32_t n = 0; n < repeats(100, 2000); n++) {
-        spheres      s     = random_spheres(&r, n & 1);
+        sphere       at[SPHERES];
+        lit_spheres  s     = random_spheres(&r, n & 1, at);
         eye_ray      ray   = random_ray(&r, 5, 20);
         traced_light light = {spheres_lit, &s, s.light, TRACED_SAMPLES};
-        spheres_parts(&s, &ray, &wanted);
+        if (n % 10 < 2) look_into(&ray, &s.light);
+        sphere_parts(&s, &ray, &wanted);
         traced_parts(&light, &ray, &lit);
         check_ordered(&lit, &ray);
         check_ordered(&wanted, &ray);
@@ -540,7 +466,8 @@ static void test_converged(void **state)
     double   most = 0, largest = 0;
     uint32_t shadowed = 0;
     for (uint32_t n = 0; n < repeats(100, 2000); n++) {
-        spheres         s    = random_spheres(&r, n & 1);
+        sphere          at[SPHERES];
+        lit_spheres     s    = random_spheres(&r, n & 1, at);
         eye_ray         ray  = random_ray(&r, 5, 20);
         vxs_medium      m    = random_medium(&r);
         reference_light l    = random_light(&r, n & 1 ? VXS_LIGHT_KIND_POINT : VXS_LIGHT_KIND_DIRECTIONAL);
@@ -554,7 +481,7 @@ static void test_converged(void **state)
         reference_airlight(&m, VXS_AIR_EVERYWHERE, &l, &ray, a);
         l.subject = &twice;
         reference_airlight(&m, VXS_AIR_EVERYWHERE, &l, &ray, b);
-        l.oracle  = spheres_parts;
+        l.oracle  = sphere_parts;
         l.subject = &s;
         reference_airlight(&m, VXS_AIR_EVERYWHERE, &l, &ray, c);
         for (int i = 0; i < 3; i++) {
