@@ -5,12 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "runtime/volumes/vxs_air_path.h"
+#include "baker/picture/fog_air.h"
 #include "runtime/vxs_query.h"
 
 enum { INTERVALS = 32 }; /* asked for at a time */
 
-static vxs_medium medium_of(const fog_medium *f)
+vxs_medium fog_air_medium(const fog_medium *f)
 {
     vxs_medium m = {.anisotropy = f->anisotropy};
     for (int i = 0; i < 3; i++) {
@@ -20,7 +20,7 @@ static vxs_medium medium_of(const fog_medium *f)
     return m;
 }
 
-static vxs_air_light air_light_of(const fog_light *light)
+vxs_air_light fog_air_light(const fog_light *light)
 {
     static const uint32_t kinds[] = {
         [LIGHT_DIRECTIONAL] = VXS_LIGHT_KIND_DIRECTIONAL, [LIGHT_SPOT] = VXS_LIGHT_KIND_SPOT, [LIGHT_POINT] = VXS_LIGHT_KIND_POINT};
@@ -62,10 +62,10 @@ static void add_light(const vxs_medium *medium, const fog_light *light, const vx
 void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t light_count, const double eye_ws[3],
                       const double direction[3], double metres, double airlight[3])
 {
-    vxs_medium medium = medium_of(f);
+    vxs_medium medium = fog_air_medium(f);
     double     in_fog[2];
     for (uint32_t n = 0; n < light_count; n++) {
-        vxs_air_light light = air_light_of(&lights[n]);
+        vxs_air_light light = fog_air_light(&lights[n]);
         vxs_air_path  path  = vxs_air_path_of(&light, eye_ws, direction, metres, f->top_ws, in_fog);
         if (path.end > path.begin) add_light(&medium, &lights[n], &path, eye_ws, direction, airlight);
     }
@@ -73,7 +73,7 @@ void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t lig
 
 void fog_left(const fog_medium *f, const double eye_ws[3], const double direction[3], double metres, double left[3])
 {
-    vxs_medium medium    = medium_of(f);
+    vxs_medium medium    = fog_air_medium(f);
     double     in_fog[2] = {0, metres};
     if (f->top_ws < VXS_AIR_EVERYWHERE) vxs_air_in_fog(eye_ws[1], direction[1], f->top_ws, in_fog);
     vxs_air_left(&medium, fmax(0, in_fog[1] - in_fog[0]), left);

@@ -4,7 +4,8 @@
  *
  * What is seen from a camera, and from two more a third of a texel of the light's map aside. In each round every technique draws every setting of its knob
  * once, one after the other, so that what else the machine does falls on all of them; OpenGL is waited for before and behind each. The reference
- * is airlight between exact lit intervals of the asset, in double. A cell is on the front when no other is both faster and nearer to it.
+ * is airlight between exact lit intervals of the asset, in double; of spheres, between those of formulas, so that what is off by its map counts, too.
+ * A cell is on the front when no other is both faster and nearer to it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,9 +31,10 @@ static vxs_result load(bench *b, message *m)
     b->far_metres    = 2 * size;
     b->radius_metres = 5e-4 * size;
     b->medium        = fog_of(&b->fog);
-    b->pixels        = (size_t)b->width * b->height;
-    b->wanted        = malloc(3 * CAMERAS * b->pixels * sizeof *b->wanted);
-    b->classes       = malloc(b->pixels);
+    if (b->is_of_spheres && (r = volumes_find_spheres(b, m)) != VXS_OK) return r;
+    b->pixels  = (size_t)b->width * b->height;
+    b->wanted  = malloc(3 * CAMERAS * b->pixels * sizeof *b->wanted);
+    b->classes = malloc(b->pixels);
     return b->wanted && b->classes ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a picture");
 }
 
@@ -92,6 +94,7 @@ static vxs_result run(void *command, message *m)
     vxs_gl_destroy(b->shadows);
     gl_context_destroy(b->gl);
     truth_destroy(b->truth);
+    free((void *)b->spheres.at);
     casters_free(&b->casting);
     scene_free(&b->scene);
     vxs_asset_close(b->asset);
@@ -116,6 +119,8 @@ int main(int argc, char **argv)
         {"--light", OPTION_TEXT, &b.light_name, 0, 0, NULL, "NAME", "the light (default the first)", NULL},
         {"--eye", OPTION_VECTOR, b.pose.eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres", NULL},
         {"--target", OPTION_VECTOR, b.pose.target_ws, 0, 3, NULL, "X,Y,Z", "where to look", NULL},
+        {"--spheres", OPTION_SWITCH, &b.is_of_spheres, 0, 0, NULL, NULL, "all is spheres: formulas tell what is lit, not the asset",
+         NULL},
         {"--fov", OPTION_F64, &b.pose.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom (default 60)", NULL},
         {"--width", OPTION_U32, &b.width, 16, 4096, NULL, "PX", "default 160", NULL},
         {"--height", OPTION_U32, &b.height, 16, 4096, NULL, "PX", "default 90", NULL},

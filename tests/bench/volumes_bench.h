@@ -12,6 +12,7 @@
 #include "runtime/volumes/vxs_volumes.h"
 #include "runtime/vxs.h"
 #include "tests/volumes/metrics.h"
+#include "tests/volumes/sphere_parts.h"
 
 enum { CAMERAS = 3, CELLS_MAX = 64, ROUNDS_MAX = 99 };
 
@@ -22,11 +23,13 @@ typedef struct bench {
     uint32_t       width, height, rounds, threads;
     gl_backend     backend;
     fog_choice     fog;
+    int            is_of_spheres;
     double         far_metres, radius_metres;
     fog_medium     medium;
     scene          scene;
     casters        casting;
     truth         *truth;
+    lit_spheres    spheres; /* of a scene that is of nothing else */
     vxs_asset     *asset;
     uint32_t       number; /* of the light */
     gl_context    *gl;
@@ -52,6 +55,9 @@ typedef struct technique {
 
 extern const technique volumes_techniques[];
 extern const size_t    volumes_technique_count;
+
+/* Find the spheres that a light's rays may meet: of each component, unless the light is in it. The axes' ends are among its corners. */
+vxs_result volumes_find_spheres(bench *b, message *m);
 
 /* Fill frames[camera], with the depths of what is seen there, and what airlight is wanted; of the first camera, the classes of its pixels. */
 vxs_result volumes_see(bench *b, int camera, message *m);

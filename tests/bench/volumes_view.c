@@ -1,4 +1,5 @@
-/* What is seen, and the airlight that is wanted there: that between exact lit intervals of the asset, in double; see volumes_bench.h.
+/* What is seen, and the airlight that is wanted there, in double: that between exact lit intervals of the asset, or of rays among
+ * spheres; see volumes_bench.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/bench/volumes_bench.h"
 
@@ -9,6 +10,7 @@
 #include "baker/opengl/gl.h"
 #include "baker/picture/fog.h"
 #include "baker/truth/baked_light.h"
+#include "tests/volumes/sphere_fog.h"
 
 #define NEAR_METRES 0.01
 
@@ -51,7 +53,11 @@ static void see_pixels(void *user, size_t begin, size_t end, uint32_t worker)
         s->depths[n] = hit ? (float)(NEAR_METRES / (metres * along)) : 0;
         metres       = s->depths[n] > 0 ? NEAR_METRES / ((double)s->depths[n] * along) : b->far_metres; /* as a float has it */
         to[0] = to[1] = to[2] = 0;
-        fog_add_airlight(&b->medium, &s->light, 1, s->eye_ws, direction, fmin(metres, b->far_metres), to);
+        metres                = fmin(metres, b->far_metres);
+        if (b->is_of_spheres)
+            sphere_fog_add_airlight(&b->medium, &s->light, &b->spheres, s->eye_ws, direction, metres, to);
+        else
+            fog_add_airlight(&b->medium, &s->light, 1, s->eye_ws, direction, metres, to);
         if (s->camera == 0)
             b->classes[n] = s->light.shape.kind == LIGHT_DIRECTIONAL
                                 ? PIXELS_ELSEWHERE
