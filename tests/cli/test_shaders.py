@@ -113,6 +113,23 @@ def test_intervals(glslang, version):
     glslang(WORDS.replace("#version 430 core", version) + COMPUTE + WORD + "".join(texts) + WALK, "walk.comp")
 
 
+CURVE = """void main() {
+    vxs_curve curve = vxs_curve_empty();
+    vxs_curve_insert(curve, 8, 1.0, 2.0, 0.5);
+    vxs_curve_pad(curve, 8);
+    words[0] = uint(curve.left[7] + vxs_curve_at(curve, 3.0, 0) + vxs_curve_read(0u, 16, 8, 3.0, 1));
+}
+"""
+
+
+@pytest.mark.parametrize("version", ["#version 430 core", "#version 310 es"])
+def test_curves(glslang, version):
+    """Of smoke, behind the headers of a lookup, with fewer nodes than there could be."""
+    number = "#define VXS_CURVE_MOST 8\n#define vxs_curve_number(curves, i) uintBitsToFloat(words[(curves) + uint(i)])\n"
+    glslang(WORDS.replace("#version 430 core", version) + COMPUTE + WORD + "".join(map(header, HEADERS)) + number +
+            (ROOT / "runtime" / "volumes" / "vxs_curve.h").read_text() + CURVE, "curve.comp")
+
+
 def test_word_has_to_be_defined(glslang):
     said = glslang(WORDS + header("vxs_lookup.h") + "void main() {}\n", "none.frag", good=False)
     assert "vxs_word is not defined" in said
@@ -214,10 +231,25 @@ int main(void)
 """
 
 
+CURVED = """
+#include "runtime/volumes/vxs_curve.h"
+int main(void)
+{
+    vxs_curve curve = vxs_curve_empty();
+    const float stored[8] = {1, 1, 2, 0.5f, 1e30f, 0.5f, 1e30f, 0.5f};
+    vxs_curve_insert(&curve, 4, 1, 2, 0.5);
+    vxs_curve_pad(&curve, 4);
+    if (curve.count != 2 || curve.left[3] != 0.5 || vxs_curve_at(&curve, 1.5, 0) != 0.75) return 1;
+    return vxs_curve_read(stored, 0, 4, 1.5, 0) == 0.75 && vxs_curve_read(stored, 0, 4, 9, 1) == 0.5 ? 0 : 2;
+}
+"""
+
+
+@pytest.mark.parametrize("text", [WALKED, CURVED], ids=["intervals", "curves"])
 @pytest.mark.parametrize("language, standard", [("c", "c99"), ("c++", "c++11")])
-def test_intervals_in_c(language, standard, tmp_path):
+def test_headers_in_c(language, standard, text, tmp_path):
     compiler = os.environ.get("CC", "cc") if language == "c" else os.environ.get("CXX", "c++")
-    (tmp_path / "walked").write_text(WALKED)
+    (tmp_path / "walked").write_text(text)
     subprocess.run([*compiler.split(), "-x", language, f"-std={standard}", "-Wall", "-Wextra", "-Werror", "-pedantic-errors", f"-I{ROOT}",
                     f"-I{ROOT / 'formats'}", tmp_path / "walked", "-o", tmp_path / "run", "-lm"], check=True)
     assert subprocess.run([tmp_path / "run"]).returncode == 0

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "random_lamp.h"
+#include "read_text.h"
 #include "runtime/volumes/vxs_air_table.h"
 #include "tests/volumes/airlight.h"
 
@@ -132,21 +133,6 @@ static inline void check_errors(const errors *e, double most, double mean, doubl
     assert_true(e->most < most);
     assert_true(e->sum < mean * e->count);
     assert_true(e->large < share * e->count);
-}
-
-static inline char *read_text(const char *path)
-{
-    enum { MOST = 1 << 16 };
-    char *text = calloc(1, MOST);
-    FILE *file = fopen(path, "r");
-    assert_non_null(text);
-    if (!file) {
-        print_message("%s is not here: start this test in the root of the repository\n", path);
-        skip();
-    }
-    assert_in_range(fread(text, 1, MOST - 1, file), 1, MOST - 2);
-    fclose(file);
-    return text;
 }
 
 /* A point of gl_points.h asks for one channel of a question. */
