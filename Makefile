@@ -86,7 +86,7 @@ mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 gl.c      := $(wildcard runtime/gl/*.c)
 gl.text   := $(wildcard runtime/gl/*.glsl) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h
-air.h     := $(filter-out %/vxs_volumes.h,$(wildcard runtime/volumes/vxs_*.h))
+air.h     := $(filter-out %/vxs_volumes.h %/vxs_transmittance.h,$(wildcard runtime/volumes/vxs_*.h))
 volumes.c := $(wildcard runtime/volumes/*.c)
 volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))
@@ -140,8 +140,8 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_volumes volumes): $(reference.o)
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_volumes volumes): test_libs += -lgsl -lgslcblas
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_volumes transmittance volumes): $(reference.o)
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_volumes transmittance volumes): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o

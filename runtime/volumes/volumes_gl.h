@@ -113,6 +113,7 @@ enum {
     X(void, NamedBufferSubData, (gl_name, gl_bytes, gl_bytes, const void *))                                             \
     X(void, ClearNamedBufferSubData, (gl_name, gl_enum, gl_bytes, gl_bytes, gl_enum, gl_enum, const void *))             \
     X(void, CopyNamedBufferSubData, (gl_name, gl_name, gl_bytes, gl_bytes, gl_bytes))                                    \
+    X(void, GetNamedBufferSubData, (gl_name, gl_bytes, gl_bytes, void *))                                                \
     X(void, BindBufferRange, (gl_enum, gl_name, gl_name, gl_bytes, gl_bytes))                                            \
     X(void, CreateFramebuffers, (int, gl_name *))                                                                        \
     X(void, DeleteFramebuffers, (int, const gl_name *))                                                                  \

@@ -151,6 +151,9 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
     vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[],
     vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[],
-    vxs_volumes_text_or_scan_glsl[];
+    vxs_volumes_text_or_scan_glsl[], vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[],
+    vxs_volumes_text_transmittance_glsl[], vxs_volumes_text_transmittance_capture_glsl[],
+    vxs_volumes_text_transmittance_build_glsl[], vxs_volumes_text_transmittance_stream_glsl[],
+    vxs_volumes_text_transmittance_pass_glsl[];
 
 #endif

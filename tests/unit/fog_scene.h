@@ -88,42 +88,44 @@ static inline double texel_edge(const light_map *m, double n)
                                                        : (n * baked / m->side - baked / 2) * m->light.texel_metres;
 }
 
+/* The light ray through a texel's centre: of a lamp from it on, of a sun from depth 0 on.
+ * way  [out] of length 1
+ * Returns how many metres along it the map's depth grows by 1 */
+static inline double light_map_ray(const light_map *m, int face, int x, int y, double *from, double *way)
+{
+    /* the face's axes in world space, from what it makes of those of the world */
+    int    is_sun = m->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    double columns[3][3], middle[3], scale[3] = {m->light.texel_metres, m->light.texel_metres, m->light.voxel_metres};
+    double at[3] = {texel_edge(m, x + 0.5), texel_edge(m, y + 0.5), is_sun ? 0 : 1};
+    for (int i = 0; i < 3; i++) {
+        double unit[3] = {i == 0, i == 1, i == 2};
+        face_from_ws(m, face, unit, 0, columns[i]);
+    }
+    face_from_ws(m, face, (double[3]){0, 0, 0}, 1, middle);
+    for (int i = 0; i < 3; i++) {
+        from[i] = 0; /* of a lamp, where the face's place is 0 */
+        for (int k = 0; k < 3; k++) from[i] += columns[i][k] * (is_sun ? (at[k] - middle[k]) * scale[k] * scale[k] : -middle[k]);
+        way[i] = is_sun ? columns[i][2] * scale[2] * scale[2] : dot(columns[i], at);
+    }
+    double metres = sqrt(dot(way, way));
+    make_unit(way);
+    return metres;
+}
+
 static inline light_map light_map_make(const fog_scene *s, const vxs_light *light, int side)
 {
-    light_map m = {.light = *light, .side = side, .layers = light->flags & VXS_LIGHT_CUBE ? 6 : 1};
-    m.first     = malloc((size_t)m.layers * (size_t)(side * side) * sizeof *m.first);
+    light_map m    = {.light = *light, .side = side, .layers = light->flags & VXS_LIGHT_CUBE ? 6 : 1};
+    double    back = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1e4 : 0; /* metres: suns see what is before their maps, too */
+    m.first        = malloc((size_t)m.layers * (size_t)(side * side) * sizeof *m.first);
     assert_non_null(m.first);
-    for (int face = 0; face < m.layers; face++) {
-        /* the face's axes in world space, from what it makes of those of the world */
-        double columns[3][3], middle[3], scale = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? light->texel_metres : 1, origin[3];
-        for (int i = 0; i < 3; i++) {
-            double unit[3] = {i == 0, i == 1, i == 2};
-            face_from_ws(&m, face, unit, 0, columns[i]);
-        }
-        face_from_ws(&m, face, (double[3]){0, 0, 0}, 1, middle);
-        for (int i = 0; i < 3; i++) origin[i] = -dot(columns[i], middle) * scale * scale; /* where the face's place is 0 */
+    for (int face = 0; face < m.layers; face++)
         for (int y = 0; y < side; y++)
             for (int x = 0; x < side; x++) {
-                double at[3] = {texel_edge(&m, x + 0.5), texel_edge(&m, y + 0.5), 1}, from[3], way[3], length, hit;
-                for (int i = 0; i < 3; i++) {
-                    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
-                        from[i] = origin[i] + (columns[i][0] * at[0] + columns[i][1] * at[1] - columns[i][2] * 1e4) * scale * scale;
-                        way[i]  = columns[i][2] * scale;
-                    } else {
-                        from[i] = origin[i];
-                        way[i]  = dot(columns[i], at);
-                    }
-                }
-                length = sqrt(dot(way, way));
-                for (int i = 0; i < 3; i++) way[i] /= length;
-                hit = spheres_hit(s, from, way);
-                if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
-                    hit = (hit - 1e4 * scale) / scale;
-                else
-                    hit /= length;
-                m.first[((size_t)face * (size_t)side + (size_t)y) * (size_t)side + (size_t)x] = hit < 1e30 ? (float)hit : 1e30F;
+                double from[3], way[3], metres = light_map_ray(&m, face, x, y, from, way);
+                for (int i = 0; i < 3; i++) from[i] -= back * way[i];
+                double first = (spheres_hit(s, from, way) - back) / metres;
+                m.first[((size_t)face * (size_t)side + (size_t)y) * (size_t)side + (size_t)x] = first < 1e30 ? (float)first : 1e30F;
             }
-    }
     return m;
 }
 

@@ -7,6 +7,7 @@
 
 #include "formats/vxs_desc.h"
 #include "runtime/gl/vxs_gl.h"
+#include "runtime/volumes/vxs_transmittance.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
 #include "runtime/vxs_stream.h"
@@ -44,6 +45,8 @@ static void structs_of_the_library_keep_their_layout(void **state)
     assert_int_equal(sizeof(vxs_interval), 24);
     assert_int_equal(sizeof(vxs_lit_walk), 1024);
     assert_int_equal(sizeof(vxs_gl_light), 16);
+    assert_int_equal(sizeof(vxs_capsule), 32);
+    assert_int_equal(AT(vxs_capsule, extinction), 28);
     assert_int_equal(sizeof(vxs_view), 80);
     assert_int_equal(AT(vxs_view, empty_depth), 72);
     assert_int_equal(sizeof(vxs_stream_focus), 64);

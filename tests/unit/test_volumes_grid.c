@@ -336,6 +336,7 @@ static void test_state(void **state)
     get(GL_SHADER_STORAGE_BUFFER_BINDING, before + 6);
     assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
     assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_OK);
+    scene_smoke(&s, SCENE_SUN);
     for (int n = 0; n < 6; n++) get_i(names[n / 2], (GLuint)(6 + n % 2), after + n);
     get(GL_SHADER_STORAGE_BUFFER_BINDING, after + 6);
     for (int n = 0; n < 7; n++)

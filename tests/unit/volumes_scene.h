@@ -9,6 +9,7 @@
 #include "baker/vxs_bake.h"
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/volumes/vxs_air_path.h"
+#include "runtime/volumes/vxs_transmittance.h"
 #include "runtime/volumes/vxs_volumes.h"
 #include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
@@ -269,6 +270,24 @@ static inline void scene_airlight(const volumes_scene *s, const vxs_volumes_ligh
             vxs_air_lit(medium, &path, found[n].t_begin, found[n].t_end, lit);
             for (int i = 0; i < 3; i++) sum[i] += (double)light->colour[i] * lit[i];
         }
+    }
+}
+
+/* Every call of a map of transmittance curves, with lists and without, in the frame that has begun. */
+static inline void scene_smoke(const volumes_scene *s, int light)
+{
+    const vxs_capsule  one   = {{0, 1, 0}, 1, {0, 2, 0}, 1};
+    const vxs_capsules smoke = {.list = &one, .count = 1};
+    GLuint             texture;
+    s->gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    s->gl->TextureStorage2D(texture, 1, GL_R32F, (GLsizei)s->width_px, (GLsizei)s->height_px);
+    for (uint32_t segments = 0; segments < 2000; segments += 1000) {
+        vxs_transmittance_map *map;
+        vxs_transmittance_desc desc = {.baked = (uint32_t)light, .side_px = 16, .capsules = 1, .segments = segments};
+        assert_int_equal(vxs_transmittance_map_create(&map, s->volumes, &desc), VXS_OK);
+        assert_int_equal(vxs_transmittance_map_build(map, &smoke, NULL), VXS_OK);
+        assert_int_equal(vxs_volumes_transmittance(s->volumes, map, texture, VXS_CURVE_LINES), VXS_OK);
+        vxs_transmittance_map_destroy(map);
     }
 }
 

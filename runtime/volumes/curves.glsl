@@ -1,0 +1,34 @@
+/* Words of a map of transmittance curves: what transmittance_map.c lays out. counts: capsules, segments that lists have room for, flags, texels a side;
+ * map: texels a side of the light map of what is opaque, layers. Behind the curves, where there are lists:
+ *
+ *     a record for each texel   the first segment of its list; of what lists had no room for, the least entry, the greatest exit, and what it lets through
+ *     a segment                 entry, exit, what it lets through, the next
+ */
+#define VXS_CURVE_SORTED 1u
+#define VXS_CURVE_OPAQUE 2u
+#define VXS_NO_SEGMENT   0xffffffffu
+layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_curves_buffer {
+    uint segments, merged, reserved_0, reserved_1;
+    uint words[];
+} vxs_curves;
+
+uint vxs_curve_texel(ivec3 texel)
+{
+    return (uint(texel.z) * vxs_frame.counts.w + uint(texel.y)) * vxs_frame.counts.w + uint(texel.x);
+}
+
+/* Where the curve of a texel begins, its record, and a segment. */
+uint vxs_curve_words(uint texel)
+{
+    return texel * uint(2 * VXS_CURVE_MOST);
+}
+
+uint vxs_curve_record(uint texel)
+{
+    return vxs_curve_words(vxs_frame.counts.w * vxs_frame.counts.w * vxs_frame.map.y) + 4u * texel;
+}
+
+uint vxs_curve_segment(uint n)
+{
+    return vxs_curve_record(vxs_frame.counts.w * vxs_frame.counts.w * vxs_frame.map.y) + 4u * n;
+}

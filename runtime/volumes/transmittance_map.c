@@ -1,0 +1,203 @@
+/* Maps of transmittance curves; see vxs_transmittance.h. One storage buffer: counts, curves, and, with lists, a record for each texel and segments
+ * (curves.glsl).
+ * SPDX-License-Identifier: MIT */
+#include <stdio.h>
+
+#include "transmittance_map.h"
+#include "vxs_desc.h"
+
+enum { SIDE = 256, SIDE_MAX = 8192, NODES = 8, CAPSULES_MAX = 1 << 24, HEAD_BYTES = 16, RECORD_BYTES = 16, SEGMENT_BYTES = 16 };
+
+static const vxs_light_constants *constants_of(const vxs_transmittance_map *map)
+{
+    return map->is_baked ? &vxs_gl_constants(map->volumes->shadows)[map->baked] : &map->constants;
+}
+
+static uint64_t texels_of(const vxs_transmittance_map *map)
+{
+    return (uint64_t)map->side_px * map->side_px * map->layers;
+}
+
+static uint64_t curve_bytes(const vxs_transmittance_map *map)
+{
+    return texels_of(map) * map->nodes * 2 * sizeof(float);
+}
+
+static uint64_t bytes_of(const vxs_transmittance_map *map)
+{
+    uint64_t lists = map->segment_room ? texels_of(map) * RECORD_BYTES + (uint64_t)map->segment_room * SEGMENT_BYTES : 0;
+    return HEAD_BYTES + curve_bytes(map) + lists;
+}
+
+void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSMITTANCE_NAMES])
+{
+    snprintf(names, TRANSMITTANCE_NAMES, "#define VXS_USES_CURVES\n#define VXS_CURVE_MOST %u\n", map->nodes);
+}
+
+/* create --------------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result make(vxs_transmittance_map *map)
+{
+    vxs_volumes *v = map->volumes;
+    char         names[TRANSMITTANCE_NAMES];
+    vxs_transmittance_names(map, names);
+    if (map->segment_room) map->capture = vxs_volumes_compute(v, names, vxs_volumes_text_transmittance_capture_glsl);
+    map->build = vxs_volumes_compute(
+        v, names, map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl);
+    map->look_up = vxs_volumes_compute(v, names, vxs_volumes_text_transmittance_pass_glsl);
+    if (!map->build || !map->look_up || (map->segment_room && !map->capture)) return VXS_E_GL;
+    map->buffer   = vxs_volumes_buffer(v, bytes_of(map));
+    map->capsules = vxs_volumes_buffer(v, (uint64_t)map->capsule_room * sizeof(vxs_capsule));
+    return map->buffer && map->capsules ? VXS_OK : VXS_E_MEMORY;
+}
+
+static int is_good(const vxs_volumes *v, const vxs_transmittance_desc *desc)
+{
+    if (!desc->constants && desc->baked >= vxs_gl_light_count(v->shadows)) return 0;
+    if (desc->nodes && desc->nodes != 4 && desc->nodes != 8 && desc->nodes != 12 && desc->nodes != 16) return 0;
+    return desc->side_px <= SIDE_MAX && desc->capsules && desc->capsules <= CAPSULES_MAX;
+}
+
+vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes *v, const vxs_transmittance_desc *desc)
+{
+    vxs_transmittance_desc known  = {0};
+    const size_t           first  = offsetof(vxs_transmittance_desc, unsorted) + sizeof known.unsorted;
+    vxs_result             result = vxs_desc_take(&known, sizeof known, first, desc);
+    int                    most   = 0;
+    *out                          = NULL;
+    if (result != VXS_OK) return result;
+    if (!is_good(v, &known)) return VXS_E_ARGUMENT;
+    vxs_transmittance_map *map = vxs_volumes_take(v, sizeof *map);
+    if (!map) return VXS_E_MEMORY;
+    *map = (vxs_transmittance_map){.volumes      = v,
+                                   .baked        = known.baked,
+                                   .is_baked     = !known.constants,
+                                   .side_px      = known.side_px ? known.side_px : SIDE,
+                                   .nodes        = known.nodes ? known.nodes : NODES,
+                                   .capsule_room = known.capsules,
+                                   .segment_room = known.segments,
+                                   .is_sorted    = !known.unsorted};
+    if (known.constants) map->constants = *known.constants;
+    map->layers = constants_of(map)->flags & VXS_LIGHT_CUBE ? 6 : 1;
+    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
+    result = bytes_of(map) <= (uint32_t)most && bytes_of(map) <= INT32_MAX ? make(map) : VXS_E_GL;
+    if (result == VXS_OK)
+        *out = map;
+    else
+        vxs_transmittance_map_destroy(map);
+    return result;
+}
+
+void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
+{
+    if (!map) return;
+    const vxs_volumes *v          = map->volumes;
+    const gl_name      buffers[]  = {map->buffer, map->capsules};
+    const gl_name      programs[] = {map->capture, map->build, map->look_up};
+    for (int n = 0; n < 2; n++)
+        if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
+    for (int n = 0; n < 3; n++)
+        if (programs[n]) v->api.DeleteProgram(programs[n]);
+    vxs_volumes_give_back(v, map, sizeof *map);
+}
+
+/* build ---------------------------------------------------------------------------------------------------------------------------- */
+
+void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map *opaque, uint32_t capsule_count)
+{
+    enum { SORTED = 1, ENDS_AT_OPAQUE = 2 };
+    frame_block *to = &map->volumes->frame;
+    to->light       = *constants_of(map);
+    to->map_side_px = opaque ? opaque->side_px : 0;
+    to->map_layers  = map->layers;
+    to->counts[0]   = capsule_count;
+    to->counts[1]   = map->segment_room;
+    to->counts[2]   = (map->is_sorted ? SORTED : 0) | (opaque ? ENDS_AT_OPAQUE : 0);
+    to->counts[3]   = map->side_px;
+}
+
+static void dispatch(const vxs_volumes *v, gl_name program, const vxs_light_map *opaque, uint32_t x, uint32_t y, uint32_t z)
+{
+    volumes_kept kept = vxs_volumes_use(v, program, opaque ? vxs_light_map_texture(opaque) : 0, 0, 0);
+    v->api.DispatchCompute(x, y, z);
+    vxs_volumes_put_back(v, &kept);
+}
+
+void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_light_map *opaque)
+{
+    uint32_t groups = (map->side_px + 7) / 8;
+    dispatch(map->volumes, program, opaque, groups, groups, map->layers);
+}
+
+/* No segments, and in each texel's record an empty list and nothing that was merged. */
+static void clear(const vxs_transmittance_map *map)
+{
+    static const uint32_t record[4] = {UINT32_MAX, UINT32_MAX, 0, 0x3f800000};
+    const volumes_api    *api       = &map->volumes->api;
+    api->ClearNamedBufferSubData(map->buffer, GL_FORMAT_R32UI, 0, HEAD_BYTES, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
+    if (!map->segment_room) return;
+    api->ClearNamedBufferSubData(map->buffer, GL_FORMAT_RGBA32UI, (gl_bytes)(HEAD_BYTES + curve_bytes(map)),
+                                 (gl_bytes)(texels_of(map) * RECORD_BYTES), GL_FORMAT_RGBA_INTEGER, GL_TYPE_UNSIGNED_INT, record);
+}
+
+void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
+{
+    enum { GROUPS_ACROSS = 32768 };
+    const vxs_volumes *v     = map->volumes;
+    uint32_t           count = capsules->count, across = count < GROUPS_ACROSS ? count : GROUPS_ACROSS;
+    if (capsules->list && count)
+        v->api.NamedBufferSubData(map->capsules, 0, (gl_bytes)(count * sizeof *capsules->list), capsules->list);
+    vxs_transmittance_set(map, opaque, count);
+    clear(map);
+    vxs_volumes_use_storage(v, map->buffer, capsules->list ? map->capsules : capsules->buffer);
+    if (map->segment_room && count) dispatch(v, map->capture, opaque, across, (count + across - 1) / across, 1);
+}
+
+static int is_of_its_light(const vxs_transmittance_map *map, const vxs_light_map *opaque)
+{
+    return opaque->layers == map->layers && opaque->is_baked == map->is_baked && (!map->is_baked || opaque->baked == map->baked);
+}
+
+vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
+{
+    if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
+    if (opaque && !is_of_its_light(map, opaque)) return VXS_E_ARGUMENT;
+    storage_kept kept = vxs_volumes_keep_storage(map->volumes);
+    vxs_transmittance_capture(map, capsules, opaque);
+    vxs_transmittance_run(map, map->build, opaque);
+    vxs_volumes_put_back_storage(map->volumes, &kept);
+    return VXS_OK;
+}
+
+void vxs_transmittance_map_counts(const vxs_transmittance_map *map, uint32_t *segments, uint32_t *merged)
+{
+    uint32_t counts[2] = {0};
+    map->volumes->api.GetNamedBufferSubData(map->buffer, 0, sizeof counts, counts);
+    *segments = counts[0];
+    *merged   = counts[1];
+}
+
+unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map)
+{
+    return map->buffer;
+}
+
+/* look up -------------------------------------------------------------------------------------------------------------------------- */
+
+vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map *map, unsigned texture, vxs_curve_lookup how)
+{
+    enum { GROUP = 8 };
+    if (!v->depth_texture || !texture || (how != VXS_CURVE_LINES && how != VXS_CURVE_EXPONENTIALS)) return VXS_E_ARGUMENT;
+    frame_block *to   = &v->frame;
+    uint32_t     wide = (uint32_t)to->wide_px, high = (uint32_t)to->high_px;
+    vxs_transmittance_set(map, NULL, 0);
+    to->knobs[0]        = (float)how;
+    to->pixels          = (vxs_pixels){0, 0, wide, high};
+    storage_kept stored = vxs_volumes_keep_storage(v);
+    vxs_volumes_use_storage(v, map->buffer, 0);
+    volumes_kept kept = vxs_volumes_use(v, map->look_up, 0, texture, GL_FORMAT_R32F);
+    v->api.DispatchCompute((wide + GROUP - 1) / GROUP, (high + GROUP - 1) / GROUP, 1);
+    vxs_volumes_put_back(v, &kept);
+    vxs_volumes_put_back_storage(v, &stored);
+    return VXS_OK;
+}

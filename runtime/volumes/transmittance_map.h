@@ -1,0 +1,30 @@
+/* The object of vxs_transmittance.h, for its passes and for curves of other kinds that are made of the same lists. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef TRANSMITTANCE_MAP_H
+#define TRANSMITTANCE_MAP_H
+
+#include "volumes_state.h"
+#include "vxs_transmittance.h"
+
+struct vxs_transmittance_map {
+    vxs_volumes        *volumes;
+    vxs_light_constants constants; /* of a light that is not baked */
+    uint32_t            baked, is_baked, side_px, layers, nodes, capsule_room, segment_room, is_sorted;
+    gl_name             buffer, capsules;
+    gl_name             capture, build, look_up; /* programs; without lists, capture is 0 */
+};
+
+/* What programs of maps need beside the texts that all have: lines of #define. */
+enum { TRANSMITTANCE_NAMES = 64 };
+void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSMITTANCE_NAMES]);
+
+/* The map and its light, for shaders (curves.glsl).   opaque  NULL: none */
+void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map *opaque, uint32_t capsule_count);
+
+/* Capture the segments of capsules anew, where there are lists. Between vxs_volumes_keep_storage and vxs_volumes_put_back_storage. */
+void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
+
+/* Run a program of 8 x 8 texels a group, on all texels. */
+void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_light_map *opaque);
+
+#endif

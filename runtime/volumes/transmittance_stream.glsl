@@ -1,0 +1,42 @@
+/* A workgroup for each tile of texels: 64 capsules at a time, it marks those that the tile may see, and each texel inserts them, in their order. */
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_capsules_buffer { vec4 capsules[]; };
+shared vec4 begins[64], ends[64];
+shared uint seen[2];
+
+bool in_tile(vxs_capsule c)
+{
+    ivec4 box;
+    ivec2 first = ivec2(gl_WorkGroupID.xy) * 8;
+    return vxs_capsule_texels(c, box) && all(lessThan(box.xy, first + 8)) && all(greaterThan(box.zw, first));
+}
+
+void main()
+{
+    ivec3     texel = ivec3(gl_GlobalInvocationID);
+    uint      own = gl_LocalInvocationIndex, count = vxs_frame.counts.x;
+    bool      is_one = all(lessThan(texel.xy, ivec2(vxs_frame.counts.w)));
+    float     opaque = is_one ? vxs_opaque_depth(texel) : VXS_NO_END;
+    vxs_curve curve = vxs_curve_empty();
+    for (uint first = 0u; first < count; first += 64u) {
+        if (own < 2u) seen[own] = 0u;
+        barrier();
+        if (first + own < count) {
+            vxs_capsule c = vxs_capsule_of(capsules[2u * (first + own)], capsules[2u * (first + own) + 1u], texel.z);
+            begins[own] = vec4(c.begin, c.radius);
+            ends[own]   = vec4(c.end, c.extinction);
+            if (in_tile(c)) atomicOr(seen[own >> 5], 1u << (own & 31u));
+        }
+        barrier();
+        for (uint half_of_them = 0u; half_of_them < 2u; half_of_them++)
+            for (uint bits = is_one ? seen[half_of_them] : 0u; bits != 0u; bits &= bits - 1u) {
+                uint        n = 32u * half_of_them + uint(findLSB(bits));
+                vxs_capsule c = vxs_capsule(begins[n].xyz, begins[n].w, ends[n].xyz, ends[n].w);
+                vec3        segment;
+                if (vxs_capsule_segment(c, texel, opaque, segment)) vxs_curve_insert(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
+            }
+        barrier();
+    }
+    vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
+    if (is_one) vxs_curve_store(vxs_curve_texel(texel), curve);
+}

@@ -1,0 +1,95 @@
+/* libvxs_volumes: shadows of smoke, hair and dust, as adaptive volumetric shadow maps [AVSM10].
+ *
+ *     vxs_transmittance_map *map;                                       // when a level is loaded
+ *     vxs_transmittance_desc desc = {.baked = sun, .capsules = 10000, .segments = 1 << 20};
+ *     if (vxs_transmittance_map_create(&map, air, &desc) != VXS_OK) ...
+ *
+ *     vxs_transmittance_map_build(map, &smoke, NULL);                   // each frame: what the light meets now
+ *     vxs_volumes_begin(air, &frame);
+ *     vxs_volumes_transmittance(air, map, texture, VXS_CURVE_LINES);    // how much of it reaches what each pixel sees
+ *
+ * A map lies in the prism, frustum or cube of a light's maps. Each texel has a curve (vxs_curve.h) of how much light is left along the light ray
+ * through its centre. Depths are metres along the map's axis, of a lamp from it on. What casts are capsules; each is met by a ray once, between entry and
+ * exit.
+ *
+ *     lists      All segments are captured first, in lists by texel; then each texel sorts its own by depth, and makes its curve of them. What lists have no
+ *                room for is counted, and merged into one more segment a texel: from the least entry to the greatest exit, with the product of
+ *                what all of them let through. So no light comes through where there was no room.
+ *     streaming  With no room for lists, memory is that of the curves: a workgroup for each tile of 8 x 8 texels finds the capsules that it may see, in their
+ *                order, and an invocation for each texel inserts them. Capsules that are given from the light on are inserted sorted.
+ *
+ * All else is as in vxs_volumes.h: context, state, places.
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_TRANSMITTANCE_H
+#define VXS_TRANSMITTANCE_H
+
+#include "vxs_volumes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct vxs_transmittance_map vxs_transmittance_map;
+
+/* What dims light: all that is no farther from a segment than a radius, evenly dense. Puffs of smoke begin where they end; a hair is a chain of thin
+ * ones. One that is thinner than a texel is missed by the rays beside it: make it as wide as a texel, and thinner in extinction by the square.
+ * One that is no capsule, of no size or extinction, with numbers that are none, or beyond 1e12, dims nothing. */
+typedef struct vxs_capsule {
+    float begin[3], radius_metres;
+    float end[3], extinction; /* per metre */
+} vxs_capsule;
+
+/* What is not named is 0, and means the default. It grows at its end only. */
+typedef struct vxs_transmittance_desc {
+    size_t                     struct_size; /* sizeof(vxs_transmittance_desc); 0: as it was at first, up to unsorted */
+    uint32_t                   baked;       /* the light's number in vxs_gl; without constants */
+    const vxs_light_constants *constants;   /* of a light that is not baked; NULL: it is */
+    uint32_t                   side_px;     /* texels a side; 0: 256; 8192 at most */
+    uint32_t                   nodes;       /* of each curve: 4, 8, 12, 16; 0: 8 */
+    uint32_t                   capsules;    /* how many there may be, > 0; 2^24 at most */
+    uint32_t                   segments;    /* how many lists have room for, 16 bytes each; 0: none, streaming */
+    uint32_t                   unsorted;    /* 1: lists are taken in any order, which may change from frame to frame; 0: by depth */
+} vxs_transmittance_desc;
+
+/* One storage buffer: 16 bytes, 8 for each node of each texel, and with lists 16 for each texel and for each segment; and one for capsules, 32 bytes each.
+ * map  [out] NULL on failure
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_MEMORY; VXS_E_GL: more than a storage buffer of the context holds, or a shader that does not compile. */
+vxs_result vxs_transmittance_map_create(vxs_transmittance_map **map, vxs_volumes *volumes, const vxs_transmittance_desc *desc);
+void       vxs_transmittance_map_destroy(vxs_transmittance_map *map);
+
+/* Capsules of the caller's memory, which are uploaded, or of a storage buffer. */
+typedef struct vxs_capsules {
+    const vxs_capsule *list;   /* [count] NULL: those of the buffer */
+    unsigned           buffer; /* of vxs_capsule */
+    uint32_t           count;
+} vxs_capsules;
+
+/* Make the curves anew.
+ * opaque  where shadow begins, of the same light: light ends there, and what lies behind casts nothing. NULL: only smoke casts; what stands is in the asset's
+ *         shadow, which a shader multiplies
+ * Returns VXS_OK; VXS_E_ARGUMENT for more capsules than create was told, or for another light's map. */
+vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
+
+/* Of the last build with lists: segments that were met, and how many of them had to be merged because lists had no room. Waits for the graphics processor. */
+void vxs_transmittance_map_counts(const vxs_transmittance_map *map, uint32_t *segments, uint32_t *merged);
+
+/* The buffer: 16 bytes of counts; from there on, as vxs_curve.h stores them, the curves of all texels, row by row, layer by layer. Valid until
+ * vxs_transmittance_map_destroy. */
+unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map);
+
+/* What a curve is between two nodes. */
+typedef enum vxs_curve_lookup {
+    VXS_CURVE_LINES,       /* a line */
+    VXS_CURVE_EXPONENTIALS /* as through a medium of even density */
+} vxs_curve_lookup;
+
+/* How much of the light reaches what each pixel of the frame sees, 0 to 1; 1 where it sees nothing, and outside the map. Four curves are asked, and what they
+ * say is weighed by where the place lies between texels.
+ * texture  GL_TEXTURE_2D of GL_R32F, no smaller than the view; written */
+vxs_result vxs_volumes_transmittance(vxs_volumes *volumes, const vxs_transmittance_map *map, unsigned texture,
+                                     vxs_curve_lookup how);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
