@@ -86,7 +86,9 @@ mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 gl.c      := $(wildcard runtime/gl/*.c)
 gl.text   := $(wildcard runtime/gl/*.glsl) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h
-air.h     := $(filter-out %/vxs_volumes.h %/vxs_transmittance.h,$(wildcard runtime/volumes/vxs_*.h))
+# what its functions are declared in, and texts for C and shaders
+volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h)
+air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
 volumes.c := $(wildcard runtime/volumes/*.c)
 volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h formats/vxs_intervals.h
 format.c  := $(filter-out $(runtime.c),$(wildcard formats/*.c))

@@ -303,7 +303,8 @@ def test_library_symbols(build, library, some):
 @pytest.mark.parametrize("library, headers, libraries", [
     ("libvxs", ["runtime/vxs.h", "runtime/vxs_query.h", "runtime/vxs_stream.h", "formats/vxs_file.h"], {"libzstd.so.1", "libxxhash.so.0"}),
     ("libvxs_gl", ["runtime/gl/vxs_gl.h"], {f"libvxs.so.{MAJOR}"}),
-    ("libvxs_volumes", ["runtime/volumes/vxs_volumes.h", "runtime/volumes/vxs_transmittance.h"], {f"libvxs.so.{MAJOR}", f"libvxs_gl.so.{MAJOR}"})], ids=["libvxs", "libvxs_gl", "libvxs_volumes"])
+    ("libvxs_volumes", [f"runtime/volumes/vxs_{name}.h" for name in ("volumes", "transmittance", "area_light")],
+     {f"libvxs.so.{MAJOR}", f"libvxs_gl.so.{MAJOR}"})], ids=["libvxs", "libvxs_gl", "libvxs_volumes"])
 def test_shared_library_has_what_headers_declare(build, tmp_path, library, headers, libraries):
     shared = build / f"{library}.so"
     exported = subprocess.run(["nm", "-D", "--defined-only", "--with-symbol-versions", shared], capture_output=True, text=True, check=True)

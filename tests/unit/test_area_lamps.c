@@ -1,0 +1,296 @@
+/* Virtual point lights of a rectangle, and points of triangles: sums, means, how evenly they lie, and that none is where it is black.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "random_lamp.h"
+#include "runtime/volumes/vxs_area_light.h"
+
+enum { WIDE = 13, HIGH = 7, PLACES = VXS_AREA_JITTERED + 1 };
+
+static const char *const names[PLACES] = {"Halton", "importance", "regular", "jittered"};
+
+/* 2 x 1 metres, with normal z. */
+static vxs_area_rectangle rectangle_of(const float *texture)
+{
+    return (vxs_area_rectangle){{1, 2, 3}, {2, 0, 0}, {0, 1, 0}, {3, 2, 1}, texture, WIDE, HIGH};
+}
+
+static double luminance(const float *c)
+{
+    return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
+
+/* A texture with black texels, rows and columns, and a texel a hundred times as bright as others. */
+static void random_texture(rng *r, float *texture)
+{
+    for (int n = 0; n < WIDE * HIGH; n++)
+        for (int i = 0; i < 3; i++) texture[3 * n + i] = (float)uniform(r, 0.1, 1);
+    for (int n = 0; n < WIDE * HIGH; n++)
+        if (!rng_below(r, 4) || n / WIDE == 2 || n / WIDE == HIGH - 1 || n % WIDE == 0)
+            memset(texture + 3 * n, 0, 3 * sizeof *texture);
+    for (int i = 0; i < 3; i++) texture[3 * (4 * WIDE + 5) + i] = 100;
+}
+
+static void lamps_of(const vxs_area_rectangle *r, int places, uint32_t seed, vxs_area_lamp *lamps, uint32_t count)
+{
+    assert_int_equal(vxs_area_sample(r, (vxs_area_places)places, seed, lamps, count), VXS_OK);
+}
+
+/* Even light: all have an equal part of it, on the rectangle, to the side of its normal. */
+static void test_sums(void **state)
+{
+    (void)state;
+    static const uint32_t counts[] = {1, 2, 7, 64, 256};
+    vxs_area_rectangle    r        = rectangle_of(NULL);
+    vxs_area_lamp         lamps[VXS_AREA_LAMPS];
+    for (int places = 0; places < PLACES; places++)
+        for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+            double sum[3] = {0}, discs = 0;
+            lamps_of(&r, places, (uint32_t)k, lamps, counts[k]);
+            for (uint32_t n = 0; n < counts[k]; n++) {
+                const vxs_area_lamp *l = &lamps[n];
+                for (int i = 0; i < 3; i++) sum[i] += (double)l->colour[i];
+                assert_true(l->place[0] >= 1 && l->place[0] <= 3 && l->place[1] >= 2 && l->place[1] <= 3 && l->place[2] == 3);
+                assert_true(l->normal[0] == 0 && l->normal[1] == 0 && l->normal[2] == 1);
+                discs += M_PI * (double)l->radius_metres * (double)l->radius_metres;
+            }
+            for (int i = 0; i < 3; i++) assert_true(fabs(sum[i] / (2 * (3 - i)) - 1) < 1e-5);
+            assert_true(fabs(discs / 2 - 1) < 1e-5);
+        }
+}
+
+/* By importance, all lamps have one luminance, their sum is that of the texture, each has the colour of its texel, and none is where that is black. */
+static void test_importance(void **state)
+{
+    (void)state;
+    rng           r = {5};
+    float         texture[3 * WIDE * HIGH];
+    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    for (uint32_t seed = 0; seed < 100; seed++) {
+        double all = 0;
+        random_texture(&r, texture);
+        vxs_area_rectangle of = rectangle_of(texture);
+        for (int n = 0; n < WIDE * HIGH; n++)
+            all += luminance((float[3]){3 * texture[3 * n], 2 * texture[3 * n + 1], texture[3 * n + 2]}) * 2 / (WIDE * HIGH);
+        lamps_of(&of, VXS_AREA_IMPORTANCE, seed, lamps, VXS_AREA_LAMPS);
+        for (int n = 0; n < VXS_AREA_LAMPS; n++) {
+            const vxs_area_lamp *l = &lamps[n];
+            int                  x = (int)(((double)l->place[0] - 1) / 2 * WIDE), y = (int)(((double)l->place[1] - 2) * HIGH);
+            const float         *texel  = texture + 3 * (WIDE * y + x);
+            double               bright = luminance(texel);
+            assert_true(fabs(luminance(l->colour) * VXS_AREA_LAMPS / all - 1) < 1e-5);
+            if (fabs(((double)l->place[0] - 1) / 2 * WIDE - x - 0.5) > 0.4999 ||
+                fabs(((double)l->place[1] - 2) * HIGH - y - 0.5) > 0.4999)
+                continue; /* a float does not know on which side of a border it is */
+            assert_true(bright > 0);
+            assert_true(fabs((double)l->colour[0] * (double)texel[1] * 2 - (double)l->colour[1] * (double)texel[0] * 3) <
+                        1e-5 * all);
+        }
+    }
+    memset(texture, 0, sizeof texture); /* a screen that is off */
+    vxs_area_rectangle off = rectangle_of(texture);
+    lamps_of(&off, VXS_AREA_IMPORTANCE, 0, lamps, 9);
+    for (int n = 0; n < 9; n++) assert_true(luminance(lamps[n].colour) == 0 && lamps[n].place[0] >= 1 && lamps[n].place[0] <= 3);
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+/* The largest difference, of all boxes from the corner, of a box's area and the part of the points in it: at boxes that end at points. */
+static double star_discrepancy(const vxs_area_lamp *lamps, uint32_t count)
+{
+    double at[2][VXS_AREA_LAMPS], ends[2][VXS_AREA_LAMPS + 1], most = 0;
+    for (uint32_t n = 0; n < count; n++)
+        for (int i = 0; i < 2; i++) at[i][n] = ends[i][n] = i ? (double)lamps[n].place[1] - 2 : ((double)lamps[n].place[0] - 1) / 2;
+    for (int i = 0; i < 2; i++) {
+        ends[i][count] = 1;
+        qsort(ends[i], count + 1, sizeof(double), by_size);
+    }
+    for (uint32_t j = 0; j <= count; j++)
+        for (uint32_t k = 0; k <= count; k++) {
+            uint32_t open = 0, closed = 0;
+            for (uint32_t n = 0; n < count; n++) {
+                open += at[0][n] < ends[0][j] && at[1][n] < ends[1][k];
+                closed += at[0][n] <= ends[0][j] && at[1][n] <= ends[1][k];
+            }
+            double area = ends[0][j] * ends[1][k];
+            most        = fmax(most, fmax(area - (double)open / count, (double)closed / count - area));
+        }
+    return most;
+}
+
+static void test_evenness(void **state)
+{
+    (void)state;
+    enum { COUNT = 64 };
+    vxs_area_rectangle r = rectangle_of(NULL);
+    vxs_area_lamp      lamps[COUNT];
+    rng                random = {3};
+    double             found[PLACES], at_random = 0;
+    for (int places = 0; places < PLACES; places++) {
+        lamps_of(&r, places, 0, lamps, COUNT);
+        found[places] = star_discrepancy(lamps, COUNT);
+        print_message("%s: star discrepancy of 64 lamps %.3f\n", names[places], found[places]);
+    }
+    for (int n = 0; n < COUNT; n++) {
+        lamps[n].place[0] = (float)uniform(&random, 1, 3);
+        lamps[n].place[1] = (float)uniform(&random, 2, 3);
+    }
+    at_random = star_discrepancy(lamps, COUNT);
+    print_message("at random: %.3f\n", at_random);
+    assert_true(found[VXS_AREA_HALTON] < 0.06 && found[VXS_AREA_IMPORTANCE] == found[VXS_AREA_HALTON]);
+    assert_true(found[VXS_AREA_HALTON] < found[VXS_AREA_JITTERED] && found[VXS_AREA_JITTERED] < at_random);
+    assert_true(found[VXS_AREA_HALTON] < found[VXS_AREA_REGULAR]);
+}
+
+/* What a place before the rectangle gets of the lamps, nothing between them. */
+static double irradiance_of(const vxs_area_lamp *lamps, uint32_t count)
+{
+    const double place[3] = {2.2, 2.4, 4.5};
+    double       sum      = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        double way[3], square = 0;
+        for (int i = 0; i < 3; i++) {
+            way[i] = place[i] - (double)lamps[n].place[i];
+            square += way[i] * way[i];
+        }
+        sum += luminance(lamps[n].colour) * way[2] * way[2] / (square * square);
+    }
+    return sum;
+}
+
+/* How far estimates by 16 lamps are from what all texels give, over many seeds: relative RMS of one texture. */
+static double error_of(const vxs_area_rectangle *r, int places, double wanted)
+{
+    enum { SEEDS = 400, COUNT = 16 };
+    vxs_area_lamp lamps[COUNT];
+    double        square = 0, mean = 0;
+    for (uint32_t seed = 1; seed <= SEEDS; seed++) {
+        lamps_of(r, places, seed, lamps, COUNT);
+        double found = irradiance_of(lamps, COUNT) / wanted;
+        square += (found - 1) * (found - 1) / SEEDS;
+        mean += found / SEEDS;
+    }
+    assert_true(fabs(mean - 1) < 4 * sqrt(square / SEEDS) + 1e-3); /* right in the mean */
+    return sqrt(square);
+}
+
+/* The wanted sum, by 32 x 32 lamps in each texel. */
+static double exactly(const vxs_area_rectangle *r)
+{
+    enum { FINE = 32 };
+    double sum = 0;
+    for (int y = 0; y < HIGH * FINE; y++)
+        for (int x = 0; x < WIDE * FINE; x++) {
+            const float  *texel = r->texture + 3 * (y / FINE * WIDE + x / FINE);
+            vxs_area_lamp l     = {{1 + 2 * (x + 0.5F) / (WIDE * FINE), 2 + (y + 0.5F) / (HIGH * FINE), 3}, {0, 0, 1}, {0}, 1};
+            for (int i = 0; i < 3; i++) l.colour[i] = texel[i] * r->radiance[i] * 2 / (WIDE * HIGH * FINE * FINE);
+            sum += irradiance_of(&l, 1);
+        }
+    return sum;
+}
+
+static void test_variance(void **state)
+{
+    (void)state;
+    rng    r = {5};
+    float  texture[3 * WIDE * HIGH];
+    double even[2], uneven[2];
+    for (int n = 0; n < 3 * WIDE * HIGH; n++) texture[n] = 1;
+    vxs_area_rectangle of = rectangle_of(texture);
+    even[0]               = error_of(&of, VXS_AREA_HALTON, exactly(&of));
+    even[1]               = error_of(&of, VXS_AREA_JITTERED, exactly(&of));
+    random_texture(&r, texture);
+    uneven[0] = error_of(&of, VXS_AREA_IMPORTANCE, exactly(&of));
+    uneven[1] = error_of(&of, VXS_AREA_JITTERED, exactly(&of));
+    print_message("16 lamps, even: %.4f Halton, %.4f jittered; with a bright texel: %.3f by importance, %.2f jittered\n", even[0],
+                  even[1], uneven[0], uneven[1]);
+    assert_true(even[0] < 0.02 && even[0] < even[1] && even[1] < 0.04);
+    assert_true(uneven[0] < 0.1 && uneven[1] > 5 * uneven[0]);
+}
+
+/* Each triangle has its part of the points, on it, about its middle. */
+static void test_scatter(void **state)
+{
+    (void)state;
+    enum { TRIANGLES = 9, COUNT = 20000 };
+    rng                   r = {9};
+    float                 positions[9 * TRIANGLES];
+    uint32_t              corners[3 * TRIANGLES], n = 0;
+    static vxs_area_point points[COUNT];
+    for (int k = 0; k < 9 * TRIANGLES; k++) positions[k] = (float)uniform(&r, -5, 5);
+    for (uint32_t k = 0; k < 3 * TRIANGLES; k++) corners[k] = 3 * TRIANGLES - 1 - k;
+    memcpy(positions + 27, positions + 30, 3 * sizeof(float)); /* one without area */
+    double all = vxs_area_scatter(positions, corners, TRIANGLES, points, COUNT), sum = 0;
+    for (int t = 0; t < TRIANGLES; t++) {
+        double p[3][3], a[3], b[3], normal[3], mean[3] = {0}, area;
+        for (int k = 0; k < 3; k++)
+            for (int i = 0; i < 3; i++) p[k][i] = (double)positions[3 * corners[3 * t + k] + (uint32_t)i];
+        for (int i = 0; i < 3; i++) {
+            a[i] = p[1][i] - p[0][i];
+            b[i] = p[2][i] - p[0][i];
+        }
+        cross(a, b, normal);
+        area = sqrt(dot(normal, normal)) / 2;
+        sum += area;
+        uint32_t end = (uint32_t)fmin(COUNT, floor(sum / all * COUNT + 0.5)), first = n;
+        for (; n < end; n++) {
+            double from[3], u[3], v[3];
+            for (int i = 0; i < 3; i++) from[i] = (double)points[n].place[i] - p[0][i];
+            cross(from, b, u);
+            cross(a, from, v);
+            double square = 4 * area * area, s = dot(u, normal) / square, w = dot(v, normal) / square;
+            if (s < -1e-4 || w < -1e-4 || s + w > 1 + 1e-4) { /* the first and the last may be the neighbour's */
+                assert_true(n == first || n + 1 == end);
+                continue;
+            }
+            assert_true(fabs(dot(from, normal)) < 1e-3 * area);
+            for (int i = 0; i < 3; i++) mean[i] += from[i] / (end - first);
+        }
+        for (int i = 0; i < 3 && area > 1; i++) assert_true(fabs(mean[i] - (a[i] + b[i]) / 3) < 0.05);
+    }
+    assert_int_equal(n, COUNT);
+    assert_true(fabs(all / sum - 1) < 1e-9 && fabs((double)points[7].square_metres * COUNT / all - 1) < 1e-5);
+    assert_true(vxs_area_scatter(positions, corners, 0, points, 1) == 0);
+}
+
+static void test_misuse(void **state)
+{
+    (void)state;
+    vxs_area_lamp      lamps[1];
+    float              texture[3] = {1, 1, 1};
+    vxs_area_rectangle good       = rectangle_of(NULL), bad[5];
+    for (int n = 0; n < 5; n++) bad[n] = good;
+    bad[0].up[1]       = 0;
+    bad[1].corner[2]   = NAN;
+    bad[2].radiance[0] = -1;
+    bad[3].texture     = texture;
+    bad[3].wide_px     = 0;
+    bad[4].across[0]   = INFINITY;
+    for (int n = 0; n < 5; n++) assert_int_equal(vxs_area_sample(&bad[n], VXS_AREA_HALTON, 0, lamps, 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, 0), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, VXS_AREA_HALTON, 0, lamps, VXS_AREA_LAMPS + 1), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_sample(&good, (vxs_area_places)PLACES, 0, lamps, 1), VXS_E_ARGUMENT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sums),     cmocka_unit_test(test_importance), cmocka_unit_test(test_evenness),
+        cmocka_unit_test(test_variance), cmocka_unit_test(test_scatter),    cmocka_unit_test(test_misuse),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
