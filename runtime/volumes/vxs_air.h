@@ -2,7 +2,7 @@
  * HLSL, that stands on vxs_space.h.
  *
  *     vxs_air_ray_of       how an eye ray passes a lamp
- *     vxs_air_in_cone      the part of the ray in a spot light's cone
+ *     vxs_air_in_cone      the part of the ray in a spot light's cone; vxs_air_before_face: before a face that shines to one side
  *     vxs_air_lamp         airlight of a spot or point light along a part of the ray
  *     vxs_air_in_fog       the part of the ray below the top of ground fog
  *     vxs_air_sun          airlight of the sun along a part of the ray
@@ -72,6 +72,7 @@ struct vxs_air_ray {
     vxs_real cos_inner;  /* of where it is dimmer, as in glTF: intensity is clamp(cosine * rim_scale + rim_offset, 0, 1)^2 */
     vxs_real rim_scale;  /* point lights: 0, */
     vxs_real rim_offset; /* and 1 */
+    vxs_i32  is_face;    /* 1: that clamp is not squared (vxs_air_ray_of_face) */
 };
 
 #define VXS_AIR_PI        3.14159265358979324
@@ -105,6 +106,7 @@ VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direc
     ray.cos_outer = ray.cos_inner = VXS_REAL(-1.0);
     ray.rim_scale                 = VXS_REAL(0.0);
     ray.rim_offset                = VXS_REAL(1.0);
+    ray.is_face                   = 0;
     return ray;
 }
 
@@ -120,6 +122,28 @@ VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 
     ray.rim_scale   = 1.0 / (ray.cos_inner - cos_outer);
     ray.rim_offset  = -cos_outer * ray.rim_scale;
     return ray;
+}
+
+/* The same of a small face that shines to one side, with the cosine to its normal, of length 1. Behind it there is nothing: vxs_air_before_face. */
+VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
+                                       const vxs_real3 normal)
+{
+    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
+    ray.facing      = vxs_air_dot(normal, direction);
+    ray.before      = ray.along * ray.facing - vxs_air_dot(normal, to_lamp);
+    ray.rim_scale   = VXS_REAL(1.0);
+    ray.rim_offset  = VXS_REAL(0.0);
+    ray.is_face     = 1;
+    return ray;
+}
+
+/* interval  [in, out] its part before a face; end < begin: there is none */
+VXS_FN void vxs_air_before_face(VXS_AIR_RAY ray, VXS_INOUT vxs_real2 interval)
+{
+    vxs_real f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), at = VXS_FIELD(ray, along) - b / f;
+    if (f > 0.0 && at > interval[0]) interval[0] = at;
+    if (f < 0.0 && at < interval[1]) interval[1] = at;
+    if (f == 0.0 && !(b > 0.0)) interval[1] = interval[0] - 1.0;
 }
 
 /* How much longer the way over a place of the ray is than `along`; y = x - along. */
@@ -251,7 +275,8 @@ VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, vxs
     vxs_real rim = ((1.0 - square) * VXS_FIELD(ray, facing) + 2.0 * (VXS_FIELD(ray, before) / detour)) / (1.0 + square);
     rim          = rim * VXS_FIELD(ray, rim_scale) + VXS_FIELD(ray, rim_offset);
     rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
-    weight *= rim * rim * sqrt((1.0 + square) / (k * k + square));
+    rim *= VXS_FIELD(ray, is_face) != 0 ? VXS_REAL(1.0) : rim;
+    weight *= rim * sqrt((1.0 + square) / (k * k + square));
     sum[0] += weight * exp(-VXS_FIELD(medium, extinction)[0] * way);
     sum[1] += weight * exp(-VXS_FIELD(medium, extinction)[1] * way);
     sum[2] += weight * exp(-VXS_FIELD(medium, extinction)[2] * way);

@@ -128,8 +128,9 @@ VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT
         vxs_real rim = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
         rim          = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
         rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
-        way          = x + r;
-        strength     = rim * rim * vxs_air_phase(g, -y / r) / (r * r);
+        rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
+        way      = x + r;
+        strength = rim * vxs_air_phase(g, -y / r) / (r * r);
     }
     if (way < 0.0) way = VXS_REAL(0.0);
     for (vxs_i32 n = 0; n < 3; n++)

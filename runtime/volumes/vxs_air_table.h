@@ -165,7 +165,7 @@ VXS_FN vxs_real vxs_air_table_u(vxs_real k, vxs_real x, vxs_real detour)
 VXS_FN vxs_real vxs_air_table_tail(vxs_real k, vxs_real u, vxs_real from)
 {
     vxs_medium  medium = {{0.0, 0.0, 0.0}, {u, 0.0, 0.0}, 0.0};
-    vxs_air_ray ray    = {-from, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 1.0};
+    vxs_air_ray ray    = {-from, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 1.0, 0};
     vxs_real    at = from, far = 1e12 * (1.0 + 1.0 / k), least = k > 1.0 ? 1.0 / k : 1.0, sum[3] = {0.0, 0.0, 0.0};
     while (at < far && u * (at - from) < 40.0) {
         vxs_real more = least + at;

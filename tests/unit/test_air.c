@@ -51,6 +51,52 @@ static void test_spots(void **state)
     check_errors(&e, 1e-2, 1e-4, 0.01, repeats(1500, 100000));
 }
 
+/* Faces, which shine to one side: the part of the ray before them, and airlight there. */
+static void test_faces(void **state)
+{
+    (void)state;
+    rng      r    = {8};
+    uint32_t part = 0, none = 0, bad = 0;
+    double   mean = 0, most = 0, channels = 0;
+    for (uint32_t n = 0; n < repeats(1000, 50000); n++) {
+        double     to_lamp[3], direction[3], normal[3], before[2] = {0, uniform(&r, 1, 40)}, found[3];
+        vxs_medium medium = {.anisotropy = uniform(&r, -0.8, 0.8)};
+        random_direction(&r, direction);
+        random_direction(&r, normal);
+        for (int i = 0; i < 3; i++) {
+            to_lamp[i]           = uniform(&r, -10, 10);
+            medium.extinction[i] = medium.scattering[i] = spread(&r, 1e-3, 1);
+        }
+        double      end = before[1];
+        vxs_air_ray ray = vxs_air_ray_of_face(to_lamp, direction, 1e-2, normal);
+        vxs_air_before_face(&ray, before);
+        for (int k = 0; k < 10; k++) {
+            double x = uniform(&r, 0, end), way[3];
+            for (int i = 0; i < 3; i++) way[i] = direction[i] * x - to_lamp[i];
+            if (fabs(dot(way, normal)) > 1e-9) assert_int_equal(dot(way, normal) > 0, x >= before[0] && x <= before[1]);
+        }
+        part += before[1] > before[0] && before[1] - before[0] < end;
+        none += !(before[1] > before[0]);
+        if (!(before[1] > before[0])) continue;
+        air_passing p = air_passing_of(direction, to_lamp, 1e-2, normal, 1, 0);
+        p.is_face     = 1;
+        vxs_air_lamp(&medium, &ray, before[0], before[1] - before[0], found);
+        for (int i = 0; i < 3; i++) {
+            double wanted =
+                medium.scattering[i] * air_of_lamp(&p, medium.anisotropy, medium.extinction[i], before[0], before[1] - before[0]);
+            double error = fabs(found[i] / wanted - 1);
+            most         = fmax(most, error);
+            mean += error;
+            bad += error > 1e-3;
+            channels++;
+        }
+    }
+    print_message("%.0f channels of faces: relative error %.1e at most, %.1e in the mean, 1e-3 and more in %u\n", channels, most,
+                  mean / channels, bad);
+    assert_true(part > 100 && none > 100 && channels > 1000);
+    assert_true(most < 2e-2 && mean / channels < 1e-4);
+}
+
 /* The sun's, in fog with a top or without, against the same integrand place by place. */
 static void test_sun(void **state)
 {
@@ -161,7 +207,7 @@ static void test_shader(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points), cmocka_unit_test(test_spots), cmocka_unit_test(test_sun),
+        cmocka_unit_test(test_points), cmocka_unit_test(test_faces), cmocka_unit_test(test_spots),  cmocka_unit_test(test_sun),
         cmocka_unit_test(test_phase),  cmocka_unit_test(test_cones), cmocka_unit_test(test_shader),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

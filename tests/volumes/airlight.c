@@ -37,7 +37,8 @@ static double lamp_at(double s, void *user)
     double             less = y < 0 ? p->beside * p->beside / (r * (r - y)) : 1 + y / r;
     if (p->is_spot) rim = ((p->before + y * p->facing) / r - p->cos_outer) / fmax(1e-3, p->cos_inner - p->cos_outer);
     rim = fmin(fmax(rim, 0), 1);
-    return rim * rim * phase_of(n->g, less) * exp(-n->extinction * (p->along + y + r)) / (r * r);
+    if (!p->is_face) rim *= rim;
+    return rim * phase_of(n->g, less) * exp(-n->extinction * (p->along + y + r)) / (r * r);
 }
 
 static int by_size(const void *a, const void *b)

@@ -13,6 +13,7 @@ typedef struct air_passing {
     double facing, before;       /* cosine between ray and axis; metres along the axis from the lamp to that place */
     double cos_inner, cos_outer; /* of a spot light */
     int    is_spot;
+    int    is_face; /* 1: what a spot light squares is as it is, such as the cosine of a face (1 and 0 for the cosines) */
 } air_passing;
 
 /* axis  of a spot light, of length 1; NULL: a point light, and the cosines do not count */
