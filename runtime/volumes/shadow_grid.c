@@ -2,24 +2,11 @@
  * of each frame it is cleared, filled with a bit for each light ray, scanned along alpha, and looked up.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
-#include <string.h>
 
+#include "grid_head.h"
 #include "or_scan.h"
-#include "vxs_shadow_grid.h"
 
 enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS_SHARP = 32 };
-
-/* As grid.glsl has it (std430); words follow. */
-typedef struct grid_head {
-    float   axis[3], away;
-    float   ahead[4], side[4];
-    float   alpha[2], theta[2];
-    float   phi[4];
-    int32_t columns, rows, bits, runs;
-    int32_t eye_lit, reserved[7];
-} grid_head;
-_Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
-enum { HEAD_TEXELS = sizeof(grid_head) / 16 };
 
 struct vxs_shadow_grid {
     vxs_volumes  *volumes;
@@ -87,37 +74,11 @@ unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid)
     return grid->buffer;
 }
 
-/* The way from the eye to what a depth shows at a place of the image; 0 where that is no place. */
-static int way_to(const frame_block *f, double x, double y, double depth, double way[3])
-{
-    const float *m = f->point_from_depth;
-    double       point[4], square = 0;
-    for (int n = 0; n < 4; n++) point[n] = (double)m[n] * x + (double)m[4 + n] * y + (double)m[8 + n] * depth + (double)m[12 + n];
-    for (int n = 0; n < 3; n++) {
-        way[n] = point[n] / point[3] - (double)f->eye[n];
-        square += way[n] * way[n];
-    }
-    return square > 0 && square < (double)VXS_VIEW_METRES * (double)VXS_VIEW_METRES;
-}
-
-/* The corners of the pixels that are drawn, by the first depth at which each is a place. */
-static vxs_epipolar_view view_of(const frame_block *f)
-{
-    vxs_epipolar_view view = {.far_metres = (double)f->far_metres};
-    const vxs_pixels *p    = &f->pixels;
-    double            u[2] = {p->x / (double)f->wide_px, (p->x + p->wide_px) / (double)f->wide_px};
-    double            v[2] = {p->y / (double)f->high_px, (p->y + p->high_px) / (double)f->high_px};
-    for (int n = 0; n < 4; n++)
-        for (double depth = 0.5; depth < 1; depth += 0.125)
-            if (way_to(f, u[n == 1 || n == 2], v[n >= 2], depth, view.corners[n])) break;
-    return view;
-}
-
 static vxs_epipolar space_of(const frame_block *f)
 {
     int               is_sun = f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
     double            to_light[3], axis[3];
-    vxs_epipolar_view view = view_of(f);
+    vxs_epipolar_view view = vxs_grid_view_of(f);
     for (int n = 0; n < 3; n++) {
         to_light[n] = (double)f->place[n] - (is_sun ? 0 : (double)f->eye[n]);
         axis[n]     = (double)f->axis[n];
@@ -134,21 +95,7 @@ static void put_head(const vxs_shadow_grid *grid, uint32_t runs)
 {
     const vxs_volumes *v     = grid->volumes;
     vxs_epipolar       space = space_of(&v->frame);
-    grid_head          head  = {.away    = (float)space.away,
-                                .columns = grid->size.columns,
-                                .rows    = grid->size.rows,
-                                .bits    = grid->size.bits,
-                                .runs    = (int32_t)runs};
-    for (int n = 0; n < 3; n++) {
-        head.axis[n]  = (float)space.axis[n];
-        head.ahead[n] = (float)space.ahead[n];
-        head.side[n]  = (float)space.side[n];
-    }
-    for (int n = 0; n < 2; n++) {
-        head.alpha[n] = (float)space.alpha[n];
-        head.theta[n] = (float)space.theta[n];
-        head.phi[n]   = (float)space.phi[n];
-    }
+    grid_head          head  = vxs_grid_head_of(&space, &grid->size, runs);
     v->api.NamedBufferSubData(grid->buffer, 0, sizeof head, &head);
 }
 
@@ -178,6 +125,12 @@ static void fill(const vxs_shadow_grid *grid, gl_name map)
     vxs_or_scan_run(&grid->scan, grid->buffer, HEAD_TEXELS, (uint32_t)grid->size.columns, rows * layers);
 }
 
+void vxs_shadow_grid_make(vxs_shadow_grid *grid, gl_name map, uint32_t runs)
+{
+    put_head(grid, runs);
+    fill(grid, map);
+}
+
 vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
                             uint32_t runs)
 {
@@ -188,8 +141,7 @@ vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, cons
     if (!runs) runs = is_sharp(&v->frame) ? RUNS_SHARP : RUNS;
     if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return VXS_OK;
     storage_kept kept = vxs_volumes_keep_storage(v);
-    put_head(grid, runs);
-    fill(grid, map ? vxs_light_map_texture(map) : 0);
+    vxs_shadow_grid_make(grid, map ? vxs_light_map_texture(map) : 0, runs);
     vxs_volumes_use_storage(v, grid->buffer, 0);
     vxs_volumes_add(v, grid->look_up, 0);
     vxs_volumes_put_back_storage(v, &kept);

@@ -25,11 +25,14 @@
 
 #ifdef VXS_C
 typedef struct vxs_grid_size vxs_grid_size;
+typedef struct vxs_grid_rows vxs_grid_rows;
 #define VXS_GRID_SIZE           const vxs_grid_size *
+#define VXS_GRID_ROWS           const vxs_grid_rows *
 #define VXS_GRID_WORDS          const vxs_u32 *
 #define vxs_grid_word(words, i) (words)[i]
 #else
 #define VXS_GRID_SIZE  vxs_grid_size
+#define VXS_GRID_ROWS  vxs_grid_rows
 #define VXS_GRID_WORDS uint
 #endif
 
@@ -117,24 +120,61 @@ VXS_FN vxs_real vxs_grid_bits_before(VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS
     return vxs_grid_before(VXS_FIELD(space, phi), vxs_epipolar_phi_at(space, ray, metres), VXS_FIELD(size, bits));
 }
 
+/* The rows that tell of an eye ray: one, or two that it lies between. */
+struct vxs_grid_rows {
+    vxs_i32  row, next;
+    vxs_real part; /* how much the next one counts, [0, 1) */
+};
+
+/* The one that it lies in. */
+VXS_FN vxs_grid_rows vxs_grid_row_of(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real theta)
+{
+    vxs_grid_rows rows;
+    rows.row = rows.next =
+        vxs_grid_voxel(vxs_grid_before(VXS_FIELD(space, theta), theta, VXS_FIELD(size, rows)), VXS_FIELD(size, rows));
+    rows.part = VXS_REAL(0.0);
+    return rows;
+}
+
+/* The two whose middles it lies between: across the seam where theta is all the way round. */
+VXS_FN vxs_grid_rows vxs_grid_rows_about(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real theta)
+{
+    vxs_grid_rows rows;
+    vxs_i32       count = VXS_FIELD(size, rows);
+    vxs_real      wide = VXS_FIELD(space, theta)[1] - VXS_FIELD(space, theta)[0], seam = 2.0 * VXS_AIR_PI - 1e-5;
+    vxs_real      before = vxs_grid_before(VXS_FIELD(space, theta), theta, count) - 0.5, floored = floor(before);
+    rows.part = before - floored;
+    rows.row  = before < 0.0 ? (wide > seam ? count - 1 : 0) : vxs_grid_voxel(floored, count);
+    rows.next = before < 0.0 ? 0 : rows.row + 1 < count ? rows.row + 1 : wide > seam ? 0 : rows.row;
+    return rows;
+}
+
+/* Which part of the bits of an eye ray is lit, between its rows. */
+VXS_FN vxs_real vxs_grid_lit_part_of(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, VXS_GRID_ROWS rows, vxs_i32 first,
+                                     vxs_i32 end)
+{
+    vxs_real lit = vxs_grid_lit_part(words, size, column, VXS_FIELD(rows, row), first, end), part = VXS_FIELD(rows, part);
+    if (!(part > 0.0)) return lit;
+    return lit + part * (vxs_grid_lit_part(words, size, column, VXS_FIELD(rows, next), first, end) - lit);
+}
+
 /* Airlight of an eye ray's path, whose bits are taken in runs: each is as lit as its bits are in the mean, and counts as much as its middle
  * scatters. All of it lit is what vxs_air_lit says.
  * A bit whose middle is not on the path does not count; beyond the last that is, nothing changes. Two kinds of rays are shorter than a bit, or
  * nearly: those away from the light see all that the eye does; those toward a lamp, of which one column has all, end before it, in the dark,
  * or behind it, all lit.
- * direction  of length 1;   metres  to what is behind the air, along the ray
+ * ray        vxs_epipolar_eye of its direction;   rows  that tell of it;   metres  to what is behind the air, along the ray
  * runs       into how many the bits are parted, >= 1; size.bits, and more: each is one
  * eye_lit    1: the light reaches the eye; 2: the eye is in the lamp, and all that it sees is lit; else 0
  * airlight   [out] for an intensity or irradiance of 1 */
-VXS_FN void vxs_grid_airlight(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
-                              const vxs_real3 direction, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit, VXS_OUT vxs_real3 airlight)
+VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
+                                 VXS_EPIPOLAR_RAY ray, VXS_GRID_ROWS rows, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit,
+                                 VXS_OUT vxs_real3 airlight)
 {
     vxs_real         begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), away = VXS_FIELD(space, away);
-    vxs_i32          columns = VXS_FIELD(size, columns), rows = VXS_FIELD(size, rows), bits = VXS_FIELD(size, bits);
-    vxs_epipolar_ray ray    = vxs_epipolar_eye(space, direction);
-    vxs_real         across = vxs_grid_before(VXS_FIELD(space, alpha), ray.alpha, columns);
+    vxs_i32          columns = VXS_FIELD(size, columns), bits = VXS_FIELD(size, bits);
+    vxs_real         across = vxs_grid_before(VXS_FIELD(space, alpha), VXS_FIELD(ray, alpha), columns);
     vxs_i32          column = vxs_grid_voxel(across, columns);
-    vxs_i32          row    = vxs_grid_voxel(vxs_grid_before(VXS_FIELD(space, theta), ray.theta, rows), rows);
     vxs_epipolar_ray middle = vxs_grid_column_ray(space, size, column);
     vxs_real         from   = vxs_grid_bits_before(space, size, VXS_REF(middle), begin);
     vxs_real         to     = vxs_grid_bits_before(space, size, VXS_REF(middle), end);
@@ -147,22 +187,21 @@ VXS_FN void vxs_grid_airlight(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID
     vxs_real  same = VXS_REAL(-1.0); /* 0, 1: of all of it */
     if (eye_lit > 1)
         same = VXS_REAL(1.0);
-    else if (away > 0.0 && ray.cosine > 0.0 && VXS_FIELD(space, alpha)[0] == 0.0 && across < 1.0)
+    else if (away > 0.0 && VXS_FIELD(ray, cosine) > 0.0 && VXS_FIELD(space, alpha)[0] == 0.0 && across < 1.0)
         same = VXS_REAL(metres >= away ? 1.0 : 0.0);
     else if (to < 0.5 && VXS_FIELD(space, phi)[0] == 0.0)
         same = VXS_REAL(eye_lit);
     for (vxs_i32 i = 0; i < 3; i++) all[i] = lit[i] = VXS_REAL(0.0);
     if (same >= 0.0) parts = 0;
 
-    vxs_real bit    = vxs_grid_bits_before(space, size, VXS_REF(ray), begin),
-             behind = vxs_grid_bits_before(space, size, VXS_REF(ray), end);
+    vxs_real bit = vxs_grid_bits_before(space, size, ray, begin), behind = vxs_grid_bits_before(space, size, ray, end);
     for (vxs_i32 n = 0; n < parts; n++) {
         vxs_i32   a = first + count * n / parts, b = first + count * (n + 1) / parts;
-        vxs_real  part = vxs_grid_lit_part(words, size, column, row, a, b), next = n + 1 < parts ? VXS_REAL(b) : behind;
+        vxs_real  part = vxs_grid_lit_part_of(words, size, column, rows, a, b), next = n + 1 < parts ? VXS_REAL(b) : behind;
         vxs_real2 turned;
         next = next > bit ? next : bit;
         vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
-        vxs_real x = vxs_epipolar_distance(space, VXS_REF(ray), turned, end), weight = next - bit;
+        vxs_real x = vxs_epipolar_distance(space, ray, turned, end), weight = next - bit;
         x = x > begin ? x : begin;
         if (away > 0.0) { /* a bit is as long as the lamp's square distance */
             vxs_real y = x - VXS_FIELD(path, passed).along, h = VXS_FIELD(path, passed).beside;
@@ -177,6 +216,15 @@ VXS_FN void vxs_grid_airlight(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID
     }
     vxs_air_lit(medium, path, begin, end, airlight);
     for (vxs_i32 i = 0; i < 3; i++) airlight[i] *= same >= 0.0 ? same : all[i] > 0.0 ? lit[i] / all[i] : VXS_REAL(0.0);
+}
+
+/* The same of the row that the ray is in.   direction  of length 1 */
+VXS_FN void vxs_grid_airlight(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_GRID_SIZE size, VXS_MEDIUM medium, VXS_AIR_PATH path,
+                              const vxs_real3 direction, vxs_real metres, vxs_i32 runs, vxs_i32 eye_lit, VXS_OUT vxs_real3 airlight)
+{
+    vxs_epipolar_ray ray  = vxs_epipolar_eye(space, direction);
+    vxs_grid_rows    rows = vxs_grid_row_of(space, size, ray.theta);
+    vxs_grid_airlight_of(words, space, size, medium, path, VXS_REF(ray), VXS_REF(rows), metres, runs, eye_lit, airlight);
 }
 
 #endif

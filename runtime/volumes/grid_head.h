@@ -1,0 +1,31 @@
+/* What a shader knows of a shadow grid beside its words, and the view that it is of. Not installed.
+ * SPDX-License-Identifier: MIT */
+#ifndef GRID_HEAD_H
+#define GRID_HEAD_H
+
+#include "volumes_state.h"
+#include "vxs_shadow_grid.h"
+
+/* As grid.glsl has it (std430). */
+typedef struct grid_head {
+    float   axis[3], away;
+    float   ahead[4], side[4];
+    float   alpha[2], theta[2];
+    float   phi[4];
+    int32_t columns, rows, bits, runs;
+    int32_t eye_lit, reserved[7];
+} grid_head;
+_Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
+enum { HEAD_TEXELS = sizeof(grid_head) / 16 };
+
+/* runs  of the lookup */
+grid_head vxs_grid_head_of(const vxs_epipolar *space, const vxs_grid_size *size, uint32_t runs);
+
+/* The corners of the pixels that are drawn. */
+vxs_epipolar_view vxs_grid_view_of(const frame_block *frame);
+
+/* Make the grid of the light and the pixels that are set, as vxs_volumes_grid looks it up. Leaves storage bindings as vxs_or_scan_run does.
+ * map  a texture; 0: the asset is asked */
+void vxs_shadow_grid_make(vxs_shadow_grid *grid, gl_name map, uint32_t runs);
+
+#endif
