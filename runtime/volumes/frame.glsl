@@ -16,7 +16,7 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     uvec4               pixels;         /* that are drawn: the first, and how many across and up */
     uvec4               counts;         /* of the technique */
     mat4                clip_from_ls;   /* of a mesh: of the view; places from the eye */
-    mat4                eye_from_ls;
+    mat4                eye_from_ls;    /* of casters: along, ahead and side of the axis, from their places */
     vec4                mesh;           /* of vxs_mesh_shape: low, high, texel; and 1 or -1: how what is lit is turned in the view */
     vec4                mesh_depths;    /* least, reach; error_scale, and the error that is allowed */
     vec4                box_low, box_high;

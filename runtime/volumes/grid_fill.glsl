@@ -28,14 +28,13 @@ float shadow_begins(vec3 begin, vec3 direction)
     return is_sun ? (first - ls.z) * vxs_frame.light.voxel_metres : first / depth;
 }
 
-int eye_lit()
+bool eye_lit()
 {
     vec3  ls;
     ivec3 texel;
     float depth;
-    if (vxs_grid.axis.w > 0.0 && vxs_grid.axis.w <= vxs_frame.colour.w) return 2;
     vxs_ls_from_ws(vxs_frame.light, vxs_frame.eye_far.xyz, 1.0, ls);
-    return !vxs_map_texel(ls, texel, depth) || depth < first_depth(texel) ? 1 : 0;
+    return !vxs_map_texel(ls, texel, depth) || depth < first_depth(texel);
 }
 
 void main()
@@ -44,7 +43,7 @@ void main()
     vxs_epipolar  space = vxs_grid_space();
     vxs_grid_size size = vxs_grid_size(vxs_grid.size.x, vxs_grid.size.y, vxs_grid.size.z);
     if (bit >= size.bits || row >= size.rows) return;
-    if (bit == 0 && row == 0) vxs_grid.eye.x = eye_lit();
+    if (bit == 0 && row == 0 && vxs_grid.eye.x == 1 && !eye_lit()) vxs_grid.eye.x = 0;
     vec2 turned;
     vec3 across, begin, direction;
     vxs_epipolar_turn_of(space, vxs_grid_middle(space.phi, bit, size.bits), turned);

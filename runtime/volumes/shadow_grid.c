@@ -5,6 +5,7 @@
 
 #include "grid_head.h"
 #include "or_scan.h"
+#include "voxelize.h"
 
 enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS_SHARP = 32 };
 
@@ -14,6 +15,7 @@ struct vxs_shadow_grid {
     gl_name       buffer;
     gl_name       fill_map, fill_asset, look_up; /* programs */
     or_scan       scan;
+    voxelizer     voxelizer; /* of zeros: it does not cast */
 };
 
 static uint64_t bytes_of(const vxs_grid_size *size)
@@ -22,10 +24,11 @@ static uint64_t bytes_of(const vxs_grid_size *size)
     return sizeof(grid_head) + 16 * layers * (uint64_t)size->columns * (uint64_t)size->rows;
 }
 
-static vxs_result make(vxs_shadow_grid *grid, int in_passes)
+static vxs_result make(vxs_shadow_grid *grid, const vxs_shadow_grid_desc *desc)
 {
     vxs_volumes *v      = grid->volumes;
-    vxs_result   result = vxs_or_scan_create(&grid->scan, v, in_passes ? bytes_of(&grid->size) : 0);
+    vxs_result   result = vxs_or_scan_create(&grid->scan, v, desc->scan_in_passes ? bytes_of(&grid->size) : 0);
+    if (result == VXS_OK && desc->casts) result = vxs_voxelizer_create(&grid->voxelizer, v);
     if (result != VXS_OK) return result;
     grid->fill_map   = vxs_volumes_compute(v, "#define VXS_USES_GRID\n", vxs_volumes_text_grid_fill_glsl);
     grid->fill_asset = vxs_volumes_compute(v, "#define VXS_USES_GRID\n#define VXS_ASK_ASSET\n", vxs_volumes_text_grid_fill_glsl);
@@ -48,7 +51,7 @@ vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const v
     vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
     *grid             = (vxs_shadow_grid){.volumes = v, .size = size};
-    vxs_result result = make(grid, desc->scan_in_passes != 0);
+    vxs_result result = make(grid, desc);
     if (result != VXS_OK) {
         vxs_shadow_grid_destroy(grid);
         return result;
@@ -66,6 +69,7 @@ void vxs_shadow_grid_destroy(vxs_shadow_grid *grid)
     for (int n = 0; n < 3; n++)
         if (programs[n]) v->api.DeleteProgram(programs[n]);
     vxs_or_scan_destroy(&grid->scan);
+    vxs_voxelizer_destroy(&grid->voxelizer);
     vxs_volumes_give_back(v, grid, sizeof *grid);
 }
 
@@ -91,12 +95,15 @@ static vxs_epipolar space_of(const frame_block *f)
     return space;
 }
 
-static void put_head(const vxs_shadow_grid *grid, uint32_t runs)
+/* And no bit is set, and nothing before the eye. */
+static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uint32_t runs)
 {
-    const vxs_volumes *v     = grid->volumes;
-    vxs_epipolar       space = space_of(&v->frame);
-    grid_head          head  = vxs_grid_head_of(&space, &grid->size, runs);
+    const vxs_volumes *v    = grid->volumes;
+    grid_head          head = vxs_grid_head_of(space, &grid->size, runs);
+    head.eye_lit            = head.away > 0 && head.away <= v->frame.radius_metres ? 2 : 1;
     v->api.NamedBufferSubData(grid->buffer, 0, sizeof head, &head);
+    v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof head, (gl_bytes)(bytes_of(&grid->size) - sizeof head),
+                                   GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
 }
 
 /* Where what a run scatters is not what its middle does: a sharp phase, or the sharp rim of a cone. */
@@ -114,36 +121,59 @@ static uint32_t groups(uint32_t count, uint32_t each)
 static void fill(const vxs_shadow_grid *grid, gl_name map)
 {
     enum { BITS_ACROSS = 32, ROWS_DOWN = 4 };
-    vxs_volumes *v       = grid->volumes;
-    gl_name      program = map ? grid->fill_map : grid->fill_asset;
-    uint32_t     rows = (uint32_t)grid->size.rows, bits = (uint32_t)grid->size.bits, layers = groups(bits, 128);
-    vxs_volumes_use_storage(v, grid->buffer, 0);
-    v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof(grid_head),
-                                   (gl_bytes)(bytes_of(&grid->size) - sizeof(grid_head)), GL_FORMAT_RED_INTEGER,
-                                   GL_TYPE_UNSIGNED_INT, NULL);
-    vxs_volumes_run(v, program, map, 0, groups(bits, BITS_ACROSS), groups(rows, ROWS_DOWN));
+    vxs_volumes_use_storage(grid->volumes, grid->buffer, 0);
+    vxs_volumes_run(grid->volumes, map ? grid->fill_map : grid->fill_asset, map, 0, groups((uint32_t)grid->size.bits, BITS_ACROSS),
+                    groups((uint32_t)grid->size.rows, ROWS_DOWN));
+}
+
+/* What is closed comes first, since it changes bits; what of it nobody sees, as it lies between the light and the first column, is met by light rays. */
+static void cast(const vxs_shadow_grid *grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count)
+{
+    const voxelizer *z   = &grid->voxelizer;
+    uint32_t         all = (uint32_t)grid->size.columns;
+    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_SOLID, all);
+    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_SOLID, VXS_VOXELS_RAYS, 1);
+    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_RAYS, VXS_VOXELS_RAYS, all);
+    vxs_voxelize(z, grid->buffer, space, casters, count, VXS_VOXELS_COVERED, VXS_VOXELS_COVERED, all);
+}
+
+/* with_map  whether a map, or without its name the asset, says what stands */
+static void make_grid(vxs_shadow_grid *grid, int with_map, gl_name map, uint32_t runs, const vxs_casters *casters, uint32_t count)
+{
+    vxs_epipolar space = space_of(&grid->volumes->frame);
+    uint32_t     rows = (uint32_t)grid->size.rows, layers = groups((uint32_t)grid->size.bits, 128);
+    put_head(grid, &space, runs);
+    if (count) cast(grid, &space, casters, count);
+    if (with_map) fill(grid, map);
     vxs_or_scan_run(&grid->scan, grid->buffer, HEAD_TEXELS, (uint32_t)grid->size.columns, rows * layers);
 }
 
 void vxs_shadow_grid_make(vxs_shadow_grid *grid, gl_name map, uint32_t runs)
 {
-    put_head(grid, runs);
-    fill(grid, map);
+    make_grid(grid, 1, map, runs, NULL, 0);
 }
 
-vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
-                            uint32_t runs)
+vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+                                 uint32_t runs, const vxs_casters *casters, uint32_t count)
 {
-    if (runs > SIDE_MAX || (!map && light->constants)) return VXS_E_ARGUMENT;
+    int is_alone = !map && light->constants;
+    if (runs > SIDE_MAX || (is_alone && !count) || (count && !grid->voxelizer.volumes)) return VXS_E_ARGUMENT;
+    if (!vxs_are_casters(casters, count, &grid->size)) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
     if (!map) v->frame.map_side_px = 1U << v->frame.light.levels; /* the asset is asked as a map of its own texels */
     if (!runs) runs = is_sharp(&v->frame) ? RUNS_SHARP : RUNS;
     if (vxs_volumes_find_reach(v, &v->frame.pixels) != VXS_REACH_SEEN) return VXS_OK;
     storage_kept kept = vxs_volumes_keep_storage(v);
-    vxs_shadow_grid_make(grid, map ? vxs_light_map_texture(map) : 0, runs);
+    make_grid(grid, !is_alone, map ? vxs_light_map_texture(map) : 0, runs, casters, count);
     vxs_volumes_use_storage(v, grid->buffer, 0);
     vxs_volumes_add(v, grid->look_up, 0);
     vxs_volumes_put_back_storage(v, &kept);
     return VXS_OK;
+}
+
+vxs_result vxs_volumes_grid(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
+                            uint32_t runs)
+{
+    return vxs_volumes_grid_cast(v, light, map, grid, runs, NULL, 0);
 }

@@ -8,7 +8,7 @@
 #include "vxs_air_path.h"
 #include "vxs_memory.h"
 
-enum { FIRST_UNIT = 8, FIRST_STORAGE = 6 };
+enum { FIRST_UNIT = 8, FIRST_STORAGE = 5 };
 
 void *vxs_volumes_take(const vxs_volumes *v, size_t size)
 {

@@ -22,14 +22,14 @@ typedef struct frame_block {
     uint32_t            map_side_px, map_layers, first, end;
     vxs_pixels          pixels;
     uint32_t            counts[4];
-    float               clip_from_ls[16], eye_from_ls[16]; /* of a mesh */
+    float               clip_from_ls[16], eye_from_ls[16]; /* of a mesh; the second also of casters */
     float               mesh_low, mesh_high, mesh_texel, mesh_turn;
     float               mesh_least, mesh_reach, mesh_scale, error_texels;
     float               box_low[4], box_high[4];
 } frame_block;
 
 /* Places in the context, from those of the caller on. */
-enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 2 };
+enum { UNIT_DEPTHS, UNIT_MAP, UNIT_OTHER, UNIT_MESH, UNITS, FRAME_BINDING = 0, IMAGE_BINDING = 0, STORAGES = 3 };
 
 typedef enum volumes_program {
     PROGRAM_MAP_FILL,
@@ -151,7 +151,7 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
     vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[],
     vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[],
-    vxs_volumes_text_or_scan_glsl[], vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[],
+    vxs_volumes_text_voxelize_glsl[], vxs_volumes_text_or_scan_glsl[], vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[],
     vxs_volumes_text_transmittance_glsl[], vxs_volumes_text_transmittance_capture_glsl[],
     vxs_volumes_text_transmittance_build_glsl[], vxs_volumes_text_transmittance_stream_glsl[],
     vxs_volumes_text_transmittance_pass_glsl[];

@@ -43,7 +43,7 @@ typedef struct vxs_volumes_desc {
     uint32_t             width_px, height_px;  /* of the largest view, > 0 */
     uint32_t             first_unit;           /* texture units from here on are used, and put back; 0: 8 */
     void (*log)(const char *text, void *user); /* told what the compiler says of a shader that does not compile; NULL */
-    uint32_t first_storage; /* bindings of storage buffers, as units: this and the next, none of vxs_gl's; 0: 6 */
+    uint32_t first_storage; /* bindings of storage buffers, as units: this and the next two, none of vxs_gl's; 0: 5 */
 } vxs_volumes_desc;
 
 /* volumes  [out] NULL on failure
@@ -170,6 +170,7 @@ typedef struct vxs_shadow_grid_desc {
     uint32_t rows;           /* of angles about the way to the light; 0: 2048 */
     uint32_t bits;           /* of angles at a lamp, or distances from the way to the sun; 0: 512. Memory is of whole 128s */
     uint32_t scan_in_passes; /* 1: all at once, which takes as much memory again; 0: row by row, in shared memory */
+    uint32_t casts;          /* 1: vxs_volumes_grid_cast will be called */
 } vxs_shadow_grid_desc;
 
 /* A grid of bits, columns * rows * bits / 8 bytes in a storage buffer, made again for each light of each frame: any number of lights may use one.
@@ -187,6 +188,34 @@ unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid);
  * Behind the end of a sun's map that is bounded, what was in shadow is taken to stay so. */
 vxs_result vxs_volumes_grid(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, vxs_shadow_grid *grid,
                             uint32_t runs);
+
+/* How triangles become voxels. */
+typedef enum vxs_voxels {
+    VXS_VOXELS_RAYS, /* where light rays through the middles of voxels meet a triangle, exactly: what a light map of any size would say */
+    VXS_VOXELS_SOLID,   /* voxels whose middles are in a closed model; of others the answer is arbitrary ([Eisemann 2008]) */
+    VXS_VOXELS_COVERED, /* all voxels that a triangle is in, however thin it is, in grids of 8 rows and more ([Schwarz 2010]) */
+    VXS_VOXELS_KINDS,
+} vxs_voxels;
+
+/* Triangles that cast shadow, in buffers of the caller, which are read as storage. Corners that are no places, or beyond the end of a buffer, leave their
+ * triangle out. What is not named is 0, and means the default. */
+typedef struct vxs_casters {
+    unsigned   places;               /* a buffer: float[3] each */
+    uint32_t   first_word;           /* where they begin in it, in floats */
+    uint32_t   place_words;          /* floats from one to the next, >= 3; 0: 3 */
+    unsigned   corners;              /* a buffer: uint32_t[3], places of a triangle; 0: three places are one */
+    uint32_t   triangle_count;       /* 2^30 at most */
+    float      point_from_place[16]; /* by columns: metres; the last row is not read */
+    vxs_voxels kind;
+} vxs_casters;
+
+/* The same with triangles: on each light ray shadow begins where it does by the map, or of the asset, or at a triangle, whichever is first.
+ * map      NULL, of a light with constants: there are triangles alone
+ * grid     made with `casts`
+ * casters  [count]
+ * Cost: a pass over the triangles for each of casters, and what they cover: light rays, or eye rays and bits behind these (VXS_VOXELS_SOLID). */
+vxs_result vxs_volumes_grid_cast(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map,
+                                 vxs_shadow_grid *grid, uint32_t runs, const vxs_casters *casters, uint32_t count);
 
 /* exact intervals ----------------------------------------------------------------------------------------------------------------- */
 

@@ -17,11 +17,10 @@
 
 #include <cmocka.h>
 
+#include "grid_read.h"
 #include "runtime/volumes/or_scan.h"
-#include "shadow_grid.h"
-#include "volumes_scene.h"
 
-enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH, HEAD_WORDS = 32 };
+enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH };
 
 static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
 
@@ -29,84 +28,6 @@ static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
 static const double eyes[][3]  = {{9, 3, 1}, {-4, 6, 9}, {0.4, 1.5, 0}, {-8, 0.5, -8}, {4, 2.6, 1}};
 static const double looks[][3] = {{0, 2, 0}, {0, 1, 0}, {5, 1.6, 2}, {0.5, 2.5, -0.3}, {9, 2.5, 2.1}};
 enum { CAMERAS = sizeof eyes / sizeof *eyes };
-
-static void read_buffer(GLuint buffer, size_t start, size_t size, void *data)
-{
-    PFNGLGETNAMEDBUFFERSUBDATAPROC get =
-        (PFNGLGETNAMEDBUFFERSUBDATAPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetNamedBufferSubData");
-    get(buffer, (GLintptr)start, (GLsizeiptr)size, data);
-}
-
-static vxs_light_map *filled_map(const volumes_scene *s, int light)
-{
-    vxs_light_map     *map;
-    vxs_light_map_desc desc = {.baked = (uint32_t)light};
-    assert_int_equal(vxs_light_map_create(&map, s->volumes, &desc), VXS_OK);
-    while (vxs_light_map_fill(map, 1 << 20)) continue;
-    return map;
-}
-
-/* The same map in memory. */
-static light_map read_map(const volumes_scene *s, const vxs_light_map *map, int light)
-{
-    light_map m    = {.light  = vxs_asset_light(s->asset, (uint32_t)light)->light,
-                      .side   = (int)vxs_light_map_side_px(map),
-                      .layers = (int)vxs_light_map_layers(map)};
-    size_t    size = sizeof(float) * (size_t)(m.side * m.side * m.layers);
-    m.first        = malloc(size);
-    assert_non_null(m.first);
-    s->gl->GetTextureImage(vxs_light_map_texture(map), 0, GL_RED, GL_FLOAT, (GLsizei)size, m.first);
-    return m;
-}
-
-/* The grid of the last frame, as shaders had it.   eye_lit  [out] */
-static shadow_grid read_grid(const vxs_shadow_grid *grid, const double *eye, int *eye_lit)
-{
-    struct {
-        float   axis[4], ahead[4], side[4], alpha_theta[4], phi[4];
-        int32_t size[4], eye[4], reserved[4];
-    } head;
-    read_buffer(vxs_shadow_grid_buffer(grid), 0, sizeof head, &head);
-    shadow_grid g = {.size = {head.size[0], head.size[1], head.size[2]}};
-    for (int i = 0; i < 3; i++) {
-        g.space.axis[i]  = (double)head.axis[i];
-        g.space.ahead[i] = (double)head.ahead[i];
-        g.space.side[i]  = (double)head.side[i];
-        g.eye[i]         = (double)(float)eye[i];
-    }
-    g.space.away = (double)head.axis[3];
-    for (int i = 0; i < 2; i++) {
-        g.space.alpha[i] = (double)head.alpha_theta[i];
-        g.space.theta[i] = (double)head.alpha_theta[2 + i];
-        g.space.phi[i]   = (double)head.phi[i];
-    }
-    *eye_lit = head.eye[0];
-    g.words  = malloc((size_t)vxs_grid_words(&g.size) * sizeof *g.words);
-    assert_non_null(g.words);
-    read_buffer(vxs_shadow_grid_buffer(grid), sizeof head, (size_t)vxs_grid_words(&g.size) * sizeof *g.words, g.words);
-    return g;
-}
-
-static vxs_shadow_grid *make_grid(const volumes_scene *s, uint32_t columns, uint32_t rows, uint32_t bits, int in_passes)
-{
-    vxs_shadow_grid     *grid;
-    vxs_shadow_grid_desc desc = {columns, rows, bits, (uint32_t)in_passes};
-    assert_int_equal(vxs_shadow_grid_create(&grid, s->volumes, &desc), VXS_OK);
-    return grid;
-}
-
-static double error_of(const float *pixels, const double *wanted)
-{
-    double wrong = 0, size = 0;
-    for (size_t n = 0; n < PIXELS; n++)
-        for (size_t i = 0; i < 3; i++) {
-            double w = wanted[3 * n + i], more = (double)pixels[4 * n + i] - w;
-            assert_true(isfinite(pixels[4 * n + i]) && pixels[4 * n + i] >= 0);
-            wrong += more * more;
-            size += w * w;
-        }
-    return size > 0 ? sqrt(wrong / size) : wrong;
-}
 
 /* tests ---------------------------------------------------------------------------------------------------------------------------- */
 
@@ -144,18 +65,6 @@ static void test_scans(void **state)
     for (int n = 0; n < 2; n++) vxs_or_scan_destroy(&scans[n]);
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
     scene_close(&s);
-}
-
-/* In the words of a light ray, the first column in shadow: as many as are not. No column behind it is lit. */
-static int first_column(const shadow_grid *g, int row, int bit)
-{
-    int first = g->size.columns;
-    for (int column = g->size.columns - 1; column >= 0; column--) {
-        int dark = (int)(g->words[vxs_grid_word_of(&g->size, column, row, bit)] >> (bit & 31) & 1);
-        if (dark && first != column + 1) fail_msg("row %d, bit %d: light begins again behind column %d", row, bit, column);
-        if (dark) first = column;
-    }
-    return first;
 }
 
 /* Where shadow begins on each light ray, against the same in double: the next column or the one before only where rounding decides, but for rays
@@ -223,7 +132,7 @@ static void test_words(void **state)
                                   to);
                 for (int i = 0; i < 3; i++) to[i] *= (double)l.colour[i];
             }
-            double error = error_of(pixels, wanted);
+            double error = error_of(pixels, wanted, PIXELS);
             most         = fmax(most, error);
             if (getenv("VXS_VERBOSE")) print_message("light %d, camera %d: %.1e\n", light, camera, error);
             for (int n = 0; n < WAYS; n++) free(found[n].words);
@@ -299,7 +208,7 @@ static void test_converges(void **state)
                 assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
                 assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grids[n], 0), VXS_OK);
                 scene_read(&s, pixels);
-                errors[n] = error_of(pixels, wanted);
+                errors[n] = error_of(pixels, wanted, PIXELS);
             }
             print_message("light %d, camera %d: RMS %.4f at %u^3, %.4f at %u^3\n", light, camera, errors[0], sides[0], errors[1],
                           sides[1]);
@@ -320,28 +229,31 @@ static void test_state(void **state)
     PFNGLGETINTEGERVPROC     get        = (PFNGLGETINTEGERVPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegerv");
     PFNGLBINDBUFFERRANGEPROC bind_range = (PFNGLBINDBUFFERRANGEPROC)(vxs_gl_function)OSMesaGetProcAddress("glBindBufferRange");
     const GLenum names[] = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE};
-    GLint        before[7], after[7];
+    GLint        before[10], after[10];
     GLuint       buffer;
     scene_open(&s, 64, WIDE, HIGH);
-    vxs_shadow_grid  *grid  = make_grid(&s, 16, 16, 128, 1);
+    vxs_shadow_grid     *grid;
+    vxs_shadow_grid_desc desc = {.columns = 16, .rows = 16, .bits = 128, .scan_in_passes = 1, .casts = 1};
+    assert_int_equal(vxs_shadow_grid_create(&grid, s.volumes, &desc), VXS_OK);
     vxs_volumes_light l     = scene_light(SCENE_SPOT);
     volumes_camera    c     = camera_at(eyes[0], looks[0], 0.8);
     vxs_volumes_frame frame = scene_frame(&s, &c, &haze, 2.5, 30, metres);
     s.gl->GenBuffers(1, &buffer);
     s.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     s.gl->BufferData(GL_SHADER_STORAGE_BUFFER, 1024, NULL, GL_STATIC_DRAW);
-    bind_range(GL_SHADER_STORAGE_BUFFER, 6, buffer, 256, 512);
-    s.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, buffer);
-    for (int n = 0; n < 6; n++) get_i(names[n / 2], (GLuint)(6 + n % 2), before + n);
-    get(GL_SHADER_STORAGE_BUFFER_BINDING, before + 6);
+    bind_range(GL_SHADER_STORAGE_BUFFER, 5, buffer, 256, 512);
+    for (GLuint n = 6; n < 8; n++) s.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, n, buffer);
+    for (int n = 0; n < 9; n++) get_i(names[n / 3], (GLuint)(5 + n % 3), before + n);
+    get(GL_SHADER_STORAGE_BUFFER_BINDING, before + 9);
     assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
-    assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_OK);
+    const vxs_casters casters = {.places = buffer, .corners = buffer, .triangle_count = 4};
+    assert_int_equal(vxs_volumes_grid_cast(s.volumes, &l, NULL, grid, 0, &casters, 1), VXS_OK);
     scene_smoke(&s, SCENE_SUN);
-    for (int n = 0; n < 6; n++) get_i(names[n / 2], (GLuint)(6 + n % 2), after + n);
-    get(GL_SHADER_STORAGE_BUFFER_BINDING, after + 6);
-    for (int n = 0; n < 7; n++)
+    for (int n = 0; n < 9; n++) get_i(names[n / 3], (GLuint)(5 + n % 3), after + n);
+    get(GL_SHADER_STORAGE_BUFFER_BINDING, after + 9);
+    for (int n = 0; n < 10; n++)
         if (before[n] != after[n]) fail_msg("state %d was %d and is %d", n, before[n], after[n]);
-    assert_int_equal(before[2], 256);
+    assert_int_equal(before[3], 256);
     vxs_shadow_grid_destroy(grid);
     scene_close(&s);
 }
@@ -353,8 +265,8 @@ static void test_misuse(void **state)
     static double metres[PIXELS];
     scene_open(&s, 64, WIDE, HIGH);
     vxs_shadow_grid           *grid      = NULL;
-    const vxs_shadow_grid_desc bad[]     = {{16385, 1, 1, 0}, {1, 16385, 1, 0}, {1, 1, 16385, 0}, {UINT32_MAX, 0, 0, 0}};
-    const vxs_shadow_grid_desc large     = {16384, 16384, 16384, 0};
+    const vxs_shadow_grid_desc bad[]     = {{.columns = 16385}, {.rows = 16385}, {.bits = 16385}, {.columns = UINT32_MAX}};
+    const vxs_shadow_grid_desc large     = {.columns = 16384, .rows = 16384, .bits = 16384};
     vxs_volumes_light          l         = scene_light(SCENE_SUN);
     vxs_light_constants        constants = vxs_gl_constants(s.shadows)[0];
     volumes_camera             c         = camera_at(eyes[0], looks[0], 0.8);

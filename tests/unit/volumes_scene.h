@@ -172,17 +172,19 @@ static inline void camera_ray(const volumes_scene *s, const volumes_camera *c, u
     make_unit(direction);
 }
 
-/* Metres to the first triangle, INFINITY: none. */
-static inline double scene_trace(const volumes_scene *s, const double from[3], const double way[3])
+/* Metres to the first triangle, INFINITY: none.   way  of any length, which metres are then counted in */
+static inline double triangles_hit(const float *places, const uint32_t *corners, uint32_t count, const double from[3],
+                                   const double way[3])
 {
     double nearest = INFINITY;
-    for (uint32_t t = 0; t < SCENE_TRIANGLES; t++) {
-        double a[3], b[3], o[3], p[3], q[3];
+    for (uint32_t t = 0; t < count; t++) {
+        double       a[3], b[3], o[3], p[3], q[3];
+        const float *v[3];
+        for (int k = 0; k < 3; k++) v[k] = places + (size_t)3 * corners[3 * t + (uint32_t)k];
         for (int n = 0; n < 3; n++) {
-            const float *v = s->positions;
-            a[n]           = (double)v[3 * s->indices[3 * t + 1] + n] - (double)v[3 * s->indices[3 * t] + n];
-            b[n]           = (double)v[3 * s->indices[3 * t + 2] + n] - (double)v[3 * s->indices[3 * t] + n];
-            o[n]           = from[n] - (double)v[3 * s->indices[3 * t] + n];
+            a[n] = (double)v[1][n] - (double)v[0][n];
+            b[n] = (double)v[2][n] - (double)v[0][n];
+            o[n] = from[n] - (double)v[0][n];
         }
         cross(way, b, p);
         cross(o, a, q);
@@ -190,6 +192,11 @@ static inline double scene_trace(const volumes_scene *s, const double from[3], c
         if (u >= 0 && w >= 0 && u + w <= 1 && at > 1e-9 && at < nearest) nearest = at;
     }
     return nearest;
+}
+
+static inline double scene_trace(const volumes_scene *s, const double from[3], const double way[3])
+{
+    return triangles_hit(s->positions, s->indices, SCENE_TRIANGLES, from, way);
 }
 
 /* A frame of a camera: depths are NEAR_METRES over the distance along the camera's axis.

@@ -1,0 +1,85 @@
+/* See voxelize.h.
+ * SPDX-License-Identifier: MIT */
+#include "voxelize.h"
+
+#include <math.h>
+
+enum { GROUP = 64, GROUPS_MAX = 65535, GROUPS_ENOUGH = 64, WORDS_MOST = 1 << 30, ROWS_LEAST = 8 };
+
+vxs_result vxs_voxelizer_create(voxelizer *z, vxs_volumes *v)
+{
+    static const char *const names[VXS_VOXELS_KINDS] = {
+        [VXS_VOXELS_RAYS]    = "#define VXS_USES_GRID\n#define VXS_VOXELS_RAYS\n",
+        [VXS_VOXELS_SOLID]   = "#define VXS_USES_GRID\n#define VXS_VOXELS_SOLID\n",
+        [VXS_VOXELS_COVERED] = "#define VXS_USES_GRID\n#define VXS_VOXELS_COVERED\n",
+    };
+    *z = (voxelizer){.volumes = v};
+    for (int n = 0; n < VXS_VOXELS_KINDS; n++)
+        if (!(z->programs[n] = vxs_volumes_compute(v, names[n], vxs_volumes_text_voxelize_glsl))) {
+            vxs_voxelizer_destroy(z);
+            return VXS_E_GL;
+        }
+    return VXS_OK;
+}
+
+void vxs_voxelizer_destroy(voxelizer *z)
+{
+    for (int n = 0; n < VXS_VOXELS_KINDS; n++)
+        if (z->programs[n]) z->volumes->api.DeleteProgram(z->programs[n]);
+    *z = (voxelizer){0};
+}
+
+int vxs_are_casters(const vxs_casters *casters, uint32_t count, const vxs_grid_size *size)
+{
+    for (const vxs_casters *c = casters; c < casters + count; c++) {
+        if (!c->places || (c->place_words && c->place_words < 3) || c->place_words > WORDS_MOST || c->first_word > WORDS_MOST ||
+            c->triangle_count > WORDS_MOST || (unsigned)c->kind >= VXS_VOXELS_KINDS)
+            return 0;
+        if (c->kind == VXS_VOXELS_COVERED && size->rows < ROWS_LEAST) return 0;
+        for (int n = 0; n < 16; n++)
+            if (!isfinite(c->point_from_place[n])) return 0;
+    }
+    return 1;
+}
+
+/* Places as along, ahead and side of the axis, from the eye. */
+static void set_matrix(frame_block *f, const vxs_epipolar *space, const float point_from_place[16])
+{
+    const double *const rows[3] = {space->axis, space->ahead, space->side};
+    for (int n = 0; n < 16; n++) f->eye_from_ls[n] = 0;
+    for (int column = 0; column < 4; column++) {
+        double point[3];
+        for (int i = 0; i < 3; i++) point[i] = (double)point_from_place[4 * column + i] - (column == 3 ? (double)f->eye[i] : 0);
+        for (int row = 0; row < 3; row++) f->eye_from_ls[4 * column + row] = (float)vxs_air_dot(rows[row], point);
+    }
+}
+
+static void voxelize(const voxelizer *z, const vxs_casters *c, vxs_voxels as)
+{
+    vxs_volumes *v      = z->volumes;
+    uint32_t     groups = (c->triangle_count + GROUP - 1) / GROUP;
+    uint32_t     turns  = groups < GROUPS_ENOUGH ? GROUPS_ENOUGH / (groups ? groups : 1) : 1;
+    v->frame.counts[0]  = c->triangle_count;
+    v->frame.counts[1]  = c->first_word;
+    v->frame.counts[2]  = c->place_words ? c->place_words : 3;
+    v->frame.counts[3]  = c->corners != 0;
+    v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, c->corners);
+    for (uint32_t first = 0; first < groups; first += GROUPS_MAX) {
+        v->frame.first = GROUP * first;
+        vxs_volumes_run(v, z->programs[as], 0, 0, groups - first < GROUPS_MAX ? groups - first : GROUPS_MAX, turns);
+    }
+}
+
+void vxs_voxelize(const voxelizer *z, gl_name grid, const vxs_epipolar *space, const vxs_casters *casters, uint32_t count,
+                  vxs_voxels kind, vxs_voxels as, uint32_t columns)
+{
+    frame_block *f = &z->volumes->frame;
+    f->knobs[0]    = (float)columns;
+    for (const vxs_casters *c = casters; c < casters + count; c++) {
+        if (c->kind != kind) continue;
+        set_matrix(f, space, c->point_from_place);
+        vxs_volumes_use_storage(z->volumes, grid, c->places);
+        voxelize(z, c, as);
+    }
+    vxs_volumes_use_storage(z->volumes, grid, 0);
+}
