@@ -8,7 +8,7 @@ layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
     vec4  alpha_theta;
     vec4  phi;
     ivec4 size; /* columns, rows, bits; runs of the lookup */
-    ivec4 eye;  /* whether the light reaches it, as for vxs_grid_airlight */
+    ivec4 eye;  /* whether the light reaches it, as for vxs_grid_airlight; 1: rays lie between two rows */
     ivec4 reserved;
     uint  words[];
 } vxs_grid;

@@ -13,7 +13,7 @@ typedef struct grid_head {
     float   alpha[2], theta[2];
     float   phi[4];
     int32_t columns, rows, bits, runs;
-    int32_t eye_lit, reserved[7];
+    int32_t eye_lit, between_rows, reserved[6];
 } grid_head;
 _Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
 enum { HEAD_TEXELS = sizeof(grid_head) / 16 };

@@ -11,6 +11,10 @@ void main()
     vxs_air_path path = vxs_eye_path(direction, metres);
     if (!(path.end > path.begin)) return;
     vxs_grid_size size = vxs_grid_size(vxs_grid.size.x, vxs_grid.size.y, vxs_grid.size.z);
-    vxs_grid_airlight(0u, vxs_grid_space(), size, vxs_frame_medium(), path, direction, metres, vxs_grid.size.w, vxs_grid.eye.x, sum);
+    vxs_epipolar     space = vxs_grid_space();
+    vxs_epipolar_ray ray = vxs_epipolar_eye(space, direction);
+    vxs_grid_rows    rows = vxs_grid_row_of(space, size, ray.theta);
+    if (vxs_grid.eye.y != 0) rows = vxs_grid_rows_about(space, size, ray.theta);
+    vxs_grid_airlight_of(0u, space, size, vxs_frame_medium(), path, ray, rows, metres, vxs_grid.size.w, vxs_grid.eye.x, sum);
     imageStore(airlight, pixel, imageLoad(airlight, pixel) + vec4(sum * vxs_frame.colour.rgb, 0.0));
 }

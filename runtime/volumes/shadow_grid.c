@@ -16,6 +16,7 @@ struct vxs_shadow_grid {
     gl_name       fill_map, fill_asset, look_up; /* programs */
     or_scan       scan;
     voxelizer     voxelizer; /* of zeros: it does not cast */
+    int           between_rows;
 };
 
 static uint64_t bytes_of(const vxs_grid_size *size)
@@ -50,7 +51,7 @@ vxs_result vxs_shadow_grid_create(vxs_shadow_grid **out, vxs_volumes *v, const v
     if (bytes_of(&size) > (uint32_t)most || bytes_of(&size) > INT32_MAX) return VXS_E_GL;
     vxs_shadow_grid *grid = vxs_volumes_take(v, sizeof *grid);
     if (!grid) return VXS_E_MEMORY;
-    *grid             = (vxs_shadow_grid){.volumes = v, .size = size};
+    *grid             = (vxs_shadow_grid){.volumes = v, .size = size, .between_rows = desc->between_rows != 0};
     vxs_result result = make(grid, desc);
     if (result != VXS_OK) {
         vxs_shadow_grid_destroy(grid);
@@ -100,6 +101,7 @@ static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uin
 {
     const vxs_volumes *v    = grid->volumes;
     grid_head          head = vxs_grid_head_of(space, &grid->size, runs);
+    head.between_rows       = grid->between_rows;
     head.eye_lit            = head.away > 0 && head.away <= v->frame.radius_metres ? 2 : 1;
     v->api.NamedBufferSubData(grid->buffer, 0, sizeof head, &head);
     v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof head, (gl_bytes)(bytes_of(&grid->size) - sizeof head),

@@ -171,6 +171,8 @@ typedef struct vxs_shadow_grid_desc {
     uint32_t bits;           /* of angles at a lamp, or distances from the way to the sun; 0: 512. Memory is of whole 128s */
     uint32_t scan_in_passes; /* 1: all at once, which takes as much memory again; 0: row by row, in shared memory */
     uint32_t casts;          /* 1: vxs_volumes_grid_cast will be called */
+    uint32_t
+        between_rows; /* 1: an eye ray has of the two rows whose middles it lies between, by how near they are ([IVSV13] 3.3); 0: its own */
 } vxs_shadow_grid_desc;
 
 /* A grid of bits, columns * rows * bits / 8 bytes in a storage buffer, made again for each light of each frame: any number of lights may use one.

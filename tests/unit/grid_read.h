@@ -63,10 +63,12 @@ static inline shadow_grid read_grid(const vxs_shadow_grid *grid, const double *e
     return g;
 }
 
-static inline vxs_shadow_grid *make_grid(const volumes_scene *s, uint32_t columns, uint32_t rows, uint32_t bits, int in_passes)
+/* other_way  it is scanned in passes, and looked up between rows */
+static inline vxs_shadow_grid *make_grid(const volumes_scene *s, uint32_t columns, uint32_t rows, uint32_t bits, int other_way)
 {
     vxs_shadow_grid     *grid;
-    vxs_shadow_grid_desc desc = {.columns = columns, .rows = rows, .bits = bits, .scan_in_passes = (uint32_t)in_passes};
+    vxs_shadow_grid_desc desc = {
+        .columns = columns, .rows = rows, .bits = bits, .scan_in_passes = (uint32_t)other_way, .between_rows = (uint32_t)other_way};
     assert_int_equal(vxs_shadow_grid_create(&grid, s->volumes, &desc), VXS_OK);
     return grid;
 }
