@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/bench/volumes_bench.h"
 
+#include <stdlib.h>
+
 #include "baker/render/baked_mesh.h"
 #include "tests/volumes/rival_froxels.h"
 #include "tests/volumes/rival_slices.h"
@@ -89,9 +91,76 @@ static vxs_result grid_of_asset(bench *b, const vxs_volumes_light *light, void *
     return vxs_volumes_grid(b->volumes, light, NULL, grid, 0);
 }
 
+/* Rays between two rows. */
+static vxs_result open_rows(bench *b, void **state, uint32_t size)
+{
+    vxs_shadow_grid_desc desc = {.columns = size, .rows = 2 * size, .bits = size, .between_rows = 1};
+    return vxs_shadow_grid_create((vxs_shadow_grid **)state, b->volumes, &desc);
+}
+
 static void close_grid(void *grid)
 {
     vxs_shadow_grid_destroy(grid);
+}
+
+/* A grid of the scene's triangles, without map and asset. */
+typedef struct cast_grid {
+    bench           *b;
+    vxs_shadow_grid *grid;
+    vxs_casters      casters;
+    GLuint           buffers[2];
+} cast_grid;
+
+/* Places count from the first camera, as the asset's do. */
+static vxs_result upload_triangles(cast_grid *c)
+{
+    const gl_context *gl    = c->b->gl;
+    const casters    *from  = &c->b->casting;
+    size_t            count = 3 * from->vertex_count;
+    float            *laid  = malloc(count * sizeof *laid);
+    if (!laid) return VXS_E_MEMORY;
+    for (size_t n = 0; n < count; n++) laid[n] = (float)(from->positions_ws[n] - c->b->pose.eye_ws[n % 3]);
+    gl->GenBuffers(2, c->buffers);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, c->buffers[0]);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(count * sizeof *laid), laid, GL_STATIC_DRAW);
+    gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, c->buffers[1]);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(3 * from->triangle_count * sizeof *from->indices), from->indices,
+                   GL_STATIC_DRAW);
+    free(laid);
+    c->casters = (vxs_casters){.places           = c->buffers[0],
+                               .corners          = c->buffers[1],
+                               .triangle_count   = (uint32_t)from->triangle_count,
+                               .point_from_place = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    return VXS_OK;
+}
+
+static vxs_result open_cast(bench *b, void **state, uint32_t size)
+{
+    vxs_shadow_grid_desc desc = {.columns = size, .rows = 2 * size, .bits = size, .casts = 1};
+    cast_grid           *c    = calloc(1, sizeof *c);
+    if (!c) return VXS_E_MEMORY;
+    *state       = c;
+    c->b         = b;
+    vxs_result r = upload_triangles(c);
+    return r == VXS_OK ? vxs_shadow_grid_create(&c->grid, b->volumes, &desc) : r;
+}
+
+static vxs_result grid_of_triangles(bench *b, const vxs_volumes_light *light, void *state, uint32_t size)
+{
+    const cast_grid  *c    = state;
+    vxs_volumes_light bare = *light;
+    bare.constants         = &vxs_gl_constants(b->shadows)[b->number];
+    (void)size;
+    return vxs_volumes_grid_cast(b->volumes, &bare, NULL, c->grid, 0, &c->casters, 1);
+}
+
+static void close_cast(void *state)
+{
+    cast_grid *c = state;
+    if (!c) return;
+    vxs_shadow_grid_destroy(c->grid);
+    c->b->gl->DeleteBuffers(2, c->buffers);
+    free(c);
 }
 
 /* Columns of 8 x 8 pixels, as engines have it, and so many slices. */
@@ -156,7 +225,9 @@ const technique volumes_techniques[] = {
     {"mesh", "texels of error", {16, 4, 1}, open_mesh, mesh, close_mesh},
     {"mesh of the map", "texels a side", {64, 256, 1024}, open_map, mesh_of_map, close_map},
     {"grid", "bits a side", {64, 128, 256, 512}, open_grid, grid_of_map, close_grid},
+    {"grid, two rows", "bits a side", {64, 128, 256, 512}, open_rows, grid_of_map, close_grid},
     {"grid, asset", "bits a side", {64, 128, 256}, open_grid, grid_of_asset, close_grid},
+    {"grid, triangles", "bits a side", {64, 128, 256, 512}, open_cast, grid_of_triangles, close_cast},
     {"froxels", "slices", {16, 64, 256, 1024}, open_froxels, froxels_of_map, close_froxels},
     {"moments", "parts a ray", {1, 4, 16, 64}, open_moments, slices_of_map, close_slices},
     {"min-max slices", "slices", {64, 128, 256, 512}, open_slices, slices_of_map, close_slices},
