@@ -53,12 +53,13 @@ ivec2 rows_of(vxs_epipolar space, vxs_grid_size size, vec3 a, vec3 b, vec3 c)
     if (!(high - low < VXS_AIR_PI - 1e-3)) return ivec2(0, size.rows);
     float wide = space.theta.y - space.theta.x, away = first + 0.5 * (low + high) - 0.5 * (space.theta.x + space.theta.y);
     away -= 2.0 * VXS_AIR_PI * round(away / (2.0 * VXS_AIR_PI));
-    float middle = (0.5 + away / wide) * float(size.rows), half_rows = 0.5 * (high - low) / wide * float(size.rows) + spare;
+    float rows = float(size.rows), middle = (0.5 + away / wide) * rows, half_rows = 0.5 * (high - low) / wide * rows + spare;
 #ifdef VXS_VOXELS_COVERED
-    int begin = int(floor(middle - half_rows)), end = int(floor(middle + half_rows)) + 1;
+    vec2 found = floor(vec2(middle - half_rows, middle + half_rows + 1.0));
 #else
-    int begin = int(ceil(middle - half_rows - 0.5)), end = int(ceil(middle + half_rows - 0.5));
+    vec2 found = ceil(vec2(middle - half_rows, middle + half_rows) - 0.5);
 #endif
+    int begin = int(clamp(found.x, -rows, 2.0 * rows)), end = int(clamp(found.y, -rows, 2.0 * rows));
     if (wide < 2.0 * VXS_AIR_PI - 1e-3) {
         begin = max(begin, 0);
         end = min(end, size.rows);
@@ -195,7 +196,7 @@ struct polygon {
     int  count;
 };
 
-/* Its part on one side of such a plane.   normal  across the axis */
+/* Its part on one side of such a plane; what rounding adds to the five corners that it can have is left out.   normal  across the axis */
 void clip(inout polygon of, vec2 normal)
 {
     polygon part;
@@ -225,36 +226,53 @@ float least_alpha(vxs_epipolar space, vec2 near_ray, vec2 far_ray, vec2 p, vec2 
     return min(vxs_epipolar_angle(a.y, a.x), vxs_epipolar_angle(b.y, b.x));
 }
 
-/* A row is a wedge: places of it are taken to the half plane by their distance from the axis, where an edge is bent, by less than a part of
- * 1 - cos(half a row) of that distance, toward the axis. */
+/* A row is a wedge: places of it are taken to the half plane by their distance from the axis, where edges are bent, toward the axis, to no less than this
+ * part of that distance; */
+float bent_part(vxs_epipolar space, vxs_grid_size size)
+{
+    return cos(0.5 * (space.theta.y - space.theta.x) / float(size.rows));
+}
+
+/* and angles, at the eye and at a lamp, are off by no more than this. */
+float bent_angle(float part)
+{
+    return (1.0 - part) / (1.0 + part);
+}
+
+/* The first column of a bit that a polygon is in, or that it may be in as far as edges are bent; size.columns, or more: none. */
+float first_column(vxs_epipolar space, vxs_grid_size size, int bit, vec2 places[5], int count)
+{
+    float part = bent_part(space, size), off = bent_angle(part), alpha = 4.0;
+    float begin = vxs_grid_place(space.phi, float(bit), size.bits), end = vxs_grid_place(space.phi, float(bit + 1), size.bits);
+    vec2  near_ray, far_ray;
+    vxs_epipolar_turn_of(space, space.away > 0.0 ? max(begin - off, 0.0) : begin, near_ray);
+    vxs_epipolar_turn_of(space, space.away > 0.0 ? min(end + off, VXS_AIR_PI) : end / part, far_ray);
+    for (int n = 1; n < count; n++) { /* edges of a fan of triangles: in the half plane, the polygon's own edges may cross */
+        alpha = min(alpha, least_alpha(space, near_ray, far_ray, places[0], places[n]));
+        if (n > 1) alpha = min(alpha, least_alpha(space, near_ray, far_ray, places[n - 1], places[n]));
+    }
+    return alpha < 4.0 ? max(floor(vxs_grid_before(space.alpha, alpha - off, size.columns)), 0.0) : float(size.columns);
+}
+
 void voxelize(vxs_epipolar space, vxs_grid_size size, int row, vec3 triangle[3])
 {
     polygon of;
-    vec2    places[5], low = way_at(vxs_grid_place(space.theta, float(row), size.rows)), turned;
+    vec2    places[5], low = way_at(vxs_grid_place(space.theta, float(row), size.rows));
     vec2    high = way_at(vxs_grid_place(space.theta, float(row + 1), size.rows));
-    float   bent = cos(0.5 * (space.theta.y - space.theta.x) / float(size.rows)), least = float(size.bits), most = 0.0;
+    float   part = bent_part(space, size), least = float(size.bits), most = 0.0;
     for (int n = 0; n < 3; n++) of.at[n] = triangle[n];
     of.count = 3;
     clip(of, vec2(-low.y, low.x));
     clip(of, vec2(high.y, -high.x));
     for (int n = 0; n < of.count; n++) {
         places[n] = vec2(of.at[n].x, length(of.at[n].yz));
-        float before = bits_before(space, size, places[n]), bent_before = bits_before(space, size, vec2(places[n].x, bent * places[n].y));
-        least = min(least, min(before, bent_before));
-        most = max(most, max(before, bent_before));
+        float before = bits_before(space, size, places[n]), bent = bits_before(space, size, vec2(places[n].x, part * places[n].y));
+        least = min(least, min(before, bent));
+        most = max(most, max(before, bent));
     }
-    float turn = (1.0 - bent) / (1.0 + bent);
     for (int bit = int(max(floor(least), 0.0)); bit < int(min(floor(most) + 1.0, float(size.bits))); bit++) {
-        vec2  near_ray, far_ray;
-        float alpha = 4.0, begin = vxs_grid_place(space.phi, float(bit), size.bits), end = vxs_grid_place(space.phi, float(bit + 1), size.bits);
-        vxs_epipolar_turn_of(space, space.away > 0.0 ? max(begin - turn, 0.0) : begin, near_ray);
-        vxs_epipolar_turn_of(space, space.away > 0.0 ? min(end + turn, VXS_AIR_PI) : end / bent, far_ray);
-        for (int n = 1; n < of.count; n++) { /* edges of a fan of triangles: in the half plane, the polygon's own edges may cross */
-            alpha = min(alpha, least_alpha(space, near_ray, far_ray, places[0], places[n]));
-            if (n > 1) alpha = min(alpha, least_alpha(space, near_ray, far_ray, places[n - 1], places[n]));
-        }
-        float column = floor(vxs_grid_before(space.alpha, alpha - turn, size.columns));
-        if (alpha < 4.0 && column < float(size.columns)) set_bit(size, int(max(column, 0.0)), row, bit);
+        float column = first_column(space, size, bit, places, of.count);
+        if (column < float(size.columns)) set_bit(size, int(column), row, bit);
     }
 }
 #endif

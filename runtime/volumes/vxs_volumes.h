@@ -12,7 +12,7 @@
  * know that; what media and lights are is the same for all (vxs_air_path.h).
  *
  * A light map tells of each light ray where shadow begins on it: of what stands, from the baked asset, and of what moves, from depth maps of the
- * caller; joined there, ray by ray, and nowhere else.
+ * caller; joined there, ray by ray. A shadow grid does so, too, of the asset or a map, and of triangles that move. Nowhere else are they joined.
  *
  * It links no OpenGL, and wants 4.5. Every call needs the context of vxs_volumes_create current on the calling thread. What it changes
  * of the context's state it puts back, but for words and lights, which it leaves bound as vxs_gl_bind does. Memory and programs are taken by the
