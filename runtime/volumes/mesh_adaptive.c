@@ -120,9 +120,10 @@ static void choose_quads(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *sh
 
 static void list_triangles(const vxs_adaptive_mesh *mesh, const vxs_mesh_shape *shape, gl_name map)
 {
-    const list_head none = {.instances = 1};
+    const list_head none  = {.instances = 1};
+    int             least = shape->levels > 0; /* quads of a texel are listed by those that split into them */
     mesh->volumes->api.NamedBufferSubData(mesh->list, 0, sizeof none, &none);
-    for (int level = shape->levels; level >= 0; level--) run(mesh, mesh->add, map, level, shape->side >> level);
+    for (int level = shape->levels; level >= least; level--) run(mesh, mesh->add, map, level, shape->side >> level);
 }
 
 vxs_result vxs_volumes_mesh_adaptive(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map,

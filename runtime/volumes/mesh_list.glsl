@@ -1,4 +1,5 @@
-/* The triangles of the quads of a level that are drawn, behind those that are listed already; and with the root's, what closes the mesh. */
+/* The triangles of the quads of a level that are drawn, behind those that are listed already; with those of level 1, the quads of a texel that they split
+ * into; and with the root, what closes the mesh. */
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #define VXS_QUAD_TRIANGLES 6 /* at most, with walls */
@@ -52,9 +53,12 @@ void main()
 {
     vxs_mesh_shape shape = vxs_frame_mesh();
     ivec3          at = ivec3(gl_GlobalInvocationID);
-    int            level = int(vxs_frame.counts.x);
+    int            level = int(vxs_frame.counts.x), count = 0;
     vxs_mesh_quad  q = vxs_mesh_quad_of(at.z, level, at.x, at.y);
     if (any(greaterThanEqual(at.xy, ivec2(shape.side >> level)))) return;
-    if (vxs_mesh_is_drawn(0, shape, q) != 0) list_quad(shape, q);
+    if (vxs_mesh_is_drawn(0, shape, q) != 0) count = 1;
+    if (level == 1 && vxs_mesh_has_split(0, shape, q) != 0) count = 4;
+    for (int n = 0; n < count; n++)
+        list_quad(shape, count == 1 ? q : vxs_mesh_quad_of(q.layer, 0, 2 * q.x + (n & 1), 2 * q.y + (n >> 1)));
     if (level == shape.levels) list_closing(shape);
 }
