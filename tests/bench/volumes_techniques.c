@@ -72,6 +72,24 @@ static void close_map(void *map)
     vxs_light_map_destroy(map);
 }
 
+/* A mesh that shaders make in each frame, of the map that the march reads, with quads as large as so many texels' width of error lets them be. */
+static vxs_result open_adaptive(bench *b, void **state, uint32_t error_texels)
+{
+    vxs_adaptive_mesh_desc desc = {.side_px = vxs_light_map_side_px(b->map), .layers = vxs_light_map_layers(b->map)};
+    (void)error_texels;
+    return vxs_adaptive_mesh_create((vxs_adaptive_mesh **)state, b->volumes, &desc);
+}
+
+static vxs_result adaptive_mesh(bench *b, const vxs_volumes_light *light, void *mesh, uint32_t error_texels)
+{
+    return vxs_volumes_mesh_adaptive(b->volumes, light, b->map, mesh, (float)error_texels);
+}
+
+static void close_adaptive(void *mesh)
+{
+    vxs_adaptive_mesh_destroy(mesh);
+}
+
 /* The grid of n x 2n x n bits, filled of the map, or of the asset without one. */
 static vxs_result open_grid(bench *b, void **state, uint32_t size)
 {
@@ -224,6 +242,7 @@ const technique volumes_techniques[] = {
     {"intervals", "-", {1}, nothing, intervals, forget},
     {"mesh", "texels of error", {16, 4, 1}, open_mesh, mesh, close_mesh},
     {"mesh of the map", "texels a side", {64, 256, 1024}, open_map, mesh_of_map, close_map},
+    {"adaptive mesh", "texels of error", {16, 4, 1}, open_adaptive, adaptive_mesh, close_adaptive},
     {"grid", "bits a side", {64, 128, 256, 512}, open_grid, grid_of_map, close_grid},
     {"grid, two rows", "bits a side", {64, 128, 256, 512}, open_rows, grid_of_map, close_grid},
     {"grid, asset", "bits a side", {64, 128, 256}, open_grid, grid_of_asset, close_grid},
