@@ -2,17 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/bench/bench_json.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/text.h"
+#include "baker/bench/json_shape.h"
 #include "baker/files/json_file.h"
 
-/* What a file must hold, but for names with a question mark, which are those of one coding; it may hold more. Leaves are kinds (below), or words that a text may be. In an array, the most items that it
- * may have come first, and then what an item is; where there are two, the first is of single taps, the second of filters, which are smooth,
- * or whose "filter_px" is above 1. */
+/* What a file holds (json_shape.h); names with a question mark are those of one coding. */
 static const char file_shape[] =
     "{'cells': [4096, {"
     "     'scene': 'text', 'light': 'text', 'triangles': 'count', 'solid_triangles': 'count', 'lights': 'count', 'maps': 'count',"
@@ -36,145 +32,18 @@ static const char file_shape[] =
     " 'vxs': 'text', 'started': 'text', 'runs': 'u32', 'points': 'u32',"
     " 'machine': {'processor': 'text', 'cores': 'count', 'memory_bytes': 'count', 'system': 'text', 'renderer': 'text'}}";
 
-/* Kinds of numbers; besides there are 'text', 'bool', and 'spread', of times. */
-static const struct number_kind {
-    const char *name;
-    int         is_whole;
-    double      least, most;
-} number_kinds[] = {{"count", 1, 0, 1e15}, /* a double holds it exactly */
-                    {"u32", 1, 0, UINT32_MAX},
-                    {"side", 1, 8, 1 << 24}, /* texels */
-                    {"time", 0, 0, 1e15},    /* seconds, nanoseconds */
-                    {"share", 0, 0, 1}};
-
-/* Reading --------------------------------------------------------------------------------------------------------------------- */
-
-typedef struct reader {
-    const char *path;
-    size_t      cell; /* from 1 on; 0: outside of cells */
-    message    *m;
-} reader;
-
-static int fault(reader *r, const char *name, const char *format, ...) __attribute__((format(printf, 3, 4)));
-static int fault(reader *r, const char *name, const char *format, ...)
+vxs_result bench_json_check(const json_t *bench, const char *path, message *m)
 {
-    char    what[128], where[32] = "";
-    va_list args;
-    va_start(args, format);
-    vsnprintf(what, sizeof what, format, args);
-    va_end(args);
-    if (r->cell) snprintf(where, sizeof where, "cell %zu: ", r->cell);
-    fail(r->m, VXS_E_READ, "%s: not what vxs bench writes: %s\"%s\" %s", r->path, where, name, what);
-    return 0;
-}
-
-static int check_number(reader *r, const char *name, const json_t *value, const char *kind)
-{
-    const struct number_kind *k = number_kinds;
-    while (strcmp(k->name, kind)) k++;
-    double number = json_number_value(value);
-    if ((k->is_whole ? json_is_integer(value) : json_is_number(value)) && number >= k->least && number <= k->most) return 1;
-    return fault(r, name, "is missing or no %s from %.10g to %.10g", k->is_whole ? "whole number" : "number", k->least, k->most);
-}
-
-static int check_spread(reader *r, const char *name, const json_t *value)
-{
-    static const char *const members[] = {"median", "min", "max"};
-    spread                   s         = spread_at(value, "", 1);
-    if (!json_is_object(value)) return fault(r, name, "is missing or no object");
-    for (size_t n = 0; n < sizeof members / sizeof *members; n++)
-        if (!check_number(r, members[n], json_object_get(value, members[n]), "time")) return 0;
-    return s.min <= s.median && s.median <= s.max ? 1 : fault(r, name, "has its median not between min and max");
-}
-
-static int check_leaf(reader *r, const char *name, const json_t *value, const char *kind)
-{
-    int is_choice = strchr(kind, '|') != NULL;
-    if (!strcmp(kind, "spread")) return check_spread(r, name, value);
-    if (!strcmp(kind, "bool")) return json_is_boolean(value) ? 1 : fault(r, name, "is neither true nor false");
-    if (!is_choice && strcmp(kind, "text")) return check_number(r, name, value, kind);
-    if (!json_is_string(value)) return fault(r, name, "is missing or no text");
-    return !is_choice || choice_index(kind, json_string_value(value)) >= 0 ? 1 : fault(r, name, "is not one of %s", kind);
-}
-
-static int check(reader *r, const char *name, const json_t *value, const json_t *shape);
-
-static int check_object(reader *r, const char *object_name, const json_t *object, const json_t *shape)
-{
-    const char *key;
-    json_t     *part;
-    if (!json_is_object(object)) return fault(r, object_name, "is missing or no object");
-    json_object_foreach((json_t *)(size_t)shape, key, part)
-    {
-        char name[32];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(key, "?"), key);
-        const json_t *value = json_object_get(object, name);
-        if ((value || !strchr(key, '?')) && !check(r, name, value, part)) return 0;
-    }
-    return 1;
-}
-
-static int check_array(reader *r, const char *name, const json_t *array, const json_t *shape)
-{
-    size_t  n, most = (size_t)json_integer_value(json_array_get(shape, 0)), last = json_array_size(shape) - 1;
-    int     is_cells = !strcmp(name, "cells");
-    json_t *item;
-    if (!json_is_array(array)) return fault(r, name, "is missing or no array");
-    if (json_array_size(array) > most) return fault(r, name, "has %zu items, expected at most %zu", json_array_size(array), most);
-    json_array_foreach(array, n, item)
-    {
-        if (!json_is_object(item)) return fault(r, name, "has an item that is no object");
-        if (is_cells) r->cell = n + 1;
-        int is_filter = json_is_true(json_object_get(item, "smooth")) || count_at(item, "filter_px") > 1;
-        if (!check_object(r, name, item, json_array_get(shape, is_filter ? last : 1))) return 0;
-    }
-    if (is_cells) r->cell = 0;
-    return 1;
-}
-
-static int check_levels(reader *r, const json_t *levels)
-{
-    json_t  *level;
-    size_t   n;
-    uint64_t sides = 0; /* bits; masks are bit 0 */
-    json_array_foreach(levels, n, level)
-    {
-        uint64_t side = count_at(level, "side_voxels"), bit = side ? side : 1;
-        if ((side & (side - 1)) || side == 1) return fault(r, "side_voxels", "is neither 0 nor a power of two");
-        if (sides & bit) return fault(r, "levels", "has a side twice");
-        sides |= bit;
-    }
-    return 1;
-}
-
-static int check(reader *r, const char *name, const json_t *value, const json_t *shape)
-{
-    if (json_is_string(shape)) return check_leaf(r, name, value, json_string_value(shape));
-    if (json_is_object(shape)) return check_object(r, name, value, shape);
-    return check_array(r, name, value, shape) && (strcmp(name, "levels") || check_levels(r, value));
-}
-
-/* JSON that C has to write with single quotes. */
-static json_t *shape_json(void)
-{
-    char text[sizeof file_shape];
-    for (size_t n = 0; n < sizeof text; n++) text[n] = file_shape[n] == '\'' ? '"' : file_shape[n];
-    return json_loads(text, 0, NULL);
+    return json_shape_check(bench, file_shape, "vxs bench", path, m);
 }
 
 vxs_result bench_json_read(json_t **result, const char *path, message *m)
 {
-    reader  reading = {path, 0, m};
-    json_t *shape   = shape_json();
-    *result         = NULL;
-    vxs_result r    = shape ? json_read(result, path, m) : fail(m, VXS_E_MEMORY, "out of memory while reading %s", path);
-    if (r == VXS_OK && !json_is_object(*result)) r = fail(m, VXS_E_READ, "%s: not what vxs bench writes: no object", path);
-    if (r == VXS_OK && !check_object(&reading, "", *result, shape)) r = VXS_E_READ;
-    if (r != VXS_OK) {
+    vxs_result r = json_read(result, path, m);
+    if (r == VXS_OK && (r = bench_json_check(*result, path, m)) != VXS_OK) {
         json_decref(*result);
         *result = NULL;
     }
-    json_decref(shape);
     return r;
 }
 
