@@ -19,7 +19,8 @@
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
-#   make bench-volumes  measure error against time of shadows in fog, each technique and its rivals; JSON to build/volumes.json, plots beside
+#   make bench-volumes  measure error against time of shadows in fog, each technique and its rivals: a quarter of an hour; JSON and a page to
+#                       build/volumes.json and .html, plots beside, tables to read. only=room, values=2: of some scenes, of each knob
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
@@ -296,7 +297,7 @@ bench-lights: $B/vxs
 
 # of a machine's graphics card: make bench-volumes gl=egl size=1920x1080 rounds=31
 bench-volumes: $B/vxs $B/tests/bench/volumes
-	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds scenes,$(if $($o),--$o $($o)))
+	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds values only plots scenes,$(if $($o),--$o "$($o)"))
 
 # --- other goals -----------------------------------------------------------------------------------------------------------
 

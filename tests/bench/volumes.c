@@ -5,7 +5,7 @@
  * What is seen from a camera, and from two more a third of a texel of the light's map aside. In each round every technique draws every setting of its knob
  * once, one after the other, so that what else the machine does falls on all of them; OpenGL is waited for before and behind each. The reference
  * is airlight between exact lit intervals of the asset, in double; of spheres, between those of formulas, so that what is off by its map counts, too.
- * A cell is on the front when no other is both faster and nearer to it.
+ * A cell is on the front when no other that is as near to it is faster.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,6 +110,7 @@ int main(int argc, char **argv)
                               .width            = 160,
                               .height           = 90,
                               .rounds           = 7,
+                              .values           = VALUES_MAX,
                               .threads          = parallel_default_threads(),
                               .fog              = FOG_DEFAULTS};
     b.fog.per_metre        = 0.01;
@@ -126,6 +127,7 @@ int main(int argc, char **argv)
         {"--height", OPTION_U32, &b.height, 16, 4096, NULL, "PX", "default 90", NULL},
         FOG_ROWS(b.fog),
         {"--rounds", OPTION_U32, &b.rounds, 1, ROUNDS_MAX, NULL, "N", "default 7", NULL},
+        {"--values", OPTION_U32, &b.values, 1, VALUES_MAX, NULL, "N", "of each knob, the first N (default all)", NULL},
         {"--gl", OPTION_CHOICE, &b.backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
         {"--threads", OPTION_U32, &b.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads", NULL},
         {"--json", OPTION_OUTPUT, &b.json_path, 0, 0, ".json", "FILE.json", "figures as JSON", NULL},

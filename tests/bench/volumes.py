@@ -1,50 +1,76 @@
 # Error against run time of shadows in fog: each technique, rivals too, in several scenes; one process and context a scene (tests/bench/volumes.c).
-# JSON (docs/volumes.schema.json), a plot for each scene, and the front: what no other is both faster and nearer than.
+# JSON (docs/volumes.schema.json), a page of it and a plot for each scene, and tables in Markdown: how each does, and how far it is behind the front of what
+# nothing as near is faster than.
 #
-#     make bench-volumes                                                      # llvmpipe, build/volumes.json, build/volumes/
+#     make bench-volumes                                                      # llvmpipe; build/volumes.json, .html, build/volumes/
+#     make bench-volumes plots=docs/plots                                     # and the plots of docs/volumes.md, whose tables it prints
+#     make bench-volumes only=room values=2 rounds=1                          # a look at some scenes
 #     make bench-volumes gl=egl size=1920x1080 rounds=31                      # a graphics card
 #
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
 import json
+import math
 import pathlib
 import subprocess
 
+import spheres
 from plots import COLOURS, block, draw, quoted
 from tables import markdown
 
 SPONZA = "sponza.glb"  # a real one: the folder of --scenes
+CITY = ["city", "--triangles", "100000", "--blocks", "8"]
+ROOM = ["room", "--triangles", "20000"]
 
 # name, how the scene is made or a file's name, how it is baked, and what is seen
 SCENES = [
-    ("city street, sun", ["city", "--triangles", "100000", "--blocks", "8"], [],
-     ["--eye", "-20,4,-150", "--target", "-20,12,0", "--fog", "0.01"]),
-    ("city from above, sun", ["city", "--triangles", "100000", "--blocks", "8"], [],
-     ["--eye", "-180,120,-180", "--target", "0,0,0", "--fog", "0.004"]),
-    ("room, lamp", ["room", "--triangles", "20000"], [], ["--light", "lamp", "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2", "--fog", "0.1"]),
+    ("city street, sun", CITY, [], ["--eye", "-20,4,-150", "--target", "-20,12,0", "--fog", "0.01"]),
+    ("city from above, sun", CITY, [], ["--eye", "-180,120,-180", "--target", "0,0,0", "--fog", "0.004"]),
     ("forest, sun", ["forest", "--triangles", "100000"], [], ["--eye", "2,2,2", "--target", "20,4,24", "--fog", "0.03"]),
     ("Sponza, sun", SPONZA, ["--sun", "0.1,-1,0.15"], ["--eye", "-9,2,0.3", "--target", "8,4.5,-0.5", "--fog", "0.06"]),
+    ("Sponza window, sun", SPONZA, ["--sun", "0.3,-0.7,-0.5"], ["--eye", "-3,5.6,-4.5", "--target", "2,3,4", "--fog", "0.06"]),
+    ("spheres, sun", "spheres", ["--sun", "-0.4,-1,-0.3"], ["--spheres", "--eye", "4.5,1.5,3.5", "--target", "0,0,0", "--fog", "0.1"]),
+    ("spheres, lamp", "ball", [], ["--spheres", "--eye", "3.5,1.5,3.5", "--target", "-1,0,-1", "--fog", "0.1"]),
+    ("room, lamp", ROOM, [], ["--light", "lamp", "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2", "--fog", "0.1"]),
+    ("room, lamp off screen", ROOM, [], ["--light", "lamp", "--eye", "3,1.6,2.2", "--target", "0,1,3", "--fog", "0.1"]),
+    ("room, lamp behind", ROOM, [], ["--light", "lamp", "--eye", "1,1.5,0.8", "--target", "3.9,1.1,2.9", "--fog", "0.1"]),
+    ("room, eye in shadow", ROOM, [], ["--light", "lamp", "--eye", "0.3,0.5,0.1", "--target", "-3.9,0.9,-2", "--fog", "0.1"]),
 ]
 
 
-def measured(args, name, made, baked, seen):
-    """The cells of a scene; None where it is absent."""
+def stem_of(name):
+    return name.lower().replace(", ", "-").replace(" ", "-")
+
+
+def made_scene(args, name, made):
+    """Its path; None where it is a file that is absent."""
     folder = pathlib.Path(args.folder)
-    stem = name.lower().replace(", ", "-").replace(" ", "-")
-    scene, asset, figures = folder / f"{stem}.glb", folder / f"{stem}.vxs", folder / f"{stem}.json"
     if made == SPONZA:
         scene = pathlib.Path(args.scenes) / SPONZA
         if not scene.exists():
             print(f"{name}: skipped, there is no {scene}")
-            return None
+        return scene if scene.exists() else None
+    if made in ("spheres", "ball"):
+        scene = folder / f"{made}.gltf"
+        spheres.write(scene, made == "ball")
     else:
+        scene = folder / f"{made[0]}.glb"
         subprocess.run([args.build / "vxs", "scene", *made, "-o", scene, "--force", "--quiet"], check=True)
+    return scene
+
+
+def measured(args, name, made, baked, seen):
+    """The cells of a scene; None where it is absent."""
+    scene, stem = made_scene(args, name, made), pathlib.Path(args.folder) / stem_of(name)
+    if not scene:
+        return None
+    asset, figures = stem.with_suffix(".vxs"), stem.with_suffix(".json")
     subprocess.run([args.build / "vxs", "bake", scene, "-o", asset, "--force", "--quiet", "--baseline", "off", "--resolution", str(args.resolution), *baked],
                    check=True)
     width, height = args.size.split("x")
     print(f"\n{name}", flush=True)
     subprocess.run([args.build / "tests/bench/volumes", scene, asset, *seen, "--width", width, "--height", height, "--rounds", str(args.rounds), "--gl", args.gl,
-                    "--json", figures], check=True)
+                    "--values", str(args.values), "--json", figures], check=True)
     return {"name": name, "file_bytes": asset.stat().st_size, **json.loads(figures.read_text())}
 
 
@@ -63,28 +89,65 @@ def plot(path, scene):
     draw(path, [*names, "front"], script + "plot " + ", ".join(lines) + "\n")
 
 
+def cells_by_setting(scenes):
+    """{(technique, value, knob): [its cell in each scene, None where it was refused]}, in the order of the first scene."""
+    key = lambda c: (c["technique"], c["value"], c["knob"])
+    found = [{key(c): c for c in s["cells"] if not c["refused"]} for s in scenes]
+    return {key(c): [cells.get(key(c)) for cells in found] for s in scenes for c in s["cells"]}
+
+
+def settings_to_tell(settings):
+    """Those that are on the front somewhere; of a technique that never is, the one that is least behind."""
+    behind = lambda cells: math.prod(c["behind"] for c in cells if c) ** (1 / max(1, sum(map(bool, cells))))
+    is_front = lambda cells: any(c and c["front"] for c in cells)
+    told = []
+    for name in dict.fromkeys(name for name, _, _ in settings):
+        mine = [key for key in settings if key[0] == name and any(settings[key])]
+        told += [key for key in mine if is_front(settings[key])] or sorted(mine, key=lambda key: behind(settings[key]))[:1]
+    return told
+
+
+def tables(scenes):
+    """A table for suns and one for lamps, ready for docs/volumes.md: milliseconds and relative RMS; what is on the front is bold, else it is told how far it is
+    behind."""
+    def text(cell):
+        if not cell:
+            return "refused"
+        figures = f"{cell['ms']['median']:.3g} ms, {cell['error']['relative_rms']:.2g}"
+        return f"**{figures}**" if cell["front"] else f"{figures}, {cell['behind']:.2g} x"
+
+    for some in ([s for s in scenes if s["name"].endswith("sun")], [s for s in scenes if not s["name"].endswith("sun")]):
+        if some:
+            settings = cells_by_setting(some)
+            markdown(["technique", "knob", *(s["name"] for s in some)],
+                     [[key[0], "" if key[2] == "-" else f"{key[1]} {key[2]}", *map(text, settings[key])] for key in settings_to_tell(settings)])
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--build", type=pathlib.Path, default="build/release")
-    parser.add_argument("--json", default="build/volumes.json")
-    parser.add_argument("--folder", default="build/volumes")
+    parser.add_argument("--json", type=pathlib.Path, default="build/volumes.json", help="the page is beside it")
+    parser.add_argument("--folder", default="build/volumes", help="of scenes, assets and figures")
+    parser.add_argument("--plots", type=pathlib.Path, help="their folder (default that of --folder)")
     parser.add_argument("--scenes", default="../shared/scenes/real")
     parser.add_argument("--gl", default="osmesa")
     parser.add_argument("--size", default="160x90")
     parser.add_argument("--resolution", type=int, default=1024)
     parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--only", help="the scene of this name")
+    parser.add_argument("--values", type=int, default=8, help="of each knob, so many")
+    parser.add_argument("--only", default="", help="the scenes whose names begin so")
     args = parser.parse_args()
-    folder = pathlib.Path(args.folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    scenes = [s for s in (measured(args, *scene) for scene in SCENES if args.only in (None, scene[0])) if s]
-    pathlib.Path(args.json).write_text(json.dumps({"scenes": scenes}, indent=2) + "\n")
+    plots = args.plots or pathlib.Path(args.folder)
+    for folder in (pathlib.Path(args.folder), plots):
+        folder.mkdir(parents=True, exist_ok=True)
+    scenes = [s for s in (measured(args, *scene) for scene in SCENES if scene[0].startswith(args.only)) if s]
+    machine = [s.pop("machine") for s in scenes]
+    args.json.write_text(json.dumps({"machine": machine[0], "scenes": scenes}, indent=2) + "\n")
+    subprocess.run([args.build / "vxs", "report", args.json, "-o", args.json.with_suffix(".html"), "--force"], check=True)
     for scene in scenes:
-        plot(folder / (scene["name"].lower().replace(", ", "-").replace(" ", "-") + ".svg"), scene)
+        plot(plots / f"volumes-{stem_of(scene['name'])}.svg", scene)
     print()
-    markdown(["scene", "technique", "knob", "ms", "error", "largest", "flicker"],
-             [[s["name"], c["technique"], f"{c['value']} {c['knob']}", f"{c['ms']['median']:.3g}", f"{c['error']['relative_rms']:.2g}",
-               f"{c['error']['most']:.2g}", f"{c['flicker']:.2g}"] for s in scenes for c in s["cells"] if c.get("front")])
+    tables(scenes)
 
 
 if __name__ == "__main__":

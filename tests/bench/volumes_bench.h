@@ -14,13 +14,13 @@
 #include "tests/volumes/metrics.h"
 #include "tests/volumes/sphere_parts.h"
 
-enum { CAMERAS = 3, CELLS_MAX = 64, ROUNDS_MAX = 99 };
+enum { CAMERAS = 3, VALUES_MAX = 8, CELLS_MAX = 128, ROUNDS_MAX = 99 };
 
 /* A light of a scene in fog, seen from a camera, and from others a third of a texel of the light's map aside. */
 typedef struct bench {
     const char    *scene_path, *asset_path, *light_name, *json_path;
     camera_pose    pose;
-    uint32_t       width, height, rounds, threads;
+    uint32_t       width, height, rounds, threads, values;
     gl_backend     backend;
     fog_choice     fog;
     int            is_of_spheres;
@@ -46,7 +46,9 @@ typedef struct bench {
 /* What is drawn, by what knob; values end with 0. */
 typedef struct technique {
     const char *name, *knob;
-    uint32_t    values[8];
+    const char *limit; /* what it comes to as its knob grows; of rivals, test_rival_volumes.c shows that they do */
+    int         is_rival;
+    uint32_t    values[VALUES_MAX + 1];
     vxs_result (*open)(bench *b, void **state,
                        uint32_t value); /* before the first round: what a level or a size is made ready by */
     vxs_result (*draw)(bench *b, const vxs_volumes_light *light, void *state, uint32_t value); /* what a frame does */
@@ -71,7 +73,8 @@ typedef struct cell {
     spread           spread;
     picture_error    all, elsewhere, epipole;
     double           flicker;
-    int              is_refused, is_front;
+    double           behind; /* how many times as long it takes as the quickest that is as near: 1 on the front */
+    int              is_refused;
 } cell;
 
 /* Make each cell ready.   cells [CELLS_MAX], count [in, out] */
@@ -83,7 +86,7 @@ vxs_result volumes_time_cells(bench *b, cell *cells, size_t count, message *m);
 /* Hold what a cell draws, from each camera, against what is wanted. */
 vxs_result volumes_judge(bench *b, cell *c, message *m);
 
-/* A cell is on the front when no other is as fast and nearer to the reference, or as near and faster. */
+/* How far each is behind the front, which is made of those that nothing as near is faster than. */
 void volumes_find_front(cell *cells, size_t count);
 
 /* Print a table, and write JSON where a path says so. */

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/bench/volumes_bench.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "baker/measure/clock.h"
@@ -28,7 +29,7 @@ static vxs_result draw(bench *b, const cell *c, int camera)
 void volumes_open_cells(bench *b, cell *cells, size_t *count)
 {
     for (size_t t = 0; t < volumes_technique_count; t++)
-        for (int n = 0; n < 8 && volumes_techniques[t].values[n]; n++) {
+        for (uint32_t n = 0; n < b->values && volumes_techniques[t].values[n]; n++) {
             cell  *c        = &cells[(*count)++];
             double since    = finished(b);
             *c              = (cell){.technique = &volumes_techniques[t], .value = volumes_techniques[t].values[n]};
@@ -73,17 +74,14 @@ vxs_result volumes_judge(bench *b, cell *c, message *m)
     return r;
 }
 
-/* No other is as fast and nearer, or as near and faster. */
 void volumes_find_front(cell *cells, size_t count)
 {
     for (size_t n = 0; n < count; n++) {
-        cells[n].is_front = !cells[n].is_refused;
-        for (size_t k = 0; k < count && cells[n].is_front; k++) {
-            const cell *a = &cells[n], *o = &cells[k];
-            if (o->is_refused || o == a) continue;
-            int as_good = o->spread.median <= a->spread.median && o->all.relative_rms <= a->all.relative_rms;
-            int better  = o->spread.median < a->spread.median || o->all.relative_rms < a->all.relative_rms;
-            if (as_good && better) cells[n].is_front = 0;
-        }
+        double least = cells[n].spread.median;
+        if (cells[n].is_refused) continue;
+        for (size_t k = 0; k < count; k++)
+            if (!cells[k].is_refused && cells[k].all.relative_rms <= cells[n].all.relative_rms)
+                least = fmin(least, cells[k].spread.median);
+        cells[n].behind = cells[n].spread.median / least;
     }
 }

@@ -8,7 +8,13 @@
 #include "baker/base/version.h"
 #include "baker/files/json_file.h"
 #include "baker/files/json_value.h"
+#include "baker/measure/machine.h"
 #include "baker/opengl/gl.h"
+
+static int is_front(const cell *c)
+{
+    return !c->is_refused && c->behind <= 1;
+}
 
 static json_t *error_json(const picture_error *e)
 {
@@ -38,33 +44,51 @@ static json_t *cell_json(const cell *c)
         json_set(&o, "elsewhere", error_json(&c->elsewhere));
         if (c->epipole.count) json_set(&o, "epipole", error_json(&c->epipole));
         json_set(&o, "flicker", json_real(rounded(c->flicker, 4)));
-        json_set(&o, "front", json_boolean(c->is_front));
+        json_set(&o, "behind", json_real(rounded(c->behind, 4)));
+        json_set(&o, "front", json_boolean(is_front(c)));
     } else
         json_decref(ms);
     return o;
 }
 
-vxs_result volumes_report(const bench *b, const cell *cells, size_t count, message *m)
+static json_t *techniques_json(void)
+{
+    json_t *list = json_array();
+    for (size_t n = 0; n < volumes_technique_count; n++) {
+        const technique *t = &volumes_techniques[n];
+        json_t          *o = json_object();
+        json_set(&o, "name", json_text(t->name));
+        json_set(&o, "knob", json_text(t->knob));
+        json_set(&o, "limit", json_text(t->limit));
+        json_set(&o, "rival", json_boolean(t->is_rival));
+        json_append(&list, o);
+    }
+    return list;
+}
+
+static json_t *machine_json(void)
+{
+    bench_machine machine = {0};
+    json_t       *o       = json_object();
+    if (machine_describe(&machine)) {
+        json_set(&o, "processor", json_text(machine.processor));
+        json_set(&o, "cores", json_integer((json_int_t)machine.cores));
+        json_set(&o, "memory_bytes", json_integer((json_int_t)machine.memory_bytes));
+        json_set(&o, "system", json_text(machine.system));
+    }
+    machine_free(&machine);
+    return o;
+}
+
+static vxs_result write_json(const bench *b, const cell *cells, size_t count, message *m)
 {
     json_t *o = json_object(), *list = json_array();
-    printf("%-16s %-10s %10s %10s %10s %10s %10s\n", "technique", "knob", "ms", "error", "largest", "flicker", "front");
-    for (size_t n = 0; n < count; n++) {
-        const cell *c = &cells[n];
-        if (c->is_refused)
-            printf("%-16s %5u %-10s refused\n", c->technique->name, c->value, c->technique->knob);
-        else
-            printf("%-16s %5u %-10s %8.3g %10.2g %10.2g %10.2g %6s\n", c->technique->name, c->value, c->technique->knob,
-                   1000 * c->spread.median, c->all.relative_rms, c->all.most, c->flicker, c->is_front ? "*" : "");
-        json_append(&list, cell_json(c));
-    }
-    if (!b->json_path) {
-        json_decref(o);
-        json_decref(list);
-        return VXS_OK;
-    }
+    for (size_t n = 0; n < count; n++) json_append(&list, cell_json(&cells[n]));
     json_set(&o, "generator", json_text("vxs " VXS_VERSION));
+    json_set(&o, "machine", machine_json());
     json_set(&o, "scene", json_text(b->scene_path));
-    json_set(&o, "asset", json_text(b->asset_path));
+    json_set(&o, "file", json_text(b->asset_path));
+    json_set(&o, "reference", json_text(b->is_of_spheres ? "formulas of spheres" : "exact lit intervals of the asset"));
     json_set(&o, "light", json_text(vxs_asset_light(b->asset, b->number)->light.name));
     json_set(&o, "renderer", json_text(b->gl->renderer));
     json_set(&o, "eye", json_vector(b->pose.eye_ws));
@@ -75,6 +99,30 @@ vxs_result volumes_report(const bench *b, const cell *cells, size_t count, messa
     json_set(&o, "scattering_per_metre", json_vector(b->medium.scattering));
     json_set(&o, "anisotropy", json_real(b->medium.anisotropy));
     json_set(&o, "rounds", json_integer(b->rounds));
+    json_set(&o, "techniques", techniques_json());
     json_set(&o, "cells", list);
     return json_write(b->json_path, o, m);
+}
+
+static void print_cell(const cell *c)
+{
+    char setting[32], epipole[16] = "", behind[16] = "front";
+    snprintf(setting, sizeof setting, "%u %s", c->value, c->technique->knob);
+    printf("%-16s %-19s ", c->technique->name, setting);
+    if (c->is_refused) {
+        printf(" refused\n");
+        return;
+    }
+    if (c->epipole.count) snprintf(epipole, sizeof epipole, "%.2g", c->epipole.relative_rms);
+    if (!is_front(c)) snprintf(behind, sizeof behind, "%.3g x", c->behind);
+    printf("%8.3g %9.2g %9.2g %9.2g %9.2g %9.2g %9s %9s\n", 1000 * c->spread.median, c->all.relative_rms, c->all.signed_mean,
+           c->all.percentile_99, c->all.most, c->flicker, epipole, behind);
+}
+
+vxs_result volumes_report(const bench *b, const cell *cells, size_t count, message *m)
+{
+    printf("%-16s %-19s %8s %9s %9s %9s %9s %9s %9s %9s\n", "technique", "knob", "ms", "RMS", "mean", "99 %", "largest", "flicker",
+           "at lamp", "behind");
+    for (size_t n = 0; n < count; n++) print_cell(&cells[n]);
+    return b->json_path ? write_json(b, cells, count, m) : VXS_OK;
 }

@@ -235,20 +235,23 @@ static void forget(void *state)
     (void)state;
 }
 
+#define LIGHT_MAP "the light map, traversed exactly"
+#define ASSET     "exact lit intervals of the asset"
+
 const technique volumes_techniques[] = {
-    {"march", "steps", {8, 16, 32, 64, 128, 256, 512}, nothing, even_of_map, forget},
-    {"angles", "steps", {8, 16, 32, 64, 128, 256, 512}, nothing, angles_of_map, forget},
-    {"angles, asset", "steps", {16, 64, 256}, nothing, angles_of_asset, forget},
-    {"intervals", "-", {1}, nothing, intervals, forget},
-    {"mesh", "texels of error", {16, 4, 1}, open_mesh, mesh, close_mesh},
-    {"mesh of the map", "texels a side", {64, 256, 1024}, open_map, mesh_of_map, close_map},
-    {"adaptive mesh", "texels of error", {16, 4, 1}, open_adaptive, adaptive_mesh, close_adaptive},
-    {"grid", "bits a side", {64, 128, 256, 512}, open_grid, grid_of_map, close_grid},
-    {"grid, two rows", "bits a side", {64, 128, 256, 512}, open_rows, grid_of_map, close_grid},
-    {"grid, asset", "bits a side", {64, 128, 256}, open_grid, grid_of_asset, close_grid},
-    {"grid, triangles", "bits a side", {64, 128, 256, 512}, open_cast, grid_of_triangles, close_cast},
-    {"froxels", "slices", {16, 64, 256, 1024}, open_froxels, froxels_of_map, close_froxels},
-    {"moments", "parts a ray", {1, 4, 16, 64}, open_moments, slices_of_map, close_slices},
-    {"min-max slices", "slices", {64, 128, 256, 512}, open_slices, slices_of_map, close_slices},
+    {"march", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, even_of_map, forget},
+    {"angles", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, angles_of_map, forget},
+    {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, nothing, angles_of_asset, forget},
+    {"intervals", "-", "floats", 0, {1}, nothing, intervals, forget},
+    {"mesh", "texels of error", "the map's surface, whose steps are slopes of a texel", 0, {16, 4, 1}, open_mesh, mesh, close_mesh},
+    {"mesh of the map", "texels a side", "the same surface", 0, {64, 256, 1024}, open_map, mesh_of_map, close_map},
+    {"adaptive mesh", "texels of error", "the same surface", 0, {16, 4, 1}, open_adaptive, adaptive_mesh, close_adaptive},
+    {"grid", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_grid, grid_of_map, close_grid},
+    {"grid, two rows", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_rows, grid_of_map, close_grid},
+    {"grid, asset", "bits a side", ASSET, 0, {64, 128, 256}, open_grid, grid_of_asset, close_grid},
+    {"grid, triangles", "bits a side", "the triangles, exactly", 0, {64, 128, 256, 512}, open_cast, grid_of_triangles, close_cast},
+    {"froxels", "slices", "columns of 8 x 8 pixels", 1, {16, 64, 256, 1024}, open_froxels, froxels_of_map, close_froxels},
+    {"moments", "parts a ray", "256 slices of 512 bins", 1, {1, 4, 16, 64}, open_moments, slices_of_map, close_slices},
+    {"min-max slices", "slices", LIGHT_MAP, 1, {64, 128, 256, 512}, open_slices, slices_of_map, close_slices},
 };
 const size_t volumes_technique_count = sizeof volumes_techniques / sizeof *volumes_techniques;
