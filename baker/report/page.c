@@ -13,6 +13,8 @@ EMBEDDED(page_html)
 EMBEDDED(page_js)
 EMBEDDED(bake_page_js)
 EMBEDDED(bench_page_js)
+EMBEDDED(volumes_page_js)
+EMBEDDED(charts_js)
 EMBEDDED(chart_min_js)
 
 /* What follows a mark that is in it. The heads of templates are about the program: a page is its user's. */
@@ -30,13 +32,15 @@ static void print_json(FILE *to, const char *json)
 
 static void print_page(FILE *to, page_kind kind, const char *json)
 {
+    embedded script = kind == PAGE_BAKE ? bake_page_js : kind == PAGE_BENCH ? bench_page_js : volumes_page_js;
     embedded_print(to, behind(page_html, "-->\n"));
     print_json(to, json);
     fputs("</script>\n<script>", to);
-    if (kind == PAGE_BENCH) embedded_print(to, chart_min_js);
+    if (kind != PAGE_BAKE) embedded_print(to, chart_min_js);
     fputs("</script>\n<script>", to);
     embedded_print(to, behind(page_js, "*/\n"));
-    embedded_print(to, behind(kind == PAGE_BENCH ? bench_page_js : bake_page_js, "*/\n"));
+    if (kind != PAGE_BAKE) embedded_print(to, behind(charts_js, "*/\n"));
+    embedded_print(to, behind(script, "*/\n"));
     fputs("</script>\n</body>\n</html>\n", to);
 }
 

@@ -10,8 +10,9 @@
 
 /* What a page is about, and so which script it gets. */
 typedef enum page_kind {
-    PAGE_BAKE, /* bake_page.js */
-    PAGE_BENCH /* bench_page.js, with the library for charts */
+    PAGE_BAKE,   /* bake_page.js */
+    PAGE_BENCH,  /* bench_page.js, with charts.js and its library */
+    PAGE_VOLUMES /* volumes_page.js, with them */
 } page_kind;
 
 /* Write a page; path "-" is standard output.

@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # files all of whose tests are left out by `make check-fast`; in other files, tests are marked one by one
 SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "encodings", "health", "lamps", "measurements", "report",
-                                       "report_bake", "rivals", "stress", "threads")}
+                                       "report_bake", "report_volumes", "rivals", "stress", "threads")}
 
 
 def pytest_configure(config):
