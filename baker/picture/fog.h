@@ -4,18 +4,8 @@
 #ifndef FOG_H
 #define FOG_H
 
+#include "baker/picture/fog_light.h"
 #include "baker/scene/fog_medium.h"
-#include "baker/scene/scene.h"
-#include "formats/vxs_file.h"
-
-/* A baked light, and how bright it is. */
-typedef struct fog_light {
-    const vxs_baked_light *light;
-    light_shape            shape;
-    double                 colour[3];     /* suns: irradiance; lamps: intensity, times square metres */
-    double                 cos_inner;     /* of spot lights */
-    double                 radius_metres; /* of lamps, > 0 */
-} fog_light;
 
 /* Add what fog scatters toward the eye between it and `metres`, finite, along a direction of length 1.
  * lights    [light_count]
