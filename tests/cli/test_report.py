@@ -5,21 +5,17 @@ import json
 import pathlib
 import re
 import shutil
-import subprocess
 
-import jsonschema
 import pytest
 
 import small_scene
 from page import Page
+from reports import NASTY, pages_of, rejections_of, told_at
 
 SCHEMA = json.loads((pathlib.Path(__file__).resolve().parents[2] / "docs" / "bench.schema.json").read_text())
 STAGES = ("load", "solids", "plan", "gl", "maps", "pyramid", "masks", "insert", "compress", "merge", "encode", "write")
 PLOTS = {"bytes-by-level-1", "error-bake-random", "error-bake-surface", "error-bytes-random", "error-bytes-surface",
          "error-lookup-random", "error-lookup-surface", "growth-bytes", "growth-time", "nodes-by-level-1", "stages-1"}
-NASTY = ["<script>alert(1)</script>", "\"><img src=x onerror=alert(1)>", "it's `touch pwned` \\", "'; system('touch pwned') #",
-         "two\nlines\tand \u0001", "%s%n %d $HOME ${HOME} @a _b ^c {d", "&#x0; &#60;b&#62; &lt;", "\ufffe\uffff \u202eback", "x" * 300,
-         "]]> --> </svg></title></style>", "</script><script>alert(1)</script>", "<!--<script>", ""]
 
 
 def spread(median):
@@ -73,42 +69,14 @@ def bench(*cells, **more):
 
 @pytest.fixture
 def report(vxs, browser, tmp_path):
-    """report(*benches): the page of JSONs that are first checked against the schema."""
-
-    def run(*benches, check=True):
-        for n, content in enumerate(benches):
-            if check:
-                jsonschema.Draft202012Validator(SCHEMA).validate(content)
-            (tmp_path / f"b{n}.json").write_text(json.dumps(content))
-        vxs("report", *(tmp_path / f"b{n}.json" for n in range(len(benches))), "-o", tmp_path / "out.html")
-        page = Page(browser, tmp_path / "out.html")
-        assert [f["bench"] for f in page.data["files"]] == nine_digits(benches), "the figures are those of the files"
-        return page
-
-    return run
-
-
-def nine_digits(value):
-    """Numbers as vxs writes them."""
-    return json.loads(json.dumps(value), parse_float=lambda text: float(f"{float(text):.9g}"))
+    """report(*benches): their page."""
+    return pages_of(vxs, browser, tmp_path, SCHEMA)
 
 
 @pytest.fixture
 def rejected(vxs_path, tmp_path):
-    """rejected(status, content or text, *arguments): the one line of an error; no page."""
-
-    def run(status, content, *arguments):
-        text = content if isinstance(content, str) else json.dumps(content)
-        (tmp_path / "b.json").write_text(text)
-        before = sorted(tmp_path.iterdir())
-        done = subprocess.run([vxs_path, "report", tmp_path / "b.json", *(arguments or ("-o", tmp_path / "out.html"))],
-                              capture_output=True, text=True)
-        assert (done.returncode, done.stdout) == (status, ""), done.stderr
-        assert done.stderr.startswith("vxs: error: ") and done.stderr.count("\n") == 1
-        assert sorted(tmp_path.iterdir()) == before and (tmp_path / "b.json").read_text() == text
-        return done.stderr
-
-    return run
+    """rejected(status, content or text, *arguments): the one line of an error."""
+    return rejections_of(vxs_path, tmp_path)
 
 
 def test_holds_the_figures(report):
@@ -134,18 +102,7 @@ def test_charts_are_drawn(report):
 
 def test_charts_are_told_about_where_the_mouse_is(report, browser):
     report(bench(cell(), cell(resolution=2048)))
-    at = browser.ask("""(() => {
-        const canvas = document.querySelector("#growth-bytes canvas");
-        canvas.scrollIntoView();
-        const {x, y} = Chart.getChart(canvas).getDatasetMeta(0).data[1], box = canvas.getBoundingClientRect();
-        return {x: box.x + x, y: box.y + y};
-    })()""")
-    browser.call("Input.dispatchMouseEvent", type="mouseMoved", **at)
-    told = browser.ask("""new Promise((told) => setTimeout(() => {
-        const {opacity, body} = Chart.getChart(document.querySelector("#growth-bytes canvas")).tooltip;
-        told([opacity, body[0].lines]);
-    }, 100))""")
-    assert told[0] == 1 and re.sub(r"\s", " ", told[1][0]) == "city.glb, 2048 texels: 128.0 KiB"
+    assert told_at(browser, "growth-bytes", 0, 1) == "city.glb, 2048 texels: 128.0 KiB"
 
 
 def test_codings_side_by_side(report):

@@ -4,12 +4,11 @@ import copy
 import json
 import re
 
-import jsonschema
 import pytest
 
 from conftest import ROOT
-from page import Page
-from test_report import NASTY, bench, nine_digits, rejected
+from reports import NASTY, pages_of, rejections_of, told_at
+from test_report import bench
 from test_report import cell as bake_cell
 
 SCHEMA = json.loads((ROOT / "docs" / "volumes.schema.json").read_text())
@@ -42,19 +41,14 @@ SOME = (cell("march", 8, 0.5, 0.25), cell("march", 64, 4, 0.03, behind=2), cell(
 
 @pytest.fixture
 def report(vxs, browser, tmp_path):
-    """report(*measurements): the page of JSONs that are first checked against the schema."""
+    """report(*measurements): their page."""
+    return pages_of(vxs, browser, tmp_path, SCHEMA)
 
-    def run(*measurements, check=True):
-        for n, content in enumerate(measurements):
-            if check:
-                jsonschema.Draft202012Validator(SCHEMA).validate(content)
-            (tmp_path / f"v{n}.json").write_text(json.dumps(content))
-        vxs("report", *(tmp_path / f"v{n}.json" for n in range(len(measurements))), "-o", tmp_path / "out.html")
-        page = Page(browser, tmp_path / "out.html")
-        assert [f["bench"] for f in page.data["files"]] == nine_digits(measurements), "the figures are those of the files"
-        return page
 
-    return run
+@pytest.fixture
+def rejected(vxs_path, tmp_path):
+    """rejected(status, content or text, *arguments): the one line of an error."""
+    return rejections_of(vxs_path, tmp_path)
 
 
 def test_holds_the_figures(report):
@@ -77,18 +71,7 @@ def test_charts_are_drawn(report):
 
 def test_settings_are_told_where_the_mouse_is(report, browser):
     report(measured(scene(*SOME)))
-    at = browser.ask("""(() => {
-        const canvas = document.querySelector("#front-1 canvas");
-        canvas.scrollIntoView();
-        const {x, y} = Chart.getChart(canvas).getDatasetMeta(1).data[1], box = canvas.getBoundingClientRect();
-        return {x: box.x + x, y: box.y + y};
-    })()""")
-    browser.call("Input.dispatchMouseEvent", type="mouseMoved", **at)
-    told = browser.ask("""new Promise((told) => setTimeout(() => {
-        const {opacity, body} = Chart.getChart(document.querySelector("#front-1 canvas")).tooltip;
-        told([opacity, body[0].lines]);
-    }, 100))""")
-    assert told[0] == 1 and re.sub(r"\s", " ", told[1][0]) == "march, 64 steps: 4 ms, 0.03; 2 times as long as what is as near"
+    assert told_at(browser, "front-1", 1, 1) == "march, 64 steps: 4 ms, 0.03; 2 times as long as what is as near"
 
 
 def test_the_front_is_drawn(report, browser):
@@ -110,7 +93,7 @@ def test_refused_exact_and_at_a_lamp(report):
 
 def test_several_files(report):
     page = report(measured(scene(*SOME)), measured(scene(*SOME)))
-    assert "room, lamp, v0.json: 3 of 4" in page.text and "room, lamp, v1.json: 3 of 4" in page.text and page.text.count("Abacus 3000") == 2
+    assert "room, lamp, b0.json: 3 of 4" in page.text and "room, lamp, b1.json: 3 of 4" in page.text and page.text.count("Abacus 3000") == 2
 
 
 @pytest.mark.parametrize("names", [NASTY[n::3] for n in range(3)], ids=range(3))
