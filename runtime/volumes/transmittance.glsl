@@ -143,6 +143,11 @@ void vxs_curve_store(uint texel, vxs_curve curve)
     }
 }
 
+/* What a texel's curve says: curves of other kinds say something of their own. */
+#ifndef vxs_curve_left
+#define vxs_curve_left(texel, depth, exponential) vxs_curve_read(vxs_curve_words(texel), 0, VXS_CURVE_MOST, depth, exponential)
+#endif
+
 /* How much light is left at a place: of four texels' curves, weighed. Beyond the map's border its last texels go on, and outside it there is no smoke. */
 float vxs_transmittance(vec3 at, int exponential)
 {
@@ -162,7 +167,7 @@ float vxs_transmittance(vec3 at, int exponential)
     vec4  left;
     for (int n = 0; n < 4; n++) {
         ivec2 texel = clamp(first + ivec2(n & 1, n >> 1), ivec2(0), side - 1);
-        left[n]     = vxs_curve_read(vxs_curve_words(vxs_curve_texel(ivec3(texel, layer))), 0, VXS_CURVE_MOST, place.z, exponential);
+        left[n] = vxs_curve_left(vxs_curve_texel(ivec3(texel, layer)), place.z, exponential);
     }
     return mix(mix(left.x, left.y, part.x), mix(left.z, left.w, part.x), part.y);
 }

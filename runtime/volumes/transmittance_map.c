@@ -184,20 +184,25 @@ unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map)
 
 /* look up -------------------------------------------------------------------------------------------------------------------------- */
 
-vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map *map, unsigned texture, vxs_curve_lookup how)
+void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, gl_name other, gl_name texture)
 {
     enum { GROUP = 8 };
-    if (!v->depth_texture || !texture || (how != VXS_CURVE_LINES && how != VXS_CURVE_EXPONENTIALS)) return VXS_E_ARGUMENT;
-    frame_block *to   = &v->frame;
-    uint32_t     wide = (uint32_t)to->wide_px, high = (uint32_t)to->high_px;
-    vxs_transmittance_set(map, NULL, 0);
-    to->knobs[0]        = (float)how;
-    to->pixels          = (vxs_pixels){0, 0, wide, high};
-    storage_kept stored = vxs_volumes_keep_storage(v);
-    vxs_volumes_use_storage(v, map->buffer, 0);
-    volumes_kept kept = vxs_volumes_use(v, map->look_up, 0, texture, GL_FORMAT_R32F);
+    vxs_volumes *v    = map->volumes;
+    uint32_t     wide = (uint32_t)v->frame.wide_px, high = (uint32_t)v->frame.high_px;
+    storage_kept kept = vxs_volumes_keep_storage(v);
+    v->frame.pixels   = (vxs_pixels){0, 0, wide, high};
+    vxs_volumes_use_storage(v, map->buffer, other);
+    volumes_kept state = vxs_volumes_use(v, program, 0, texture, GL_FORMAT_R32F);
     v->api.DispatchCompute((wide + GROUP - 1) / GROUP, (high + GROUP - 1) / GROUP, 1);
-    vxs_volumes_put_back(v, &kept);
-    vxs_volumes_put_back_storage(v, &stored);
+    vxs_volumes_put_back(v, &state);
+    vxs_volumes_put_back_storage(v, &kept);
+}
+
+vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map *map, unsigned texture, vxs_curve_lookup how)
+{
+    if (!v->depth_texture || !texture || (how != VXS_CURVE_LINES && how != VXS_CURVE_EXPONENTIALS)) return VXS_E_ARGUMENT;
+    vxs_transmittance_set(map, NULL, 0);
+    v->frame.knobs[0] = (float)how;
+    vxs_transmittance_pass(map, map->look_up, 0, texture);
     return VXS_OK;
 }

@@ -27,4 +27,7 @@ void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsu
 /* Run a program of 8 x 8 texels a group, on all texels. */
 void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_light_map *opaque);
 
+/* Run a program on the frame's pixels, which writes to a texture.   other  a storage buffer beside the map's; 0: none */
+void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, gl_name other, gl_name texture);
+
 #endif

@@ -23,7 +23,7 @@ vxs_result rival_froxels_create(rival_froxels **out, vxs_volumes *v, uint32_t wi
     if (!f) return VXS_E_MEMORY;
     *f = (rival_froxels){.v = v, .wide = wide, .high = high, .deep = deep};
     for (int n = 0; n < PROGRAMS; n++)
-        f->programs[n] = rival_program(v, n == FILL ? "#define FILL\n" : "#define SHOW\n", rival_froxels_glsl);
+        f->programs[n] = rival_program(v, n == FILL ? "#define FILL\n" : "#define SHOW\n", &rival_froxels_glsl, 1);
     f->cells = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, wide, high, deep);
     if (f->programs[FILL] && f->programs[SHOW] && f->cells) {
         *out = f;

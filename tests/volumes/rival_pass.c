@@ -5,15 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-gl_name rival_program(const vxs_volumes *v, const char *names, embedded body)
+gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *texts, size_t count)
 {
-    size_t size = (size_t)(body.end - body.begin);
-    char  *text = malloc(size + 1);
-    if (!text) abort();
-    memcpy(text, body.begin, size);
-    text[size]      = 0;
-    gl_name program = vxs_volumes_compute(v, names, text);
-    free(text);
+    size_t size = 0;
+    for (size_t n = 0; n < count; n++) size += (size_t)(texts[n].end - texts[n].begin);
+    char *body = malloc(size + 1), *to = body;
+    if (!body) abort();
+    for (size_t n = 0; n < count; to += texts[n].end - texts[n].begin, n++)
+        memcpy(to, texts[n].begin, (size_t)(texts[n].end - texts[n].begin));
+    *to             = 0;
+    gl_name program = vxs_volumes_compute(v, names, body);
+    free(body);
     return program;
 }
 

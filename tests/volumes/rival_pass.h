@@ -11,8 +11,8 @@
 enum { RIVAL_IMAGE = 1, RIVAL_BLOCK = 1 }; /* bindings of a rival's own image and uniform block */
 enum { RIVAL_FORMAT_RG32F = 0x8230 };
 
-/* A compute program of the texts that all techniques have, `names` (lines of #define), and its own. 0 when it does not compile. */
-gl_name rival_program(const vxs_volumes *v, const char *names, embedded body);
+/* A compute program of the texts that all techniques have, `names` (lines of #define), and `count` of its own. 0 when it does not compile. */
+gl_name rival_program(const vxs_volumes *v, const char *names, const embedded *texts, size_t count);
 
 /* Run it in groups x * y * z on the frame and light that are set.
  * image   a layered texture at RIVAL_IMAGE;  format  of it */
