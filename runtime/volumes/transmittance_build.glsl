@@ -19,25 +19,56 @@ bool is_before(vec3 a, vec3 b)
     return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-/* Insertion sort: the links of a list, again.   Returns its first segment */
-uint sorted(uint list)
+uint next_of(uint n)
 {
-    uint first = VXS_NO_SEGMENT;
-    while (list != VXS_NO_SEGMENT) {
-        uint n = list, before = VXS_NO_SEGMENT, behind = first;
-        vec3 segment = segment_at(n);
-        list = vxs_curves.words[vxs_curve_segment(n) + 3u];
-        while (behind != VXS_NO_SEGMENT && is_before(segment_at(behind), segment)) {
-            before = behind;
-            behind = vxs_curves.words[vxs_curve_segment(behind) + 3u];
-        }
-        vxs_curves.words[vxs_curve_segment(n) + 3u] = behind;
-        if (before == VXS_NO_SEGMENT)
+    return vxs_curves.words[vxs_curve_segment(n) + 3u];
+}
+
+void set_next(uint n, uint next)
+{
+    vxs_curves.words[vxs_curve_segment(n) + 3u] = next;
+}
+
+/* Of two sorted lists, neither empty.   Returns the first segment */
+uint joined(uint a, uint b)
+{
+    uint first = VXS_NO_SEGMENT, last = VXS_NO_SEGMENT;
+    while (a != VXS_NO_SEGMENT && b != VXS_NO_SEGMENT) {
+        bool is_b = is_before(segment_at(b), segment_at(a));
+        uint n = is_b ? b : a;
+        if (is_b)
+            b = next_of(b);
+        else
+            a = next_of(a);
+        if (last == VXS_NO_SEGMENT)
             first = n;
         else
-            vxs_curves.words[vxs_curve_segment(before) + 3u] = n;
+            set_next(last, n);
+        last = n;
     }
+    set_next(last, a != VXS_NO_SEGMENT ? a : b);
     return first;
+}
+
+/* Merge sort, by links alone: list k is empty, or of 2^k segments, as a bit of their number. */
+uint sorted(uint list)
+{
+    uint lists[32], all = VXS_NO_SEGMENT;
+    for (int k = 0; k < 32; k++) lists[k] = VXS_NO_SEGMENT;
+    while (list != VXS_NO_SEGMENT) {
+        uint some = list;
+        int  k = 0;
+        list = next_of(some);
+        set_next(some, VXS_NO_SEGMENT);
+        for (; lists[k] != VXS_NO_SEGMENT; k++) {
+            some     = joined(lists[k], some);
+            lists[k] = VXS_NO_SEGMENT;
+        }
+        lists[k] = some;
+    }
+    for (int k = 0; k < 32; k++)
+        if (lists[k] != VXS_NO_SEGMENT) all = all == VXS_NO_SEGMENT ? lists[k] : joined(lists[k], all);
+    return all;
 }
 
 void main()
@@ -47,7 +78,7 @@ void main()
     uint      index = vxs_curve_texel(texel), record = vxs_curve_record(index);
     vxs_curve curve = vxs_curve_empty();
     if ((vxs_frame.counts.z & VXS_CURVE_SORTED) != 0u) vxs_curves.words[record] = sorted(vxs_curves.words[record]);
-    for (uint n = vxs_curves.words[record]; n != VXS_NO_SEGMENT; n = vxs_curves.words[vxs_curve_segment(n) + 3u]) {
+    for (uint n = vxs_curves.words[record]; n != VXS_NO_SEGMENT; n = next_of(n)) {
         vec3 segment = segment_at(n);
         vxs_curve_insert(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
     }

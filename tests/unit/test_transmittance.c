@@ -315,6 +315,44 @@ static void test_order_of_capsules(void **state)
     free(second.curves);
 }
 
+/* All of a texel's, in lists with room and without. */
+static void test_10000_segments_in_a_texel(void **state)
+{
+    (void)state;
+    enum { SEGMENTS = 10000 };
+    static vxs_capsule smoke[SEGMENTS];
+    static smoke_part  parts[SEGMENTS];
+    light_map          m = {.light = vxs_asset_light(s.asset, SCENE_SUN)->light, .side = 1, .layers = 1};
+    double             from[3], way[3], left;
+    rng                r = {5};
+    light_map_ray(&m, 0, 0, 0, from, way);
+    for (int n = 0; n < SEGMENTS; n++) {
+        double along = uniform(&r, 0, 20);
+        smoke[n]     = (vxs_capsule){.radius_metres = (float)uniform(&r, 0.3, 0.6), .extinction = (float)uniform(&r, 0, 6e-4)};
+        for (int i = 0; i < 3; i++)
+            smoke[n].begin[i] = smoke[n].end[i] = (float)(from[i] + along * way[i] + uniform(&r, -0.1, 0.1));
+    }
+    for (int i = 0; i < 3; i++) from[i] -= 100 * way[i];
+    size_t count = smoke_parts(smoke, SEGMENTS, from, way, parts);
+    left         = smoke_left(parts, count, 1e3);
+    assert_int_equal(count, SEGMENTS);
+    for (uint32_t room = 100; room <= SEGMENTS; room *= 100) {
+        vxs_transmittance_map *map;
+        vxs_transmittance_desc desc = {.baked = SCENE_SUN, .side_px = 1, .capsules = SEGMENTS, .segments = room};
+        vxs_capsules           list = {.list = smoke, .count = SEGMENTS};
+        float                  curve[2 * NODES];
+        uint32_t               segments, merged;
+        assert_int_equal(vxs_transmittance_map_create(&map, s.volumes, &desc), VXS_OK);
+        assert_int_equal(vxs_transmittance_map_build(map, &list, NULL), VXS_OK);
+        vxs_transmittance_map_counts(map, &segments, &merged);
+        s.gl->GetNamedBufferSubData(vxs_transmittance_map_buffer(map), 16, sizeof curve, curve);
+        print_message("%u segments, %u merged: %.6f of %.6f is left\n", segments, merged, (double)curve[2 * NODES - 1], left);
+        assert_true(segments == SEGMENTS && merged == SEGMENTS - room && left > 0.05 && left < 0.5);
+        assert_true(fabs((double)curve[2 * NODES - 1] - left) < 1e-4); /* each of so many factors is rounded to a float */
+        vxs_transmittance_map_destroy(map);
+    }
+}
+
 /* Errors over depth fall with nodes; streaming in the order of capsules does not fall far behind. */
 static void test_errors_by_nodes(void **state)
 {
@@ -534,9 +572,11 @@ static void test_any_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_single_capsules), cmocka_unit_test(test_t_last),      cmocka_unit_test(test_order_of_capsules),
-        cmocka_unit_test(test_errors_by_nodes), cmocka_unit_test(test_opaque),      cmocka_unit_test(test_lookups),
-        cmocka_unit_test(test_misuse),          cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_single_capsules),   cmocka_unit_test(test_t_last),
+        cmocka_unit_test(test_order_of_capsules), cmocka_unit_test(test_10000_segments_in_a_texel),
+        cmocka_unit_test(test_errors_by_nodes),   cmocka_unit_test(test_opaque),
+        cmocka_unit_test(test_lookups),           cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, open_scene, close_scene);
 }

@@ -63,8 +63,8 @@ static vxs_capsule leaf(rng *r)
     at[0] = 2.2 * at[0] + 5 * (tree % 3) - 5;
     at[1] = 2.5 * at[1] + 7 + 0.5 * (tree % 4);
     at[2] = 2.2 * at[2] + 5 * (tree / 3) - 5;
-    for (int n = 0; n < 3; n++) end[n] = at[n] + between(r, -0.08, 0.08);
-    return capsule_of(at, end, 0.04, between(r, 5, 20));
+    for (int n = 0; n < 3; n++) end[n] = at[n] + between(r, -0.15, 0.15);
+    return capsule_of(at, end, 0.12, between(r, 2, 8));
 }
 
 void smoke_make(smoke_kind kind, vxs_capsule *capsules, uint32_t count, uint64_t seed)
