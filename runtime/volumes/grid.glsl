@@ -2,6 +2,21 @@
 #ifndef VXS_GRID_ACCESS
 #define VXS_GRID_ACCESS
 #endif
+
+vxs_epipolar vxs_grid_space_of(vec4 axis, vec4 ahead, vec4 side, vec4 alpha_theta, vec4 phi)
+{
+    vxs_epipolar space;
+    space.axis  = axis.xyz;
+    space.ahead = ahead.xyz;
+    space.side  = side.xyz;
+    space.away  = axis.w;
+    space.alpha = alpha_theta.xy;
+    space.theta = alpha_theta.zw;
+    space.phi   = phi.xy;
+    return space;
+}
+
+#ifndef VXS_USES_AREA
 layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
     vec4  axis; /* and metres to the lamp; 0: a sun */
     vec4  ahead, side;
@@ -15,13 +30,6 @@ layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
 
 vxs_epipolar vxs_grid_space()
 {
-    vxs_epipolar space;
-    space.axis  = vxs_grid.axis.xyz;
-    space.ahead = vxs_grid.ahead.xyz;
-    space.side  = vxs_grid.side.xyz;
-    space.away  = vxs_grid.axis.w;
-    space.alpha = vxs_grid.alpha_theta.xy;
-    space.theta = vxs_grid.alpha_theta.zw;
-    space.phi   = vxs_grid.phi.xy;
-    return space;
+    return vxs_grid_space_of(vxs_grid.axis, vxs_grid.ahead, vxs_grid.side, vxs_grid.alpha_theta, vxs_grid.phi);
 }
+#endif

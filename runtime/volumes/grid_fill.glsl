@@ -45,10 +45,8 @@ void main()
     if (bit >= size.bits || row >= size.rows) return;
     if (bit == 0 && row == 0 && vxs_grid.eye.x == 1 && !eye_lit()) vxs_grid.eye.x = 0;
     vec2 turned;
-    vec3 across, begin, direction;
-    vxs_epipolar_turn_of(space, vxs_grid_middle(space.phi, bit, size.bits), turned);
-    vxs_epipolar_across(space, vxs_grid_middle(space.theta, row, size.rows), across);
-    vxs_epipolar_light_ray(space, across, turned, begin, direction);
+    vec3 begin, direction;
+    vxs_grid_light_ray(space, size, row, bit, turned, begin, direction);
     float metres = shadow_begins(begin, direction);
     if (!(metres < VXS_NO_END)) return;
     int column = vxs_grid_column(space, size, vxs_epipolar_alpha_at(space, turned, metres));

@@ -7,7 +7,7 @@
 
 /* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
  * library have. */
-enum { TEXTS = VXS_GL_TEXTS + 26, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 29, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -40,8 +40,11 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     "#ifdef VXS_USES_GRID\n#define vxs_grid_word(words, i) vxs_grid.words[i]\n",
                                     vxs_volumes_text_vxs_epipolar_h,
                                     vxs_volumes_text_grid_glsl,
+                                    vxs_volumes_text_area_glsl,
                                     vxs_volumes_text_vxs_shadow_grid_h,
-                                    "#endif\n",
+                                    "#ifdef VXS_USES_AREA\n",
+                                    vxs_volumes_text_vxs_area_grid_h,
+                                    "#endif\n#endif\n",
                                     "#ifdef VXS_USES_CURVES\n#define vxs_curve_number(curves, i) "
                                     "uintBitsToFloat(vxs_curves.words[(curves) + uint(i)])\n",
                                     vxs_volumes_text_curves_glsl,

@@ -3,6 +3,10 @@
  *
  *     vxs_area_rectangle screen = {...};                                // once, or when the picture on it changes
  *     vxs_area_sample(&screen, VXS_AREA_IMPORTANCE, 0, lamps, 64);
+ *     vxs_area_light_set(light, lamps, 64);
+ *     vxs_area_light_cast(light, &(vxs_area_casters){points, count});   // again when anything has moved
+ *
+ *     vxs_volumes_area(air, light, &(vxs_area_look){0});                // each frame, behind vxs_volumes_begin
  *
  * Places are metres from the origin that vxs_gl_origin was told last.
  * Source: [IVSV13].
@@ -70,6 +74,67 @@ typedef struct vxs_area_point {
  * Threads: none shared; no memory is taken. */
 double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_t triangle_count, vxs_area_point *points,
                         uint32_t count);
+
+/* the light ------------------------------------------------------------------------------------------------------------------------ */
+
+typedef struct vxs_area_light vxs_area_light;
+
+/* What is not named is 0, and means the default. */
+typedef struct vxs_area_light_desc {
+    uint32_t lamps;         /* the most that are set at once, VXS_AREA_LAMPS and fewer; 0: all of them */
+    uint32_t side_px;       /* of each lamp's imperfect shadow map: 32, 64, 128, 256; 0: 128 */
+    uint32_t columns, rows; /* of each lamp's grid, whose eye rays have 128 bits: 1 to 256; 0: 128 */
+    uint32_t takes_maps;    /* 1: exact light maps may be given in place of imperfect ones */
+} vxs_area_light_desc;
+
+/* lamps * (16 * columns * rows + 5.4 * side_px * side_px) bytes of one storage buffer, 86 MiB by default, and three pictures of the view's size.
+ * light  [out] NULL on failure
+ * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL for a shader that does not compile, or more than a storage buffer of the context holds; VXS_E_MEMORY. */
+vxs_result vxs_area_light_create(vxs_area_light **light, vxs_volumes *volumes, const vxs_area_light_desc *desc);
+void       vxs_area_light_destroy(vxs_area_light *light); /* accepts NULL */
+
+/* Its lamps; copied. None of them has a shadow map then.
+ * count  1 to those of create
+ * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, or normals of another length. */
+vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count);
+
+typedef struct vxs_area_casters {
+    unsigned buffer; /* of vxs_area_point, one behind the other; not read where count is 0 */
+    uint32_t count;
+    uint32_t
+        is_whole; /* 1: each point casts shadows of each lamp; 0: of one, chosen by a hash of its number, and stands for as many points as there are lamps */
+} vxs_area_casters;
+
+/* Imperfect shadow maps of all lamps: points that are as wide as what they stand for, and holes between them filled from coarser levels. Again, when lamps
+ * or casters have moved; between frames they stay.
+ * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides. */
+vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters);
+
+/* What a pixel gathers. */
+typedef enum vxs_area_gather {
+    VXS_AREA_EACH,    /* all lamps */
+    VXS_AREA_NINTHS,  /* a ninth of them: each 3 x 3 pixels have all, and are mixed where they are as far away */
+    VXS_AREA_QUARTER, /* all, of one pixel in four: others are mixed of those about them that are as far away */
+} vxs_area_gather;
+
+/* What is not named is 0, and means the default. */
+typedef struct vxs_area_look {
+    vxs_area_gather gather;
+    uint32_t        runs;     /* as for vxs_volumes_grid, 128 at most; 0: 8 */
+    uint32_t        is_sharp; /* 1: of a grid's rows the one that an eye ray is in, and not what lies between two */
+    unsigned
+                                normal_texture; /* GL_TEXTURE_2D of the view's size: normals of what was drawn, of length 1, 0 where nothing was; 0: airlight alone */
+    const vxs_light_map *const *maps; /* [lamps] of lamps that stay where they are: exact shadows; NULL: imperfect ones */
+} vxs_area_look;
+
+/* Add the airlight of all lamps to the frame's, by a grid for each, all made in one dispatch of all their light rays and one scan; and the light that they
+ * send to surfaces, where normals are given. All pixels are drawn, whatever the frame's `least` is.
+ * Returns VXS_OK; VXS_E_ARGUMENT without a frame, lamps, or their shadow maps, or for maps of a sun. */
+vxs_result vxs_volumes_area(vxs_volumes *volumes, vxs_area_light *light, const vxs_area_look *look);
+
+/* Irradiance of surfaces: RGBA32F, of the size of create, of which the view's corner is used; what fog takes between a lamp and a surface is taken. Of the last
+ * look with normals. Valid until vxs_area_light_destroy. */
+unsigned vxs_area_light_irradiance(const vxs_area_light *light);
 
 #ifdef __cplusplus
 }

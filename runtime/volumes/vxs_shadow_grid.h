@@ -82,6 +82,17 @@ VXS_FN vxs_i32 vxs_grid_column(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_real 
     return column < VXS_REAL(VXS_FIELD(size, columns)) ? VXS_I(column) : VXS_FIELD(size, columns);
 }
 
+/* The light ray through the middles of a row and a bit: vxs_epipolar_light_ray.
+ * turned  [out] of it, as vxs_epipolar_alpha_at wants it */
+VXS_FN void vxs_grid_light_ray(VXS_EPIPOLAR space, VXS_GRID_SIZE size, vxs_i32 row, vxs_i32 bit, VXS_OUT vxs_real2 turned,
+                               VXS_OUT vxs_real3 begin, VXS_OUT vxs_real3 direction)
+{
+    vxs_real3 across;
+    vxs_epipolar_turn_of(space, vxs_grid_middle(VXS_FIELD(space, phi), bit, VXS_FIELD(size, bits)), turned);
+    vxs_epipolar_across(space, vxs_grid_middle(VXS_FIELD(space, theta), row, VXS_FIELD(size, rows)), across);
+    vxs_epipolar_light_ray(space, across, turned, begin, direction);
+}
+
 /* The word of a voxel's bit, which is bit & 31 of it. */
 VXS_FN vxs_i32 vxs_grid_word_of(VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 bit)
 {

@@ -1,0 +1,39 @@
+/* Virtual point lights with the heads of their grids, and words: of all grids, then of all imperfect shadow maps. As area_state.h has it. */
+#ifdef VXS_USES_AREA
+struct vxs_area_lamp {
+    vec4  axis, ahead, side, alpha_theta, phi; /* of a grid, as grid.glsl has them */
+    ivec4 size, eye, reserved;
+    vec4  place;  /* and radius */
+    vec4  normal; /* and whether it shines to one side: 1, else 0 */
+    vec4  colour;
+    vec4  across; /* the normal, of length 1 */
+};
+
+layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_area_buffer {
+    vxs_area_lamp lamps[256];
+    uint          words[];
+} vxs_area;
+
+#undef vxs_grid_word
+#define vxs_grid_word(words, i) vxs_area.words[(words) + uint(i)]
+
+vxs_epipolar vxs_area_space(uint lamp)
+{
+    return vxs_grid_space_of(vxs_area.lamps[lamp].axis, vxs_area.lamps[lamp].ahead, vxs_area.lamps[lamp].side,
+                             vxs_area.lamps[lamp].alpha_theta, vxs_area.lamps[lamp].phi);
+}
+
+/* A way from a lamp in its frame: across, up, and along its normal. */
+vec3 vxs_area_way(uint lamp, vec3 way)
+{
+    vec3 normal = vxs_area.lamps[lamp].normal.xyz, across = vxs_area.lamps[lamp].across.xyz;
+    return vec3(dot(across, way), dot(cross(normal, across), way), dot(normal, way));
+}
+
+/* The first word of level n of a lamp's imperfect shadow map, whose levels lie one behind the other.   maps  the first word of all maps */
+uint vxs_area_level(uint maps, uint lamp, uint side, uint n)
+{
+    uint part = side >> n;
+    return maps + lamp * ((4u * side * side - 1u) / 3u) + 4u * (side * side - part * part) / 3u;
+}
+#endif

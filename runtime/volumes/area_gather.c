@@ -1,0 +1,125 @@
+/* Area lights in a frame: grids of all lamps, and what pixels gather of them; see vxs_area_light.h.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+
+#include "area_state.h"
+
+enum { RUNS = 8, GROUP = 8 };
+
+/* Surfaces are moved toward the lamp and the eye: columns and bits, of [IVSV13] 5. */
+static const float column_bias = -2.25F, bit_bias = -1;
+
+static uint32_t groups(uint32_t count, uint32_t each)
+{
+    return (count + each - 1) / each;
+}
+
+static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const vxs_epipolar_view *view)
+{
+    double to_lamp[3], normal[3];
+    for (int n = 0; n < 3; n++) {
+        to_lamp[n] = (double)lamp->place[n] - (double)f->eye[n];
+        normal[n]  = (double)lamp->normal[n];
+    }
+    vxs_epipolar space = vxs_epipolar_of_lamp(to_lamp, view);
+    if (lamp->is_face != 0) vxs_epipolar_in_cone(&space, normal, 0, space.phi);
+    return space;
+}
+
+static void put_heads(vxs_area_light *light, uint32_t runs)
+{
+    const vxs_volumes *v    = light->volumes;
+    vxs_epipolar_view  view = vxs_grid_view_of(&v->frame);
+    for (uint32_t n = 0; n < light->count; n++) {
+        vxs_epipolar space   = space_of(&v->frame, &light->lamps[n], &view);
+        light->lamps[n].grid = vxs_grid_head_of(&space, &light->size, runs);
+    }
+    v->api.NamedBufferSubData(light->buffer, 0, (gl_bytes)(light->count * sizeof *light->lamps), light->lamps);
+}
+
+/* By imperfect shadow maps. */
+static void fill(const vxs_area_light *light)
+{
+    vxs_volumes *v      = light->volumes;
+    uint32_t     texels = (uint32_t)vxs_grid_words(&light->size) / 4, rows = (uint32_t)light->size.rows;
+    v->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, sizeof light->lamps,
+                                   (gl_bytes)light->count * 16 * (gl_bytes)texels, GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT,
+                                   NULL);
+    vxs_area_light_count(light, light->count, light->side_px, vxs_area_light_maps(light), 0);
+    vxs_volumes_use_storage(v, light->buffer, 0);
+    volumes_kept kept = vxs_volumes_use(v, light->programs[AREA_GRIDS], 0, 0, 0);
+    v->api.DispatchCompute(groups(AREA_BITS, 32), groups(rows, 4), light->count);
+    vxs_volumes_put_back(v, &kept);
+    vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
+}
+
+/* By light maps, one after the other, each through a grid of its own. */
+static void fill_exactly(vxs_area_light *light, const vxs_light_map *const *maps, uint32_t runs)
+{
+    vxs_volumes *v     = light->volumes;
+    gl_bytes     bytes = 4 * (gl_bytes)vxs_grid_words(&light->size);
+    for (uint32_t n = 0; n < light->count; n++) {
+        const area_lamp  *lamp = &light->lamps[n];
+        vxs_volumes_light of   = {.constants = vxs_light_map_constants(maps[n]), .radius_metres = lamp->radius_metres};
+        vxs_pixels        all  = v->frame.pixels;
+        vxs_volumes_set_light(v, &of, maps[n]);
+        v->frame.pixels = all;
+        vxs_shadow_grid_make(light->exact, vxs_light_map_texture(maps[n]), runs);
+        gl_name from = vxs_shadow_grid_buffer(light->exact);
+        v->api.CopyNamedBufferSubData(from, light->buffer, 0, (gl_bytes)(n * sizeof *lamp), sizeof lamp->grid);
+        v->api.CopyNamedBufferSubData(from, light->buffer, sizeof lamp->grid, (gl_bytes)sizeof light->lamps + (gl_bytes)n * bytes,
+                                      bytes);
+    }
+}
+
+static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
+{
+    vxs_volumes *v       = light->volumes;
+    uint32_t     each    = look->gather == VXS_AREA_QUARTER ? 2 : 1;
+    v->frame.map_side_px = groups((uint32_t)v->frame.wide_px, each);
+    v->frame.map_layers  = groups((uint32_t)v->frame.high_px, each);
+    v->frame.knobs[0]    = (float)runs;
+    v->frame.knobs[1]    = column_bias;
+    v->frame.knobs[2]    = bit_bias;
+    vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, 0);
+    vxs_volumes_use_storage(v, light->buffer, 0);
+    volumes_kept kept = vxs_volumes_use(v, light->programs[AREA_GATHER], 0, light->gathered, GL_FORMAT_RGBA32F);
+    v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_OTHER);
+    v->api.BindTexture(GL_TARGET_TEXTURE_2D, look->normal_texture);
+    v->api.DispatchCompute(groups(v->frame.map_side_px, GROUP), groups(v->frame.map_layers, GROUP), 1);
+    vxs_volumes_put_back(v, &kept);
+}
+
+void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, uint32_t layer, gl_name image, int is_added)
+{
+    vxs_volumes *v = light->volumes;
+    vxs_area_light_count(light, gather, layer, is_added != 0, 0);
+    vxs_volumes_run(v, light->programs[AREA_SHOW], light->gathered, image, groups((uint32_t)v->frame.wide_px, GROUP),
+                    groups((uint32_t)v->frame.high_px, GROUP));
+}
+
+static int are_maps(const vxs_area_light *light, const vxs_light_map *const *maps)
+{
+    for (uint32_t n = 0; n < light->count; n++)
+        if (!maps[n] || vxs_light_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL) return 0;
+    return light->exact != NULL;
+}
+
+vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_area_look *look)
+{
+    uint32_t runs = look->runs ? look->runs : RUNS;
+    if (!v->depth_texture || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER) return VXS_E_ARGUMENT;
+    if (look->maps ? !are_maps(light, look->maps) : !light->is_cast) return VXS_E_ARGUMENT;
+    v->frame.pixels   = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};
+    storage_kept kept = vxs_volumes_keep_storage(v);
+    put_heads(light, runs);
+    if (look->maps)
+        fill_exactly(light, look->maps, runs);
+    else
+        fill(light);
+    gather(light, look, runs);
+    vxs_area_light_show(light, look->gather, 0, v->airlight, 1);
+    if (look->normal_texture) vxs_area_light_show(light, look->gather, 1, light->irradiance, 0);
+    vxs_volumes_put_back_storage(v, &kept);
+    return VXS_OK;
+}

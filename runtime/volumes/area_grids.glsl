@@ -1,0 +1,41 @@
+/* Of each light ray of each lamp's grid a bit in the column in which shadow begins on it, by the lamp's imperfect shadow map; a layer of groups for each
+ * lamp. counts: lamps, the side of a map, the first word of all maps. */
+layout(local_size_x = 32, local_size_y = 4) in;
+
+/* Metres from the lamp; VXS_NO_END: light does not end, or never begins. */
+float shadow_begins(uint lamp, vec3 direction)
+{
+    vec3 way = vxs_area_way(lamp, direction);
+    int  side = int(vxs_frame.counts.y);
+    vec2 at;
+    if (!(way.z > 0.0)) return VXS_NO_END;
+    vxs_area_texel(way, side, at);
+    ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(side - 1));
+    return uintBitsToFloat(vxs_area.words[vxs_area_level(vxs_frame.counts.z, lamp, uint(side), 0u) + uint(texel.y * side + texel.x)]);
+}
+
+int eye_lit(uint lamp)
+{
+    vec3  way = vxs_frame.eye_far.xyz - vxs_area.lamps[lamp].place.xyz;
+    float metres = length(way);
+    if (!(metres > vxs_area.lamps[lamp].place.w)) return 2;
+    return metres < shadow_begins(lamp, way / metres) ? 1 : 0;
+}
+
+void main()
+{
+    int           bit = int(gl_GlobalInvocationID.x), row = int(gl_GlobalInvocationID.y);
+    uint          lamp = gl_GlobalInvocationID.z;
+    vxs_epipolar  space = vxs_area_space(lamp);
+    vxs_grid_size size = vxs_grid_size(vxs_area.lamps[lamp].size.x, vxs_area.lamps[lamp].size.y, vxs_area.lamps[lamp].size.z);
+    if (bit >= size.bits || row >= size.rows) return;
+    if (bit == 0 && row == 0) vxs_area.lamps[lamp].eye.x = eye_lit(lamp);
+    vec2 turned;
+    vec3 begin, direction;
+    vxs_grid_light_ray(space, size, row, bit, turned, begin, direction);
+    float metres = shadow_begins(lamp, direction);
+    if (!(metres < VXS_NO_END)) return;
+    int column = vxs_grid_column(space, size, vxs_epipolar_alpha_at(space, turned, metres));
+    if (column < size.columns)
+        atomicOr(vxs_area.words[lamp * uint(vxs_grid_words(size)) + uint(vxs_grid_word_of(size, column, row, bit))], 1u << (bit & 31));
+}

@@ -1,0 +1,182 @@
+/* Area lights: create, lamps, and their imperfect shadow maps; see vxs_area_light.h.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <string.h>
+
+#include "area_state.h"
+
+enum { LAMPS = VXS_AREA_LAMPS, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 3 };
+
+/* How wide a point is drawn, of what it stands for. */
+#define POINT_WIDE 0.7F
+
+static uint32_t words_of_map(uint32_t side)
+{
+    return (4 * side * side - 1) / 3;
+}
+
+uint32_t vxs_area_light_maps(const vxs_area_light *light)
+{
+    return light->most * (uint32_t)vxs_grid_words(&light->size);
+}
+
+static uint64_t bytes_of(const vxs_area_light *light)
+{
+    return sizeof light->lamps + 4 * ((uint64_t)vxs_area_light_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
+}
+
+static int make_programs(vxs_area_light *light)
+{
+    static const char uses[]               = "#define VXS_USES_GRID\n#define VXS_USES_AREA\n";
+    static const char reads[]              = "#define VXS_USES_GRID\n#define VXS_USES_AREA\n#define VXS_GRID_ACCESS readonly\n";
+    const char *const names[AREA_PROGRAMS] = {uses, uses, uses, reads, ""};
+    const char *const texts[AREA_PROGRAMS] = {vxs_volumes_text_area_splat_glsl, vxs_volumes_text_area_holes_glsl,
+                                              vxs_volumes_text_area_grids_glsl, vxs_volumes_text_area_gather_glsl,
+                                              vxs_volumes_text_area_show_glsl};
+    for (int n = 0; n < AREA_PROGRAMS; n++)
+        if (!(light->programs[n] = vxs_volumes_compute(light->volumes, names[n], texts[n]))) return 0;
+    return 1;
+}
+
+static vxs_result make(vxs_area_light *light, int takes_maps)
+{
+    vxs_volumes *v      = light->volumes;
+    vxs_result   result = vxs_or_scan_create(&light->scan, v, 0);
+    if (result != VXS_OK) return result;
+    if (!make_programs(light)) return VXS_E_GL;
+    light->buffer     = vxs_volumes_buffer(v, bytes_of(light));
+    light->gathered   = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 2);
+    light->irradiance = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
+    if (!light->buffer || !light->gathered || !light->irradiance) return VXS_E_MEMORY;
+    v->api.ClearTexImage(light->irradiance, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
+    vxs_shadow_grid_desc grid = {(uint32_t)light->size.columns, (uint32_t)light->size.rows, AREA_BITS, 0};
+    return takes_maps ? vxs_shadow_grid_create(&light->exact, v, &grid) : VXS_OK;
+}
+
+vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs_area_light_desc *desc)
+{
+    uint32_t side = desc->side_px ? desc->side_px : SIDE, columns = desc->columns ? desc->columns : SIDE,
+             rows = desc->rows ? desc->rows : SIDE;
+    int most      = 0;
+    *out          = NULL;
+    if (desc->lamps > LAMPS || side < 32 || side > SIDE_MOST || (side & (side - 1))) return VXS_E_ARGUMENT;
+    if (columns > SIDE_MOST || rows > SIDE_MOST) return VXS_E_ARGUMENT;
+    vxs_area_light *light = vxs_volumes_take(v, sizeof *light);
+    if (!light) return VXS_E_MEMORY;
+    memset(light, 0, sizeof *light);
+    light->volumes = v;
+    light->size    = (vxs_grid_size){(int)columns, (int)rows, AREA_BITS};
+    light->most    = desc->lamps ? desc->lamps : LAMPS;
+    light->side_px = side;
+    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
+    vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, desc->takes_maps != 0);
+    if (result == VXS_OK)
+        *out = light;
+    else
+        vxs_area_light_destroy(light);
+    return result;
+}
+
+void vxs_area_light_destroy(vxs_area_light *light)
+{
+    if (!light) return;
+    const vxs_volumes *v = light->volumes;
+    if (light->buffer) v->api.DeleteBuffers(1, &light->buffer);
+    if (light->gathered) v->api.DeleteTextures(1, &light->gathered);
+    if (light->irradiance) v->api.DeleteTextures(1, &light->irradiance);
+    for (int n = 0; n < AREA_PROGRAMS; n++)
+        if (light->programs[n]) v->api.DeleteProgram(light->programs[n]);
+    if (light->scan.volumes) vxs_or_scan_destroy(&light->scan);
+    vxs_shadow_grid_destroy(light->exact);
+    vxs_volumes_give_back(v, light, sizeof *light);
+}
+
+unsigned vxs_area_light_irradiance(const vxs_area_light *light)
+{
+    return light->irradiance;
+}
+
+/* lamps --------------------------------------------------------------------------------------------------------------------------- */
+
+/* Returns 0 where it is none. */
+static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
+{
+    float square = 0;
+    int   least  = 0;
+    for (int n = 0; n < 3; n++) {
+        square += from->normal[n] * from->normal[n];
+        if (fabsf(from->normal[n]) < fabsf(from->normal[least])) least = n;
+        if (!isfinite(from->place[n]) || !(from->colour[n] >= 0) || !isfinite(from->colour[n])) return 0;
+    }
+    if (!(from->radius_metres > 0) || !isfinite(from->radius_metres)) return 0;
+    if (square != 0 && !(fabsf(square - 1) < 1e-3F)) return 0;
+    *to = (area_lamp){.radius_metres = from->radius_metres, .is_face = square != 0};
+    memcpy(to->place, from->place, sizeof to->place);
+    memcpy(to->normal, from->normal, sizeof to->normal);
+    memcpy(to->colour, from->colour, sizeof from->colour);
+    double across[3], normal[3], axis[3] = {least == 0, least == 1, least == 2};
+    for (int n = 0; n < 3; n++) normal[n] = (double)from->normal[n];
+    vxs_epipolar_cross(axis, normal, across);
+    vxs_epipolar_unit(across);
+    for (int n = 0; n < 3; n++) to->across[n] = (float)across[n];
+    return 1;
+}
+
+vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count)
+{
+    area_lamp unused;
+    if (!count || count > light->most) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; n < count; n++)
+        if (!lamp_of(&lamps[n], &unused)) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; n < count; n++) lamp_of(&lamps[n], &light->lamps[n]);
+    light->count   = count;
+    light->is_cast = 0;
+    return VXS_OK;
+}
+
+/* imperfect shadow maps ----------------------------------------------------------------------------------------------------------- */
+
+void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+    const uint32_t counts[4] = {a, b, c, d};
+    memcpy(light->volumes->frame.counts, counts, sizeof counts);
+}
+
+static void clear(const vxs_area_light *light)
+{
+    static const float no_end = 1e30F;
+    gl_bytes           first  = (gl_bytes)(sizeof light->lamps + 4 * (size_t)vxs_area_light_maps(light));
+    light->volumes->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32F, first,
+                                                (gl_bytes)light->count * 4 * (gl_bytes)words_of_map(light->side_px), GL_FORMAT_RED,
+                                                GL_TYPE_FLOAT, &no_end);
+}
+
+static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
+{
+    enum { GROUP = 64, ACROSS = 32768 };
+    vxs_volumes *v      = light->volumes;
+    uint32_t     groups = casters->count / GROUP + (casters->count % GROUP != 0), across = groups < ACROSS ? groups : ACROSS;
+    v->frame.knobs[0] = (float)light->side_px;
+    v->frame.knobs[1] = POINT_WIDE;
+    vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_light_maps(light));
+    vxs_volumes_use_storage(v, light->buffer, casters->buffer);
+    vxs_volumes_run(v, light->programs[AREA_SPLAT], 0, 0, across, (groups + across - 1) / across);
+}
+
+vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters)
+{
+    vxs_volumes *v = light->volumes;
+    if (!light->count || (casters->count && !casters->buffer)) return VXS_E_ARGUMENT;
+    for (uint32_t n = 0; n < light->count; n++)
+        if (light->lamps[n].is_face == 0) return VXS_E_ARGUMENT;
+    storage_kept kept = vxs_volumes_keep_storage(v);
+    v->api.NamedBufferSubData(light->buffer, 0, (gl_bytes)(light->count * sizeof *light->lamps), light->lamps);
+    clear(light);
+    if (casters->count) splat(light, casters);
+    vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_light_maps(light));
+    vxs_volumes_use_storage(v, light->buffer, 0);
+    vxs_volumes_run(v, light->programs[AREA_HOLES], 0, 0, light->count, 1);
+    vxs_volumes_put_back_storage(v, &kept);
+    light->is_cast = 1;
+    return VXS_OK;
+}

@@ -1,0 +1,566 @@
+/* Area lights of libvxs_volumes on llvmpipe: one lamp against a plain grid, grids apart from each other, points and filters, what shaders gather against double;
+ * error by the number of lamps, surfaces and light behind walls against exact visibility; the context's state, misuse, and no number that is none.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/opengl/gl.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "random_lamp.h"
+#include "repeats.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "runtime/volumes/area_state.h"
+#include "volumes_scene.h"
+
+#include "area_scene.h"
+
+enum { GRID_WORDS = 4 * COLUMNS * ROWS, MAP_WORDS = (4 * SIDE * SIDE - 1) / 3 };
+
+static void read_grids(uint32_t count, uint32_t *words)
+{
+    read_buffer(sizeof light->lamps, (size_t)count * GRID_WORDS * sizeof *words, words);
+}
+
+static size_t map_at(uint32_t lamp_number)
+{
+    return sizeof light->lamps + sizeof(uint32_t) * (vxs_area_light_maps(light) + (size_t)lamp_number * MAP_WORDS);
+}
+
+/* tests ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* One lamp with an exact map is a grid of that size: to all sides, and to one in what of the air is before it. */
+static void test_one_lamp_is_a_grid(void **state)
+{
+    (void)state;
+    static double        metres[PIXELS];
+    static float         found[4 * PIXELS], wanted[4 * PIXELS];
+    vxs_shadow_grid     *grid;
+    vxs_shadow_grid_desc size = {COLUMNS, ROWS, 128, 0};
+    vxs_light_map       *map;
+    vxs_light_map_desc   desc = {.baked = SCENE_POINT};
+    vxs_volumes_light    l    = scene_light(SCENE_POINT);
+    const vxs_air_light  air  = scene_air_light(&scene, &l);
+    vxs_area_lamp        of   = {.colour = {l.colour[0], l.colour[1], l.colour[2]}, .radius_metres = l.radius_metres};
+    double               most = 0, off = 0;
+    assert_int_equal(vxs_shadow_grid_create(&grid, scene.volumes, &size), VXS_OK);
+    assert_int_equal(vxs_light_map_create(&map, scene.volumes, &desc), VXS_OK);
+    while (vxs_light_map_fill(map, 1 << 20)) continue;
+    for (int i = 0; i < 3; i++) of.place[i] = (float)air.place[i];
+    const vxs_light_map *maps[]    = {map};
+    vxs_light_constants  constants = vxs_gl_constants(scene.shadows)[SCENE_POINT];
+    constants.range_metres         = 0; /* lamps of an area have none */
+    l.constants                    = &constants;
+    for (int camera = 0; camera < CAMERAS; camera++) {
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
+        vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, camera == 1 ? 2.5 : 1e30, 30, metres);
+        assert_int_equal(vxs_area_light_set(light, &of, 1), VXS_OK);
+        draw(&frame, &(vxs_area_look){.runs = 12, .is_sharp = 1, .maps = maps}, found);
+        assert_int_equal(vxs_volumes_begin(scene.volumes, &frame), VXS_OK);
+        assert_int_equal(vxs_volumes_grid(scene.volumes, &l, map, grid, 12), VXS_OK);
+        scene_read(&scene, wanted);
+        for (int n = 0; n < 4 * PIXELS; n++) {
+            most = fmax(most, (double)wanted[n]);
+            off  = fmax(off, fabs((double)found[n] - (double)wanted[n]));
+        }
+    }
+    print_message("one lamp and a plain grid differ by %.1e of the brightest pixel\n", off / most);
+    assert_true(most > 0 && off < 1e-5 * most);
+    vxs_light_map_destroy(map);
+    vxs_shadow_grid_destroy(grid);
+}
+
+/* Lamps in turn have maps in which every other texel is near, and empty ones: of the empty ones no bit is set, and those of the others are what they are
+ * alone. */
+static void test_no_bit_leaks(void **state)
+{
+    (void)state;
+    enum { COUNT = 16 };
+    static uint32_t   words[2][COUNT * GRID_WORDS];
+    static float      board[SIDE * SIDE], none[SIDE * SIDE], pixels[4 * PIXELS];
+    static double     metres[PIXELS];
+    vxs_area_lamp     lamps[COUNT];
+    volumes_camera    c     = camera_at(eyes[0], look, 0.7);
+    vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
+    uint32_t          dark  = 0;
+    screen_lamps(0, lamps, COUNT);
+    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    cast(0, 0);
+    for (int n = 0; n < SIDE * SIDE; n++) {
+        board[n] = (n + n / SIDE) % 2 ? 0.5F : 1e30F;
+        none[n]  = 1e30F;
+    }
+    for (uint32_t all = 0; all < 2; all++) {
+        for (uint32_t n = 0; n < COUNT; n++)
+            light->volumes->api.NamedBufferSubData(light->buffer, (gl_bytes)map_at(n), sizeof board, n % 2 || all ? board : none);
+        draw(&frame, &(vxs_area_look){0}, pixels);
+        read_grids(COUNT, words[all]);
+    }
+    for (uint32_t n = 0; n < COUNT; n++)
+        for (uint32_t k = 0; k < GRID_WORDS; k++) {
+            uint32_t word = words[0][n * GRID_WORDS + k];
+            if (n % 2 == 0) assert_int_equal(word, 0);
+            if (n % 2) assert_int_equal(word, words[1][n * GRID_WORDS + k]);
+            dark += vxs_popcount(word);
+        }
+    assert_true(dark > 10000);
+}
+
+/* A point casts a shadow of one lamp, or of all, in its own map, and holes are filled in no other; distances are the point's. */
+static void test_points_stay_in_their_map(void **state)
+{
+    (void)state;
+    enum { COUNT = 9 };
+    static float   map[SIDE * SIDE];
+    vxs_area_lamp  lamps[COUNT];
+    vxs_area_point one = {{0.3F, 1, 0.5F}, 0};
+    GLuint         buffer;
+    screen_lamps(0, lamps, COUNT);
+    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    scene.gl->GenBuffers(1, &buffer);
+    scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    scene.gl->BufferData(GL_SHADER_STORAGE_BUFFER, sizeof one, &one, GL_STATIC_DRAW);
+    for (uint32_t is_whole = 0; is_whole < 2; is_whole++) {
+        uint32_t have = 0;
+        assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, 1, is_whole}), VXS_OK);
+        for (uint32_t n = 0; n < COUNT; n++) {
+            uint32_t texels = 0;
+            double   way[3], metres = 0;
+            for (int i = 0; i < 3; i++) way[i] = (double)one.place[i] - (double)lamps[n].place[i];
+            metres = sqrt(dot(way, way));
+            read_buffer(map_at(n), sizeof map, map);
+            for (int k = 0; k < SIDE * SIDE; k++) {
+                texels += map[k] < 1e30F;
+                if (map[k] < 1e30F) assert_true(fabs((double)map[k] / metres - 1) < 1e-5);
+            }
+            have += texels == 1;
+            assert_true(texels <= 1);
+        }
+        assert_int_equal(have, is_whole ? COUNT : 1);
+    }
+}
+
+/* What is the same everywhere stays so, however far away pixels are; and where all are as far away, nine with a ninth each are their mean. */
+static void test_filters(void **state)
+{
+    (void)state;
+    static float               gathered[4 * PIXELS], pixels[4 * PIXELS];
+    static double              metres[PIXELS];
+    rng                        r   = {6};
+    PFNGLTEXTURESUBIMAGE3DPROC put = (PFNGLTEXTURESUBIMAGE3DPROC)(vxs_gl_function)OSMesaGetProcAddress("glTextureSubImage3D");
+    for (int far = 0; far < 2; far++) {
+        volumes_camera    c     = camera_at(eyes[0], look, 0.7);
+        vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, far ? NULL : metres);
+        for (int which = 0; which <= VXS_AREA_QUARTER; which++) {
+            uint32_t wide = which == VXS_AREA_QUARTER ? WIDE / 2 : WIDE, high = which == VXS_AREA_QUARTER ? HIGH / 2 : HIGH;
+            assert_int_equal(vxs_volumes_begin(scene.volumes, &frame), VXS_OK);
+            scene.volumes->frame.map_side_px = wide;
+            scene.volumes->frame.map_layers  = high;
+            for (uint32_t n = 0; n < wide * high; n++) {
+                uint32_t x = n % wide, y = n / wide;
+                for (uint32_t i = 0; i < 3; i++)
+                    gathered[4 * n + i] =
+                        far && which == VXS_AREA_NINTHS ? (float)(9 * (x % 3 + y % 3 * 3)) : 0.25F * (float)(i + 1);
+                gathered[4 * n + 3] =
+                    (float)(far ? 30 : metres[which == VXS_AREA_QUARTER ? 2 * y * WIDE + 2 * x : n] * uniform(&r, 0.7, 1.4));
+            }
+            put(light->gathered, 0, 0, 0, 0, (GLsizei)wide, (GLsizei)high, 1, GL_RGBA, GL_FLOAT, gathered);
+            vxs_area_light_show(light, (vxs_area_gather)which, 0, scene.volumes->airlight, 1);
+            scene_read(&scene, pixels);
+            for (int n = 0; n < PIXELS; n++)
+                for (int i = 0; i < 3; i++) {
+                    double wanted = far && which == VXS_AREA_NINTHS ? 36 : 0.25 * (i + 1);
+                    assert_true(fabs((double)pixels[4 * n + i] / wanted - 1) < 1e-5);
+                }
+        }
+    }
+}
+
+/* Airlight as words say, in double. */
+static void test_gather(void **state)
+{
+    (void)state;
+    enum { COUNT = 5 };
+    static uint32_t words[COUNT * GRID_WORDS];
+    static double   metres[PIXELS], wanted[3 * PIXELS];
+    static float    pixels[4 * PIXELS];
+    area_lamp       heads[COUNT];
+    vxs_area_lamp   lamps[COUNT];
+    double          most = 0;
+    screen_lamps(0, lamps, COUNT);
+    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    cast(POINTS, 0);
+    for (int camera = 0; camera < CAMERAS; camera++) {
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
+        double            top   = camera == 1 ? 2.5 : VXS_AIR_EVERYWHERE;
+        vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, top, 30, metres);
+        draw(&frame, &(vxs_area_look){0}, pixels);
+        read_grids(COUNT, words);
+        read_buffer(0, sizeof heads, heads);
+        memset(wanted, 0, sizeof wanted);
+        for (uint32_t n = 0; n < PIXELS * COUNT; n++) {
+            const area_lamp *h     = &heads[n % COUNT];
+            vxs_epipolar     space = {.away = (double)h->grid.away};
+            vxs_air_light    air   = {.kind = VXS_LIGHT_KIND_POINT, .radius_metres = (double)h->radius_metres};
+            double           direction[3], found[3];
+            for (int i = 0; i < 3; i++) {
+                space.axis[i]  = (double)h->grid.axis[i];
+                space.ahead[i] = (double)h->grid.ahead[i];
+                space.side[i]  = (double)h->grid.side[i];
+                air.place[i]   = (double)h->place[i];
+                air.axis[i]    = (double)h->normal[i];
+            }
+            for (int i = 0; i < 2; i++) {
+                space.alpha[i] = (double)h->grid.alpha[i];
+                space.theta[i] = (double)h->grid.theta[i];
+                space.phi[i]   = (double)h->grid.phi[i];
+            }
+            vxs_grid_size size = {COLUMNS, ROWS, 128};
+            camera_ray(&scene, &c, n / COUNT % WIDE, n / COUNT / WIDE, direction);
+            vxs_air_path     path = vxs_area_path(&air, 1, c.eye, direction, metres[n / COUNT], top);
+            vxs_epipolar_ray ray  = vxs_epipolar_eye(&space, direction);
+            vxs_grid_rows    rows = vxs_grid_rows_about(&space, &size, ray.theta);
+            vxs_grid_airlight_of(words + (size_t)(n % COUNT) * GRID_WORDS, &space, &size, &haze, &path, &ray, &rows,
+                                 metres[n / COUNT], 8, h->grid.eye_lit, found);
+            for (uint32_t i = 0; i < 3; i++) wanted[3 * (n / COUNT) + i] += found[i] * (double)h->colour[i];
+        }
+        most = fmax(most, relative_rms(pixels, wanted, 1));
+    }
+    print_message("airlight of shaders against double: RMS %.1e at most\n", most);
+    assert_true(most < 1e-3); /* a ray between two columns takes either */
+}
+
+/* The reference: what boxes keep from a ray, by their polygons, against places of it, by slabs. */
+static void test_exact_shadows(void **state)
+{
+    (void)state;
+    rng      r       = {2};
+    uint32_t dark[2] = {0};
+    for (int n = 0; n < 20000; n++) {
+        double eye[3], from[3], direction[3], at[3], metres = uniform(&r, 0, 15);
+        int    is_dark = 0, is_near = 0;
+        random_direction(&r, direction);
+        for (int i = 0; i < 3; i++) {
+            eye[i]  = uniform(&r, -9, 9);
+            from[i] = uniform(&r, -9, 9);
+            at[i]   = eye[i] + metres * direction[i];
+        }
+        for (uint32_t box = 0; box <= SCENE_BOXES; box++) {
+            const float *low = scene.positions + 24 * (size_t)box, *high = low + (box < SCENE_BOXES ? 21 : 9);
+            double       part[2];
+            int          some = area_shadow(low, high, from, eye, direction, 15, part);
+            is_dark |= some && metres > part[0] && metres < part[1];
+            is_near |= some && (fabs(metres - part[0]) < 1e-4 || fabs(metres - part[1]) < 1e-4);
+        }
+        if (!is_near) assert_int_equal(is_dark, !area_is_free(&scene, from, at));
+        dark[is_dark]++;
+    }
+    assert_true(dark[0] > 2000 && dark[1] > 2000);
+}
+
+/* The more lamps, the less error, to many of them with exact visibility. */
+static void test_error_falls(void **state)
+{
+    (void)state;
+    enum { MANY = 4, STEP = 2 };
+    static double metres[PIXELS], wanted[3 * PIXELS];
+    static float  pixels[4 * PIXELS];
+    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    for (uint32_t camera = 0; camera < repeats(2, CAMERAS); camera++) {
+        volumes_camera    c     = camera_at(eyes[camera], look, 0.7);
+        vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
+        memset(wanted, 0, sizeof wanted);
+        for (uint32_t seed = 1; seed <= MANY; seed++) {
+            screen_lamps(seed, lamps, VXS_AREA_LAMPS);
+            for (uint32_t n = 0; n < PIXELS; n++) {
+                double direction[3];
+                if (n % WIDE % STEP || n / WIDE % STEP) continue;
+                camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
+                area_airlight(&scene, lamps, VXS_AREA_LAMPS, &haze, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
+            }
+        }
+        for (int n = 0; n < 3 * PIXELS; n++) wanted[n] /= MANY;
+        double x = 0, y = 0, xx = 0, xy = 0, first = 0, last = 0;
+        int    asked = 0;
+        for (uint32_t count = 1; count <= 64; count *= 4, asked++) {
+            screen_lamps(0, lamps, count);
+            assert_int_equal(vxs_area_light_set(light, lamps, count), VXS_OK);
+            cast(POINTS, 0);
+            draw(&frame, &(vxs_area_look){0}, pixels);
+            double error = relative_rms(pixels, wanted, STEP);
+            print_message("%s%.4f of %u", asked ? ", " : "error ", error, count);
+            x += log(count);
+            y += log(error);
+            xx += log(count) * log(count);
+            xy += log(count) * log(error);
+            first = asked ? first : error;
+            last  = error;
+        }
+        double slope = (asked * xy - x * y) / (asked * xx - x * x);
+        print_message(" lamps: slope %.2f\n", slope);
+        assert_true(slope < -0.4 && slope > -1);
+        assert_true(last < 0.08 && last < first / 6);
+    }
+}
+
+/* Light on surfaces against exact visibility of the same lamps; and the ways to gather less, against gathering all. */
+static void test_surfaces_and_less(void **state)
+{
+    (void)state;
+    enum { COUNT = 36, WAYS = VXS_AREA_QUARTER + 1 };
+    static double metres[PIXELS], wanted[3 * PIXELS], every[3 * PIXELS];
+    static float  normal[4 * PIXELS], pixels[4 * PIXELS];
+    const double  low[3] = {0, 1, 0};
+    vxs_area_lamp lamps[COUNT];
+    screen_lamps(0, lamps, COUNT);
+    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    cast(POINTS, 0);
+    for (int camera = 0; camera < CAMERAS; camera++) {
+        volumes_camera    c     = camera_at(eyes[camera], low, 0.25);
+        vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
+        double            errors[WAYS];
+        uint32_t          seen = 0;
+        for (uint32_t n = 0; n < PIXELS; n++) {
+            double direction[3], place[3];
+            camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
+            for (int i = 0; i < 3; i++) place[i] = c.eye[i] + metres[n] * direction[i];
+            area_normal(&scene, place, normal + 4 * (size_t)n);
+            wanted[3 * n]     = area_irradiance(&scene, lamps, COUNT, haze.extinction[0], place, normal + 4 * (size_t)n);
+            wanted[3 * n + 1] = wanted[3 * n + 2] = 0;
+            seen += wanted[3 * n] > 0;
+        }
+        scene.gl->TextureSubImage2D(normals, 0, 0, 0, WIDE, HIGH, GL_RGBA, GL_FLOAT, normal);
+        for (int which = 0; which < WAYS; which++) {
+            draw(&frame, &(vxs_area_look){.gather = (vxs_area_gather)which, .normal_texture = normals}, pixels);
+            for (int n = 0; n < 3 * PIXELS && !which; n++) every[n] = (double)pixels[n / 3 * 4 + n % 3];
+            errors[which] = relative_rms(pixels, every, 1);
+            scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof pixels, pixels);
+            for (int n = 0; n < PIXELS; n++) pixels[4 * n + 1] = pixels[4 * n + 2] = 0;
+            if (!which) errors[0] = relative_rms(pixels, wanted, 1);
+        }
+        print_message("surfaces: RMS %.3f of %u; air: a ninth of the lamps %.3f, a quarter of the pixels %.3f\n", errors[0], seen,
+                      errors[1], errors[2]);
+        assert_true(seen > 100 && errors[0] < 0.15 && errors[1] < 0.2 && errors[2] < 0.15);
+        assert_true(errors[1] > 0 && errors[2] > 0);
+    }
+}
+
+/* Light at places behind a wall, all lamps of which it hides, of what there would be without it. */
+static void test_leaks(void **state)
+{
+    (void)state;
+    enum { COUNT = 16, POINTS_OF_WALL = 20000 };
+    static const float       wall[12]   = {-4, -4, 1.5F, 4, -4, 1.5F, 4, 4, 1.5F, -4, 4, 1.5F};
+    static const uint32_t    corners[6] = {0, 1, 2, 0, 2, 3};
+    static const double      eye[3] = {7, 1, 14}, to[3] = {0, 0, 5};
+    const vxs_area_rectangle screen = {{-1, -0.5F, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 1}, NULL, 0, 0};
+    static vxs_area_point    of_wall[POINTS_OF_WALL];
+    static float             depths[PIXELS], normal[4 * PIXELS], found[2][4 * PIXELS], pixels[4 * PIXELS];
+    vxs_area_lamp            lamps[COUNT];
+    rng                      r = {3};
+    GLuint                   buffer;
+    double                   leaked = 0;
+    uint32_t                 asked = 0, leaks = 0;
+    assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, lamps, COUNT), VXS_OK);
+    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    assert_true(vxs_area_scatter(wall, corners, 2, of_wall, POINTS_OF_WALL) > 63);
+    scene.gl->GenBuffers(1, &buffer);
+    scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    scene.gl->BufferData(GL_SHADER_STORAGE_BUFFER, sizeof of_wall, of_wall, GL_STATIC_DRAW);
+    volumes_camera    c     = camera_at(eye, to, 0.5);
+    vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 60, NULL);
+    while (asked < repeats(10000, 1000000)) {
+        for (uint32_t n = 0; n < PIXELS; n++) {
+            double direction[3], at[3], metres;
+            camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
+            do { /* behind the wall, and in the shadow of each lamp */
+                metres = uniform(&r, 1, 16);
+                for (int i = 0; i < 3; i++) at[i] = eye[i] + metres * direction[i];
+            } while (at[2] < 3 || at[2] > 13 || fabs(at[0]) > 2 * at[2] - 1 || fabs(at[1]) > 2 * at[2] - 1);
+            depths[n]         = (float)(NEAR_METRES / (metres * dot(direction, c.forward)));
+            normal[4 * n + 2] = -1;
+        }
+        scene.gl->TextureSubImage2D(scene.depths, 0, 0, 0, WIDE, HIGH, GL_RED, GL_FLOAT, depths);
+        scene.gl->TextureSubImage2D(normals, 0, 0, 0, WIDE, HIGH, GL_RGBA, GL_FLOAT, normal);
+        for (uint32_t there = 0; there < 2; there++) {
+            assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, there * POINTS_OF_WALL, 0}), VXS_OK);
+            draw(&frame, &(vxs_area_look){.normal_texture = normals}, pixels);
+            scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof *found, found[there]);
+        }
+        for (uint32_t n = 0; n < PIXELS; n++) {
+            assert_true(found[0][4 * n] > 0);
+            double part = (double)found[1][4 * n] / (double)found[0][4 * n];
+            leaked += part;
+            leaks += part > 0.01;
+            asked++;
+        }
+    }
+    print_message("%u places behind a wall: %.2f %% of the light, 1 %% of it and more at %u places\n", asked, 100 * leaked / asked,
+                  leaks);
+    assert_true(leaked < 0.01 * asked && leaks < asked / 100);
+}
+
+/* Cameras, lamps, points and media at random: nothing that is drawn is no number, or negative. */
+static void test_any_numbers(void **state)
+{
+    (void)state;
+    enum { COUNT = 3 };
+    static double metres[PIXELS];
+    static float  pixels[2][4 * PIXELS];
+    rng           r = {11};
+    for (uint32_t n = 0; n < repeats(40, 1000); n++) {
+        double        eye[3], to[3], tangent = exp(uniform(&r, -7, 1.5));
+        vxs_medium    medium = {.anisotropy = uniform(&r, -0.99, 0.99)};
+        vxs_area_lamp lamps[COUNT];
+        for (int i = 0; i < 3; i++) {
+            medium.extinction[i] = exp(uniform(&r, log(1e-8), log(1e4)));
+            medium.scattering[i] = medium.extinction[i] * uniform(&r, 0, 1);
+            eye[i]               = uniform(&r, -12, 12);
+            to[i]                = uniform(&r, -5, 5);
+        }
+        for (int k = 0; k < COUNT; k++) {
+            double normal[3];
+            random_direction(&r, normal);
+            lamps[k] = (vxs_area_lamp){.radius_metres = (float)exp(uniform(&r, log(1e-4), 0)), .colour = {40, 0, 1}};
+            for (int i = 0; i < 3; i++) {
+                lamps[k].place[i]  = (float)uniform(&r, -5, 5);
+                lamps[k].normal[i] = (float)normal[i];
+                if (!rng_below(&r, 3)) lamps[k].normal[i] = (float)(i == (int)n % 3);
+            }
+            float square = lamps[k].normal[0] * lamps[k].normal[0] + lamps[k].normal[1] * lamps[k].normal[1] +
+                           lamps[k].normal[2] * lamps[k].normal[2];
+            if (!(fabsf(square - 1) < 1e-4F)) memcpy(lamps[k].normal, (float[3]){0, -1, 0}, sizeof lamps[k].normal);
+        }
+        for (int i = 0; i < 3; i++) {
+            if (n % 5 == 0) to[i] = (double)lamps[0].place[i];                              /* toward a lamp */
+            if (n % 5 == 1) to[i] = 2 * eye[i] - (double)lamps[0].place[i];                 /* or away from it */
+            if (n % 7 == 2) eye[i] = (double)lamps[1].place[i] + 1e-3 * uniform(&r, -1, 1); /* or in one */
+        }
+        volumes_camera    c = camera_at(eye, to, tangent);
+        vxs_volumes_frame frame =
+            scene_frame(&scene, &c, &medium, rng_below(&r, 3) ? 1e30 : uniform(&r, -1, 5), exp(uniform(&r, -5, 12)), metres);
+        assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+        cast(rng_below(&r, 3) ? 2000 : 0, rng_below(&r, 2));
+        draw(&frame,
+             &(vxs_area_look){.gather         = (vxs_area_gather)rng_below(&r, 3),
+                              .runs           = rng_below(&r, 20),
+                              .is_sharp       = rng_below(&r, 2),
+                              .normal_texture = normals},
+             pixels[0]);
+        scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof *pixels, pixels[1]);
+        for (size_t k = 0; k < 8 * PIXELS; k++) {
+            float value = pixels[k / (4 * PIXELS)][k % (4 * PIXELS)];
+            if (!(isfinite(value) && value >= 0)) fail_msg("frame %u, value %zu: %g", n, k, (double)value);
+        }
+    }
+}
+
+/* Storage buffers and textures are bound as they were. */
+static void test_state(void **state)
+{
+    (void)state;
+    static const GLenum asked[]  = {GL_SHADER_STORAGE_BUFFER_BINDING, GL_CURRENT_PROGRAM, GL_ACTIVE_TEXTURE, GL_TEXTURE_BINDING_2D};
+    PFNGLGETINTEGERI_VPROC get_i = (PFNGLGETINTEGERI_VPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegeri_v");
+    PFNGLGETINTEGERVPROC   get   = (PFNGLGETINTEGERVPROC)(vxs_gl_function)OSMesaGetProcAddress("glGetIntegerv");
+    static double          metres[PIXELS];
+    static float           pixels[4 * PIXELS];
+    GLint                  before[8], after[8];
+    vxs_area_lamp          lamps[4];
+    volumes_camera         c     = camera_at(eyes[0], look, 0.7);
+    vxs_volumes_frame      frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
+    screen_lamps(0, lamps, 4);
+    assert_int_equal(vxs_area_light_set(light, lamps, 4), VXS_OK);
+    light->volumes->api.ActiveTexture(GL_TEXTURE0 + 10); /* where normals are bound */
+    scene.gl->BindTextureUnit(10, scene.depths);
+    for (GLuint n = 6; n < 8; n++) scene.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, n, points);
+    for (int turn = 0; turn < 2; turn++) {
+        GLint *to = turn ? after : before;
+        if (turn) {
+            cast(100, 1);
+            draw(&frame, &(vxs_area_look){.normal_texture = normals}, pixels);
+        }
+        for (int n = 0; n < 4; n++) get(asked[n], to + n);
+        for (GLuint n = 0; n < 2; n++) get_i(GL_SHADER_STORAGE_BUFFER_BINDING, 6 + n, to + 4 + n);
+        get_i(GL_IMAGE_BINDING_NAME, 0, to + 6);
+        get_i(GL_UNIFORM_BUFFER_BINDING, 0, to + 7);
+    }
+    assert_memory_equal(before, after, sizeof before);
+    assert_int_equal(before[3], scene.depths);
+    scene.gl->BindTextureUnit(10, 0);
+    light->volumes->api.ActiveTexture(GL_TEXTURE0);
+}
+
+static void test_misuse(void **state)
+{
+    (void)state;
+    static double                    metres[PIXELS];
+    static const vxs_area_light_desc bad[] = {{.lamps = 257},   {.side_px = 48},  {.side_px = 16},
+                                              {.side_px = 512}, {.columns = 257}, {.rows = 257}};
+    const vxs_area_light_desc        large = {0, 256, 256, 256, 0}, small = {.lamps = 1, .side_px = 32, .columns = 1, .rows = 1};
+    vxs_area_light                  *other;
+    vxs_area_lamp                    lamps[2], wrong;
+    volumes_camera                   c     = camera_at(eyes[0], look, 0.7);
+    vxs_volumes_frame                frame = scene_frame(&scene, &c, &haze, 1e30, 30, metres);
+    for (size_t n = 0; n < sizeof bad / sizeof *bad; n++) {
+        assert_int_equal(vxs_area_light_create(&other, scene.volumes, &bad[n]), VXS_E_ARGUMENT);
+        assert_null(other);
+    }
+    assert_int_equal(vxs_area_light_create(&other, scene.volumes, &large), VXS_E_GL); /* 336 MiB */
+    assert_null(other);
+    vxs_area_light_destroy(NULL);
+    assert_int_equal(vxs_area_light_create(&other, scene.volumes, &small), VXS_OK);
+    screen_lamps(0, lamps, 2);
+    assert_int_equal(vxs_volumes_begin(scene.volumes, &frame), VXS_OK);
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* no lamps */
+    assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_light_set(other, lamps, 2), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_light_set(other, lamps, 0), VXS_E_ARGUMENT);
+    for (int n = 0; n < 5; n++) {
+        wrong = lamps[0];
+        if (n == 0) wrong.place[1] = NAN;
+        if (n == 1) wrong.normal[0] = 1;
+        if (n == 2) wrong.colour[2] = -1;
+        if (n == 3) wrong.radius_metres = 0;
+        if (n == 4) wrong.radius_metres = INFINITY;
+        assert_int_equal(vxs_area_light_set(other, &wrong, 1), VXS_E_ARGUMENT);
+    }
+    assert_int_equal(vxs_area_light_set(other, lamps, 1), VXS_OK);
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_E_ARGUMENT); /* no shadow maps */
+    assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){.count = 1}), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_OK);
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.runs = 129}), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.gather = (vxs_area_gather)3}), VXS_E_ARGUMENT);
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){.maps = (const vxs_light_map *[1]){NULL}}),
+                     VXS_E_ARGUMENT);
+    assert_int_equal(vxs_volumes_area(scene.volumes, other, &(vxs_area_look){0}), VXS_OK); /* one column and one row are a grid */
+    memset(lamps[0].normal, 0, sizeof lamps[0].normal);
+    assert_int_equal(vxs_area_light_set(other, lamps, 1), VXS_OK);
+    assert_int_equal(vxs_area_light_cast(other, &(vxs_area_casters){0}), VXS_E_ARGUMENT); /* it has no half of all directions */
+    vxs_area_light_destroy(other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_one_lamp_is_a_grid),
+        cmocka_unit_test(test_no_bit_leaks),
+        cmocka_unit_test(test_points_stay_in_their_map),
+        cmocka_unit_test(test_filters),
+        cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_exact_shadows),
+        cmocka_unit_test(test_error_falls),
+        cmocka_unit_test(test_surfaces_and_less),
+        cmocka_unit_test(test_leaks),
+        cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_state),
+        cmocka_unit_test(test_misuse),
+    };
+    return cmocka_run_group_tests(tests, area_set_up, area_tear_down);
+}
