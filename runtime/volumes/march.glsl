@@ -33,9 +33,9 @@ vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps
     float        k = vxs_air_sharpness(medium);
     vxs_air_part part = vxs_air_part_between(ray, k, path.begin, path.end - path.begin);
     for (int n = 0; n < steps; n++) {
-        float detour = vxs_air_detour_at(part, (float(n) + 0.5) / float(steps));
-        if (lit(vxs_frame.eye_far.xyz + vxs_air_place_of(ray, detour) * direction))
-            vxs_air_add_node(medium, ray, k, detour, part.wide / float(steps), sum);
+        float more = vxs_air_more_at(part, (float(n) + 0.5) / float(steps));
+        if (lit(vxs_frame.eye_far.xyz + (path.begin + vxs_air_metres_of(ray, part, more)) * direction))
+            vxs_air_add_node(medium, ray, k, part, path.begin - ray.in_fog, more, part.wide / float(steps), sum);
     }
     return sum * vxs_air_node_scale(medium, ray) * medium.scattering;
 }

@@ -1,7 +1,7 @@
 /* Which pixels of a frame a light's airlight can be seen in; see vxs_volumes.h.
  *
- * A lamp's airlight along a ray that passes it at a distance h is at most I scattering p exp(-extinction D) pi / h: light goes no shorter way than
- * the D metres from the lamp to the eye, p is the greatest that the phase function has, and the square of the distance, all along the ray, leaves pi / h.
+ * A lamp's airlight along a ray that passes it at a distance h is at most I scattering p exp(-extinction D) pi / h: light goes no shorter way through
+ * the fog than D, the metres from the lamp to the eye or, where one of them is above a level top, those of the other below it; p is the greatest that the phase function has, and the square of the distance, all along the ray, leaves pi / h.
  * So rays on which it is more than the least that counts pass a sphere about the lamp; those that it lights at all, one about its cone and range.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
@@ -88,13 +88,20 @@ static sphere sphere_of_range(const frame_block *f)
     return b;
 }
 
-/* Where a lamp's airlight is more than `least` is within so many metres. */
-static double metres_of(const frame_block *f, double least, double distance)
+/* How far light goes through the fog at least. */
+static double metres_in_fog(const frame_block *f, double distance)
+{
+    double high = fmax((double)f->place[1], (double)f->eye[1]), low = fmin((double)f->place[1], (double)f->eye[1]);
+    return high > (double)f->top_metres ? fmax((double)f->top_metres - low, 0) : distance;
+}
+
+/* Where a lamp's airlight is more than `least` is within so many metres.   way  through the fog */
+static double metres_of(const frame_block *f, double least, double way)
 {
     const double pi = 3.14159265358979324;
     double       g = fabs((double)f->anisotropy), phase = (1 + g) / (4 * pi * (1 - g) * (1 - g)), most = 0;
     for (int n = 0; n < 3; n++)
-        most = fmax(most, (double)f->colour[n] * (double)f->scattering[n] * exp(-(double)f->extinction[n] * distance));
+        most = fmax(most, (double)f->colour[n] * (double)f->scattering[n] * exp(-(double)f->extinction[n] * way));
     return least > 0 ? pi * phase * most / least : INFINITY;
 }
 
@@ -122,7 +129,7 @@ vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
     sphere lit = sphere_of_range(f), bright = {{0}, 0};
     for (int n = 0; n < 3; n++) bright.middle[n] = (double)f->place[n] - (double)f->eye[n];
     double distance = sqrt(dot(bright.middle, bright.middle));
-    bright.radius   = metres_of(f, least, distance);
+    bright.radius   = metres_of(f, least, metres_in_fog(f, distance));
     if (bright.radius < (double)f->radius_metres) return VXS_REACH_FAINT;
     if (!projection_of(f, &p)) return VXS_REACH_SEEN;
     const sphere *both[2] = {&lit, &bright};

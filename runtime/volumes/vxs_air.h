@@ -1,13 +1,8 @@
 /* Light that a homogeneous medium scatters toward the eye, along a part of an eye ray that is all lit: one text for C99, C++, GLSL and
- * HLSL, that stands on vxs_space.h.
+ * HLSL, that stands on vxs_air_ray.h.
  *
- *     vxs_air_ray_of       how an eye ray passes a lamp
- *     vxs_air_in_cone      the part of the ray in a spot light's cone; vxs_air_before_face: before a face that shines to one side
  *     vxs_air_lamp         airlight of a spot or point light along a part of the ray
- *     vxs_air_in_fog       the part of the ray below the top of ground fog
  *     vxs_air_sun          airlight of the sun along a part of the ray
- *     vxs_air_left         what the medium leaves of what is behind it
- *     vxs_air_phase        the phase function: Henyey and Greenstein
  *
  * Distances are metres along the ray, whose direction has length 1, from the eye; the medium's numbers are per metre and colour channel.
  * Airlight is radiance for an intensity (lamps: candela, per steradian) or an irradiance (the sun: lux) of 1 in each channel: times the
@@ -25,158 +20,27 @@
  *                      which is smooth and near to constant however sharp the phase is, and so is quadrature in b. No exponent is positive,
  *                      and nothing is a difference of what is nearly equal.
  *
- * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Relative error, of 10^5 random rays of
- * any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/volumes.md.
+ * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Below the level top of fog, of a lamp
+ * above it, light's way through the fog may get shorter along the ray: the segment is cut by what light loses from its bright end on.
+ * Relative error, of 10^5 random rays of any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/volumes.md.
  * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AIR_H
 #define VXS_AIR_H
 
-#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
-#include "vxs_space.h"
+#ifndef VXS_AIR_RAY_H /* a shader that cannot include has it already */
+#include "vxs_air_ray.h"
 #endif
 
 #ifdef VXS_C
-typedef struct vxs_medium   vxs_medium;
-typedef struct vxs_air_ray  vxs_air_ray;
 typedef struct vxs_air_part vxs_air_part;
-typedef vxs_real            vxs_real2[2];
-#define VXS_MEDIUM   const vxs_medium *
-#define VXS_AIR_RAY  const vxs_air_ray *
 #define VXS_AIR_PART const vxs_air_part *
 #else
-#ifdef VXS_HLSL
-#define vxs_real2 float2
-#else
-#define vxs_real2 vec2
-#endif
-#define VXS_MEDIUM   vxs_medium
-#define VXS_AIR_RAY  vxs_air_ray
 #define VXS_AIR_PART vxs_air_part
 #endif
 
-/* What fills the air. */
-struct vxs_medium {
-    vxs_real3 scattering; /* of light that goes a metre, how much turns; >= 0, finite */
-    vxs_real3 extinction; /* how much turns or is absorbed; >= scattering, finite */
-    vxs_real  anisotropy; /* g of the phase function, -0.99 (back to where it came from) to 0.99 (on the same way) */
-};
-
-/* How an eye ray passes a lamp. */
-struct vxs_air_ray {
-    vxs_real along;      /* where it is nearest to the lamp; negative: behind the eye */
-    vxs_real beside;     /* how near that is, but no less than the lamp's radius; > 0 */
-    vxs_real facing;     /* cosine between the ray and a spot light's axis */
-    vxs_real before;     /* metres along the axis from the lamp to that place */
-    vxs_real cos_outer;  /* of the cone; point lights: -1 */
-    vxs_real cos_inner;  /* of where it is dimmer, as in glTF: intensity is clamp(cosine * rim_scale + rim_offset, 0, 1)^2 */
-    vxs_real rim_scale;  /* point lights: 0, */
-    vxs_real rim_offset; /* and 1 */
-    vxs_i32  is_face;    /* 1: that clamp is not squared (vxs_air_ray_of_face) */
-};
-
-#define VXS_AIR_PI        3.14159265358979324
 #define VXS_AIR_DEPTH_MAX 24.0 /* units of optical depth behind which nothing is seen: e^-24 */
 #define VXS_AIR_PARTS     12
-
-VXS_FN vxs_real vxs_air_dot(const vxs_real3 a, const vxs_real3 b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* cosine  between the ways of light before and behind */
-VXS_FN vxs_real vxs_air_phase(vxs_real g, vxs_real cosine)
-{
-    vxs_real wide = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
-    return (1.0 - g * g) / (4.0 * VXS_AIR_PI * wide * sqrt(wide));
-}
-
-/* to_lamp       from the eye, metres;   direction  of the ray, of length 1
- * radius_metres of the lamp, > 0: airlight has no bound where a ray meets a light that is a point */
-VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres)
-{
-    vxs_air_ray ray;
-    vxs_real    x = to_lamp[1] * direction[2] - to_lamp[2] * direction[1];
-    vxs_real    y = to_lamp[2] * direction[0] - to_lamp[0] * direction[2];
-    vxs_real    z = to_lamp[0] * direction[1] - to_lamp[1] * direction[0];
-    vxs_real    h = sqrt(x * x + y * y + z * z);
-    ray.along     = vxs_air_dot(to_lamp, direction);
-    ray.beside    = h > radius_metres ? h : radius_metres;
-    ray.facing = ray.before = VXS_REAL(0.0);
-    ray.cos_outer = ray.cos_inner = VXS_REAL(-1.0);
-    ray.rim_scale                 = VXS_REAL(0.0);
-    ray.rim_offset                = VXS_REAL(1.0);
-    ray.is_face                   = 0;
-    return ray;
-}
-
-/* The same of a spot light.   axis  where it shines, of length 1;   cos_inner >= cos_outer >= 0 */
-VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
-                                       const vxs_real3 axis, vxs_real cos_inner, vxs_real cos_outer)
-{
-    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
-    ray.facing      = vxs_air_dot(axis, direction);
-    ray.before      = ray.along * ray.facing - vxs_air_dot(axis, to_lamp);
-    ray.cos_outer   = cos_outer;
-    ray.cos_inner   = cos_inner > cos_outer + 1e-3 ? cos_inner : cos_outer + 1e-3;
-    ray.rim_scale   = 1.0 / (ray.cos_inner - cos_outer);
-    ray.rim_offset  = -cos_outer * ray.rim_scale;
-    return ray;
-}
-
-/* The same of a small face that shines to one side, with the cosine to its normal, of length 1. Behind it there is nothing: vxs_air_before_face. */
-VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
-                                       const vxs_real3 normal)
-{
-    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
-    ray.facing      = vxs_air_dot(normal, direction);
-    ray.before      = ray.along * ray.facing - vxs_air_dot(normal, to_lamp);
-    ray.rim_scale   = VXS_REAL(1.0);
-    ray.rim_offset  = VXS_REAL(0.0);
-    ray.is_face     = 1;
-    return ray;
-}
-
-/* interval  [in, out] its part before a face; end < begin: there is none */
-VXS_FN void vxs_air_before_face(VXS_AIR_RAY ray, VXS_INOUT vxs_real2 interval)
-{
-    vxs_real f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), at = VXS_FIELD(ray, along) - b / f;
-    if (f > 0.0 && at > interval[0]) interval[0] = at;
-    if (f < 0.0 && at < interval[1]) interval[1] = at;
-    if (f == 0.0 && !(b > 0.0)) interval[1] = interval[0] - 1.0;
-}
-
-/* How much longer the way over a place of the ray is than `along`; y = x - along. */
-VXS_FN vxs_real vxs_air_detour(VXS_AIR_RAY ray, vxs_real y)
-{
-    vxs_real h = VXS_FIELD(ray, beside), r = sqrt(h * h + y * y);
-    return y > 0.0 ? r + y : h * (h / (r - y));
-}
-
-/* Where facing * y + before >= cosine * r, y = x - along: between the roots of a quadratic, or beyond one of them.
- * cosine    of the angle between the axis of a spot light and its cone, >= 0
- * interval  [in, out] its part in the cone; end < begin: there is none */
-VXS_FN void vxs_air_in_cone(VXS_AIR_RAY ray, vxs_real cosine, VXS_INOUT vxs_real2 interval)
-{
-    vxs_real c = cosine, f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), h = VXS_FIELD(ray, beside);
-    vxs_real a = (f - c) * (f + c), square = b * b + a * h * h;
-    if (square < 0.0) {
-        interval[1] = interval[0] - 1.0;
-        return;
-    }
-    vxs_real half_sum =
-        -(f * b + (f * b < 0.0 ? -c : c) * sqrt(square)); /* roots half_sum / a and the other coefficient / half_sum */
-    vxs_real first = half_sum / a, second = (b - c * h) * (b + c * h) / half_sum;
-    vxs_real low = first < second ? first : second, high = first < second ? second : first, along = VXS_FIELD(ray, along);
-    if (a > 0.0) { /* from one of them on, the ray stays in the cone */
-        if (f > 0.0 && along + high > interval[0]) interval[0] = along + high;
-        if (f <= 0.0 && along + low < interval[1]) interval[1] = along + low;
-    } else if (a < 0.0 && f * (low + high) + 2.0 * b >= 0.0) {
-        if (along + low > interval[0]) interval[0] = along + low;
-        if (along + high < interval[1]) interval[1] = along + high;
-    } else
-        interval[1] = interval[0] - 1.0;
-}
 
 /* x in [0, pi / 2], to 4e-6 of it: shading languages promise no relative error. */
 VXS_FN vxs_real vxs_air_sine(vxs_real x)
@@ -247,15 +111,8 @@ VXS_FN vxs_air_part vxs_air_part_between(VXS_AIR_RAY ray, vxs_real k, vxs_real b
     return vxs_air_part_of(ray, k, detour, length * ((detour + vxs_air_detour(ray, end)) / sum_of_r));
 }
 
-/* Where a detour is so long: metres along the ray. */
-VXS_FN vxs_real vxs_air_place_of(VXS_AIR_RAY ray, vxs_real detour)
-{
-    vxs_real h = VXS_FIELD(ray, beside);
-    return VXS_FIELD(ray, along) + 0.5 * (detour - h * (h / detour));
-}
-
-/* The detour at a share of the part's angle. The direction between two is their sum, weighed by sines: no term is negative. */
-VXS_FN vxs_real vxs_air_detour_at(VXS_AIR_PART part, vxs_real share)
+/* How much longer the detour is at a share of the part's angle. The direction between two is their sum, weighed by sines: no term is negative. */
+VXS_FN vxs_real vxs_air_more_at(VXS_AIR_PART part, vxs_real share)
 {
     vxs_real wide = VXS_FIELD(part, wide), first = 1.0 - share, second = share;
     if (wide > 1e-3) {
@@ -264,14 +121,31 @@ VXS_FN vxs_real vxs_air_detour_at(VXS_AIR_PART part, vxs_real share)
     }
     first *= VXS_FIELD(part, near_begin);
     second *= VXS_FIELD(part, near_end);
-    return VXS_FIELD(part, detour) + VXS_FIELD(part, more) * (second / (first + second));
+    return VXS_FIELD(part, more) * (second / (first + second));
 }
 
-/* What a node adds: phase and falloff but for what is the same at all nodes, a spot light's rim, and what is lost on the way. */
-VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, vxs_real detour, vxs_real weight,
-                             VXS_INOUT vxs_real3 sum)
+/* How far from the part's begin that is, in metres: no difference, either. */
+VXS_FN vxs_real vxs_air_metres_of(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real more)
 {
-    vxs_real ratio = VXS_FIELD(ray, beside) / detour, square = ratio * ratio, way = VXS_FIELD(ray, along) + detour;
+    vxs_real h = VXS_FIELD(ray, beside), detour = VXS_FIELD(part, detour);
+    return 0.5 * more * (1.0 + (h / detour) * (h / (detour + more)));
+}
+
+/* The way through the fog of light that turns there.   from  metres into the fog, of the part's begin */
+VXS_FN vxs_real vxs_air_node_way(VXS_AIR_RAY ray, VXS_AIR_PART part, vxs_real from, vxs_real more)
+{
+    vxs_real h = VXS_FIELD(ray, beside), detour = VXS_FIELD(part, detour) + more;
+    if (!(VXS_FIELD(ray, above) > 0.0)) return VXS_FIELD(ray, along) - VXS_FIELD(ray, in_fog) + detour;
+    return vxs_air_way(ray, from + vxs_air_metres_of(ray, part, more), 0.5 * (detour + h * (h / detour)));
+}
+
+/* What a node adds: phase and falloff but for what is the same at all nodes, a spot light's rim, and what is lost on the way.
+ * more  detour behind the part's begin;   from  as above */
+VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real from, vxs_real more,
+                             vxs_real weight, VXS_INOUT vxs_real3 sum)
+{
+    vxs_real detour = VXS_FIELD(part, detour) + more, ratio = VXS_FIELD(ray, beside) / detour, square = ratio * ratio;
+    vxs_real way = vxs_air_node_way(ray, part, from, more);
     vxs_real rim = ((1.0 - square) * VXS_FIELD(ray, facing) + 2.0 * (VXS_FIELD(ray, before) / detour)) / (1.0 + square);
     rim          = rim * VXS_FIELD(ray, rim_scale) + VXS_FIELD(ray, rim_offset);
     rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
@@ -283,8 +157,8 @@ VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, vxs
 }
 
 /* As many nodes as it changes: by what is lost, by b, and by d / (d + h), where b says little because k is great.
- * depth  optical, of the part, of the densest channel */
-VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real depth,
+ * depth  optical, of the part, of the densest channel;   from  metres into the fog of its begin, which count below a level top */
+VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real depth, vxs_real from,
                              VXS_INOUT vxs_real3 sum)
 {
     vxs_real wide = VXS_FIELD(part, wide), h = VXS_FIELD(ray, beside), begin = h + VXS_FIELD(part, detour);
@@ -293,39 +167,111 @@ VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
     vxs_i32  pairs  = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
     for (vxs_i32 n = 0; n < pairs; n++) {
         vxs_real offset = 0.5 * vxs_air_offset(pairs, n), weight = 0.5 * vxs_air_weight(pairs, n) * wide;
-        vxs_air_add_node(medium, ray, k, vxs_air_detour_at(part, 0.5 - offset), weight, sum);
-        vxs_air_add_node(medium, ray, k, vxs_air_detour_at(part, 0.5 + offset), weight, sum);
+        vxs_air_add_node(medium, ray, k, part, from, vxs_air_more_at(part, 0.5 - offset), weight, sum);
+        vxs_air_add_node(medium, ray, k, part, from, vxs_air_more_at(part, 0.5 + offset), weight, sum);
     }
 }
 
-/* Add the airlight of [begin, begin + length), but for what does not depend on it. */
-VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
+/* The extinction of the thinnest channel and of the densest. */
+VXS_FN void vxs_air_extremes(VXS_MEDIUM medium, VXS_OUT vxs_real2 extinction)
 {
-    vxs_real     h = VXS_FIELD(ray, beside), k = vxs_air_sharpness(medium), most = VXS_REAL(0.0), least = most;
+    extinction[0] = extinction[1] = VXS_FIELD(medium, extinction)[0];
+    for (vxs_i32 n = 1; n < 3; n++) {
+        vxs_real dense = VXS_FIELD(medium, extinction)[n];
+        extinction[0]  = dense < extinction[0] ? dense : extinction[0];
+        extinction[1]  = dense > extinction[1] ? dense : extinction[1];
+    }
+}
+
+/* Add the airlight of [begin, begin + length), but for what does not depend on it: of a lamp in the fog. */
+VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
+{
+    vxs_real     h = VXS_FIELD(ray, beside), k = vxs_air_sharpness(medium);
+    vxs_real2    dense;
     vxs_air_part whole  = vxs_air_part_between(ray, k, begin, length);
     vxs_real     detour = whole.detour, rest = whole.more;
-    for (vxs_i32 n = 0; n < 3; n++) {
-        vxs_real dense = VXS_FIELD(medium, extinction)[n];
-        most           = dense > most ? dense : most;
-        least          = n == 0 || dense < least ? dense : least;
-    }
-    if (rest * least > VXS_AIR_DEPTH_MAX) rest = VXS_AIR_DEPTH_MAX / least;
+    vxs_air_extremes(medium, dense);
+    if (rest * dense[0] > VXS_AIR_DEPTH_MAX) rest = VXS_AIR_DEPTH_MAX / dense[0];
     vxs_real depth = VXS_REAL(1.0), sharp = h / sqrt(k), cut = sharp < h ? sharp : h, next = sharp < h ? h : sharp;
     for (vxs_i32 n = 1; rest > 0.0 && n <= VXS_AIR_PARTS; n++) {
         vxs_real more = rest;
         if (n < VXS_AIR_PARTS) {
-            if (more * most > 1.5 * depth) more = depth / most;
+            if (more * dense[1] > 1.5 * depth) more = depth / dense[1];
             if (detour < cut && detour + more > cut)
                 more = cut - detour;
             else if (detour < next && detour + more > next)
                 more = next - detour;
         }
         vxs_air_part part = vxs_air_part_of(ray, k, detour, more);
-        vxs_air_add_part(medium, ray, k, VXS_REF(part), most * more, sum);
-        if (more * most >= depth) depth *= 4.0;
+        vxs_air_add_part(medium, ray, k, VXS_REF(part), dense[1] * more, VXS_REAL(0.0), sum);
+        if (more * dense[1] >= depth) depth *= 4.0;
         detour += more;
         rest -= more;
     }
+}
+
+/* How far to go from a place at most, forward (turn 1) or back (-1): to where phase and distance change, no more than four times as far
+ * below the lamp, or as near, and so that light's way changes by about so many metres. */
+VXS_FN vxs_real vxs_air_step_below(VXS_AIR_RAY ray, vxs_real k, vxs_real from, vxs_real turn, vxs_real rest, vxs_real change)
+{
+    vxs_real h = VXS_FIELD(ray, beside), rises = VXS_FIELD(ray, up) * turn, more = rest;
+    vxs_real height = VXS_FIELD(ray, above) + vxs_air_below_at(ray, from);
+    for (vxs_i32 n = 0; n < 2; n++) {
+        vxs_real place = vxs_air_place_of(ray, n == 0 ? h : h / sqrt(k)) - VXS_FIELD(ray, in_fog), ahead = turn * (place - from);
+        if (ahead > 1e-5 * rest && ahead < more) more = ahead;
+    }
+    vxs_real way = vxs_air_way_at(ray, from), least = -1e-5 * rises * rest;
+    if (vxs_abs(vxs_air_way_at(ray, from + turn * more) - way) <= 0.02 * change) return more;
+    if (height < least) height = least;
+    if (rises < 0.0 && -rises * more > 3.0 * height) more = 3.0 * height / -rises;
+    if (rises > 0.0 && rises * more > 0.75 * height) more = 0.75 * height / rises;
+    if (vxs_abs(vxs_air_way_at(ray, from + turn * more) - way) <= 1.5 * change) return more;
+    vxs_real low = 1e-9 * more, high = more;
+    for (vxs_i32 n = 0; n < 7; n++) {
+        vxs_real middle = sqrt(low * high);
+        if (vxs_abs(vxs_air_way_at(ray, from + turn * middle) - way) > change)
+            high = middle;
+        else
+            low = middle;
+    }
+    return low;
+}
+
+/* The same as vxs_air_add_in_fog of a lamp above its top: from the end of the part on whose light comes the shorter way. */
+VXS_FN void vxs_air_add_below(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
+{
+    vxs_real  k = vxs_air_sharpness(medium), from = begin - VXS_FIELD(ray, in_fog), rest = length, depth = VXS_REAL(1.0);
+    vxs_real  way = vxs_air_way_at(ray, from), behind = vxs_air_way_at(ray, from + length), turn = VXS_REAL(1.0);
+    vxs_real2 dense;
+    vxs_air_extremes(medium, dense);
+    if (behind < way) {
+        turn = VXS_REAL(-1.0);
+        from += length;
+        way = behind;
+    }
+    vxs_real first = way, seen = (first - from) * dense[0] + VXS_AIR_DEPTH_MAX; /* by the eye's part of the way alone */
+    if (turn > 0.0 && rest * dense[0] > seen) rest = seen / dense[0];
+    for (vxs_i32 n = 1; rest > 0.0 && n <= VXS_AIR_PARTS; n++) {
+        vxs_real more = rest;
+        if (n < VXS_AIR_PARTS && dense[1] > 0.0) more = vxs_air_step_below(ray, k, from, turn, rest, depth / dense[1]);
+        vxs_real     low = turn > 0.0 ? from : from - more, next = vxs_air_way_at(ray, from + turn * more);
+        vxs_real     lost = dense[1] * vxs_abs(next - way);
+        vxs_air_part part = vxs_air_part_between(ray, k, VXS_FIELD(ray, in_fog) + low, more);
+        vxs_air_add_part(medium, ray, k, VXS_REF(part), lost, low, sum);
+        if (dense[0] * (next - first) > VXS_AIR_DEPTH_MAX) return;
+        if (lost >= 0.5 * depth) depth *= 4.0;
+        from += turn * more;
+        rest -= more;
+        way = next;
+    }
+}
+
+VXS_FN void vxs_air_add(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
+{
+    if (VXS_FIELD(ray, above) > 0.0)
+        vxs_air_add_below(medium, ray, begin, length, sum);
+    else
+        vxs_air_add_in_fog(medium, ray, begin, length, sum);
 }
 
 /* What a sum of nodes is times, for an intensity of 1. */
@@ -376,16 +322,6 @@ VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs
     vxs_air_finish(medium, ray, airlight);
 }
 
-/* The part of a ray that is in fog whose top is level: height, top and up are the eye's, the fog's, and the ray's along the vertical.
- * interval  [in, out] end < begin: there is none */
-VXS_FN void vxs_air_in_fog(vxs_real height, vxs_real up, vxs_real top, VXS_INOUT vxs_real2 interval)
-{
-    vxs_real at = (top - height) / up;
-    if (up > 0.0 && at < interval[1]) interval[1] = at;
-    if (up < 0.0 && at > interval[0]) interval[0] = at;
-    if (up == 0.0 && height > top) interval[1] = interval[0] - 1.0;
-}
-
 /* (1 - exp(-x)) / x, x >= 0 */
 VXS_FN vxs_real vxs_air_mean_left(vxs_real x)
 {
@@ -409,12 +345,6 @@ VXS_FN void vxs_air_sun(VXS_MEDIUM medium, vxs_real cosine, vxs_real length, vxs
         vxs_real dense = VXS_FIELD(medium, extinction)[n];
         airlight[n]    = VXS_FIELD(medium, scattering)[n] * phase * exp(-dense * nearer) * vxs_air_mean_left(dense * change);
     }
-}
-
-/* metres  through the medium;   left  [out] of what is behind it */
-VXS_FN void vxs_air_left(VXS_MEDIUM medium, vxs_real metres, VXS_OUT vxs_real3 left)
-{
-    for (vxs_i32 n = 0; n < 3; n++) left[n] = exp(-VXS_FIELD(medium, extinction)[n] * metres);
 }
 
 #endif

@@ -55,7 +55,7 @@ VXS_FN void vxs_air_in_range(vxs_real along, vxs_real beside2, vxs_real range, V
 }
 
 /* eye, direction  metres; of length 1.   metres  to what is behind the air, >= 0, finite
- * top             height (along y) of the fog's level top; VXS_AIR_EVERYWHERE. A lamp's light is dimmed as if the fog had none
+ * top             height (along y) of the fog's level top; VXS_AIR_EVERYWHERE
  * in_fog          [out] the part of the ray in fog: light from behind is dimmed by its length, if that is positive */
 VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, const vxs_real3 direction, vxs_real metres,
                                     vxs_real top, VXS_OUT vxs_real2 in_fog)
@@ -93,6 +93,7 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
                                           VXS_FIELD(light, cos_inner), VXS_FIELD(light, cos_outer));
         vxs_air_in_cone(VXS_REF(path.passed), VXS_FIELD(light, cos_outer), part);
     }
+    if (has_top != 0) vxs_air_below_top(VXS_REF(path.passed), to_light[1], direction[1], top - eye[1], in_fog[0]);
     if (VXS_FIELD(light, range_metres) > 0.0)
         vxs_air_in_range(path.passed.along, path.passed.beside * path.passed.beside, VXS_FIELD(light, range_metres), part);
     path.begin = part[0];
@@ -129,7 +130,7 @@ VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT
         rim          = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
         rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
         rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
-        way      = x + r;
+        way      = vxs_air_way(VXS_REF_OF(path, passed), x - VXS_FIELD(path, passed).in_fog, r);
         strength = rim * vxs_air_phase(g, -y / r) / (r * r);
     }
     if (way < 0.0) way = VXS_REAL(0.0);

@@ -115,12 +115,12 @@ VXS_FN vxs_i32 vxs_air_table_add(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR
         vxs_real dense = VXS_FIELD(medium, extinction)[n], u = dense * h;
         vxs_real seen = tail[n] * vxs_air_table_at(table, vxs_air_table_x(k, u, tangent), row) -
                         left[n] * vxs_air_table_at(table, vxs_air_table_x(k, u, tangent_end), row_end);
-        if (seen > 0.0) sum[n] += seen * exp(-dense * (VXS_FIELD(ray, along) + detour));
+        if (seen > 0.0) sum[n] += seen * exp(-dense * (VXS_FIELD(ray, along) - VXS_FIELD(ray, in_fog) + detour));
     }
     return 1;
 }
 
-/* As vxs_air_lamp.   table  of the medium's anisotropy */
+/* As vxs_air_lamp, of which lamps above a level top of the fog are asked.   table  of the medium's anisotropy */
 VXS_FN void vxs_air_table_lamp(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length,
                                VXS_OUT vxs_real3 airlight)
 {
@@ -129,12 +129,13 @@ VXS_FN void vxs_air_table_lamp(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_R
     part[1]     = length;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     vxs_air_add_rims(medium, ray, part, airlight);
-    if (part[1] > 0.0 && vxs_air_table_add(table, medium, ray, part[0], part[1], VXS_REAL(VXS_AIR_TABLE_MOST), airlight) == 0)
+    if (part[1] > 0.0 && (VXS_FIELD(ray, above) > 0.0 ||
+                          vxs_air_table_add(table, medium, ray, part[0], part[1], VXS_REAL(VXS_AIR_TABLE_MOST), airlight) == 0))
         vxs_air_add(medium, ray, part[0], part[1], airlight);
     vxs_air_finish(medium, ray, airlight);
 }
 
-/* The airlight of [0, metres), of a point light, to an error relative to that of the whole ray and not to its own: for sums of such
+/* The airlight of [0, metres), of a point light that is not above a level top of the fog, to an error relative to that of the whole ray and not to its own: for sums of such
  * terms, as light meshes are. No quadrature, and no branch. */
 VXS_FN void vxs_air_table_until(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real metres,
                                 VXS_OUT vxs_real3 airlight)
@@ -165,13 +166,13 @@ VXS_FN vxs_real vxs_air_table_u(vxs_real k, vxs_real x, vxs_real detour)
 VXS_FN vxs_real vxs_air_table_tail(vxs_real k, vxs_real u, vxs_real from)
 {
     vxs_medium  medium = {{0.0, 0.0, 0.0}, {u, 0.0, 0.0}, 0.0};
-    vxs_air_ray ray    = {-from, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 1.0, 0};
+    vxs_air_ray ray    = {-from, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 1.0, 0, 0.0, 0.0, 0.0, 0.0};
     vxs_real    at = from, far = 1e12 * (1.0 + 1.0 / k), least = k > 1.0 ? 1.0 / k : 1.0, sum[3] = {0.0, 0.0, 0.0};
     while (at < far && u * (at - from) < 40.0) {
         vxs_real more = least + at;
         if (u * more > 2.0) more = 2.0 / u;
         vxs_air_part part = vxs_air_part_of(&ray, k, at, more);
-        vxs_air_add_part(&medium, &ray, k, &part, u * more, sum);
+        vxs_air_add_part(&medium, &ray, k, &part, u * more, 0.0, sum);
         at += more;
     }
     return sum[0];

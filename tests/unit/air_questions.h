@@ -25,10 +25,10 @@ typedef struct question {
     float axis[3], length; /* of a spot light; 0: of a point light */
     float scattering[3], anisotropy;
     float extinction[3], cos_inner;
-    float cos_outer, unused[3];
+    float cos_outer, has_top, top, in_fog; /* top: from the eye's height, along y; in_fog: where the ray comes into the fog */
 } question;
 
-static inline void reference(const question *q, double airlight[3])
+static inline air_passing passing_of(const question *q)
 {
     double w[3], l[3], axis[3];
     for (int i = 0; i < 3; i++) {
@@ -37,6 +37,16 @@ static inline void reference(const question *q, double airlight[3])
         axis[i] = q->axis[i];
     }
     air_passing p = air_passing_of(w, l, q->radius, q->cos_inner > 0 ? axis : NULL, q->cos_inner, q->cos_outer);
+    p.has_top     = q->has_top > 0;
+    p.up          = w[1];
+    p.top         = q->in_fog > 0 ? p.up * (double)q->in_fog : (double)q->top; /* as the rounded place has it */
+    p.lamp        = p.top + l[1] - (double)q->top;
+    return p;
+}
+
+static inline void reference(const question *q, double airlight[3])
+{
+    air_passing p = passing_of(q);
     for (int i = 0; i < 3; i++)
         airlight[i] = (double)q->scattering[i] * air_of_lamp(&p, q->anisotropy, q->extinction[i], q->begin, q->length);
 }
@@ -55,6 +65,7 @@ static inline void ask_c(const question *q, vxs_medium *medium, vxs_air_ray *ray
     medium->anisotropy = q->anisotropy;
     *ray               = q->cos_inner > 0 ? vxs_air_ray_of_spot(to_lamp, direction, q->radius, axis, q->cos_inner, q->cos_outer)
                                           : vxs_air_ray_of(to_lamp, direction, q->radius);
+    if (q->has_top > 0) vxs_air_below_top(ray, to_lamp[1], direction[1], q->top, q->in_fog);
 }
 
 /* Any ray: the lamp before the eye, behind it, at it, on the ray; short and endless pieces; thin air and ink.
@@ -95,6 +106,25 @@ static inline question random_question(rng *r, double least_beside, int spots)
     return q;
 }
 
+/* The same in fog with a level top below the lamp, near it or far, in which a part of the ray is. */
+static inline question random_question_below(rng *r, double least_beside, int spots)
+{
+    for (;;) {
+        question q    = random_question(r, least_beside, spots);
+        double   size = hypot(hypot(q.to_lamp[0], q.to_lamp[1]), hypot(q.to_lamp[2], q.radius));
+        q.has_top     = 1;
+        q.top         = q.to_lamp[1] - (float)(rng_below(r, 8) ? size * spread(r, 1e-4, 10) : 0);
+        double all[2] = {0, INFINITY}, part[2] = {(double)q.begin, (double)q.begin + (double)q.length};
+        vxs_air_in_fog(0, (double)q.direction[1], (double)q.top, all);
+        vxs_air_in_fog(0, (double)q.direction[1], (double)q.top, part);
+        if (!(part[1] > part[0])) continue;
+        q.in_fog = (float)all[0];
+        q.begin  = fmaxf((float)part[0], q.in_fog);
+        q.length = (float)((part[1] - (double)q.begin) * (1 - 1e-6));
+        if (q.length > 0) return q;
+    }
+}
+
 typedef struct errors {
     double   most, sum;
     uint32_t count, large; /* channels; those with an error of 1e-3 and more */
@@ -104,11 +134,11 @@ typedef struct errors {
  * its cone sees nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
 static inline void count_errors(errors *e, const question *q, const double found[3])
 {
-    double   wanted[3], all[3] = {0}, from_lamp[3], way;
-    question point = *q;
-    for (int i = 0; i < 3; i++) from_lamp[i] = (double)q->begin * (double)q->direction[i] - (double)q->to_lamp[i];
-    way             = (double)q->begin + sqrt(dot(from_lamp, from_lamp));
-    point.cos_inner = 0;
+    double      wanted[3], all[3] = {0};
+    question    point   = *q;
+    air_passing passing = passing_of(q);
+    double      way     = fmin(air_way_of(&passing, (double)q->begin), air_way_of(&passing, (double)q->begin + (double)q->length));
+    point.cos_inner     = 0;
     reference(q, wanted);
     if (q->cos_inner > 0) reference(&point, all);
     for (int i = 0; i < 3; i++) {
@@ -146,6 +176,7 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
                                    "    vxs_air_ray ray = vxs_air_ray_of(q.lamp.xyz, q.way.xyz, q.lamp.w);\n"
                                    "    if (q.extinction.w > 0.0) ray = vxs_air_ray_of_spot(q.lamp.xyz, q.way.xyz, q.lamp.w,\n"
                                    "                                        q.axis.xyz, q.extinction.w, q.rest.x);\n"
+                                   "    if (q.rest.y > 0.0) vxs_air_below_top(ray, q.lamp.y, q.way.y, q.rest.z, q.rest.w);\n"
                                    "    vec3 airlight;\n"
                                    "    ask_lamp(medium, ray, q.way.w, q.axis.w, airlight);\n"
                                    "    answer = airlight[vertex % 3];\n"
@@ -154,8 +185,8 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
 /* ask_lamp  text that defines this function, as vxs_air_lamp */
 static inline void use_air(drawing *d, const char *ask_lamp)
 {
-    const char *paths[] = {"formats/vxs_lookup.h", "formats/vxs_lookup_blocks.h", "formats/vxs_space.h",
-                           "runtime/volumes/vxs_air.h", "runtime/volumes/vxs_air_table.h"};
+    const char *paths[] = {"formats/vxs_lookup.h",          "formats/vxs_lookup_blocks.h", "formats/vxs_space.h",
+                           "runtime/volumes/vxs_air_ray.h", "runtime/volumes/vxs_air.h",   "runtime/volumes/vxs_air_table.h"};
     enum { PATHS = sizeof paths / sizeof *paths };
     char       *texts[PATHS];
     const char *all[PATHS + 3] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};

@@ -23,13 +23,15 @@ static void air_of(const question *q, double airlight[3])
     vxs_air_lamp(&medium, &ray, q->begin, q->length, airlight);
 }
 
-static errors errors_in_c(int spots)
+typedef question random_maker(rng *r, double least_beside, int spots);
+
+static errors errors_in_c(random_maker *random, int spots, uint32_t least)
 {
     rng      r     = {(uint64_t)(1 + spots)};
     errors   e     = {0};
-    uint32_t count = repeats(spots ? 1500 : 4000, 100000);
+    uint32_t count = repeats(least, 100000);
     for (uint32_t n = 0; n < count; n++) {
-        question q = random_question(&r, 1e-6, spots);
+        question q = random(&r, 1e-6, spots);
         double   found[3];
         air_of(&q, found);
         count_errors(&e, &q, found);
@@ -40,14 +42,14 @@ static errors errors_in_c(int spots)
 static void test_points(void **state)
 {
     (void)state;
-    errors e = errors_in_c(0);
+    errors e = errors_in_c(random_question, 0, 4000);
     check_errors(&e, 1e-3 * repeats(5, 60), 1e-4, 0.02, repeats(4000, 100000));
 }
 
 static void test_spots(void **state)
 {
     (void)state;
-    errors e = errors_in_c(1);
+    errors e = errors_in_c(random_question, 1, 1500);
     check_errors(&e, 1e-2, 1e-4, 0.01, repeats(1500, 100000));
 }
 
@@ -95,6 +97,21 @@ static void test_faces(void **state)
                   mean / channels, bad);
     assert_true(part > 100 && none > 100 && channels > 1000);
     assert_true(most < 2e-2 && mean / channels < 1e-4);
+}
+
+/* Lamps above the level top of fog, at it, and far above. */
+static void test_points_below_top(void **state)
+{
+    (void)state;
+    errors e = errors_in_c(random_question_below, 0, 1000);
+    check_errors(&e, 1e-3 * repeats(5, 30), 5e-5, 0.01, repeats(1500, 150000));
+}
+
+static void test_spots_below_top(void **state)
+{
+    (void)state;
+    errors e = errors_in_c(random_question_below, 1, 400);
+    check_errors(&e, 1e-2, 1e-4, 0.01, repeats(600, 100000));
 }
 
 /* The sun's, in fog with a top or without, against the same integrand place by place. */
@@ -174,7 +191,7 @@ static void test_cones(void **state)
 }
 
 /* The lamp's distance from the ray is a difference in a shader: it is no less than a thousandth of the distance here. */
-static errors errors_in_shader(const drawing *d, int spots)
+static errors errors_in_shader(const drawing *d, random_maker *random, int spots, uint32_t least)
 {
     enum { ASKED = QUERIES / 3 };
     static question questions[ASKED];
@@ -182,10 +199,10 @@ static errors errors_in_shader(const drawing *d, int spots)
     static float    answers[QUERIES];
     rng             r = {(uint64_t)(3 + spots)};
     errors          e = {0};
-    for (int n = 0; n < ASKED; n++) questions[n] = random_question(&r, 1e-3, spots);
+    for (int n = 0; n < ASKED; n++) questions[n] = random(&r, 1e-3, spots);
     bind_buffer(d, GL_SHADER_STORAGE_BUFFER, sizeof questions, questions);
     draw(d, queries, answers);
-    for (uint32_t n = 0; n < repeats(spots ? 1500 : ASKED, ASKED); n++) {
+    for (uint32_t n = 0; n < repeats(least, ASKED); n++) {
         double found[3];
         for (int i = 0; i < 3; i++) found[i] = (double)answers[3 * n + i];
         count_errors(&e, &questions[n], found);
@@ -198,17 +215,24 @@ static void test_shader(void **state)
     (void)state;
     drawing d = drawing_make();
     use_air(&d, "#define ask_lamp vxs_air_lamp\n");
-    errors points = errors_in_shader(&d, 0), spots = errors_in_shader(&d, 1);
+    errors points = errors_in_shader(&d, random_question, 0, QUERIES / 3), spots = errors_in_shader(&d, random_question, 1, 1500);
+    errors points_below = errors_in_shader(&d, random_question_below, 0, 1000),
+           spots_below  = errors_in_shader(&d, random_question_below, 1, 400);
     check_errors(&points, 1e-2, 2e-4, 0.03, 6000);
     check_errors(&spots, 1.1, 1e-3, 0.025, repeats(1500, 6000)); /* one that runs along the side of a cone ends anywhere */
+    check_errors(&points_below, 1e-2, 1e-4, 0.015, repeats(1500, 6000));
+    check_errors(&spots_below, 1.1, 1e-3, 0.025, repeats(600, 6000));
     gl_context_destroy(d.gl);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points), cmocka_unit_test(test_faces), cmocka_unit_test(test_spots),  cmocka_unit_test(test_sun),
-        cmocka_unit_test(test_phase),  cmocka_unit_test(test_cones), cmocka_unit_test(test_shader),
+        cmocka_unit_test(test_points),          cmocka_unit_test(test_faces),
+        cmocka_unit_test(test_spots),           cmocka_unit_test(test_points_below_top),
+        cmocka_unit_test(test_spots_below_top), cmocka_unit_test(test_sun),
+        cmocka_unit_test(test_phase),           cmocka_unit_test(test_cones),
+        cmocka_unit_test(test_shader),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -602,7 +602,8 @@ static void test_reach(void **state)
     scene_open(&s, 64, WIDE, HIGH);
     for (uint32_t n = 0; n < repeats(330, 3000); n++) {
         int               light = (int)rng_below(&r, SCENE_LIGHTS);
-        double            eye[3], to[3], dense = exp(uniform(&r, log(1e-4), log(0.1)));
+        double            top   = rng_below(&r, 3) ? VXS_AIR_EVERYWHERE : uniform(&r, -10, 20);
+        double            eye[3], to[3], dense = exp(uniform(&r, log(1e-4), log(top < VXS_AIR_EVERYWHERE ? 1 : 0.1)));
         vxs_medium        medium = {{dense, 0.5 * dense, 0}, {dense, dense, dense}, rng_below(&r, 3) ? 0 : uniform(&r, -0.9, 0.9)};
         vxs_volumes_light l      = scene_light(light);
         const vxs_light_constants *baked = &vxs_gl_constants(s.shadows)[light];
@@ -618,7 +619,7 @@ static void test_reach(void **state)
         if (light == SCENE_SPOT) moved.cos_outer = (float)cos(uniform(&r, 0.05, 1.5));
         l.constants         = &moved;
         volumes_camera    c = camera_at(eye, to, exp(uniform(&r, log(0.05), log(3))));
-        vxs_volumes_frame f = scene_frame(&s, &c, &medium, VXS_AIR_EVERYWHERE, 100, NULL);
+        vxs_volumes_frame f = scene_frame(&s, &c, &medium, top, 100, NULL);
         vxs_light_map    *map;
         vxs_pixels        drawn;
         assert_int_equal(vxs_light_map_create(&map, s.volumes, &(vxs_light_map_desc){.constants = &moved, .side_px = 8}), VXS_OK);
@@ -636,7 +637,7 @@ static void test_reach(void **state)
             double direction[3], in_fog[2], lit[3], most = 0;
             int    inside = reach == VXS_REACH_SEEN && p % WIDE - drawn.x < drawn.wide_px && p / WIDE - drawn.y < drawn.high_px;
             camera_ray(&s, &c, p % WIDE, p / WIDE, direction);
-            vxs_air_path path = vxs_air_path_of(&air, c.eye, direction, 100, VXS_AIR_EVERYWHERE, in_fog);
+            vxs_air_path path = vxs_air_path_of(&air, c.eye, direction, 100, top, in_fog);
             vxs_air_lit(&medium, &path, 0, 100, lit);
             for (int i = 0; i < 3; i++) most = fmax(most, lit[i] * (double)l.colour[i]);
             if (!inside && most > 1.001 * (double)least + 1e-7)

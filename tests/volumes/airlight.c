@@ -29,6 +29,20 @@ static double phase_of(double g, double less)
     return (1 - g * g) / (4 * M_PI * wide * sqrt(wide));
 }
 
+/* What lies in fog of the straight way between two heights, as a share of it. */
+static double share_below(double top, double a, double b)
+{
+    double low = fmin(a, b), high = fmax(a, b);
+    return high <= top ? 1 : low >= top ? 0 : (top - low) / (high - low);
+}
+
+double air_way_of(const air_passing *p, double x)
+{
+    double height = p->up * x, r = hypot(p->beside, x - p->along);
+    if (!p->has_top) return x + r;
+    return x * share_below(p->top, 0, height) + r * share_below(p->top, p->lamp, height);
+}
+
 static double lamp_at(double s, void *user)
 {
     const integrand   *n = user;
@@ -38,7 +52,7 @@ static double lamp_at(double s, void *user)
     if (p->is_spot) rim = ((p->before + y * p->facing) / r - p->cos_outer) / fmax(1e-3, p->cos_inner - p->cos_outer);
     rim = fmin(fmax(rim, 0), 1);
     if (!p->is_face) rim *= rim;
-    return rim * phase_of(n->g, less) * exp(-n->extinction * (p->along + y + r)) / (r * r);
+    return rim * phase_of(n->g, less) * exp(-n->extinction * air_way_of(p, p->along + y)) / (r * r);
 }
 
 static int by_size(const void *a, const void *b)
@@ -64,10 +78,10 @@ air_passing air_passing_of(const double direction[3], const double to_lamp[3], d
     return p;
 }
 
-/* In pieces that grow away from where the ray is nearest to the lamp, and from its begin as fast as light is lost. */
+/* In pieces that grow away from where the ray is nearest to the lamp, and from its begin as fast as light is lost; below a top from both ends. */
 double air_of_lamp(const air_passing *p, double g, double extinction, double begin, double length)
 {
-    enum { PIECES = 400 };
+    enum { PIECES = 500 };
     integrand    n = {p, begin - p->along, extinction, g};
     gsl_function f = {lamp_at, &n};
     double       ends[PIECES], sum = 0, nearest = -n.from;
@@ -80,6 +94,10 @@ double air_of_lamp(const air_passing *p, double g, double extinction, double beg
         ends[count++] = nearest + step * p->beside;
     }
     for (double depth = 0.1; extinction > 0 && depth < 800; depth *= 2) ends[count++] = depth / extinction;
+    for (double part = 0.25; p->has_top && part > 1e-12; part /= 4) {
+        ends[count++] = length * part;
+        ends[count++] = length - length * part;
+    }
     if (p->is_spot) /* the ends of its rim */
         for (int k = 1; k < 128; k++) ends[count++] = length * k / 128;
     qsort(ends, (size_t)count, sizeof *ends, by_size);

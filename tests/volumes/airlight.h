@@ -1,7 +1,7 @@
 /* Airlight as it is said, by adaptive quadrature in double: what runtime/volumes is held against. It shares no line with it.
  *
  * Of lamps the integrand phase(cosine) * exp(-extinction * way) / r^2 is asked place by place along a ray, in pieces between places
- * where it may change fast; of the sun phase * exp(-extinction * way). Metres; for an intensity or irradiance
+ * where it may change fast, the way being what lies in fog of the ways from the lamp to there and on to the eye; of the sun phase * exp(-extinction * way). Metres; for an intensity or irradiance
  * and a scattering of 1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef AIRLIGHT_H
@@ -14,6 +14,9 @@ typedef struct air_passing {
     double cos_inner, cos_outer; /* of a spot light */
     int    is_spot;
     int    is_face; /* 1: what a spot light squares is as it is, such as the cosine of a face (1 and 0 for the cosines) */
+
+    int    has_top;       /* 1: the fog has a level top, and what is asked of is below it; air_passing_of says 0 */
+    double top, lamp, up; /* heights of the top and of the lamp from the eye's; the ray's direction along the vertical */
 } air_passing;
 
 /* axis  of a spot light, of length 1; NULL: a point light, and the cosines do not count */
@@ -24,7 +27,10 @@ air_passing air_passing_of(const double direction[3], const double to_lamp[3], d
  * g  anisotropy.   Threads: one at a time. */
 double air_of_lamp(const air_passing *p, double g, double extinction, double begin, double length);
 
-/* The same of the sun: at x light has gone way + slope * x before it meets the eye, >= 0 in the whole interval.
+/* The way through fog of light that turns at x. */
+double air_way_of(const air_passing *p, double x);
+
+/* Of the sun, as air_of_lamp: at x light has gone way + slope * x before it meets the eye, >= 0 in the whole interval.
  * cosine  between the ray and the way to the sun */
 double air_of_sun(double cosine, double g, double extinction, double way, double slope, double begin, double length);
 

@@ -61,6 +61,10 @@ void reference_airlight(const vxs_medium *medium, double top, const reference_li
         vec3_sub(light->place, ray->eye, to_lamp);
         p.passing = air_passing_of(ray->direction, to_lamp, light->radius_metres, is_spot ? light->axis : NULL, light->cos_inner,
                                    light->cos_outer);
+        p.passing.has_top = top < VXS_AIR_EVERYWHERE;
+        p.passing.top     = top - ray->eye[1];
+        p.passing.lamp    = to_lamp[1];
+        p.passing.up      = ray->direction[1];
         keep_range(light, to_lamp, p.passing.along, part);
     }
     if (!(part[1] > part[0])) return;

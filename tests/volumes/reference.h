@@ -15,7 +15,7 @@ typedef struct reference_light {
     const void   *subject; /* of the oracle */
 } reference_light;
 
-/* Light of a lamp is dimmed as if fog were everywhere; of the sun, in fog with a top, by its way through the fog.
+/* In fog with a top light is dimmed by what of its way lies below that.
  * top       height of the fog's level top; VXS_AIR_EVERYWHERE: it has none
  * airlight  [out] of all that is lit, between the ray's begin and its end, to 1e-6
  * Threads: one at a time. */

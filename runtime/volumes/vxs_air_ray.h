@@ -1,0 +1,229 @@
+/* An eye ray in a homogeneous medium, and how it passes a lamp: one text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
+ *
+ *     vxs_air_phase       the phase function: Henyey and Greenstein
+ *     vxs_air_left        what the medium leaves of what is behind it
+ *     vxs_air_ray_of      how an eye ray passes a lamp
+ *     vxs_air_in_cone     the part of the ray in a spot light's cone; vxs_air_before_face: before a face that shines to one side
+ *     vxs_air_in_fog      the part of the ray below the level top of ground fog
+ *     vxs_air_below_top   of a ray in such fog, so that light is dimmed below the top alone
+ *     vxs_air_way         the way through the fog from a lamp over a place of the ray to the eye
+ *
+ * Distances are metres along the ray, whose direction has length 1, from the eye; the medium's numbers are per metre and colour channel.
+ *
+ *           * lamp        Fog with a level top dims light below that alone. Of a lamp that stands above it light comes through clear air first: of
+ *     above |`.           its way r to a place that is `below` the top, below / (above + below) is in the fog. So light that turns there, so
+ *     ------+--`.-----    many metres behind the place where the ray comes into the fog, has gone through
+ *           :    `. below
+ *       ----------->x-->      metres + r below / (above + below)
+ *
+ * SPDX-License-Identifier: MIT */
+#ifndef VXS_AIR_RAY_H
+#define VXS_AIR_RAY_H
+
+#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
+#include "vxs_space.h"
+#endif
+
+#ifdef VXS_C
+typedef struct vxs_medium  vxs_medium;
+typedef struct vxs_air_ray vxs_air_ray;
+typedef vxs_real           vxs_real2[2];
+#define VXS_MEDIUM        const vxs_medium *
+#define VXS_AIR_RAY       const vxs_air_ray *
+#define VXS_AIR_RAY_INOUT vxs_air_ray *
+#else
+#ifdef VXS_HLSL
+#define vxs_real2 float2
+#else
+#define vxs_real2 vec2
+#endif
+#define VXS_MEDIUM        vxs_medium
+#define VXS_AIR_RAY       vxs_air_ray
+#define VXS_AIR_RAY_INOUT inout vxs_air_ray
+#endif
+
+/* What fills the air. */
+struct vxs_medium {
+    vxs_real3 scattering; /* of light that goes a metre, how much turns; >= 0, finite */
+    vxs_real3 extinction; /* how much turns or is absorbed; >= scattering, finite */
+    vxs_real  anisotropy; /* g of the phase function, -0.99 (back to where it came from) to 0.99 (on the same way) */
+};
+
+/* How an eye ray passes a lamp. */
+struct vxs_air_ray {
+    vxs_real along;      /* where it is nearest to the lamp; negative: behind the eye */
+    vxs_real beside;     /* how near that is, but no less than the lamp's radius; > 0 */
+    vxs_real facing;     /* cosine between the ray and a spot light's axis */
+    vxs_real before;     /* metres along the axis from the lamp to that place */
+    vxs_real cos_outer;  /* of the cone; point lights: -1 */
+    vxs_real cos_inner;  /* of where it is dimmer, as in glTF: intensity is clamp(cosine * rim_scale + rim_offset, 0, 1)^2 */
+    vxs_real rim_scale;  /* point lights: 0, */
+    vxs_real rim_offset; /* and 1 */
+    vxs_i32  is_face;    /* 1: that clamp is not squared (vxs_air_ray_of_face) */
+
+    /* in fog with a level top; without one 0 */
+    vxs_real in_fog; /* where the ray comes into the fog; 0: the eye is in it */
+    vxs_real above;  /* the lamp, above the top; 0: it is below, and all of its light's way in the fog */
+    vxs_real below;  /* the ray below the top where it comes into the fog */
+    vxs_real up;     /* the ray's direction along the vertical */
+};
+
+#define VXS_AIR_PI 3.14159265358979324
+
+VXS_FN vxs_real vxs_air_dot(const vxs_real3 a, const vxs_real3 b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* cosine  between the ways of light before and behind */
+VXS_FN vxs_real vxs_air_phase(vxs_real g, vxs_real cosine)
+{
+    vxs_real wide = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
+    return (1.0 - g * g) / (4.0 * VXS_AIR_PI * wide * sqrt(wide));
+}
+
+/* metres  through the medium;   left  [out] of what is behind it */
+VXS_FN void vxs_air_left(VXS_MEDIUM medium, vxs_real metres, VXS_OUT vxs_real3 left)
+{
+    for (vxs_i32 n = 0; n < 3; n++) left[n] = exp(-VXS_FIELD(medium, extinction)[n] * metres);
+}
+
+/* to_lamp       from the eye, metres;   direction  of the ray, of length 1
+ * radius_metres of the lamp, > 0: airlight has no bound where a ray meets a light that is a point */
+VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres)
+{
+    vxs_air_ray ray;
+    vxs_real    x = to_lamp[1] * direction[2] - to_lamp[2] * direction[1];
+    vxs_real    y = to_lamp[2] * direction[0] - to_lamp[0] * direction[2];
+    vxs_real    z = to_lamp[0] * direction[1] - to_lamp[1] * direction[0];
+    vxs_real    h = sqrt(x * x + y * y + z * z);
+    ray.along     = vxs_air_dot(to_lamp, direction);
+    ray.beside    = h > radius_metres ? h : radius_metres;
+    ray.facing = ray.before = VXS_REAL(0.0);
+    ray.cos_outer = ray.cos_inner = VXS_REAL(-1.0);
+    ray.rim_scale                 = VXS_REAL(0.0);
+    ray.rim_offset                = VXS_REAL(1.0);
+    ray.is_face                   = 0;
+    ray.in_fog = ray.above = ray.below = ray.up = VXS_REAL(0.0);
+    return ray;
+}
+
+/* The same of a spot light.   axis  where it shines, of length 1;   cos_inner >= cos_outer >= 0 */
+VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
+                                       const vxs_real3 axis, vxs_real cos_inner, vxs_real cos_outer)
+{
+    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
+    ray.facing      = vxs_air_dot(axis, direction);
+    ray.before      = ray.along * ray.facing - vxs_air_dot(axis, to_lamp);
+    ray.cos_outer   = cos_outer;
+    ray.cos_inner   = cos_inner > cos_outer + 1e-3 ? cos_inner : cos_outer + 1e-3;
+    ray.rim_scale   = 1.0 / (ray.cos_inner - cos_outer);
+    ray.rim_offset  = -cos_outer * ray.rim_scale;
+    return ray;
+}
+
+/* The same of a small face that shines to one side, with the cosine to its normal, of length 1. Behind it there is nothing: vxs_air_before_face. */
+VXS_FN vxs_air_ray vxs_air_ray_of_face(const vxs_real3 to_lamp, const vxs_real3 direction, vxs_real radius_metres,
+                                       const vxs_real3 normal)
+{
+    vxs_air_ray ray = vxs_air_ray_of(to_lamp, direction, radius_metres);
+    ray.facing      = vxs_air_dot(normal, direction);
+    ray.before      = ray.along * ray.facing - vxs_air_dot(normal, to_lamp);
+    ray.rim_scale   = VXS_REAL(1.0);
+    ray.rim_offset  = VXS_REAL(0.0);
+    ray.is_face     = 1;
+    return ray;
+}
+
+/* interval  [in, out] its part before a face; end < begin: there is none */
+VXS_FN void vxs_air_before_face(VXS_AIR_RAY ray, VXS_INOUT vxs_real2 interval)
+{
+    vxs_real f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), at = VXS_FIELD(ray, along) - b / f;
+    if (f > 0.0 && at > interval[0]) interval[0] = at;
+    if (f < 0.0 && at < interval[1]) interval[1] = at;
+    if (f == 0.0 && !(b > 0.0)) interval[1] = interval[0] - 1.0;
+}
+
+/* How much longer the way over a place of the ray is than `along`; y = x - along. */
+VXS_FN vxs_real vxs_air_detour(VXS_AIR_RAY ray, vxs_real y)
+{
+    vxs_real h = VXS_FIELD(ray, beside), r = sqrt(h * h + y * y);
+    return y > 0.0 ? r + y : h * (h / (r - y));
+}
+
+/* Where a detour is so long: metres along the ray. */
+VXS_FN vxs_real vxs_air_place_of(VXS_AIR_RAY ray, vxs_real detour)
+{
+    vxs_real h = VXS_FIELD(ray, beside);
+    return VXS_FIELD(ray, along) + 0.5 * (detour - h * (h / detour));
+}
+
+/* Where facing * y + before >= cosine * r, y = x - along: between the roots of a quadratic, or beyond one of them.
+ * cosine    of the angle between the axis of a spot light and its cone, >= 0
+ * interval  [in, out] its part in the cone; end < begin: there is none */
+VXS_FN void vxs_air_in_cone(VXS_AIR_RAY ray, vxs_real cosine, VXS_INOUT vxs_real2 interval)
+{
+    vxs_real c = cosine, f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), h = VXS_FIELD(ray, beside);
+    vxs_real a = (f - c) * (f + c), square = b * b + a * h * h;
+    if (square < 0.0) {
+        interval[1] = interval[0] - 1.0;
+        return;
+    }
+    vxs_real half_sum =
+        -(f * b + (f * b < 0.0 ? -c : c) * sqrt(square)); /* roots half_sum / a and the other coefficient / half_sum */
+    vxs_real first = half_sum / a, second = (b - c * h) * (b + c * h) / half_sum;
+    vxs_real low = first < second ? first : second, high = first < second ? second : first, along = VXS_FIELD(ray, along);
+    if (a > 0.0) { /* from one of them on, the ray stays in the cone */
+        if (f > 0.0 && along + high > interval[0]) interval[0] = along + high;
+        if (f <= 0.0 && along + low < interval[1]) interval[1] = along + low;
+    } else if (a < 0.0 && f * (low + high) + 2.0 * b >= 0.0) {
+        if (along + low > interval[0]) interval[0] = along + low;
+        if (along + high < interval[1]) interval[1] = along + high;
+    } else
+        interval[1] = interval[0] - 1.0;
+}
+
+/* fog with a level top ------------------------------------------------------------------------------------------------------------ */
+
+/* The part of a ray that is in fog whose top is level: height, top and up are the eye's, the fog's, and the ray's along the vertical.
+ * interval  [in, out] end < begin: there is none */
+VXS_FN void vxs_air_in_fog(vxs_real height, vxs_real up, vxs_real top, VXS_INOUT vxs_real2 interval)
+{
+    vxs_real at = (top - height) / up;
+    if (up > 0.0 && at < interval[1]) interval[1] = at;
+    if (up < 0.0 && at > interval[0]) interval[0] = at;
+    if (up == 0.0 && height > top) interval[1] = interval[0] - 1.0;
+}
+
+/* Of a ray that passes a lamp: what goes above a level top is not dimmed.
+ * height, top  of the lamp and of the fog, from the eye's;   up  of the ray, along the vertical
+ * in_fog       where it comes into the fog; 0: the eye is there */
+VXS_FN void vxs_air_below_top(VXS_AIR_RAY_INOUT ray, vxs_real height, vxs_real up, vxs_real top, vxs_real in_fog)
+{
+    VXS_FIELD(ray, in_fog) = in_fog > 0.0 ? in_fog : VXS_REAL(0.0);
+    VXS_FIELD(ray, above)  = height > top ? height - top : VXS_REAL(0.0);
+    VXS_FIELD(ray, below)  = in_fog > 0.0 ? VXS_REAL(0.0) : top;
+    VXS_FIELD(ray, up)     = up;
+}
+
+/* How far below the top the ray is so many metres into the fog. */
+VXS_FN vxs_real vxs_air_below_at(VXS_AIR_RAY ray, vxs_real metres)
+{
+    vxs_real below = VXS_FIELD(ray, below) - VXS_FIELD(ray, up) * metres;
+    return below > 0.0 ? below : VXS_REAL(0.0);
+}
+
+/* The way through the fog of light that turns so many metres into it, r from the lamp. Nothing is a difference. */
+VXS_FN vxs_real vxs_air_way(VXS_AIR_RAY ray, vxs_real metres, vxs_real r)
+{
+    vxs_real above = VXS_FIELD(ray, above), below = vxs_air_below_at(ray, metres);
+    return above > 0.0 ? metres + r * (below / (above + below)) : metres + r;
+}
+
+VXS_FN vxs_real vxs_air_way_at(VXS_AIR_RAY ray, vxs_real metres)
+{
+    vxs_real h = VXS_FIELD(ray, beside), y = metres - (VXS_FIELD(ray, along) - VXS_FIELD(ray, in_fog));
+    return vxs_air_way(ray, metres, sqrt(h * h + y * y));
+}
+
+#endif
