@@ -220,6 +220,8 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
                             .renderer     = renderer_name(drawn),
                             .options      = &c->options,
                             .fog_grid     = renderer_fog_grid(drawn),
+                            .fog_lights   = renderer_fog_lights(drawn),
+                            .lights       = s->lights,
                             .light_count  = s->light_count,
                             .culls        = renderer_culls(drawn),
                             .budget_bytes = c->budget_given ? c->budget_bytes : 0,
@@ -239,17 +241,14 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
 }
 
 /* Of the picture's frame: which lights its fog is drawn of. */
-static void print_plan(const render_command *c, const drawn_frame *last, const message *m)
+static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
-    const fog_plan *plan   = &last->frame.fog;
-    uint32_t        all    = plan->drawn + plan->faint + plan->out_of_view;
-    const char     *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
-    int             taken  = 0;
+    const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
+    int         taken  = 0;
     for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
     FILE *to = report_stream(m, taken);
     if (to)
-        fprintf(to, "fog          %u light%s: %u drawn, %u too faint (less than 1/%.0f of white), %u out of view\n", all,
-                all == 1 ? "" : "s", plan->drawn, plan->faint, 1 / FOG_FAINTEST, plan->out_of_view);
+        fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
 }
 
 static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, message *m)
@@ -263,7 +262,7 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, 
     if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, rgb, m);
     if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
     if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
-    if (r == VXS_OK && c->options.fog) print_plan(c, &frames[count - 1], m);
+    if (r == VXS_OK && c->options.fog) print_plan(c, s, drawn, &frames[count - 1], m);
     renderer_destroy(drawn);
     camera_path_free(&path);
     free(frames);

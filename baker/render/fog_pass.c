@@ -9,7 +9,6 @@
 #include "baker/render/baked_mesh.h"
 #include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_shadow_grid.h"
-#include "runtime/volumes/vxs_volumes.h"
 
 /* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and phi, fewer where a
  * processor fills it, for each light of each frame. */
@@ -21,8 +20,10 @@ struct fog_pass {
     vxs_gl           *shadows;
     vxs_volumes      *volumes;
     vxs_shadow_grid  *grid;   /* FOG_BY_GRID */
-    uint32_t          drawn;  /* lights of the last frame */
-    vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], made at the first frame; NULL before */
+    vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
+    uint32_t          meshes_made;
+    fog_light_plan   *lights; /* [lights] of the last frame */
+    uint32_t          last;   /* light that was drawn then; UINT32_MAX: none */
 };
 
 static vxs_gl_function lookup(const char *name, void *user)
@@ -55,7 +56,10 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
     p->options        = *o;
     p->gl             = gl;
     p->shadows        = shadows;
-    vxs_result result = vxs_volumes_create(&p->volumes, &desc);
+    p->last           = UINT32_MAX;
+    p->lights         = calloc(vxs_gl_light_count(shadows), sizeof *p->lights);
+    p->meshes         = calloc(vxs_gl_light_count(shadows), sizeof *p->meshes);
+    vxs_result result = p->lights && p->meshes ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
     if (result != VXS_OK)
         fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
     else if (o->by == FOG_BY_GRID)
@@ -74,33 +78,25 @@ void fog_pass_destroy(fog_pass *p)
     vxs_shadow_grid_destroy(p->grid);
     vxs_volumes_destroy(p->volumes);
     free(p->meshes);
+    free(p->lights);
     free(p);
 }
 
 /* meshes -------------------------------------------------------------------------------------------------------------------------- */
 
 /* Rays end 2 sizes of the scene before the eye, which a path may lead some sizes away from where it is now. */
-static vxs_result make_mesh(const fog_pass *p, uint32_t light, message *m)
+static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
 {
     const baked_mesh_options o = {
         .light = light, .side_px = MESH_SIDE, .far_metres = 16 * p->options.size_metres, .error_texels = 1};
-    return baked_mesh_make(&p->meshes[light], &o, p->gl, p->shadows, p->volumes, m);
-}
-
-static vxs_result make_meshes(fog_pass *p, message *m)
-{
-    uint32_t   count  = vxs_gl_light_count(p->shadows);
-    vxs_result result = VXS_OK;
-    p->meshes         = calloc(count, sizeof *p->meshes);
-    if (!p->meshes) return fail(m, VXS_E_MEMORY, "out of memory for meshes of %u lights", count);
-    for (uint32_t n = 0; n < count && result == VXS_OK; n++) result = make_mesh(p, n, m);
+    vxs_result result = baked_mesh_make(&p->meshes[light], &o, p->gl, p->shadows, p->volumes, m);
+    p->meshes_made += result == VXS_OK;
     return result;
 }
 
 /* a frame ------------------------------------------------------------------------------------------------------------------------- */
 
-/* Rays that meet nothing end where nothing of the scene is any more. */
-static double far_metres_of(const fog_pass *p)
+double fog_pass_far_metres(const fog_pass *p)
 {
     return 2 * p->options.size_metres;
 }
@@ -113,7 +109,7 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
     vxs_volumes_frame f      = {.anisotropy    = (float)medium->anisotropy,
                                 .top_metres    = (float)fmin(medium->top_ws - eye_ws[1], 1e30),
                                 .view          = *view,
-                                .far_metres    = (float)far_metres_of(p),
+                                .far_metres    = (float)fog_pass_far_metres(p),
                                 .least         = (float)FOG_FAINTEST,
                                 .depth_texture = depths};
     for (int n = 0; n < 3; n++) {
@@ -124,52 +120,78 @@ static vxs_volumes_frame frame_of(const fog_pass *p, const vxs_view *view, unsig
     return f;
 }
 
-static void count_light(fog_pass *p, const vxs_volumes_light *light, fog_plan *plan)
+/* What becomes of a light in the frame that has begun. */
+static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *light)
 {
-    vxs_pixels pixels;
-    switch (vxs_volumes_reach(p->volumes, light, &pixels)) {
-    case VXS_REACH_SEEN: plan->drawn++; break;
-    case VXS_REACH_FAINT: plan->faint++; break;
-    case VXS_REACH_BESIDE: plan->out_of_view++; break;
-    }
+    static const fog_fate fates[] = {[VXS_REACH_SEEN]   = FOG_DRAWN,
+                                     [VXS_REACH_FAINT]  = FOG_FAINT,
+                                     [VXS_REACH_BESIDE] = FOG_OUT_OF_VIEW,
+                                     [VXS_REACH_CLEAR]  = FOG_CLEAR};
+    vxs_pixels            pixels;
+    fog_fate              fate = fates[vxs_volumes_reach(p->volumes, light, &pixels)];
+    double                all  = (double)p->options.width * p->options.height;
+    return (fog_light_plan){fate, fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0};
 }
 
-static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, double exposure, fog_plan *plan)
+static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, message *m)
+{
+    uint32_t   n      = light->baked;
+    vxs_result result = VXS_OK;
+    switch (p->options.by) {
+    case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, light, NULL, p->options.steps, VXS_STEPS_EVEN);
+    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, light, NULL, p->options.steps, VXS_STEPS_ANGLE);
+    case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, light, NULL, p->grid, 0);
+    case FOG_BY_INTERVALS: break;
+    case FOG_BY_MESH:
+        if (!p->meshes[n]) result = make_mesh(p, n, m);
+        return result == VXS_OK ? vxs_volumes_mesh(p->volumes, light, p->meshes[n]) : result;
+    }
+    return vxs_volumes_intervals(p->volumes, light);
+}
+
+/* What is left out costs no call, and no mesh. */
+static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, double exposure, fog_plan *plan, message *m)
 {
     const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
     vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
-    count_light(p, &light, plan);
-    switch (p->options.by) {
-    case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps, VXS_STEPS_EVEN);
-    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, &light, NULL, p->options.steps, VXS_STEPS_ANGLE);
-    case FOG_BY_MESH: return vxs_volumes_mesh(p->volumes, &light, p->meshes[n]);
-    case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, &light, NULL, p->grid, 0);
-    case FOG_BY_INTERVALS: break;
-    }
-    return vxs_volumes_intervals(p->volumes, &light);
+    p->lights[n] = plan_light(p, &light);
+    plan->lights[p->lights[n].fate]++;
+    if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
+    p->last = n;
+    return draw_light(p, &light, m);
 }
 
 vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
                          double exposure, const double ambient[3], fog_plan *plan, message *m)
 {
     *plan                    = (fog_plan){0};
+    p->last                  = UINT32_MAX;
     vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
-    vxs_result        result = p->options.by == FOG_BY_MESH && !p->meshes ? make_meshes(p, m) : VXS_OK;
-    if (result != VXS_OK) return result;
-    result = vxs_volumes_begin(p->volumes, &frame);
+    vxs_result        result = vxs_volumes_begin(p->volumes, &frame);
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
-        result = add_light(p, n, &shines[n], exposure, plan);
+        result = add_light(p, n, &shines[n], exposure, plan, m);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
-    p->drawn = plan->drawn;
+    plan->meshes_made = p->meshes_made;
     vxs_volumes_composite(p->volumes);
     return VXS_OK;
+}
+
+const fog_light_plan *fog_pass_lights(const fog_pass *p)
+{
+    return p->lights;
+}
+
+const vxs_light_mesh *fog_pass_mesh(const fog_pass *p, uint32_t *light)
+{
+    *light = p->last;
+    return p->last != UINT32_MAX ? p->meshes[p->last] : NULL;
 }
 
 void fog_pass_left(const fog_pass *p, const double eye_ws[3], const double direction[3], double metres, double left[3])
 {
     const fog_medium *medium    = p->options.medium;
-    double            in_fog[2] = {0, fmin(metres, far_metres_of(p))};
+    double            in_fog[2] = {0, fmin(metres, fog_pass_far_metres(p))};
     vxs_medium        air       = {.anisotropy = medium->anisotropy};
     memcpy(air.scattering, medium->scattering, sizeof air.scattering);
     memcpy(air.extinction, medium->extinction, sizeof air.extinction);
@@ -191,7 +213,7 @@ vxs_result fog_pass_read_grid(const fog_pass *p, float *dark, message *m)
     uint32_t     *words = malloc(bytes);
     if (!words) return fail(m, VXS_E_MEMORY, "out of memory for a shadow grid");
     memset(words, 0, bytes);
-    if (p->drawn) p->gl->GetNamedBufferSubData(vxs_shadow_grid_buffer(p->grid), HEAD_BYTES, (GLsizeiptr)bytes, words);
+    if (p->last != UINT32_MAX) p->gl->GetNamedBufferSubData(vxs_shadow_grid_buffer(p->grid), HEAD_BYTES, (GLsizeiptr)bytes, words);
     for (int row = 0; row < size.rows; row++)
         for (int column = 0; column < size.columns; column++)
             dark[row * side + column] = (float)(1 - vxs_grid_lit_part(words, &size, column, row, 0, size.bits));

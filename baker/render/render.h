@@ -100,6 +100,9 @@ const double *renderer_light_colour(const renderer *r, uint32_t n);
 int renderer_culls(const renderer *r);
 int renderer_is_in_fog(const renderer *r);
 
+/* Each light in the last frame's fog, [light_count]; NULL without fog. */
+const fog_light_plan *renderer_fog_lights(const renderer *r);
+
 /* n of the fog's grid of n x 2n x n; 0 without one. What it holds, as fog_pass_read_grid. */
 uint32_t   renderer_fog_grid(const renderer *r);
 vxs_result renderer_read_grid(const renderer *r, float *dark, message *m);

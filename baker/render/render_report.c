@@ -76,15 +76,6 @@ static json_t *stream_json(const drawn_frame *d)
     return o;
 }
 
-static json_t *plan_json(const fog_plan *plan)
-{
-    json_t *o = json_object();
-    json_set(&o, "drawn", json_integer(plan->drawn));
-    json_set(&o, "faint", json_integer(plan->faint));
-    json_set(&o, "out_of_view", json_integer(plan->out_of_view));
-    return o;
-}
-
 static json_t *frame_json(const render_report *r, const drawn_frame *d)
 {
     json_t *o = json_object(), *stages = json_object();
@@ -97,7 +88,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     json_set(&o, "surface_samples", json_integer((json_int_t)d->frame.surface_pixels));
     json_set(&o, "lights_per_sample", json_real(rounded(lights_per_pixel(&d->frame), 4)));
     json_set(&o, "longest_list", json_integer(d->frame.longest_list));
-    if (r->options->fog) json_set(&o, "fog_lights", plan_json(&d->frame.fog));
+    if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
 }
@@ -133,16 +124,18 @@ static json_t *difference_json(const truth_difference *d)
 
 static json_t *fog_json(const render_report *r)
 {
-    static const char *const by[] = {"march", "angles", "intervals", "mesh", "grid"};
-    const render_options    *o    = r->options;
-    json_t                  *fog  = json_object();
+    const render_options *o    = r->options;
+    const fog_plan       *last = &r->frames[r->frame_count - 1].frame.fog;
+    json_t               *fog  = json_object();
     json_set(&fog, "extinction_per_metre", json_vector(o->fog->extinction));
     json_set(&fog, "scattering_per_metre", json_vector(o->fog->scattering));
     json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
     json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
-    json_set(&fog, "by", json_text(by[o->fog_by]));
+    json_set(&fog, "by", json_text(fog_by_names[o->fog_by]));
     if (o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES) json_set(&fog, "steps", json_integer(o->fog_steps));
     if (r->fog_grid) json_set(&fog, "grid", json_integer(r->fog_grid));
+    json_set(&fog, "lights", fog_plan_lights(o->fog_by, r->fog_lights, r->lights, r->light_count));
+    json_set(&fog, "left_out", fog_plan_left_out(last, o->fog_by, r->light_count));
     return fog;
 }
 

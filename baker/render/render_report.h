@@ -19,16 +19,18 @@ typedef struct drawn_frame {
 } drawn_frame;
 
 typedef struct render_report {
-    const char             *scene_path, *asset_path, *renderer;
-    const render_options   *options;
-    uint32_t                fog_grid; /* n of the fog's grid; 0 without one */
-    uint32_t                light_count;
-    int                     culls;
-    uint64_t                word_bytes;
-    uint64_t                budget_bytes; /* of a stream; 0: there is none */
-    const drawn_frame      *frames;       /* [frame_count] */
-    size_t                  frame_count;
-    const truth_difference *difference; /* NULL: none was asked for */
+    const char                   *scene_path, *asset_path, *renderer;
+    const render_options         *options;
+    uint32_t                      fog_grid;   /* n of the fog's grid; 0 without one */
+    const fog_light_plan         *fog_lights; /* [light_count] of the last frame; NULL without fog */
+    const vxs_baked_light *const *lights;     /* [light_count] */
+    uint32_t                      light_count;
+    int                           culls;
+    uint64_t                      word_bytes;
+    uint64_t                      budget_bytes; /* of a stream; 0: there is none */
+    const drawn_frame            *frames;       /* [frame_count] */
+    size_t                        frame_count;
+    const truth_difference       *difference; /* NULL: none was asked for */
 } render_report;
 
 /* docs/render.schema.json. NULL without memory. */

@@ -129,6 +129,11 @@ int renderer_is_in_fog(const renderer *r)
     return r->fog != NULL;
 }
 
+const fog_light_plan *renderer_fog_lights(const renderer *r)
+{
+    return r->fog ? fog_pass_lights(r->fog) : NULL;
+}
+
 uint32_t renderer_fog_grid(const renderer *r)
 {
     return r->fog ? fog_pass_grid(r->fog) : 0;

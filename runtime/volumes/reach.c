@@ -7,14 +7,15 @@
 #include <math.h>
 
 #include "volumes_state.h"
+#include "vxs_air_path.h"
 
 typedef struct sphere {
     double middle[3], radius; /* from the eye; INFINITY: everything */
 } sphere;
 
-/* Rows by which a place from the eye becomes (u, v, 1) s, s > 0 before it. */
+/* Rows by which a place from the eye becomes (u, v, 1) s, s > 0 before it; and how the way to what is seen at (u, v) rises, u, v and 1 times these. */
 typedef struct projection {
-    double u[3], v[3], s[3];
+    double u[3], v[3], s[3], rises[3];
 } projection;
 
 static double dot(const double *a, const double *b)
@@ -52,6 +53,9 @@ static int projection_of(const frame_block *f, projection *p)
             p->v[n] /= size;
             p->s[n] /= size;
         }
+        p->rises[0] = a[1];
+        p->rises[1] = b[1];
+        p->rises[2] = c[1];
         return isfinite(dot(p->u, p->u) + dot(p->v, p->v) + dot(p->s, p->s));
     }
     return 0;
@@ -118,20 +122,40 @@ static double most_of_sun(const frame_block *f)
     return most;
 }
 
+/* Whether no ray of the view comes below the top: all of them rise, or end before. */
+static int is_view_clear(const frame_block *f, const projection *p)
+{
+    double above = (double)f->eye[1] - (double)f->top_metres;
+    int    rise  = 1;
+    for (int n = 0; n < 4; n++) rise &= p->rises[0] * (n & 1) + p->rises[1] * (n >> 1) + p->rises[2] >= 0;
+    return above > 0 && (rise || above > (double)f->far_metres);
+}
+
+/* Whether no light comes there: the range ends above it, or the sun is below the horizon, and has come through fog without end. */
+static int is_light_clear(const frame_block *f)
+{
+    sphere lit = sphere_of_range(f);
+    if (!(f->top_metres < (float)VXS_AIR_EVERYWHERE)) return 0;
+    if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return !(f->place[1] > 0);
+    return lit.middle[1] + (double)f->eye[1] - lit.radius > (double)f->top_metres;
+}
+
 vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
 {
     const frame_block *f    = &v->frame;
     uint32_t           wide = (uint32_t)f->wide_px, high = (uint32_t)f->high_px, across[2] = {0, wide}, up[2] = {0, high};
     double             least = (double)v->least;
     projection         p;
-    *pixels = (vxs_pixels){0, 0, wide, high};
+    int                is_seen = projection_of(f, &p);
+    *pixels                    = (vxs_pixels){0, 0, wide, high};
+    if (is_light_clear(f) || (is_seen && is_view_clear(f, &p))) return VXS_REACH_CLEAR;
     if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return most_of_sun(f) > least || least == 0 ? VXS_REACH_SEEN : VXS_REACH_FAINT;
     sphere lit = sphere_of_range(f), bright = {{0}, 0};
     for (int n = 0; n < 3; n++) bright.middle[n] = (double)f->place[n] - (double)f->eye[n];
     double distance = sqrt(dot(bright.middle, bright.middle));
     bright.radius   = metres_of(f, least, metres_in_fog(f, distance));
     if (bright.radius < (double)f->radius_metres) return VXS_REACH_FAINT;
-    if (!projection_of(f, &p)) return VXS_REACH_SEEN;
+    if (!is_seen) return VXS_REACH_SEEN;
     const sphere *both[2] = {&lit, &bright};
     for (int n = 0; n < 2; n++) {
         narrow(both[n], p.u, p.s, wide, across);

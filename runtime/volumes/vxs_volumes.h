@@ -87,6 +87,7 @@ typedef enum vxs_reach {
     VXS_REACH_SEEN,   /* it is not */
     VXS_REACH_FAINT,  /* it has no more airlight than the least that counts, wherever one looks */
     VXS_REACH_BESIDE, /* nor in any pixel of the view: the rest is out of it */
+    VXS_REACH_CLEAR,  /* the fog has a level top, and no ray of the view comes below it, or none of the light */
 } vxs_reach;
 
 /* A rectangle of pixels. */

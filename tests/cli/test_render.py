@@ -163,7 +163,7 @@ def test_fog_with_opengl(vxs, level, render):
         options = ("--fog-by", by) if by != "intervals" else ()
         options += (f"--fog-{knob[0]}", knob[1]) if knob else ()
         told = report(level, render, "all", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-top", 8, *options, "--passes", level / by)
-        assert told["fog"] == {"extinction_per_metre": [0.05] * 3, "scattering_per_metre": [pytest.approx(0.045)] * 3, "anisotropy": 0.4,
+        assert {k: v for k, v in told["fog"].items() if k not in ("lights", "left_out")} == {"extinction_per_metre": [0.05] * 3, "scattering_per_metre": [pytest.approx(0.045)] * 3, "anisotropy": 0.4,
                                "top_metres": 8, "by": by} | dict([knob] if knob else [])
         assert told["median_ms"]["fog"] > 0
         rows[by] = [v for row in read_png((level / by / "airlight.png").read_bytes())[2] for v in row]
@@ -188,19 +188,42 @@ def test_transmittance(level, render):
 
 
 def test_plan_of_fog(level, render):
-    """Lights that have no airlight to speak of, or none in view, are left out, counted, and told of."""
-    away = "--eye", "30,3,0", "--target", "60,3,0"
-    for drawn, faint, out, options in ((3, 0, 0, ("--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05)),
-                                       (0, 3, 0, ("--eye", "1,6,9", "--target", "0,1,0", "--fog", 1e-9)),
-                                       (1, 0, 2, (*away, "--fog", 0.0005))):
-        frame, = report(level, render, "all", *options)["frames"]
-        assert frame["fog_lights"] == {"drawn": drawn, "faint": faint, "out_of_view": out}
-        said = render("all", *options).stdout
-        assert said == f"fog          3 lights: {drawn} drawn, {faint} too faint (less than 1/6600 of white), {out} out of view\n"
+    """Lights that have no airlight to speak of, none in view, or none in the fog are left out, counted, and told of with the reason: when it is so, and only then."""
+    here, up, away = ("--eye", "1,6,9", "--target", "0,1,0"), ("--eye", "1,6,9", "--target", "1,9,0"), ("--eye", "30,3,0", "--target", "60,3,0")
+    words = {"faint": "too faint (less than 1/6600 of white)", "out_of_view": "out of view", "clear": "not in the fog"}
+    for drawn, faint, out, clear, options in ((3, 0, 0, 0, (*here, "--fog", 0.05)),
+                                              (0, 3, 0, 0, (*here, "--fog", 1e-9)),
+                                              (1, 0, 2, 0, (*away, "--fog", 0.0005)),
+                                              (3, 0, 0, 0, (*here, "--fog", 0.05, "--fog-top", 3)),
+                                              (0, 0, 0, 3, (*up, "--fog", 0.05, "--fog-top", 3))):
+        told = report(level, render, "all", *options)
+        counts = {"drawn": drawn, "faint": faint, "out_of_view": out, "clear": clear}
+        assert told["frames"][0]["fog_lights"] == counts
+        fates = {light["light"]: light["fate"] for light in told["fog"]["lights"]}
+        assert list(fates) == ["noon", "spot", "lamp"] and {fate: list(fates.values()).count(fate) for fate in counts} == counts
+        left_out = [saving["what"] for saving in told["fog"]["left_out"]]
+        assert left_out == ["all passes of lights"] * (not drawn) + ["march, grid and mesh", "light maps"]
+        line = f"fog          3 lights: {drawn} drawn by intervals" + "".join(f", {counts[k]} {words[k]}" for k in words if counts[k]) + "\n"
+        assert render("all", *options).stdout == line
+        said = render("all", *options, "--verbose").stdout
+        assert said.startswith(line) and all((f"light {name} is left out: {words.get(fate)}\n" in said) == (fate != "drawn")
+                                             and (f"light {name}: by intervals, in " in said) == (fate == "drawn") for name, fate in fates.items())
         assert render("all", *options, "--quiet").stdout == ""
     assert "fog_lights" not in report(level, render, "all")["frames"][0] and render("all").stdout == ""
     told = render("sun", *away, "--fog", 0.01, "--json", "-")
     assert json.loads(told.stdout)["frames"][0]["fog_lights"]["drawn"] == 1 and told.stderr.startswith("fog          1 light: 1 drawn")
+
+
+def test_plan_of_meshes(level, render):
+    """A mesh is made once, of a light that is drawn; the picture is the same as if all were."""
+    away = "--eye", "30,3,0", "--target", "60,3,0", "--fog", 0.0005, "--fog-by", "mesh"
+    left_out = [saving["what"] for saving in report(level, render, "all", *away)["fog"]["left_out"]]
+    picture = (level / "out.png").read_bytes()
+    assert left_out == ["adaptive pass", "2 of 3 meshes"]
+    assert [saving["what"] for saving in report(level, render, "sun", *away)["fog"]["left_out"]] == ["adaptive pass"]
+    render("all", *away[:-1], "intervals")
+    exact = (level / "out.png").read_bytes()
+    assert max(abs(a - b) for rows in zip(read_png(picture)[2], read_png(exact)[2]) for a, b in zip(*rows)) <= 1
 
 
 def test_picture_of_a_grid(level, render):

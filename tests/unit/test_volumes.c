@@ -597,7 +597,7 @@ static void test_reach(void **state)
     volumes_scene s;
     static float  pixels[4 * PIXELS];
     uint64_t      left_out = 0, dark = 0;
-    uint32_t      counts[3] = {0};
+    uint32_t      counts[4] = {0};
     rng           r         = {17};
     scene_open(&s, 64, WIDE, HIGH);
     for (uint32_t n = 0; n < repeats(330, 3000); n++) {
@@ -648,7 +648,8 @@ static void test_reach(void **state)
         }
         vxs_light_map_destroy(map);
     }
-    assert_true(counts[VXS_REACH_SEEN] > 60 && counts[VXS_REACH_FAINT] > 3 && counts[VXS_REACH_BESIDE] > 10);
+    assert_true(counts[VXS_REACH_SEEN] > 60 && counts[VXS_REACH_FAINT] > 3 && counts[VXS_REACH_BESIDE] > 10 &&
+                counts[VXS_REACH_CLEAR] > 3);
     assert_true(left_out > dark / 2);
     scene_close(&s);
 }
