@@ -107,6 +107,11 @@ const fog_light_plan *renderer_fog_lights(const renderer *r);
 uint32_t   renderer_fog_grid(const renderer *r);
 vxs_result renderer_read_grid(const renderer *r, float *dark, message *m);
 
+/* Whether there is a mesh of a light that the last frame's fog was drawn of; if so, the last one, as it is seen: a veil for each surface of it that the scene does not
+ * hide, and its edges; warm where a ray comes into the light, cold where it leaves it.   light  [out] [3 * count] added up */
+int        renderer_has_mesh(const renderer *r);
+vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
+
 /* What draws. */
 const char *renderer_name(const renderer *r);
 

@@ -138,6 +138,19 @@ static vxs_result write_shadow_grid(const passes *p, message *m)
     return r;
 }
 
+/* The mesh in the light of a dim scene. */
+static vxs_result write_light_mesh(const passes *p, message *m)
+{
+    float     *mesh = malloc(3 * p->count * sizeof *mesh);
+    vxs_result r    = mesh ? renderer_read_mesh(p->renderer, mesh, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
+        double dim = p->depths[n / 3] > 0 ? 0.05 + 0.03 * (double)p->normals[n - n % 3 + 1] : 0.004;
+        p->rgb[n]  = byte_of(curve(dim - expm1(-(double)mesh[n])));
+    }
+    free(mesh);
+    return r == VXS_OK ? write_picture(p, "light-mesh", m) : r;
+}
+
 /* Blue, green, yellow, red. */
 static void set_heat(uint8_t rgb[3], double share)
 {
@@ -289,6 +302,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_airlight(&p, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
     if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
+    if (r == VXS_OK && renderer_has_mesh(drawn)) r = write_light_mesh(&p, m);
     if (r == VXS_OK && streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);

@@ -21,6 +21,8 @@ typedef struct truth_difference {
  *     airlight.png     what fog scatters toward the eye, as exposed, where there is fog
  *     transmittance.png  what fog leaves of what is seen, linear: white is all of it
  *     shadow-grid.png  of fog by a grid, of the light that was drawn last: columns of alpha, rows of theta, how much of each is lit
+ *     light-mesh.png   of fog by meshes, of the light that was drawn last: the mesh about what it reaches, warm where a ray from the eye comes into its
+ *                      light, cold where it leaves it, before the scene
  *     lit-N-NAME.png   lit fraction of light N, if it reaches a sample; magenta where nothing is, or where its map does not reach
  *     resident.png     of a stream: grey where each lookup is answered in full, red where coarsely, between them by the share; dark where there is
  *                      none, for surfaces that face no light

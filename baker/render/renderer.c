@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/embedded.h"
 #include "baker/base/memory.h"
 #include "baker/base/vec3.h"
 #include "baker/render/renderer_state.h"
@@ -22,16 +21,6 @@ static const double pi = 3.14159265358979324;
 
 enum { SHADE_PARTS = VXS_GL_TEXTS + 2 };
 
-typedef struct text_part {
-    const char *text;
-    GLint       size; /* -1: up to its end */
-} text_part;
-
-static text_part part_of(embedded e)
-{
-    return (text_part){e.begin, (GLint)(e.end - e.begin)};
-}
-
 static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
 {
     const char *texts[SHADE_PARTS];
@@ -47,8 +36,8 @@ static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const 
     gl->DeleteShader(shader);
 }
 
-static vxs_result make_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
-                               message *m)
+vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
+                            message *m)
 {
     text_part head     = part_of(vertex);
     GLint     linked   = 0;
@@ -76,10 +65,10 @@ static vxs_result make_programs(renderer *r, message *m)
     for (int n = 0; n < VXS_GL_TEXTS; n++) shade[n] = (text_part){texts[n], -1};
     shade[VXS_GL_TEXTS]     = (text_part){knows, -1};
     shade[VXS_GL_TEXTS + 1] = part_of(shade_frag_glsl);
-    if ((result = make_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
-    if ((result = make_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
-    if (r->fog && (result = make_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
-    return make_program(r->gl, &r->shade_program, screen_vert_glsl, shade, SHADE_PARTS, m);
+    if ((result = renderer_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
+    if ((result = renderer_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
+    if (r->fog && (result = renderer_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
+    return renderer_program(r->gl, &r->shade_program, screen_vert_glsl, shade, SHADE_PARTS, m);
 }
 
 /* targets ------------------------------------------------------------------------------------------------------------------------- */

@@ -38,8 +38,7 @@ static void set_view(renderer *r, const camera_pose *camera)
     m[11] = (float)(1 / r->near_metres);
 }
 
-/* From the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w. */
-static void clip_from_scene(const renderer *r, const double eye[3], float m[16])
+void renderer_clip(const renderer *r, const double eye[3], float m[16])
 {
     const camera_view *v      = &r->seen;
     const double      *row[3] = {v->right, v->up, v->forward};
@@ -60,7 +59,7 @@ static void draw_surfaces(renderer *r)
     double            eye[3];
     float             matrix[16];
     vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
-    clip_from_scene(r, eye, matrix);
+    renderer_clip(r, eye, matrix);
     gl->BindFramebuffer(GL_FRAMEBUFFER, r->surface_frame);
     gl->Viewport(0, 0, (GLsizei)r->width, (GLsizei)r->height);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);

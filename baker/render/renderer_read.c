@@ -139,6 +139,12 @@ uint32_t renderer_fog_grid(const renderer *r)
     return r->fog ? fog_pass_grid(r->fog) : 0;
 }
 
+int renderer_has_mesh(const renderer *r)
+{
+    uint32_t light;
+    return r->fog && fog_pass_mesh(r->fog, &light);
+}
+
 vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
 {
     return fog_pass_read_grid(r->fog, dark, m);

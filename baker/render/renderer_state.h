@@ -3,6 +3,7 @@
 #ifndef RENDERER_STATE_H
 #define RENDERER_STATE_H
 
+#include "baker/base/embedded.h"
 #include "baker/render/render.h"
 #include "baker/render/surface_mesh.h"
 #include "runtime/gl/vxs_gl.h"
@@ -30,6 +31,24 @@ struct renderer {
     vxs_view    view;
     double      near_metres;
 };
+
+/* A text of a shader. */
+typedef struct text_part {
+    const char *text;
+    GLint       size; /* -1: up to its end */
+} text_part;
+
+static inline text_part part_of(embedded e)
+{
+    return (text_part){e.begin, (GLint)(e.end - e.begin)};
+}
+
+/* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is returned */
+vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
+                            message *m);
+
+/* From the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.   eye  from there, too */
+void renderer_clip(const renderer *r, const double eye[3], float m[16]);
 
 /* What shade_frag.glsl shows. */
 enum { SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };

@@ -225,6 +225,16 @@ void vxs_light_mesh_destroy(vxs_light_mesh *mesh)
     vxs_volumes_give_back(v, mesh, sizeof *mesh);
 }
 
+unsigned vxs_light_mesh_buffer(const vxs_light_mesh *mesh)
+{
+    return mesh->words;
+}
+
+uint32_t vxs_light_mesh_triangles(const vxs_light_mesh *mesh)
+{
+    return mesh->triangle_count;
+}
+
 vxs_result vxs_volumes_mesh(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_mesh *mesh)
 {
     if (!mesh) return VXS_E_ARGUMENT;

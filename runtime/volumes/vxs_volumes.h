@@ -302,6 +302,10 @@ vxs_result vxs_light_mesh_create(vxs_light_mesh **mesh, vxs_volumes *volumes, co
                                  const vxs_light_mesh_size *size);
 void       vxs_light_mesh_destroy(vxs_light_mesh *mesh);
 
+/* The buffer: 3 * triangle_count words of corners, and places behind them, as they were uploaded. Valid until vxs_light_mesh_destroy. */
+unsigned vxs_light_mesh_buffer(const vxs_light_mesh *mesh);
+uint32_t vxs_light_mesh_triangles(const vxs_light_mesh *mesh);
+
 /* Add a light's airlight by its mesh. */
 vxs_result vxs_volumes_mesh(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_mesh *mesh);
 

@@ -226,6 +226,19 @@ def test_plan_of_meshes(level, render):
     assert max(abs(a - b) for rows in zip(read_png(picture)[2], read_png(exact)[2]) for a, b in zip(*rows)) <= 1
 
 
+def test_picture_of_a_mesh(level, render):
+    """From a lit eye a ray leaves the light before it comes into it again: no pixel is warmer than cold. Without meshes there is no such picture."""
+    camera = "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05
+    render("sun", *camera, "--fog-by", "mesh", "--passes", level / "mesh")
+    wide, high, rows = read_png((level / "mesh" / "light-mesh.png").read_bytes())[:3]
+    pixels = [row[n : n + 3] for row in rows for n in range(0, 3 * wide, 3)]
+    assert (wide, high) == (64, 48)
+    assert sum(blue > red + 20 for red, _, blue in pixels) > 100 and sum(red > blue + 5 for red, _, blue in pixels) < 20
+    assert any(red == blue for red, _, blue in pixels)
+    render("sun", *camera, "--passes", level / "no mesh")
+    assert not (level / "no mesh" / "light-mesh.png").exists()
+
+
 def test_picture_of_a_grid(level, render):
     """Behind what shadows a ray all of it is dark: columns only grow darker with alpha."""
     render("sun", "--eye", "1,6,9", "--target", "0,1,0", "--fog", 0.05, "--fog-by", "grid", "--fog-grid", 64, "--passes", level / "grid")
