@@ -43,7 +43,7 @@ static void test_one_lamp_is_a_grid(void **state)
     static double        metres[PIXELS];
     static float         found[4 * PIXELS], wanted[4 * PIXELS];
     vxs_shadow_grid     *grid;
-    vxs_shadow_grid_desc size = {COLUMNS, ROWS, 128, 0};
+    vxs_shadow_grid_desc size = {.columns = COLUMNS, .rows = ROWS, .bits = 128};
     vxs_light_map       *map;
     vxs_light_map_desc   desc = {.baked = SCENE_POINT};
     vxs_volumes_light    l    = scene_light(SCENE_POINT);

@@ -173,14 +173,14 @@ static inline void camera_ray(const volumes_scene *s, const volumes_camera *c, u
 }
 
 /* Metres to the first triangle, INFINITY: none.   way  of any length, which metres are then counted in */
-static inline double triangles_hit(const float *places, const uint32_t *corners, uint32_t count, const double from[3],
+static inline double triangles_hit(const float *vertices, const uint32_t *corners, uint32_t count, const double from[3],
                                    const double way[3])
 {
     double nearest = INFINITY;
     for (uint32_t t = 0; t < count; t++) {
         double       a[3], b[3], o[3], p[3], q[3];
         const float *v[3];
-        for (int k = 0; k < 3; k++) v[k] = places + (size_t)3 * corners[3 * t + (uint32_t)k];
+        for (int k = 0; k < 3; k++) v[k] = vertices + (size_t)3 * corners[3 * t + (uint32_t)k];
         for (int n = 0; n < 3; n++) {
             a[n] = (double)v[1][n] - (double)v[0][n];
             b[n] = (double)v[2][n] - (double)v[0][n];
