@@ -71,6 +71,7 @@ struct vxs_box {
 };
 
 struct vxs_walk {
+    vxs_int3  origin;      /* of a sun: the voxel that light space counts from here, so that floats near it are fine */
     vxs_real3 from, along; /* the ray in light space */
     vxs_real3 p, d;        /* the same as its map has it, */
     vxs_real3 per_d;       /* and 1 / d; of a lamp, away from it alone */
@@ -155,31 +156,36 @@ VXS_FN vxs_real vxs_walk_quadrics(VXS_LIGHT light, const vxs_real3 from, const v
                           near[2] * near[2] - cos2 * distance2, t, next);
 }
 
-/* The first cut behind t, but no later than `next`. */
-VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, const vxs_real3 from, const vxs_real3 along, vxs_real t, vxs_real next)
+/* The first cut behind t, but no later than the ray's end. */
+VXS_FN vxs_real vxs_walk_next_cut(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
-    vxs_real side   = VXS_REAL(vxs_walk_side(light));
+    vxs_real next   = VXS_FIELD(w, end);
     vxs_i32  is_sun = vxs_walk_is_sun(light), axes = (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? 3 : 2;
     for (vxs_i32 axis = 0; axis < axes && is_sun != 0; axis++) {
-        next = vxs_walk_plane(from[axis], along[axis], t, next);
-        next = vxs_walk_plane(from[axis] - side, along[axis], t, next);
+        vxs_i32 origin = VXS_FIELD(w, origin)[axis];
+        next           = vxs_walk_plane(VXS_FIELD(w, from)[axis] + VXS_REAL(origin), VXS_FIELD(w, along)[axis], t, next);
+        next =
+            vxs_walk_plane(VXS_FIELD(w, from)[axis] - VXS_REAL(vxs_walk_side(light) - origin), VXS_FIELD(w, along)[axis], t, next);
     }
     if (is_sun != 0) return next;
-    next = vxs_walk_quadrics(light, from, along, t, next);
+    next = vxs_walk_quadrics(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, next);
     for (vxs_i32 a = 0; a < 3 && (VXS_FIELD(light, flags) & VXS_LIGHT_CUBE) != 0u; a++) {
-        vxs_i32 b = (a + 1) % 3;
-        next      = vxs_walk_plane(from[a] - from[b], along[a] - along[b], t, next);
-        next      = vxs_walk_plane(from[a] + from[b], along[a] + along[b], t, next);
+        vxs_i32  b      = (a + 1) % 3;
+        vxs_real from_a = VXS_FIELD(w, from)[a], from_b = VXS_FIELD(w, from)[b];
+        vxs_real along_a = VXS_FIELD(w, along)[a], along_b = VXS_FIELD(w, along)[b];
+        next = vxs_walk_plane(from_a - from_b, along_a - along_b, t, next);
+        next = vxs_walk_plane(from_a + from_b, along_a + along_b, t, next);
     }
     return next;
 }
 
 /* maps --------------------------------------------------------------------------------------------------------------------------- */
 
-/* At t, which may be infinite. */
-VXS_FN vxs_real vxs_walk_at(vxs_real p, vxs_real d, vxs_real t)
+/* A coordinate of light space at t, which may be infinite. */
+VXS_FN vxs_real vxs_walk_ls(VXS_WALK w, vxs_i32 axis, vxs_real t)
 {
-    return d != 0.0 ? p + d * t : p;
+    vxs_real from = VXS_FIELD(w, from)[axis] + VXS_REAL(VXS_FIELD(w, origin)[axis]), along = VXS_FIELD(w, along)[axis];
+    return along != 0.0 ? from + along * t : from;
 }
 
 /* The map of a point of light space, or -1. */
@@ -204,23 +210,41 @@ VXS_INLINE vxs_i32 vxs_walk_floor(vxs_real coordinate)
 
 /* The texel of a place of a map's space, across or down, where that is `along` away from the light. What rounding leads out of the map is
  * held in it. */
-VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, vxs_real across, vxs_real along)
+VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, vxs_i32 origin, vxs_real across, vxs_real along)
 {
-    if (vxs_walk_is_sun(light) != 0) return vxs_clamp(vxs_walk_floor(across), 0, vxs_walk_side(light) - 1);
+    if (vxs_walk_is_sun(light) != 0) return vxs_clamp(origin + vxs_walk_floor(across), 0, vxs_walk_side(light) - 1);
     along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
     return vxs_clamp(vxs_walk_floor(vxs_lamp_coordinate(light, across, along)), 0, vxs_walk_side(light) - 1);
 }
 
 /* And its depth, in voxels. */
-VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, vxs_real along)
+VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, vxs_i32 origin, vxs_real along)
 {
     if (vxs_walk_is_sun(light) == 0) {
         along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
         return vxs_walk_floor(log(along / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres));
     }
-    vxs_i32 k = vxs_walk_floor(along);
+    vxs_i32 k = origin + vxs_walk_floor(along);
     return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? vxs_clamp(k, 0, vxs_walk_side(light) - 1) : k;
 }
+
+/* Light space of a sun counts from the voxel that the world's origin is in, and from where it is in there to 2^-20 of it: so floats are as
+ * fine along rays from near the origin as at the map's first texel, wherever in the map that is. Doubles are so anyway. */
+#ifdef VXS_C
+#define vxs_walk_origin(light, row) 0
+#define vxs_walk_rest(light, row)   0.0
+#else
+VXS_FN vxs_i32 vxs_walk_origin(VXS_LIGHT light, vxs_i32 row)
+{
+    return vxs_walk_is_sun(light) != 0 ? vxs_clamp(vxs_walk_floor(VXS_LS_FROM_WS(light, row, 3)), -(1 << 23), 1 << 23) : 0;
+}
+
+VXS_FN vxs_real vxs_walk_rest(VXS_LIGHT light, vxs_i32 row)
+{
+    vxs_u32 rest = row == 2 ? VXS_FIELD(light, rest_k) << 16u : VXS_FIELD(light, rest_ij) << (row == 0 ? 16u : 0u);
+    return VXS_REAL(VXS_I(rest) >> 16) / 1048576.0;
+}
+#endif
 
 VXS_FN vxs_i32 vxs_walk_sign(vxs_real x)
 {
@@ -229,12 +253,13 @@ VXS_FN vxs_i32 vxs_walk_sign(vxs_real x)
 
 /* Within the part of the ray between two cuts: its middle; or, where that is very far, where the ray has gone as far again as it is from
  * anything: beyond, rounding would decide which of two maps it is in. */
-VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, const vxs_real3 from, const vxs_real3 along, vxs_real first, vxs_real next)
+VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, VXS_WALK w, vxs_real first, vxs_real next)
 {
     vxs_real size = VXS_REAL(vxs_walk_side(light)), speed = VXS_REAL(0.0), middle = 0.5 * next - 0.5 * first;
     for (vxs_i32 n = 0; n < 3; n++) {
-        size  = vxs_abs(from[n]) > size ? vxs_abs(from[n]) : size;
-        speed = vxs_abs(along[n]) > speed ? vxs_abs(along[n]) : speed;
+        vxs_real from = vxs_abs(vxs_walk_ls(w, n, VXS_REAL(0.0))), along = vxs_abs(VXS_FIELD(w, along)[n]);
+        size  = from > size ? from : size;
+        speed = along > speed ? along : speed;
     }
     vxs_real far = speed > 0.0 ? vxs_abs(first) + 8.0 * size / speed : VXS_REAL(1.0);
     return first + (middle < far ? middle : far);
@@ -244,9 +269,9 @@ VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, const vxs_real3 from, const vxs
 VXS_FN void vxs_walk_place(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
     vxs_real z             = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
-    VXS_FIELD(w, voxel)[0] = vxs_walk_texel(light, VXS_FIELD(w, p)[0] + VXS_FIELD(w, d)[0] * t, z);
-    VXS_FIELD(w, voxel)[1] = vxs_walk_texel(light, VXS_FIELD(w, p)[1] + VXS_FIELD(w, d)[1] * t, z);
-    VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, z);
+    VXS_FIELD(w, voxel)[0] = vxs_walk_texel(light, VXS_FIELD(w, origin)[0], VXS_FIELD(w, p)[0] + VXS_FIELD(w, d)[0] * t, z);
+    VXS_FIELD(w, voxel)[1] = vxs_walk_texel(light, VXS_FIELD(w, origin)[1], VXS_FIELD(w, p)[1] + VXS_FIELD(w, d)[1] * t, z);
+    VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, VXS_FIELD(w, origin)[2], z);
 }
 
 /* Into the map behind a cut: its space, the voxel there, and which way each coordinate goes. Of a lamp u is x / z: its way is the sign of
@@ -255,9 +280,9 @@ VXS_FN void vxs_walk_pass_cut(VXS_LIGHT light, VXS_WALK w)
 {
     vxs_real  t = VXS_FIELD(w, t);
     vxs_real3 middle;
-    VXS_FIELD(w, cut) = vxs_walk_next_cut(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, VXS_FIELD(w, end));
-    vxs_real within   = vxs_walk_within(light, VXS_FIELD(w, from), VXS_FIELD(w, along), t, VXS_FIELD(w, cut));
-    for (vxs_i32 n = 0; n < 3; n++) middle[n] = vxs_walk_at(VXS_FIELD(w, from)[n], VXS_FIELD(w, along)[n], within);
+    VXS_FIELD(w, cut) = vxs_walk_next_cut(light, w, t);
+    vxs_real within   = vxs_walk_within(light, w, t, VXS_FIELD(w, cut));
+    for (vxs_i32 n = 0; n < 3; n++) middle[n] = vxs_walk_ls(w, n, within);
     VXS_FIELD(w, map)           = vxs_walk_map_at(light, middle);
     VXS_FIELD(w, block).side_px = 0;
     VXS_FIELD(w, square_i)      = -1;
@@ -285,7 +310,7 @@ VXS_INLINE vxs_real vxs_walk_cross(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vx
     vxs_real p = VXS_FIELD(w, p)[axis], d = VXS_FIELD(w, d)[axis];
     if (way == 0 || VXS_U(border - 1) >= VXS_U(side - 1)) return VXS_REAL(VXS_NEVER);
     if (vxs_walk_is_sun(light) != 0) {
-        vxs_real at = (VXS_REAL(border) - p) * VXS_FIELD(w, per_d)[axis];
+        vxs_real at = (VXS_REAL(border - VXS_FIELD(w, origin)[axis]) - p) * VXS_FIELD(w, per_d)[axis];
         return at > t ? at : t;
     }
     vxs_real slope = (VXS_REAL(border) - 0.5 * VXS_REAL(side)) * VXS_FIELD(light, texel_metres);
@@ -299,7 +324,7 @@ VXS_INLINE vxs_real vxs_walk_cross(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vx
 /* The same of a border of voxels; the ray goes deeper, or nearer. */
 VXS_INLINE vxs_real vxs_walk_cross_depth(VXS_LIGHT light, VXS_WALK w, vxs_i32 border, vxs_real t)
 {
-    vxs_real z = VXS_REAL(border);
+    vxs_real z = VXS_REAL(border - VXS_FIELD(w, origin)[2]);
     if (vxs_walk_is_sun(light) == 0) z = VXS_FIELD(light, near_metres) * exp(z * VXS_FIELD(light, voxel_metres));
     vxs_real at = (z - VXS_FIELD(w, p)[2]) * VXS_FIELD(w, per_d)[2];
     return at > t ? at : t;
@@ -414,9 +439,9 @@ VXS_FN vxs_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
 VXS_INLINE void vxs_walk_into_next(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t)
 {
     vxs_i32  other = 1 - axis, i = VXS_FIELD(w, voxel)[other], way = VXS_FIELD(w, way)[other];
-    vxs_real z                 = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
-    vxs_i32  at                = vxs_walk_texel(light, VXS_FIELD(w, p)[other] + VXS_FIELD(w, d)[other] * t, z);
-    vxs_i32  u                 = VXS_FIELD(w, voxel)[axis];
+    vxs_real z  = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
+    vxs_i32  at = vxs_walk_texel(light, VXS_FIELD(w, origin)[other], VXS_FIELD(w, p)[other] + VXS_FIELD(w, d)[other] * t, z);
+    vxs_i32  u  = VXS_FIELD(w, voxel)[axis];
     VXS_FIELD(w, voxel)[other] = vxs_walk_on(i, at, way, i & ~7, (i & ~7) + 8);
     VXS_FIELD(w, voxel)[axis]  = VXS_FIELD(w, way)[axis] > 0 ? (u | 7) + 1 : (u & ~7) - 1;
 }
@@ -437,7 +462,7 @@ VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
     vxs_real across = u < v ? u : v, last = across < cut ? across : cut;
     vxs_i32  k_last = k, state;
     if (way != 0) {
-        k_last = vxs_walk_depth(light, VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * last);
+        k_last = vxs_walk_depth(light, VXS_FIELD(w, origin)[2], VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * last);
         k_last = way * (k_last - k) > 0 ? k_last : k;
     }
     vxs_i32 nearest = vxs_walk_in_map(light, way > 0 ? k : k_last), farthest = vxs_walk_in_map(light, way > 0 ? k_last : k);
@@ -650,8 +675,12 @@ VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vx
                             vxs_real t_end)
 {
     vxs_walk w;
-    vxs_ls_from_ws(light, origin_ws, VXS_REAL(1.0), w.from);
-    vxs_ls_from_ws(light, direction_ws, VXS_REAL(0.0), w.along);
+    for (vxs_i32 row = 0; row < 3; row++) {
+        w.origin[row] = vxs_walk_origin(light, row);
+        vxs_real at   = (VXS_LS_FROM_WS(light, row, 3) - VXS_REAL(w.origin[row])) + vxs_walk_rest(light, row);
+        w.from[row]   = vxs_ls_coordinate(light, row, origin_ws, VXS_REAL(0.0)) + at;
+        w.along[row]  = vxs_ls_coordinate(light, row, direction_ws, VXS_REAL(0.0));
+    }
     w.t = w.cut = w.begin = t_begin;
     w.end                 = t_end;
     w.state               = VXS_SPAN_NONE;

@@ -87,7 +87,7 @@ struct vxs_light_constants {
     float     texel_metres, voxel_metres, near_metres, range_metres;
     float     cos_outer;
     uint      kind, flags, levels;
-    uint      dag, coding, reserved_0, reserved_1;
+    uint      dag, coding, rest_ij, rest_k;
 };
 #endif
 

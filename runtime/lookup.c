@@ -37,6 +37,12 @@ void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, cons
                                   .lit        = lit});
 }
 
+/* In 2^-20, in 16 bits: as much as rounding takes from a number less than 2^19, and more is held. */
+static uint32_t rest_of(double x)
+{
+    return (uint32_t)lround(fmin(fmax((x - (double)(float)x) * 0x1p20, -32768), 32767)) & 0xffffu;
+}
+
 vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double origin_ws[3], uint32_t first_word)
 {
     vxs_light_constants c = {
@@ -51,11 +57,15 @@ vxs_light_constants vxs_light_constants_of(const vxs_light *light, const double 
         .dag          = first_word,
         .coding       = light->coding,
     };
+    double at_origin[3];
+    vxs_ls_from_ws(light, origin_ws ? origin_ws : zero, 1, at_origin);
     for (int row = 0; row < 3; row++) {
-        const double *m         = light->ls_from_ws + 4 * row;
-        double        at_origin = vxs_ls_coordinate(light, row, origin_ws ? origin_ws : zero, 1);
+        const double *m = light->ls_from_ws + 4 * row;
         for (int column = 0; column < 3; column++) c.ls_from_ws[4 * row + column] = (float)m[column];
-        c.ls_from_ws[4 * row + 3] = (float)at_origin;
+        c.ls_from_ws[4 * row + 3] = (float)at_origin[row];
     }
+    if (light->kind != VXS_LIGHT_KIND_DIRECTIONAL) return c;
+    c.rest_ij = rest_of(at_origin[0]) | rest_of(at_origin[1]) << 16;
+    c.rest_k  = rest_of(at_origin[2]);
     return c;
 }

@@ -40,8 +40,8 @@ vxs_light_constants vxs_light_at(uint n)
     light.levels        = b.w;
     light.dag           = c.x;
     light.coding        = c.y;
-    light.reserved_0    = 0u;
-    light.reserved_1    = 0u;
+    light.rest_ij       = c.z;
+    light.rest_k        = c.w;
     return light;
 }
 #endif

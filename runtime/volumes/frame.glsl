@@ -58,21 +58,29 @@ vxs_air_light vxs_frame_light()
     return light;
 }
 
+/* From the eye to where a pixel's depth is. The eye is taken from the matrix, not from the place: a place that is near has no digits for it. */
+vec3 vxs_way_from_depth(vec2 at, float depth)
+{
+    mat4 m     = vxs_frame.point_from_depth;
+    vec3 eye   = vxs_frame.eye_far.xyz;
+    mat3 way   = mat3(m[0].xyz - eye * m[0].w, m[1].xyz - eye * m[1].w, m[2].xyz - eye * m[2].w);
+    vec4 place = vec4(at, depth, 1.0);
+    return (way * place.xyz + (m[3].xyz - eye * m[3].w)) / dot(vec4(m[0].w, m[1].w, m[2].w, m[3].w), place);
+}
+
 /* The direction of a pixel's eye ray, of length 1; metres: to what is seen there. Depths that are no place end the ray at the far bound. */
 vec3 vxs_eye_ray(ivec2 pixel, out float metres)
 {
     float depth = texelFetch(vxs_depths, pixel, 0).r;
     vec2  at    = (vec2(pixel) + 0.5) / vxs_frame.sizes.xy;
-    vec4  point = vxs_frame.point_from_depth * vec4(at, depth, 1.0);
-    vec3  way   = point.xyz / point.w - vxs_frame.eye_far.xyz;
+    vec3  way   = vxs_way_from_depth(at, depth);
     float far   = dot(way, way);
     bool  seen  = depth != vxs_frame.sizes.z && far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST;
     metres      = seen ? min(sqrt(far), vxs_frame.eye_far.w) : vxs_frame.eye_far.w;
     if (seen) return way / sqrt(far);
     for (float part = 0.5; part < 1.0; part += 0.125) { /* a pixel's direction does not depend on its depth, but not each depth is a place */
-        point = vxs_frame.point_from_depth * vec4(at, part, 1.0);
-        way   = point.xyz / point.w - vxs_frame.eye_far.xyz;
-        far   = dot(way, way);
+        way = vxs_way_from_depth(at, part);
+        far = dot(way, way);
         if (far > 0.0 && far < VXS_FAR_MOST * VXS_FAR_MOST) return way / sqrt(far);
     }
     metres = 0.0;
