@@ -217,6 +217,28 @@ VXS_FN vxs_u32 vxs_depths_lowest(vxs_u32 bits)
 #endif
 }
 
+/* The highest of 16 bits that are not all 0. */
+VXS_FN vxs_u32 vxs_depths_highest(vxs_u32 bits)
+{
+#if defined(VXS_C) && defined(__GNUC__)
+    return 31u - VXS_U(__builtin_clz(bits));
+#else
+    bits |= bits >> 1;
+    bits |= bits >> 2;
+    bits |= bits >> 4;
+    bits |= bits >> 8;
+    return vxs_popcount(bits) - 1u;
+#endif
+}
+
+/* Entry n of a tile's palette, held. */
+VXS_INLINE vxs_i32 vxs_depths_of_entry(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_u32 n)
+{
+    vxs_i32 entry =
+        vxs_depths_entry(blocks, VXS_FIELD(r, palette), VXS_FIELD(r, palette_half), VXS_FIELD(r, width), VXS_FIELD(r, shift), n);
+    return vxs_depths_held(VXS_FIELD(r, base) + entry, VXS_FIELD(r, low), VXS_FIELD(r, high));
+}
+
 /* The depth that has an index, up to that of the last; indices that a palette does not have are those of its last. */
 VXS_INLINE vxs_i32 vxs_depths_of_index(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_u32 index)
 {
@@ -229,9 +251,7 @@ VXS_INLINE vxs_i32 vxs_depths_of_index(VXS_WORDS blocks, VXS_DEPTHS_TILE r, vxs_
         }
         n = vxs_depths_lowest(used);
     }
-    vxs_i32 entry =
-        vxs_depths_entry(blocks, VXS_FIELD(r, palette), VXS_FIELD(r, palette_half), VXS_FIELD(r, width), VXS_FIELD(r, shift), n);
-    return vxs_depths_held(VXS_FIELD(r, base) + entry, VXS_FIELD(r, low), VXS_FIELD(r, high));
+    return vxs_depths_of_entry(blocks, r, n);
 }
 
 /* Of a plane, what is added to the base at a texel: what of vxs_blocks_plane_texel is the least k that it is shadowed at. */
@@ -257,8 +277,9 @@ VXS_INLINE vxs_depths_bounds vxs_depths_bound(VXS_WORDS blocks, VXS_DEPTHS_TILE 
     vxs_u32           kind = VXS_FIELD(r, tile).kind;
     vxs_i32           low = VXS_FIELD(r, low), high = VXS_FIELD(r, high);
     if (VXS_FIELD(r, indexed) != 0u) {
-        b.least    = vxs_depths_of_index(blocks, r, 0u);
-        b.greatest = vxs_depths_of_index(blocks, r, VXS_FIELD(r, last));
+        vxs_u32 used = VXS_FIELD(r, used);
+        b.least      = vxs_depths_of_entry(blocks, r, used != 0u ? vxs_depths_lowest(used) : 0u);
+        b.greatest   = vxs_depths_of_entry(blocks, r, used != 0u ? vxs_depths_highest(used) : VXS_FIELD(r, last));
         return b;
     }
     b.least    = vxs_depths_held(VXS_FIELD(r, base), low, high);

@@ -208,23 +208,22 @@ VXS_INLINE vxs_i32 vxs_walk_floor(vxs_real coordinate)
     return VXS_REAL(n) > coordinate ? n - 1 : n;
 }
 
-/* The texel of a place of a map's space, across or down, where that is `along` away from the light. What rounding leads out of the map is
- * held in it. */
-VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, vxs_i32 origin, vxs_real across, vxs_real along)
+/* The texel of the ray at t, across or down, where it is `along` away from the light: rounding may lead it out of the map. */
+VXS_INLINE vxs_i32 vxs_walk_texel(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t, vxs_real along)
 {
-    if (vxs_walk_is_sun(light) != 0) return vxs_clamp(origin + vxs_walk_floor(across), 0, vxs_walk_side(light) - 1);
-    along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
-    return vxs_clamp(vxs_walk_floor(vxs_lamp_coordinate(light, across, along)), 0, vxs_walk_side(light) - 1);
+    vxs_real at = VXS_FIELD(w, p)[axis] + VXS_FIELD(w, d)[axis] * t;
+    if (vxs_walk_is_sun(light) != 0) return VXS_FIELD(w, origin)[axis] + vxs_walk_floor(at);
+    return vxs_walk_floor(vxs_lamp_coordinate(light, at, along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN)));
 }
 
-/* And its depth, in voxels. */
-VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, vxs_i32 origin, vxs_real along)
+/* And its depth, in voxels, `along` away. */
+VXS_INLINE vxs_i32 vxs_walk_depth(VXS_LIGHT light, VXS_WALK w, vxs_real along)
 {
     if (vxs_walk_is_sun(light) == 0) {
         along = along > VXS_REAL_MIN ? along : VXS_REAL(VXS_REAL_MIN);
         return vxs_walk_floor(log(along / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres));
     }
-    vxs_i32 k = origin + vxs_walk_floor(along);
+    vxs_i32 k = VXS_FIELD(w, origin)[2] + vxs_walk_floor(along);
     return (VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u ? vxs_clamp(k, 0, vxs_walk_side(light) - 1) : k;
 }
 
@@ -269,9 +268,10 @@ VXS_FN vxs_real vxs_walk_within(VXS_LIGHT light, VXS_WALK w, vxs_real first, vxs
 VXS_FN void vxs_walk_place(VXS_LIGHT light, VXS_WALK w, vxs_real t)
 {
     vxs_real z             = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
-    VXS_FIELD(w, voxel)[0] = vxs_walk_texel(light, VXS_FIELD(w, origin)[0], VXS_FIELD(w, p)[0] + VXS_FIELD(w, d)[0] * t, z);
-    VXS_FIELD(w, voxel)[1] = vxs_walk_texel(light, VXS_FIELD(w, origin)[1], VXS_FIELD(w, p)[1] + VXS_FIELD(w, d)[1] * t, z);
-    VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, VXS_FIELD(w, origin)[2], z);
+    vxs_i32  last          = vxs_walk_side(light) - 1;
+    VXS_FIELD(w, voxel)[0] = vxs_clamp(vxs_walk_texel(light, w, 0, t, z), 0, last);
+    VXS_FIELD(w, voxel)[1] = vxs_clamp(vxs_walk_texel(light, w, 1, t, z), 0, last);
+    VXS_FIELD(w, voxel)[2] = vxs_walk_depth(light, w, z);
 }
 
 /* Into the map behind a cut: its space, the voxel there, and which way each coordinate goes. Of a lamp u is x / z: its way is the sign of
@@ -335,8 +335,8 @@ VXS_INLINE vxs_real vxs_walk_cross_depth(VXS_LIGHT light, VXS_WALK w, vxs_i32 bo
 /* A coordinate that comes from rounding: held in [first, end), and not turned back. */
 VXS_FN vxs_i32 vxs_walk_on(vxs_i32 was, vxs_i32 at, vxs_i32 way, vxs_i32 first, vxs_i32 end)
 {
-    vxs_i32 on = vxs_clamp(at, first, end - 1);
-    return way * (on - was) > 0 ? on : was;
+    if (way > 0) return vxs_clamp(at, was, end - 1);
+    return way < 0 ? vxs_clamp(at, first, was) : was;
 }
 
 /* From t to where a box is left, but not beyond the cut. */
@@ -364,14 +364,17 @@ VXS_FN void vxs_walk_leave(VXS_LIGHT light, VXS_WALK w, vxs_box box)
     }
     VXS_FIELD(w, t) = first;
     if (through < 0) return;
-    vxs_i32 was_i = VXS_FIELD(w, voxel)[0], was_j = VXS_FIELD(w, voxel)[1], was_k = VXS_FIELD(w, voxel)[2];
-    vxs_walk_place(light, w, first);
-    VXS_FIELD(w, voxel)[0] = vxs_walk_on(was_i, VXS_FIELD(w, voxel)[0], u, box.i, end_i);
-    VXS_FIELD(w, voxel)[1] = vxs_walk_on(was_j, VXS_FIELD(w, voxel)[1], v, box.j, end_j);
-    VXS_FIELD(w, voxel)[2] = vxs_walk_on(was_k, VXS_FIELD(w, voxel)[2], k, box.near, box.far);
-    if (through == 0) VXS_FIELD(w, voxel)[0] = u > 0 ? end_i : box.i - 1;
-    if (through == 1) VXS_FIELD(w, voxel)[1] = v > 0 ? end_j : box.j - 1;
-    if (through == 2) VXS_FIELD(w, voxel)[2] = k > 0 ? box.far : box.near - 1;
+    vxs_real z = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * first;
+    vxs_i32  i = VXS_FIELD(w, voxel)[0], j = VXS_FIELD(w, voxel)[1], depth = VXS_FIELD(w, voxel)[2];
+    i = through == 0 ? (u > 0 ? end_i : box.i - 1) : vxs_walk_on(i, vxs_walk_texel(light, w, 0, first, z), u, box.i, end_i);
+    j = through == 1 ? (v > 0 ? end_j : box.j - 1) : vxs_walk_on(j, vxs_walk_texel(light, w, 1, first, z), v, box.j, end_j);
+    if (through == 2)
+        depth = k > 0 ? box.far : box.near - 1;
+    else
+        depth = vxs_walk_on(depth, vxs_walk_depth(light, w, z), k, box.near, box.far);
+    VXS_FIELD(w, voxel)[0] = i;
+    VXS_FIELD(w, voxel)[1] = j;
+    VXS_FIELD(w, voxel)[2] = depth;
 }
 
 /* Before the map all texels are lit: near a lamp theirs would be rounding noise. */
@@ -439,9 +442,9 @@ VXS_FN vxs_box vxs_walk_box_in(VXS_LIGHT light, VXS_SQUARE s, vxs_i32 k)
 VXS_INLINE void vxs_walk_into_next(VXS_LIGHT light, VXS_WALK w, vxs_i32 axis, vxs_real t)
 {
     vxs_i32  other = 1 - axis, i = VXS_FIELD(w, voxel)[other], way = VXS_FIELD(w, way)[other];
-    vxs_real z  = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
-    vxs_i32  at = vxs_walk_texel(light, VXS_FIELD(w, origin)[other], VXS_FIELD(w, p)[other] + VXS_FIELD(w, d)[other] * t, z);
-    vxs_i32  u  = VXS_FIELD(w, voxel)[axis];
+    vxs_real z                 = VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * t;
+    vxs_i32  at                = vxs_walk_texel(light, w, other, t, z);
+    vxs_i32  u                 = VXS_FIELD(w, voxel)[axis];
     VXS_FIELD(w, voxel)[other] = vxs_walk_on(i, at, way, i & ~7, (i & ~7) + 8);
     VXS_FIELD(w, voxel)[axis]  = VXS_FIELD(w, way)[axis] > 0 ? (u | 7) + 1 : (u & ~7) - 1;
 }
@@ -462,7 +465,7 @@ VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
     vxs_real across = u < v ? u : v, last = across < cut ? across : cut;
     vxs_i32  k_last = k, state;
     if (way != 0) {
-        k_last = vxs_walk_depth(light, VXS_FIELD(w, origin)[2], VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * last);
+        k_last = vxs_walk_depth(light, w, VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * last);
         k_last = way * (k_last - k) > 0 ? k_last : k;
     }
     vxs_i32 nearest = vxs_walk_in_map(light, way > 0 ? k : k_last), farthest = vxs_walk_in_map(light, way > 0 ? k_last : k);
