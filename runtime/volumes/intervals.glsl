@@ -10,6 +10,9 @@ void main()
     vec3         direction = vxs_eye_ray(pixel, metres), sum = vec3(0.0), air;
     vxs_medium   medium = vxs_frame_medium();
     vxs_air_path path = vxs_eye_path(direction, metres);
+    /* behind VXS_AIR_DEPTH_MAX units of optical depth nothing is seen */
+    float        thin = min(medium.extinction.x, min(medium.extinction.y, medium.extinction.z));
+    if (thin * (path.end - path.begin) > VXS_AIR_DEPTH_MAX) path.end = path.begin + VXS_AIR_DEPTH_MAX / thin;
     if (!(path.end > path.begin)) return;
     vxs_walk     w = vxs_walk_of(vxs_frame.light, vxs_frame.eye_far.xyz, direction, path.begin, path.end);
     vxs_span     span;
