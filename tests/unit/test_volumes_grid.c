@@ -22,13 +22,6 @@
 
 enum { RESOLUTION = 256, WIDE = 48, HIGH = 40, PIXELS = WIDE * HIGH };
 
-static const vxs_medium haze = {{0.03, 0.035, 0.04}, {0.04, 0.045, 0.05}, 0.4};
-
-/* The point light off screen, in view, beside the eye, behind it; the same of the others. */
-static const double eyes[][3]  = {{9, 3, 1}, {-4, 6, 9}, {0.4, 1.5, 0}, {-8, 0.5, -8}, {4, 2.6, 1}};
-static const double looks[][3] = {{0, 2, 0}, {0, 1, 0}, {5, 1.6, 2}, {0.5, 2.5, -0.3}, {9, 2.5, 2.1}};
-enum { CAMERAS = sizeof eyes / sizeof *eyes };
-
 /* tests ---------------------------------------------------------------------------------------------------------------------------- */
 
 /* Both scans are the serial one, bit for bit, of any number of texels in a segment, and touch nothing beside them. */
