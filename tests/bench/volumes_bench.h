@@ -80,7 +80,7 @@ typedef struct cell {
 /* Make each cell ready.   cells [CELLS_MAX], count [in, out] */
 void volumes_open_cells(bench *b, cell *cells, size_t *count);
 
-/* Draw all of them in turn, round after round. */
+/* Draw all of them in turn, round after round; those that take over a second, in three. */
 vxs_result volumes_time_cells(bench *b, cell *cells, size_t count, message *m);
 
 /* Hold what a cell draws, from each camera, against what is wanted. */
