@@ -102,8 +102,9 @@ def settings_to_tell(settings):
     is_front = lambda cells: any(c and c["front"] for c in cells)
     told = []
     for name in dict.fromkeys(name for name, _, _ in settings):
-        mine = [key for key in settings if key[0] == name and any(settings[key])]
-        told += [key for key in mine if is_front(settings[key])] or sorted(mine, key=lambda key: behind(settings[key]))[:1]
+        mine = [key for key in settings if key[0] == name]
+        drawn = sorted(filter(lambda key: any(settings[key]), mine), key=lambda key: behind(settings[key]))
+        told += [key for key in mine if is_front(settings[key])] or drawn[:1] or mine[:1]
     return told
 
 
@@ -141,6 +142,8 @@ def main():
     for folder in (pathlib.Path(args.folder), plots):
         folder.mkdir(parents=True, exist_ok=True)
     scenes = [s for s in (measured(args, *scene) for scene in SCENES if scene[0].startswith(args.only)) if s]
+    if not scenes:
+        parser.exit(1, f"no scene is there whose name begins with '{args.only}'\n")
     machine = [s.pop("machine") for s in scenes]
     args.json.write_text(json.dumps({"machine": machine[0], "scenes": scenes}, indent=2) + "\n")
     subprocess.run([args.build / "vxs", "report", args.json, "-o", args.json.with_suffix(".html"), "--force"], check=True)
