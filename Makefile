@@ -155,6 +155,7 @@ $B/tests/bench/rivals: test_libs := -lz -lOSMesa
 $B/tests/bench/volumes: $(volumes_bench.o)
 $B/tests/bench/volumes $B/tests/bench/smoke: $(reference.o)
 $B/tests/bench/volumes $B/tests/bench/smoke: test_libs := -lOSMesa -lgsl -lgslcblas
+$B/tests/bench/area: test_libs := -lOSMesa
 $B/vxs $(mpi) $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)

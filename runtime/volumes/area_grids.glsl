@@ -25,7 +25,7 @@ int eye_lit(uint lamp)
 void main()
 {
     int           bit = int(gl_GlobalInvocationID.x), row = int(gl_GlobalInvocationID.y);
-    uint          lamp = gl_GlobalInvocationID.z;
+    uint          lamp = gl_WorkGroupID.z;
     vxs_epipolar  space = vxs_area_space(lamp);
     vxs_grid_size size = vxs_grid_size(vxs_area.lamps[lamp].size.x, vxs_area.lamps[lamp].size.y, vxs_area.lamps[lamp].size.z);
     if (bit >= size.bits || row >= size.rows) return;
