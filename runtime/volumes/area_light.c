@@ -49,8 +49,7 @@ static vxs_result make(vxs_area_light *light, int takes_maps)
     light->irradiance = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
     if (!light->buffer || !light->gathered || !light->irradiance) return VXS_E_MEMORY;
     v->api.ClearTexImage(light->irradiance, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
-    vxs_shadow_grid_desc grid = {
-        .columns = (uint32_t)light->size.columns, .rows = (uint32_t)light->size.rows, .bits = AREA_BITS};
+    vxs_shadow_grid_desc grid = {.columns = (uint32_t)light->size.columns, .rows = (uint32_t)light->size.rows, .bits = AREA_BITS};
     return takes_maps ? vxs_shadow_grid_create(&light->exact, v, &grid) : VXS_OK;
 }
 

@@ -83,7 +83,7 @@ static vxs_result open_gl(area_bench *b, message *m)
                              .log              = say};
     if ((r = vxs_volumes_create(&b->volumes, &desc)) != VXS_OK) return fail(m, r, "no fog: %s", vxs_result_text(r));
     vxs_light_map_desc   map  = {.side_px = 128};
-    vxs_shadow_grid_desc grid = {128, 128, 128, 0};
+    vxs_shadow_grid_desc grid = {.columns = 128, .rows = 128, .bits = 128};
     vxs_area_light_desc  all = {0}, one = {.lamps = 1};
     if ((r = vxs_light_map_create(&b->map, b->volumes, &map)) != VXS_OK ||
         (r = vxs_shadow_grid_create(&b->grid, b->volumes, &grid)) != VXS_OK ||

@@ -352,34 +352,54 @@ static void test_surfaces_and_less(void **state)
     }
 }
 
-/* Light at places behind a wall, all lamps of which it hides, of what there would be without it. */
+/* Another view in the same context, with a light of its own. */
+static volumes_scene large_view(uint32_t width_px, uint32_t height_px, vxs_area_light **its_light, GLuint *its_normals)
+{
+    volumes_scene             s     = scene;
+    const vxs_area_light_desc small = {.lamps = 16, .side_px = SIDE, .columns = COLUMNS, .rows = ROWS};
+    vxs_volumes_desc          desc  = {
+                  .get_proc_address = scene_function, .shadows = s.shadows, .width_px = width_px, .height_px = height_px};
+    s.width_px  = width_px;
+    s.height_px = height_px;
+    assert_int_equal(vxs_volumes_create(&s.volumes, &desc), VXS_OK);
+    assert_int_equal(vxs_area_light_create(its_light, s.volumes, &small), VXS_OK);
+    s.gl->CreateTextures(GL_TEXTURE_2D, 1, &s.depths);
+    s.gl->TextureStorage2D(s.depths, 1, GL_R32F, (GLsizei)width_px, (GLsizei)height_px);
+    s.gl->CreateTextures(GL_TEXTURE_2D, 1, its_normals);
+    s.gl->TextureStorage2D(*its_normals, 1, GL_RGBA32F, (GLsizei)width_px, (GLsizei)height_px);
+    return s;
+}
+
+/* Light at places behind a wall, which hides all lamps from them, of what they would have without it. */
 static void test_leaks(void **state)
 {
     (void)state;
-    enum { COUNT = 16, POINTS_OF_WALL = 20000 };
+    enum { COUNT = 16, POINTS_OF_WALL = 20000, PLACES_WIDE = 128, PLACES_HIGH = 80, PLACES = PLACES_WIDE * PLACES_HIGH };
     static const float       wall[12]   = {-4, -4, 1.5F, 4, -4, 1.5F, 4, 4, 1.5F, -4, 4, 1.5F};
     static const uint32_t    corners[6] = {0, 1, 2, 0, 2, 3};
     static const double      eye[3] = {7, 1, 14}, to[3] = {0, 0, 5};
     const vxs_area_rectangle screen = {{-1, -0.5F, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 1}, NULL, 0, 0};
     static vxs_area_point    of_wall[POINTS_OF_WALL];
-    static float             depths[PIXELS], normal[4 * PIXELS], found[2][4 * PIXELS], pixels[4 * PIXELS];
+    static float             depths[PLACES], normal[4 * PLACES], found[2][4 * PLACES];
+    vxs_area_light          *its;
     vxs_area_lamp            lamps[COUNT];
     rng                      r = {3};
-    GLuint                   buffer;
+    GLuint                   buffer, to_normals;
     double                   leaked = 0;
     uint32_t                 asked = 0, leaks = 0;
+    volumes_scene            s = large_view(PLACES_WIDE, PLACES_HIGH, &its, &to_normals);
     assert_int_equal(vxs_area_sample(&screen, VXS_AREA_HALTON, 0, lamps, COUNT), VXS_OK);
-    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    assert_int_equal(vxs_area_light_set(its, lamps, COUNT), VXS_OK);
     assert_true(vxs_area_scatter(wall, corners, 2, of_wall, POINTS_OF_WALL) > 63);
-    scene.gl->GenBuffers(1, &buffer);
-    scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-    scene.gl->BufferData(GL_SHADER_STORAGE_BUFFER, sizeof of_wall, of_wall, GL_STATIC_DRAW);
+    s.gl->GenBuffers(1, &buffer);
+    s.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    s.gl->BufferData(GL_SHADER_STORAGE_BUFFER, sizeof of_wall, of_wall, GL_STATIC_DRAW);
     volumes_camera    c     = camera_at(eye, to, 0.5);
-    vxs_volumes_frame frame = scene_frame(&scene, &c, &haze, 1e30, 60, NULL);
+    vxs_volumes_frame frame = scene_frame(&s, &c, &haze, 1e30, 60, NULL);
     while (asked < repeats(10000, 1000000)) {
-        for (uint32_t n = 0; n < PIXELS; n++) {
+        for (uint32_t n = 0; n < PLACES; n++) {
             double direction[3], at[3], metres;
-            camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
+            camera_ray(&s, &c, n % PLACES_WIDE, n / PLACES_WIDE, direction);
             do { /* behind the wall, and in the shadow of each lamp */
                 metres = uniform(&r, 1, 16);
                 for (int i = 0; i < 3; i++) at[i] = eye[i] + metres * direction[i];
@@ -387,14 +407,15 @@ static void test_leaks(void **state)
             depths[n]         = (float)(NEAR_METRES / (metres * dot(direction, c.forward)));
             normal[4 * n + 2] = -1;
         }
-        scene.gl->TextureSubImage2D(scene.depths, 0, 0, 0, WIDE, HIGH, GL_RED, GL_FLOAT, depths);
-        scene.gl->TextureSubImage2D(normals, 0, 0, 0, WIDE, HIGH, GL_RGBA, GL_FLOAT, normal);
+        s.gl->TextureSubImage2D(s.depths, 0, 0, 0, PLACES_WIDE, PLACES_HIGH, GL_RED, GL_FLOAT, depths);
+        s.gl->TextureSubImage2D(to_normals, 0, 0, 0, PLACES_WIDE, PLACES_HIGH, GL_RGBA, GL_FLOAT, normal);
         for (uint32_t there = 0; there < 2; there++) {
-            assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, there * POINTS_OF_WALL, 0}), VXS_OK);
-            draw(&frame, &(vxs_area_look){.normal_texture = normals}, pixels);
-            scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof *found, found[there]);
+            assert_int_equal(vxs_area_light_cast(its, &(vxs_area_casters){buffer, there * POINTS_OF_WALL, 0}), VXS_OK);
+            assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+            assert_int_equal(vxs_volumes_area(s.volumes, its, &(vxs_area_look){.normal_texture = to_normals}), VXS_OK);
+            s.gl->GetTextureImage(vxs_area_light_irradiance(its), 0, GL_RGBA, GL_FLOAT, sizeof *found, found[there]);
         }
-        for (uint32_t n = 0; n < PIXELS; n++) {
+        for (uint32_t n = 0; n < PLACES; n++) {
             assert_true(found[0][4 * n] > 0);
             double part = (double)found[1][4 * n] / (double)found[0][4 * n];
             leaked += part;
@@ -405,6 +426,8 @@ static void test_leaks(void **state)
     print_message("%u places behind a wall: %.2f %% of the light, 1 %% of it and more at %u places\n", asked, 100 * leaked / asked,
                   leaks);
     assert_true(leaked < 0.01 * asked && leaks < asked / 100);
+    vxs_area_light_destroy(its);
+    vxs_volumes_destroy(s.volumes);
 }
 
 /* Cameras, lamps, points and media at random: nothing that is drawn is no number, or negative. */
