@@ -196,9 +196,15 @@ $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags +=
 $B/baker/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2
 $B/baker/mend/mesh_hole.cc.o $B/baker/gltf/gltf_parse.cc.o: cxxflags += $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
 
+# most of what a file of the loader takes to compile is these headers, which are read once; each includes them first (gcc's rule)
+gltf.o   := $(patsubst %,$B/%.o,$(filter-out %/gltf_parse.cc,$(wildcard baker/gltf/*.cc)))
+gltf.gch := $B/baker/gltf/gltf_loader.h.gch
+$(gltf.o): cxxflags += -iquote $B
+$(gltf.o): $(gltf.gch)
+
 # the command's objects are those of a shared library, too, and of an archive, in which gcc's unique names cannot be hidden
 $(baker.o) $(library.o): cflags += $(pic)
-$(baker.o) $(library.o): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
+$(baker.o) $(library.o) $(gltf.gch): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
 $B/%.c.avx2.o: cflags += -mavx2
 $B/%.c.avx512.o: cflags += -mavx512f -mavx512bw -mavx512dq -mavx512vl
 define compile
@@ -212,9 +218,14 @@ $B/%.c.avx2.o: %.c
 $B/%.c.avx512.o: %.c
 	$(compile)
 
-$B/%.cc.o: %.cc
+define compile_cxx
 	@echo "  c++  $<"
-	$Q mkdir -p $(@D) && $(CXX) $(cxxflags) $(CPPFLAGS) $(CXXFLAGS) -c $< -o $@
+	$Q mkdir -p $(@D) && $(CXX) $(cxxflags) $(CPPFLAGS) $(CXXFLAGS) $1 -c $< -o $@
+endef
+$B/%.cc.o: %.cc
+	$(call compile_cxx)
+$(gltf.gch): $B/%.gch: %
+	$(call compile_cxx,-x c++-header)
 
 $(filter-out %/chart.min.js.o,$(embedded)) $(shader): $B/%.o: %
 $B/baker/report/chart.min.js.o: $(CHART_JS)
@@ -228,7 +239,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 ifneq ($(filter demo check check-fast check-unit check-repeats check-tsan bench deb packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
-$(objects): | packages # nothing is compiled before the headers are there
+$(objects) $(gltf.gch): | packages # nothing is compiled before the headers are there
 endif
 
 # `make demo` compiles no tests, and needs none of their packages
@@ -314,4 +325,4 @@ format:
 clean:
 	$(RM) -r build
 
--include $(objects:.o=.d)
+-include $(objects:.o=.d) $(gltf.gch:.gch=.d)

@@ -1,7 +1,8 @@
 /* Buffers and bufferViews (3.6.1), and files beside the scene.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "baker/files/run_files.h"
 #include "baker/gltf/gltf_loader.h"
+
+#include "baker/files/run_files.h"
 
 namespace gltf
 {
