@@ -61,7 +61,7 @@ static block_words words_of_maps(uint32_t levels, uint32_t map_count, map_kind k
 }
 
 /* Words of several pages, with a common pool: rows of noise, some of which come again, half a node lower. */
-static block_words words_of_pages(void)
+static block_words make_words_of_pages(void)
 {
     enum { SIDE = 1024, PERIOD = 384 };
     depth_maps  d = random_maps(SIDE, SIDE, MAPS_NOISE, 3);
@@ -73,6 +73,18 @@ static block_words words_of_pages(void)
     depth_maps_free(&d);
     assert_true(w.words[0] > 4 && w.common_count > 10);
     return w;
+}
+
+/* Made once: each test that asks gets a copy of its own. */
+static block_words words_of_pages(void)
+{
+    static block_words made;
+    if (!made.words) made = make_words_of_pages();
+    block_words copy  = made;
+    size_t      bytes = (made.count + VXS_BLOCKS_SPARE_WORDS) * sizeof *made.words;
+    copy.words        = memcpy(malloc(bytes), made.words, bytes);
+    copy.common_kinds = memcpy(malloc(made.common_count), made.common_kinds, made.common_count);
+    return copy;
 }
 
 /* A sun, or a lamp of six maps. */

@@ -282,7 +282,7 @@ static void test_random_paths(void **state)
     stream_tally tally = {0};
     uint32_t     left  = 0;
     uint64_t     least = stream_least_budget(stream_desc_of(&sample, 0));
-    for (uint32_t n = 0; n < repeats(60, 1000); n++)
+    for (uint32_t n = 0; n < repeats(30, 1000); n++)
         check_path(n % 10 ? least + (uint64_t)n % 7 * 150000 : least - 1 - n, n, &tally, &left);
     assert_in_range(tally.full, 1000, UINT32_MAX);
     assert_in_range(tally.other, 1000, UINT32_MAX);
@@ -434,9 +434,9 @@ static void test_no_thrash(void **state)
     (void)state;
     uint32_t late = 0, full = 0;
     uint64_t least = stream_least_budget(stream_desc_of(&sample, 0));
-    for (uint64_t seed = 0; seed < 100; seed++) check_sway(least, seed, &late, &full);
+    for (uint64_t seed = 0; seed < repeats(40, 100); seed++) check_sway(least, seed, &late, &full);
     assert_int_equal(late, 0);
-    assert_in_range(full, 30, 100);
+    assert_in_range(full, repeats(12, 30), 100);
 }
 
 /* lights -------------------------------------------------------------------------------------------------------------------------- */
@@ -500,7 +500,7 @@ static void test_many_lights(void **state)
     for (int n = 0; n < FILES; n++) {
         vxs_stream_status status = stream_fill(streams[n], &stream_all);
         assert_int_equal(status.pages_resident, LIGHTS);
-        for (int k = 0; k < 2000; k++) {
+        for (int k = 0; k < (int)repeats(400, 2000); k++) {
             const vxs_baked_light *light = vxs_stream_light(streams[n], rng_below(&r, LIGHTS)), *full = vxs_asset_light(asset, 0);
             double                 point[3];
             stream_random_point(&full->light, &r, point);

@@ -263,7 +263,7 @@ static void test_wild_foci(void **state)
     uint32_t            some = 0, none = 0;
     on_disk_make(&d);
     assert_int_equal(vxs_stream_open(&stream, &d.desc), VXS_OK);
-    for (int n = 0; n < 3000; n++) {
+    for (int n = 0; n < (int)repeats(1000, 3000); n++) {
         vxs_stream_focus  foci[2]   = {stream_all, stream_all};
         vxs_stream_status status    = {.struct_size = sizeof status};
         double           *fields[8] = {&foci[1].min_ws[0], &foci[1].min_ws[1], &foci[1].min_ws[2],     &foci[1].max_ws[0],
