@@ -7,6 +7,7 @@
 #include "blocks_sample.h"
 #include "dag_sample.h"
 #include "random_lamp.h"
+#include "repeats.h"
 #include "runtime/vxs.h"
 #include "smooth_box.h"
 
@@ -215,7 +216,7 @@ static void check_places(subject *s, rng *r)
 {
     for (int map = 0; map < s->maps; map++) {
         if (s->asset) dag_sample_show(&s->dag, (uint32_t)map);
-        for (int n = 0; n < 9000 / s->maps; n++) {
+        for (int n = 0; n < (int)repeats(3000, 9000) / s->maps; n++) {
             int    filter_px = n % 3 ? any_filter[n % FILTERS] : (int)rng_u32(r);
             double at[3], point[3];
             tricky_place(s, r, map, at, point);
@@ -236,9 +237,9 @@ static void test_filters_and_borders(void **state)
     (void)state;
     asked = outside = partly = 0;
     for_all_subjects(check_places);
-    assert_in_range(asked, 250000, 270000);
-    assert_in_range(outside, 10000, 100000);
-    assert_in_range(partly, 40000, 250000);
+    assert_in_range(asked, repeats(83000, 250000), repeats(90000, 270000));
+    assert_in_range(outside, repeats(3300, 10000), 100000);
+    assert_in_range(partly, repeats(13000, 40000), 250000);
 }
 
 /* Along an axis of a sun, a step as runtime/vxs.h says: half of the filter's odd width, as long as the normal, in whole voxels. */
@@ -253,7 +254,7 @@ static double step_along(double n, int filter_px)
 static void check_normals(subject *s, rng *r)
 {
     static const double lengths[] = {0, -0.0, 1e-300, 1e-6, 0.2, 1, 5, 100, 1e30, 1e300};
-    for (int n = 0; n < 3000; n++) {
+    for (int n = 0; n < (int)repeats(1000, 3000); n++) {
         int    filter_px = any_filter[rng_below(r, FILTERS)], map = 0;
         double at[3], point[3], normal[3], none[3] = {0.6, 0, 0.8}, length = lengths[rng_below(r, 10)];
         if (s->asset) dag_sample_show(&s->dag, 0);
@@ -287,7 +288,7 @@ static void test_normals(void **state)
     (void)state;
     asked = 0;
     for_all_subjects(check_normals);
-    assert_in_range(asked, 10000, 100000);
+    assert_in_range(asked, repeats(3300, 10000), 100000);
 }
 
 static void check_points(subject *s, rng *r)

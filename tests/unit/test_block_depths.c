@@ -56,7 +56,7 @@ static void check_map(const blocks_sample *s, rng *r, uint32_t map)
     uint32_t         wide = s->squares_wide, side = 1u << s->levels, tiles = side < 256 ? side / 8 : 32;
     vxs_block_cursor cursor = {0};
     for (uint32_t n = 0; n < wide * wide; n++) {
-        if (s->map[map][n] >= 0 && rng_below(r, 64)) continue;
+        if (s->map[map][n] >= 0 && rng_below(r, wide < 64 ? 64 : repeats(2048, 64))) continue;
         for (uint32_t t = 0; t < tiles * tiles; t++)
             check_tile(s, &cursor, map, (int32_t)(n % wide * 32 + t % tiles), (int32_t)(n / wide * 32 + t / tiles));
         for (uint32_t count = 0; count < repeats(60, 3000); count++) {

@@ -108,14 +108,15 @@ static column_map islet_map(islet *s)
 
 /* a light of depth maps ---------------------------------------------------------------------------------------------------------- */
 
-/* Every column of the maps: beside both of its depths, at both ends, and somewhere between.
+/* Every column of the maps, or a third of each row: beside both of its depths, at both ends, and somewhere between.
  * u, v  where the maps lie in map `map` of 2^levels texels */
 static void assert_columns(const block_words *w, uint32_t map, uint32_t levels, const depth_maps *d, uint32_t u, uint32_t v)
 {
-    rng      r     = {5};
-    uint64_t wrong = 0;
+    rng            r     = {5};
+    uint64_t       wrong = 0;
+    const uint32_t step  = repeats(3, 1);
     for (uint32_t j = 0; j < d->side_px; j++)
-        for (uint32_t i = 0; i < d->side_px; i++) {
+        for (uint32_t i = j % step; i < d->side_px; i += step) {
             size_t   n    = (size_t)j * d->side_px + i;
             uint32_t last = d->depth_vx - 1, enter = (uint32_t)(d->enter[n] * (float)last),
                      exit = (uint32_t)(d->exit[n] * (float)last);
@@ -226,10 +227,11 @@ static void threads_and_fetches(void **state)
         column_map  m    = depth_maps_map(&d);
         block_words once, again;
         assert_int_equal(build_words(&once, &m, 1, 1), VXS_OK);
-        for (uint32_t fetch = block_square_side(side); fetch <= side; fetch *= 2) {
+        uint32_t first = 0; /* each size of a fetch with one count of threads, or all */
+        for (uint32_t fetch = block_square_side(side); fetch <= side; fetch *= 2, first++) {
             islet      s    = {.maps = &d, .side_px = side, .fetch_px = fetch};
             column_map part = islet_map(&s);
-            for (int t = 0; t < 3; t++) {
+            for (uint32_t t = repeats(first % 3, 0); t < 3; t += repeats(3, 1)) {
                 assert_int_equal(build_words(&again, &part, 1, threads[t]), VXS_OK);
                 assert_int_equal(once.count, again.count);
                 assert_memory_equal(once.words, again.words, once.count * sizeof *once.words);
@@ -409,7 +411,7 @@ static void piercing(void **state)
 {
     (void)state;
     rng r = {1};
-    for (int round = 0; round < 3000; round++) {
+    for (uint32_t round = 0; round < repeats(1000, 3000); round++) {
         intervals    s = {.count = 1 + (int)rng_below(&r, round % 2 ? 40 : 1040)};
         int16_t      low[1040], high[1040];
         pierce_group groups[1040];
@@ -440,7 +442,7 @@ static void needs_of_tiles(void **state)
 {
     (void)state;
     rng r = {2};
-    for (int round = 0; round < 3000; round++) {
+    for (uint32_t round = 0; round < repeats(1000, 3000); round++) {
         int16_t points[PALETTE_MAX], low[64], high[64], first[64], last[64];
         int     count = 1 + (int)rng_below(&r, PALETTE_MAX);
         for (int n = 0, at = 0; n < count; n++) points[n] = (int16_t)(at += 1 + (int)rng_below(&r, round % 2 ? 4 : 2000));
@@ -472,7 +474,7 @@ static void axes_keep_order(void **state)
 {
     (void)state;
     rng r = {1};
-    for (int round = 0; round < 200; round++) {
+    for (uint32_t round = 0; round < repeats(60, 200); round++) {
         depth_axis a;
         int16_t    codes[200];
         int32_t    ends[200], *low = ends, *high = ends + 100, range = round % 2 ? 1 << 18 : 20000, greatest_low = 0,
@@ -753,7 +755,7 @@ static void packed_blocks(void **state)
 {
     rng r = {7};
     (void)state;
-    for (int n = 0; n < 20000; n++) {
+    for (uint32_t n = 0; n < repeats(6000, 20000); n++) {
         uint8_t    bytes[BLOCK_PACKED_MAX], others[BLOCK_PACKED_MAX];
         block      b, back;
         block_head head;

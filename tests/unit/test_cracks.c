@@ -46,16 +46,16 @@ static leak_counts count(gl_context *with, casters_maker *make, uint32_t scenes,
 static void no_light_falls_between_panels(void **state)
 {
     static const double rounding_m[] = {0, 1e-7}, gaps_m[] = {1e-6, 3e-6, 1e-5};
-    const uint32_t      some = repeats(SCENES / 2, SCENES);
     (void)state;
     for (int rendered = 0; rendered < 2; rendered++) {
-        leak_counts found = count(rendered ? gl : NULL, casters_for_maps, some, rounding_m, 2);
+        leak_counts found = count(rendered ? gl : NULL, casters_for_maps, repeats(6, SCENES), rounding_m,
+                                  2); /* each kind of light with each of them, at least once */
         assert_int_equal(found.in_gaps + found.beside_gaps + found.unexplained, 0);
         found          = count(rendered ? gl : NULL, casters_from_scene, SCENES, rounding_m, 2);
         uint64_t leaks = found.in_gaps + found.beside_gaps + found.unexplained;
         assert_true(leaks >
                     (rendered ? 10 : 0)); /* they are there to be found; from triangles the grid is finer, and they are few */
-        found = count(rendered ? gl : NULL, casters_for_maps, some, gaps_m, 3);
+        found = count(rendered ? gl : NULL, casters_for_maps, repeats(9, SCENES), gaps_m, 3);
         assert_int_equal(found.unexplained, 0);
         assert_true(found.in_gaps > 10); /* what is a gap stays one */
     }

@@ -104,7 +104,7 @@ static void check_round_trip(void)
 static void pages_come_back(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 300; seed++) {
+    for (uint64_t seed = 0; seed < repeats(100, 300); seed++) {
         rng r = rng_split(seed, 1);
         assert_int_equal(sample_common_make(&r, &common, seed % 3 ? rng_below(&r, SAMPLE_COMMON_MAX) : 0), VXS_OK);
         sample_page_make(&r, &page, &common, 1 + (uint32_t)seed % 20);
@@ -115,7 +115,7 @@ static void pages_come_back(void **state)
 static void pages_come_back_up_to_the_last_word(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 6; seed++) {
+    for (uint64_t seed = 0; seed < repeats(2, 6); seed++) {
         rng r = rng_split(seed, 2);
         assert_int_equal(sample_common_make(&r, &common, SAMPLE_COMMON_MAX), VXS_OK);
         sample_page_make(&r, &page, &common, 0);
@@ -167,7 +167,7 @@ static void small_page(uint64_t seed)
 static void prefixes_are_refused(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 40; seed++) {
+    for (uint64_t seed = 0; seed < repeats(12, 40); seed++) {
         small_page(seed);
         vxs_bytes bytes = encoded();
         for (size_t size = 0; size < bytes.size_bytes; size++) assert_false(check_damaged(bytes.data, size));
@@ -178,7 +178,7 @@ static void prefixes_are_refused(void **state)
 static void flipped_bits_do_no_harm(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < 40; seed++) {
+    for (uint64_t seed = 0; seed < repeats(12, 40); seed++) {
         small_page(seed);
         vxs_bytes bytes = encoded();
         size_t    step  = 1 + bytes.size_bytes / 200;
@@ -207,7 +207,7 @@ static void random_bytes_do_no_harm(void **state)
 {
     (void)state;
     uint8_t bytes[600];
-    for (uint64_t seed = 0; seed < 8000; seed++) {
+    for (uint64_t seed = 0; seed < repeats(2400, 8000); seed++) {
         rng r = rng_split(seed, 5);
         if (seed % 400 == 0) small_page(seed / 400);
         size_t size = rng_below(&r, sizeof bytes + 1);
@@ -222,7 +222,7 @@ static void random_symbols_do_no_harm(void **state)
 {
     (void)state;
     static uint8_t bytes[40000];
-    for (uint64_t seed = 0; seed < 400; seed++) {
+    for (uint64_t seed = 0; seed < repeats(120, 400); seed++) {
         rng r = rng_split(seed, 6);
         if (seed % 20 == 0) small_page(seed / 20);
         for (size_t n = 0; n < sizeof bytes; n++) bytes[n] = seed % 2 ? (uint8_t)rng_u32(&r) : (uint8_t)(rng_u32(&r) & rng_u32(&r));

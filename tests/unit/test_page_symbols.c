@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "page_sample.h"
+#include "repeats.h"
 
 #include <cmocka.h>
 
@@ -100,7 +101,7 @@ static void any_symbols_make_blocks(void **state)
 {
     (void)state;
     uint32_t taken = 0;
-    for (uint64_t seed = 0; seed < 30000; seed++) {
+    for (uint64_t seed = 0; seed < repeats(9000, 30000); seed++) {
         draw                = rng_split(seed, 1);
         wild                = 20 + (uint32_t)(seed % 9) * 60;
         uint32_t node_words = 1 + rng_below(&draw, seed % 3 ? 4000 : 60000);
@@ -115,7 +116,7 @@ static void any_symbols_make_patterns(void **state)
 {
     (void)state;
     uint32_t taken[VXS_PATTERN_KINDS] = {0}, own_taken[OWN_KINDS] = {0};
-    for (uint64_t seed = 0; seed < 300000; seed++) {
+    for (uint64_t seed = 0; seed < repeats(90000, 300000); seed++) {
         draw          = rng_split(seed, 2);
         wild          = 2 + (uint32_t)(seed % 9) * 20;
         uint32_t kind = rng_below(&draw, VXS_PATTERN_KINDS);
@@ -139,7 +140,7 @@ static void any_symbols_make_patterns(void **state)
         if (!kind) own_taken[words[0] >> 12 & 15]++;
     }
     for (uint32_t k = 0; k < VXS_PATTERN_KINDS; k++) assert_true(k == 1 || taken[k] > 100);
-    for (uint32_t k = 0; k < OWN_KINDS; k++) assert_true(own_taken[k] > 20);
+    for (uint32_t k = 0; k < OWN_KINDS; k++) assert_true(own_taken[k] > repeats(6, 20));
 }
 
 enum { TOP_SIDE = 2, TOP_ENTRIES = TOP_SIDE * TOP_SIDE };
@@ -180,12 +181,12 @@ static void any_symbols_make_tops(void **state)
 {
     (void)state;
     uint32_t taken = 0;
-    for (uint64_t seed = 0; seed < 200000; seed++) {
+    for (uint64_t seed = 0; seed < repeats(60000, 200000); seed++) {
         draw = rng_split(seed, 3);
         wild = 2 + (uint32_t)(seed % 9) * 20;
         taken += (uint32_t)walk_top();
     }
-    assert_true(taken > 1000);
+    assert_true(taken > repeats(300, 1000));
 }
 
 /* rules one by one ------------------------------------------------------------------------------------------------------------- */
