@@ -31,16 +31,28 @@ static uint64_t list_bytes(const vxs_adaptive_mesh *mesh)
     return sizeof(list_head) + 12 * (uint64_t)mesh->triangles_most;
 }
 
+/* Of a storage buffer that is read as a texture, too. */
+static uint64_t list_bytes_most(const vxs_volumes *v)
+{
+    int storage = 0, texels = 0;
+    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &storage);
+    v->api.GetIntegerv(GL_MOST_BUFFER_TEXELS, &texels);
+    return (uint32_t)storage / 4 < (uint32_t)texels ? (uint32_t)storage : 4 * (uint64_t)(uint32_t)texels;
+}
+
+static uint32_t triangles_at_most(const vxs_volumes *v, const vxs_mesh_shape *shape, uint32_t asked)
+{
+    uint32_t all   = (uint32_t)vxs_mesh_triangles(shape);
+    uint64_t holds = (list_bytes_most(v) - sizeof(list_head)) / 12;
+    if (asked) return asked < all ? asked : all;
+    return holds < all ? (uint32_t)holds : all;
+}
+
 static vxs_result make(vxs_adaptive_mesh *mesh)
 {
     static const char of_map[] = "#define VXS_MESH_OF_MAP\n#define VXS_MESH_LISTED\n", quads[] = "#define VXS_USES_QUADS\n";
-    vxs_volumes      *v            = mesh->volumes;
-    int               most_storage = 0, most_texels = 0;
-    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most_storage);
-    v->api.GetIntegerv(GL_MOST_BUFFER_TEXELS, &most_texels);
-    if (split_bytes(&mesh->most) > (uint32_t)most_storage || list_bytes(mesh) > (uint32_t)most_storage ||
-        list_bytes(mesh) / 4 > (uint32_t)most_texels)
-        return VXS_E_GL;
+    vxs_volumes      *v = mesh->volumes;
+    if (split_bytes(&mesh->most) > list_bytes_most(v) || list_bytes(mesh) > list_bytes_most(v)) return VXS_E_GL;
     mesh->split = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_split_glsl);
     mesh->meet  = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_meet_glsl);
     mesh->add   = vxs_volumes_compute(v, quads, vxs_volumes_text_mesh_list_glsl);
@@ -65,8 +77,8 @@ vxs_result vxs_adaptive_mesh_create(vxs_adaptive_mesh **out, vxs_volumes *v, con
     if (vxs_mesh_triangles(&shape) > INT_MAX / 3) return VXS_E_ARGUMENT;
     vxs_adaptive_mesh *mesh = vxs_volumes_take(v, sizeof *mesh);
     if (!mesh) return VXS_E_MEMORY;
-    uint32_t all = (uint32_t)vxs_mesh_triangles(&shape), some = desc->triangles_most;
-    *mesh             = (vxs_adaptive_mesh){.volumes = v, .most = shape, .triangles_most = some && some < all ? some : all};
+    uint32_t most     = triangles_at_most(v, &shape, desc->triangles_most);
+    *mesh             = (vxs_adaptive_mesh){.volumes = v, .most = shape, .triangles_most = most};
     vxs_result result = make(mesh);
     if (result == VXS_OK)
         *out = mesh;

@@ -239,7 +239,7 @@ vxs_result vxs_volumes_mesh_map(vxs_volumes *volumes, const vxs_volumes_light *l
 
 typedef struct vxs_adaptive_mesh_desc {
     uint32_t side_px, layers; /* of the largest light map that it is used with: a power of two, 1 to 8192, of six 4096; 1 or 6 */
-    uint32_t triangles_most; /* that there is room for, 12 bytes each; 0, or more than a quad for each texel has: as many as that */
+    uint32_t triangles_most;  /* that there is room for, 12 bytes each; 0: as many as all quads have, or as the context holds */
 } vxs_adaptive_mesh_desc;
 
 /* Room for the surface of a map as it is now, with few triangles where it is flat: made by shaders in each vxs_volumes_mesh_adaptive, so that any number
