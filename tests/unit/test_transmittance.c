@@ -551,18 +551,22 @@ static void test_any_numbers(void **state)
             texels                 t   = texels_of(light, NODES);
             for (uint32_t k = 0; k < repeats(1, 100); k++) {
                 for (int n = 0; n < CAPSULES; n++) {
-                    float *to = smoke[n].begin;
+                    float numbers[8];
                     for (int i = 0; i < 8; i++) {
                         double size = exp(uniform(&r, -12, 12));
-                        to[i]       = (float)(i % 4 == 3 ? size : size * uniform(&r, -1, 1));
-                        if (!rng_below(&r, 40)) to[i] = odd[rng_below(&r, 8)];
+                        numbers[i]  = (float)(i % 4 == 3 ? size : size * uniform(&r, -1, 1));
+                        if (!rng_below(&r, 40)) numbers[i] = odd[rng_below(&r, 8)];
                     }
+                    memcpy(&smoke[n], numbers, sizeof numbers);
                 }
                 build(map, smoke, CAPSULES, NULL, &t);
             }
             for (int n = 0; n < CAPSULES; n++) {
-                smoke[n]                              = (vxs_capsule){{0, 1, 0}, 1, {0, 1, 0}, 1};
-                smoke[n].begin[n % 2 ? 3 : n / 2 % 3] = n % 2 ? odd[n / 2 % 5] : odd[2 + n / 6 % 4];
+                smoke[n] = (vxs_capsule){{0, 1, 0}, 1, {0, 1, 0}, 1};
+                if (n % 2)
+                    smoke[n].radius_metres = odd[n / 2 % 5];
+                else
+                    smoke[n].begin[n / 2 % 3] = odd[2 + n / 6 % 4];
                 if (n % 3 == 0) smoke[n].extinction = odd[n / 3 % 5];
             }
             build(map, smoke, CAPSULES, NULL, &t);
