@@ -16,7 +16,7 @@
  *
  * While there are more than `nodes`, the inner node goes whose triangle with its neighbours is the least: the integral of the curve changes the
  * least. Nodes never move, and the first and the last never go: so the curve never rises, and behind its end it is the product of all segments,
- * in whatever order they came. Between, the order matters where nodes go; by depth is best.
+ * in whatever order they came. Between, the order says which nodes go.
  *
  * Stored, a curve is `nodes` pairs of numbers, depth and transmittance; unused nodes lie at VXS_CURVE_FAR, with the transmittance of the last. A
  * shader that reads them defines, before this text, vxs_curve_number(curves, i), number i of all that are stored; `curves` is what it hands to
