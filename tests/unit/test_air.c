@@ -104,7 +104,7 @@ static void test_points_below_top(void **state)
 {
     (void)state;
     errors e = errors_in_c(random_question_below, 0, 1000);
-    check_errors(&e, 1e-3 * repeats(5, 30), 5e-5, 0.01, repeats(1500, 150000));
+    check_errors(&e, 1e-3 * repeats(5, 60), 5e-5, 0.01, repeats(1500, 150000));
 }
 
 static void test_spots_below_top(void **state)
