@@ -5,6 +5,8 @@
 
 #include "area_state.h"
 
+_Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
+
 enum { LAMPS = VXS_AREA_LAMPS, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 3 };
 
 /* How wide a point is drawn, of what it stands for. */

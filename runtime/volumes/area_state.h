@@ -17,7 +17,6 @@ typedef struct area_lamp {
     float     colour[4];
     float     across[4];
 } area_lamp;
-_Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
 
 typedef enum area_program { AREA_SPLAT, AREA_HOLES, AREA_GRIDS, AREA_GATHER, AREA_SHOW, AREA_PROGRAMS } area_program;
 

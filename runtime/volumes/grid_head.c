@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "grid_head.h"
 
+_Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
+
 /* The way from the eye to what a depth shows at a place of the image; 0 where that is no place. */
 static int way_to(const frame_block *f, double x, double y, double depth, double way[3])
 {

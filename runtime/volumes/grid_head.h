@@ -15,7 +15,6 @@ typedef struct grid_head {
     int32_t columns, rows, bits, runs;
     int32_t eye_lit, between_rows, reserved[6];
 } grid_head;
-_Static_assert(sizeof(grid_head) == 128, "a head is eight texels");
 enum { HEAD_TEXELS = sizeof(grid_head) / 16 };
 
 /* runs  of the lookup */
