@@ -37,8 +37,7 @@ typedef struct vxs_mesh_quad vxs_mesh_quad;
 /* A texel of a light map: [layers][side][side]. */
 VXS_FN vxs_real vxs_mesh_first(VXS_MESH_FIRST first, VXS_MESH shape, const vxs_int3 texel)
 {
-    size_t side = (size_t)shape->side;
-    return VXS_REAL(first[((size_t)texel[2] * side + (size_t)texel[1]) * side + (size_t)texel[0]]);
+    return VXS_REAL(first[(texel[2] * shape->side + texel[1]) * shape->side + texel[0]]); /* six layers of 8192: less than 2^31 */
 }
 
 VXS_FN vxs_i32 vxs_mesh_split(VXS_MESH_SPLITS splits, vxs_i32 at)
