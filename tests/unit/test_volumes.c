@@ -151,7 +151,8 @@ static void test_marches(void **state)
                     if (getenv("VXS_VERBOSE"))
                         print_message("light %d, camera %d, %s, %s: %.4f %.4f %.5f, %.5f\n", light, camera,
                                       which ? "angle" : "even", asset ? "asset" : "map", errors[0], errors[1], errors[2], mean);
-                    assert_true(fabs(mean) < 1.2e-3);
+                    /* a sun's steps of what it scatters ask at their middle: where they begin there is less shadow, or more */
+                    assert_true(fabs(mean) < (light == SCENE_SUN && which ? 1.5e-4 : 1.2e-3));
                     assert_true(errors[2] < 0.4 * errors[0]);
                     assert_true(errors[2] < 3e-3);
                 }
