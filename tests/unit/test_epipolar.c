@@ -20,6 +20,7 @@
 #include <cmocka.h>
 
 #include "gl_points.h"
+#include "read_text.h"
 
 /* Uniform in the logarithm. */
 static double spread(rng *r, double low, double high)
@@ -296,21 +297,6 @@ static void test_extremes(void **state)
 }
 
 /* shaders --------------------------------------------------------------------------------------------------------------------------- */
-
-static char *read_text(const char *path)
-{
-    enum { MOST = 1 << 16 };
-    char *text = calloc(1, MOST);
-    FILE *file = fopen(path, "r");
-    assert_non_null(text);
-    if (!file) {
-        print_message("%s is not here: start this test in the root of the repository\n", path);
-        skip();
-    }
-    assert_in_range(fread(text, 1, MOST - 1, file), 1, MOST - 2);
-    fclose(file);
-    return text;
-}
 
 /* A point of gl_points.h asks for a number: the frame and the ranges, a place's angles, the place of these, alpha of it on its light ray. */
 enum { ANSWERS = 32 };
