@@ -3,13 +3,16 @@
  * adds the airlight from the eye on. */
 layout(location = 0) out vec4 airlight;
 
-/* Where a ray from the eye meets the plane of a triangle whose corners are from the eye: no farther than they are. Their distances are not
- * interpolated, which would be wrong by far where a triangle comes near the eye. Edges at the corner between the two shorter ones make its normal. */
+/* Where a ray from the eye meets the plane of a triangle whose corners are from the eye: no nearer and no farther than these are along the ray,
+ * for a triangle that is seen from its edge may be drawn beside itself. Their distances are not interpolated, which would be wrong by far where
+ * a triangle comes near the eye. Edges at the corner between the two shorter ones make its normal. */
 float met_at(vec3 a, vec3 b, vec3 c, vec3 direction)
 {
-    float most = sqrt(max(dot(a, a), max(dot(b, b), dot(c, c))));
+    float size = sqrt(max(dot(a, a), max(dot(b, b), dot(c, c))));
     vec3  ab = b - a, bc = c - b, ca = a - c, at = a, first = ab, second = -ca;
+    vec3  along = vec3(dot(a, direction), dot(b, direction), dot(c, direction));
     float ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca);
+    float least = max(min(along.x, min(along.y, along.z)), 0.0), most = max(along.x, max(along.y, along.z));
     if (ca2 >= ab2 && ca2 >= bc2) {
         at     = b;
         first  = bc;
@@ -19,9 +22,9 @@ float met_at(vec3 a, vec3 b, vec3 c, vec3 direction)
         first  = ca;
         second = -bc;
     }
-    vec3  normal = cross(first / most, second / most);
+    vec3  normal = cross(first / size, second / size);
     float met = dot(normal, at) / dot(normal, direction);
-    if (!(met >= 0.0)) return 0.0;
+    if (!(met >= least)) return least;
     return met < most ? met : most;
 }
 

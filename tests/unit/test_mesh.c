@@ -194,6 +194,44 @@ static void test_airlight(void **state)
     scene_close(&s);
 }
 
+/* A face that is seen from its edge may be drawn in a pixel whose ray passes beside it: the pixel of a view that is farthest off exact intervals is still as
+ * the mesh in double has it. */
+static void test_edge_on(void **state)
+{
+    (void)state;
+    enum { ACROSS = 160, UP = 120, ALL = ACROSS * UP };
+    volumes_scene s;
+    static float  pixels[4 * ALL], exact[4 * ALL];
+    static double metres[ALL];
+    rng           r = {19};
+    scene_open(&s, RESOLUTION, ACROSS, UP);
+    vxs_volumes_light l     = scene_light(SCENE_POINT);
+    lit_surface       u     = surface_make(&s, &l, RESOLUTION);
+    vxs_air_light     air   = scene_air_light(&s, &l);
+    const vxs_light  *baked = &vxs_asset_light(s.asset, l.baked)->light;
+    for (uint32_t n = 0; n < repeats(2, 60); n++) {
+        volumes_camera    c = scene_random_camera(&r);
+        vxs_volumes_frame f = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
+        double            direction[3], wanted[3] = {0}, in_fog[2], brightest = 0;
+        uint32_t          most = 0;
+        draw_surface(&s, &u, OF_FEW, &f, pixels);
+        assert_int_equal(vxs_volumes_begin(s.volumes, &f), VXS_OK);
+        assert_int_equal(vxs_volumes_intervals(s.volumes, &l), VXS_OK);
+        scene_read(&s, exact);
+        for (uint32_t k = 0; k < ALL; k++) {
+            if (fabsf(pixels[4 * k] - exact[4 * k]) > fabsf(pixels[4 * most] - exact[4 * most])) most = k;
+            brightest = fmax(brightest, (double)exact[4 * k]);
+        }
+        camera_ray(&s, &c, most % ACROSS, most / ACROSS, direction);
+        vxs_air_path path = vxs_air_path_of(&air, c.eye, direction, metres[most], VXS_AIR_EVERYWHERE, in_fog);
+        walk_airlight(&u.few, baked, &path, c.eye, direction, metres[most], l.colour, wanted);
+        double off = fabs((double)pixels[4 * most] - wanted[0]) / brightest;
+        if (off > 1e-3) fail_msg("view %u, pixel %u: %g, not %g", n, most, (double)pixels[4 * most], wanted[0]);
+    }
+    surface_free(&u);
+    scene_close(&s);
+}
+
 /* Light that nothing ends: what is drawn is the airlight before the walls, whatever lies behind them. */
 static void test_clamped(void **state)
 {
@@ -373,9 +411,9 @@ static void test_arguments(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_counts),     cmocka_unit_test(test_airlight), cmocka_unit_test(test_clamped),
-        cmocka_unit_test(test_lights_add), cmocka_unit_test(test_least),    cmocka_unit_test(test_any_numbers),
-        cmocka_unit_test(test_arguments),
+        cmocka_unit_test(test_counts),      cmocka_unit_test(test_airlight),   cmocka_unit_test(test_edge_on),
+        cmocka_unit_test(test_clamped),     cmocka_unit_test(test_lights_add), cmocka_unit_test(test_least),
+        cmocka_unit_test(test_any_numbers), cmocka_unit_test(test_arguments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
