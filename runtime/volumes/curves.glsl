@@ -8,7 +8,7 @@
 #define VXS_CURVE_OPAQUE 2u
 #define VXS_NO_SEGMENT   0xffffffffu
 layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_curves_buffer {
-    uint segments, merged, reserved_0, reserved_1;
+    uint segments, merged, cut, reserved;
     uint words[];
 } vxs_curves;
 

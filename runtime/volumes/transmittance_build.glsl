@@ -1,4 +1,6 @@
-/* The curve of each texel, of the segments in its list. */
+/* The curve of each texel, of the segments in its list. Of a longer one than VXS_CURVE_SORTED_MOST the rest is inserted as it comes, so that drivers that end
+ * an invocation's loops after 65535 rounds do so behind 30000 segments and not behind 3500; there the texel is counted. */
+#define VXS_CURVE_SORTED_MOST 2048
 layout(local_size_x = 8, local_size_y = 8) in;
 
 float number_of(uint order)
@@ -50,12 +52,12 @@ uint joined(uint a, uint b)
     return first;
 }
 
-/* Merge sort, by links alone: list k is empty, or of 2^k segments, as a bit of their number. */
-uint sorted(uint list)
+/* Merge sort, by links alone: list k is empty, or of 2^k segments, as a bit of their number.   list  [in, out] what is behind the first VXS_CURVE_SORTED_MOST stays */
+uint sorted(inout uint list)
 {
-    uint lists[32], all = VXS_NO_SEGMENT;
-    for (int k = 0; k < 32; k++) lists[k] = VXS_NO_SEGMENT;
-    while (list != VXS_NO_SEGMENT) {
+    uint lists[16], all = VXS_NO_SEGMENT;
+    for (int k = 0; k < 16; k++) lists[k] = VXS_NO_SEGMENT;
+    for (int n = 0; n < VXS_CURVE_SORTED_MOST && list != VXS_NO_SEGMENT; n++) {
         uint some = list;
         int  k = 0;
         list = next_of(some);
@@ -66,7 +68,7 @@ uint sorted(uint list)
         }
         lists[k] = some;
     }
-    for (int k = 0; k < 32; k++)
+    for (int k = 0; k < 16; k++)
         if (lists[k] != VXS_NO_SEGMENT) all = all == VXS_NO_SEGMENT ? lists[k] : joined(lists[k], all);
     return all;
 }
@@ -77,11 +79,24 @@ void main()
     if (any(greaterThanEqual(texel.xy, ivec2(vxs_frame.counts.w)))) return;
     uint      index = vxs_curve_texel(texel), record = vxs_curve_record(index);
     vxs_curve curve = vxs_curve_empty();
-    if ((vxs_frame.counts.z & VXS_CURVE_SORTED) != 0u) vxs_curves.words[record] = sorted(vxs_curves.words[record]);
-    for (uint n = vxs_curves.words[record]; n != VXS_NO_SEGMENT; n = next_of(n)) {
+    uint      n = vxs_curves.words[record], rest = VXS_NO_SEGMENT;
+    if ((vxs_frame.counts.z & VXS_CURVE_SORTED) != 0u) {
+        rest = n;
+        n    = sorted(rest);
+        vxs_curves.words[record] = n;
+    }
+    while (n != VXS_NO_SEGMENT) {
         vec3 segment = segment_at(n);
         vxs_curve_insert(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
+        uint next = next_of(n);
+        if (next == VXS_NO_SEGMENT && rest != VXS_NO_SEGMENT) {
+            next = rest;
+            rest = VXS_NO_SEGMENT;
+            set_next(n, next);
+        }
+        n = next;
     }
+    if (n != VXS_NO_SEGMENT) atomicAdd(vxs_curves.cut, 1u);
     vxs_curve_insert(curve, VXS_CURVE_MOST, number_of(vxs_curves.words[record + 1u]), number_of(vxs_curves.words[record + 2u]),
                      uintBitsToFloat(vxs_curves.words[record + 3u]));
     float opaque = vxs_opaque_depth(texel);

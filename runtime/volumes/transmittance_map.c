@@ -169,12 +169,11 @@ vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_cap
     return VXS_OK;
 }
 
-void vxs_transmittance_map_counts(const vxs_transmittance_map *map, uint32_t *segments, uint32_t *merged)
+vxs_transmittance_counts vxs_transmittance_map_counts(const vxs_transmittance_map *map)
 {
-    uint32_t counts[2] = {0};
-    map->volumes->api.GetNamedBufferSubData(map->buffer, 0, sizeof counts, counts);
-    *segments = counts[0];
-    *merged   = counts[1];
+    vxs_transmittance_counts counts = {0};
+    map->volumes->api.GetNamedBufferSubData(map->buffer, 0, sizeof counts, &counts);
+    return counts;
 }
 
 unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map)

@@ -12,7 +12,7 @@
  * through its centre. Depths are metres along the map's axis, of a lamp from it on. What casts are capsules; each is met by a ray once, between entry and
  * exit.
  *
- *     lists      All segments are captured first, in lists by texel; then each texel sorts its own by depth, and makes its curve of them. What lists have no
+ *     lists      All segments are captured first, in lists by texel; then each texel sorts its own by depth, 2048 at most, and makes its curve of them. What lists have no
  *                room for is counted, and merged into one more segment a texel: from the least entry to the greatest exit, with the product of
  *                what all of them let through. So no light comes through where there was no room.
  *     streaming  With no room for lists, memory is that of the curves: a workgroup for each tile of 8 x 8 texels finds the capsules that it may see, in their
@@ -70,8 +70,16 @@ typedef struct vxs_capsules {
  * Returns VXS_OK; VXS_E_ARGUMENT for more capsules than create was told, or for another light's map. */
 vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
 
-/* Of the last build with lists: segments that were met, and how many of them had to be merged because lists had no room. Waits for the graphics processor. */
-void vxs_transmittance_map_counts(const vxs_transmittance_map *map, uint32_t *segments, uint32_t *merged);
+typedef struct vxs_transmittance_counts {
+    uint32_t segments; /* that were met */
+    uint32_t merged;   /* of them, because lists had no room */
+    uint32_t
+        cut_texels; /* a driver ended the loops of so many texels before their lists' end, as llvmpipe does behind some 30 000 segments: light
+                            comes through there */
+} vxs_transmittance_counts;
+
+/* Of the last build; without lists all 0. Waits for the graphics processor. */
+vxs_transmittance_counts vxs_transmittance_map_counts(const vxs_transmittance_map *map);
 
 /* The buffer: 16 bytes of counts; from there on, as vxs_curve.h stores them, the curves of all texels, row by row, layer by layer. Valid until
  * vxs_transmittance_map_destroy. */

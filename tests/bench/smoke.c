@@ -197,16 +197,15 @@ static json_t *cell_json(const bench *b, cell *c)
 
 static json_t *scene_json(const bench *b, smoke_kind kind, cell *cells, size_t count, double *capture)
 {
-    json_t  *o = json_object(), *list = json_array();
-    uint32_t segments = 0, merged = 0;
-    vxs_transmittance_map_counts(cells[0].map, &segments, &merged);
-    spread captured = spread_of(capture, b->rounds);
+    json_t                  *o = json_object(), *list = json_array();
+    vxs_transmittance_counts lists    = vxs_transmittance_map_counts(cells[0].map);
+    spread                   captured = spread_of(capture, b->rounds);
     printf("\n%s: %u capsules, %u segments, %u merged, capture %.3g ms\n%-24s %-14s %8s %9s %8s %9s %9s %9s\n", smoke_names[kind],
-           b->capsule_count, segments, merged, 1000 * captured.median, "technique", "knob", "bytes", "RMS", "most", "mean",
-           "build ms", "lookup ms");
+           b->capsule_count, lists.segments, lists.merged, 1000 * captured.median, "technique", "knob", "bytes", "RMS", "most",
+           "mean", "build ms", "lookup ms");
     json_set(&o, "name", json_text(smoke_names[kind]));
-    json_set(&o, "segments", json_integer(segments));
-    json_set(&o, "merged", json_integer(merged));
+    json_set(&o, "segments", json_integer(lists.segments));
+    json_set(&o, "merged", json_integer(lists.merged));
     json_set(&o, "capture_ms", ms_json(captured));
     for (size_t n = 0; n < count; n++) json_append(&list, cell_json(b, &cells[n]));
     json_set(&o, "cells", list);

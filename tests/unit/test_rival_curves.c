@@ -42,12 +42,11 @@ static int open_smoke(void **state)
     vxs_transmittance_desc desc  = {.constants = &sun.constants, .side_px = SIDE, .capsules = CAPSULES, .segments = 1 << 17};
     vxs_capsules           list  = {.list = smoke, .count = CAPSULES};
     vxs_volumes_frame      frame = smoke_frame(WIDE, HIGH, depths, places);
-    uint32_t               merged, segments;
     assert_int_equal(vxs_transmittance_map_create(&map, s.volumes, &desc), VXS_OK);
     assert_int_equal(vxs_transmittance_map_build(map, &list, NULL), VXS_OK);
-    vxs_transmittance_map_counts(map, &segments, &merged);
-    print_message("%u segments, %u merged\n", segments, merged);
-    assert_true(segments > 3000 && merged == 0);
+    vxs_transmittance_counts lists = vxs_transmittance_map_counts(map);
+    print_message("%u segments, %u merged\n", lists.segments, lists.merged);
+    assert_true(lists.segments > 3000 && lists.merged == 0);
     smoke_truth(&sun, SIDE, smoke, CAPSULES, (const double(*)[3])places, PLACES, wanted);
     s.gl->TextureSubImage2D(s.depths, 0, 0, 0, WIDE, HIGH, GL_RED, GL_FLOAT, depths);
     s.gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);

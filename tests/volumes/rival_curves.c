@@ -117,11 +117,11 @@ void rival_curves_look_up(rival_curves *r, unsigned texture)
 
 uint64_t rival_curves_bytes(const rival_curves *r)
 {
-    uint32_t used[2] = {0}, segments, merged;
+    uint32_t used[2] = {0};
     r->v->api.GetNamedBufferSubData(r->buffer, 0, sizeof used, used);
-    vxs_transmittance_map_counts(r->map, &segments, &merged);
-    uint64_t lists = r->which == RIVAL_DEEP           ? 8 * (uint64_t)used[1]
-                     : r->which == RIVAL_UNCOMPRESSED ? SEGMENT_BYTES * (uint64_t)(segments - merged)
-                                                      : 0;
+    vxs_transmittance_counts counts = vxs_transmittance_map_counts(r->map);
+    uint64_t                 lists  = r->which == RIVAL_DEEP           ? 8 * (uint64_t)used[1]
+                                      : r->which == RIVAL_UNCOMPRESSED ? SEGMENT_BYTES * (uint64_t)(counts.segments - counts.merged)
+                                                                       : 0;
     return texels_of(r) * texel_bytes(r) + lists;
 }
