@@ -43,16 +43,16 @@ typedef struct render_command {
     filter_choice  filter;
     draw_mode      draw;
     fog_choice     fog;
-    const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path;
+    const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path;
     uint32_t       frames;
     uint64_t       budget_bytes;
     int            budget_given, upload_given;
-    int            orbits, samples_given, cull_given, stops_given, frames_given;
+    int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given;
 } render_command;
 
 /* What is drawn. */
 typedef struct subject {
-    scene                  scene;
+    scene                  scene, moving;
     box                    box;
     vxs_asset             *asset;  /* NULL where it is streamed */
     asset_stream           stream; /* with --budget */
@@ -70,6 +70,7 @@ static const char *needs_gl(const render_command *c)
            : c->fog.steps_given ? "--fog-steps"
            : c->fog.grid_given  ? "--fog-grid"
            : c->stops_given     ? "--exposure"
+           : c->moving_path     ? "--moving"
            : c->passes_folder   ? "--passes"
            : c->path_file       ? "--path"
            : c->orbits          ? "--orbit"
@@ -96,6 +97,8 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--upload %llu needs --budget", (unsigned long long)o->upload_bytes);
+    if (c->moving_by_given && (!c->moving_path || !path))
+        return fail(m, VXS_E_ARGUMENT, "--moving-by needs --moving, and --path or --orbit");
     if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
     if (o->width_px * o->samples > SAMPLES_SIDE_MAX || o->height_px * o->samples > SAMPLES_SIDE_MAX)
         return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
@@ -118,6 +121,16 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     return asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
 }
 
+/* Skinned meshes as they stand: they are what moves most. */
+static vxs_result load_moving(render_command *c, subject *s, message *m)
+{
+    const scene_choice all = {.skinned = SKINNED_REST, .skinned_given = 1};
+    vxs_result         r   = scene_load_gltf(&s->moving, c->moving_path, &all, m);
+    c->options.moving      = &s->moving;
+    if (r != VXS_OK || s->moving.triangle_count) return r;
+    return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
+}
+
 static vxs_result load(render_command *c, subject *s, message *m)
 {
     json_t             *made = NULL;
@@ -134,6 +147,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
         goto done;
     }
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
+    if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
     camera_place(&c->camera, &s->box, s->lights, s->light_count, (double)c->options.width_px / c->options.height_px);
 done:
     json_decref(made);
@@ -218,6 +232,7 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
     render_report report = {.scene_path   = c->scene_path,
                             .asset_path   = c->asset_path,
                             .renderer     = renderer_name(drawn),
+                            .moving_path  = c->moving_path,
                             .options      = &c->options,
                             .fog_grid     = renderer_fog_grid(drawn),
                             .fog_lights   = renderer_fog_lights(drawn),
@@ -240,14 +255,23 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
     return r;
 }
 
-/* Of the picture's frame: which lights its fog is drawn of. */
+static void print_moving(FILE *to, const moving_plan *plan)
+{
+    fprintf(to, "moving       seen by %u light%s in %u depth map%s", plan->lights, plan->lights == 1 ? "" : "s", plan->maps,
+            plan->maps == 1 ? "" : "s");
+    if (plan->left_out) fprintf(to, ", not by %u more: %d maps are drawn in a frame", plan->left_out, MOVING_MAPS);
+    fputc('\n', to);
+}
+
+/* Of the picture's frame: which lights see what moves, and which its fog is drawn of. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
     const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
     int         taken  = 0;
     for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
     FILE *to = report_stream(m, taken);
-    if (to)
+    if (to && c->options.moving) print_moving(to, &last->frame.moving);
+    if (to && c->options.fog)
         fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
 }
 
@@ -262,7 +286,7 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, 
     if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, rgb, m);
     if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
     if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
-    if (r == VXS_OK && c->options.fog) print_plan(c, s, drawn, &frames[count - 1], m);
+    if (r == VXS_OK) print_plan(c, s, drawn, &frames[count - 1], m);
     renderer_destroy(drawn);
     camera_path_free(&path);
     free(frames);
@@ -303,6 +327,7 @@ static vxs_result run(void *command, message *m)
     output_file_abort(&out);
     if (s) {
         scene_free(&s->scene);
+        scene_free(&s->moving);
         vxs_asset_close(s->asset);
         asset_stream_close(&s->stream);
     }
@@ -344,6 +369,10 @@ int cmd_render(int argc, char **argv)
          "a light that shines; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
         FOG_ROWS(c.fog),
+        {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
+         "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
+        {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",
+         "metres that it moves from frame to frame (default 0,0,0)", &c.moving_by_given},
         {"--cull", OPTION_CHOICE, &o->cull, 0, 0, CULL_CHOICES, NULL,
          "lists of lights for tiles of 8 x 8 pixels; auto: where there are several lights (default auto)", &c.cull_given},
         {"--budget", OPTION_BYTES, &c.budget_bytes, 0, 0, NULL, "BYTES",

@@ -46,9 +46,11 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLFINISHPROC, Finish)                                      \
     X(PFNGLFLUSHPROC, Flush)                                        \
     X(PFNGLFRAMEBUFFERTEXTUREPROC, FramebufferTexture)              \
+    X(PFNGLFRAMEBUFFERTEXTURELAYERPROC, FramebufferTextureLayer)    \
     X(PFNGLFRONTFACEPROC, FrontFace)                                \
     X(PFNGLGENBUFFERSPROC, GenBuffers)                              \
     X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                    \
+    X(PFNGLGENTEXTURESPROC, GenTextures)                            \
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                    \
     X(PFNGLGETERRORPROC, GetError)                                  \
     X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)        \
@@ -71,7 +73,9 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                          \
     X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                \
     X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                  \
+    X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                  \
     X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                \
+    X(PFNGLTEXTUREVIEWPROC, TextureView)                            \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                              \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)            \
     X(PFNGLVIEWPORTPROC, Viewport)

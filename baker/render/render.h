@@ -6,6 +6,7 @@
 
 #include "baker/opengl/gl.h"
 #include "baker/render/fog_pass.h"
+#include "baker/render/moving_pass.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/camera.h"
 #include "runtime/vxs_stream.h"
@@ -27,24 +28,28 @@ typedef struct render_options {
     fog_by            fog_by;
     uint32_t          fog_steps, fog_grid; /* as for fog_pass_options */
 
+    const scene *moving;          /* a scene of its own that moves; NULL: none */
+    double       moving_by_ws[3]; /* metres, from frame to frame */
+
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
 
-/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, or fog, theirs is left out. */
-enum { RENDER_UPLOAD, RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_FOG, RENDER_TONE, RENDER_STAGES };
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, fog, or what moves, theirs is left out. */
+enum { RENDER_UPLOAD, RENDER_MOVING, RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_FOG, RENDER_TONE, RENDER_STAGES };
 extern const char *const render_stage_names[RENDER_STAGES]; /* "upload", ... */
 
 typedef struct render_frame {
-    double   seconds[RENDER_STAGES];
-    uint64_t surface_pixels; /* that show the scene, with all samples */
-    uint64_t asked_lights;   /* lookups of all pixels but those of lights that they face away from */
-    uint32_t longest_list;   /* lights of a tile; 0 without culling */
-    uint32_t full_lists;     /* tiles that all lights were asked for */
-    uint64_t uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
-    uint64_t waiting_bytes;  /* that are there, and for the next frames to upload */
-    fog_plan fog;            /* lights of it; without fog all 0 */
-    uint64_t full_pixels;    /* surface_pixels of which each lookup is answered in full; all of them without a stream */
+    double      seconds[RENDER_STAGES];
+    uint64_t    surface_pixels; /* that show the scene, with all samples */
+    uint64_t    asked_lights;   /* lookups of all pixels but those of lights that they face away from */
+    uint32_t    longest_list;   /* lights of a tile; 0 without culling */
+    uint32_t    full_lists;     /* tiles that all lights were asked for */
+    uint64_t    uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
+    uint64_t    waiting_bytes;  /* that are there, and for the next frames to upload */
+    fog_plan    fog;            /* lights of it; without fog all 0 */
+    moving_plan moving;         /* lights that see what moves; without it all 0 */
+    uint64_t    full_pixels;    /* surface_pixels of which each lookup is answered in full; all of them without a stream */
 } render_frame;
 
 typedef struct renderer renderer;

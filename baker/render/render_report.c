@@ -15,7 +15,9 @@
 
 static int has_stage(const render_report *r, int stage)
 {
-    return stage == RENDER_UPLOAD ? r->budget_bytes != 0 : stage != RENDER_FOG || r->options->fog;
+    return stage == RENDER_UPLOAD   ? r->budget_bytes != 0
+           : stage == RENDER_MOVING ? r->options->moving != NULL
+                                    : stage != RENDER_FOG || r->options->fog;
 }
 
 static double total_of(const render_frame *f)
@@ -76,6 +78,15 @@ static json_t *stream_json(const drawn_frame *d)
     return o;
 }
 
+static json_t *moving_json(const moving_plan *plan)
+{
+    json_t *o = json_object();
+    json_set(&o, "lights", json_integer(plan->lights));
+    json_set(&o, "maps", json_integer(plan->maps));
+    json_set(&o, "left_out", json_integer(plan->left_out));
+    return o;
+}
+
 static json_t *frame_json(const render_report *r, const drawn_frame *d)
 {
     json_t *o = json_object(), *stages = json_object();
@@ -89,6 +100,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     json_set(&o, "lights_per_sample", json_real(rounded(lights_per_pixel(&d->frame), 4)));
     json_set(&o, "longest_list", json_integer(d->frame.longest_list));
     if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
+    if (r->options->moving) json_set(&o, "moving", moving_json(&d->frame.moving));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
 }
@@ -156,6 +168,7 @@ json_t *render_report_json(const render_report *r)
     json_set(&o, "culling", json_boolean(r->culls));
     json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
     if (r->options->fog) json_set(&o, "fog", fog_json(r));
+    if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
     if (r->budget_bytes) {
         json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
         json_set(&o, "held_bytes", json_integer((json_int_t)r->frames[0].stream.bytes_held));
@@ -211,7 +224,8 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
 
 enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
 
-static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#4477aa", "#ccbb44", "#cc6677", "#aa3377", "#999999"};
+static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ccbb44",
+                                                        "#cc6677", "#aa3377", "#999999"};
 
 /* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
 static double step_for(double most)

@@ -19,7 +19,7 @@ typedef struct drawn_frame {
 } drawn_frame;
 
 typedef struct render_report {
-    const char                   *scene_path, *asset_path, *renderer;
+    const char                   *scene_path, *asset_path, *renderer, *moving_path; /* NULL: nothing moves */
     const render_options         *options;
     uint32_t                      fog_grid;   /* n of the fog's grid; 0 without one */
     const fog_light_plan         *fog_lights; /* [light_count] of the last frame; NULL without fog */

@@ -12,6 +12,7 @@
 EMBEDDED(surface_vert_glsl)
 EMBEDDED(surface_frag_glsl)
 EMBEDDED(screen_vert_glsl)
+EMBEDDED(moving_glsl)
 EMBEDDED(shade_frag_glsl)
 EMBEDDED(tone_frag_glsl)
 
@@ -19,7 +20,7 @@ static const double pi = 3.14159265358979324;
 
 /* programs ------------------------------------------------------------------------------------------------------------------------ */
 
-enum { SHADE_PARTS = VXS_GL_TEXTS + 2 };
+enum { SHADE_PARTS = VXS_GL_TEXTS + 3 };
 
 static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
 {
@@ -60,11 +61,13 @@ static vxs_result make_programs(renderer *r, message *m)
     text_part   picture[] = {tone[0], {"#define TO_PICTURE\n", -1}, tone[2]};
     char        knows[64];
     vxs_result  result;
-    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s", r->options.filter_px, r->options.stream ? "#define STREAMED\n" : "");
+    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s%s", r->options.filter_px, r->options.stream ? "#define STREAMED\n" : "",
+             r->moving ? "#define MOVING\n" : "");
     vxs_gl_texts(r->shadows, texts);
     for (int n = 0; n < VXS_GL_TEXTS; n++) shade[n] = (text_part){texts[n], -1};
     shade[VXS_GL_TEXTS]     = (text_part){knows, -1};
-    shade[VXS_GL_TEXTS + 1] = part_of(shade_frag_glsl);
+    shade[VXS_GL_TEXTS + 1] = r->moving ? part_of(moving_glsl) : (text_part){"", 0};
+    shade[VXS_GL_TEXTS + 2] = part_of(shade_frag_glsl);
     if ((result = renderer_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
     if ((result = renderer_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
     if (r->fog && (result = renderer_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
@@ -204,6 +207,12 @@ static vxs_result make_fog(renderer *r, message *m)
     return o->fog ? fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m) : VXS_OK;
 }
 
+static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights, message *m)
+{
+    const scene *moving = r->options.moving;
+    return moving ? moving_pass_create(&r->moving, r->gl, moving, lights, r->light_count, m) : VXS_OK;
+}
+
 static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
     uint64_t   samples    = (uint64_t)r->width * r->height;
@@ -214,6 +223,7 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if ((result = surface_mesh_make(&r->mesh, r->gl, s, m)) != VXS_OK) return result;
     if ((result = put_colours(r, s, lights, m)) != VXS_OK) return result;
     if ((result = put_shadows(r, lights, m)) != VXS_OK) return result;
+    if ((result = make_moving(r, lights, m)) != VXS_OK) return result;
     if ((result = make_fog(r, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     r->near_metres = 1e-5 * r->mesh.size_metres;
@@ -243,6 +253,7 @@ void renderer_destroy(renderer *r)
     if (!r) return;
     if (r->gl) {
         surface_mesh_free(&r->mesh, r->gl);
+        moving_pass_destroy(r->moving);
         fog_pass_destroy(r->fog);
         vxs_gl_destroy(r->shadows);
         r->gl->DeleteTextures(TARGETS, r->target);

@@ -1,6 +1,7 @@
 /* Frames; see render.h.
  *
  *     upload     of a stream, what has come
+ *     moving     depth maps of what moves, as lights see it (moving_pass.h); left out where nothing does
  *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
  *     shade      light of each sample, lookups and all
@@ -17,7 +18,7 @@
 #include "baker/measure/clock.h"
 #include "baker/render/renderer_state.h"
 
-const char *const render_stage_names[RENDER_STAGES] = {"upload", "surfaces", "cull", "shade", "fog", "tone"};
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "shade", "fog", "tone"};
 
 enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
 
@@ -52,14 +53,24 @@ void renderer_clip(const renderer *r, const double eye[3], float m[16])
     m[14] = (float)r->near_metres;
 }
 
-static void draw_surfaces(renderer *r)
+static void draw_mesh(const renderer *r, const surface_mesh *mesh)
+{
+    const gl_context *gl = r->gl;
+    double            eye[3];
+    float             matrix[16];
+    vec3_sub(r->camera.eye_ws, mesh->middle_ws, eye);
+    renderer_clip(r, eye, matrix);
+    gl->ProgramUniformMatrix4fv(r->surface_program, gl->GetUniformLocation(r->surface_program, "clip_from_scene"), 1, GL_FALSE,
+                                matrix);
+    gl->ProgramUniform3f(r->surface_program, gl->GetUniformLocation(r->surface_program, "eye"), (float)eye[0], (float)eye[1],
+                         (float)eye[2]);
+    surface_mesh_draw(mesh, gl, r->surface_program);
+}
+
+static void draw_surfaces(const renderer *r)
 {
     const gl_context *gl       = r->gl;
     const float       black[4] = {0};
-    double            eye[3];
-    float             matrix[16];
-    vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
-    renderer_clip(r, eye, matrix);
     gl->BindFramebuffer(GL_FRAMEBUFFER, r->surface_frame);
     gl->Viewport(0, 0, (GLsizei)r->width, (GLsizei)r->height);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -69,12 +80,9 @@ static void draw_surfaces(renderer *r)
     gl->ClearBufferfv(GL_DEPTH, 0, black);
     gl->ClearBufferfv(GL_COLOR, 0, black);
     gl->ClearBufferfv(GL_COLOR, 1, black);
-    gl->ProgramUniformMatrix4fv(r->surface_program, gl->GetUniformLocation(r->surface_program, "clip_from_scene"), 1, GL_FALSE,
-                                matrix);
-    gl->ProgramUniform3f(r->surface_program, gl->GetUniformLocation(r->surface_program, "eye"), (float)eye[0], (float)eye[1],
-                         (float)eye[2]);
     gl->UseProgram(r->surface_program);
-    surface_mesh_draw(&r->mesh, gl, r->surface_program);
+    draw_mesh(r, &r->mesh);
+    if (r->moving) draw_mesh(r, moving_pass_mesh(r->moving));
     gl->Disable(GL_DEPTH_TEST);
 }
 
@@ -100,6 +108,7 @@ void renderer_shade(const renderer *r, int show, uint32_t light)
     gl->ProgramUniform3i(p, gl->GetUniformLocation(p, "asked"), show, (GLint)light, renderer_culls(r));
     gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
     vxs_gl_bind(r->shadows);
+    if (r->moving) moving_pass_bind(r->moving);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
     draw_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
 }
@@ -213,6 +222,13 @@ static void upload(renderer *r, render_frame *frame)
     r->uploaded_bytes += frame->uploaded_bytes;
 }
 
+static void cast_moving(renderer *r, moving_plan *plan)
+{
+    double by_ws[3];
+    for (int n = 0; n < 3; n++) by_ws[n] = r->frames_drawn * r->options.moving_by_ws[n];
+    moving_pass_cast(r->moving, r->surface_program, by_ws, r->camera.eye_ws, plan);
+}
+
 static double finished(const gl_context *gl)
 {
     gl->Finish();
@@ -228,6 +244,8 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
     since                 = now;
     if (r->options.stream) upload(r, frame);
     STAGE_ENDS(RENDER_UPLOAD)
+    if (r->moving) cast_moving(r, &frame->moving);
+    STAGE_ENDS(RENDER_MOVING)
     vxs_gl_origin(r->shadows, r->camera.eye_ws);
     draw_surfaces(r);
     STAGE_ENDS(RENDER_SURFACES)
@@ -262,6 +280,7 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
     *frame = (render_frame){0};
     set_view(r, camera);
     vxs_result result = draw_frame(r, frame, m);
+    r->frames_drawn++;
     if (result == VXS_OK) result = count_lights(r, frame, m);
     if (result != VXS_OK) return result;
     if (!r->options.stream) frame->full_pixels = frame->surface_pixels;

@@ -18,9 +18,11 @@ struct renderer {
     surface_mesh   mesh;
     uint32_t       light_count, width, height; /* samples */
     fog_pass      *fog;                        /* NULL: there is none */
-    double (*colours)[3];                      /* [light_count] the greatest is 1 */
-    fog_shine  *shines;                        /* [light_count] the same, as fog has it */
-    int         day;                           /* there is a sun */
+    moving_pass   *moving;                     /* NULL: nothing moves */
+    uint32_t       frames_drawn;
+    double (*colours)[3]; /* [light_count] the greatest is 1 */
+    fog_shine  *shines;   /* [light_count] the same, as fog has it */
+    int         day;      /* there is a sun */
     GLuint      colour_buffer, empty_array;
     GLuint      surface_program, shade_program, tone_program, picture_program;
     uint64_t    uploaded_bytes; /* up to and with the last frame */

@@ -65,6 +65,9 @@ void main()
             return;
         }
         if (lit < 0.0) lit = l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0;
+#ifdef MOVING
+        if (lit > 0.0) lit *= moving_lit(n, at, normal);
+#endif
         sum += colours[n].rgb * (power * lit);
     }
 #ifdef STREAMED
