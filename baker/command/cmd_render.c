@@ -89,7 +89,7 @@ static vxs_result check_options(const render_command *c, message *m)
     if (r != VXS_OK) return r;
     if (c->draw == DRAW_RAYS && needs_gl(c))
         return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
-    if (r == VXS_OK) r = fog_check(&c->fog, m);
+    if (r == VXS_OK) r = fog_check(&c->fog, c->moving_path != NULL, m);
     if (r != VXS_OK) return r;
     if (c->fog.by == FOG_BY_MESH && c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");

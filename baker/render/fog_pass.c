@@ -12,7 +12,7 @@
 
 /* A mesh is made of a map of so many texels a side at most: six maps take a second. A grid has so many voxels along alpha and phi, fewer where a
  * processor fills it, for each light of each frame. */
-enum { MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
+enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
 struct fog_pass {
     fog_pass_options  options;
@@ -21,6 +21,7 @@ struct fog_pass {
     vxs_volumes      *volumes;
     vxs_shadow_grid  *grid;   /* FOG_BY_GRID */
     vxs_light_mesh  **meshes; /* FOG_BY_MESH: [lights], NULL before the first frame in which a light is drawn */
+    vxs_light_map   **maps;   /* [lights] of those that have seen something move; else NULL */
     uint32_t          meshes_made;
     fog_light_plan   *lights; /* [lights] of the last frame */
     uint32_t          last;   /* light that was drawn then; UINT32_MAX: none */
@@ -59,7 +60,8 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
     p->last           = UINT32_MAX;
     p->lights         = calloc(vxs_gl_light_count(shadows), sizeof *p->lights);
     p->meshes         = calloc(vxs_gl_light_count(shadows), sizeof *p->meshes);
-    vxs_result result = p->lights && p->meshes ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
+    p->maps           = calloc(vxs_gl_light_count(shadows), sizeof *p->maps);
+    vxs_result result = p->lights && p->meshes && p->maps ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
     if (result != VXS_OK)
         fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
     else if (o->by == FOG_BY_GRID)
@@ -75,8 +77,10 @@ void fog_pass_destroy(fog_pass *p)
 {
     if (!p) return;
     for (uint32_t n = 0; p->meshes && n < vxs_gl_light_count(p->shadows); n++) vxs_light_mesh_destroy(p->meshes[n]);
+    for (uint32_t n = 0; p->maps && n < vxs_gl_light_count(p->shadows); n++) vxs_light_map_destroy(p->maps[n]);
     vxs_shadow_grid_destroy(p->grid);
     vxs_volumes_destroy(p->volumes);
+    free(p->maps);
     free(p->meshes);
     free(p->lights);
     free(p);
@@ -92,6 +96,19 @@ static vxs_result make_mesh(fog_pass *p, uint32_t light, message *m)
     vxs_result result = baked_mesh_make(&p->meshes[light], &o, p->gl, p->shadows, p->volumes, m);
     p->meshes_made += result == VXS_OK;
     return result;
+}
+
+/* maps ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* Where a light ends: at what stands, and before that at what moves. */
+static vxs_result join_map(fog_pass *p, uint32_t light, const vxs_moving_casters *casters, uint32_t count)
+{
+    const vxs_light_map_desc desc   = {.baked = light, .side_px = MAP_SIDE, .moves = 1};
+    vxs_result               result = p->maps[light] ? VXS_OK : vxs_light_map_create(&p->maps[light], p->volumes, &desc);
+    if (result != VXS_OK) return result;
+    if (p->options.streamed) vxs_light_map_refill(p->maps[light]);
+    vxs_light_map_fill(p->maps[light], UINT64_MAX);
+    return vxs_light_map_join(p->maps[light], casters, count);
 }
 
 /* a frame ------------------------------------------------------------------------------------------------------------------------- */
@@ -130,17 +147,27 @@ static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *lig
     vxs_pixels            pixels;
     fog_fate              fate = fates[vxs_volumes_reach(p->volumes, light, &pixels)];
     double                all  = (double)p->options.width * p->options.height;
-    return (fog_light_plan){fate, fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0};
+    return (fog_light_plan){
+        .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
 }
 
-static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, message *m)
+/* Intervals ask the file, and meshes are made once: neither knows what moves. */
+static void plan_moving(fog_light_plan *light)
+{
+    if (light->by != FOG_BY_INTERVALS && light->by != FOG_BY_MESH) return;
+    light->by  = FOG_BY_ANGLES;
+    light->why = "something moves in its light";
+}
+
+/* map  NULL: the file is asked */
+static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_light_map *map, message *m)
 {
     uint32_t   n      = light->baked;
     vxs_result result = VXS_OK;
-    switch (p->options.by) {
-    case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, light, NULL, p->options.steps, VXS_STEPS_EVEN);
-    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, light, NULL, p->options.steps, VXS_STEPS_ANGLE);
-    case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, light, NULL, p->grid, 0);
+    switch (p->lights[n].by) {
+    case FOG_BY_MARCH: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_EVEN);
+    case FOG_BY_ANGLES: return vxs_volumes_march(p->volumes, light, map, p->options.steps, VXS_STEPS_ANGLE);
+    case FOG_BY_GRID: return vxs_volumes_grid(p->volumes, light, map, p->grid, 0);
     case FOG_BY_INTERVALS: break;
     case FOG_BY_MESH:
         if (!p->meshes[n]) result = make_mesh(p, n, m);
@@ -150,27 +177,36 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, messag
 }
 
 /* What is left out costs no call, and no mesh. */
-static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, double exposure, fog_plan *plan, message *m)
+static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, const moving_pass *moving, double exposure,
+                            fog_plan *plan, message *m)
 {
-    const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
-    vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
+    vxs_moving_casters casters[MOVING_FACES];
+    uint32_t           caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
+    vxs_result         result       = VXS_OK;
+    const double       radius       = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
+    vxs_volumes_light  light        = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
     for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
     p->lights[n] = plan_light(p, &light);
     plan->lights[p->lights[n].fate]++;
     if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
     p->last = n;
-    return draw_light(p, &light, m);
+    if (caster_count) {
+        plan_moving(&p->lights[n]);
+        plan->light_maps++;
+        result = join_map(p, n, casters, caster_count);
+    }
+    return result == VXS_OK ? draw_light(p, &light, caster_count ? p->maps[n] : NULL, m) : result;
 }
 
 vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
-                         double exposure, const double ambient[3], fog_plan *plan, message *m)
+                         const moving_pass *moving, double exposure, const double ambient[3], fog_plan *plan, message *m)
 {
     *plan                    = (fog_plan){0};
     p->last                  = UINT32_MAX;
     vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
     vxs_result        result = vxs_volumes_begin(p->volumes, &frame);
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
-        result = add_light(p, n, &shines[n], exposure, plan, m);
+        result = add_light(p, n, &shines[n], moving, exposure, plan, m);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     plan->meshes_made = p->meshes_made;
     vxs_volumes_composite(p->volumes);

@@ -5,6 +5,7 @@
 
 #include "baker/opengl/gl.h"
 #include "baker/render/fog_plan.h"
+#include "baker/render/moving_pass.h"
 #include "baker/scene/fog_medium.h"
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/volumes/vxs_volumes.h"
@@ -16,6 +17,7 @@ typedef struct fog_pass_options {
     uint32_t          grid;          /* n: a grid of n x 2n x n; 0: as fits the processor that draws */
     uint32_t          width, height; /* samples */
     double            size_metres;   /* of the scene */
+    int               streamed;      /* what is baked may change: light maps are looked up anew in each frame */
 } fog_pass_options;
 
 /* What a light of libvxs_gl is beside its shadows. */
@@ -34,9 +36,10 @@ void fog_pass_destroy(fog_pass *pass);
 
 /* A frame's fog, over the linear picture in the current framebuffer.
  * shines   [lights of shadows];   exposure  what their colours are times
+ * moving   whose lights are drawn of maps that end where it begins, not by intervals or meshes; NULL: nothing moves
  * ambient  of the sky, which fog scatters, too;   plan  [out] */
 vxs_result fog_pass_draw(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
-                         double exposure, const double ambient[3], fog_plan *plan, message *m);
+                         const moving_pass *moving, double exposure, const double ambient[3], fog_plan *plan, message *m);
 
 /* Where rays end that meet nothing: nothing of the scene is there any more. */
 double fog_pass_far_metres(const fog_pass *pass);

@@ -35,23 +35,25 @@ void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog
     char        what[64];
     memset(savings, 0, FOG_SAVINGS * sizeof *savings);
     if (!plan->lights[FOG_DRAWN]) leave_out(&next, "all passes of lights", "no light has airlight to speak of in view");
-    if (by == FOG_BY_INTERVALS) leave_out(&next, "march, grid and mesh", "the file says where each ray is lit, exactly");
+    if (by == FOG_BY_INTERVALS && !plan->light_maps)
+        leave_out(&next, "march, grid and mesh", "the file says where each ray is lit, exactly");
     if (by == FOG_BY_MESH) {
-        leave_out(&next, "adaptive pass", "nothing moves: a mesh is made once, with triangles where its surface bends");
+        leave_out(&next, "adaptive pass", "what stands has a mesh that is made once, with triangles where its surface bends");
         snprintf(what, sizeof what, "%u of %u meshes", light_count - plan->meshes_made, light_count);
         if (plan->meshes_made < light_count) leave_out(&next, what, "their lights have not been drawn");
-    } else
+    } else if (!plan->light_maps)
         leave_out(&next, "light maps", "nothing moves: the file is asked where shadow begins");
 }
 
 /* for people ---------------------------------------------------------------------------------------------------------------------- */
 
-static void print_light(FILE *to, const fog_light_plan *light, fog_by by, const char *light_name)
+static void print_light(FILE *to, const fog_light_plan *light, const char *light_name)
 {
     char name[VXS_LIGHT_NAME_BYTES], why[64];
     one_line(strcpy(name, light_name));
     if (light->fate == FOG_DRAWN) {
-        fprintf(to, "light %s: by %s, in %.0f %% of the picture\n", name, fog_by_names[by], 100 * light->share);
+        fprintf(to, "light %s: by %s, in %.0f %% of the picture%s%s\n", name, fog_by_names[light->by], 100 * light->share,
+                light->why ? ": " : "", light->why ? light->why : "");
         return;
     }
     fate_text(why, light->fate);
@@ -69,12 +71,13 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
         fate_text(why, (fog_fate)n);
         if (plan->lights[n]) fprintf(to, ", %u %s", plan->lights[n], why);
     }
+    if (plan->light_maps) fprintf(to, "; %u of maps that end where something moves", plan->light_maps);
     fputc('\n', to);
     if (!verbose) return;
     fog_plan_savings(plan, by, light_count, savings);
     for (const fog_saving *s = savings; s < savings + FOG_SAVINGS && *s->left_out; s++)
         fprintf(to, "%-20s left out: %s\n", s->left_out, s->reason);
-    for (uint32_t n = 0; n < light_count; n++) print_light(to, &lights[n], by, names[n]->light.name);
+    for (uint32_t n = 0; n < light_count; n++) print_light(to, &lights[n], names[n]->light.name);
 }
 
 /* as JSON ------------------------------------------------------------------------------------------------------------------------- */
@@ -86,7 +89,7 @@ json_t *fog_plan_counts(const fog_plan *plan)
     return o;
 }
 
-json_t *fog_plan_lights(fog_by by, const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count)
+json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count)
 {
     json_t *list = json_array();
     for (uint32_t n = 0; n < light_count; n++) {
@@ -94,7 +97,8 @@ json_t *fog_plan_lights(fog_by by, const fog_light_plan *lights, const vxs_baked
         json_set(&o, "light", json_text(names[n]->light.name));
         json_set(&o, "fate", json_text(fate_names[lights[n].fate]));
         if (lights[n].fate == FOG_DRAWN) {
-            json_set(&o, "by", json_text(fog_by_names[by]));
+            json_set(&o, "by", json_text(fog_by_names[lights[n].by]));
+            if (lights[n].why) json_set(&o, "why", json_text(lights[n].why));
             json_set(&o, "share", json_real(rounded(lights[n].share, 4)));
         }
         json_append(&list, o);

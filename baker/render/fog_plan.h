@@ -28,13 +28,16 @@ typedef enum fog_fate {
 
 typedef struct fog_plan {
     uint32_t lights[FOG_FATES];
+    uint32_t light_maps;  /* of lights that are drawn, which end where something moves */
     uint32_t meshes_made; /* up to and with this frame, of lights that are drawn; of FOG_BY_MESH */
 } fog_plan;
 
 /* Of one light. */
 typedef struct fog_light_plan {
-    fog_fate fate;
-    double   share; /* of the picture that it is drawn in: a rectangle about its cone, range and what is not too faint */
+    fog_fate    fate;
+    double      share; /* of the picture that it is drawn in: a rectangle about its cone, range and what is not too faint */
+    fog_by      by;    /* what draws it */
+    const char *why;   /* not what was asked; NULL: it is that */
 } fog_light_plan;
 
 /* What a frame goes without, and why; "" behind the last one. */
@@ -55,7 +58,7 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
 json_t *fog_plan_counts(const fog_plan *plan);
 
 /* Of the picture: each light, and what is left out. */
-json_t *fog_plan_lights(fog_by by, const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count);
+json_t *fog_plan_lights(const fog_light_plan *lights, const vxs_baked_light *const *names, uint32_t light_count);
 json_t *fog_plan_left_out(const fog_plan *plan, fog_by by, uint32_t light_count);
 
 #endif

@@ -203,7 +203,8 @@ static vxs_result make_fog(renderer *r, message *m)
                                  .grid        = o->fog_grid,
                                  .width       = r->width,
                                  .height      = r->height,
-                                 .size_metres = r->mesh.size_metres};
+                                 .size_metres = r->mesh.size_metres,
+                                 .streamed    = o->stream != NULL};
     return o->fog ? fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m) : VXS_OK;
 }
 

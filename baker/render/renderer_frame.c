@@ -131,7 +131,8 @@ static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
     const double ambient[3] = {0.070 * day_of(r), 0.081 * day_of(r), 0.095 * day_of(r)};
     set_sizes(r, r->picture_program);
     draw_screen(r, r->picture_frame, r->picture_program, SCREEN, r->width, r->height);
-    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->exposure, ambient, plan, m);
+    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->moving, r->exposure, ambient, plan,
+                         m);
 }
 
 static void tone(const renderer *r)

@@ -57,6 +57,24 @@ def test_as_if_it_were_baked(vxs, level, what, light):
     assert wrong < 0.003 < 0.009 < without
 
 
+@pytest.mark.parametrize("light", ["noon", "lamp"])
+def test_fog_as_if_it_were_baked(vxs, level, light):
+    """By steps of a map for the light that sees it, where the baked scene has exact intervals."""
+    def airlight(name, *options):
+        light_of(vxs, level, name, light, "--fog", 0.1, *options)
+        return red_of(level / "passes" / "airlight.png")
+
+    def apart(a, b):
+        return sum(abs(x - y) for x, y in zip(a, b)) / sum(b)
+
+    baked = airlight("block")
+    moving = airlight("ground", "--moving", level / "block_alone.gltf", "--fog-steps", 256)
+    plan, = json.loads((level / "r.json").read_text())["fog"]["lights"]
+    assert (plan["by"], plan["why"]) == ("angles", "something moves in its light")
+    wrong, without = apart(moving, baked), apart(airlight("ground"), baked)
+    assert wrong < 0.1 * without and without > 0.002
+
+
 def test_it_moves(vxs, level):
     (level / "path.txt").write_text("7 9 6 0 1 0\n7 9 6 0 1 0\n")
     options = [*SMALL[:SMALL.index("--eye")], "--fov", 60, "--path", level / "path.txt", "--frames", 2]
