@@ -6,7 +6,7 @@
  *
  *     vxs_volumes_begin(air, &frame);                                   // each frame: medium, camera, depths of what was drawn
  *     vxs_volumes_march(air, &sun, sun_map, 64, VXS_STEPS_EVEN);        // each light by a technique of its own
- *     vxs_volumes_composite(air, width, height);                        // onto what was drawn
+ *     vxs_volumes_composite(air);                                       // onto what was drawn
  *
  * Light that a homogeneous medium turns once toward the eye is added up along each eye ray, where a light reaches it. Techniques differ in how they
  * know that; what media and lights are is the same for all (vxs_air_path.h).
