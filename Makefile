@@ -89,7 +89,7 @@ runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.
 gl.c      := $(wildcard runtime/gl/*.c)
 gl.text   := $(wildcard runtime/gl/*.glsl) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h
 # what its functions are declared in, and texts for C and shaders
-volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h)
+volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
 air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
 volumes.c := $(wildcard runtime/volumes/*.c)
 volumes.text := $(wildcard runtime/volumes/*.glsl) $(air.h) formats/vxs_depths.h formats/vxs_intervals.h

@@ -56,6 +56,7 @@ static vxs_result report_left_out(bake_report *report, const scene *s, message *
 vxs_result bake_report_begin(bake_report *report, const scene *s, const casters *c, message *m)
 {
     report_casters(report, c);
+    report->capsule_count   = s->smoke.count;
     report->exclusion_count = s->exclusion_count;
     report->exclusions      = malloc((s->exclusion_count + 1) * sizeof *report->exclusions);
     if (!report->exclusions) return fail(m, VXS_E_MEMORY, "out of memory for %zu exclusions", s->exclusion_count);

@@ -1,15 +1,16 @@
-/* Triangle meshes, materials with holes, lights and cameras as a binary glTF 2.0 file (glTF 2.0 specification, section 4, "GLB File
+/* Triangle meshes, materials with holes, smoke, lights and cameras as a binary glTF 2.0 file (glTF 2.0 specification, section 4, "GLB File
  * Format").
  *
  *     header  magic, version 2, length of the file            3 words
  *     chunk   length, "JSON", text padded with spaces         2 words + text
- *     chunk   length, "BIN\0", positions, indices, texture coordinates, images     2 words + data; images are padded
+ *     chunk   length, "BIN\0", positions, indices, texture coordinates, smoke, images     2 words + data; images are padded
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/glb_write.h"
 
 #include <jansson.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +25,8 @@ enum {
     GLB_MAGIC            = 0x46546c67,
     GLB_JSON             = 0x4e4f534a,
     GLB_BIN              = 0x004e4942,
+    GL_POINTS            = 0,
+    GL_LINES             = 1,
     GL_UNSIGNED_INT      = 5125,
     GL_FLOAT             = 5126,
     ARRAY_BUFFER         = 34962,
@@ -34,7 +37,8 @@ enum {
     GL_MIRRORED_REPEAT   = 33648,
     VERTEX_BYTES         = 3 * sizeof(float),
     TEXCOORD_BYTES       = 2 * sizeof(float),
-    TRIANGLE_BYTES       = 3 * sizeof(uint32_t)
+    TRIANGLE_BYTES       = 3 * sizeof(uint32_t),
+    SMOKE_BYTES          = sizeof(glb_smoke_vertex)
 };
 
 /* One part of the binary chunk: a buffer view. */
@@ -45,12 +49,12 @@ typedef struct part {
     void       *owned;          /* NULL, or what to free */
 } part;
 
-/* The binary chunk: positions, indices, texture coordinates if there are any, images. */
+/* The binary chunk: positions, indices, texture coordinates and smoke if there are any, images. */
 typedef struct chunk {
     size_t   part_count;
     part    *parts;
-    size_t   texcoord_part, image_part; /* where those begin */
-    uint64_t size_bytes;                /* with padding */
+    size_t   texcoord_part, smoke_part, image_part; /* where those begin */
+    uint64_t size_bytes;                            /* with padding */
 } chunk;
 
 static uint64_t padding(uint64_t size_bytes)
@@ -78,7 +82,7 @@ static int append_png(chunk *c, const glb_image *image)
 static int chunk_of(chunk *c, const glb_scene *s)
 {
     *c       = (chunk){0};
-    c->parts = calloc(3 + s->image_count, sizeof *c->parts);
+    c->parts = calloc(4 + s->image_count, sizeof *c->parts);
     if (!c->parts) return 1;
     if (s->mesh_count) {
         append_part(c, (part){s->positions, (uint64_t)s->vertex_count * VERTEX_BYTES, VERTEX_BYTES, ARRAY_BUFFER, NULL});
@@ -87,6 +91,9 @@ static int chunk_of(chunk *c, const glb_scene *s)
     c->texcoord_part = c->part_count;
     if (s->texcoords)
         append_part(c, (part){s->texcoords, (uint64_t)s->vertex_count * TEXCOORD_BYTES, TEXCOORD_BYTES, ARRAY_BUFFER, NULL});
+    c->smoke_part = c->part_count;
+    if (s->smoke_count)
+        append_part(c, (part){s->smoke_vertices, (uint64_t)s->smoke_vertex_count * SMOKE_BYTES, SMOKE_BYTES, ARRAY_BUFFER, NULL});
     c->image_part = c->part_count;
     int failed    = 0;
     for (size_t i = 0; !failed && i < s->image_count; i++) failed = append_png(c, &s->images[i]);
@@ -148,12 +155,21 @@ static void quaternion_from_direction(double q[4], const double direction[3])
     q[3] = w / norm;
 }
 
+/* The largest part is the intensity: a colour's own are 1 at most. */
+static int set_colour(json_t *light, const double colour[3])
+{
+    double intensity = fmax(colour[0], fmax(colour[1], colour[2])), share[3];
+    for (int i = 0; i < 3; i++) share[i] = colour[i] / intensity;
+    return json_object_set_new(light, "color", json_vector(share)) | json_object_set_new(light, "intensity", json_real(intensity));
+}
+
 static json_t *json_light(const scene_light *light)
 {
     json_t *json   = json_pack("{s:s, s:s}", "name", light->name, "type", light_kind_name(light->shape.kind));
     int     failed = !json;
     if (!failed && light->shape.kind != LIGHT_DIRECTIONAL && isfinite(light->shape.range_m))
         failed = json_object_set_new(json, "range", json_real(light->shape.range_m));
+    if (!failed && !is_zero(light->colour)) failed = set_colour(json, light->colour);
     if (!failed && light->shape.kind == LIGHT_SPOT)
         failed = json_object_set_new(json, "spot", json_pack("{s:f}", "outerConeAngle", light->shape.outer_rad));
     if (!failed) return json;
@@ -197,23 +213,36 @@ static int append_camera_node(json_t *root, const double position[3])
     return append_node(root, json_pack("{s:s, s:i, s:o}", "name", "camera", "camera", 0, "translation", json_vector(position)));
 }
 
-/* Bounds are those of finite positions: JSON has no other numbers. */
-static json_t *position_accessor(const glb_scene *s, const glb_mesh *mesh)
+/* `count` elements of floats from a byte of a buffer view on. */
+static json_t *float_accessor(size_t view, size_t offset, size_t count, const char *type)
 {
-    const float *p = s->positions + 3 * mesh->vertex_first;
-    double       low[3], high[3];
+    return json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset", (json_int_t)offset, "componentType",
+                     GL_FLOAT, "count", (json_int_t)count, "type", type);
+}
+
+/* places  `stride` floats from one to the next. Bounds are those of finite positions: JSON has no other numbers. */
+static json_t *position_accessor(size_t view, size_t offset, size_t count, const float *places, size_t stride)
+{
+    double low[3], high[3];
     for (int axis = 0; axis < 3; axis++) {
         low[axis] = INFINITY, high[axis] = -INFINITY;
-        for (size_t i = 0; i < mesh->vertex_count; i++) {
-            double x = p[3 * i + axis];
+        for (size_t i = 0; i < count; i++) {
+            double x = places[stride * i + axis];
             if (x < low[axis] && x > -INFINITY) low[axis] = x;
             if (x > high[axis] && x < INFINITY) high[axis] = x;
         }
         if (low[axis] > high[axis]) low[axis] = high[axis] = 0;
     }
-    return json_pack("{s:i, s:I, s:i, s:I, s:s, s:o, s:o}", "bufferView", 0, "byteOffset",
-                     (json_int_t)(mesh->vertex_first * VERTEX_BYTES), "componentType", GL_FLOAT, "count",
-                     (json_int_t)mesh->vertex_count, "type", "VEC3", "min", json_vector(low), "max", json_vector(high));
+    json_t *accessor = float_accessor(view, offset, count, "VEC3");
+    if (!accessor ||
+        (json_object_set_new(accessor, "min", json_vector(low)) | json_object_set_new(accessor, "max", json_vector(high))))
+        return json_decref(accessor), NULL;
+    return accessor;
+}
+
+static json_t *mesh_position_accessor(const glb_scene *s, const glb_mesh *mesh)
+{
+    return position_accessor(0, mesh->vertex_first * VERTEX_BYTES, mesh->vertex_count, s->positions + 3 * mesh->vertex_first, 3);
 }
 
 static json_t *index_accessor(const glb_mesh *mesh)
@@ -225,9 +254,7 @@ static json_t *index_accessor(const glb_mesh *mesh)
 
 static json_t *texcoord_accessor(const chunk *c, const glb_mesh *mesh)
 {
-    return json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)c->texcoord_part, "byteOffset",
-                     (json_int_t)(mesh->vertex_first * TEXCOORD_BYTES), "componentType", GL_FLOAT, "count",
-                     (json_int_t)mesh->vertex_count, "type", "VEC2");
+    return float_accessor(c->texcoord_part, mesh->vertex_first * TEXCOORD_BYTES, mesh->vertex_count, "VEC2");
 }
 
 static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t i)
@@ -235,7 +262,7 @@ static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t 
     const glb_mesh *mesh  = &s->meshes[i];
     json_int_t      first = (json_int_t)json_array_size(json_object_get(root, "accessors"));
 
-    int failed = append(root, "accessors", position_accessor(s, mesh)) | append(root, "accessors", index_accessor(mesh));
+    int failed = append(root, "accessors", mesh_position_accessor(s, mesh)) | append(root, "accessors", index_accessor(mesh));
 
     json_t *primitive = json_pack("{s:{s:I}, s:I}", "attributes", "POSITION", first, "indices", first + 1);
     failed |= !primitive;
@@ -251,6 +278,28 @@ static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t 
     json_t *node = json_pack("{s:s, s:I}", "name", mesh->name, "mesh", (json_int_t)i);
     if (node && !is_zero(mesh->translation)) failed |= json_object_set_new(node, "translation", json_vector(mesh->translation));
     return failed | append_node(root, node);
+}
+
+static int append_smoke(json_t *root, const chunk *c, const glb_scene *s, size_t i)
+{
+    const glb_smoke        *smoke  = &s->smoke[i];
+    const glb_smoke_vertex *first  = &s->smoke_vertices[smoke->vertex_first];
+    size_t                  offset = smoke->vertex_first * SMOKE_BYTES, count = smoke->vertex_count;
+    json_int_t              accessor = (json_int_t)json_array_size(json_object_get(root, "accessors"));
+
+    int failed =
+        append(root, "accessors", position_accessor(c->smoke_part, offset, count, first->place, SMOKE_BYTES / sizeof(float))) |
+        append(root, "accessors",
+               float_accessor(c->smoke_part, offset + offsetof(glb_smoke_vertex, radius_metres), count, "SCALAR")) |
+        append(root, "accessors", float_accessor(c->smoke_part, offset + offsetof(glb_smoke_vertex, extinction), count, "SCALAR"));
+
+    json_t *primitive = json_pack("{s:{s:I, s:I, s:I}, s:i}", "attributes", "POSITION", accessor, "_RADIUS", accessor + 1,
+                                  "_EXTINCTION", accessor + 2, "mode", smoke->lines ? GL_LINES : GL_POINTS);
+    failed |= !primitive;
+    if (!failed && smoke->material)
+        failed = json_object_set_new(primitive, "material", json_integer((json_int_t)smoke->material - 1));
+    failed |= append(root, "meshes", json_pack("{s:s, s:[o]}", "name", smoke->name, "primitives", primitive));
+    return failed | append_node(root, json_pack("{s:s, s:I}", "name", smoke->name, "mesh", (json_int_t)(s->mesh_count + i)));
 }
 
 static int has_sampler(const glb_material *material)
@@ -281,6 +330,11 @@ static int append_material(json_t *root, const glb_scene *s, size_t i)
         failed |= json_object_set_new(json, "pbrMetallicRoughness",
                                       json_pack("{s:{s:I}, s:f, s:f}", "baseColorTexture", "index", (json_int_t)texture_of(s, i),
                                                 "metallicFactor", 0.0, "roughnessFactor", 1.0));
+    else if (!failed && !is_zero(material->colour))
+        failed |=
+            json_object_set_new(json, "pbrMetallicRoughness",
+                                json_pack("{s:[f,f,f,f], s:f, s:f}", "baseColorFactor", material->colour[0], material->colour[1],
+                                          material->colour[2], 1.0, "metallicFactor", 0.0, "roughnessFactor", 1.0));
     return failed | append(root, "materials", json);
 }
 
@@ -325,9 +379,11 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
     if (!failed && s->light_count) failed = set_lights(root, s);
     if (!failed) failed = json_object_set_new(root, "scene", json_integer(0));
     if (!failed) failed = append(root, "scenes", json_pack("{s:s}", "name", s->name));
-    if (!failed && s->mesh_count + s->light_count + s->camera_count) failed = json_object_set_new(root, "nodes", json_array());
-    if (!failed && s->mesh_count) failed = json_object_set_new(root, "meshes", json_array());
+    if (!failed && s->mesh_count + s->smoke_count + s->light_count + s->camera_count)
+        failed = json_object_set_new(root, "nodes", json_array());
+    if (!failed && s->mesh_count + s->smoke_count) failed = json_object_set_new(root, "meshes", json_array());
     for (size_t i = 0; !failed && i < s->mesh_count; i++) failed = append_mesh(root, c, s, i);
+    for (size_t i = 0; !failed && i < s->smoke_count; i++) failed = append_smoke(root, c, s, i);
     for (size_t i = 0; !failed && i < s->material_count; i++) failed = append_material(root, s, i);
     for (size_t i = 0; !failed && i < s->image_count; i++) failed = append_image(root, c, i);
     for (size_t i = 0; !failed && i < s->material_count; i++)
@@ -401,5 +457,7 @@ void glb_scene_free(glb_scene *s)
     for (size_t i = 0; i < s->light_count; i++) free(s->lights[i].name);
     free(s->lights);
     free(s->camera_positions_ws);
+    free(s->smoke);
+    free(s->smoke_vertices);
     *s = (glb_scene){0};
 }

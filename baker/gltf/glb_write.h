@@ -1,4 +1,4 @@
-/* Triangle meshes, materials with holes, lights and cameras as a binary glTF 2.0 file.
+/* Triangle meshes, materials with holes, smoke, lights and cameras as a binary glTF 2.0 file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef GLB_WRITE_H
 #define GLB_WRITE_H
@@ -29,8 +29,22 @@ typedef struct glb_material {
     double       alpha_cutoff; /* 0: OPAQUE; else alphaMode is MASK with this cutoff, (0, 1] */
     uint32_t     image;        /* 1 + index into images: the base colour texture; 0: none */
     texture_wrap wrap_u, wrap_v;
-    int          nearest; /* 1: the nearest pixel; 0: bilinear */
+    int          nearest;   /* 1: the nearest pixel; 0: bilinear */
+    double       colour[3]; /* base colour, linear, 0 to 1; all 0: none is said, which is white */
 } glb_material;
+
+/* A run of smoke's vertices; becomes a mesh and a node of that name. */
+typedef struct glb_smoke {
+    char     name[32];
+    int      lines; /* 1: each two vertices are a line; 0: points */
+    size_t   vertex_first, vertex_count;
+    uint32_t material; /* 1 + index into materials; 0: none */
+} glb_smoke;
+
+/* As the file has it: attributes side by side. */
+typedef struct glb_smoke_vertex {
+    float place[3], radius_metres, extinction; /* per metre */
+} glb_smoke_vertex;
 
 /* Stored as PNG. */
 typedef struct glb_image {
@@ -51,6 +65,10 @@ typedef struct glb_scene {
     size_t    mesh_count;
     glb_mesh *meshes; /* [mesh_count] owned */
 
+    size_t            smoke_count, smoke_vertex_count;
+    glb_smoke        *smoke;          /* [smoke_count] owned */
+    glb_smoke_vertex *smoke_vertices; /* [smoke_vertex_count] owned */
+
     size_t        material_count, image_count, light_count, camera_count;
     glb_material *materials;           /* [material_count] owned */
     glb_image    *images;              /* [image_count] owned */
@@ -58,8 +76,8 @@ typedef struct glb_scene {
     double       *camera_positions_ws; /* [3 * camera_count] owned; their directions are not kept */
 } glb_scene;
 
-/* Write the scene: one node a mesh, then one a light of KHR_lights_punctual, then one a camera. Positions and texture coordinates are FLOAT,
- * indices UNSIGNED_INT, one buffer view each, one for each image; what a scene has none of is not mentioned. The same
+/* Write the scene: one node a mesh, then one for each run of smoke, then one a light of KHR_lights_punctual, then one a camera. Positions, texture coordinates and smoke
+ * are FLOAT, indices UNSIGNED_INT, one buffer view each, one for each image; what a scene has none of is not mentioned. The same
  * scene gives the same bytes (images: by the same version of libpng).
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_ARGUMENT (more than the 4 GiB a GLB can hold), VXS_E_MEMORY. */
 vxs_result glb_write(const glb_scene *s, output_file *out, message *m);

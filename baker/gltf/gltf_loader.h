@@ -391,6 +391,9 @@ inline bool finite(vec3 v)
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/* How many times a volume it is once transformed; less than 0 where it is mirrored. */
+double volume_scale(const transform &t);
+
 /* The triangles of a mirrored node turn their backs, unless two corners are swapped (3.7.4). */
 bool is_mirrored(const transform &t);
 
@@ -446,8 +449,23 @@ void check_weights(loader &l, const std::string &where, const std::vector<double
 size_t measure(loader &l);
 void   place_meshes(loader &l, size_t triangles);
 
+/* An element of an accessor of positions. */
+vec3 position(const elements &e, size_t index);
+
 /* The accessor elements of a triangle's corners, in the order of the scene's. */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3]);
+
+/* ---- gltf_smoke.cc ---- */
+
+/* Points and lines that dim light, and how many capsules they are each time that they are placed. */
+bool   makes_smoke(const tinygltf::Primitive &p);
+size_t capsule_count(const loader &l, const tinygltf::Primitive &p);
+
+/* Its attributes that triangles have not. */
+void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primitive &p);
+
+/* The scene's capsules. */
+void place_smoke(loader &l);
 
 /* ---- gltf_images.cc, gltf_materials.cc ---- */
 

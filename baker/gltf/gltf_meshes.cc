@@ -70,7 +70,7 @@ static void check_primitive(loader &l, const std::string &where, const tinygltf:
     if (p.material >= 0 && (size_t)p.material >= l.materials.size()) l.broken(where, "material %d does not exist", p.material);
     check_attributes(l, where, p.attributes);
     for (size_t i = 0; i < p.targets.size(); i++) check_attributes(l, target_label(i), p.targets[i]);
-    if (!makes_triangles(p)) return;
+    if (!makes_triangles(p) && !makes_smoke(p)) return;
 
     int    position = attribute(p.attributes, "POSITION");
     size_t vertices = l.accessors[position].count;
@@ -79,6 +79,7 @@ static void check_primitive(loader &l, const std::string &where, const tinygltf:
         if (attribute(p.targets[i], "POSITION") >= 0)
             check_positions(l, target_label(i), attribute(p.targets[i], "POSITION"), vertices);
     if (p.indices >= 0) check_indices(l, where, p.indices);
+    if (makes_smoke(p)) check_smoke(l, where, p);
 }
 
 void check_weights(loader &l, const std::string &where, const std::vector<double> &weights, const tinygltf::Primitive &p)
@@ -103,7 +104,7 @@ void check_all_indices(loader &l)
 {
     for (const tinygltf::Mesh &mesh : l.model.meshes)
         for (const tinygltf::Primitive &p : mesh.primitives) {
-            if (p.indices < 0 || !makes_triangles(p) || needs_draco(l, p)) continue;
+            if (p.indices < 0 || !(makes_triangles(p) || makes_smoke(p)) || needs_draco(l, p)) continue;
             const tinygltf::Accessor &a = l.model.accessors[p.indices];
             if (a.bufferView < 0 || a.sparse.isSparse || l.views[a.bufferView].compressed.extension) continue;
             check_index_values(l, use_accessor(l, p.indices), l.accessors[attribute(p.attributes, "POSITION")].count);
@@ -119,6 +120,7 @@ static void warn_about(loader &l, size_t mesh, size_t i, skipped &skip)
 {
     const tinygltf::Primitive &p     = l.model.meshes[mesh].primitives[i];
     std::string                where = primitive_label(l, mesh, i);
+    if (makes_smoke(p)) return;
     if (p.mode == TINYGLTF_MODE_POINTS)
         skip.points++;
     else if (p.mode < TINYGLTF_MODE_TRIANGLES)
@@ -197,8 +199,8 @@ size_t measure(loader &l)
         vertices += instances * casting.vertices;
         placed += triangles ? instances : 0;
     }
-    if (skip.points) warn(l.m, "primitives of points skipped: %zu; what is to cast a shadow needs triangles", skip.points);
-    if (skip.lines) warn(l.m, "primitives of lines skipped: %zu; what is to cast a shadow needs triangles", skip.lines);
+    if (skip.points) warn(l.m, "primitives of points skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION", skip.points);
+    if (skip.lines) warn(l.m, "primitives of lines skipped: %zu; what is to cast a shadow needs triangles, or is smoke by _RADIUS and _EXTINCTION", skip.lines);
     finish_selection(l);
     l.vertex_capacity = vertices;
     if (total)

@@ -27,12 +27,16 @@ bool trs_transform(const double translation[3], const double rotation[4], const 
     return true;
 }
 
-bool is_mirrored(const transform &t)
+double volume_scale(const transform &t)
 {
     const vec3 *a = t.axis;
     return a[0].x * (a[1].y * a[2].z - a[1].z * a[2].y) - a[0].y * (a[1].x * a[2].z - a[1].z * a[2].x) +
-               a[0].z * (a[1].x * a[2].y - a[1].y * a[2].x) <
-           0;
+           a[0].z * (a[1].x * a[2].y - a[1].y * a[2].x);
+}
+
+bool is_mirrored(const transform &t)
+{
+    return volume_scale(t) < 0;
 }
 
 static transform node_transform(loader &l, size_t index)

@@ -10,7 +10,7 @@
 namespace gltf
 {
 
-static vec3 position(const elements &e, size_t index)
+vec3 position(const elements &e, size_t index)
 {
     if (e.component != TINYGLTF_COMPONENT_TYPE_FLOAT) return {e.value(index, 0), e.value(index, 1), e.value(index, 2)};
     float p[3];

@@ -95,6 +95,7 @@ static void load(loader &l, const scene_check *check)
     if (!l.s->name) throw std::bad_alloc();
     size_t triangles = measure(l);
     check_before_triangles(l, check);
+    place_smoke(l);
     place_meshes(l, triangles);
 }
 

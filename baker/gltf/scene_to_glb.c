@@ -5,6 +5,8 @@
  *
  *     vertices   the scene's | 3 of each masked triangle
  *     triangles  one-sided | double-sided | mask 0, one-sided | mask 0, double-sided | mask 1, ...
+ *
+ * Capsules of smoke keep their order: those that follow each other, all of them points or all lines, and of one colour, are a run.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/scene_to_glb.h"
 
@@ -111,9 +113,63 @@ static int add_light(glb_scene *out, const scene_light *light)
     return name != NULL;
 }
 
+/* ---- smoke ---- */
+
+static int is_line(const vxs_capsule *c)
+{
+    return memcmp(c->begin, c->end, sizeof c->begin) != 0;
+}
+
+/* Whether capsule n begins a run. */
+static int begins_run(const scene_smoke *smoke, uint32_t n)
+{
+    return !n || is_line(&smoke->list[n]) != is_line(&smoke->list[n - 1]) ||
+           memcmp(smoke->albedos[n], smoke->albedos[n - 1], sizeof *smoke->albedos);
+}
+
+static void add_smoke_vertex(glb_scene *out, const scene_smoke *smoke, const float place[3], const vxs_capsule *c)
+{
+    glb_smoke_vertex *v = &out->smoke_vertices[out->smoke_vertex_count++];
+    for (int k = 0; k < 3; k++) v->place[k] = (float)(smoke->origin_ws[k] + (double)place[k]);
+    v->radius_metres = c->radius_metres;
+    v->extinction    = c->extinction;
+    out->smoke[out->smoke_count - 1].vertex_count++;
+}
+
+static void begin_run(glb_scene *out, const scene_smoke *smoke, uint32_t n)
+{
+    glb_smoke   *run      = &out->smoke[out->smoke_count++];
+    glb_material material = {.name = "smoke"};
+    for (int k = 0; k < 3; k++) material.colour[k] = (double)smoke->albedos[n][k];
+    out->materials[out->material_count++] = material;
+    *run                                  = (glb_smoke){
+                                         .lines = is_line(&smoke->list[n]), .vertex_first = out->smoke_vertex_count, .material = (uint32_t)out->material_count};
+    snprintf(run->name, sizeof run->name, "smoke %zu", out->smoke_count);
+}
+
+static void add_smoke(glb_scene *out, const scene_smoke *smoke)
+{
+    for (uint32_t n = 0; n < smoke->count; n++) {
+        const vxs_capsule *c = &smoke->list[n];
+        if (begins_run(smoke, n)) begin_run(out, smoke, n);
+        add_smoke_vertex(out, smoke, c->begin, c);
+        if (is_line(c)) add_smoke_vertex(out, smoke, c->end, c);
+    }
+}
+
+static uint32_t count_runs(const scene_smoke *smoke)
+{
+    uint32_t runs = 0;
+    for (uint32_t n = 0; n < smoke->count; n++) runs += (uint32_t)begins_run(smoke, n);
+    return runs;
+}
+
+/* ---- all of it ---- */
+
 /* Room for everything, whose counts are known but for what is added one by one. */
 static int reserve(glb_scene *out, material_sort *k, const scene *s)
 {
+    uint32_t runs       = count_runs(&s->smoke);
     k->count            = MATERIALS_WITHOUT_MASK * (1 + s->alpha_mask_count);
     k->first            = calloc(k->count + 1, sizeof *k->first);
     k->next             = calloc(k->count, sizeof *k->next);
@@ -122,13 +178,15 @@ static int reserve(glb_scene *out, material_sort *k, const scene *s)
     out->positions      = malloc((3 * out->vertex_count + 1) * sizeof *out->positions);
     out->indices        = malloc((3 * out->triangle_count + 1) * sizeof *out->indices);
     out->meshes         = calloc(k->count, sizeof *out->meshes);
-    out->materials      = calloc(k->count, sizeof *out->materials);
+    out->materials      = calloc(k->count + runs, sizeof *out->materials);
     out->images         = calloc(s->image_count + 1, sizeof *out->images);
     out->lights         = calloc(s->light_count + 1, sizeof *out->lights);
+    out->smoke          = calloc(runs + 1, sizeof *out->smoke);
+    out->smoke_vertices = malloc((2 * (size_t)s->smoke.count + 1) * sizeof *out->smoke_vertices);
     if (s->holed_triangle_count && !(out->texcoords = calloc(out->vertex_count, 2 * sizeof *out->texcoords))) return 0;
     out->camera_positions_ws = malloc((3 * s->camera_count + 1) * sizeof *out->camera_positions_ws);
     return k->first && k->next && out->positions && out->indices && out->meshes && out->materials && out->images && out->lights &&
-           out->camera_positions_ws;
+           out->smoke && out->smoke_vertices && out->camera_positions_ws;
 }
 
 vxs_result glb_round_positions(scene *s, message *m)
@@ -160,6 +218,7 @@ vxs_result glb_from_scene(glb_scene *out, const scene *s, message *m)
     add_meshes(out, &k, s);
     add_triangles(out, &k, s);
     add_materials(out, s);
+    add_smoke(out, &s->smoke);
     if (s->camera_count)
         memcpy(out->camera_positions_ws, s->camera_positions_ws, 3 * s->camera_count * sizeof *s->camera_positions_ws);
     out->camera_count = s->camera_count;

@@ -38,6 +38,7 @@ static void print_scene(FILE *to, const bake_options *o, const bake_report *r)
     double         share = c->triangle_count ? 100 * (double)c->solid_triangle_count / (double)casters_whole_count(c) : 0;
     fprintf(to, "scene        %s: %zu triangles, %.3g %% of them in solids\n", input_name(o->scene_path), casters_whole_count(c),
             share);
+    if (r->capsule_count) fprintf(to, "smoke        %u capsules of points and lines\n", r->capsule_count);
 }
 
 /* The lights that are baked, and the texels of their maps. */

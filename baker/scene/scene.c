@@ -23,6 +23,8 @@ void scene_free(scene *s)
     free(s->holed_triangles);
     free(s->material_colours);
     free(s->camera_positions_ws);
+    free(s->smoke.list);
+    free(s->smoke.albedos);
     free(s->triangle_flags);
     free(s->indices);
     free(s->positions_ws);

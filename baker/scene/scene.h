@@ -8,6 +8,7 @@
 
 #include "baker/base/message.h"
 #include "baker/base/text.h"
+#include "baker/scene/smoke.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -126,6 +127,8 @@ typedef struct scene {
 
     size_t  camera_count;
     double *camera_positions_ws; /* [3 * camera_count] */
+
+    scene_smoke smoke; /* points and lines that dim light */
 } scene;
 
 typedef enum skinned_mode { SKINNED_EXCLUDE, SKINNED_REST } skinned_mode;
@@ -141,8 +144,8 @@ typedef struct scene_choice {
 } scene_choice;
 
 /* Read a .gltf or .glb file with tinygltf (glTF 2.0): node hierarchy, sparse accessors, strips and fans, lights of
- * KHR_lights_punctual. Skinned meshes are excluded, morph targets taken at their default weights, points and lines skipped; each with a
- * warning.
+ * KHR_lights_punctual, points and lines that are smoke (docs/smoke.md, "In a scene file"). Skinned meshes are excluded, morph targets taken at their
+ * default weights, other points and lines skipped; each with a warning.
  * choice  NULL: the file's default scene, and all of it but skinned meshes
  * s       [out] zeroed on failure; released with scene_free. Borrows patterns from the choice.
  * A mirrored node (negative determinant) has its winding turned back, so that outside stays outside.

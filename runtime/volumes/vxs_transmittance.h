@@ -23,6 +23,7 @@
 #ifndef VXS_TRANSMITTANCE_H
 #define VXS_TRANSMITTANCE_H
 
+#include "vxs_capsule.h"
 #include "vxs_volumes.h"
 
 #ifdef __cplusplus
@@ -30,14 +31,6 @@ extern "C" {
 #endif
 
 typedef struct vxs_transmittance_map vxs_transmittance_map;
-
-/* What dims light: all that is no farther from a segment than a radius, evenly dense. Puffs of smoke begin where they end; a hair is a chain of thin
- * ones. One that is thinner than a texel is missed by the rays beside it: make it as wide as a texel, and thinner in extinction by the square.
- * One that is no capsule, of no size or extinction, with numbers that are none, or beyond 1e12, dims nothing. */
-typedef struct vxs_capsule {
-    float begin[3], radius_metres;
-    float end[3], extinction; /* per metre */
-} vxs_capsule;
 
 /* What is not named is 0, and means the default. It grows at its end only. */
 typedef struct vxs_transmittance_desc {
