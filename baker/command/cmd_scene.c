@@ -10,16 +10,16 @@
 #include "baker/options/options.h"
 #include "baker/scene/light_warnings.h"
 
-#define SCENE_KINDS "city|landscape|room|forest|stress"
-typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_STRESS } scene_kind;
+#define SCENE_KINDS "city|landscape|room|forest|smoke|hair|stress"
+typedef enum scene_kind { KIND_CITY, KIND_LANDSCAPE, KIND_ROOM, KIND_FOREST, KIND_SMOKE, KIND_HAIR, KIND_STRESS } scene_kind;
 
 typedef struct scene_options {
     scene_kind   kind;
     city_options city;
-    uint32_t     triangles, seed;
+    uint32_t     triangles, capsules, seed;
     double       sun[3], size_metres, height_metres;
     const char  *out, *stress_case;
-    int          triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given;
+    int triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given, capsules_given;
 } scene_options;
 
 /* Which option goes with which kind. */
@@ -30,13 +30,15 @@ static vxs_result check_kind(const scene_options *o, message *m)
         int         given;
         unsigned    kinds;
     } rules[] = {
-        {"--triangles", "all kinds but stress", o->triangles_given, ~(1u << KIND_STRESS)},
+        {"--triangles", "city, landscape, room and forest only", o->triangles_given,
+         ~(1u << KIND_STRESS | 1 << KIND_SMOKE | 1 << KIND_HAIR)},
         {"--seed", "all kinds but stress", o->seed_given, ~(1u << KIND_STRESS)},
         {"--sun", "city, landscape and forest only", o->sun_given, 1 << KIND_CITY | 1 << KIND_LANDSCAPE | 1 << KIND_FOREST},
         {"--blocks", "city only", o->blocks_given, 1 << KIND_CITY},
         {"--spots", "city only", o->spots_given, 1 << KIND_CITY},
         {"--size", "landscape and forest only", o->size_given, 1 << KIND_LANDSCAPE | 1 << KIND_FOREST},
         {"--height", "landscape only", o->height_given, 1 << KIND_LANDSCAPE},
+        {"--capsules", "smoke and hair only", o->capsules_given, 1 << KIND_SMOKE | 1 << KIND_HAIR},
         {"--case", "stress only", o->case_given, 1 << KIND_STRESS},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
@@ -77,6 +79,8 @@ static vxs_result generate(glb_scene *s, const scene_options *o, message *m)
         double size = o->size_given ? o->size_metres : 100;
         return generate_forest(s, &(forest_options){o->triangles, o->seed, size, {sun[0], sun[1], sun[2]}}, m);
     }
+    case KIND_SMOKE: return generate_smoke(s, &(smoke_options){o->capsules, o->seed}, m);
+    case KIND_HAIR: return generate_hair(s, &(smoke_options){o->capsules, o->seed}, m);
     default: return generate_stress(s, o->stress_case, m);
     }
 }
@@ -115,25 +119,28 @@ static vxs_result run(void *command, message *m)
 
 int cmd_scene(int argc, char **argv)
 {
-    scene_options o = {.city = {.blocks = 8}, .height_metres = 200, .triangles = 100000, .seed = 1, .sun = {-0.5, -1, -0.3}};
-    const option  options[] = {
-         {"KIND", OPTION_CHOICE, &o.kind, 0, 0, SCENE_KINDS, NULL, "city, landscape, room, forest or stress", NULL},
-         {"-o", OPTION_OUTPUT, &o.out, 0, 0, ".glb", "OUT.glb", "where to write; - is standard output", NULL},
-         {"--triangles", OPTION_U32, &o.triangles, GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX, NULL, "T",
-          "all but stress: how many triangles, met within 2% (default 100000)", &o.triangles_given},
-         {"--seed", OPTION_U32, &o.seed, 0, UINT32_MAX, NULL, "S", "all but stress: another seed, another scene (default 1)",
-          &o.seed_given},
-         {"--sun", OPTION_VECTOR, o.sun, 0, 3, NULL, "X,Y,Z",
-          "city, landscape, forest: the way sunlight travels (default -0.5,-1,-0.3)", &o.sun_given},
-         {"--blocks", OPTION_U32, &o.city.blocks, 1, CITY_BLOCKS_MAX, NULL, "N", "city: N x N blocks (default 8)", &o.blocks_given},
-         {"--spots", OPTION_U32, &o.city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
-          &o.spots_given},
-         {"--size", OPTION_F64, &o.size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
-          "landscape, forest: length of a side; of a forest 100 unless given (default 1024)", &o.size_given},
-         {"--height", OPTION_F64, &o.height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
-          "landscape: from lowest to highest point (default 200)", &o.height_given},
-         {"--case", OPTION_TEXT, &o.stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
-          &o.case_given},
+    scene_options o = {
+        .city = {.blocks = 8}, .height_metres = 200, .triangles = 100000, .capsules = 12000, .seed = 1, .sun = {-0.5, -1, -0.3}};
+    const option options[] = {
+        {"KIND", OPTION_CHOICE, &o.kind, 0, 0, SCENE_KINDS, NULL, "city, landscape, room, forest, smoke, hair or stress", NULL},
+        {"-o", OPTION_OUTPUT, &o.out, 0, 0, ".glb", "OUT.glb", "where to write; - is standard output", NULL},
+        {"--triangles", OPTION_U32, &o.triangles, GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX, NULL, "T",
+         "city, landscape, room, forest: how many triangles, met within 2% (default 100000)", &o.triangles_given},
+        {"--seed", OPTION_U32, &o.seed, 0, UINT32_MAX, NULL, "S", "all but stress: another seed, another scene (default 1)",
+         &o.seed_given},
+        {"--sun", OPTION_VECTOR, o.sun, 0, 3, NULL, "X,Y,Z",
+         "city, landscape, forest: the way sunlight travels (default -0.5,-1,-0.3)", &o.sun_given},
+        {"--blocks", OPTION_U32, &o.city.blocks, 1, CITY_BLOCKS_MAX, NULL, "N", "city: N x N blocks (default 8)", &o.blocks_given},
+        {"--spots", OPTION_U32, &o.city.spots, 0, CITY_SPOTS_MAX, NULL, "N", "city: street lamps that are spot lights (default 0)",
+         &o.spots_given},
+        {"--size", OPTION_F64, &o.size_metres, LANDSCAPE_SIZE_MIN, LANDSCAPE_SIZE_MAX, NULL, "METRES",
+         "landscape, forest: length of a side; of a forest 100 unless given (default 1024)", &o.size_given},
+        {"--height", OPTION_F64, &o.height_metres, 0, LANDSCAPE_HEIGHT_MAX, NULL, "METRES",
+         "landscape: from lowest to highest point (default 200)", &o.height_given},
+        {"--capsules", OPTION_U32, &o.capsules, SMOKE_MIN, SMOKE_MAX, NULL, "N",
+         "smoke, hair: how many puffs and pieces of strands (default 12000)", &o.capsules_given},
+        {"--case", OPTION_TEXT, &o.stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
+         &o.case_given},
     };
     const command_line line =
         COMMAND_LINE("scene", "KIND -o OUT.glb [options]", "Make a procedural test scene. Same options, same bytes.", options);

@@ -81,6 +81,24 @@ typedef struct forest_options {
  * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
 vxs_result generate_forest(glb_scene *s, const forest_options *o, message *m);
 
+typedef struct smoke_options {
+    uint32_t capsules; /* [SMOKE_MIN, SMOKE_MAX] */
+    uint32_t seed;
+} smoke_options;
+
+#define SMOKE_MIN 8
+#define SMOKE_MAX 1000000
+
+/* A yard between houses, a low sun "sun" through three columns of smoke from barrels, and a spot "street lamp" in one of them: as many points as
+ * asked, of three materials; columns are as dense with any number. All that stands are closed solids.
+ * s  [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY. */
+vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m);
+
+/* A head with hair on a table, and a thread of smoke beside it, between two spots, "lamp" and "behind": of the capsules three in four are pieces of
+ * strands, eight a strand, the others puffs. All that stands are closed solids.
+ * s  [out] as above.  Returns VXS_OK, VXS_E_MEMORY. */
+vxs_result generate_hair(glb_scene *s, const smoke_options *o, message *m);
+
 /* Scenes at the edges of what a baker can be given, some of them broken on purpose (scenes/README.md, "Stress").
  * name  one of stress_name
  * s     [out] zeroed on failure; released with glb_scene_free.  Returns VXS_OK, VXS_E_MEMORY, VXS_E_ARGUMENT (no such case). */

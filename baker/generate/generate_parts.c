@@ -36,14 +36,16 @@ parts parts_begin(glb_scene *s, const char *name)
 
 parts parts_continue(glb_scene *s)
 {
-    return (parts){.s         = s,
-                   .vertices  = s->vertex_count,
-                   .texcoords = s->texcoords ? s->vertex_count : 0,
-                   .triangles = s->triangle_count,
-                   .meshes    = s->mesh_count,
-                   .materials = s->material_count,
-                   .images    = s->image_count,
-                   .lights    = s->light_count};
+    return (parts){.s              = s,
+                   .vertices       = s->vertex_count,
+                   .texcoords      = s->texcoords ? s->vertex_count : 0,
+                   .triangles      = s->triangle_count,
+                   .meshes         = s->mesh_count,
+                   .materials      = s->material_count,
+                   .images         = s->image_count,
+                   .lights         = s->light_count,
+                   .smoke          = s->smoke_count,
+                   .smoke_vertices = s->smoke_vertex_count};
 }
 
 /* Take a last mesh away that stayed empty. */
@@ -72,6 +74,24 @@ void parts_mesh(parts *p, const char *name, uint32_t material)
     glb_mesh *mesh = &s->meshes[s->mesh_count++];
     *mesh          = (glb_mesh){.vertex_first = s->vertex_count, .triangle_first = s->triangle_count, .material = material};
     snprintf(mesh->name, sizeof mesh->name, "%s", name);
+}
+
+void parts_smoke(parts *p, const char *name, int lines, uint32_t material)
+{
+    glb_scene *s = p->s;
+    if (!reserve(p, &s->smoke, &p->smoke, s->smoke_count, sizeof *s->smoke)) return;
+    glb_smoke *run = &s->smoke[s->smoke_count++];
+    *run           = (glb_smoke){.lines = lines, .vertex_first = s->smoke_vertex_count, .material = material};
+    snprintf(run->name, sizeof run->name, "%s", name);
+}
+
+void parts_smoke_vertex(parts *p, const double place[3], double radius_metres, double extinction)
+{
+    glb_scene *s = p->s;
+    if (!reserve(p, &s->smoke_vertices, &p->smoke_vertices, s->smoke_vertex_count, sizeof *s->smoke_vertices)) return;
+    s->smoke_vertices[s->smoke_vertex_count++] =
+        (glb_smoke_vertex){{(float)place[0], (float)place[1], (float)place[2]}, (float)radius_metres, (float)extinction};
+    s->smoke[s->smoke_count - 1].vertex_count++;
 }
 
 uint32_t parts_material(parts *p, glb_material material)

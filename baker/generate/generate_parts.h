@@ -18,8 +18,9 @@ extern "C" {
 
 typedef struct parts {
     glb_scene *s;
-    size_t     vertices, texcoords, triangles, meshes, materials, images, lights; /* capacities of the scene's arrays */
-    int        out_of_memory;
+    size_t     vertices, texcoords, triangles, meshes, materials, images, lights, smoke,
+        smoke_vertices; /* capacities of the scene's arrays */
+    int out_of_memory;
 } parts;
 
 /* Where a part stands: moved to `at`, and turned about +Y by the angle with that cosine and sine. */
@@ -41,6 +42,11 @@ vxs_result parts_end(parts *p, message *m);
 
 /* What follows goes into a new mesh. material: as in glb_mesh. */
 void parts_mesh(parts *p, const char *name, uint32_t material);
+
+/* What follows is a run of smoke of its own. lines, material: as in glb_smoke. */
+void parts_smoke(parts *p, const char *name, int lines, uint32_t material);
+/* A point, or an end of a line. */
+void parts_smoke_vertex(parts *p, const double place[3], double radius_metres, double extinction);
 
 /* 1 + the new material's index, as glb_mesh.material wants it. */
 uint32_t parts_material(parts *p, glb_material material);

@@ -77,7 +77,7 @@ def test_help_fits_the_terminal(vxs_path, columns, least, most):
     (["bake", "--" + "frobnicate" * 200], ""),
     (["bake", "--closed", "atuo"], "--closed atuo: expected one of auto|on|off: did you mean 'auto'?"),
     (["bake", "--closed", "maybe"], "--closed maybe: expected one of auto|on|off"),
-    (["scene", "ctiy"], "KIND ctiy: expected one of city|landscape|room|forest|stress: did you mean 'city'?"),
+    (["scene", "ctiy"], "KIND ctiy: expected one of city|landscape|room|forest|smoke|hair|stress: did you mean 'city'?"),
     (["bake", "--help=mann"], "--help mann: expected one of text|man|bash|zsh|fish|text-row|man-row: did you mean 'man'?"),
     (["--help=html"], "--help html: expected one of text|man|bash|zsh|fish"),
 ])
@@ -135,7 +135,7 @@ def test_manual_pages_list_commands_and_statuses(vxs):
 # --- completion ------------------------------------------------------------------------------------------------------------------
 
 FILES = ["a b.glb", "c.gltf", "d.vxs", "e.json", "f.png", "g.txt", "old.json", "page.html"]
-KINDS = ["city", "forest", "landscape", "room", "stress"]
+KINDS = ["city", "forest", "hair", "landscape", "room", "smoke", "stress"]
 SCENES, FOLDER = ["a b.glb", "c.gltf"], ["sub"]
 
 # a line up to where it is completed, and what it may go on with

@@ -74,6 +74,22 @@ def test_same_options_same_bytes(vxs, tmp_path, kind):
     assert all(p.suffix == ".glb" for p in tmp_path.iterdir()), "a temporary file was left"
 
 
+@pytest.mark.parametrize("kind", ["smoke", "hair"])
+def test_smoke_is_points_and_lines(vxs, tmp_path, kind):
+    def make(name, *options):
+        vxs("scene", kind, "-o", tmp_path / name, *options)
+        return (tmp_path / name).read_bytes()
+
+    first = make("a.glb", "--capsules", 999)
+    assert first == make("b.glb", "--capsules", 999, "--seed", 1) != make("c.glb", "--capsules", 999, "--seed", 2)
+    gltf, _ = read_glb(first)
+    smoke = [p for m in gltf["meshes"] for p in m["primitives"] if "_RADIUS" in p["attributes"]]
+    ends = [gltf["accessors"][p["attributes"]["_EXTINCTION"]]["count"] // (1 + p["mode"]) for p in smoke]
+    assert sum(ends) == 999 and {p["mode"] for p in smoke} == ({0} if kind == "smoke" else {0, 1})
+    done = vxs("bake", tmp_path / "a.glb", "-o", tmp_path / "a.vxs", "--resolution", 256)
+    assert "smoke        999 capsules" in done.stdout and "100 % of them in solids" in done.stdout and done.stderr == ""
+
+
 # Pinned, so that a change of compiler, flags or machine that changes a scene is seen; so is a change of the generators.
 @pytest.mark.parametrize("kind, digest", [
     ("city", "758dc3e566feddb3bc70a7bb99ba653dde1e8ba7aaf74cb405122e1aa9efd664"),
@@ -294,7 +310,7 @@ def test_help(vxs):
 
 @pytest.mark.parametrize("options, words", [
     ([], ["KIND is missing"]),
-    (["village"], ["village", "city|landscape|room|forest|stress"]),
+    (["village"], ["village", "city|landscape|room|forest|smoke|hair|stress"]),
     (["city", "landscape"], ["unexpected argument 'landscape'"]),
     (["city", "--height", "3"], ["--height applies to landscape only"]),
     (["city", "--size", "3"], ["--size applies to landscape and forest only"]),
@@ -302,7 +318,7 @@ def test_help(vxs):
     (["room", "--size", "20"], ["--size applies to landscape and forest only"]),
     (["forest", "--size", "9"], ["--size 9", "10 or more"]),
     (["forest", "--case", "nested-100"], ["--case applies to stress only"]),
-    (["stress", "--case", "nested-100", "--triangles", "1000"], ["--triangles applies to all kinds but stress"]),
+    (["stress", "--case", "nested-100", "--triangles", "1000"], ["--triangles applies to city, landscape, room and forest only"]),
     (["stress", "--case", "nested-100", "--seed", "1"], ["--seed applies to all kinds but stress"]),
     (["stress", "--case", "nested-101"], ["--case nested-101", "expected one of", "nested-100", "tiny-scene"]),
     (["stress"], ["--case is missing", "--case list"]),
@@ -318,6 +334,9 @@ def test_help(vxs):
     (["city", "--sun", "1,2"], ["--sun 1,2", "3 numbers"]),
     (["landscape", "--size", "0"], ["--size 0"]),
     (["landscape", "--height", "-1"], ["--height -1"]),
+    (["smoke", "--triangles", "1000"], ["--triangles applies to city, landscape, room and forest only"]),
+    (["city", "--capsules", "1000"], ["--capsules applies to smoke and hair only"]),
+    (["hair", "--capsules", "7"], ["--capsules 7", "8 to 1000000"]),
     (["city", "--lamps", "3"], ["unknown option '--lamps'"]),
 ])
 def test_wrong_options(vxs, tmp_path, options, words):

@@ -1,6 +1,9 @@
 /* Points and lines of glTF files as capsules of smoke: what is read of each mode, how nodes place them, what is refused, and what is written again.
  * In the JSON below ' stands for ", so that it can be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/files/output_file.h"
+#include "baker/generate/generate.h"
+#include "baker/gltf/scene_to_glb.h"
 #include "tests/unit/gltf_file.h"
 
 /* What the binary chunk of files here holds; accessors are its members in order. */
@@ -210,6 +213,52 @@ static void test_more_than_there_may_be(void **state)
     must_fail(load_text(text, NULL), VXS_E_UNSUPPORTED, "16777216 capsules");
 }
 
+/* ---- what is written is read ---- */
+
+static void write_and_load(const glb_scene *from)
+{
+    output_file out = {0};
+    snprintf(path, sizeof path, "%s/written.glb", folder);
+    must(output_file_open(&out, path, &m));
+    must(glb_write(from, &out, &m));
+    must(output_file_commit(&out, &m));
+    must(load_file(path, NULL));
+}
+
+static void expect_same(const scene_smoke *a, const scene_smoke *b)
+{
+    assert_int_equal(a->count, b->count);
+    for (uint32_t n = 0; n < a->count; n++) {
+        for (int k = 0; k < 3; k++)
+            assert_true(fabs((double)a->list[n].end[k] + a->origin_ws[k] - (double)b->list[n].end[k] - b->origin_ws[k]) < 1e-5);
+        assert_memory_equal(&a->list[n].radius_metres, &b->list[n].radius_metres, sizeof(float));
+        assert_memory_equal(&a->list[n].extinction, &b->list[n].extinction, sizeof(float));
+        assert_memory_equal(a->albedos[n], b->albedos[n], sizeof a->albedos[n]);
+    }
+}
+
+static void test_generated_smoke_is_read_and_written_again(void **state)
+{
+    (void)state;
+    vxs_result (*const generators[2])(glb_scene *, const smoke_options *, message *) = {generate_smoke, generate_hair};
+    for (int n = 0; n < 2; n++) {
+        glb_scene made, again;
+        must(generators[n](&made, &(smoke_options){1000, 7}, &m));
+        write_and_load(&made);
+        assert_int_equal(s.smoke.count, 1000);
+        assert_int_equal(s.light_count, 2);
+        assert_true(s.lights[1].colour[0] > 0 && s.lights[1].colour[0] != 1);
+        scene first = s;
+        s           = (scene){0};
+        must(glb_from_scene(&again, &first, &m));
+        write_and_load(&again);
+        expect_same(&first.smoke, &s.smoke);
+        scene_free(&first);
+        glb_scene_free(&made);
+        glb_scene_free(&again);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -223,6 +272,7 @@ int main(void)
         cmocka_unit_test(test_without_both_attributes_they_are_skipped),
         cmocka_unit_test(test_what_is_refused),
         cmocka_unit_test(test_more_than_there_may_be),
+        cmocka_unit_test(test_generated_smoke_is_read_and_written_again),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
