@@ -58,6 +58,16 @@ static inline uint32_t vxs_light_map_count(const vxs_light *light)
     return light->flags & VXS_LIGHT_CUBE ? VXS_CUBE_FACES : 1;
 }
 
+/* What smoke leaves of a light, baked: a map of curves in the space of each of the light's maps (formats/vxs.md section 15). */
+typedef struct vxs_baked_smoke {
+    const uint32_t *words; /* [word_count]; NULL: the light has none, and all else is 0 */
+    uint32_t        word_count;
+    uint32_t        side_px;    /* curves along a side of a map */
+    uint32_t        tile_count; /* that have a curve */
+    uint32_t        node_count; /* of all curves */
+    uint32_t        section;    /* of the file: where they are from */
+} vxs_baked_smoke;
+
 /* Where memory comes from. A NULL allocator, or one with NULL functions, is malloc and free. */
 typedef struct vxs_allocator {
     void *(*alloc)(size_t size_bytes, void *user); /* NULL when there is none */
@@ -174,6 +184,25 @@ typedef struct vxs_bytes {
  * packing), or zstd_level is out of range. A light's other numbers are written as they are: vxs_read says whether they make sense.
  * The runtime library does not hold this function: games only read. */
 vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc);
+
+/* Smoke of a light to be written (formats/vxs.md section 15). A node is a depth, and in the high half what is left there, of 65535; along a curve the
+ * first never falls, the other never rises. */
+typedef struct vxs_smoke_view {
+    uint32_t        levels;                    /* maps have 2^levels curves a side: 3 to those of the light, and VXS_SMOKE_LEVELS_MAX */
+    float           first_metres, step_metres; /* depth d is first + d * step metres along the map's axis */
+    const uint8_t *
+        counts; /* [maps][4^levels] nodes of each curve, up to VXS_SMOKE_NODES_MAX: tiles of 8 x 8 texels by rows, and so texels of each
+                               tile; NULL: the light has no smoke */
+    const uint32_t *nodes; /* of all curves, in that order */
+} vxs_smoke_view;
+
+/* Add smoke to a file that has none; all else in it is kept byte for byte, but for where it lies.
+ * out         [out] as for vxs_write; not the file itself
+ * bytes       [size_bytes] the file;   contents  what vxs_read made of it
+ * smoke       [light_count] one for each light
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT for a curve or a map that section 15 does not allow, or where smoke is there already. */
+vxs_result vxs_write_smoke(vxs_bytes *out, const void *bytes, size_t size_bytes, const vxs_contents *contents,
+                           const vxs_smoke_view *smoke, int zstd_level);
 
 #ifdef __cplusplus
 }

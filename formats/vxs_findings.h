@@ -47,7 +47,11 @@
     X(502, VXS_E_CORRUPT,   "a light's pages have a size that their table does not give")              \
     X(503, VXS_E_CORRUPT,   "the checksum of a page does not match")                                   \
     X(504, VXS_E_CORRUPT,   "a page breaks a rule of its layout")                                      \
-    X(505, VXS_E_CORRUPT,   "a page is not one zstd frame of the size that its table says")
+    X(505, VXS_E_CORRUPT,   "a page is not one zstd frame of the size that its table says")            \
+    X(601, VXS_E_CORRUPT,   "a light's smoke has a size that its head and counts do not give")         \
+    X(602, VXS_E_CORRUPT,   "the head of a light's smoke is out of range")                             \
+    X(603, VXS_E_CORRUPT,   "a tile of smoke has no curve, or one of too many nodes")                  \
+    X(604, VXS_E_CORRUPT,   "a curve of smoke leaves the range of depths or of transmittance")
 /* clang-format on */
 
 #endif

@@ -35,6 +35,7 @@
 #define VXS_KIND_RESIDENT    0x54445352u /* "RSDT" */
 #define VXS_KIND_PAGES       0x45474150u /* "PAGE" */
 #define VXS_KIND_METADATA    0x4154454du /* "META" */
+#define VXS_KIND_SMOKE       0x454b4d53u /* "SMKE" */
 #define VXS_SECTION_OPTIONAL 1u          /* entry flag: a reader that does not know the kind skips the section */
 #define VXS_SECTION_STORED   2u          /* entry flag: the stored bytes are the content, and no frame; from version 2 on */
 #define VXS_NO_LIGHT         0xffffffffu /* entry belongs to the file, not to one light */
@@ -81,6 +82,13 @@
 #define VXS_PAGE_HASH          8
 #define VXS_BLOCKS_SPARE_WORDS 4u /* zeros behind the words of a light, which lookups may read */
 
+/* vxs.md section 15: baked smoke */
+#define VXS_SMOKE_PREFIX_BYTES 16
+#define VXS_SMOKE_LEVELS       0
+#define VXS_SMOKE_FIRST_METRES 4
+#define VXS_SMOKE_STEP_METRES  8
+#define VXS_SMOKE_NODE_COUNT   12
+
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u
 #define VXS_LIGHTS_MAX   1024u
@@ -88,6 +96,9 @@
 #define VXS_LEVELS_MAX   18u /* a map of 262144 x 262144 texels */
 #define VXS_FILTER_MAX   17  /* widest filter of a lookup, texels */
 #define VXS_SMOOTH       256 /* VXS_SMOOTH + K: a lookup's filter is a smooth box of K x K texels */
+
+#define VXS_SMOKE_LEVELS_MAX 13u /* maps of 8192 x 8192 curves */
+#define VXS_SMOKE_NODES_MAX  16u /* of a curve */
 
 /* vxs.md section 6: what a child of a node is, two bits each */
 #define VXS_CHILD_LIT    0u

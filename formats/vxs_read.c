@@ -109,7 +109,7 @@ static int has_blocks(const vxs_reader *r)
 
 static int known_kind(const vxs_reader *r, uint32_t kind)
 {
-    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || vxs_is_dag_section(kind) ||
+    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || kind == VXS_KIND_SMOKE || vxs_is_dag_section(kind) ||
            (has_blocks(r) && vxs_is_blocks_section(kind));
 }
 
@@ -326,9 +326,10 @@ static void read_lights(vxs_reader *r)
 /* Whether a section of a known kind belongs to what it says, and that to its kind. */
 static int owner_valid(const vxs_reader *r, const vxs_section *s)
 {
-    int dag = vxs_is_dag_section(s->kind);
-    if (!dag && !vxs_is_blocks_section(s->kind)) return s->light == VXS_NO_LIGHT && s->level == 0;
+    int dag = vxs_is_dag_section(s->kind), smoke = s->kind == VXS_KIND_SMOKE;
+    if (!dag && !smoke && !vxs_is_blocks_section(s->kind)) return s->light == VXS_NO_LIGHT && s->level == 0;
     if (s->light >= r->out.light_count) return 0;
+    if (smoke) return s->level == 0;
     const vxs_light *light = &r->out.lights[s->light].light;
     if (light->coding != (dag ? VXS_CODING_DAG : VXS_CODING_BLOCKS)) return 0;
     return dag ? vxs_dag_has_section(light, s) : s->level == 0;
@@ -391,10 +392,12 @@ static void read_all(vxs_reader *r)
         else
             vxs_read_dag(r, baked);
     }
+    if (go_on(r)) vxs_read_smoke(r);
     if (go_on(r)) vxs_read_metadata(r);
 }
 
-vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
+vxs_result vxs_read_with_smoke(vxs_contents *contents, vxs_baked_smoke **smoke, const void *bytes, size_t size_bytes,
+                               const vxs_read_desc *desc)
 {
     vxs_reader r     = {.bytes = bytes, .size = size_bytes};
     vxs_result taken = vxs_read_desc_take(&r.desc, desc);
@@ -405,11 +408,22 @@ vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes
 
     read_all(&r);
     ZSTD_freeDCtx(r.zstd);
-    if (r.result == VXS_OK)
+    if (r.result == VXS_OK) {
         *contents = r.out;
-    else
+        *smoke    = r.smoke;
+    } else {
+        vxs_smoke_free(r.smoke, r.out.light_count, &r.allocator);
         vxs_contents_free(&r.out);
+    }
     return r.result;
+}
+
+vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
+{
+    vxs_baked_smoke *smoke;
+    vxs_result       r = vxs_read_with_smoke(contents, &smoke, bytes, size_bytes, desc);
+    if (r == VXS_OK) vxs_smoke_free(smoke, contents->light_count, &contents->allocator);
+    return r;
 }
 
 void vxs_contents_free(vxs_contents *c)

@@ -22,6 +22,7 @@ struct vxs_reader {
     /* The stored bytes of a section, whose hash holds, until the next call; NULL: a finding. NULL: they are in the file's bytes */
     const uint8_t *(*load)(vxs_reader *r, int section);
     void *load_user;
+    vxs_baked_smoke *smoke; /* [out.light_count] NULL: no light has any */
 };
 
 /* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
@@ -73,5 +74,20 @@ void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked);
 /* The same for palette blocks. Their sections are stored as they are. */
 int  vxs_is_blocks_section(uint32_t kind);
 void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked);
+
+/* vxs_read_smoke.c -------------------------------------------------------------------------------------------------------------- */
+
+/* Check the smoke of all lights that have some, and lay out its words. */
+void vxs_read_smoke(vxs_reader *r);
+
+/* smoke  [count] NULL: there is none */
+void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *allocator);
+
+/* vxs_read.c -------------------------------------------------------------------------------------------------------------------- */
+
+/* vxs_read, that gives the smoke, too.
+ * smoke  [out] [light_count] released with vxs_smoke_free; NULL: no light has any. Written only when VXS_OK is returned */
+vxs_result vxs_read_with_smoke(vxs_contents *contents, vxs_baked_smoke **smoke, const void *bytes, size_t size_bytes,
+                               const vxs_read_desc *desc);
 
 #endif

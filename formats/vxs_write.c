@@ -194,3 +194,38 @@ done:
     free(s.stored.data);
     return r;
 }
+
+/* Directory entries and stored bytes of a file, as they are. */
+static int copy_sections(vxs_sections *s, const uint8_t *bytes, size_t size_bytes, uint32_t count)
+{
+    size_t   entries = (size_t)count * VXS_ENTRY_BYTES, stored = size_bytes - VXS_HEADER_BYTES - entries;
+    uint8_t *to = vxs_append(&s->entries, entries), *rest = vxs_append(&s->stored, stored);
+    if (!to || !rest) return 0;
+    memcpy(to, bytes + VXS_HEADER_BYTES, entries);
+    memcpy(rest, bytes + VXS_HEADER_BYTES + entries, stored);
+    return 1;
+}
+
+static int has_smoke(const vxs_contents *contents)
+{
+    for (uint32_t n = 0; n < contents->section_count; n++)
+        if (contents->sections[n].kind == VXS_KIND_SMOKE) return 1;
+    return 0;
+}
+
+vxs_result vxs_write_smoke(vxs_bytes *out, const void *bytes, size_t size_bytes, const vxs_contents *contents,
+                           const vxs_smoke_view *smoke, int zstd_level)
+{
+    vxs_sections s = {.zstd_level = zstd_level, .version = contents->version};
+    vxs_result   r = VXS_E_MEMORY;
+    if (has_smoke(contents) || zstd_level < 1 || zstd_level > 19) return VXS_E_ARGUMENT;
+    s.zstd = vxs_compressor(zstd_level);
+    if (s.zstd && copy_sections(&s, bytes, size_bytes, contents->section_count)) r = VXS_OK;
+    for (uint32_t n = 0; n < contents->light_count && r == VXS_OK; n++)
+        if (smoke[n].counts) r = vxs_add_smoke(&s, &smoke[n], &contents->lights[n].light, n);
+    if (r == VXS_OK) r = assemble(out, &s);
+    ZSTD_freeCCtx(s.zstd);
+    free(s.entries.data);
+    free(s.stored.data);
+    return r;
+}

@@ -48,4 +48,10 @@ vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t map
  * is none. */
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
 
+/* vxs_write_smoke.c --------------------------------------------------------------------------------------------------------------- */
+
+/* The section of light number `number`.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write_smoke. */
+vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs_light *light, uint32_t number);
+
 #endif

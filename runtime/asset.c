@@ -6,10 +6,12 @@
 #include "platform.h"
 #include "vxs.h"
 #include "vxs_memory.h"
+#include "vxs_reader.h"
 
 struct vxs_asset {
-    vxs_contents  contents;
-    vxs_allocator allocator;
+    vxs_contents     contents;
+    vxs_baked_smoke *smoke; /* [contents.light_count] NULL: no light has any */
+    vxs_allocator    allocator;
 };
 
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
@@ -23,7 +25,7 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     if (!a) return VXS_E_MEMORY;
     memset(a, 0, sizeof *a);
     a->allocator = memory;
-    r            = vxs_read(&a->contents, bytes, size_bytes, &known);
+    r            = vxs_read_with_smoke(&a->contents, &a->smoke, bytes, size_bytes, &known);
     if (r != VXS_OK) {
         memory.free(a, sizeof *a, memory.user);
         return r;
@@ -61,6 +63,7 @@ void vxs_asset_close(vxs_asset *asset)
 {
     if (!asset) return;
     vxs_allocator memory = asset->allocator;
+    vxs_smoke_free(asset->smoke, asset->contents.light_count, &memory);
     vxs_contents_free(&asset->contents);
     memory.free(asset, sizeof *asset, memory.user);
 }
@@ -80,6 +83,11 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
     for (uint32_t n = 0; name && n < asset->contents.light_count; n++)
         if (!strcmp(asset->contents.lights[n].light.name, name)) return &asset->contents.lights[n];
     return NULL;
+}
+
+const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index)
+{
+    return asset->smoke && index < asset->contents.light_count && asset->smoke[index].words ? &asset->smoke[index] : NULL;
 }
 
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset)

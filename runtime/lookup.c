@@ -1,6 +1,7 @@
 /* Lookups of world-space points; see vxs.h. What they do is formats/vxs_space.h, in double.
  * SPDX-License-Identifier: MIT */
 #include "vxs_query.h"
+#include "vxs_smoke.h"
 #include "vxs_space.h"
 
 static const double zero[3] = {0, 0, 0}; /* a normal in the air; the origin of the world */
@@ -35,6 +36,11 @@ void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, cons
                                   .count      = count,
                                   .filter_px  = filter_px,
                                   .lit        = lit});
+}
+
+float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, const double point_ws[3])
+{
+    return smoke ? (float)vxs_smoke_left(smoke->words, light, point_ws) : 1;
 }
 
 /* In 2^-20, in 16 bits: as much as rounding takes from a number less than 2^19, and more is held. */

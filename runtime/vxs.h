@@ -55,6 +55,9 @@ const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
 /* The light of a name, or NULL; of no name, NULL. */
 const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *name);
 
+/* What baked smoke leaves of light `index`; NULL where it has none. Valid until vxs_asset_close. Streams (vxs_stream.h) read none. */
+const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index);
+
 /* Everything that was read: sections, metadata. Valid until vxs_asset_close. */
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
 
@@ -100,6 +103,14 @@ int vxs_lookup_is_full(const vxs_baked_light *baked, const double point_ws[3], c
  * points_ws  [3 * count];   normals_ws  [3 * count] or NULL;   lit  [out] [count] */
 void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, const double *normals_ws, size_t count, int filter_px,
                      float *lit);
+
+/* How much light baked smoke leaves on its way to a point: 0 to 1, never NaN. What reaches a point is vxs_lookup times this: smoke is baked as far as light
+ * comes, and behind that this means nothing. Four curves are asked, and what they say is weighed by where the point lies between texels.
+ * light     that of vxs_asset_light
+ * smoke     that of vxs_asset_smoke; NULL: none, and all light is left
+ * point_ws  any numbers; all light is left outside the light's volume (vxs_voxel), and beside the maps of suns
+ * Cost: four searches among 16 nodes at most. Threads: any. */
+float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, const double point_ws[3]);
 
 /* What a shader has to know of a light: the struct of this name in vxs_space.h, laid out the same in a std140 uniform block, a std430
  * buffer, a cbuffer and a StructuredBuffer, and in arrays of it. The fields are those of vxs_light, in float. */

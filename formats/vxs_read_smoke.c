@@ -1,0 +1,170 @@
+/* Reading baked smoke: every check of formats/vxs.md section 15 on what is stored of a light's curves, and its words as lookups have them.
+ *
+ * How many words there are follows from how many tiles and nodes are said to be there; counts are held against that before a node is read.
+ * SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <string.h>
+
+#include "vxs_bytes.h"
+#include "vxs_reader.h"
+#include "vxs_smoke.h"
+
+enum { HEAD_WORDS = 3, TILE_TEXELS = 64, TILE_WORDS = 32, NODE_BYTES = 4 };
+
+/* The smoke of a light while it is decoded. */
+typedef struct smoke_reader {
+    vxs_reader    *r;
+    int            section;
+    const uint8_t *content, *mask, *counts, *nodes; /* nodes: four planes of node_count bytes */
+    uint64_t       size, tiles;                     /* tiles of all maps */
+    uint32_t       levels, node_count, tile_count;
+} smoke_reader;
+
+static int has_tile(const smoke_reader *s, uint64_t tile)
+{
+    return s->mask[tile >> 3] >> (tile & 7) & 1;
+}
+
+/* A number of depths and metres that a float holds, over all depths. */
+static int head_valid(const smoke_reader *s, const vxs_light *light)
+{
+    double first = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_FIRST_METRES));
+    double step  = vxs_real_of(vxs_load32(s->content + VXS_SMOKE_STEP_METRES));
+    return s->levels >= VXS_LEVELS_MIN && s->levels <= VXS_SMOKE_LEVELS_MAX && s->levels <= light->levels && isfinite(first) &&
+           isfinite(step) && step > 0 && isfinite((float)(first + 65535 * step));
+}
+
+/* Where mask, counts and nodes lie. 0: a finding. */
+static int find_parts(smoke_reader *s, const vxs_light *light)
+{
+    if (s->size < VXS_SMOKE_PREFIX_BYTES) return vxs_found(s->r, 601, s->section, 0), 0;
+    s->levels     = vxs_load32(s->content + VXS_SMOKE_LEVELS);
+    s->node_count = vxs_load32(s->content + VXS_SMOKE_NODE_COUNT);
+    if (!head_valid(s, light)) return vxs_found(s->r, 602, s->section, 0), 0;
+
+    s->tiles        = (uint64_t)vxs_light_map_count(light) << (2 * (s->levels - 3));
+    uint64_t counts = VXS_SMOKE_PREFIX_BYTES + (s->tiles + 7) / 8, nodes;
+    if (s->size < counts) return vxs_found(s->r, 601, s->section, VXS_SMOKE_PREFIX_BYTES), 0;
+    s->mask = s->content + VXS_SMOKE_PREFIX_BYTES;
+    for (uint64_t t = 0; t < (s->tiles + 7) / 8 * 8; t++) s->tile_count += (uint32_t)has_tile(s, t);
+    for (uint64_t t = s->tiles; t < (s->tiles + 7) / 8 * 8; t++)
+        if (has_tile(s, t)) return vxs_found(s->r, 602, s->section, counts - 1), 0;
+    nodes = counts + (uint64_t)s->tile_count * TILE_TEXELS;
+    if (s->size != nodes + (uint64_t)s->node_count * NODE_BYTES) return vxs_found(s->r, 601, s->section, counts), 0;
+    s->counts = s->content + counts;
+    s->nodes  = s->content + nodes;
+    return 1;
+}
+
+/* Counts of nodes of each tile, within bounds, and as many in all as the head says. 0: a finding. */
+static int check_counts(const smoke_reader *s)
+{
+    uint64_t sum = 0;
+    for (uint32_t t = 0; t < s->tile_count; t++) {
+        const uint8_t *counts = s->counts + (size_t)t * TILE_TEXELS;
+        uint32_t       nodes = 0, most = 0;
+        for (int n = 0; n < TILE_TEXELS; n++) {
+            nodes += counts[n];
+            most = counts[n] > most ? counts[n] : most;
+        }
+        if (!nodes || most > VXS_SMOKE_NODES_MAX) return vxs_found(s->r, 603, s->section, (uint64_t)(counts - s->content)), 0;
+        sum += nodes;
+    }
+    if (sum != s->node_count) return vxs_found(s->r, 601, s->section, VXS_SMOKE_NODE_COUNT), 0;
+    return 1;
+}
+
+/* Byte `plane` of node n. */
+static uint32_t node_byte(const smoke_reader *s, uint64_t n, uint32_t plane)
+{
+    return s->nodes[(uint64_t)plane * s->node_count + n];
+}
+
+/* The nodes of a curve from node `from` on, each less the one before it. 0: a finding. */
+static int decode_curve(const smoke_reader *s, uint64_t from, uint32_t count, uint32_t *words)
+{
+    uint32_t depth = 0, left = 0xffff;
+    for (uint64_t n = from; n < from + count; n++) {
+        uint32_t on = node_byte(s, n, 0) | node_byte(s, n, 1) << 8, less = node_byte(s, n, 2) | node_byte(s, n, 3) << 8;
+        if (on > 0xffff - depth || less > left) return vxs_found(s->r, 604, s->section, (uint64_t)(s->nodes - s->content) + n), 0;
+        depth += on;
+        left -= less;
+        *words++ = depth | left << 16;
+    }
+    return 1;
+}
+
+static int decode_tile(const smoke_reader *s, uint32_t number, uint64_t *node, uint32_t *words)
+{
+    const uint8_t *counts = s->counts + (size_t)number * TILE_TEXELS;
+    uint32_t       end    = 0;
+    for (uint32_t n = 0; n < TILE_TEXELS; n++) {
+        if (!decode_curve(s, *node, counts[n], words + TILE_WORDS + end)) return 0;
+        end += counts[n];
+        *node += counts[n];
+        words[n / 2] = n & 1 ? words[n / 2] | end << 16 : end;
+    }
+    return 1;
+}
+
+/* 0: a finding. */
+static int decode(const smoke_reader *s, uint32_t *words)
+{
+    uint64_t at = HEAD_WORDS + s->tiles, node = 0;
+    uint32_t number = 0;
+    words[0]        = s->levels;
+    words[1]        = vxs_load32(s->content + VXS_SMOKE_FIRST_METRES);
+    words[2]        = vxs_load32(s->content + VXS_SMOKE_STEP_METRES);
+    for (uint64_t t = 0; t < s->tiles; t++) {
+        words[HEAD_WORDS + t] = has_tile(s, t) ? (uint32_t)at : 0;
+        if (!has_tile(s, t)) continue;
+        uint64_t before = node;
+        if (!decode_tile(s, number++, &node, words + at)) return 0;
+        at += TILE_WORDS + node - before;
+    }
+    return 1;
+}
+
+static void read_light(smoke_reader *s, const vxs_light *light, vxs_baked_smoke *to)
+{
+    if (!find_parts(s, light) || !check_counts(s)) return;
+    uint64_t count = HEAD_WORDS + s->tiles + (uint64_t)s->tile_count * TILE_WORDS + s->node_count;
+    if (count > INT32_MAX) { /* as indices of shaders go */
+        vxs_found(s->r, 601, s->section, 0);
+        return;
+    }
+    uint32_t *words = vxs_take(s->r, count, sizeof *words, s->section);
+    if (!words) return;
+    *to = (vxs_baked_smoke){words, (uint32_t)count, 1u << s->levels, s->tile_count, s->node_count, (uint32_t)s->section};
+    decode(s, words);
+}
+
+static void read_section(vxs_reader *r, int section)
+{
+    const vxs_section *from    = &r->out.sections[section];
+    uint8_t           *content = vxs_inflate(r, section, 0);
+    smoke_reader       s       = {.r = r, .section = section, .content = content, .size = from->inflated_bytes};
+    if (!content) return;
+    read_light(&s, &r->out.lights[from->light].light, &r->smoke[from->light]);
+    vxs_give_back(r, content, from->inflated_bytes, 1);
+}
+
+void vxs_read_smoke(vxs_reader *r)
+{
+    for (uint32_t n = 0; n < r->out.section_count && (r->result == VXS_OK || r->desc.find_all); n++) {
+        const vxs_section *s = &r->out.sections[n];
+        if (s->kind != VXS_KIND_SMOKE || s->light >= r->out.light_count) continue;
+        if (!r->smoke) {
+            if (!(r->smoke = vxs_take(r, r->out.light_count, sizeof *r->smoke, (int)n))) return;
+            memset(r->smoke, 0, r->out.light_count * sizeof *r->smoke);
+        }
+        if (!r->smoke[s->light].words) read_section(r, (int)n);
+    }
+}
+
+void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *a)
+{
+    for (uint32_t n = 0; smoke && n < count; n++)
+        if (smoke[n].words) a->free((void *)smoke[n].words, smoke[n].word_count * sizeof *smoke[n].words, a->user);
+    if (smoke) a->free(smoke, count * sizeof *smoke, a->user);
+}
