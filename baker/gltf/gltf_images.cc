@@ -1,4 +1,4 @@
-/* The alpha of images that masks need: PNG by libpng, WebP by libwebp. A JPEG has none, so that its pixels do not matter.
+/* Images that masks and lights need: PNG by libpng, WebP by libwebp. A JPEG has no alpha, and its colours are not read.
  *
  * Sizes are checked before pixels are decoded: ALPHA_IMAGE_MAX_PX a side, PIXELS_MAX an image, and l.pixels_left together.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -13,13 +13,13 @@ namespace gltf
 static constexpr size_t IMAGE_BYTES_MAX = (size_t)1 << 28; /* of a file */
 static constexpr size_t PIXELS_MAX      = (size_t)1 << 26; /* decoded to four bytes each */
 
-static void check_pixels(loader &l, const std::string &where, int width, int height, image_alpha &out)
+static void check_pixels(loader &l, const std::string &where, int width, int height, image_colours &out)
 {
     if (width < 1 || height < 1 || width > (int)ALPHA_IMAGE_MAX_PX || height > (int)ALPHA_IMAGE_MAX_PX)
         l.unsupported(where, "%d x %d pixels, expected 1 to %u a side", width, height, ALPHA_IMAGE_MAX_PX);
     size_t pixels = (size_t)width * (size_t)height;
     if (pixels > PIXELS_MAX || pixels > l.pixels_left)
-        l.unsupported(where, "%d x %d pixels: masks may have %zu in an image, %zu together", width, height, PIXELS_MAX,
+        l.unsupported(where, "%d x %d pixels: textures may have %zu in an image, %zu together", width, height, PIXELS_MAX,
                       ALPHA_PIXELS_MAX);
     l.pixels_left -= pixels;
     l.need(5 * pixels, where); /* four bytes each, and the alpha of them */
@@ -27,13 +27,19 @@ static void check_pixels(loader &l, const std::string &where, int width, int hei
     out.height_px = (uint32_t)height;
 }
 
-static void keep_alpha(const bytes &rgba, image_alpha &out)
+static image_alpha alpha_of(const image_colours &image)
 {
-    out.alpha.resize(rgba.size() / 4);
-    for (size_t i = 0; i < out.alpha.size(); i++) out.alpha[i] = rgba[4 * i + 3];
+    image_alpha out = {};
+    out.width_px    = image.width_px;
+    out.height_px   = image.height_px;
+    out.least = out.most = 255;
+    if (image.rgba.empty()) return out;
+    out.alpha.resize(image.rgba.size() / 4);
+    for (size_t i = 0; i < out.alpha.size(); i++) out.alpha[i] = image.rgba[4 * i + 3];
     auto [least, most] = std::minmax_element(out.alpha.begin(), out.alpha.end());
     out.least          = *least;
     out.most           = *most;
+    return out;
 }
 
 /* Frees what libpng holds, whatever happens. */
@@ -42,7 +48,7 @@ struct png_reader {
     ~png_reader() { png_image_free(&image); }
 };
 
-static void decode_png(loader &l, const std::string &where, const unsigned char *from, size_t size, image_alpha &out)
+static void decode_png(loader &l, const std::string &where, const unsigned char *from, size_t size, image_colours &out)
 {
     png_reader png;
     png.image.version = PNG_IMAGE_VERSION;
@@ -51,24 +57,23 @@ static void decode_png(loader &l, const std::string &where, const unsigned char 
                  (int)std::min(png.image.height, (png_uint_32)INT32_MAX), out);
 
     png.image.format = PNG_FORMAT_RGBA;
-    bytes rgba(4 * (size_t)out.width_px * out.height_px);
-    if (!png_image_finish_read(&png.image, nullptr, rgba.data(), 0, nullptr)) l.broken(where, "broken PNG: %s", png.image.message);
-    keep_alpha(rgba, out);
+    out.rgba.resize(4 * (size_t)out.width_px * out.height_px);
+    if (!png_image_finish_read(&png.image, nullptr, out.rgba.data(), 0, nullptr))
+        l.broken(where, "broken PNG: %s", png.image.message);
 }
 
-static void decode_webp(loader &l, const std::string &where, const unsigned char *from, size_t size, image_alpha &out)
+static void decode_webp(loader &l, const std::string &where, const unsigned char *from, size_t size, image_colours &out)
 {
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(from, size, &features) != VP8_STATUS_OK) l.broken(where, "broken WebP");
     if (features.has_animation) l.unsupported(where, "an animated WebP");
     check_pixels(l, where, features.width, features.height, out);
 
-    bytes rgba(4 * (size_t)out.width_px * out.height_px);
-    if (!WebPDecodeRGBAInto(from, size, rgba.data(), rgba.size(), 4 * features.width)) l.broken(where, "broken WebP");
-    keep_alpha(rgba, out);
+    out.rgba.resize(4 * (size_t)out.width_px * out.height_px);
+    if (!WebPDecodeRGBAInto(from, size, out.rgba.data(), out.rgba.size(), 4 * features.width)) l.broken(where, "broken WebP");
 }
 
-static void decode(loader &l, const std::string &where, const unsigned char *from, size_t size, image_alpha &out)
+static void decode(loader &l, const std::string &where, const unsigned char *from, size_t size, image_colours &out)
 {
     auto begins = [from, size](const char *magic, size_t length, size_t at) {
         return size >= at + length && !memcmp(from + at, magic, length);
@@ -79,10 +84,9 @@ static void decode(loader &l, const std::string &where, const unsigned char *fro
     if (!begins("\xff\xd8\xff", 3, 0)) l.unsupported(where, "not a PNG, JPEG or WebP");
     /* a JPEG is opaque, if it is there from its first marker to its last */
     if (!memmem(from, size, "\xff\xd9", 2)) l.broken(where, "broken JPEG: it has no end");
-    out.least = out.most = 255;
 }
 
-static void read_image(loader &l, const std::string &where, const json &object, image_alpha &out)
+static void read_image(loader &l, const std::string &where, const json &object, image_colours &out)
 {
     check_shape(l, where, object, {{"uri", is::text}, {"bufferView", is::index}});
     if (object.contains("bufferView")) {
@@ -109,15 +113,27 @@ static std::string text_member(const json &object, const char *name, const std::
     return found != object.end() && found->is_string() ? found->get<std::string>() : absent;
 }
 
+static image_colours colours_of(loader &l, size_t index)
+{
+    const json   &object = items(l.rest, "images")[index];
+    std::string   name   = text_member(object, "name", text_member(object, "uri", ""));
+    image_colours image  = {};
+    read_image(l, label("image", index, name.rfind("data:", 0) == 0 ? "" : name), object, image);
+    return image;
+}
+
 image_alpha &use_image(loader &l, size_t index)
 {
     auto found = l.images.find(index);
     if (found != l.images.end()) return found->second;
-    const json &object = items(l.rest, "images")[index];
-    std::string name   = text_member(object, "name", text_member(object, "uri", ""));
-    image_alpha image  = {};
-    read_image(l, label("image", index, name.rfind("data:", 0) == 0 ? "" : name), object, image);
-    return l.images.emplace(index, std::move(image)).first->second;
+    return l.images.emplace(index, alpha_of(colours_of(l, index))).first->second;
+}
+
+image_colours &use_colours(loader &l, size_t index)
+{
+    auto found = l.colours.find(index);
+    if (found != l.colours.end()) return found->second;
+    return l.colours.emplace(index, colours_of(l, index)).first->second;
 }
 
 } // namespace gltf

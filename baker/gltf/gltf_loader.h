@@ -121,18 +121,30 @@ struct image_alpha {
     size_t               in_scene = SIZE_MAX; /* its number there, when an alpha mask needs it */
 };
 
+/* An image's colours, as it has them: sRGB. */
+struct image_colours {
+    uint32_t             width_px, height_px;
+    std::vector<uint8_t> rgba; /* [4 * height * width]; empty: a JPEG's, which are not read */
+};
+
+/* Which texture coordinates a texture is seen by. */
+struct texture_place {
+    size_t uv_set       = 0;
+    double transform[6] = {1, 0, 0, 0, 1, 0}; /* two rows: u, v, 1 */
+};
+
 /* What the baker reads of a material, and where one with alphaMode MASK is a surface. */
 struct material {
     std::string name;
     bool        double_sided, masked; /* masked: alphaMode is MASK */
     float       colour[3];            /* its base colour, linear */
+    float       radiance[3];          /* what it shines with, linear */
 
     enum { UNKNOWN, EVERYWHERE, WITH_HOLES, NOWHERE } surface = UNKNOWN;
-    double   threshold                                        = 0;
-    uint32_t alpha_mask                                       = 0; /* WITH_HOLES: index into l.alpha_masks */
-    size_t   uv_set                                           = 0;
-    double   uv_transform[6]                                  = {1, 0, 0, 0, 1, 0}; /* two rows: u, v, 1 */
-    size_t   left_out                                         = 0;                  /* NOWHERE: triangles */
+    double        threshold                                   = 0;
+    uint32_t      alpha_mask                                  = 0; /* WITH_HOLES: index into l.alpha_masks */
+    texture_place holes;                                           /* WITH_HOLES */
+    size_t        left_out = 0;                                    /* NOWHERE: triangles */
 };
 
 /* A primitive whose vertices and indices come from KHR_draco_mesh_compression. */
@@ -212,8 +224,10 @@ struct loader {
 
     std::map<const tinygltf::Primitive *, draco_primitive> draco;
 
-    std::map<size_t, image_alpha>    images; /* those that were looked at, by the file's number */
-    size_t                           pixels_left = ALPHA_PIXELS_MAX;
+    std::map<size_t, image_alpha>    images;            /* those that were looked at, by the file's number */
+    std::map<size_t, image_colours>  colours;           /* likewise */
+    size_t                           area_capacity = 0; /* of the scene */
+    size_t                           pixels_left   = ALPHA_PIXELS_MAX;
     std::vector<const image_alpha *> hole_images; /* the scene's */
     std::vector<alpha_mask>          alpha_masks;
     std::vector<holed_triangle>      holed_triangles;
@@ -476,8 +490,15 @@ void place_materials(loader &l);
 double number_or(const json &object, const char *name, double otherwise, double most);
 void   numbers_or(const json &object, const char *name, double otherwise, double out[3]);
 
-/* Decode image `index`, which exists, once. */
-image_alpha &use_image(loader &l, size_t index);
+/* Decode image `index`, which exists, once: its alpha, or its colours. */
+image_alpha   &use_image(loader &l, size_t index);
+image_colours &use_colours(loader &l, size_t index);
+
+/* A texture of the file by what refers to it, whose shape is checked; the image that it shows; how it goes on beyond [0, 1]; which coordinates it is seen by. */
+const json   &texture_of(loader &l, const std::string &where, const json &info);
+size_t        texture_image(loader &l, const std::string &where, const json &texture);
+void          read_sampler(loader &l, const std::string &where, const json &texture, alpha_mask &out);
+texture_place read_texture_place(loader &l, const std::string &where, const json &info);
 
 /* A material, once it is known where it is a surface. */
 material &use_material(loader &l, size_t index);
@@ -491,6 +512,14 @@ void append_mask_triangles(loader &l, const placement &p, size_t first);
 
 /* Alpha masks and their images, into the scene. */
 void place_masks(loader &l);
+
+/* ---- gltf_areas.cc ---- */
+
+/* What a material shines with. */
+void read_radiance(const json &object, material &m);
+
+/* The triangles that the placement made, from `first` on, shine: the scene has an area light more, if they are a parallelogram. */
+void append_area(loader &l, const placement &p, size_t first);
 
 /* ---- gltf_lights.cc ---- */
 

@@ -63,6 +63,7 @@ void read_materials(loader &l, const json &root)
         m.double_sided = object.value("doubleSided", false);
         m.masked       = mode == "MASK";
         read_colour(object, m);
+        read_radiance(object, m);
         l.materials.push_back(m);
     }
 }
@@ -76,13 +77,13 @@ static const json &item(loader &l, const std::string &where, const char *list, c
 }
 
 /* The image that a texture shows. */
-static size_t texture_image(loader &l, const std::string &where, const json &texture)
+size_t texture_image(loader &l, const std::string &where, const json &texture)
 {
     const json *source = &texture;
     const json *webp   = extension(texture, "EXT_texture_webp");
     if (webp && webp->contains("source")) source = webp;
     for (const char *name : {"KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"})
-        if (!source->contains("source") && extension(texture, name)) l.unsupported(where, "its mask is an image of %s", name);
+        if (!source->contains("source") && extension(texture, name)) l.unsupported(where, "an image of %s", name);
     check_shape(l, where + " texture", *source, {{"source", is::index, true}});
     item(l, where, "images", "image", (*source)["source"]);
     return (*source)["source"];
@@ -95,7 +96,7 @@ static texture_wrap wrap_mode(loader &l, const std::string &where, const json &s
     return mode == 10497 ? WRAP_REPEAT : mode == 33071 ? WRAP_CLAMP : WRAP_MIRROR;
 }
 
-static void read_sampler(loader &l, const std::string &where, const json &texture, alpha_mask &out)
+void read_sampler(loader &l, const std::string &where, const json &texture, alpha_mask &out)
 {
     json sampler = json::object();
     check_shape(l, where + " texture", texture, {{"sampler", is::index}});
@@ -106,20 +107,22 @@ static void read_sampler(loader &l, const std::string &where, const json &textur
 }
 
 /* Scaled, then turned counter-clockwise as seen in the image, whose v goes down, then moved. */
-static void read_texture_transform(loader &l, const std::string &where, const json &info, material &m)
+texture_place read_texture_place(loader &l, const std::string &where, const json &info)
 {
     static constexpr shape members = {
         {"offset", is::numbers, false, 2}, {"scale", is::numbers, false, 2}, {"texCoord", is::index}, {"rotation", is::number}};
-    const json *moved = check_extension(l, where, info, "KHR_texture_transform", members);
-    m.uv_set          = info.value("texCoord", (size_t)0);
-    if (!moved) return;
+    const json   *moved = check_extension(l, where, info, "KHR_texture_transform", members);
+    texture_place place;
+    place.uv_set = info.value("texCoord", (size_t)0);
+    if (!moved) return place;
 
     std::vector<double> offset = moved->value("offset", std::vector<double>{0, 0}),
                         scale  = moved->value("scale", std::vector<double>{1, 1});
     double       angle = moved->value("rotation", 0.0), c = std::cos(angle), s = std::sin(angle);
     const double matrix[6] = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
-    memcpy(m.uv_transform, matrix, sizeof matrix);
-    m.uv_set = moved->value("texCoord", m.uv_set);
+    memcpy(place.transform, matrix, sizeof matrix);
+    place.uv_set = moved->value("texCoord", place.uv_set);
+    return place;
 }
 
 /* Give the scene an alpha mask and its image. Returns the mask's number there. */
@@ -134,12 +137,18 @@ static uint32_t add_mask(loader &l, image_alpha &image, alpha_mask added)
     return (uint32_t)l.alpha_masks.size() - 1;
 }
 
-static void read_texture(loader &l, const std::string &where, const json &info, material &m)
+const json &texture_of(loader &l, const std::string &where, const json &info)
 {
     check_shape(l, where, info, {{"index", is::index, true}, {"texCoord", is::index}, {"extensions", is::extensions}});
     const json &texture = item(l, where, "textures", "texture", info["index"]);
     check_shape(l, where + " texture", texture, {{"extensions", is::extensions}});
-    image_alpha &image = use_image(l, texture_image(l, where, texture));
+    return texture;
+}
+
+static void read_texture(loader &l, const std::string &where, const json &info, material &m)
+{
+    const json  &texture = texture_of(l, where, info);
+    image_alpha &image   = use_image(l, texture_image(l, where, texture));
 
     alpha_mask added = {};
     added.threshold  = (float)m.threshold;
@@ -148,7 +157,7 @@ static void read_texture(loader &l, const std::string &where, const json &info, 
                                                                       : material::WITH_HOLES;
     if (m.surface != material::WITH_HOLES) return;
     read_sampler(l, where, texture, added);
-    read_texture_transform(l, where, info, m);
+    m.holes      = read_texture_place(l, where, info);
     m.alpha_mask = add_mask(l, image, added);
 }
 
@@ -202,7 +211,7 @@ static const elements &further_attribute(loader &l, const std::string &where, co
 
 void find_uvs(loader &l, const std::string &where, placement &p)
 {
-    std::string     name  = "TEXCOORD_" + std::to_string(p.material->uv_set);
+    std::string     name  = "TEXCOORD_" + std::to_string(p.material->holes.uv_set);
     const elements &e     = further_attribute(l, where, p, name);
     bool            plain = e.component == TINYGLTF_COMPONENT_TYPE_FLOAT || (e.normalized && is_unsigned(e.component));
     if (e.type != TINYGLTF_TYPE_VEC2 || e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || (!plain && !l.quantization))
@@ -234,7 +243,7 @@ void warn_about_colors(loader &l, const std::string &where, const placement &p)
 
 void append_mask_triangles(loader &l, const placement &p, size_t first)
 {
-    const double *t = p.material->uv_transform;
+    const double *t = p.material->holes.transform;
     for (size_t i = 0; i < p.triangles; i++) {
         holed_triangle out = {(uint32_t)(first + i), p.material->alpha_mask, {}};
         uint32_t       element[3];

@@ -146,7 +146,9 @@ static void place_primitive(loader &l, size_t node, const placement &p, const el
     }
     memset(s->triangle_flags + s->triangle_count, p.flags, p.triangles);
     if (p.uvs) append_mask_triangles(l, p, s->triangle_count);
+    size_t first = s->triangle_count;
     s->triangle_count += p.triangles;
+    if (l.choice->areas && p.material) append_area(l, p, first);
 }
 
 static void place_node(loader &l, size_t node)

@@ -15,6 +15,8 @@ void scene_free(scene *s)
     free(s->lights);
     for (size_t i = 0; i < s->image_count; i++) free(s->images[i].alpha);
     free(s->images);
+    for (size_t i = 0; i < s->area_count; i++) free(s->areas[i].texture);
+    free(s->areas);
     free(s->parts);
     free(s->names);
     free(s->origins);

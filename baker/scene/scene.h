@@ -72,6 +72,17 @@ typedef struct scene_part {
 
 #define SCENE_NO_MATERIAL UINT32_MAX
 
+/* A parallelogram of two triangles that shines to the side that they are seen from, for pictures. */
+typedef struct scene_area {
+    uint32_t part;                   /* whose triangles they are */
+    double   corner_ws[3];           /* from which the sides run */
+    double   across_ws[3], up_ws[3]; /* metres; it shines to where their cross product points */
+    float    radiance[3];      /* linear; of lights of one scene, candela or lux, and this, candela a square metre, go together */
+    uint32_t wide_px, high_px; /* of the texture; 0: it has none */
+    float *
+        texture; /* [high_px][wide_px][3] linear, what the radiance is times; the first texel is at the corner; owned by the scene */
+} scene_area;
+
 /* Triangles that follow each other, all placed from one origin: their coordinates are floats that are counted from there. */
 typedef struct scene_origin {
     uint32_t triangle_first; /* to where the next one begins */
@@ -125,6 +136,10 @@ typedef struct scene {
     size_t material_count;
     float (*material_colours)[3]; /* [material_count] linear base colours, for pictures; textures are not read, and count as grey */
 
+    size_t      area_count; /* of a choice with `areas` */
+    scene_area *areas;      /* in the order of their triangles */
+    size_t      dim_count;  /* triangles that should shine, and are no parallelogram of two */
+
     size_t  camera_count;
     double *camera_positions_ws; /* [3 * camera_count] */
 
@@ -141,6 +156,7 @@ typedef struct scene_choice {
     const char *name; /* of the scene, or its index; NULL: the file's default scene, else scene 0, else all root nodes */
     text_list   exclude, include;
     int         skinned, skinned_given; /* skinned_mode; when it was asked for, that is no reason for a warning */
+    int         areas;                  /* 1: what shines is read, too, with its pictures */
 } scene_choice;
 
 /* Read a .gltf or .glb file with tinygltf (glTF 2.0): node hierarchy, sparse accessors, strips and fans, lights of

@@ -298,7 +298,7 @@ static void test_hostile_images(void **state)
     for (int i = 0; i < 4; i++) bytes[sizeof large + (size_t)i] = (uint8_t)(~crc >> (24 - 8 * i));
     memcpy(bytes + sizeof large + 8, "IDAT", 4);
     use_bytes(bytes, sizeof bytes);
-    must_fail(load_mask("", UV, BASE, TEXTURE), VXS_E_UNSUPPORTED, "16384 x 16384 pixels: masks may have 67108864 in an image");
+    must_fail(load_mask("", UV, BASE, TEXTURE), VXS_E_UNSUPPORTED, "16384 x 16384 pixels: textures may have 67108864 in an image");
 }
 
 /* Sponza's foliage and chains, about half of each transparent; the ship's sails, whose image is opaque. */
