@@ -14,11 +14,11 @@ static uint32_t groups(uint32_t count, uint32_t each)
     return (count + each - 1) / each;
 }
 
-static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const vxs_epipolar_view *view)
+static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const float anchor[3], const vxs_epipolar_view *view)
 {
     double to_lamp[3], normal[3];
     for (int n = 0; n < 3; n++) {
-        to_lamp[n] = (double)lamp->place[n] - (double)f->eye[n];
+        to_lamp[n] = (double)lamp->place[n] + (double)anchor[n] - (double)f->eye[n];
         normal[n]  = (double)lamp->normal[n];
     }
     vxs_epipolar space = vxs_epipolar_of_lamp(to_lamp, view);
@@ -31,10 +31,10 @@ static void put_heads(vxs_area_light *light, uint32_t runs)
     const vxs_volumes *v    = light->volumes;
     vxs_epipolar_view  view = vxs_grid_view_of(&v->frame);
     for (uint32_t n = 0; n < light->count; n++) {
-        vxs_epipolar space   = space_of(&v->frame, &light->lamps[n], &view);
+        vxs_epipolar space   = space_of(&v->frame, &light->lamps[n], light->anchor, &view);
         light->lamps[n].grid = vxs_grid_head_of(&space, &light->size, runs);
     }
-    v->api.NamedBufferSubData(light->buffer, 0, (gl_bytes)(light->count * sizeof *light->lamps), light->lamps);
+    vxs_area_light_put(light, 1);
 }
 
 /* By imperfect shadow maps. */

@@ -124,16 +124,47 @@ static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
     return 1;
 }
 
+static int is_where_it_was(const area_lamp *before, const vxs_area_lamp *lamp)
+{
+    return !memcmp(before->place, lamp->place, sizeof before->place) &&
+           !memcmp(before->normal, lamp->normal, sizeof before->normal) && before->radius_metres == lamp->radius_metres;
+}
+
 vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count)
 {
     area_lamp unused;
     if (!count || count > light->most) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < count; n++)
         if (!lamp_of(&lamps[n], &unused)) return VXS_E_ARGUMENT;
-    for (uint32_t n = 0; n < count; n++) lamp_of(&lamps[n], &light->lamps[n]);
-    light->count   = count;
-    light->is_cast = 0;
+    if (count != light->count) light->is_cast = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        if (!is_where_it_was(&light->lamps[n], &lamps[n])) light->is_cast = 0;
+        lamp_of(&lamps[n], &light->lamps[n]);
+    }
+    light->count = count;
     return VXS_OK;
+}
+
+int vxs_area_light_is_cast(const vxs_area_light *light)
+{
+    return light->is_cast;
+}
+
+vxs_result vxs_area_light_anchor(vxs_area_light *light, const float place[3])
+{
+    for (int n = 0; n < 3; n++)
+        if (!isfinite(place[n])) return VXS_E_ARGUMENT;
+    memcpy(light->anchor, place, sizeof light->anchor);
+    return VXS_OK;
+}
+
+void vxs_area_light_put(const vxs_area_light *light, int from_origin)
+{
+    for (uint32_t n = 0; n < light->count; n++) {
+        area_lamp lamp = light->lamps[n];
+        for (int i = 0; i < 3 && from_origin; i++) lamp.place[i] += light->anchor[i];
+        light->volumes->api.NamedBufferSubData(light->buffer, (gl_bytes)(n * sizeof lamp), sizeof lamp, &lamp);
+    }
 }
 
 /* imperfect shadow maps ----------------------------------------------------------------------------------------------------------- */
@@ -172,7 +203,7 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     for (uint32_t n = 0; n < light->count; n++)
         if (light->lamps[n].is_face == 0) return VXS_E_ARGUMENT;
     storage_kept kept = vxs_volumes_keep_storage(v);
-    v->api.NamedBufferSubData(light->buffer, 0, (gl_bytes)(light->count * sizeof *light->lamps), light->lamps);
+    vxs_area_light_put(light, 0);
     clear(light);
     if (casters->count) splat(light, casters);
     vxs_area_light_count(light, light->count, FILL_LEVELS, light->side_px, vxs_area_light_maps(light));

@@ -8,7 +8,7 @@
  *
  *     vxs_volumes_area(air, light, &(vxs_area_look){0});                // each frame, behind vxs_volumes_begin
  *
- * Places are metres from the origin that vxs_gl_origin was told last.
+ * Places of lamps and casters are metres from one place of the caller's choice, of which vxs_area_light_anchor tells where it is.
  * Source: [IVSV13].
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AREA_LIGHT_H
@@ -93,10 +93,15 @@ typedef struct vxs_area_light_desc {
 vxs_result vxs_area_light_create(vxs_area_light **light, vxs_volumes *volumes, const vxs_area_light_desc *desc);
 void       vxs_area_light_destroy(vxs_area_light *light); /* accepts NULL */
 
-/* Its lamps; copied. None of them has a shadow map then.
+/* Its lamps; copied. Their shadow maps are those of before where nothing but colours has changed, as of a picture that moves; else they have none.
  * count  1 to those of create
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, or normals of another length. */
 vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count);
+
+/* Where the place is that lamps and casters count from, in metres from the origin that vxs_gl_origin was told last: again, when that origin follows a camera.
+ * Shadow maps stay. Before the first call it is the origin.
+ * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none. */
+vxs_result vxs_area_light_anchor(vxs_area_light *light, const float place[3]);
 
 typedef struct vxs_area_casters {
     unsigned buffer; /* of vxs_area_point, one behind the other; not read where count is 0 */
@@ -109,6 +114,9 @@ typedef struct vxs_area_casters {
  * or casters have moved; between frames they stay.
  * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides. */
 vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters);
+
+/* 1: its lamps have imperfect shadow maps; 0: casting is to come. */
+int vxs_area_light_is_cast(const vxs_area_light *light);
 
 /* What a pixel gathers. */
 typedef enum vxs_area_gather {
