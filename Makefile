@@ -21,7 +21,7 @@
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
 #   make bench-volumes  measure error against time of shadows in fog, each technique and its rivals: a quarter of an hour; JSON and a page to
 #                       build/volumes.json and .html, plots beside, tables to read. only=room, values=2: of some scenes, of each knob
-#   make bench-smoke    measure error against bytes and time of shadows of smoke and hair; JSON to build/smoke.json
+#   make bench-smoke    the same of smoke, hair and leaves alone
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
@@ -152,10 +152,8 @@ $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
-$B/tests/bench/volumes: $(volumes_bench.o)
-$B/tests/bench/volumes $B/tests/bench/smoke: $(reference.o)
-$B/tests/bench/volumes $B/tests/bench/smoke: test_libs := -lOSMesa -lgsl -lgslcblas
-$B/tests/bench/area: test_libs := -lOSMesa
+$(patsubst %,$B/tests/bench/%,volumes smoke area): $(volumes_bench.o) $(reference.o)
+$(patsubst %,$B/tests/bench/%,volumes smoke area): test_libs := -lOSMesa -lgsl -lgslcblas
 $B/vxs $(mpi) $(unit) $(helper):
 	@echo "  link $@"
 	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
@@ -310,12 +308,9 @@ bench-lights: $B/vxs
 	@$(python) tests/bench/lights.py --vxs $< --json build/lights.json $(foreach o,gl size filter resolution frames runs,$(if $($o),--$o $($o)))
 
 # of a machine's graphics card: make bench-volumes gl=egl size=1920x1080 rounds=31
-bench-volumes: $B/vxs $B/tests/bench/volumes
-	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds values only plots scenes,$(if $($o),--$o "$($o)"))
-
-# of a machine's graphics card: make bench-smoke gl=egl side=512 rounds=31
-bench-smoke: $B/tests/bench/smoke
-	@$< --json build/smoke.json $(foreach o,gl side capsules rounds,$(if $($o),--$o $($o)))
+bench-volumes bench-smoke: $B/vxs $(patsubst %,$B/tests/bench/%,volumes smoke)
+	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds values capsules clock only plots scenes,$(if $($o),--$o "$($o)"))
+bench-smoke: only := smoke
 
 # --- other goals -----------------------------------------------------------------------------------------------------------
 

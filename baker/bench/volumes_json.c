@@ -12,12 +12,14 @@
 static const char file_shape[] =
     "{'machine': {'processor': 'text', 'cores': 'count', 'memory_bytes': 'count', 'system': 'text'},"
     " 'scenes': [256, {"
-    "     'name': 'text', 'generator': 'text', 'file_bytes': 'count', 'reference': 'text', 'light': 'text', 'renderer': 'text',"
-    "     'width_px': 'u32', 'height_px': 'u32', 'rounds': 'u32',"
+    "     'name': 'text', 'generator': 'text', 'file_bytes?': 'count', 'reference': 'text', 'light': 'text', 'renderer': 'text',"
+    "     'clock': 'wall|processor', 'width_px': 'u32', 'height_px': 'u32', 'rounds': 'u32',"
+    "     'claims?': [16, {'what': 'text', 'value': 'size', 'paper': 'size'}],"
     "     'techniques': [64, {'name': 'text', 'knob': 'text', 'limit': 'text', 'rival': 'bool'}],"
     "     'cells': [1024,"
     "         {" CELL ", 'ms': {'median': 'time', 'least': 'time', 'greatest': 'time'}, 'error': " ERROR ", 'epipole?': " ERROR ","
-    "          'flicker': 'size', 'behind': 'size', 'front': 'bool'},"
+    "          'parts?': [3, {'name': 'text', 'ms': 'time'}], 'creation_ms?': 'time', 'bytes_per_texel?': 'size', 'flicker?': 'size',"
+    "          'behind': 'size', 'front': 'bool'},"
     "         {" CELL "}]}]}";
 
 int is_volumes_json(const json_t *measured)

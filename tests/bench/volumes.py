@@ -1,10 +1,11 @@
-# Error against run time of shadows in fog: each technique, rivals too, in several scenes; one process and context a scene (tests/bench/volumes.c).
-# JSON (docs/volumes.schema.json), a page of it and a plot for each scene, and tables in Markdown: how each does, and how far it is behind the front of what
-# nothing as near is faster than.
+# Error against run time of shadows in fog, of smoke, and of area lights: each technique, rivals too, in several scenes; one process and context a scene
+# (tests/bench/volumes.c, smoke.c, area.c). JSON (docs/volumes.schema.json), a page of it and plots for each scene, and tables in Markdown: how each does, and how far
+# it is behind the front of what nothing as near is faster than; ratios beside those of the papers, and where error rises along a knob.
 #
 #     make bench-volumes                                                      # llvmpipe; build/volumes.json, .html, build/volumes/
 #     make bench-volumes plots=docs/plots                                     # and the plots of docs/volumes.md, whose tables it prints
 #     make bench-volumes only=room values=2 rounds=1                          # a look at some scenes
+#     make bench-volumes only=smoke clock=processor                           # times that other programs hardly disturb
 #     make bench-volumes gl=egl size=1920x1080 rounds=31                      # a graphics card
 #
 # SPDX-License-Identifier: GPL-3.0-or-later
@@ -15,6 +16,7 @@ import pathlib
 import subprocess
 
 import spheres
+from volumes_claims import claims, drawn, monotone_text
 from plots import COLOURS, block, draw, quoted
 from tables import markdown
 
@@ -37,9 +39,27 @@ SCENES = [
     ("room, eye in shadow", ROOM, [], ["--light", "lamp", "--eye", "0.3,0.5,0.1", "--target", "-3.9,0.9,-2", "--fog", "0.1"]),
 ]
 
+# of capsules, that no file has
+SMOKE = [("smoke columns", "columns"), ("smoke with hair", "hair"), ("smoke, leaves", "leaves")]
+SMOKE_TEXELS = 8  # of a light's map on one of the smoke's
+
 
 def stem_of(name):
     return name.lower().replace(", ", "-").replace(" ", "-")
+
+
+def told(args, name, program, *arguments):
+    """What a program measured, and what follows from that."""
+    figures, (width, height) = pathlib.Path(args.folder) / f"{stem_of(name)}.json", args.size.split("x")
+    print(f"\n{name}", flush=True)
+    subprocess.run([args.build / "tests/bench" / program, *arguments, "--width", width, "--height", height, "--rounds", str(args.rounds), "--gl", args.gl,
+                    "--clock", args.clock, "--values", str(args.values), "--json", figures], check=True)
+    scene = json.loads(figures.read_text())
+    ratios = claims(scene)
+    print(monotone_text(scene))
+    for claim in ratios:
+        print(f"{claim['what']}: {claim['value']:.3g} times; the paper has {claim['paper']:g}")
+    return {"name": name, **scene, **({"claims": ratios} if ratios else {})}
 
 
 def made_scene(args, name, made):
@@ -60,28 +80,27 @@ def made_scene(args, name, made):
 
 
 def measured(args, name, made, baked, seen):
-    """The cells of a scene; None where it is absent."""
-    scene, stem = made_scene(args, name, made), pathlib.Path(args.folder) / stem_of(name)
+    """The cells of a scene in fog; None where it is absent."""
+    scene, asset = made_scene(args, name, made), (pathlib.Path(args.folder) / stem_of(name)).with_suffix(".vxs")
     if not scene:
         return None
-    asset, figures = stem.with_suffix(".vxs"), stem.with_suffix(".json")
     subprocess.run([args.build / "vxs", "bake", scene, "-o", asset, "--force", "--quiet", "--baseline", "off", "--resolution", str(args.resolution), *baked],
                    check=True)
-    width, height = args.size.split("x")
-    print(f"\n{name}", flush=True)
-    subprocess.run([args.build / "tests/bench/volumes", scene, asset, *seen, "--width", width, "--height", height, "--rounds", str(args.rounds), "--gl", args.gl,
-                    "--values", str(args.values), "--json", figures], check=True)
-    return {"name": name, "file_bytes": asset.stat().st_size, **json.loads(figures.read_text())}
+    return {**told(args, name, "volumes", scene, asset, *seen), "file_bytes": asset.stat().st_size}
 
 
-def plot(path, scene):
-    """Relative RMS error against milliseconds, a line for each technique; what is on the front is ringed."""
-    cells = [c for c in scene["cells"] if not c["refused"]]
+def measured_smoke(args, name, kind):
+    return told(args, name, "smoke", "--scene", kind, "--side", str(args.resolution // SMOKE_TEXELS), "--capsules", str(args.capsules))
+
+
+def plot(path, scene, axis, figure):
+    """Relative RMS error against a figure of cells, a line for each technique; what is on the front is ringed."""
+    cells = [c for c in drawn(scene) if figure(c)]
     names = list(dict.fromkeys(c["technique"] for c in cells))
-    rows = lambda some: [(c["ms"]["median"], max(c["error"]["relative_rms"], 1e-7), c["value"]) for c in some]
+    rows = lambda some: [(figure(c), max(c["error"]["relative_rms"], 1e-7), c["value"]) for c in some]
     script = "".join(block(f"t{n}", rows(c for c in cells if c["technique"] == name)) for n, name in enumerate(names))
     script += block("front", rows(c for c in cells if c["front"]))
-    script += f"set logscale xy\nset xlabel 'ms a frame, {scene['width_px']} x {scene['height_px']}'\nset ylabel 'relative RMS error'\n" \
+    script += f"set logscale xy\nset xlabel '{axis}'\nset ylabel 'relative RMS error'\n" \
         f"set format y '%.0e'\nset title {quoted(scene['name'])}\n"
     lines = [f"$t{n} using 1:2 with linespoints pt 7 ps 0.5 lw 1.4 lc rgb '{COLOURS[n % len(COLOURS)]}' title {quoted(name)}"
              for n, name in enumerate(names)]
@@ -89,10 +108,17 @@ def plot(path, scene):
     draw(path, [*names, "front"], script + "plot " + ", ".join(lines) + "\n")
 
 
+def plots_of(folder, scene):
+    stem = stem_of(scene["name"])
+    plot(folder / f"volumes-{stem}.svg", scene, f"ms a frame, {scene['width_px']} x {scene['height_px']}", lambda c: c["ms"]["median"])
+    if any("bytes_per_texel" in c for c in drawn(scene)):
+        plot(folder / f"volumes-{stem}-bytes.svg", scene, "bytes a texel", lambda c: c.get("bytes_per_texel"))
+
+
 def cells_by_setting(scenes):
     """{(technique, value, knob): [its cell in each scene, None where it was refused]}, in the order of the first scene."""
     key = lambda c: (c["technique"], c["value"], c["knob"])
-    found = [{key(c): c for c in s["cells"] if not c["refused"]} for s in scenes]
+    found = [{key(c): c for c in drawn(s)} for s in scenes]
     return {key(c): [cells.get(key(c)) for cells in found] for s in scenes for c in s["cells"]}
 
 
@@ -108,20 +134,26 @@ def settings_to_tell(settings):
     return told
 
 
-def tables(scenes):
-    """A table for suns and one for lamps, ready for docs/volumes.md: milliseconds and relative RMS; what is on the front is bold, else it is told how far it is
-    behind."""
-    def text(cell):
-        if not cell:
-            return "refused"
-        figures = f"{cell['ms']['median']:.3g} ms, {cell['error']['relative_rms']:.2g}"
-        return f"**{figures}**" if cell["front"] else f"{figures}, {cell['behind']:.2g} x"
+def cell_text(cell):
+    if not cell:
+        return "refused"
+    bytes_a_texel = f"{cell['bytes_per_texel']:.3g} B, " if "bytes_per_texel" in cell else ""
+    times = [p["ms"] for p in cell.get("parts", [])] or [cell["ms"]["median"]]
+    figures = f"{bytes_a_texel}{' + '.join(f'{t:.3g}' for t in times if t)} ms, {cell['error']['relative_rms']:.2g}"
+    return f"**{figures}**" if cell["front"] else f"{figures}, {cell['behind']:.2g} x"
 
-    for some in ([s for s in scenes if s["name"].endswith("sun")], [s for s in scenes if not s["name"].endswith("sun")]):
+
+def tables(scenes):
+    """A table for suns, one for lamps, one for smoke and one for area lights, ready for docs/: milliseconds and relative RMS; what is on the front is bold, else it is
+    told how far it is behind. Of suns and lamps there are settings_to_tell, of the others all."""
+    kind_of = lambda s: "smoke" if "capsules" in s else "sun" if s["name"].endswith("sun") else "lamp"
+    for kind in ("sun", "lamp", "smoke"):
+        some = [s for s in scenes if kind_of(s) == kind]
         if some:
             settings = cells_by_setting(some)
+            keys = settings_to_tell(settings) if kind in ("sun", "lamp") else settings
             markdown(["technique", "knob", *(s["name"] for s in some)],
-                     [[key[0], "" if key[2] == "-" else f"{key[1]} {key[2]}", *map(text, settings[key])] for key in settings_to_tell(settings)])
+                     [[key[0], "" if key[2] == "-" else f"{key[1]} {key[2]}", *map(cell_text, settings[key])] for key in keys])
 
 
 def main():
@@ -134,6 +166,8 @@ def main():
     parser.add_argument("--gl", default="osmesa")
     parser.add_argument("--size", default="160x90")
     parser.add_argument("--resolution", type=int, default=1024)
+    parser.add_argument("--capsules", type=int, default=4000, help="of smoke")
+    parser.add_argument("--clock", default="wall", help="or processor")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--values", type=int, default=8, help="of each knob, so many")
     parser.add_argument("--only", default="", help="the scenes whose names begin so")
@@ -141,14 +175,15 @@ def main():
     plots = args.plots or pathlib.Path(args.folder)
     for folder in (pathlib.Path(args.folder), plots):
         folder.mkdir(parents=True, exist_ok=True)
-    scenes = [s for s in (measured(args, *scene) for scene in SCENES if scene[0].startswith(args.only)) if s]
+    scenes = [measure(args, *scene) for measure, some in ((measured, SCENES), (measured_smoke, SMOKE)) for scene in some if scene[0].startswith(args.only)]
+    scenes = list(filter(None, scenes))
     if not scenes:
         parser.exit(1, f"no scene is there whose name begins with '{args.only}'\n")
     machine = [s.pop("machine") for s in scenes]
     args.json.write_text(json.dumps({"machine": machine[0], "scenes": scenes}, indent=2) + "\n")
     subprocess.run([args.build / "vxs", "report", args.json, "-o", args.json.with_suffix(".html"), "--force"], check=True)
     for scene in scenes:
-        plot(plots / f"volumes-{stem_of(scene['name'])}.svg", scene)
+        plots_of(plots, scene)
     print()
     tables(scenes)
 

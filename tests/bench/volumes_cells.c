@@ -4,38 +4,52 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "baker/measure/clock.h"
 #include "baker/opengl/gl.h"
 
 enum { SLOW_ROUNDS = 3 };
 
+double volumes_colour(const float pixel[4], int channel)
+{
+    return (double)pixel[channel];
+}
+
 static double finished(const bench *b)
 {
+    struct timespec t;
     b->gl->Finish();
-    return clock_seconds();
+    if (b->clock == CLOCK_WALL) return clock_seconds();
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static vxs_volumes_light light_of(const bench *b)
+/* parts  [PARTS] [out] seconds of each */
+static vxs_result draw(bench *b, const cell *c, const vxs_volumes_frame *frame, double *parts)
 {
-    return (vxs_volumes_light){.baked = b->number, .colour = {1, 1, 1}, .cos_inner = 1, .radius_metres = (float)b->radius_metres};
+    const technique *t     = c->technique;
+    double           since = finished(b);
+    vxs_result       r     = vxs_volumes_begin(b->volumes, frame);
+    for (int n = 0; n < PARTS && r == VXS_OK; n++) {
+        technique_step *step = n < BEFORE_MAX ? t->before[n] : t->draw;
+        if (step) r = step(b, c->state, c->value);
+        double now = step ? finished(b) : since;
+        parts[n]   = now - since;
+        since      = now;
+    }
+    return r;
 }
 
-static vxs_result draw(bench *b, const cell *c, int camera)
+static void open_cells(bench *b, cell *cells, size_t *count)
 {
-    vxs_volumes_light light = light_of(b);
-    vxs_result        r     = vxs_volumes_begin(b->volumes, &b->frames[camera]);
-    return r == VXS_OK ? c->technique->draw(b, &light, c->state, c->value) : r;
-}
-
-void volumes_open_cells(bench *b, cell *cells, size_t *count)
-{
-    for (size_t t = 0; t < volumes_technique_count; t++)
-        for (uint32_t n = 0; n < b->values && volumes_techniques[t].values[n]; n++) {
+    for (size_t t = 0; t < b->technique_count; t++)
+        for (uint32_t n = 0; n < b->values && b->techniques[t].values[n]; n++) {
+            double parts[PARTS];
             cell  *c        = &cells[(*count)++];
             double since    = finished(b);
-            *c              = (cell){.technique = &volumes_techniques[t], .value = volumes_techniques[t].values[n]};
-            c->is_refused   = volumes_techniques[t].open(b, &c->state, c->value) != VXS_OK || draw(b, c, 0) != VXS_OK;
+            *c              = (cell){.technique = &b->techniques[t], .value = b->techniques[t].values[n]};
+            c->is_refused   = b->techniques[t].open(b, &c->state, c->value) != VXS_OK || draw(b, c, b->frames, parts) != VXS_OK;
             c->open_seconds = finished(b) - since;
         }
 }
@@ -46,43 +60,66 @@ static uint32_t rounds_of(const bench *b, const cell *c)
     return c->seconds[0] > 1 && b->rounds > SLOW_ROUNDS ? SLOW_ROUNDS : b->rounds;
 }
 
-vxs_result volumes_time_cells(bench *b, cell *cells, size_t count, message *m)
+static vxs_result time_cell(bench *b, cell *c, uint32_t round)
+{
+    double            parts[PARTS];
+    vxs_volumes_frame one = b->frames[0];
+    one.view.width_px = one.view.height_px = 1;
+    if (b->has_creation && draw(b, c, &one, parts) == VXS_OK)
+        for (int n = 0; n < PARTS; n++) c->creation[round] += parts[n];
+    vxs_result r = draw(b, c, b->frames, parts);
+    for (int n = 0; n < PARTS && r == VXS_OK; n++) {
+        c->parts[n][round] = parts[n];
+        c->seconds[round] += parts[n];
+    }
+    return r;
+}
+
+static void find_medians(const bench *b, cell *c)
+{
+    uint32_t rounds = rounds_of(b, c);
+    for (int n = 0; n < PARTS; n++) c->part_medians[n] = spread_of(c->parts[n], rounds).median;
+    c->creation_median = spread_of(c->creation, rounds).median;
+    c->spread          = spread_of(c->seconds, rounds);
+}
+
+static vxs_result time_cells(bench *b, cell *cells, size_t count, message *m)
 {
     for (uint32_t round = 0; round < b->rounds; round++)
         for (size_t n = 0; n < count; n++) {
-            if (cells[n].is_refused || round >= rounds_of(b, &cells[n])) continue;
-            double since = finished(b);
-            if (draw(b, &cells[n], 0) != VXS_OK) return fail(m, VXS_E_GL, "%s cannot be drawn", cells[n].technique->name);
-            cells[n].seconds[round] = finished(b) - since;
+            if (cells[n].is_refused || (round && round >= rounds_of(b, &cells[n]))) continue;
+            vxs_result r = time_cell(b, &cells[n], round);
+            if (r != VXS_OK) return fail(m, VXS_E_GL, "%s cannot be drawn", cells[n].technique->name);
         }
     for (size_t n = 0; n < count; n++)
-        if (!cells[n].is_refused) cells[n].spread = spread_of(cells[n].seconds, rounds_of(b, &cells[n]));
+        if (!cells[n].is_refused) find_medians(b, &cells[n]);
     return VXS_OK;
 }
 
-vxs_result volumes_judge(bench *b, cell *c, message *m)
+static vxs_result judge(bench *b, cell *c, message *m)
 {
     float     *read  = malloc(4 * b->pixels * sizeof *read);
-    double    *found = malloc(3 * CAMERAS * b->pixels * sizeof *found);
+    double    *found = malloc(3 * CAMERAS * b->pixels * sizeof *found), parts[PARTS];
     vxs_result r     = read && found ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    for (int camera = 0; camera < CAMERAS && r == VXS_OK; camera++) {
-        if ((r = draw(b, c, camera)) != VXS_OK) break;
-        b->gl->GetTextureImage(vxs_volumes_airlight(b->volumes), 0, GL_RGBA, GL_FLOAT, (GLsizei)(4 * b->pixels * sizeof *read),
-                               read);
-        for (size_t n = 0; n < 3 * b->pixels; n++) found[3 * (size_t)camera * b->pixels + n] = (double)read[4 * (n / 3) + n % 3];
+    for (uint32_t camera = 0; camera < b->cameras && r == VXS_OK; camera++) {
+        if ((r = draw(b, c, &b->frames[camera], parts)) != VXS_OK) break;
+        b->gl->GetTextureImage(b->picture, 0, GL_RGBA, GL_FLOAT, (GLsizei)(4 * b->pixels * sizeof *read), read);
+        for (size_t n = 0; n < 3 * b->pixels; n++)
+            found[3 * (size_t)camera * b->pixels + n] = b->value_of(read + n / 3 * 4, (int)(n % 3));
     }
     if (r == VXS_OK) {
         c->all       = picture_error_of(found, b->wanted, b->pixels, b->classes, PIXEL_CLASSES);
         c->elsewhere = picture_error_of(found, b->wanted, b->pixels, b->classes, PIXELS_ELSEWHERE);
-        c->epipole   = picture_error_of(found, b->wanted, b->pixels, b->classes, PIXELS_EPIPOLE);
-        c->flicker   = picture_flicker_of(found, b->wanted, CAMERAS, b->pixels);
+        c->flicker   = picture_flicker_of(found, b->wanted, b->cameras, b->pixels);
+        if (b->classes) c->epipole = picture_error_of(found, b->wanted, b->pixels, b->classes, PIXELS_EPIPOLE);
+        if (c->technique->bytes) c->bytes = c->technique->bytes(b, c->state, c->value);
     }
     free(read);
     free(found);
     return r;
 }
 
-void volumes_find_front(cell *cells, size_t count)
+static void find_front(cell *cells, size_t count)
 {
     for (size_t n = 0; n < count; n++) {
         double least = cells[n].spread.median;
@@ -92,4 +129,22 @@ void volumes_find_front(cell *cells, size_t count)
                 least = fmin(least, cells[k].spread.median);
         cells[n].behind = cells[n].spread.median / least;
     }
+}
+
+vxs_result volumes_measure(bench *b, message *m)
+{
+    size_t     count = 0;
+    cell      *cells = calloc(CELLS_MAX, sizeof *cells);
+    vxs_result r     = cells ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
+    if (r == VXS_OK) open_cells(b, cells, &count);
+    if (r == VXS_OK) r = time_cells(b, cells, count, m);
+    for (size_t n = 0; n < count && r == VXS_OK; n++)
+        if (!cells[n].is_refused) r = judge(b, &cells[n], m);
+    if (r == VXS_OK) {
+        find_front(cells, count);
+        r = volumes_report(b, cells, count, m);
+    }
+    for (size_t n = 0; n < count; n++) cells[n].technique->close(cells[n].state);
+    free(cells);
+    return r;
 }

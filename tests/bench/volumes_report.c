@@ -27,7 +27,19 @@ static json_t *error_json(const picture_error *e)
     return o;
 }
 
-static json_t *cell_json(const cell *c)
+static json_t *parts_json(const bench *b, const cell *c)
+{
+    json_t *list = json_array();
+    for (int n = 0; n < PARTS && b->parts[n]; n++) {
+        json_t *o = json_object();
+        json_set(&o, "name", json_text(b->parts[n]));
+        json_set(&o, "ms", json_real(rounded(1000 * c->part_medians[n], 4)));
+        json_append(&list, o);
+    }
+    return list;
+}
+
+static json_t *cell_json(const bench *b, const cell *c)
 {
     json_t *o = json_object(), *ms = json_object();
     json_set(&o, "technique", json_text(c->technique->name));
@@ -40,10 +52,13 @@ static json_t *cell_json(const cell *c)
         json_set(&ms, "least", json_real(rounded(1000 * c->spread.min, 4)));
         json_set(&ms, "greatest", json_real(rounded(1000 * c->spread.max, 4)));
         json_set(&o, "ms", ms);
+        if (b->parts[0]) json_set(&o, "parts", parts_json(b, c));
+        if (b->has_creation) json_set(&o, "creation_ms", json_real(rounded(1000 * c->creation_median, 4)));
+        if (c->technique->bytes) json_set(&o, "bytes_per_texel", json_real(rounded(c->bytes, 4)));
         json_set(&o, "error", error_json(&c->all));
         json_set(&o, "elsewhere", error_json(&c->elsewhere));
         if (c->epipole.count) json_set(&o, "epipole", error_json(&c->epipole));
-        json_set(&o, "flicker", json_real(rounded(c->flicker, 4)));
+        if (b->cameras > 1) json_set(&o, "flicker", json_real(rounded(c->flicker, 4)));
         json_set(&o, "behind", json_real(rounded(c->behind, 4)));
         json_set(&o, "front", json_boolean(is_front(c)));
     } else
@@ -51,11 +66,11 @@ static json_t *cell_json(const cell *c)
     return o;
 }
 
-static json_t *techniques_json(void)
+static json_t *techniques_json(const bench *b)
 {
     json_t *list = json_array();
-    for (size_t n = 0; n < volumes_technique_count; n++) {
-        const technique *t = &volumes_techniques[n];
+    for (size_t n = 0; n < b->technique_count; n++) {
+        const technique *t = &b->techniques[n];
         json_t          *o = json_object();
         json_set(&o, "name", json_text(t->name));
         json_set(&o, "knob", json_text(t->knob));
@@ -83,46 +98,48 @@ static json_t *machine_json(void)
 static vxs_result write_json(const bench *b, const cell *cells, size_t count, message *m)
 {
     json_t *o = json_object(), *list = json_array();
-    for (size_t n = 0; n < count; n++) json_append(&list, cell_json(&cells[n]));
+    for (size_t n = 0; n < count; n++) json_append(&list, cell_json(b, &cells[n]));
     json_set(&o, "generator", json_text("vxs " VXS_VERSION));
     json_set(&o, "machine", machine_json());
-    json_set(&o, "scene", json_text(b->scene_path));
-    json_set(&o, "file", json_text(b->asset_path));
-    json_set(&o, "reference", json_text(b->is_of_spheres ? "formulas of spheres" : "exact lit intervals of the asset"));
-    json_set(&o, "light", json_text(vxs_asset_light(b->asset, b->number)->light.name));
+    json_set(&o, "reference", json_text(b->reference));
+    json_set(&o, "light", json_text(b->light_name));
     json_set(&o, "renderer", json_text(b->gl->renderer));
-    json_set(&o, "eye", json_vector(b->pose.eye_ws));
-    json_set(&o, "target", json_vector(b->pose.target_ws));
+    json_set(&o, "clock", json_text(b->clock == CLOCK_WALL ? "wall" : "processor"));
     json_set(&o, "width_px", json_integer(b->width));
     json_set(&o, "height_px", json_integer(b->height));
-    json_set(&o, "extinction_per_metre", json_vector(b->medium.extinction));
-    json_set(&o, "scattering_per_metre", json_vector(b->medium.scattering));
-    json_set(&o, "anisotropy", json_real(b->medium.anisotropy));
+    b->describe(b, &o);
     json_set(&o, "rounds", json_integer(b->rounds));
-    json_set(&o, "techniques", techniques_json());
+    json_set(&o, "techniques", techniques_json(b));
     json_set(&o, "cells", list);
     return json_write(b->json_path, o, m);
 }
 
-static void print_cell(const cell *c)
+static void print_cell(const bench *b, const cell *c)
 {
-    char setting[32], epipole[16] = "", behind[16] = "front";
+    char setting[48], epipole[16] = "", behind[16] = "front";
     snprintf(setting, sizeof setting, "%u %s", c->value, c->technique->knob);
-    printf("%-16s %-19s ", c->technique->name, setting);
+    printf("%-24s %-19s ", c->technique->name, setting);
     if (c->is_refused) {
         printf(" refused\n");
         return;
     }
     if (c->epipole.count) snprintf(epipole, sizeof epipole, "%.2g", c->epipole.relative_rms);
     if (!is_front(c)) snprintf(behind, sizeof behind, "%.3g x", c->behind);
-    printf("%8.3g %9.2g %9.2g %9.2g %9.2g %9.2g %9s %9s\n", 1000 * c->spread.median, c->all.relative_rms, c->all.signed_mean,
+    printf("%8.3g %9.2g %9.2g %9.2g %9.2g %9.2g %9s %9s", 1000 * c->spread.median, c->all.relative_rms, c->all.signed_mean,
            c->all.percentile_99, c->all.most, c->flicker, epipole, behind);
+    for (int n = 0; n < PARTS && b->parts[n]; n++) printf(" %8.3g", 1000 * c->part_medians[n]);
+    if (b->has_creation) printf(" %8.3g", 1000 * c->creation_median);
+    if (c->technique->bytes) printf(" %8.4g", c->bytes);
+    printf("\n");
 }
 
 vxs_result volumes_report(const bench *b, const cell *cells, size_t count, message *m)
 {
-    printf("%-16s %-19s %8s %9s %9s %9s %9s %9s %9s %9s\n", "technique", "knob", "ms", "RMS", "mean", "99 %", "largest", "flicker",
+    printf("%-24s %-19s %8s %9s %9s %9s %9s %9s %9s %9s", "technique", "knob", "ms", "RMS", "mean", "99 %", "largest", "flicker",
            "at lamp", "behind");
-    for (size_t n = 0; n < count; n++) print_cell(&cells[n]);
+    for (int n = 0; n < PARTS && b->parts[n]; n++) printf(" %8s", b->parts[n]);
+    if (b->has_creation) printf(" creation");
+    printf("\n");
+    for (size_t n = 0; n < count; n++) print_cell(b, &cells[n]);
     return b->json_path ? write_json(b, cells, count, m) : VXS_OK;
 }

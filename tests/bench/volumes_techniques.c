@@ -8,29 +8,29 @@
 #include "tests/volumes/rival_froxels.h"
 #include "tests/volumes/rival_slices.h"
 
-static vxs_result even_of_map(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
+static vxs_result even_of_map(bench *b, void *state, uint32_t steps)
 {
     (void)state;
-    return vxs_volumes_march(b->volumes, light, b->map, steps, VXS_STEPS_EVEN);
+    return vxs_volumes_march(b->volumes, &b->light, b->map, steps, VXS_STEPS_EVEN);
 }
 
-static vxs_result angles_of_map(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
+static vxs_result angles_of_map(bench *b, void *state, uint32_t steps)
 {
     (void)state;
-    return vxs_volumes_march(b->volumes, light, b->map, steps, VXS_STEPS_ANGLE);
+    return vxs_volumes_march(b->volumes, &b->light, b->map, steps, VXS_STEPS_ANGLE);
 }
 
-static vxs_result angles_of_asset(bench *b, const vxs_volumes_light *light, void *state, uint32_t steps)
+static vxs_result angles_of_asset(bench *b, void *state, uint32_t steps)
 {
     (void)state;
-    return vxs_volumes_march(b->volumes, light, NULL, steps, VXS_STEPS_ANGLE);
+    return vxs_volumes_march(b->volumes, &b->light, NULL, steps, VXS_STEPS_ANGLE);
 }
 
-static vxs_result intervals(bench *b, const vxs_volumes_light *light, void *state, uint32_t value)
+static vxs_result intervals(bench *b, void *state, uint32_t value)
 {
     (void)state;
     (void)value;
-    return vxs_volumes_intervals(b->volumes, light);
+    return vxs_volumes_intervals(b->volumes, &b->light);
 }
 
 /* A mesh of the light map, made once; quads are as large as so many texels' width of error lets them be. */
@@ -41,10 +41,10 @@ static vxs_result open_mesh(bench *b, void **state, uint32_t error_texels)
     return baked_mesh_make((vxs_light_mesh **)state, &o, b->gl, b->shadows, b->volumes, &m);
 }
 
-static vxs_result mesh(bench *b, const vxs_volumes_light *light, void *mesh, uint32_t value)
+static vxs_result mesh(bench *b, void *mesh, uint32_t value)
 {
     (void)value;
-    return vxs_volumes_mesh(b->volumes, light, mesh);
+    return vxs_volumes_mesh(b->volumes, &b->light, mesh);
 }
 
 static void close_mesh(void *mesh)
@@ -55,16 +55,13 @@ static void close_mesh(void *mesh)
 /* A mesh that is made where it is drawn, of a map of so many texels a side. */
 static vxs_result open_map(bench *b, void **state, uint32_t side_px)
 {
-    vxs_light_map_desc desc = {.baked = b->number, .side_px = side_px};
-    vxs_result         r    = vxs_light_map_create((vxs_light_map **)state, b->volumes, &desc);
-    while (r == VXS_OK && vxs_light_map_fill(*state, 1 << 20)) continue;
-    return r;
+    return volumes_open_map(b, b->number, side_px, (vxs_light_map **)state);
 }
 
-static vxs_result mesh_of_map(bench *b, const vxs_volumes_light *light, void *map, uint32_t value)
+static vxs_result mesh_of_map(bench *b, void *map, uint32_t value)
 {
     (void)value;
-    return vxs_volumes_mesh_map(b->volumes, light, map);
+    return vxs_volumes_mesh_map(b->volumes, &b->light, map);
 }
 
 static void close_map(void *map)
@@ -80,9 +77,9 @@ static vxs_result open_adaptive(bench *b, void **state, uint32_t error_texels)
     return vxs_adaptive_mesh_create((vxs_adaptive_mesh **)state, b->volumes, &desc);
 }
 
-static vxs_result adaptive_mesh(bench *b, const vxs_volumes_light *light, void *mesh, uint32_t error_texels)
+static vxs_result adaptive_mesh(bench *b, void *mesh, uint32_t error_texels)
 {
-    return vxs_volumes_mesh_adaptive(b->volumes, light, b->map, mesh, (float)error_texels);
+    return vxs_volumes_mesh_adaptive(b->volumes, &b->light, b->map, mesh, (float)error_texels);
 }
 
 static void close_adaptive(void *mesh)
@@ -97,16 +94,16 @@ static vxs_result open_grid(bench *b, void **state, uint32_t size)
     return vxs_shadow_grid_create((vxs_shadow_grid **)state, b->volumes, &desc);
 }
 
-static vxs_result grid_of_map(bench *b, const vxs_volumes_light *light, void *grid, uint32_t size)
+static vxs_result grid_of_map(bench *b, void *grid, uint32_t size)
 {
     (void)size;
-    return vxs_volumes_grid(b->volumes, light, b->map, grid, 0);
+    return vxs_volumes_grid(b->volumes, &b->light, b->map, grid, 0);
 }
 
-static vxs_result grid_of_asset(bench *b, const vxs_volumes_light *light, void *grid, uint32_t size)
+static vxs_result grid_of_asset(bench *b, void *grid, uint32_t size)
 {
     (void)size;
-    return vxs_volumes_grid(b->volumes, light, NULL, grid, 0);
+    return vxs_volumes_grid(b->volumes, &b->light, NULL, grid, 0);
 }
 
 /* Rays between two rows. */
@@ -163,10 +160,10 @@ static vxs_result open_cast(bench *b, void **state, uint32_t size)
     return r == VXS_OK ? vxs_shadow_grid_create(&c->grid, b->volumes, &desc) : r;
 }
 
-static vxs_result grid_of_triangles(bench *b, const vxs_volumes_light *light, void *state, uint32_t size)
+static vxs_result grid_of_triangles(bench *b, void *state, uint32_t size)
 {
     const cast_grid  *c    = state;
-    vxs_volumes_light bare = *light;
+    vxs_volumes_light bare = b->light;
     bare.constants         = &vxs_gl_constants(b->shadows)[b->number];
     (void)size;
     return vxs_volumes_grid_cast(b->volumes, &bare, NULL, c->grid, 0, &c->casters, 1);
@@ -187,10 +184,10 @@ static vxs_result open_froxels(bench *b, void **state, uint32_t deep)
     return rival_froxels_create((rival_froxels **)state, b->volumes, (b->width + 7) / 8, (b->height + 7) / 8, deep);
 }
 
-static vxs_result froxels_of_map(bench *b, const vxs_volumes_light *light, void *froxels, uint32_t deep)
+static vxs_result froxels_of_map(bench *b, void *froxels, uint32_t deep)
 {
     (void)deep;
-    return rival_froxels_add(froxels, light, b->map);
+    return rival_froxels_add(froxels, &b->light, b->map);
 }
 
 static void close_froxels(void *froxels)
@@ -211,10 +208,10 @@ static vxs_result open_moments(bench *b, void **state, uint32_t parts)
     return r == VXS_OK ? rival_slices_set_moments(*state, parts) : r;
 }
 
-static vxs_result slices_of_map(bench *b, const vxs_volumes_light *light, void *slices, uint32_t count)
+static vxs_result slices_of_map(bench *b, void *slices, uint32_t count)
 {
     (void)count;
-    return rival_slices_add(slices, light, b->map);
+    return rival_slices_add(slices, &b->light, b->map);
 }
 
 static void close_slices(void *slices)
@@ -238,20 +235,27 @@ static void forget(void *state)
 #define LIGHT_MAP "the light map, traversed exactly"
 #define ASSET     "exact lit intervals of the asset"
 
-const technique volumes_techniques[] = {
-    {"march", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, even_of_map, forget},
-    {"angles", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, angles_of_map, forget},
-    {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, nothing, angles_of_asset, forget},
-    {"intervals", "-", "floats", 0, {1}, nothing, intervals, forget},
-    {"mesh", "texels of error", "the map's surface, whose steps are slopes of a texel", 0, {16, 4, 1}, open_mesh, mesh, close_mesh},
-    {"mesh of the map", "texels a side", "the same surface", 0, {64, 256, 1024}, open_map, mesh_of_map, close_map},
-    {"adaptive mesh", "texels of error", "the same surface", 0, {16, 4, 1}, open_adaptive, adaptive_mesh, close_adaptive},
-    {"grid", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_grid, grid_of_map, close_grid},
-    {"grid, two rows", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_rows, grid_of_map, close_grid},
-    {"grid, asset", "bits a side", ASSET, 0, {64, 128, 256}, open_grid, grid_of_asset, close_grid},
-    {"grid, triangles", "bits a side", "the triangles, exactly", 0, {64, 128, 256, 512}, open_cast, grid_of_triangles, close_cast},
-    {"froxels", "slices", "columns of 8 x 8 pixels", 1, {16, 64, 256, 1024}, open_froxels, froxels_of_map, close_froxels},
-    {"moments", "parts a ray", "256 slices of 512 bins", 1, {1, 4, 16, 64}, open_moments, slices_of_map, close_slices},
-    {"min-max slices", "slices", LIGHT_MAP, 1, {64, 128, 256, 512}, open_slices, slices_of_map, close_slices},
+/* clang-format off */
+static const technique techniques[] = {
+    {"march", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, even_of_map, .close = forget},
+    {"angles", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, angles_of_map, .close = forget},
+    {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, nothing, angles_of_asset, .close = forget},
+    {"intervals", "-", "floats", 0, {1}, nothing, intervals, .close = forget},
+    {"mesh", "texels of error", "the map's surface, whose steps are slopes of a texel", 0, {16, 4, 1}, open_mesh, mesh, .close = close_mesh},
+    {"mesh of the map", "texels a side", "the same surface", 0, {64, 256, 1024}, open_map, mesh_of_map, .close = close_map},
+    {"adaptive mesh", "texels of error", "the same surface", 0, {16, 4, 1}, open_adaptive, adaptive_mesh, .close = close_adaptive},
+    {"grid", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_grid, grid_of_map, .close = close_grid},
+    {"grid, two rows", "bits a side", LIGHT_MAP, 0, {64, 128, 256, 512}, open_rows, grid_of_map, .close = close_grid},
+    {"grid, asset", "bits a side", ASSET, 0, {64, 128, 256}, open_grid, grid_of_asset, .close = close_grid},
+    {"grid, triangles", "bits a side", "the triangles, exactly", 0, {64, 128, 256, 512}, open_cast, grid_of_triangles, .close = close_cast},
+    {"froxels", "slices", "columns of 8 x 8 pixels", 1, {16, 64, 256, 1024}, open_froxels, froxels_of_map, .close = close_froxels},
+    {"moments", "parts a ray", "256 slices of 512 bins", 1, {1, 4, 16, 64}, open_moments, slices_of_map, .close = close_slices},
+    {"min-max slices", "slices", LIGHT_MAP, 1, {64, 128, 256, 512}, open_slices, slices_of_map, .close = close_slices},
 };
-const size_t volumes_technique_count = sizeof volumes_techniques / sizeof *volumes_techniques;
+/* clang-format on */
+
+void volumes_use_techniques(bench *b)
+{
+    b->techniques      = techniques;
+    b->technique_count = sizeof techniques / sizeof *techniques;
+}

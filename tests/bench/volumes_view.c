@@ -1,5 +1,5 @@
 /* What is seen, and the airlight that is wanted there, in double: that between exact lit intervals of the asset, or of rays among
- * spheres; see volumes_bench.h.
+ * spheres, or another; see volumes_bench.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/bench/volumes_bench.h"
 
@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "baker/base/parallel.h"
+#include "baker/files/json_value.h"
 #include "baker/opengl/gl.h"
 #include "baker/picture/fog.h"
 #include "baker/truth/baked_light.h"
@@ -29,12 +30,33 @@ static void set_view(vxs_volumes_frame *f, const camera_view *v, const double ey
     m[11] = 1;
 }
 
+/* b->light, in double */
+static fog_light fog_light_of(const bench *b)
+{
+    const vxs_baked_light *baked = vxs_asset_light(b->asset, b->number);
+    fog_light              light = {baked, baked_light_shape(&baked->light), {1, 1, 1}, 1, b->radius_metres};
+    light.cos_inner              = fmax(cos(light.shape.outer_rad), -1); /* no rim */
+    return light;
+}
+
+void volumes_airlight_wanted(const bench *b, const double eye_ws[3], const double direction[3], double metres, size_t ray,
+                             double to[3])
+{
+    fog_light light = fog_light_of(b);
+    (void)ray;
+    if (b->is_of_spheres)
+        sphere_fog_add_airlight(&b->medium, &light, &b->spheres, eye_ws, direction, metres, to);
+    else
+        fog_add_airlight(&b->medium, &light, 1, eye_ws, direction, metres, to);
+}
+
 typedef struct seen {
     bench             *b;
     const camera_view *view;
     double             eye_ws[3];
-    int                camera;
-    fog_light          light;
+    uint32_t           camera;
+    wanted_of_ray     *wanted;
+    light_shape        light;
     float             *depths;
 } seen;
 
@@ -54,14 +76,11 @@ static void see_pixels(void *user, size_t begin, size_t end, uint32_t worker)
         metres       = s->depths[n] > 0 ? NEAR_METRES / ((double)s->depths[n] * along) : b->far_metres; /* as a float has it */
         to[0] = to[1] = to[2] = 0;
         metres                = fmin(metres, b->far_metres);
-        if (b->is_of_spheres)
-            sphere_fog_add_airlight(&b->medium, &s->light, &b->spheres, s->eye_ws, direction, metres, to);
-        else
-            fog_add_airlight(&b->medium, &s->light, 1, s->eye_ws, direction, metres, to);
-        if (s->camera == 0)
-            b->classes[n] = s->light.shape.kind == LIGHT_DIRECTIONAL
+        s->wanted(b, s->eye_ws, direction, metres, n, to);
+        if (s->camera == 0 && b->classes)
+            b->classes[n] = s->light.kind == LIGHT_DIRECTIONAL
                                 ? PIXELS_ELSEWHERE
-                                : (uint8_t)pixel_class_of(s->eye_ws, direction, s->light.shape.position_ws, b->radius_metres);
+                                : (uint8_t)pixel_class_of(s->eye_ws, direction, s->light.position_ws, b->radius_metres);
     }
 }
 
@@ -76,19 +95,18 @@ static double texel_metres(const bench *b)
     return l->texel_metres * sqrt(square);
 }
 
-vxs_result volumes_see(bench *b, int camera, message *m)
+vxs_result volumes_see(bench *b, uint32_t camera, wanted_of_ray *wanted, message *m)
 {
-    const vxs_baked_light *baked = vxs_asset_light(b->asset, b->number);
-    camera_view            view  = camera_view_of(&b->pose, (double)b->width / b->height);
-    vxs_volumes_frame     *f     = &b->frames[camera];
-    double                 aside = texel_metres(b) * camera / CAMERAS, length = 0, eye[3];
-    GLuint                 texture;
-    seen                   s = {.b      = b,
-                                .view   = &view,
-                                .camera = camera,
-                                .light  = {baked, baked_light_shape(&baked->light), {1, 1, 1}, 1, b->radius_metres}};
-    s.light.cos_inner        = fmax(cos(s.light.shape.outer_rad), -1); /* as light_of says: no rim */
-    s.depths                 = malloc(b->pixels * sizeof *s.depths);
+    camera_view        view  = camera_view_of(&b->pose, (double)b->width / b->height);
+    vxs_volumes_frame *f     = &b->frames[camera];
+    double             aside = texel_metres(b) * camera / CAMERAS, length = 0, eye[3];
+    GLuint             texture;
+    seen               s = {.b      = b,
+                            .view   = &view,
+                            .camera = camera,
+                            .wanted = wanted,
+                            .light  = baked_light_shape(&vxs_asset_light(b->asset, b->number)->light)};
+    s.depths             = malloc(b->pixels * sizeof *s.depths);
     if (!s.depths) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
     for (int n = 0; n < 3; n++) length += view.right[n] * view.right[n];
     for (int n = 0; n < 3; n++) {
@@ -110,4 +128,15 @@ vxs_result volumes_see(bench *b, int camera, message *m)
         f->extinction[n] = (float)b->medium.extinction[n];
     }
     return VXS_OK;
+}
+
+void volumes_describe_view(const bench *b, json_t **o)
+{
+    json_set(o, "scene", json_text(b->scene_path));
+    if (b->asset_path) json_set(o, "file", json_text(b->asset_path));
+    json_set(o, "eye", json_vector(b->pose.eye_ws));
+    json_set(o, "target", json_vector(b->pose.target_ws));
+    json_set(o, "extinction_per_metre", json_vector(b->medium.extinction));
+    json_set(o, "scattering_per_metre", json_vector(b->medium.scattering));
+    json_set(o, "anisotropy", json_real(b->medium.anisotropy));
 }

@@ -102,12 +102,14 @@ def measure_fog(measure, tmp_path):
 
     def run(only):
         printed = measure("volumes.py", "--json", tmp_path / "volumes.json", "--folder", tmp_path, "--only", only, "--size", "48x27",
-                          "--resolution", "256", "--rounds", "1", "--values", "3")
+                          "--resolution", "256", "--rounds", "1", "--values", "3", "--capsules", "200")
         result = json.loads((tmp_path / "volumes.json").read_text())
         schema("volumes").validate(result)
         (scene,) = result["scenes"]
         assert scene["name"] == only and (tmp_path / "volumes.html").stat().st_size > 100000
-        assert (tmp_path / f"volumes-{only.replace(', ', '-').replace(' ', '-')}.svg").stat().st_size > 1000
+        stem = f"volumes-{only.replace(', ', '-').replace(' ', '-')}"
+        plots = {f"{stem}.svg"} | ({f"{stem}-bytes.svg"} if "capsules" in scene else set())
+        assert {p.name for p in tmp_path.glob("volumes-*.svg") if p.stat().st_size > 1000} == plots
         drawn = [c for c in scene["cells"] if not c["refused"]]
         assert len(drawn) == len(scene["cells"]) > 10
         return scene, {t["name"]: [c["error"]["relative_rms"] for c in drawn if c["technique"] == t["name"]] for t in scene["techniques"]}, printed
@@ -139,3 +141,26 @@ def test_volumes_of_spheres(measure_fog):
     scene, errors, _ = measure_fog("spheres, sun")
     assert scene["reference"] == "formulas of spheres" and 1e-5 < errors["intervals"][0] < 1e-3
     assert errors["angles"][-1] < 0.5 * errors["angles"][0] and errors["moments"][-1] < 0.5 * errors["moments"][0]
+
+
+def test_volumes_of_smoke(measure_fog):
+    """Each technique comes nearer with more of its knob, parts of a frame are all of it, bytes are those of knobs, and ratios those of the figures."""
+    scene, errors, printed = measure_fog("smoke with hair")
+    assert {name for name, found in errors.items() if len(found) == 3} == {t["name"] for t in scene["techniques"]} - {"power moments", "uncompressed"}
+    for name, found in errors.items():
+        assert all(b < 1.1 * a for a, b in zip(found, found[1:])), f"{name}: {found}"
+        if name in ("opacity slices", "Fourier"):  # of the others it is lines between nodes that stay, where capsules are few
+            assert found[-1] < 0.5 * found[0], f"{name}: {found}"
+    assert errors["uncompressed"][0] < 1e-4 and "Along every knob error falls" in printed
+    cells = {(c["technique"], c["value"]): c for c in scene["cells"]}
+    for cell in scene["cells"]:
+        parts = {p["name"]: p["ms"] for p in cell["parts"]}
+        assert list(parts) == ["capture", "build", "look up"] and (parts["capture"] == 0) == (cell["technique"] == "adaptive, tiles")
+        assert sum(parts.values()) == pytest.approx(cell["ms"]["median"], rel=1e-3), "of one round"
+    for technique, value in (("adaptive", 8), ("adaptive, unsorted", 8), ("opacity slices", 16), ("Fourier", 8)):
+        assert cells[technique, value]["bytes_per_texel"] == 64
+    looked_up = lambda technique, value: cells[technique, value]["parts"][2]["ms"]
+    (claim,) = [c for c in scene["claims"] if c["what"].startswith("looking up uncompressed")]
+    assert claim["value"] == pytest.approx(looked_up("uncompressed", 1) / looked_up("adaptive", 8), rel=1e-3) and claim["paper"] == 51
+    assert all(f"{c['what']}: {c['value']:.3g} times; the paper has {c['paper']:g}" in printed for c in scene["claims"])
+    assert len(rows(printed, "adaptive")) == 3, "of smoke all settings have a row"

@@ -27,7 +27,7 @@ def cell(technique, value, ms, rms, behind=1, **more):
 def scene(*cells, name="room, lamp", **more):
     techniques = [{"name": n, "knob": "steps", "limit": f"what limits {n}", "rival": n == "froxels"} for n in {c["technique"]: 0 for c in cells}]
     return {"name": name, "file_bytes": 1500, "generator": "vxs 0.1.0", "scene": "room.glb", "file": "room.vxs", "light": "lamp",
-            "reference": "exact lit intervals", "renderer": "llvmpipe", "eye": [0, 1, 2], "target": [0, 0, 0], "width_px": 16, "height_px": 16,
+            "reference": "exact lit intervals", "renderer": "llvmpipe", "clock": "wall", "eye": [0, 1, 2], "target": [0, 0, 0], "width_px": 16, "height_px": 16,
             "extinction_per_metre": [1, 1, 1], "scattering_per_metre": [1, 1, 1], "anisotropy": 0.4, "rounds": 7, "techniques": techniques,
             "cells": copy.deepcopy(list(cells))} | more
 
@@ -88,9 +88,28 @@ def test_refused_exact_and_at_a_lamp(report, browser):
     page = report(measured(scene(*SOME, refused, endless, cell("angles", 8, 1, 0), cell("mesh", 8, 3, 0.01, epipole=error(0.125)))))
     assert "512 bits refused" in page.text and "RMS at the lamp" in page.text and "0.13" in page.text
     drawn = browser.ask('Chart.getChart(document.querySelector("#front-1 canvas")).data.datasets.map((d) => d.data.map((p) => p.y))')
-    assert drawn == [[0.25, 0.02, 0.01, 5e-7], [0.25, 0.03], [0.02], [5e-7], [], [], [0.01]]
+    assert drawn == [[0.25, 0.02, 0.01, 5e-7], [0.25, 0.03], [0.02], [5e-7], [], [0.01]]
     alone = report(measured(scene(refused)))
     assert alone.charts == {} and "refused" in alone.text
+
+
+def test_smoke(report, browser):
+    """Bytes have a plot of their own, parts of a frame and what papers say a place; there is neither a file nor flicker."""
+    nodes = [cell("adaptive", n, n, 0.2 / n, behind=n / 4, bytes_per_texel=8 * n, creation_ms=3 * n,
+                  parts=[{"name": "capture", "ms": 0.125 * n}, {"name": "look up", "ms": 0.875 * n}]) for n in (4, 8)]
+    for c in nodes:
+        del c["flicker"]
+    smoke = scene(*nodes, name="smoke columns", clock="processor", claims=[{"what": "deep over 8 nodes", "value": 3.5, "paper": 276}])
+    del smoke["file_bytes"]
+    page = report(measured(smoke, scene(*SOME)))
+    assert set(page.charts) == {"front-1", "front-1-bytes", "front-2"}
+    assert "processor time of a frame" in page.charts["front-1"]["words"] and "time of a frame" in page.charts["front-2"]["words"]
+    assert {"bytes a texel", "32\N{NO-BREAK SPACE}B"} <= set(page.charts["front-1-bytes"]["words"])
+    assert [item.lstrip("●") for item in page.charts["front-1-bytes"]["key"]] == ["adaptive"]
+    assert told_at(browser, "front-1-bytes", 0, 1) == "adaptive, 8 steps: 8 ms, 64 B a texel, 0.025; 2 times as long as what is as near"
+    for words in ("capture look up creation bytes a texel first frame", "1 ms 7 ms 24 ms 64 16 ms", "deep over 8 nodes: 3.5 times as long; the paper has 276"):
+        assert words in page.text, words
+    assert "NaN" not in page.text and "undefined" not in page.text
 
 
 def test_several_files(report):

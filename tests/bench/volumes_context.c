@@ -1,0 +1,82 @@
+/* What pictures are drawn with, and of what; see volumes_bench.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "baker/opengl/gl.h"
+#include "tests/bench/volumes_bench.h"
+
+static vxs_gl_function lookup(const char *name, void *user)
+{
+    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
+}
+
+static void say(const char *text, void *user)
+{
+    (void)user;
+    fprintf(stderr, "%s\n", text);
+}
+
+vxs_result volumes_open_gl(bench *b, message *m)
+{
+    vxs_result r = gl_context_create(&b->gl, b->backend, b->threads, m);
+    if (r != VXS_OK) return r;
+    vxs_gl_desc words = {.struct_size = sizeof words, .get_proc_address = lookup, .user = b->gl, .asset = b->asset};
+    if ((r = vxs_gl_create(&b->shadows, &words)) != VXS_OK)
+        return fail(m, r, "the words cannot be uploaded: %s", vxs_result_text(r));
+    vxs_gl_upload(b->shadows, SIZE_MAX);
+    vxs_gl_origin(b->shadows, b->pose.eye_ws);
+    vxs_volumes_desc desc = {.struct_size      = sizeof desc,
+                             .get_proc_address = lookup,
+                             .user             = b->gl,
+                             .shadows          = b->shadows,
+                             .width_px         = b->width,
+                             .height_px        = b->height,
+                             .log              = say};
+    if ((r = vxs_volumes_create(&b->volumes, &desc)) != VXS_OK) return fail(m, r, "no fog: %s", vxs_result_text(r));
+    b->picture = vxs_volumes_airlight(b->volumes);
+    return VXS_OK;
+}
+
+void volumes_close_gl(bench *b)
+{
+    vxs_volumes_destroy(b->volumes);
+    vxs_gl_destroy(b->shadows);
+    gl_context_destroy(b->gl);
+    vxs_asset_close(b->asset);
+}
+
+vxs_result volumes_load_scene(bench *b, message *m)
+{
+    scene_choice choice = {0};
+    vxs_result   r      = scene_load_gltf(&b->scene, b->scene_path, &choice, m);
+    if (r == VXS_OK) r = casters_from_scene(&b->casting, &b->scene, CLOSED_OFF, b->threads, m);
+    if (r == VXS_OK) r = truth_create(&b->truth, &b->casting, b->threads, m);
+    if (r != VXS_OK) return r;
+    box    bounds    = box_of_corners(b->casting.positions_ws, b->casting.indices, 3 * b->casting.triangle_count);
+    double size      = box_diagonal(&bounds);
+    b->far_metres    = 2 * size;
+    b->radius_metres = 5e-4 * size;
+    b->medium        = fog_of(&b->fog);
+    b->pixels        = (size_t)b->width * b->height;
+    b->wanted        = malloc(3 * CAMERAS * b->pixels * sizeof *b->wanted);
+    b->classes       = malloc(b->pixels);
+    return b->wanted && b->classes ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+}
+
+void volumes_free_scene(bench *b)
+{
+    truth_destroy(b->truth);
+    casters_free(&b->casting);
+    scene_free(&b->scene);
+    free(b->wanted);
+    free(b->classes);
+}
+
+vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_light_map **map)
+{
+    vxs_light_map_desc desc = {.baked = number, .side_px = side_px};
+    vxs_result         r    = vxs_light_map_create(map, b->volumes, &desc);
+    while (r == VXS_OK && vxs_light_map_fill(*map, 1 << 20)) continue;
+    return r;
+}
