@@ -28,6 +28,7 @@ enum {
     SAMPLES_SIDE_MAX = 16384,
     TILE_LIGHTS      = 255,
     UPLOAD_BYTES     = 1 << 20,
+    AREA_LAMPS       = 64,
     FRAMES           = 60,
     FRAMES_MAX       = 100000
 };
@@ -47,7 +48,7 @@ typedef struct render_command {
     uint32_t       frames;
     uint64_t       budget_bytes;
     int            budget_given, upload_given;
-    int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given;
+    int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given;
 } render_command;
 
 /* What is drawn. */
@@ -69,6 +70,8 @@ static const char *needs_gl(const render_command *c)
            : c->fog.by_given    ? "--fog-by"
            : c->fog.steps_given ? "--fog-steps"
            : c->fog.grid_given  ? "--fog-grid"
+           : c->area_given      ? "--area"
+           : c->gather_given    ? "--area-gather"
            : c->stops_given     ? "--exposure"
            : c->moving_path     ? "--moving"
            : c->passes_folder   ? "--passes"
@@ -93,6 +96,7 @@ static vxs_result check_options(const render_command *c, message *m)
     if (r != VXS_OK) return r;
     if (c->fog.by == FOG_BY_MESH && c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
+    if (c->gather_given && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--area-gather needs area lights: --area 1 or more");
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
@@ -226,9 +230,20 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
     return r;
 }
 
+/* Of area lights there is something to say where there are some, or where they were asked for.   Returns 0 where there is not. */
+static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
+{
+    const area_pass *areas = renderer_areas(drawn);
+    *w                     = (area_words){.scene = &s->scene, .gather = area_gather_names[c->options.area_gather]};
+    if (areas) w->shares = area_pass_shares(areas);
+    if (areas) w->points = area_pass_points(areas);
+    return areas || (c->area_given && c->options.area_lamps);
+}
+
 static vxs_result write_reports(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
                                 uint32_t count, const truth_difference *difference, message *m)
 {
+    area_words    areas;
     render_report report = {.scene_path   = c->scene_path,
                             .asset_path   = c->asset_path,
                             .renderer     = renderer_name(drawn),
@@ -236,6 +251,7 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
                             .options      = &c->options,
                             .fog_grid     = renderer_fog_grid(drawn),
                             .fog_lights   = renderer_fog_lights(drawn),
+                            .areas        = find_area_words(c, s, drawn, &areas) ? &areas : NULL,
                             .lights       = s->lights,
                             .light_count  = s->light_count,
                             .culls        = renderer_culls(drawn),
@@ -263,15 +279,18 @@ static void print_moving(FILE *to, const moving_plan *plan)
     fputc('\n', to);
 }
 
-/* Of the picture's frame: which lights see what moves, and which its fog is drawn of. */
+/* Of the picture's frame: which lights see what moves, which area lights are drawn, and which lights its fog is drawn of. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
     const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
-    int         taken  = 0;
+    area_words  areas;
+    int         taken = 0;
     for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
     FILE *to = report_stream(m, taken);
-    if (to && c->options.moving) print_moving(to, &last->frame.moving);
-    if (to && c->options.fog)
+    if (!to) return;
+    if (c->options.moving) print_moving(to, &last->frame.moving);
+    if (find_area_words(c, s, drawn, &areas)) area_plan_print(to, &last->frame.area, &areas, m->verbose);
+    if (c->options.fog)
         fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
 }
 
@@ -320,6 +339,7 @@ static vxs_result run(void *command, message *m)
     c->options.fog_by      = c->fog.by;
     c->options.fog_steps   = c->fog.steps;
     c->options.fog_grid    = c->fog.grid;
+    c->choice.areas        = c->draw == DRAW_GL && c->options.area_lamps;
     if (r == VXS_OK) r = load(c, s, m);
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
     if (r == VXS_OK) r = draw(c, s, &out, m);
@@ -342,6 +362,8 @@ int cmd_render(int argc, char **argv)
                                                 .samples      = 2,
                                                 .tile_lights  = TILE_LIGHTS,
                                                 .upload_bytes = UPLOAD_BYTES,
+                                                .area_lamps   = AREA_LAMPS,
+                                                .area_gather  = VXS_AREA_QUARTER,
                                                 .threads      = parallel_default_threads()},
                               .filter.box_px = 5,
                               .fog           = FOG_DEFAULTS};
@@ -369,6 +391,12 @@ int cmd_render(int argc, char **argv)
          "a light that shines; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
         FOG_ROWS(c.fog),
+        {"--area", OPTION_U32, &o->area_lamps, 0, VXS_AREA_LAMPS, NULL, "N",
+         "with OpenGL: virtual lights on what shines in the scene, parallelograms of two triangles; 0 to 256, 0: they do not shine "
+         "(default 64)",
+         &c.area_given},
+        {"--area-gather", OPTION_CHOICE, &o->area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,
+         "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &c.gather_given},
         {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
          "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
         {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",

@@ -19,7 +19,8 @@ typedef struct scene_options {
     uint32_t     triangles, capsules, seed;
     double       sun[3], size_metres, height_metres;
     const char  *out, *stress_case;
-    int triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given, capsules_given;
+    int          screen, triangles_given, seed_given, sun_given, blocks_given, spots_given, size_given, height_given, case_given,
+        capsules_given;
 } scene_options;
 
 /* Which option goes with which kind. */
@@ -39,6 +40,7 @@ static vxs_result check_kind(const scene_options *o, message *m)
         {"--size", "landscape and forest only", o->size_given, 1 << KIND_LANDSCAPE | 1 << KIND_FOREST},
         {"--height", "landscape only", o->height_given, 1 << KIND_LANDSCAPE},
         {"--capsules", "smoke and hair only", o->capsules_given, 1 << KIND_SMOKE | 1 << KIND_HAIR},
+        {"--screen", "room only", o->screen, 1 << KIND_ROOM},
         {"--case", "stress only", o->case_given, 1 << KIND_STRESS},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
@@ -74,7 +76,7 @@ static vxs_result generate(glb_scene *s, const scene_options *o, message *m)
         return generate_landscape(s, &(landscape_options){o->triangles, o->seed, size, o->height_metres, {sun[0], sun[1], sun[2]}},
                                   m);
     }
-    case KIND_ROOM: return generate_room(s, &(room_options){o->triangles, o->seed}, m);
+    case KIND_ROOM: return generate_room(s, &(room_options){o->triangles, o->seed, o->screen}, m);
     case KIND_FOREST: {
         double size = o->size_given ? o->size_metres : 100;
         return generate_forest(s, &(forest_options){o->triangles, o->seed, size, {sun[0], sun[1], sun[2]}}, m);
@@ -139,6 +141,7 @@ int cmd_scene(int argc, char **argv)
          "landscape: from lowest to highest point (default 200)", &o.height_given},
         {"--capsules", OPTION_U32, &o.capsules, SMOKE_MIN, SMOKE_MAX, NULL, "N",
          "smoke, hair: how many puffs and pieces of strands (default 12000)", &o.capsules_given},
+        {"--screen", OPTION_SWITCH, &o.screen, 0, 0, NULL, NULL, "room: a screen on the wall, which shines", NULL},
         {"--case", OPTION_TEXT, &o.stress_case, 0, 0, NULL, "NAME", "stress: which scene; list prints their names and purposes",
          &o.case_given},
     };

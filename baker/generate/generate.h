@@ -59,6 +59,7 @@ double terrain_height(const glb_scene *s, const landscape_options *o, double x, 
 typedef struct room_options {
     uint32_t triangles; /* [GENERATE_TRIANGLES_MIN, GENERATE_TRIANGLES_MAX], met within 2% */
     uint32_t seed;
+    int      screen; /* 1: a screen hangs above the cabinet, and shines */
 } room_options;
 
 /* A furnished room, 8 x 3 x 6 m: walls, floor and ceiling are one open sheet that faces inward, with the opening of a door;

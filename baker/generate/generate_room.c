@@ -17,6 +17,7 @@
 
 #include "baker/base/random.h"
 #include "baker/generate/generate_parts.h"
+#include "baker/generate/generate_screen.h"
 
 /* the room, metres; whole, so that the cells of 1 m of neighbouring walls have the same corners */
 static const double left = -4, right = 4, back = -3, front = 3, top = 3, door_left = 1, door_right = 2, door_top = 2;
@@ -197,6 +198,7 @@ vxs_result generate_room(glb_scene *s, const room_options *o, message *m)
     add_chairs(&p, rng_split(o->seed, 1));
     add_sofa_and_cabinet(&p);
     add_shelf(&p);
+    if (o->screen) generate_screen(&p, right - 0.05, (double[2]){1.45, 0});
 
     uint32_t rest = o->triangles > s->triangle_count ? o->triangles - (uint32_t)s->triangle_count : 0, books = rest / 2 / 12;
     if (books > BOOKS_MAX) books = BOOKS_MAX;

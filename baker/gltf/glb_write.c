@@ -316,6 +316,15 @@ static size_t texture_of(const glb_scene *s, size_t material)
     return index;
 }
 
+static int set_emission(json_t *root, json_t *material, size_t texture, double strength)
+{
+    static const char extension[] = "KHR_materials_emissive_strength";
+    json_t *members = json_pack("{s:{s:[f,f,f,f]}, s:[f,f,f], s:{s:I}, s:{s:{s:f}}}", "pbrMetallicRoughness", "baseColorFactor",
+                                0.0, 0.0, 0.0, 1.0, "emissiveFactor", 1.0, 1.0, 1.0, "emissiveTexture", "index",
+                                (json_int_t)texture, "extensions", extension, "emissiveStrength", strength);
+    return json_object_update_new(material, members) | append(root, "extensionsUsed", json_string(extension));
+}
+
 static int append_material(json_t *root, const glb_scene *s, size_t i)
 {
     const glb_material *material = &s->materials[i];
@@ -326,7 +335,9 @@ static int append_material(json_t *root, const glb_scene *s, size_t i)
         failed |= json_object_set_new(json, "alphaMode", json_string("MASK"));
         failed |= json_object_set_new(json, "alphaCutoff", json_real(material->alpha_cutoff));
     }
-    if (!failed && material->image)
+    if (!failed && material->shines > 0)
+        failed |= set_emission(root, json, texture_of(s, i), material->shines);
+    else if (!failed && material->image)
         failed |= json_object_set_new(json, "pbrMetallicRoughness",
                                       json_pack("{s:{s:I}, s:f, s:f}", "baseColorTexture", "index", (json_int_t)texture_of(s, i),
                                                 "metallicFactor", 0.0, "roughnessFactor", 1.0));

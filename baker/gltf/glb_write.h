@@ -28,6 +28,7 @@ typedef struct glb_material {
     int          double_sided;
     double       alpha_cutoff; /* 0: OPAQUE; else alphaMode is MASK with this cutoff, (0, 1] */
     uint32_t     image;        /* 1 + index into images: the base colour texture; 0: none */
+    double       shines;       /* above 0: the image, times this, is what it shines with, and the base colour is black */
     texture_wrap wrap_u, wrap_v;
     int          nearest;   /* 1: the nearest pixel; 0: bilinear */
     double       colour[3]; /* base colour, linear, 0 to 1; all 0: none is said, which is white */

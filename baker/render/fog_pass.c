@@ -198,19 +198,31 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, con
     return result == VXS_OK ? draw_light(p, &light, caster_count ? p->maps[n] : NULL, m) : result;
 }
 
-vxs_result fog_pass_draw(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
-                         const moving_pass *moving, double exposure, const double ambient[3], fog_plan *plan, message *m)
+vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
+                          message *m)
 {
-    *plan                    = (fog_plan){0};
-    p->last                  = UINT32_MAX;
     vxs_volumes_frame frame  = frame_of(p, view, depths, eye_ws, ambient);
     vxs_result        result = vxs_volumes_begin(p->volumes, &frame);
+    return result == VXS_OK ? VXS_OK : fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
+}
+
+vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass *moving, double exposure, fog_plan *plan,
+                         message *m)
+{
+    vxs_result result = VXS_OK;
+    *plan             = (fog_plan){0};
+    p->last           = UINT32_MAX;
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
         result = add_light(p, n, &shines[n], moving, exposure, plan, m);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     plan->meshes_made = p->meshes_made;
     vxs_volumes_composite(p->volumes);
     return VXS_OK;
+}
+
+vxs_volumes *fog_pass_volumes(const fog_pass *p)
+{
+    return p->volumes;
 }
 
 const fog_light_plan *fog_pass_lights(const fog_pass *p)

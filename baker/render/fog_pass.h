@@ -34,12 +34,19 @@ vxs_result fog_pass_create(fog_pass **pass, const fog_pass_options *o, const gl_
 /* Accepts NULL. */
 void fog_pass_destroy(fog_pass *pass);
 
-/* A frame's fog, over the linear picture in the current framebuffer.
- * shines   [lights of shadows];   exposure  what their colours are times
- * moving   whose lights are drawn of maps that end where it begins, not by intervals or meshes; NULL: nothing moves
- * ambient  of the sky, which fog scatters, too;   plan  [out] */
-vxs_result fog_pass_draw(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const fog_shine *shines,
-                         const moving_pass *moving, double exposure, const double ambient[3], fog_plan *plan, message *m);
+/* Begin a frame: no airlight yet.
+ * ambient  of the sky, which fog scatters, too */
+vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths, const double eye_ws[3], const double ambient[3],
+                          message *m);
+
+/* Add the lights' airlight, and lay all over the linear picture in the current framebuffer.
+ * shines   [lights of shadows];   exposure  what their colours are times;   plan  [out]
+ * moving   whose lights are drawn of maps that end where it begins, not by intervals or meshes; NULL: nothing moves */
+vxs_result fog_pass_draw(fog_pass *pass, const fog_shine *shines, const moving_pass *moving, double exposure, fog_plan *plan,
+                         message *m);
+
+/* Whose frame it is, for passes that add to it. */
+vxs_volumes *fog_pass_volumes(const fog_pass *pass);
 
 /* Where rays end that meet nothing: nothing of the scene is there any more. */
 double fog_pass_far_metres(const fog_pass *pass);

@@ -5,6 +5,7 @@
 #define RENDER_H
 
 #include "baker/opengl/gl.h"
+#include "baker/render/area_pass.h"
 #include "baker/render/fog_pass.h"
 #include "baker/render/moving_pass.h"
 #include "baker/scene/scene.h"
@@ -28,15 +29,27 @@ typedef struct render_options {
     fog_by            fog_by;
     uint32_t          fog_steps, fog_grid; /* as for fog_pass_options */
 
-    const scene *moving;          /* a scene of its own that moves; NULL: none */
-    double       moving_by_ws[3]; /* metres, from frame to frame */
+    const scene    *moving;          /* a scene of its own that moves; NULL: none */
+    double          moving_by_ws[3]; /* metres, from frame to frame */
+    uint32_t        area_lamps;      /* of the scene's area lights; 0: they do not shine */
+    vxs_area_gather area_gather;
 
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
 
-/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, fog, or what moves, theirs is left out. */
-enum { RENDER_UPLOAD, RENDER_MOVING, RENDER_SURFACES, RENDER_CULL, RENDER_SHADE, RENDER_FOG, RENDER_TONE, RENDER_STAGES };
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, what moves, area lights, or fog, theirs is left out. */
+enum {
+    RENDER_UPLOAD,
+    RENDER_MOVING,
+    RENDER_SURFACES,
+    RENDER_CULL,
+    RENDER_SHADE,
+    RENDER_AREA,
+    RENDER_FOG,
+    RENDER_TONE,
+    RENDER_STAGES
+};
 extern const char *const render_stage_names[RENDER_STAGES]; /* "upload", ... */
 
 typedef struct render_frame {
@@ -48,6 +61,7 @@ typedef struct render_frame {
     uint64_t    uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
     uint64_t    waiting_bytes;  /* that are there, and for the next frames to upload */
     fog_plan    fog;            /* lights of it; without fog all 0 */
+    area_plan   area;           /* area lights; without them all 0 */
     moving_plan moving;         /* lights that see what moves; without it all 0 */
     uint64_t    full_pixels;    /* surface_pixels of which each lookup is answered in full; all of them without a stream */
 } render_frame;
@@ -104,6 +118,12 @@ const double *renderer_light_colour(const renderer *r, uint32_t n);
 /* Whether lists of lights are made; whether there is fog. */
 int renderer_culls(const renderer *r);
 int renderer_is_in_fog(const renderer *r);
+
+/* What draws area lights; NULL without them. */
+const area_pass *renderer_areas(const renderer *r);
+
+/* What surfaces got of area lights in the last frame, as exposed.   light  [out] [3 * count] linear */
+vxs_result renderer_read_area(renderer *r, float *light, message *m);
 
 /* Each light in the last frame's fog, [light_count]; NULL without fog. */
 const fog_light_plan *renderer_fog_lights(const renderer *r);

@@ -31,6 +31,8 @@ typedef struct passes {
     uint8_t     *rgb;
 } passes;
 
+static const double pi = 3.14159265358979324;
+
 static uint8_t byte_of(double share)
 {
     return (uint8_t)(255 * fmin(fmax(share, 0), 1) + 0.5);
@@ -105,13 +107,15 @@ static vxs_result write_light(passes *p, message *m)
     return write_picture(p, "light", m);
 }
 
-static vxs_result write_airlight(passes *p, message *m)
+/* Linear light that the renderer gives back, times a factor. */
+static vxs_result write_linear(passes *p, const char *name, vxs_result (*read)(renderer *, float *, message *), double factor,
+                               message *m)
 {
-    float     *air = malloc(3 * p->count * sizeof *air);
-    vxs_result r   = air ? renderer_read_airlight(p->renderer, air, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) p->rgb[n] = byte_of(curve(fmin(1, (double)air[n])));
-    free(air);
-    return r == VXS_OK ? write_picture(p, "airlight", m) : r;
+    float     *light = malloc(3 * p->count * sizeof *light);
+    vxs_result r     = light ? read(p->renderer, light, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) p->rgb[n] = byte_of(curve(fmin(1, factor * (double)light[n])));
+    free(light);
+    return r == VXS_OK ? write_picture(p, name, m) : r;
 }
 
 static vxs_result write_transmittance(passes *p, message *m)
@@ -299,7 +303,8 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK) r = write_albedo(&p, m);
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
-    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_airlight(&p, m);
+    if (r == VXS_OK && renderer_areas(drawn)) r = write_linear(&p, "area", renderer_read_area, 1 / pi, m);
+    if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_linear(&p, "airlight", renderer_read_airlight, 1, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
     if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
     if (r == VXS_OK && renderer_has_mesh(drawn)) r = write_light_mesh(&p, m);

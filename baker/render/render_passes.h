@@ -18,6 +18,7 @@ typedef struct truth_difference {
  *     depth.png, normal.png, albedo.png
  *     light.png        direct light, as exposed, without albedo
  *     lights.png       how many lights were asked: black none, then blue to red for 1 to the most
+ *     area.png         what surfaces get of area lights, irradiance / pi, as exposed, where there are some
  *     airlight.png     what fog scatters toward the eye, as exposed, where there is fog
  *     transmittance.png  what fog leaves of what is seen, linear: white is all of it
  *     shadow-grid.png  of fog by a grid, of the light that was drawn last: columns of alpha, rows of theta, how much of each is lit

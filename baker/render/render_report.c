@@ -15,6 +15,7 @@
 
 static int has_stage(const render_report *r, int stage)
 {
+    if (stage == RENDER_AREA) return r->areas && r->areas->shares;
     return stage == RENDER_UPLOAD   ? r->budget_bytes != 0
            : stage == RENDER_MOVING ? r->options->moving != NULL
                                     : stage != RENDER_FOG || r->options->fog;
@@ -101,6 +102,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     json_set(&o, "longest_list", json_integer(d->frame.longest_list));
     if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
     if (r->options->moving) json_set(&o, "moving", moving_json(&d->frame.moving));
+    if (r->areas) json_set(&o, "area_lights", area_plan_counts(&d->frame.area));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
 }
@@ -169,6 +171,7 @@ json_t *render_report_json(const render_report *r)
     json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
     if (r->options->fog) json_set(&o, "fog", fog_json(r));
     if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
+    if (r->areas) json_set(&o, "area", area_plan_json(&r->frames[r->frame_count - 1].frame.area, r->areas));
     if (r->budget_bytes) {
         json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
         json_set(&o, "held_bytes", json_integer((json_int_t)r->frames[0].stream.bytes_held));
@@ -225,7 +228,7 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
 enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
 
 static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ccbb44",
-                                                        "#cc6677", "#aa3377", "#999999"};
+                                                        "#cc6677", "#228833", "#aa3377", "#999999"};
 
 /* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
 static double step_for(double most)

@@ -146,6 +146,7 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
         r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
         for (int k = 0; k < 3; k++) most = fmax(most, r->colours[n][k]);
     }
+    r->scale = 1 / most;
     for (uint32_t n = 0; n < r->light_count; n++)
         for (int k = 0; k < 3; k++) {
             rows[n][k] = (float)(r->colours[n][k] /= most);
@@ -194,18 +195,31 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
 
+/* Clear air where there is none: area lights need its frame. */
 static vxs_result make_fog(renderer *r, message *m)
 {
-    const render_options *o   = &r->options;
-    fog_pass_options      fog = {.medium      = o->fog,
-                                 .by          = o->fog_by,
-                                 .steps       = o->fog_steps,
-                                 .grid        = o->fog_grid,
-                                 .width       = r->width,
-                                 .height      = r->height,
-                                 .size_metres = r->mesh.size_metres,
-                                 .streamed    = o->stream != NULL};
-    return o->fog ? fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m) : VXS_OK;
+    static const fog_medium clear = {.top_ws = INFINITY};
+    const render_options   *o     = &r->options;
+    fog_pass_options        fog   = {.medium      = o->fog ? o->fog : &clear,
+                                     .by          = o->fog_by,
+                                     .steps       = o->fog_steps,
+                                     .grid        = o->fog_grid,
+                                     .width       = r->width,
+                                     .height      = r->height,
+                                     .size_metres = r->mesh.size_metres,
+                                     .streamed    = o->stream != NULL};
+    return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
+}
+
+/* As what a matt surface sends back to each direction is counted pi times, so is what shines. */
+static vxs_result make_areas(renderer *r, const scene *s, message *m)
+{
+    area_pass_options o = {.scene     = s,
+                           .middle_ws = r->mesh.middle_ws,
+                           .scale     = pi * r->scale,
+                           .lamps     = r->options.area_lamps,
+                           .gather    = r->options.area_gather};
+    return area_pass_create(&r->areas, &o, r->gl, fog_pass_volumes(r->fog), m);
 }
 
 static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights, message *m)
@@ -216,8 +230,9 @@ static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights,
 
 static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
-    uint64_t   samples    = (uint64_t)r->width * r->height;
-    uint64_t   bytes_each = 4 + 16 + 4 + 16 + 28 + (r->options.fog ? 32 : 0); /* targets, and two that are read back */
+    uint64_t   samples = (uint64_t)r->width * r->height;
+    int        shines = r->options.area_lamps && s->area_count, is_airy = r->options.fog || shines;
+    uint64_t   bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0); /* targets, and two that are read back */
     vxs_result result     = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
     if (result != VXS_OK) return result;
     if ((result = gl_context_create(&r->gl, r->options.backend, r->options.threads, m)) != VXS_OK) return result;
@@ -225,7 +240,8 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if ((result = put_colours(r, s, lights, m)) != VXS_OK) return result;
     if ((result = put_shadows(r, lights, m)) != VXS_OK) return result;
     if ((result = make_moving(r, lights, m)) != VXS_OK) return result;
-    if ((result = make_fog(r, m)) != VXS_OK) return result;
+    if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
+    if (shines && (result = make_areas(r, s, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     r->near_metres = 1e-5 * r->mesh.size_metres;
     return make_targets(r, m);
@@ -255,6 +271,7 @@ void renderer_destroy(renderer *r)
     if (r->gl) {
         surface_mesh_free(&r->mesh, r->gl);
         moving_pass_destroy(r->moving);
+        area_pass_destroy(r->areas);
         fog_pass_destroy(r->fog);
         vxs_gl_destroy(r->shadows);
         r->gl->DeleteTextures(TARGETS, r->target);

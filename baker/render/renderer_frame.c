@@ -5,6 +5,7 @@
  *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
  *     shade      light of each sample, lookups and all
+ *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
  *     fog        over the picture that this makes (fog_pass.h); left out where there is none
  *     tone       what a screen shows of the mean of a pixel's samples
  *
@@ -18,7 +19,7 @@
 #include "baker/measure/clock.h"
 #include "baker/render/renderer_state.h"
 
-const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "shade", "fog", "tone"};
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "shade", "area", "fog", "tone"};
 
 enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
 
@@ -126,13 +127,41 @@ static void set_sizes(const renderer *r, GLuint program)
 }
 
 /* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere. */
-static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
+static vxs_result begin_air(const renderer *r, message *m)
 {
     const double ambient[3] = {0.070 * day_of(r), 0.081 * day_of(r), 0.095 * day_of(r)};
+    return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
+}
+
+/* Airlight of area lights, in a frame of the air that begins here, and what surfaces get of them. */
+static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan, message *m)
+{
+    vxs_result result = begin_air(r, m);
+    if (result != VXS_OK) return result;
+    return area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, fog_pass_far_metres(r->fog), r->target[NORMALS], exposure, plan, m);
+}
+
+static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
+{
+    vxs_result result = draw_areas(r, r->exposure > 0 ? r->exposure : 1, plan, m);
+    if (result != VXS_OK || !plan->lamps) return result;
+    r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+    area_pass_add_light(r->areas);
+    return VXS_OK;
+}
+
+/* The picture, what shines in it, and the air over it. */
+static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
+{
+    double eye[3];
+    float  matrix[16];
     set_sizes(r, r->picture_program);
     draw_screen(r, r->picture_frame, r->picture_program, SCREEN, r->width, r->height);
-    return fog_pass_draw(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, r->shines, r->moving, r->exposure, ambient, plan,
-                         m);
+    vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
+    renderer_clip(r, eye, matrix);
+    vxs_result result = r->areas ? VXS_OK : begin_air(r, m);
+    if (r->areas) area_pass_add_glow(r->areas, matrix, r->target[DEPTHS], r->camera.eye_ws, r->exposure);
+    return result != VXS_OK ? result : fog_pass_draw(r->fog, r->shines, r->moving, r->exposure, plan, m);
 }
 
 static void tone(const renderer *r)
@@ -260,8 +289,14 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
     }
     renderer_shade(r, SHOW_LIGHT, 0);
     STAGE_ENDS(RENDER_SHADE)
+    if (r->areas) {
+        vxs_result result = light_by_areas(r, &frame->area, m);
+        if (result != VXS_OK) return result;
+        STAGE_ENDS(RENDER_AREA)
+    }
     if (r->exposure <= 0) {
         vxs_result result = choose_exposure(r, m);
+        if (result == VXS_OK && r->areas) result = draw_areas(r, r->exposure, &frame->area, m); /* airlight is exposed */
         if (result != VXS_OK) return result;
         since = finished(r->gl);
     }

@@ -60,13 +60,24 @@ vxs_result renderer_read_lit(renderer *r, uint32_t n, float *lit, message *m)
     return result;
 }
 
+/* A texture of a pass, of all samples.   out  [3 * count] */
+static vxs_result read_texture(const renderer *r, GLuint texture, float *out, message *m)
+{
+    size_t row = 3 * sizeof *out * r->width;
+    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    r->gl->GetTextureImage(texture, 0, GL_RGB, GL_FLOAT, (GLsizei)(row * r->height), out);
+    turn_over(out, row, r->height);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
 vxs_result renderer_read_airlight(renderer *r, float *air, message *m)
 {
-    size_t row = 3 * sizeof *air * r->width;
-    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    r->gl->GetTextureImage(fog_pass_airlight(r->fog), 0, GL_RGB, GL_FLOAT, (GLsizei)(row * r->height), air);
-    turn_over(air, row, r->height);
-    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+    return read_texture(r, fog_pass_airlight(r->fog), air, m);
+}
+
+vxs_result renderer_read_area(renderer *r, float *light, message *m)
+{
+    return read_texture(r, area_pass_irradiance(r->areas), light, m);
 }
 
 vxs_result renderer_read_full(renderer *r, float *full, message *m)
@@ -126,12 +137,17 @@ int renderer_culls(const renderer *r)
 
 int renderer_is_in_fog(const renderer *r)
 {
-    return r->fog != NULL;
+    return r->options.fog != NULL;
+}
+
+const area_pass *renderer_areas(const renderer *r)
+{
+    return r->areas;
 }
 
 const fog_light_plan *renderer_fog_lights(const renderer *r)
 {
-    return r->fog ? fog_pass_lights(r->fog) : NULL;
+    return r->options.fog ? fog_pass_lights(r->fog) : NULL;
 }
 
 uint32_t renderer_fog_grid(const renderer *r)

@@ -17,7 +17,9 @@ struct renderer {
     vxs_gl        *shadows;
     surface_mesh   mesh;
     uint32_t       light_count, width, height; /* samples */
-    fog_pass      *fog;                        /* NULL: there is none */
+    fog_pass      *fog;                        /* NULL: there is none, nor an area light, whose air may be clear */
+    area_pass     *areas;                      /* NULL: there is none */
+    double         scale;                      /* what lights of the scene are times, before exposure */
     moving_pass   *moving;                     /* NULL: nothing moves */
     uint32_t       frames_drawn;
     double (*colours)[3]; /* [light_count] the greatest is 1 */

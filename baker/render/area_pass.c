@@ -1,0 +1,247 @@
+/* Area lights; see area_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/render/area_pass.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/vec3.h"
+#include "baker/render/renderer_state.h"
+
+EMBEDDED(screen_vert_glsl)
+EMBEDDED(area_frag_glsl)
+EMBEDDED(glow_vert_glsl)
+EMBEDDED(glow_frag_glsl)
+
+const char *const area_gather_names[] = {"each", "ninths", "quarter"};
+
+static const double pi = 3.14159265358979324;
+
+/* Of all triangles, by area. */
+enum { POINTS = 1 << 18 };
+
+struct area_pass {
+    area_pass_options options;
+    const gl_context *gl;
+    vxs_volumes      *volumes;
+    vxs_area_light   *light;
+    double           *powers;        /* [areas] */
+    area_share       *shares, *next; /* [areas] of the last frame; of this one */
+    double            exposure;      /* that its lamps have; 0: there are none */
+    uint32_t          count, points; /* areas; points */
+    GLuint            buffer, add_program, glow_program, empty_array;
+    GLuint           *textures; /* [areas] */
+};
+
+/* what is made once --------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result scatter(area_pass *p, message *m)
+{
+    const scene    *s         = p->options.scene;
+    float          *positions = malloc(3 * s->vertex_count * sizeof *positions);
+    vxs_area_point *points    = malloc(POINTS * sizeof *points);
+    vxs_result      r = positions && points ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", POINTS);
+    for (size_t n = 0; n < 3 * s->vertex_count && r == VXS_OK; n++)
+        positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
+    if (r == VXS_OK && vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, POINTS) > 0) p->points = POINTS;
+    p->gl->GenBuffers(1, &p->buffer);
+    p->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
+    if (p->points) p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, POINTS * sizeof *points, points, GL_STATIC_DRAW);
+    free(positions);
+    free(points);
+    return r;
+}
+
+static void put_texture(area_pass *p, uint32_t n)
+{
+    static const float white[3] = {1, 1, 1};
+    const gl_context  *gl       = p->gl;
+    const scene_area  *a        = &p->options.scene->areas[n];
+    GLsizei            wide = a->texture ? (GLsizei)a->wide_px : 1, high = a->texture ? (GLsizei)a->high_px : 1;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &p->textures[n]);
+    gl->TextureStorage2D(p->textures[n], 1, GL_RGBA32F, wide, high);
+    gl->TextureSubImage2D(p->textures[n], 0, 0, 0, wide, high, GL_RGB, GL_FLOAT, a->texture ? a->texture : white);
+    gl->TextureParameteri(p->textures[n], GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+static vxs_result make(area_pass *p, message *m)
+{
+    text_part           add = part_of(area_frag_glsl), glow = part_of(glow_frag_glsl);
+    vxs_area_light_desc desc = {.lamps = p->options.lamps};
+    vxs_result          r;
+    p->powers   = calloc(p->count, sizeof *p->powers);
+    p->shares   = calloc(p->count, sizeof *p->shares);
+    p->next     = calloc(p->count, sizeof *p->next);
+    p->textures = calloc(p->count, sizeof *p->textures);
+    if (!p->powers || !p->shares || !p->next || !p->textures)
+        return fail(m, VXS_E_MEMORY, "out of memory for %u area lights", p->count);
+    for (uint32_t n = 0; n < p->count; n++) p->powers[n] = area_power(&p->options.scene->areas[n]);
+    if ((r = vxs_area_light_create(&p->light, p->volumes, &desc)) != VXS_OK)
+        return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
+    if ((r = renderer_program(p->gl, &p->add_program, screen_vert_glsl, &add, 1, m)) != VXS_OK) return r;
+    if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
+    p->gl->GenVertexArrays(1, &p->empty_array);
+    for (uint32_t n = 0; n < p->count; n++) put_texture(p, n);
+    return scatter(p, m);
+}
+
+vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+{
+    area_pass *p = calloc(1, sizeof *p);
+    *out         = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options   = *o;
+    p->gl        = gl;
+    p->volumes   = volumes;
+    p->count     = (uint32_t)o->scene->area_count;
+    vxs_result r = make(p, m);
+    if (r == VXS_OK)
+        *out = p;
+    else
+        area_pass_destroy(p);
+    return r;
+}
+
+void area_pass_destroy(area_pass *p)
+{
+    if (!p) return;
+    vxs_area_light_destroy(p->light);
+    if (p->textures) p->gl->DeleteTextures((GLsizei)p->count, p->textures);
+    if (p->buffer) p->gl->DeleteBuffers(1, &p->buffer);
+    if (p->add_program) p->gl->DeleteProgram(p->add_program);
+    if (p->glow_program) p->gl->DeleteProgram(p->glow_program);
+    if (p->empty_array) p->gl->DeleteVertexArrays(1, &p->empty_array);
+    free(p->powers);
+    free(p->shares);
+    free(p->next);
+    free(p->textures);
+    free(p);
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, double exposure)
+{
+    vxs_area_rectangle r = {.texture = a->texture, .wide_px = a->wide_px, .high_px = a->high_px};
+    for (int n = 0; n < 3; n++) {
+        r.corner[n]   = (float)(a->corner_ws[n] - p->options.middle_ws[n]);
+        r.across[n]   = (float)a->across_ws[n];
+        r.up[n]       = (float)a->up_ws[n];
+        r.radiance[n] = (float)(exposure * p->options.scale * (double)a->radiance[n]);
+    }
+    return r;
+}
+
+/* Lamps of all that are drawn, and their shadow maps. */
+static vxs_result cast(area_pass *p, double exposure)
+{
+    vxs_area_lamp lamps[VXS_AREA_LAMPS];
+    uint32_t      count  = 0;
+    vxs_result    result = VXS_OK;
+    for (uint32_t n = 0; n < p->count && result == VXS_OK; n++) {
+        vxs_area_rectangle r = rectangle_of(p, &p->options.scene->areas[n], exposure);
+        if (p->shares[n].lamps) result = vxs_area_sample(&r, VXS_AREA_IMPORTANCE, 0, lamps + count, p->shares[n].lamps);
+        count += p->shares[n].lamps;
+    }
+    if (result == VXS_OK) result = vxs_area_light_set(p->light, lamps, count);
+    if (result == VXS_OK && !vxs_area_light_is_cast(p->light))
+        result = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points, 0});
+    p->exposure = result == VXS_OK ? exposure : 0;
+    return result;
+}
+
+static int is_as_before(const area_pass *p, double exposure)
+{
+    return exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
+}
+
+vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_view *seen, double far_metres, unsigned normals,
+                          double exposure, area_plan *plan, message *m)
+{
+    float      anchor[3];
+    vxs_result r = VXS_OK;
+    for (uint32_t n = 0; n < p->count; n++)
+        p->next[n].fate = area_is_behind(&p->options.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
+    area_plan_share(p->powers, p->next, p->count, p->options.lamps, plan);
+    int same = is_as_before(p, exposure);
+    memcpy(p->shares, p->next, p->count * sizeof *p->next);
+    for (int n = 0; n < 3; n++) anchor[n] = (float)(p->options.middle_ws[n] - eye_ws[n]);
+    if (plan->lamps && !same) r = cast(p, exposure);
+    if (r == VXS_OK) r = vxs_area_light_anchor(p->light, anchor);
+    if (r == VXS_OK && plan->lamps)
+        r = vxs_volumes_area(p->volumes, p->light, &(vxs_area_look){.gather = p->options.gather, .normal_texture = normals});
+    return r == VXS_OK ? VXS_OK : fail(m, r, "area lights cannot be drawn: %s", vxs_result_text(r));
+}
+
+static void begin_adding(const area_pass *p, GLuint program)
+{
+    p->gl->Enable(GL_BLEND);
+    p->gl->BlendEquation(GL_FUNC_ADD);
+    p->gl->BlendFunc(GL_ONE, GL_ONE);
+    p->gl->UseProgram(program);
+    p->gl->BindVertexArray(p->empty_array);
+}
+
+void area_pass_add_light(const area_pass *p)
+{
+    const gl_context *gl = p->gl;
+    begin_adding(p, p->add_program);
+    gl->BindTextureUnit(0, vxs_area_light_irradiance(p->light));
+    gl->ProgramUniform1f(p->add_program, gl->GetUniformLocation(p->add_program, "factor"), (float)(1 / (pi * p->exposure)));
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->Disable(GL_BLEND);
+}
+
+static void set_vector(const gl_context *gl, GLuint program, const char *name, const float v[3])
+{
+    gl->ProgramUniform3f(program, gl->GetUniformLocation(program, name), v[0], v[1], v[2]);
+}
+
+/* Whether the eye sees the side that shines. */
+static int is_seen(const scene_area *a, const double eye_ws[3])
+{
+    double normal[3], way[3];
+    vec3_cross(a->across_ws, a->up_ws, normal);
+    vec3_sub(eye_ws, a->corner_ws, way);
+    return vec3_dot(normal, way) > 0;
+}
+
+void area_pass_add_glow(const area_pass *p, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
+                        double exposure)
+{
+    const gl_context *gl      = p->gl;
+    GLuint            program = p->glow_program;
+    begin_adding(p, program);
+    gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "clip_from_scene"), 1, GL_FALSE, clip_from_scene);
+    gl->BindTextureUnit(0, depths);
+    for (uint32_t n = 0; n < p->count; n++) {
+        const scene_area *a = &p->options.scene->areas[n];
+        if (!is_seen(a, eye_ws)) continue;
+        vxs_area_rectangle r = rectangle_of(p, a, exposure);
+        set_vector(gl, program, "corner", r.corner);
+        set_vector(gl, program, "across", r.across);
+        set_vector(gl, program, "up", r.up);
+        set_vector(gl, program, "radiance", r.radiance);
+        gl->BindTextureUnit(1, p->textures[n]);
+        gl->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    }
+    gl->Disable(GL_BLEND);
+}
+
+const area_share *area_pass_shares(const area_pass *p)
+{
+    return p->shares;
+}
+
+uint32_t area_pass_points(const area_pass *p)
+{
+    return p->points;
+}
+
+unsigned area_pass_irradiance(const area_pass *p)
+{
+    return vxs_area_light_irradiance(p->light);
+}

@@ -1,0 +1,14 @@
+#version 450 core
+/* What shines, where it is what the picture shows: its depth there is that of the scene. */
+layout(binding = 0) uniform sampler2D depths;
+layout(binding = 1) uniform sampler2D colours; /* what radiance is times */
+uniform vec3 radiance;
+in vec2 part;
+layout(location = 0) out vec4 glow_out;
+
+void main()
+{
+    float seen = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
+    if (abs(seen - gl_FragCoord.z) > 1e-3 * seen) discard;
+    glow_out = vec4(radiance * texture(colours, part).rgb, 0.0);
+}

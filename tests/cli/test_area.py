@@ -1,0 +1,158 @@
+# vxs render with area lights: how much light, which lamps, what is left out; the scene of a screen.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import base64
+import json
+import math
+import struct
+
+import jsonschema
+import pytest
+
+import small_scene
+from conftest import ROOT
+from png import read_png
+
+SIZE = 64, 48
+RADIANCE = 1, 0.5, 0.25
+
+
+def add_quads(path, quads, **material):
+    """Parallelograms of light in a small scene: corner, across, up; each a node and a material of its own."""
+    gltf = json.loads(path.read_text())
+    data = struct.pack("<6H", 0, 1, 2, 0, 2, 3)
+    views, accessors = [{"buffer": 1, "byteOffset": 0, "byteLength": 12}], [{"bufferView": 2, "componentType": 5123, "type": "SCALAR", "count": 6}]
+    for n, (corner, across, up, factor) in enumerate(quads):
+        places = [corner, [c + a for c, a in zip(corner, across)], [c + a + b for c, a, b in zip(corner, across, up)], [c + b for c, b in zip(corner, up)]]
+        views.append({"buffer": 1, "byteOffset": len(data), "byteLength": 48})
+        accessors.append({"bufferView": 3 + n, "componentType": 5126, "type": "VEC3", "count": 4, "min": [min(c) for c in zip(*places)],
+                          "max": [max(c) for c in zip(*places)]})
+        data += b"".join(struct.pack("<3f", *p) for p in places)
+        gltf["materials"].append({"emissiveFactor": factor, **material})
+        gltf["meshes"].append({"primitives": [{"attributes": {"POSITION": 3 + n}, "indices": 2, "material": 1 + n}]})
+        gltf["scenes"][0]["nodes"].append(len(gltf["nodes"]))
+        gltf["nodes"].append({"name": f"quad {n}", "mesh": 1 + n})
+    gltf["buffers"].append({"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()})
+    gltf["bufferViews"] += views
+    gltf["accessors"] += accessors
+    path.write_text(json.dumps(gltf))
+
+
+ABOVE, BESIDE = ((-1, 4, -1), (2, 0, 0), (0, 0, 2)), ((3, 4, -1), (1, 0, 0), (0, 0, 1))  # across x up is down
+
+
+@pytest.fixture(scope="module")
+def lit(vxs, tmp_path_factory):
+    """render(*options, colours): what vxs says, its report, and its folder; of a floor in a sun of 1 lux, below ABOVE and BESIDE, which shine so."""
+    folder = tmp_path_factory.mktemp("area")
+    scene, asset = folder / "level.gltf", folder / "level.vxs"
+
+    def write(colours, **material):
+        small_scene.write(scene, boxes=[small_scene.GROUND], lights=[("sun", "directional", (1, -1, 0))])
+        add_quads(scene, [(*ABOVE, colours[0]), (*BESIDE, colours[1])], **material)
+
+    write([RADIANCE, [0, 0, 0]])
+    vxs("bake", scene, "-o", asset, "--resolution", 256, "--baseline", "off")
+
+    def render(*options, colours=(RADIANCE, [0, 0, 0]), **material):
+        write(colours, **material)
+        said = vxs("render", scene, asset, "-o", folder / "out.png", "--width", SIZE[0], "--height", SIZE[1], "--samples", 1,
+                   "--json", folder / "r.json", *options).stdout
+        found = json.loads((folder / "r.json").read_text())
+        jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "render.schema.json").read_text())).validate(found)
+        return said, found, folder
+
+    return render
+
+
+def linear(byte):
+    c = byte / 255
+    return c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+
+
+def irradiance(place, steps=40):
+    """What a floor gets of ABOVE, of radiance 1: each piece by both cosines and the square of how far away it is."""
+    total = 0
+    for i in range(steps):
+        for k in range(steps):
+            way = [c + (i + 0.5) / steps * a + (k + 0.5) / steps * b - p for c, a, b, p in zip(*ABOVE, place)]
+            total += way[1] ** 2 / sum(w * w for w in way) ** 2
+    return total * 4 / steps ** 2
+
+
+CAMERA = "--eye", "0,3,0.01", "--target", "0,0,0", "--fov", 60
+SLOPE = 3 * math.tan(math.radians(30)) / SIZE[1]  # of the floor, half a pixel of CAMERA
+
+
+def test_light_of_a_quad(lit, tmp_path):
+    """As much as its radiance over its solid angle, beside a sun of 1 lux; each channel by itself. Air that is clear adds none."""
+    _, found, _ = lit(*CAMERA, "--area", 64, "--area-gather", "each", "--exposure", -0.5, "--passes", tmp_path)
+    area, light = (read_png((tmp_path / name).read_bytes())[2] for name in ("area.png", "light.png"))
+    assert found["area"]["lights"] == [{"node": "quad 0", "fate": "drawn", "lamps": 64}] and found["area"]["points_of"] == "scene"
+    assert found["frames"][0]["area_lights"] == {"drawn": 1, "faint": 0, "behind": 0} and found["median_ms"]["area"] > 0
+    assert "fog" not in found and not (tmp_path / "airlight.png").exists()
+    for y in range(2, SIZE[1], 8):
+        for x in range(2, SIZE[0], 8):
+            wanted = irradiance([SLOPE * (2 * x + 1 - SIZE[0]), 0, SLOPE * (2 * y + 1 - SIZE[1])])
+            for n in range(3):
+                here, both = linear(area[y][3 * x + n]), linear(light[y][3 * x + n])
+                assert here / (both - here) == pytest.approx(RADIANCE[n] * wanted / math.sqrt(0.5), rel=0.1), (x, y, n)
+
+
+def test_it_is_seen(lit):
+    """From its front it is bright, from behind as dark as without light."""
+    def middle(eye, *options):
+        _, _, folder = lit("--eye", f"0,{eye},0.01", "--target", "0,4,0", "--fov", 20, *options, pbrMetallicRoughness={"baseColorFactor": [0, 0, 0, 1]})
+        return list(read_png((folder / "out.png").read_bytes())[2][24][96:99])
+
+    red, green, blue = middle(2)
+    assert red > green > blue > 100 and middle(2, "--area", 0) == middle(6) == [0, 0, 0]
+
+
+def test_plan(lit):
+    """Lamps are shared out by power; what all that is seen is behind has none, nor what is fainter than those that have all."""
+    both = RADIANCE, [0.01, 0.01, 0.01]
+    for lamps, shares, fates in ((20, [19, 1], ["drawn", "drawn"]), (1, [1, 0], ["drawn", "faint"])):
+        _, found, _ = lit(*CAMERA, "--area", lamps, colours=both)
+        assert [light["lamps"] for light in found["area"]["lights"]] == shares and [light["fate"] for light in found["area"]["lights"]] == fates
+    said, found, _ = lit("--eye", "0,9,0", "--target", "0,20,0", "--verbose", colours=both)
+    assert found["frames"][0]["area_lights"] == {"drawn": 0, "faint": 0, "behind": 2} and found["area"]["lamps"] == 0
+    assert said.startswith("area         2 parallelograms of light: 0 drawn by 0 lamps, 2 behind all that is seen\n")
+    assert "area light quad 1 is left out: behind all that is seen\n" in said
+
+
+def test_off_and_none(lit):
+    said, found, _ = lit(*CAMERA, "--area", 0)
+    assert said == "" and "area" not in found
+    said, found, _ = lit(*CAMERA, "--area", 64, colours=([0, 0, 0], [0, 0, 0]))
+    assert said == "area         0 parallelograms of light\n" and found["area"]["lights"] == [] and "area" not in found["median_ms"]
+
+
+def test_airlight(lit, tmp_path):
+    """Fog has the colour of what shines in it, the more the stronger it is."""
+    shares = []
+    for strength in (0, 10, 40):
+        lit("--eye", "6,2,0", "--target", "0,2,0", "--fog", 0.1, "--area", 16, "--exposure", -2, "--passes", tmp_path,
+            extensions={"KHR_materials_emissive_strength": {"emissiveStrength": strength}})
+        rows = read_png((tmp_path / "airlight.png").read_bytes())[2]
+        red, _, blue = (sum(linear(byte) for row in rows for byte in row[n::3]) for n in range(3))
+        shares.append(red / blue)
+    assert shares[0] == pytest.approx(1, abs=0.02) and shares[2] > 1.1 * shares[1] > 1.2 * shares[0] and shares[2] < 4
+
+
+@pytest.mark.parametrize("options, words", [
+    (["--area", 0, "--area-gather", "each"], "--area-gather needs area lights"),
+    (["--draw", "rays", "--area", 9], "--draw rays goes without --area"),
+    (["--area", 257], "--area"),
+])
+def test_refused(vxs, tmp_path, options, words):
+    assert words in vxs("render", tmp_path / "a.gltf", tmp_path / "a.vxs", "-o", tmp_path / "a.png", *options, status=2).stderr
+
+
+def test_screen(vxs, tmp_path):
+    """A room with a screen has its triangles and two more boxes' worth, and a material that shines."""
+    for name, options in (("with", ["--screen"]), ("again", ["--screen"]), ("without", [])):
+        vxs("scene", "room", "-o", tmp_path / f"{name}.glb", "--triangles", 2000, *options)
+    glb = (tmp_path / "with.glb").read_bytes()
+    assert glb == (tmp_path / "again.glb").read_bytes() != (tmp_path / "without.glb").read_bytes()
+    assert b'"emissiveFactor":[1.0,1.0,1.0],"emissiveTexture":{"index":0}' in glb
+    assert "applies to room only" in vxs("scene", "city", "-o", tmp_path / "city.glb", "--screen", status=2).stderr
