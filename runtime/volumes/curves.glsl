@@ -7,6 +7,11 @@
 #define VXS_CURVE_SORTED 1u
 #define VXS_CURVE_OPAQUE 2u
 #define VXS_NO_SEGMENT   0xffffffffu
+#ifdef VXS_READS_CURVES /* of any map: counts: nodes */
+#define VXS_CURVE_NODES int(vxs_frame.counts.x)
+#else
+#define VXS_CURVE_NODES VXS_CURVE_MOST
+#endif
 layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_curves_buffer {
     uint segments, merged, cut, reserved;
     uint words[];
@@ -20,7 +25,7 @@ uint vxs_curve_texel(ivec3 texel)
 /* Where the curve of a texel begins, its record, and a segment. */
 uint vxs_curve_words(uint texel)
 {
-    return texel * uint(2 * VXS_CURVE_MOST);
+    return texel * uint(2 * VXS_CURVE_NODES);
 }
 
 uint vxs_curve_record(uint texel)

@@ -1,4 +1,4 @@
-/* A ray for each pixel, and at the middle of each step whether the light reaches it: by the light's map, or of the asset. */
+/* A ray for each pixel, and at the middle of each step how much of the light reaches it: all or none by the light's map, or of the asset, and what smoke leaves. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 
@@ -11,6 +11,15 @@ bool lit(vec3 at)
 #endif
 }
 
+float left(vec3 at)
+{
+#ifdef VXS_READS_CURVES
+    return lit(at) ? vxs_transmittance(at, int(vxs_frame.knobs.z)) : 0.0;
+#else
+    return lit(at) ? 1.0 : 0.0;
+#endif
+}
+
 /* Equal steps of metres: what a metre scatters at the middle, times the step. */
 vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
@@ -18,9 +27,10 @@ vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     float step = (path.end - path.begin) / float(steps);
     for (int n = 0; n < steps; n++) {
         float x = path.begin + (float(n) + 0.5) * step;
-        if (!lit(vxs_frame.eye_far.xyz + x * direction)) continue;
+        float part = left(vxs_frame.eye_far.xyz + x * direction);
+        if (part == 0.0) continue;
         vxs_air_at(medium, path, x, air);
-        sum += air * step;
+        sum += air * (part * step);
     }
     return sum;
 }
@@ -34,8 +44,8 @@ vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps
     vxs_air_part part = vxs_air_part_between(ray, k, path.begin, path.end - path.begin);
     for (int n = 0; n < steps; n++) {
         float more = vxs_air_more_at(part, (float(n) + 0.5) / float(steps));
-        if (lit(vxs_frame.eye_far.xyz + (path.begin + vxs_air_metres_of(ray, part, more)) * direction))
-            vxs_air_add_node(medium, ray, k, part, path.begin - ray.in_fog, more, part.wide / float(steps), sum);
+        float some = left(vxs_frame.eye_far.xyz + (path.begin + vxs_air_metres_of(ray, part, more)) * direction);
+        if (some > 0.0) vxs_air_add_node(medium, ray, k, part, path.begin - ray.in_fog, more, some * part.wide / float(steps), sum);
     }
     return sum * vxs_air_node_scale(medium, ray) * medium.scattering;
 }
@@ -49,9 +59,10 @@ vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
     for (int n = 0; n < steps; n++) {
         float share = float(n + 1) / float(steps), end = path.begin + share * (path.end - path.begin);
         if (gone > 1e-3) end = n + 1 == steps ? path.end : path.begin - log(1.0 - share * gone) / turn;
-        if (lit(vxs_frame.eye_far.xyz + 0.5 * (begin + end) * direction)) {
+        float part = left(vxs_frame.eye_far.xyz + 0.5 * (begin + end) * direction);
+        if (part > 0.0) {
             vxs_air_lit(medium, path, begin, end, air);
-            sum += air;
+            sum += air * part;
         }
         begin = end;
     }

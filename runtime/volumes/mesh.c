@@ -112,7 +112,8 @@ static vxs_mesh_shape set_shape(frame_block *f, const double eye_ls[3])
 
 vxs_result vxs_mesh_begin(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, vxs_mesh_shape *shape)
 {
-    double     eye_ls[3];
+    double eye_ls[3];
+    if (light->smoke) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;
     if (!set_places(&v->frame, eye_ls)) return VXS_E_ARGUMENT;

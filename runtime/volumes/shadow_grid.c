@@ -159,7 +159,7 @@ vxs_result vxs_volumes_grid_cast(vxs_volumes *v, const vxs_volumes_light *light,
                                  uint32_t runs, const vxs_casters *casters, uint32_t count)
 {
     int is_alone = !map && light->constants;
-    if (runs > SIDE_MAX || (is_alone && !count) || (count && !grid->voxelizer.volumes)) return VXS_E_ARGUMENT;
+    if (light->smoke || runs > SIDE_MAX || (is_alone && !count) || (count && !grid->voxelizer.volumes)) return VXS_E_ARGUMENT;
     if (!vxs_are_casters(casters, count, &grid->size)) return VXS_E_ARGUMENT;
     vxs_result result = vxs_volumes_set_light(v, light, map);
     if (result != VXS_OK) return result;

@@ -145,7 +145,7 @@ void vxs_curve_store(uint texel, vxs_curve curve)
 
 /* What a texel's curve says: curves of other kinds say something of their own. */
 #ifndef vxs_curve_left
-#define vxs_curve_left(texel, depth, exponential) vxs_curve_read(vxs_curve_words(texel), 0, VXS_CURVE_MOST, depth, exponential)
+#define vxs_curve_left(texel, depth, exponential) vxs_curve_read(vxs_curve_words(texel), 0, VXS_CURVE_NODES, depth, exponential)
 #endif
 
 /* How much light is left at a place: of four texels' curves, weighed. Beyond the map's border its last texels go on, and outside it there is no smoke. */

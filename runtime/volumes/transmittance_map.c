@@ -6,7 +6,16 @@
 #include "transmittance_map.h"
 #include "vxs_desc.h"
 
-enum { SIDE = 256, SIDE_MAX = 8192, NODES = 8, CAPSULES_MAX = 1 << 24, HEAD_BYTES = 16, RECORD_BYTES = 16, SEGMENT_BYTES = 16 };
+enum {
+    SIDE          = 256,
+    SIDE_MAX      = 8192,
+    NODES         = 8,
+    CAPSULES_MAX  = 1 << 24,
+    HEAD_BYTES    = 16,
+    RECORD_BYTES  = 16,
+    SEGMENT_BYTES = 16,
+    GROUPS_ACROSS = 32768
+};
 
 static const vxs_light_constants *constants_of(const vxs_transmittance_map *map)
 {
@@ -36,6 +45,25 @@ void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSM
 
 /* create --------------------------------------------------------------------------------------------------------------------------- */
 
+/* What reads curves of any map. */
+static int make_readers(vxs_volumes *v)
+{
+    static const struct {
+        const char *names, *body;
+    } texts[CURVES_PROGRAMS] = {
+        [PROGRAM_SMOKE_MARCH_MAP]   = {"", vxs_volumes_text_march_glsl},
+        [PROGRAM_SMOKE_MARCH_ASSET] = {"#define VXS_ASK_ASSET\n", vxs_volumes_text_march_glsl},
+        [PROGRAM_SMOKE_PLACES]      = {"", vxs_volumes_text_transmittance_places_glsl},
+    };
+    char names[TRANSMITTANCE_NAMES];
+    for (int n = 0; n < CURVES_PROGRAMS; n++) {
+        snprintf(names, sizeof names, "#define VXS_USES_CURVES\n#define VXS_READS_CURVES\n%s", texts[n].names);
+        if (!v->curves[n]) v->curves[n] = vxs_volumes_compute(v, names, texts[n].body);
+        if (!v->curves[n]) return 0;
+    }
+    return 1;
+}
+
 static vxs_result make(vxs_transmittance_map *map)
 {
     vxs_volumes *v = map->volumes;
@@ -45,7 +73,7 @@ static vxs_result make(vxs_transmittance_map *map)
     map->build = vxs_volumes_compute(
         v, names, map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl);
     map->look_up = vxs_volumes_compute(v, names, vxs_volumes_text_transmittance_pass_glsl);
-    if (!map->build || !map->look_up || (map->segment_room && !map->capture)) return VXS_E_GL;
+    if (!map->build || !map->look_up || (map->segment_room && !map->capture) || !make_readers(v)) return VXS_E_GL;
     map->buffer   = vxs_volumes_buffer(v, bytes_of(map));
     map->capsules = vxs_volumes_buffer(v, (uint64_t)map->capsule_room * sizeof(vxs_capsule));
     return map->buffer && map->capsules ? VXS_OK : VXS_E_MEMORY;
@@ -142,7 +170,6 @@ static void clear(const vxs_transmittance_map *map)
 
 void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
 {
-    enum { GROUPS_ACROSS = 32768 };
     const vxs_volumes *v     = map->volumes;
     uint32_t           count = capsules->count, across = count < GROUPS_ACROSS ? count : GROUPS_ACROSS;
     if (capsules->list && count)
@@ -183,6 +210,11 @@ unsigned vxs_transmittance_map_buffer(const vxs_transmittance_map *map)
 
 /* look up -------------------------------------------------------------------------------------------------------------------------- */
 
+static int is_lookup(vxs_curve_lookup how)
+{
+    return how == VXS_CURVE_LINES || how == VXS_CURVE_EXPONENTIALS;
+}
+
 void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, gl_name other, gl_name texture)
 {
     enum { GROUP = 8 };
@@ -199,9 +231,41 @@ void vxs_transmittance_pass(const vxs_transmittance_map *map, gl_name program, g
 
 vxs_result vxs_volumes_transmittance(vxs_volumes *v, const vxs_transmittance_map *map, unsigned texture, vxs_curve_lookup how)
 {
-    if (!v->depth_texture || !texture || (how != VXS_CURVE_LINES && how != VXS_CURVE_EXPONENTIALS)) return VXS_E_ARGUMENT;
+    if (!v->depth_texture || !texture || !is_lookup(how)) return VXS_E_ARGUMENT;
     vxs_transmittance_set(map, NULL, 0);
     v->frame.knobs[0] = (float)how;
     vxs_transmittance_pass(map, map->look_up, 0, texture);
     return VXS_OK;
+}
+
+void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lookup how)
+{
+    frame_block *to = &map->volumes->frame;
+    to->counts[0]   = map->nodes;
+    to->counts[3]   = map->side_px;
+    to->knobs[2]    = (float)how;
+}
+
+vxs_result vxs_volumes_transmittance_at(vxs_volumes *v, const vxs_transmittance_map *map, unsigned places, uint32_t count,
+                                        unsigned left, uint32_t first, vxs_curve_lookup how)
+{
+    enum { GROUP = 64 };
+    if (!places || !left || count > UINT32_MAX - first || !is_lookup(how)) return VXS_E_ARGUMENT;
+    uint32_t     groups = count / GROUP + (count % GROUP != 0), across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
+    storage_kept kept = vxs_volumes_keep_storage(v);
+    vxs_transmittance_set(map, NULL, 0);
+    vxs_transmittance_set_reader(map, how);
+    v->frame.counts[1] = count;
+    v->frame.counts[2] = first;
+    vxs_volumes_use_storage(v, map->buffer, places);
+    v->api.BindBufferBase(GL_TARGET_STORAGE_BUFFER, v->first_storage + 2, left);
+    if (count) dispatch(v, v->curves[PROGRAM_SMOKE_PLACES], NULL, across, (groups + across - 1) / across, 1);
+    vxs_volumes_put_back_storage(v, &kept);
+    return VXS_OK;
+}
+
+int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes *v, const vxs_volumes_light *light)
+{
+    return map->volumes == v && map->is_baked == !light->constants && (!map->is_baked || map->baked == light->baked) &&
+           is_lookup((vxs_curve_lookup)light->smoke_lookup);
 }

@@ -15,11 +15,17 @@ struct vxs_transmittance_map {
 };
 
 /* What programs of maps need beside the texts that all have: lines of #define. */
-enum { TRANSMITTANCE_NAMES = 64 };
+enum { TRANSMITTANCE_NAMES = 96 };
 void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSMITTANCE_NAMES]);
 
 /* The map and its light, for shaders (curves.glsl).   opaque  NULL: none */
 void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map *opaque, uint32_t capsule_count);
+
+/* For programs that read curves of any map (curves.glsl), beside the light. */
+void vxs_transmittance_set_reader(const vxs_transmittance_map *map, vxs_curve_lookup how);
+
+/* Whether a light's smoke can be asked: it is a map of the light, in the same object. */
+int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes *volumes, const vxs_volumes_light *light);
 
 /* Capture the segments of capsules anew, where there are lists. Between vxs_volumes_keep_storage and vxs_volumes_put_back_storage. */
 void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);

@@ -116,6 +116,8 @@ void vxs_volumes_destroy(vxs_volumes *v)
     if (v->target) v->api.DeleteFramebuffers(1, &v->target);
     for (int n = 0; n < VOLUMES_PROGRAMS; n++)
         if (v->programs[n]) v->api.DeleteProgram(v->programs[n]);
+    for (int n = 0; n < CURVES_PROGRAMS; n++)
+        if (v->curves[n]) v->api.DeleteProgram(v->curves[n]);
     memory.free(v, sizeof *v, memory.user);
 }
 

@@ -44,6 +44,14 @@ typedef enum volumes_program {
     VOLUMES_PROGRAMS,
 } volumes_program;
 
+/* Programs that read curves of any map, made with the first one. */
+typedef enum curves_program {
+    PROGRAM_SMOKE_MARCH_MAP,
+    PROGRAM_SMOKE_MARCH_ASSET,
+    PROGRAM_SMOKE_PLACES,
+    CURVES_PROGRAMS
+} curves_program;
+
 struct vxs_volumes {
     volumes_api   api;
     vxs_allocator memory;
@@ -52,7 +60,7 @@ struct vxs_volumes {
     vxs_gl     *shadows;
     uint32_t    width_px, height_px, first_unit, first_storage;
     gl_name     airlight, frame_buffer, vertex_array, target; /* target: to draw into airlight */
-    gl_name     programs[VOLUMES_PROGRAMS];
+    gl_name     programs[VOLUMES_PROGRAMS], curves[CURVES_PROGRAMS];
     frame_block frame;
     float       least;         /* as vxs_volumes_frame has it */
     gl_name     depth_texture; /* of the frame; 0: none has begun */
@@ -149,13 +157,13 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_mesh_quads_glsl[],
     vxs_volumes_text_mesh_split_glsl[], vxs_volumes_text_mesh_meet_glsl[], vxs_volumes_text_mesh_list_glsl[],
     vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
-    vxs_volumes_text_vxs_air_ray_h[],
-    vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[], vxs_volumes_text_vxs_shadow_grid_h[],
-    vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[], vxs_volumes_text_grid_light_glsl[],
-    vxs_volumes_text_voxelize_glsl[], vxs_volumes_text_or_scan_glsl[], vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[],
-    vxs_volumes_text_transmittance_glsl[], vxs_volumes_text_transmittance_capture_glsl[],
-    vxs_volumes_text_transmittance_build_glsl[], vxs_volumes_text_transmittance_stream_glsl[],
-    vxs_volumes_text_transmittance_pass_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
+    vxs_volumes_text_vxs_air_ray_h[], vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[],
+    vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[],
+    vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_voxelize_glsl[], vxs_volumes_text_or_scan_glsl[],
+    vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[], vxs_volumes_text_transmittance_glsl[],
+    vxs_volumes_text_transmittance_capture_glsl[], vxs_volumes_text_transmittance_build_glsl[],
+    vxs_volumes_text_transmittance_stream_glsl[], vxs_volumes_text_transmittance_pass_glsl[],
+    vxs_volumes_text_transmittance_places_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
     vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[], vxs_volumes_text_area_grids_glsl[],
     vxs_volumes_text_area_gather_glsl[], vxs_volumes_text_area_show_glsl[];
 

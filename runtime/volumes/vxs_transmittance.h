@@ -7,6 +7,8 @@
  *     vxs_transmittance_map_build(map, &smoke, NULL);                   // each frame: what the light meets now
  *     vxs_volumes_begin(air, &frame);
  *     vxs_volumes_transmittance(air, map, texture, VXS_CURVE_LINES);    // how much of it reaches what each pixel sees
+ *     light.smoke = map;
+ *     vxs_volumes_march(air, &light, NULL, 64, VXS_STEPS_EVEN);         // and what it scatters on its way
  *
  * A map lies in the prism, frustum or cube of a light's maps. Each texel has a curve (vxs_curve.h) of how much light is left along the light ray
  * through its centre. Depths are metres along the map's axis, of a lamp from it on. What casts are capsules; each is met by a ray once, between entry and
@@ -89,6 +91,12 @@ typedef enum vxs_curve_lookup {
  * texture  GL_TEXTURE_2D of GL_R32F, no smaller than the view; written */
 vxs_result vxs_volumes_transmittance(vxs_volumes *volumes, const vxs_transmittance_map *map, unsigned texture,
                                      vxs_curve_lookup how);
+
+/* The same at places that are not seen: of particles, of probes.
+ * places  a storage buffer of float[4] each: metres as all places, and a number that is not read
+ * left    another, of float: `count` of them, from number `first` on, are written */
+vxs_result vxs_volumes_transmittance_at(vxs_volumes *volumes, const vxs_transmittance_map *map, unsigned places, uint32_t count,
+                                        unsigned left, uint32_t first, vxs_curve_lookup how);
 
 #ifdef __cplusplus
 }

@@ -80,6 +80,11 @@ typedef struct vxs_volumes_light {
     float colour[3];     /* lamps: intensity, in candela; suns: irradiance, in lux; or in the units of the picture */
     float cos_inner;     /* spot lights: where the cone is dimmer, as in glTF; at least that of where it ends */
     float radius_metres; /* lamps, > 0: airlight has no bound where a ray meets a point that shines */
+
+    /* What dims it on its way: a map of the same light (vxs_transmittance.h), which marches ask at each step. Other techniques, whose forms are closed, say
+     * VXS_E_ARGUMENT. NULL: nothing does */
+    const struct vxs_transmittance_map *smoke;
+    uint32_t                            smoke_lookup; /* as vxs_curve_lookup has it */
 } vxs_volumes_light;
 
 /* Why a light is left out of a frame. */
@@ -157,7 +162,7 @@ typedef enum vxs_steps {
     VXS_STEPS_ANGLE, /* of lamps alike in an angle in which phase and falloff are nearly even; of suns alike in what they scatter */
 } vxs_steps;
 
-/* Add a light's airlight by so many questions a ray, each at the middle of a step.
+/* Add a light's airlight by so many questions a ray, each at the middle of a step; of a light with smoke, what a step scatters is times what reaches it.
  * map  of the light; NULL: the asset is asked at each step
  * steps  1 to 65536 */
 vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,

@@ -278,28 +278,6 @@ static void test_opaque(void **state)
         }
 }
 
-/* What four curves say of a place, weighed, in double. */
-static double look_up(const texels *t, const double ws[3], int exponential)
-{
-    double edge = ldexp(1, (int)t->map.light.levels), scale = t->map.light.texel_metres * edge / SIDE, place[3], u, v, depth,
-           sum   = 0;
-    size_t texel = 0;
-    if (!light_map_texel(&t->map, ws, &texel, &depth)) return 1;
-    size_t layer = texel / (SIDE * SIDE);
-    face_from_ws(&t->map, (int)layer, ws, 1, place);
-    int is_sun = t->map.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
-    u          = is_sun ? place[0] * SIDE / edge : SIDE / 2.0 + place[0] / place[2] / scale;
-    v          = is_sun ? place[1] * SIDE / edge : SIDE / 2.0 + place[1] / place[2] / scale;
-    if (is_sun) depth *= t->map.light.voxel_metres;
-    for (int n = 0; n < 4; n++) {
-        double x = floor(u - 0.5) + (n & 1), y = floor(v - 0.5) + (n >> 1),
-               weight = (1 - fabs(u - 0.5 - x)) * (1 - fabs(v - 0.5 - y));
-        size_t at     = (layer * SIDE + (size_t)fmin(fmax(y, 0), SIDE - 1)) * SIDE + (size_t)fmin(fmax(x, 0), SIDE - 1);
-        sum += weight * curve_at(t, at, depth, exponential);
-    }
-    return sum;
-}
-
 /* Each pixel, by lines and exponentials, is what C says of the same curves. */
 static void test_lookups(void **state)
 {

@@ -283,9 +283,15 @@ static inline void scene_airlight(const volumes_scene *s, const vxs_volumes_ligh
 /* Every call of a map of transmittance curves, with lists and without, in the frame that has begun. */
 static inline void scene_smoke(const volumes_scene *s, int light)
 {
-    const vxs_capsule  one   = {{0, 1, 0}, 1, {0, 2, 0}, 1};
-    const vxs_capsules smoke = {.list = &one, .count = 1};
-    GLuint             texture;
+    const vxs_capsule  one     = {{0, 1, 0}, 1, {0, 2, 0}, 1};
+    const vxs_capsules smoke   = {.list = &one, .count = 1};
+    vxs_volumes_light  shining = scene_light(light);
+    GLuint             texture, buffers[2];
+    s->gl->GenBuffers(2, buffers);
+    for (int n = 0; n < 2; n++) {
+        s->gl->BindBuffer(GL_COPY_WRITE_BUFFER, buffers[n]);
+        s->gl->BufferData(GL_COPY_WRITE_BUFFER, 4 * sizeof(float), NULL, GL_STATIC_DRAW);
+    }
     s->gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
     s->gl->TextureStorage2D(texture, 1, GL_R32F, (GLsizei)s->width_px, (GLsizei)s->height_px);
     for (uint32_t segments = 0; segments < 2000; segments += 1000) {
@@ -294,8 +300,12 @@ static inline void scene_smoke(const volumes_scene *s, int light)
         assert_int_equal(vxs_transmittance_map_create(&map, s->volumes, &desc), VXS_OK);
         assert_int_equal(vxs_transmittance_map_build(map, &smoke, NULL), VXS_OK);
         assert_int_equal(vxs_volumes_transmittance(s->volumes, map, texture, VXS_CURVE_LINES), VXS_OK);
+        assert_int_equal(vxs_volumes_transmittance_at(s->volumes, map, buffers[0], 1, buffers[1], 0, VXS_CURVE_LINES), VXS_OK);
+        shining.smoke = map;
+        assert_int_equal(vxs_volumes_march(s->volumes, &shining, NULL, 2, VXS_STEPS_EVEN), VXS_OK);
         vxs_transmittance_map_destroy(map);
     }
+    s->gl->DeleteBuffers(2, buffers);
 }
 
 /* The airlight of the frame.   pixels  [out] [height_px * width_px * 4] */

@@ -1,0 +1,10 @@
+/* How much light reaches places. */
+layout(local_size_x = 64) in;
+layout(std430, binding = VXS_AT_GRID + 1) readonly restrict buffer vxs_places_buffer { vec4 places[]; };
+layout(std430, binding = VXS_AT_GRID + 2) writeonly restrict buffer vxs_left_buffer { float left[]; };
+
+void main()
+{
+    uint n = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+    if (n < vxs_frame.counts.y) left[vxs_frame.counts.z + n] = vxs_transmittance(places[n].xyz, int(vxs_frame.knobs.z));
+}
