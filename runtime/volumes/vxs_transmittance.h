@@ -61,7 +61,7 @@ typedef struct vxs_capsules {
 
 /* Make the curves anew.
  * opaque  where shadow begins, of the same light: light ends there, and what lies behind casts nothing. NULL: only smoke casts; what stands is in the asset's
- *         shadow, which a shader multiplies
+ *         shadow, which a shader multiplies. With it a surface itself is where light ends: it is for what is in the air, not for what surfaces receive
  * Returns VXS_OK; VXS_E_ARGUMENT for more capsules than create was told, or for another light's map. */
 vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
 

@@ -1,11 +1,13 @@
 # The examples of docs/example, built against an installed libvxs by pkg-config and by CMake, fly over a city that streams.
 # SPDX-License-Identifier: GPL-3.0-or-later
+import os
 import re
 import shutil
 import subprocess
 
 import pytest
 
+import small_scene
 from conftest import ROOT
 from test_install import build, make, pkg_config  # noqa: F401 (build is a fixture)
 
@@ -54,15 +56,16 @@ def programs(installed, tmp_path_factory):
 
 
 def run(program, installed, *args, folder=None, status=0):
-    done = subprocess.run([program, *map(str, args)], cwd=folder, env={"LD_LIBRARY_PATH": str(installed / "lib")}, capture_output=True,
-                          text=True, timeout=60)
+    kept = {name: os.environ[name] for name in ("HOME", "MESA_SHADER_CACHE_DIR") if name in os.environ}
+    done = subprocess.run([program, *map(str, args)], cwd=folder, env={"LD_LIBRARY_PATH": str(installed / "lib"), **kept},
+                          capture_output=True, text=True, timeout=120)
     assert done.returncode == status, done.stderr
     return done
 
 
 def test_examples_are_short():
-    assert {path.name for path in EXAMPLES.iterdir()} == set(COMPILERS)
-    assert all(len(path.read_text().splitlines()) <= 80 for path in EXAMPLES.iterdir())
+    assert {path.name for path in EXAMPLES.iterdir()} == {*COMPILERS, "frame.c", "frame_scene.h", "gl_picture.h"}
+    assert all(len(path.read_text().splitlines()) <= 80 for path in EXAMPLES.iterdir() if path.suffix != ".h")
 
 
 def test_a_flight(programs, installed, level, tmp_path):
@@ -98,6 +101,34 @@ def test_what_goes_wrong_is_said(programs, installed, level, tmp_path, name):
     assert "cannot be read" in run(programs[name], installed, "none.vxs", 4, *rest, folder=tmp_path, status=1).stderr
     assert "bad.vxs: " in run(programs[name], installed, "bad.vxs", 4, *rest, folder=tmp_path, status=1).stderr
     assert "out of memory" in run(programs[name], installed, level, 0, *rest, folder=tmp_path, status=1).stderr
+
+
+def test_a_frame(installed, vxs, tmp_path):
+    """The ground at noon, seen as frame_scene.h says: dark below the board and the smoke, blue before the screen, and lit beside them."""
+    small_scene.write(tmp_path / "ground.gltf", boxes=[((-100, -1, -100), (100, 0, 100))])
+    vxs("bake", tmp_path / "ground.gltf", "-o", tmp_path / "ground.vxs", "--resolution", 1024, "--baseline", "off")
+    flags = pkg_config(installed / "lib" / "pkgconfig", {}, "--cflags", "--libs", package="vxs_volumes")
+    program = tmp_path / "frame"
+    done = subprocess.run(["cc", "-std=c11", *WARNINGS, EXAMPLES / "frame.c", *flags, "-lOSMesa", "-lm", "-o", program], capture_output=True,
+                          text=True)
+    assert done.returncode == 0, done.stderr
+    assert "usage: " in run(program, installed, status=2).stderr
+    assert "no level" in run(program, installed, "none.vxs", "out.ppm", folder=tmp_path, status=1).stderr
+    run(program, installed, "ground.vxs", "frame.ppm", folder=tmp_path)
+    head, pixels = (tmp_path / "frame.ppm").read_bytes().split(b"255\n", 1)
+    wide, high = map(int, head.split()[1:])
+
+    def seen(x, z):
+        """Red and blue of the ground at a place, 10 m below the eye."""
+        column, row = int((x / z / 1.6 + 0.5) * wide), int((0.5 + 10 / z) * high)
+        at = 3 * (row * wide + column)
+        return pixels[at], pixels[at + 2]
+
+    lit = seen(10, 40)[0]
+    assert seen(-10, 40)[0] < 0.6 * lit  # below the board
+    assert 0.6 * lit < seen(-14.5, 40)[0]  # and beside it
+    assert seen(-3, 23)[0] < 0.8 * seen(3, 23)[0]  # below the smoke
+    assert seen(0, 34)[1] - seen(0, 34)[0] > 20 > abs(seen(20, 60)[1] - seen(20, 60)[0])
 
 
 @pytest.mark.slow
