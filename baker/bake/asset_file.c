@@ -42,7 +42,9 @@ static void report_contents(const vxs_contents *c, bake_report *report)
             light->parts[p] = (part_report){baked->parts[p], is_first ? c->sections[baked->parts[p].section].stored_bytes : 0};
         }
         for (uint32_t s = 0; s < c->section_count; s++)
-            if (c->sections[s].light == n) light->stored_bytes += c->sections[s].stored_bytes;
+            if (c->sections[s].light == n)
+                *(c->sections[s].kind == VXS_KIND_SMOKE ? &light->smoke.stored_bytes : &light->stored_bytes) +=
+                    c->sections[s].stored_bytes;
     }
 }
 

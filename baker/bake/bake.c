@@ -197,6 +197,19 @@ done:
     return r;
 }
 
+/* What smoke leaves of the lights of a file, into it. */
+static vxs_result bake_smoke(const bake_options *o, const smoke_grid *grid, vxs_bytes *file, bake_report *report, bake_context *ctx)
+{
+    smoke_counts *counts = calloc(report->light_count, sizeof *counts);
+    if (!counts) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of %u lights", report->light_count);
+    stage_begin(ctx, STAGE_SMOKE);
+    vxs_result r = smoke_bake(file, grid, &o->smoke, (int)o->zstd_level, counts, ctx);
+    stage_begin(ctx, STAGE_NONE);
+    for (uint32_t n = 0; n < report->light_count; n++) report->lights[n].smoke = counts[n];
+    free(counts);
+    return r;
+}
+
 static vxs_result judge_lights(const light_choice *chosen, message *m)
 {
     if (chosen->count > VXS_LIGHTS_MAX)
@@ -246,6 +259,7 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
     stage_begin(ctx, STAGE_LOAD);
     m->memory_bytes = o->memory_bytes;
     if ((r = begin_scene(o, s, &chosen, ctx)) != VXS_OK) goto done;
+    if ((r = bake_scene_read_smoke(s, o, ctx)) != VXS_OK) goto done;
     if ((r = provenance_inputs(&report->inputs, o, s, &chosen, m)) != VXS_OK) goto done;
     if ((report->unchanged = is_unchanged(o, report, m))) goto done;
     if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else it was asked before the scene was read */
@@ -301,6 +315,9 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if ((r = prepare(o, s, report, &ctx)) != VXS_OK) goto done;
     if (report->unchanged) goto done;
     if ((r = bake_file(o, &s->casters, &kept, &file, report, &ctx)) != VXS_OK) goto done;
+
+    if (s->smoke.extinction && !is_baked_apart(o)) r = bake_smoke(o, &s->smoke, &file, report, &ctx);
+    if (r != VXS_OK) goto done;
 
     stage_begin(&ctx, STAGE_WRITE);
     if (o->output_path) watch_say(o->watch, "writing %s", o->output_path);

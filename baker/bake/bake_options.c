@@ -54,6 +54,12 @@ json_t *bake_choices_json(const bake_options *o)
     return object;
 }
 
+json_t *bake_smoke_json(const bake_options *o)
+{
+    return json_pack("{s:f, s:i, s:i, s:f}", "extinction", o->smoke_factor, "side_px", (int)o->smoke.side_px, "nodes",
+                     (int)o->smoke.nodes, "error", o->smoke.error);
+}
+
 /* Without memory there are no values, and then no object. */
 static void set_unless_empty(json_t **object, const char *key, json_t *values, size_t count)
 {
@@ -100,6 +106,7 @@ static void set_lights(json_t **object, const bake_options *o)
 json_t *bake_options_json(const bake_options *o)
 {
     json_t *object = bake_choices_json(o);
+    if (o->smoke_path) json_set(&object, "smoke", bake_smoke_json(o));
     set_lights(&object, o);
     set_word(&object, "coding", CODING_CHOICES, (int)o->coding);
     if (o->coding == CODING_DAG) {

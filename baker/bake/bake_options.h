@@ -12,6 +12,7 @@
 #include "baker/dag/build.h"
 #include "baker/kept/square_exchange.h"
 #include "baker/measure/watch.h"
+#include "baker/smoke/smoke_map.h"
 
 enum { RESOLUTION_MIN_PX = 8, RESOLUTION_MAX_PX = 262144 };
 
@@ -80,6 +81,9 @@ typedef struct bake_options {
     uint32_t                threads;
     uint32_t                zstd_level; /* 1..19 */
     baseline_mode           baseline;
+    const char             *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
+    double                  smoke_factor; /* on its numbers: extinction per metre */
+    smoke_settings          smoke;
     uint64_t                memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
     const char             *resume_path;  /* a folder where squares are kept; NULL: none */
     uint32_t                part, parts;  /* which of how many parts is baked, from 1; 0 of 0: all is */
@@ -119,6 +123,7 @@ uint32_t light_resolution(const bake_options *o, const char *light_name, double 
 /* Words and numbers of the options that decide which bytes are baked, but for what goes by light; and of all that make a difference to
  * the report. NULL without memory. */
 json_t *bake_choices_json(const bake_options *o);
+json_t *bake_smoke_json(const bake_options *o); /* of smoke alone */
 json_t *bake_options_json(const bake_options *o);
 
 #endif

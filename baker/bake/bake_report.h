@@ -7,6 +7,7 @@
 #include "baker/bake/light_picture.h"
 #include "baker/bake/plan.h"
 #include "baker/measure/context.h"
+#include "baker/smoke/smoke_bake.h"
 
 /* A part of a light, and what it takes in the file. */
 typedef struct part_report {
@@ -26,6 +27,7 @@ typedef struct light_report {
     uint64_t       memory_bytes, stored_bytes;
     part_report    parts[VXS_LEVELS_MAX];
     uint32_t       part_count;
+    smoke_counts   smoke;
     double         depth_zstd19_ratio; /* zstd -19 over raw, of the 16-bit depth map; 0: not measured */
     double         depth_sample_share; /* of its texels that this was measured on */
 } light_report;

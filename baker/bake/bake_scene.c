@@ -4,6 +4,8 @@
 
 #include <sys/stat.h>
 
+#include "baker/smoke/nrrd_read.h"
+
 static uint64_t file_bytes(const char *path)
 {
     struct stat s;
@@ -18,6 +20,14 @@ vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_che
     return r == VXS_OK ? scene_fingerprint_take(&s->fingerprint, &s->scene, ctx->message) : r;
 }
 
+vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_context *ctx)
+{
+    const uint64_t limit = (uint64_t)16 << 30;
+    if (!o->smoke_path) return VXS_OK;
+    watch_say(ctx->watch, "reading %s", o->smoke_path);
+    return nrrd_read(&s->smoke, o->smoke_path, o->smoke_factor, o->memory_bytes ? o->memory_bytes : limit, ctx->message);
+}
+
 vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_context *ctx)
 {
     vxs_result r;
@@ -30,6 +40,7 @@ vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_co
 void bake_scene_free(bake_scene *s)
 {
     casters_free(&s->casters);
+    smoke_grid_free(&s->smoke);
     scene_free(&s->scene);
     *s = (bake_scene){0};
 }

@@ -6,12 +6,14 @@
 #include "baker/bake/bake_options.h"
 #include "baker/measure/context.h"
 #include "baker/scene/fingerprint.h"
+#include "baker/smoke/smoke_grid.h"
 
 /* Zero it. */
 typedef struct bake_scene {
     scene             scene;
     scene_fingerprint fingerprint;
     casters           casters;
+    smoke_grid        smoke;      /* without numbers where there is none */
     uint64_t          file_bytes; /* of the scene's file; 0 when it is not known. Buffers beside a .gltf are not counted */
 } bake_scene;
 
@@ -19,6 +21,9 @@ typedef struct bake_scene {
  * check  NULL: none
  * Returns what scene_load_gltf_checked returns. */
 vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_check *check, bake_context *ctx);
+
+/* Read the smoke that options name, if any.   Returns what nrrd_read returns. */
+vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_context *ctx);
 
 /* Find the casters of a scene that is there.   Returns what casters_for_maps and context_check return. */
 vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_context *ctx);

@@ -56,12 +56,25 @@ static json_t *scene_json(const scene *s, const scene_fingerprint *f)
                      "geometry", f->geometry, "alpha_masks", f->alpha_masks, "cameras", f->cameras, "lights", f->lights);
 }
 
+/* Options and, where there is smoke, what smoke it is. */
+static json_t *options_json(const bake_options *o, const bake_scene *s)
+{
+    json_t *options = bake_choices_json(o);
+    char    grid[SMOKE_FINGERPRINT_BYTES];
+    if (!s->smoke.extinction) return options;
+    json_t *smoke = bake_smoke_json(o);
+    smoke_grid_fingerprint(&s->smoke, grid);
+    json_set(&smoke, "grid", json_string(grid));
+    json_set(&options, "smoke", smoke);
+    return options;
+}
+
 vxs_result provenance_inputs(json_t **inputs, const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m)
 {
     json_t *lights = json_array();
     for (size_t n = 0; n < chosen->count; n++) json_append(&lights, light_json(o, &chosen->lights[n]));
     *inputs = json_pack("{s:s, s:o, s:o, s:o}", "generator", "vxs " VXS_VERSION, "scene", scene_json(&s->scene, &s->fingerprint),
-                        "lights", lights, "options", bake_choices_json(o));
+                        "lights", lights, "options", options_json(o, s));
     return *inputs ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for what is to be baked");
 }
 

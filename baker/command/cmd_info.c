@@ -17,10 +17,13 @@
 /* What a section holds: parts of its light, most of them one; of others the kind is all that there is to say.
  * parts  [VXS_LEVELS_MAX] [out]
  * Returns how many, 1 at least. */
-static uint32_t section_parts(vxs_part *parts, const vxs_contents *c, uint32_t section)
+static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t section)
 {
-    const vxs_section *s     = &c->sections[section];
-    uint32_t           count = 0;
+    const vxs_contents    *c     = vxs_asset_contents(asset);
+    const vxs_section     *s     = &c->sections[section];
+    const vxs_baked_smoke *smoke = s->kind == VXS_KIND_SMOKE ? vxs_asset_smoke(asset, s->light) : NULL;
+    uint32_t               count = 0;
+    if (smoke) parts[count++] = (vxs_part){"smoke", smoke->side_px, smoke->node_count, 4 * (uint64_t)smoke->word_count, section};
     for (uint32_t n = 0; s->light < c->light_count && n < c->lights[s->light].part_count; n++)
         if (c->lights[s->light].parts[n].section == section) parts[count++] = c->lights[s->light].parts[n];
     if (!count)
@@ -31,11 +34,12 @@ static uint32_t section_parts(vxs_part *parts, const vxs_contents *c, uint32_t s
 }
 
 /* A row for each part; what the section takes stands in the first. */
-static void print_section(FILE *to, const vxs_contents *c, uint32_t section)
+static void print_section(FILE *to, const vxs_asset *asset, uint32_t section)
 {
-    const vxs_section *s = &c->sections[section];
-    vxs_part           parts[VXS_LEVELS_MAX];
-    uint32_t           count = section_parts(parts, c, section);
+    const vxs_contents *c = vxs_asset_contents(asset);
+    const vxs_section  *s = &c->sections[section];
+    vxs_part            parts[VXS_LEVELS_MAX];
+    uint32_t            count = section_parts(parts, asset, section);
     char               name[32], memory[32], inflated[32], stored[32], light[VXS_LIGHT_NAME_BYTES];
     for (uint32_t n = 0; n < count; n++)
         fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &parts[n]),
@@ -51,9 +55,18 @@ static const char *packing_text(const vxs_baked_light *l)
     return l->packing == VXS_PACKING_SMALL ? "small" : "fast";
 }
 
-static void print_info(FILE *to, const char *path, const vxs_contents *c, const json_t *made, uint64_t file_bytes)
+/* ", smoke of 256 x 256 curves", or nothing. */
+static const char *smoke_text(char text[48], const vxs_baked_smoke *smoke)
 {
-    char a[32];
+    text[0] = 0;
+    if (smoke) snprintf(text, 48, ", smoke of %u x %u curves", smoke->side_px, smoke->side_px);
+    return text;
+}
+
+static void print_info(FILE *to, const char *path, const vxs_asset *asset, const json_t *made, uint64_t file_bytes)
+{
+    const vxs_contents *c = vxs_asset_contents(asset);
+    char                a[32], b[48];
     fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", path, c->version, size_text(a, file_bytes), c->light_count,
             c->light_count == 1 ? "" : "s");
     if (made) provenance_print(to, made);
@@ -63,16 +76,18 @@ static void print_info(FILE *to, const char *path, const vxs_contents *c, const 
         const vxs_light *l = &c->lights[n].light;
         char             name[VXS_LIGHT_NAME_BYTES], text[LIGHT_TEXT_BYTES];
         const char      *packing = packing_text(&c->lights[n]);
-        fprintf(to, "light %s: %s, %s in memory%s%s\n", one_line(strcpy(name, l->name)), light_text(text, l),
-                size_text(a, (uint64_t)c->lights[n].word_count * 4), packing ? ", packed " : "", packing ? packing : "");
+        fprintf(to, "light %s: %s, %s in memory%s%s%s\n", one_line(strcpy(name, l->name)), light_text(text, l),
+                size_text(a, (uint64_t)c->lights[n].word_count * 4), packing ? ", packed " : "", packing ? packing : "",
+                smoke_text(b, vxs_asset_smoke(asset, n)));
     }
     fprintf(to, "%-10s %-16s %10s %12s %12s %12s\n", "section", "light", "count", "memory", "inflated", "on disk");
-    for (uint32_t n = 0; n < c->section_count; n++) print_section(to, c, n);
+    for (uint32_t n = 0; n < c->section_count; n++) print_section(to, asset, n);
 }
 
-static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, uint64_t file_bytes)
+static json_t *info_json(const char *path, const vxs_asset *asset, json_t *made, uint64_t file_bytes)
 {
-    json_t *lights = json_array(), *sections = json_array();
+    const vxs_contents *c      = vxs_asset_contents(asset);
+    json_t             *lights = json_array(), *sections = json_array();
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_light *l      = &c->lights[n].light;
         json_t          *matrix = json_array(), *light = light_json(l);
@@ -85,7 +100,7 @@ static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, 
     for (uint32_t n = 0; n < c->section_count; n++) {
         const vxs_section *s = &c->sections[n];
         vxs_part           parts[VXS_LEVELS_MAX], part;
-        uint32_t           count = section_parts(parts, c, n);
+        uint32_t           count = section_parts(parts, asset, n);
         part                     = parts[0];
         for (uint32_t k = 1; k < count; k++) part.memory_bytes += parts[k].memory_bytes;
         json_t *entry = json_pack("{s:s, s:I, s:I, s:I, s:I, s:I}", "kind", part.kind, "offset_bytes", (json_int_t)s->offset_bytes,
@@ -93,6 +108,7 @@ static json_t *info_json(const char *path, const vxs_contents *c, json_t *made, 
                                   "memory_bytes", (json_int_t)part.memory_bytes, "count", (json_int_t)part.count);
         if (s->light < c->light_count) json_object_set_new(entry, "light", json_text(c->lights[s->light].light.name));
         if (s->kind == VXS_KIND_LEVEL) json_object_set_new(entry, "side_voxels", json_integer(part.side_voxels));
+        if (s->kind == VXS_KIND_SMOKE) json_object_set_new(entry, "side_px", json_integer(part.side_voxels));
         json_array_append_new(sections, entry);
     }
     json_t *root = json_pack("{s:o, s:i, s:I, s:o, s:o}", "file", json_text(path), "version", (int)c->version, "file_bytes",
@@ -112,12 +128,12 @@ static vxs_result run(void *command, message *m)
     vxs_asset          *asset = NULL;
     vxs_result          r     = asset_open_within(&asset, c->path, c->memory_bytes, 1, m);
     if (r != VXS_OK) return r;
-    const vxs_contents *contents   = vxs_asset_contents(asset);
-    uint64_t            file_bytes = asset_file_bytes(asset);
-    FILE               *to         = is_standard_output(c->json_path) ? NULL : report_stream(m, 0);
-    json_t             *made;
-    if ((r = provenance_read(&made, contents, m)) == VXS_OK && to) print_info(to, input_name(c->path), contents, made, file_bytes);
-    if (c->json_path && r == VXS_OK) r = json_write(c->json_path, info_json(c->path, contents, made, file_bytes), m);
+    uint64_t file_bytes = asset_file_bytes(asset);
+    FILE    *to         = is_standard_output(c->json_path) ? NULL : report_stream(m, 0);
+    json_t  *made;
+    if ((r = provenance_read(&made, vxs_asset_contents(asset), m)) == VXS_OK && to)
+        print_info(to, input_name(c->path), asset, made, file_bytes);
+    if (c->json_path && r == VXS_OK) r = json_write(c->json_path, info_json(c->path, asset, made, file_bytes), m);
     json_decref(made);
     vxs_asset_close(asset);
     return r;

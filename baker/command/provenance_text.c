@@ -149,6 +149,16 @@ static void print_options(FILE *to, const json_t *made)
     fprintf(to, "\n");
 }
 
+static void print_smoke(FILE *to, const json_t *smoke)
+{
+    if (!json_is_string(json_object_get(smoke, "grid"))) return;
+    fprintf(to, "smoke        ");
+    print_string(to, json_object_get(smoke, "grid"));
+    fprintf(to, ": --smoke-extinction %.9g --smoke-side %lld --smoke-nodes %lld --smoke-error %.9g\n",
+            json_number_value(json_object_get(smoke, "extinction")), integer_at(smoke, "side_px"), integer_at(smoke, "nodes"),
+            json_number_value(json_object_get(smoke, "error")));
+}
+
 void provenance_print(FILE *to, const json_t *made)
 {
     json_t *light;
@@ -159,6 +169,7 @@ void provenance_print(FILE *to, const json_t *made)
     fprintf(to, "\n");
     print_scene(to, made);
     print_options(to, made);
+    print_smoke(to, json_object_get(json_object_get(made, "options"), "smoke"));
     json_array_foreach(json_object_get(made, "left_out"), n, light)
     {
         fprintf(to, "left out     light ");

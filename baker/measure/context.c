@@ -11,8 +11,8 @@
 #include "baker/base/text.h"
 #include "baker/measure/clock.h"
 
-static const char *const stage_names[STAGE_COUNT] = {"load",  "solids", "plan",     "gl",    "maps",   "pyramid",
-                                                     "masks", "insert", "compress", "merge", "encode", "write"};
+static const char *const stage_names[STAGE_COUNT] = {"load",   "solids",   "plan",  "gl",     "maps",  "pyramid", "masks",
+                                                     "insert", "compress", "merge", "encode", "smoke", "write"};
 
 const char *bake_stage_name(bake_stage stage)
 {

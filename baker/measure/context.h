@@ -28,6 +28,7 @@ typedef enum bake_stage {
     STAGE_COMPRESS,               /* sub-DAG compression */
     STAGE_MERGE,                  /* into one DAG */
     STAGE_ENCODE,                 /* sections, zstd */
+    STAGE_SMOKE,                  /* what smoke leaves of each light */
     STAGE_WRITE,                  /* reading back what was encoded, and the file */
     STAGE_COUNT,                  /* of the stages that make an asset; the rest are no part of its time */
     STAGE_BASELINE = STAGE_COUNT, /* depth maps under zstd -19, for comparison */

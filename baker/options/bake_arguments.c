@@ -100,6 +100,18 @@ static vxs_result check_kept(const bake_arguments *a, message *m)
     return VXS_OK;
 }
 
+static vxs_result check_smoke(const bake_arguments *a, message *m)
+{
+    uint32_t side = a->o.smoke.side_px;
+    if (a->smoke_given && !a->o.smoke_path)
+        return fail(m, VXS_E_ARGUMENT,
+                    "--smoke-extinction, --smoke-side, --smoke-nodes and --smoke-error say how smoke is baked: they need --smoke");
+    if (side & (side - 1)) return fail(m, VXS_E_ARGUMENT, "--smoke-side %u: expected a power of two from 8 to 8192", side);
+    if (a->o.smoke_path && a->o.parts)
+        return fail(m, VXS_E_ARGUMENT, "--smoke is baked into a whole asset, and --part makes a part of it: expected one of them");
+    return VXS_OK;
+}
+
 vxs_result bake_arguments_check(bake_arguments *a, message *m)
 {
     bake_options *o = &a->o;
@@ -108,6 +120,7 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     if (r == VXS_OK) r = read_part(a, m);
     if (r == VXS_OK) r = check_kept(a, m);
     if (r == VXS_OK) r = check_part_name(o, m);
+    if (r == VXS_OK) r = check_smoke(a, m);
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
@@ -128,13 +141,15 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
 void bake_arguments_init(bake_arguments *a, const char *name, const char *synopsis, const char *summary, int output_needed)
 {
     memset(a, 0, sizeof *a);
-    a->o                   = (bake_options){.resolution = 4096,
-                                            .coding     = CODING_BLOCKS,
-                                            .reuse      = 1,
-                                            .stop       = STOP_FINAL,
-                                            .rendering  = &opengl_rendered,
-                                            .zstd_level = 12,
-                                            .threads    = parallel_default_threads()};
+    a->o                   = (bake_options){.resolution   = 4096,
+                                            .coding       = CODING_BLOCKS,
+                                            .reuse        = 1,
+                                            .stop         = STOP_FINAL,
+                                            .rendering    = &opengl_rendered,
+                                            .zstd_level   = 12,
+                                            .threads      = parallel_default_threads(),
+                                            .smoke        = {.side_px = 256, .nodes = 8, .error = 0.005},
+                                            .smoke_factor = 1};
     const option options[] = {
         {"SCENE", OPTION_INPUT, &a->o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
         {"-o", OPTION_OUTPUT, &a->o.output_path, output_needed, OUTPUT_CHECKED_BY_COMMAND, ".vxs|.part", "OUT.vxs",
@@ -158,6 +173,16 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--region", OPTION_VECTOR, a->o.region_ws, 0, 6, NULL, "MIN,MAX",
          "x,y,z,x,y,z of the box that will be looked up, metres (default all casters)", &a->o.region_given},
         SCENE_ROWS(a->o.scene),
+        {"--smoke", OPTION_INPUT, &a->o.smoke_path, FILE_UNKNOWN, 0, NULL, "SMOKE.nrrd",
+         "a grid of extinction, in world space: what it leaves of each light is baked, too", NULL},
+        {"--smoke-extinction", OPTION_F64, &a->o.smoke_factor, 1e-9, 1e9, NULL, "N",
+         "extinction per metre of what is 1 in the grid (default 1)", &a->smoke_given},
+        {"--smoke-side", OPTION_U32, &a->o.smoke.side_px, 8, 8192, NULL, "N",
+         "curves along a side of a light's map, a power of two, no more than the map has texels (default 256)", &a->smoke_given},
+        {"--smoke-nodes", OPTION_U32, &a->o.smoke.nodes, 4, VXS_SMOKE_NODES_MAX, NULL, "N",
+         "nodes of a curve at most, 4 to 16 (default 8)", &a->smoke_given},
+        {"--smoke-error", OPTION_F64, &a->o.smoke.error, 0, 1, NULL, "T",
+         "a curve needs no more nodes than bring it so near to what is left of the light (default 0.005)", &a->smoke_given},
         {"--maps", OPTION_CHOICE, &a->o.maps, 0, 0, MAPS_CHOICES, NULL,
          "where depths come from: rendered with OpenGL, or straight from the triangles; auto: sparse, unless --gl or --baseline "
          "ask for depth maps (default auto)",

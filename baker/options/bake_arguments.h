@@ -13,6 +13,7 @@ typedef struct bake_arguments {
 
     int baseline_given; /* --baseline, whatever its value */
     int pack_given;
+    int smoke_given;    /* an option of smoke, whatever its value, but --smoke */
     int dag_step_given; /* --rule, --reuse, --compress or --stop, whatever its value */
 
     option       options[OPTIONS_MAX]; /* the table; its targets are in this struct, which is not copied */

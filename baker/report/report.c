@@ -53,6 +53,15 @@ static void print_rendering(FILE *to, const depth_stats *s)
             (unsigned long long)s->blocks_not_peeled);
 }
 
+static void print_smoke(FILE *to, const smoke_counts *s)
+{
+    char a[32], b[32];
+    if (!s->curves) return;
+    fprintf(to, "  smoke      %u x %u texels a map; %zu with a curve, of %.1f nodes, within %.2g; %s in memory, %s on disk\n",
+            s->side_px, s->side_px, s->curves, (double)s->nodes / (double)s->curves, s->largest_error,
+            size_text(a, s->memory_bytes), size_text(b, s->stored_bytes));
+}
+
 static void print_light(FILE *to, const light_report *l)
 {
     char     a[32], b[32], c[32];
@@ -80,6 +89,7 @@ static void print_light(FILE *to, const light_report *l)
         if (l->depth_sample_share < 1) fprintf(to, " (estimated from %.2g %% of it)", 100 * l->depth_sample_share);
     }
     fprintf(to, "\n");
+    print_smoke(to, &l->smoke);
 }
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r)
@@ -137,6 +147,13 @@ static json_t *coded_json(const light_report *l)
                      (json_int_t)p->own_tiles, "patterns", (json_int_t)p->patterns);
 }
 
+static json_t *smoke_json(const smoke_counts *s)
+{
+    return json_pack("{s:i, s:I, s:I, s:I, s:f, s:I, s:I}", "side_px", (int)s->side_px, "texels", (json_int_t)s->texels, "curves",
+                     (json_int_t)s->curves, "nodes", (json_int_t)s->nodes, "largest_error", s->largest_error, "memory_bytes",
+                     (json_int_t)s->memory_bytes, "stored_bytes", (json_int_t)s->stored_bytes);
+}
+
 static json_t *light_json(const light_report *l)
 {
     double  texels = light_texels(l);
@@ -163,6 +180,7 @@ static json_t *light_json(const light_report *l)
         json_object_set_new(size, "depth16_zstd19_sample_share", json_real(l->depth_sample_share));
     }
     json_object_set_new(o, "size", size);
+    if (l->smoke.curves) json_object_set_new(o, "smoke", smoke_json(&l->smoke));
     return o;
 }
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/report/summary.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "baker/base/text.h"
@@ -111,6 +112,29 @@ static void print_file(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "\n");
 }
 
+/* What of the file smoke takes. */
+static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
+{
+    smoke_counts sum    = {0};
+    uint32_t     lights = 0;
+    char         size[32];
+    for (uint32_t n = 0; n < r->light_count; n++) {
+        const smoke_counts *s = &r->lights[n].smoke;
+        lights += s->curves > 0;
+        sum.curves += s->curves;
+        sum.nodes += s->nodes;
+        sum.stored_bytes += s->stored_bytes;
+        sum.largest_error = fmax(sum.largest_error, s->largest_error);
+    }
+    if (!o->smoke_path) return;
+    fprintf(to, "smoke        ");
+    if (!lights)
+        fprintf(to, "it dims no light: the file has none\n");
+    else
+        fprintf(to, "of %u light%s: %zu curves of %.1f nodes, within %.2g; %s of the file\n", lights, lights == 1 ? "" : "s",
+                sum.curves, (double)sum.nodes / (double)sum.curves, sum.largest_error, size_text(size, sum.stored_bytes));
+}
+
 static void print_time(FILE *to, const bake_options *o, const bake_report *r)
 {
     const char *const works[STAGE_COUNT] = {"reading the scene",
@@ -124,6 +148,7 @@ static void print_time(FILE *to, const bake_options *o, const bake_report *r)
                                             "compressing",
                                             "merging",
                                             "encoding",
+                                            "baking smoke",
                                             "writing"};
     char              memory[32];
     int               longest = 0;
@@ -148,6 +173,7 @@ void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     print_left_out(to, r);
     squares_print(to, o, r);
     print_file(to, o, r);
+    print_smoke(to, o, r);
     print_time(to, o, r);
 }
 

@@ -70,7 +70,8 @@ static inline void scene_boxes(volumes_scene *s, rng *r)
     for (uint32_t c = 0; c < 6; c++) *i++ = 8 * SCENE_BOXES + (uint32_t[]){0, 1, 2, 2, 1, 3}[c];
 }
 
-static inline void scene_bake(volumes_scene *s, uint32_t resolution)
+/* file  [out] released with vxs_bake_bytes_free */
+static inline void scene_bake_file(const volumes_scene *s, uint32_t resolution, vxs_bake_bytes *file)
 {
     vxs_bake_mesh    mesh     = {s->positions, s->indices, 8 * SCENE_BOXES + 4, SCENE_TRIANGLES, {0, 0, 0}, 0};
     vxs_bake_light   lights[] = {{"sun", VXS_BAKE_DIRECTIONAL, {0, 0, 0}, {0.4, -1, 0.3}, 0, 0},
@@ -78,11 +79,16 @@ static inline void scene_bake(volumes_scene *s, uint32_t resolution)
                                  {"point", VXS_BAKE_POINT, {0.5, 2.5, -0.3}, {0, 0, 0}, 0, 15}};
     vxs_bake_arrays  arrays   = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = SCENE_LIGHTS};
     vxs_bake_options options  = vxs_bake_defaults();
-    vxs_bake_bytes   file;
     options.arrays     = &arrays;
     options.resolution = resolution;
     options.threads    = 1;
-    assert_int_equal(vxs_bake(&options, &file, NULL), VXS_OK);
+    assert_int_equal(vxs_bake(&options, file, NULL), VXS_OK);
+}
+
+static inline void scene_bake(volumes_scene *s, uint32_t resolution)
+{
+    vxs_bake_bytes file;
+    scene_bake_file(s, resolution, &file);
     assert_int_equal(vxs_asset_open(&s->asset, file.data, file.size_bytes, NULL), VXS_OK);
     vxs_bake_bytes_free(&file);
 }

@@ -1,0 +1,256 @@
+/* The map of curves of a light; see smoke_map.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/smoke/smoke_map.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/integer.h"
+#include "baker/base/parallel.h"
+#include "baker/base/vec3.h"
+#include "formats/vxs_space.h"
+#include "runtime/vxs_query.h"
+
+enum { TILE_PX = 8, TILE_TEXELS = TILE_PX * TILE_PX, ENDS_PX_MOST = 2 * TILE_PX + 2 };
+
+/* A map while it is made. */
+typedef struct maker {
+    const smoke_grid      *grid;
+    const vxs_baked_light *baked;
+    smoke_settings         settings;
+    uint32_t               levels, tiles_across, workers;
+    smoke_units            units;
+    uint8_t               *counts;     /* [maps * 4^levels] */
+    uint32_t             **tile_nodes; /* [tiles] owned; NULL: the tile has none */
+    smoke_path            *paths;      /* [workers] */
+    double                *errors;     /* [workers] the largest */
+    int                   *failed;     /* [workers] 1: no memory */
+} maker;
+
+/* A tile of curves. */
+typedef struct tile {
+    int32_t  map, x, y; /* its first texel */
+    int      has_ends;
+    uint32_t px,
+        ends[ENDS_PX_MOST *
+             ENDS_PX_MOST]; /* voxels where light ends last, of pixels of half a texel, or of a texel where that is one of the light's; from the
+                                                       pixel before the tile on */
+} tile;
+
+static int is_sun(const vxs_light *light)
+{
+    return light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+}
+
+/* space --------------------------------------------------------------------------------------------------------------------------- */
+
+/* The depth of a voxel's near side, metres along the map's axis. */
+static double metres_of(const vxs_light *light, double voxel)
+{
+    return is_sun(light) ? voxel * light->voxel_metres : light->near_metres * exp(voxel * light->voxel_metres);
+}
+
+/* The other way: 0 is the near side of the map. */
+static double voxel_of(const vxs_light *light, double metres)
+{
+    return is_sun(light) ? metres / light->voxel_metres : log(metres / light->near_metres) / light->voxel_metres;
+}
+
+/* Depth of a point in one of the light's maps. */
+static double depth_of(const vxs_light *light, int32_t map, const double ws[3])
+{
+    double ls[3], turned[3];
+    vxs_ls_from_ws(light, ws, 1, ls);
+    if (is_sun(light)) return ls[2] * light->voxel_metres;
+    vxs_face_from_ls(vxs_face_of_map(light, map), ls, turned);
+    return turned[2];
+}
+
+/* The ray through the middle of a texel: at depth d it is at from + d * way. */
+static void ray_of(const maker *k, int32_t map, double x, double y, double from[3], double way[3])
+{
+    const vxs_light *light   = &k->baked->light;
+    double           texel   = ldexp(1, (int)(light->levels - k->levels)), next[3];
+    const double     near[3] = {(x + 0.5) * texel, (y + 0.5) * texel, voxel_of(light, 1)},
+                 far[3]      = {near[0], near[1], voxel_of(light, 2)};
+    vxs_point(light, map, near, from);
+    vxs_point(light, map, far, next);
+    vec3_sub(next, from, way);
+    vec3_sub(from, way, from);
+}
+
+/* Units that have all depths of the grid's box, before which a lamp has no light. Returns 0: the light does not reach there. */
+static int find_units(maker *k)
+{
+    const vxs_light *light = &k->baked->light;
+    double           least = INFINITY, most = -INFINITY;
+    for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
+        for (int corner = 0; corner < 8; corner++) {
+            double ws[3];
+            smoke_grid_corner(k->grid, corner, ws);
+            double depth = depth_of(light, (int32_t)map, ws);
+            least        = fmin(least, depth);
+            most         = fmax(most, depth);
+        }
+    if (!is_sun(light)) {
+        least = fmax(least, 0);
+        if (light->range_metres > 0) most = fmin(most, light->range_metres);
+    }
+    float first = (float)least, step;
+    while ((double)first > least) first = nextafterf(first, -INFINITY);
+    step = (float)((most - (double)first) / 65535);
+    while ((double)first + 65535 * (double)step < most) step = nextafterf(step, INFINITY);
+    k->units = (smoke_units){(double)first, (double)step};
+    return most > least && step > 0;
+}
+
+/* where light ends ---------------------------------------------------------------------------------------------------------------- */
+
+static vxs_result find_ends(const maker *k, tile *t)
+{
+    uint32_t           halves = k->levels < k->baked->light.levels, pixels = halves ? 2 : 1;
+    int32_t            size = 1 << (k->baked->light.levels - k->levels - halves);
+    vxs_depth_map_desc desc = {.map     = t->map,
+                               .i       = (t->x * (int32_t)pixels - 1) * size,
+                               .j       = (t->y * (int32_t)pixels - 1) * size,
+                               .wide_px = pixels * TILE_PX + 2,
+                               .high_px = pixels * TILE_PX + 2,
+                               .shift   = k->baked->light.levels - k->levels - halves,
+                               .which   = VXS_DEPTH_GREATEST,
+                               .voxels  = t->ends};
+    t->px                   = desc.wide_px;
+    t->has_ends             = 1;
+    return vxs_depth_map(k->baked, &desc, NULL);
+}
+
+/* The depth at which light has ended for all places that ask a texel's curve; x and y count from the tile's. */
+static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
+{
+    uint32_t pixels = (t->px - 2) / TILE_PX, last = 0;
+    for (uint32_t j = y * pixels; j < (y + 1) * pixels + 2; j++)
+        for (uint32_t i = x * pixels; i < (x + 1) * pixels + 2; i++) last = max_u32(last, t->ends[j * t->px + i]);
+    return last < 1u << k->baked->light.levels ? metres_of(&k->baked->light, last + 1.0) : INFINITY;
+}
+
+/* curves -------------------------------------------------------------------------------------------------------------------------- */
+
+/* The path of a texel's ray.   Returns 0 without memory */
+static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, smoke_path *path)
+{
+    double from[3], way[3];
+    ray_of(k, t->map, t->x + (double)x, t->y + (double)y, from, way);
+    double range = k->baked->light.range_metres, begin = is_sun(&k->baked->light) ? -INFINITY : 0;
+    path->count = 0;
+    if (!smoke_grid_march(k->grid, from, way, begin, range > 0 ? range / sqrt(vec3_dot(way, way)) : INFINITY, path)) return 0;
+    if (!path->count) return 1;
+    if (!t->has_ends && find_ends(k, t) != VXS_OK) return 0;
+    smoke_path_cut(path, end_of(k, t, x, y));
+    return 1;
+}
+
+static void make_tile(maker *k, size_t number, uint32_t worker)
+{
+    size_t      in_map = (size_t)k->tiles_across * k->tiles_across;
+    smoke_path *path   = &k->paths[worker];
+    uint8_t    *counts = k->counts + number * TILE_TEXELS;
+    tile        t      = {.map = (int32_t)(number / in_map),
+                          .x   = (int32_t)(number % k->tiles_across) * TILE_PX,
+                          .y   = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
+    uint32_t    nodes[TILE_TEXELS * VXS_SMOKE_NODES_MAX], count = 0;
+    for (uint32_t n = 0; n < TILE_TEXELS; n++) {
+        if (!find_path(k, &t, n % TILE_PX, n / TILE_PX, path)) goto failed;
+        counts[n]         = (uint8_t)smoke_path_nodes(path, &k->units, k->settings.error, k->settings.nodes, nodes + count);
+        k->errors[worker] = fmax(k->errors[worker], smoke_path_error(path, &k->units, nodes + count, counts[n]));
+        count += counts[n];
+    }
+    if (!count) return;
+    if (!(k->tile_nodes[number] = malloc(count * sizeof *nodes))) goto failed;
+    memcpy(k->tile_nodes[number], nodes, count * sizeof *nodes);
+    return;
+failed:
+    k->failed[worker] = 1;
+}
+
+static void make_tiles(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    maker *k = user;
+    for (size_t n = begin; n < end && !k->failed[worker]; n++) make_tile(k, n, worker);
+}
+
+/* all of them --------------------------------------------------------------------------------------------------------------------- */
+
+static size_t tile_count(const maker *k)
+{
+    return (size_t)vxs_light_map_count(&k->baked->light) * k->tiles_across * k->tiles_across;
+}
+
+static int take_memory(maker *k)
+{
+    k->counts     = calloc(tile_count(k), TILE_TEXELS);
+    k->tile_nodes = calloc(tile_count(k), sizeof *k->tile_nodes);
+    k->paths      = calloc(k->workers, sizeof *k->paths);
+    k->errors     = calloc(k->workers, sizeof *k->errors);
+    k->failed     = calloc(k->workers, sizeof *k->failed);
+    return k->counts && k->tile_nodes && k->paths && k->errors && k->failed;
+}
+
+static void give_memory_back(maker *k)
+{
+    for (size_t n = 0; k->tile_nodes && n < tile_count(k); n++) free(k->tile_nodes[n]);
+    for (uint32_t n = 0; k->paths && n < k->workers; n++) smoke_path_free(&k->paths[n]);
+    free(k->counts);
+    free(k->tile_nodes);
+    free(k->paths);
+    free(k->errors);
+    free(k->failed);
+}
+
+/* Nodes of all tiles, one behind the other; of a map without any, nothing. */
+static int put_together(maker *k, smoke_map *map)
+{
+    map->texel_count = tile_count(k) * TILE_TEXELS;
+    for (size_t n = 0; n < map->texel_count; n++) {
+        map->node_count += k->counts[n];
+        map->curve_count += k->counts[n] > 0;
+    }
+    for (uint32_t n = 0; n < k->workers; n++) map->largest_error = fmax(map->largest_error, k->errors[n]);
+    if (!map->node_count) return 1;
+    map->word_count = 3 + tile_count(k) + map->node_count;
+    if (!(map->nodes = malloc(map->node_count * sizeof *map->nodes))) return 0;
+    uint32_t *to = map->nodes;
+    for (size_t number = 0; number < tile_count(k); number++) {
+        size_t count = 0;
+        for (int n = 0; n < TILE_TEXELS; n++) count += k->counts[number * TILE_TEXELS + (size_t)n];
+        if (count) memcpy(to, k->tile_nodes[number], count * sizeof *to);
+        if (count) map->word_count += TILE_TEXELS / 2;
+        to += count;
+    }
+    map->counts = k->counts;
+    k->counts   = NULL;
+    map->view   = (vxs_smoke_view){k->levels, (float)k->units.first_metres, (float)k->units.step_metres, map->counts, map->nodes};
+    return 1;
+}
+
+void smoke_map_free(smoke_map *map)
+{
+    free(map->counts);
+    free(map->nodes);
+    *map = (smoke_map){0};
+}
+
+vxs_result smoke_map_make(smoke_map *map, const smoke_grid *grid, const vxs_baked_light *baked, const smoke_settings *settings,
+                          bake_context *ctx)
+{
+    maker k = {.grid = grid, .baked = baked, .settings = *settings, .workers = max_u32(ctx->threads, 1), .levels = VXS_LEVELS_MIN};
+    while (k.levels < baked->light.levels && 1u << k.levels < settings->side_px) k.levels++;
+    k.tiles_across = 1u << (k.levels - 3);
+    if (!find_units(&k)) return context_check(ctx);
+    int done = take_memory(&k);
+    if (done) parallel_for(ctx->threads, tile_count(&k), 4, make_tiles, &k);
+    for (uint32_t n = 0; n < k.workers && done; n++) done = !k.failed[n];
+    done = done && put_together(&k, map);
+    give_memory_back(&k);
+    return done ? context_check(ctx)
+                : fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of light '%s'", baked->light.name);
+}

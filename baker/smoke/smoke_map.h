@@ -1,0 +1,40 @@
+/* What smoke leaves of one light: its map of curves, in the space of the light's maps.
+ *
+ * A curve is as long as light may still be asked for within a texel about its own: to where the last of the light's texels there ends, since a lookup weighs four
+ * curves, and each of them has to know all that lies before the place.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SMOKE_MAP_H
+#define SMOKE_MAP_H
+
+#include "baker/measure/context.h"
+#include "baker/smoke/smoke_grid.h"
+#include "formats/vxs_file.h"
+
+/* How smoke is baked. */
+typedef struct smoke_settings {
+    uint32_t
+             side_px; /* curves along a side of a map, a power of two, 8 or more; of lights whose maps are smaller, as many as they have texels */
+    uint32_t nodes; /* of a curve, at most: 4 to VXS_SMOKE_NODES_MAX */
+    double   error; /* of transmittance: a curve has no more nodes than it needs for this; 0 to 1 */
+} smoke_settings;
+
+/* Zero it; released with smoke_map_free. */
+typedef struct smoke_map {
+    vxs_smoke_view view; /* of what is owned below; counts NULL: the smoke loses none of the light */
+    uint8_t       *counts;
+    uint32_t      *nodes;
+    size_t         texel_count, curve_count, node_count;
+    size_t         word_count;    /* in memory (formats/vxs.md section 15) */
+    double         largest_error; /* of a curve, before a lookup weighs it */
+} smoke_map;
+
+/* Accepts a zeroed object. */
+void smoke_map_free(smoke_map *map);
+
+/* baked  a light with its words: where they end the light, its curves end
+ * map    [out]
+ * Returns VXS_OK, VXS_E_MEMORY, or what context_check returns. The same at any number of threads. */
+vxs_result smoke_map_make(smoke_map *map, const smoke_grid *grid, const vxs_baked_light *baked, const smoke_settings *settings,
+                          bake_context *ctx);
+
+#endif

@@ -1,0 +1,184 @@
+/* Grids of smoke: the optical depth of rays against quadrature, curves of few nodes against the paths that they are made of, and NRRD.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+
+#include "baker/smoke/nrrd_read.h"
+#include "formats/vxs_format.h"
+#include "random_lamp.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "repeats.h"
+#include "smoke_sample.h"
+
+static const smoke_balls balls      = {{{0, 2, 0}, {1, 3, 0.5}, {-1, 1, -0.5}}, {1.5, 1, 0.8}, {2, 5, 0.4}, 3};
+static const uint32_t    sizes[3]   = {23, 31, 17};
+static const double      axes[3][3] = {{0.2, 0.02, 0}, {-0.03, 0.15, 0.01}, {0, 0.04, 0.25}}, origin[3] = {-2, -0.4, -2.2};
+
+/* A ray between two places about the grid; some lie along an axis, or begin within. */
+static void random_ray(rng *r, int n, double from[3], double way[3])
+{
+    for (int i = 0; i < 3; i++) {
+        from[i] = uniform(r, -4, 4) + (i == 1 ? 2 : 0);
+        way[i]  = uniform(r, -1.5, 1.5) + (i == 1 ? 2 : 0) - from[i];
+    }
+    if (n % 4 == 0) memcpy(way, axes[n / 4 % 3], sizeof axes[0]);
+    if (n % 8 == 0)
+        for (int i = 0; i < 3; i++) from[i] = origin[i] + 3 * axes[0][i] + 4 * axes[1][i] + 5 * axes[2][i];
+}
+
+/* By the rule of midpoints. */
+static double thick_by_steps(const smoke_grid *g, const double from[3], const double way[3], double begin, double end)
+{
+    enum { STEPS = 3000 };
+    double sum = 0, ws[3];
+    for (int n = 0; n < STEPS; n++) {
+        for (int i = 0; i < 3; i++) ws[i] = from[i] + (begin + (end - begin) * (n + 0.5) / STEPS) * way[i];
+        sum += sampled(g, axes, origin, ws);
+    }
+    return sum * (end - begin) / STEPS * sqrt(dot(way, way));
+}
+
+static void test_rays_have_the_integral(void **state)
+{
+    (void)state;
+    smoke_grid g    = sample_grid(&balls, sizes, axes, origin);
+    smoke_path path = {0};
+    rng        r    = {2};
+    int        met  = 0;
+    for (int n = 0; n < (int)repeats(120, 2000); n++) {
+        double from[3], way[3];
+        random_ray(&r, n, from, way);
+        path.count = 0;
+        assert_int_equal(smoke_grid_march(&g, from, way, -3, 5, &path), 1);
+        double end = uniform(&r, -1, 3), whole = path.count ? path.thick[path.count - 1] : 0;
+        for (size_t k = 1; k < path.count; k++)
+            assert_true(path.depth[k] > path.depth[k - 1] && path.thick[k] >= path.thick[k - 1] && path.depth[k] <= 5);
+        met += whole > 0.1;
+        if (whole > SMOKE_OPAQUE) continue;
+        assert_true(fabs(whole - thick_by_steps(&g, from, way, -3, 5)) < 2e-3 * whole + 1e-6);
+        assert_true(fabs(smoke_path_thick(&path, end) - thick_by_steps(&g, from, way, -3, end)) <
+                    2e-3 * whole + 0.012); /* a line in a piece */
+        smoke_path_cut(&path, end);
+        if (path.count) assert_true(path.depth[path.count - 1] <= end);
+    }
+    assert_in_range(met, 40, 2000);
+    smoke_path_free(&path);
+    smoke_grid_free(&g);
+}
+
+static void test_places_have_eight_samples(void **state)
+{
+    (void)state;
+    smoke_grid g = sample_grid(&balls, sizes, axes, origin);
+    rng        r = {4};
+    for (int n = 0; n < 2000; n++) {
+        const double ws[3] = {uniform(&r, -4, 4), uniform(&r, -1, 6), uniform(&r, -4, 4)};
+        assert_true(fabs(smoke_grid_extinction(&g, ws) - sampled(&g, axes, origin, ws)) < 1e-9);
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        double ws[3], wanted;
+        smoke_grid_corner(&g, corner, ws);
+        for (int i = 0; i < 3; i++) {
+            wanted = origin[i];
+            for (int n = 0; n < 3; n++) wanted += (corner >> n & 1 ? sizes[n] - 0.5 : -0.5) * axes[n][i];
+            assert_true(fabs(ws[i] - wanted) < 1e-9);
+        }
+    }
+    smoke_grid_free(&g);
+}
+
+/* nodes --------------------------------------------------------------------------------------------------------------------------- */
+
+static void random_path(rng *r, smoke_path *path)
+{
+    double at   = uniform(r, 0, 5);
+    path->count = 0;
+    for (uint32_t n = rng_between(r, 1, 150); n > 0; n--) {
+        double next = at + uniform(r, 0.05, 0.15);
+        if (rng_below(r, 3)) assert_int_equal(smoke_path_add(path, at, next, uniform(r, 0.001, rng_below(r, 20) ? 0.05 : 0.6)), 1);
+        at = next;
+    }
+}
+
+/* What a curve says of a depth in units: formats/vxs.md section 15 by a scan. */
+static double nodes_left(const uint32_t *nodes, uint32_t count, double unit)
+{
+    double left = 65535;
+    for (uint32_t n = 0; n < count && (nodes[n] & 0xffff) <= unit; n++) {
+        left = nodes[n] >> 16;
+        if (n + 1 == count) break;
+        double near = nodes[n] & 0xffff, far = nodes[n + 1] & 0xffff;
+        if (far > unit) left += (unit - near) / (far - near) * ((nodes[n + 1] >> 16) - left);
+    }
+    return left / 65535;
+}
+
+static void test_nodes_keep_near_the_path(void **state)
+{
+    (void)state;
+    const smoke_units units = {-1.5, 0.0005};
+    smoke_path        path  = {0};
+    rng               r     = {9};
+    uint32_t          full = 0, few = 0;
+    for (int n = 0; n < 1000; n++) {
+        uint32_t nodes[VXS_SMOKE_NODES_MAX], most = rng_between(&r, 4, VXS_SMOKE_NODES_MAX);
+        double   error = rng_below(&r, 4) ? uniform(&r, 0.001, 0.05) : 0, farthest = 0;
+        random_path(&r, &path);
+        uint32_t count = smoke_path_nodes(&path, &units, error, most, nodes);
+        assert_in_range(count, 0, most);
+        for (uint32_t k = 1; k < count; k++)
+            assert_true((nodes[k] & 0xffff) > (nodes[k - 1] & 0xffff) && nodes[k] >> 16 <= nodes[k - 1] >> 16);
+        if (count) { /* all light before it, and behind it what is left of the whole */
+            assert_int_equal(nodes[0] >> 16, 65535);
+            assert_true(fabs((nodes[count - 1] >> 16) / 65535.0 - exp(-path.thick[path.count - 1])) <= 0.5 / 65535 + 1e-12);
+        }
+        for (size_t k = 0; k < path.count; k++) {
+            double unit = (path.depth[k] - units.first_metres) / units.step_metres;
+            farthest    = fmax(farthest, fabs(nodes_left(nodes, count, unit) - exp(-path.thick[k])));
+        }
+        assert_true(fabs(farthest - smoke_path_error(&path, &units, nodes, count)) < 1e-12);
+        if (count < most) assert_true(farthest <= error + 0.004); /* a step of a unit in the steepest of these paths */
+        full += count == most;
+        few += count && count < most;
+    }
+    assert_in_range(full, 100, 900);
+    assert_in_range(few, 100, 900);
+    smoke_path_free(&path);
+}
+
+static void test_more_nodes_are_nearer(void **state)
+{
+    (void)state;
+    const smoke_units units  = {-1.5, 0.0005};
+    smoke_path        path   = {0};
+    rng               r      = {12};
+    double            sum[3] = {0, 0, 0};
+    for (int n = 0; n < 300; n++) {
+        uint32_t nodes[VXS_SMOKE_NODES_MAX];
+        random_path(&r, &path);
+        for (int k = 0; k < 3; k++) {
+            uint32_t count = smoke_path_nodes(&path, &units, 0, 4u << k, nodes);
+            sum[k] += smoke_path_error(&path, &units, nodes, count);
+        }
+    }
+    assert_true(sum[0] > 1.5 * sum[1] && sum[1] > 1.5 * sum[2]);
+    smoke_path_free(&path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_places_have_eight_samples),
+        cmocka_unit_test(test_rays_have_the_integral),
+        cmocka_unit_test(test_nodes_keep_near_the_path),
+        cmocka_unit_test(test_more_nodes_are_nearer),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,276 @@
+/* What smoke leaves of lights that are baked: lookups in maps of curves against the integral along the light's rays, before what is opaque and in the light of a sun, a spot
+ * and a point light; and the same in shaders.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/opengl/gl.h"
+
+#include <math.h>
+
+#include "baker/smoke/smoke_bake.h"
+#include "random_lamp.h"
+
+/* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "smoke_sample.h"
+#include "volumes_scene.h"
+
+enum { RESOLUTION = 64, SIDE = 32, TILES = SIDE / 8 * SIDE / 8, STEPS = 200 };
+
+/* Over the ground of the scene, and in it. */
+static const smoke_balls balls = {
+    {{0, 2, 0}, {4, 4, 1}, {-3, 1, -4}, {-1, 6, 0.5}, {0.5, 0, 5}}, {3, 2.5, 2, 1, 2}, {0.35, 0.5, 1, 0.6, 0.9}, 5};
+static const uint32_t sizes[3]   = {45, 33, 41};
+static const double   axes[3][3] = {{0.4, 0.03, 0}, {-0.02, 0.3, 0}, {0, 0.02, 0.4}}, origin[3] = {-8.5, -1.2, -8};
+
+static volumes_scene s;
+static smoke_grid    grid;
+static vxs_bytes     plain; /* the scene's asset without smoke */
+
+/* The scene's asset, with smoke by these settings. */
+static vxs_asset *smoky_asset(const smoke_settings *settings, uint32_t threads, smoke_counts counts[SCENE_LIGHTS])
+{
+    message      m    = {0};
+    bake_context ctx  = {.message = &m, .threads = threads};
+    vxs_bytes    file = {.data = malloc(plain.size_bytes), .size_bytes = plain.size_bytes};
+    vxs_asset   *asset;
+    assert_non_null(file.data);
+    memcpy(file.data, plain.data, plain.size_bytes);
+    assert_int_equal(smoke_bake(&file, &grid, settings, 3, counts, &ctx), VXS_OK);
+    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+    free(file.data);
+    return asset;
+}
+
+static int make_scene(void **state)
+{
+    (void)state;
+    rng            r = {7};
+    vxs_bake_bytes file;
+    scene_boxes(&s, &r);
+    scene_bake_file(&s, RESOLUTION, &file);
+    plain = (vxs_bytes){malloc(file.size_bytes), file.size_bytes, file.size_bytes};
+    if (!plain.data) return 1;
+    memcpy(plain.data, file.data, file.size_bytes);
+    vxs_bake_bytes_free(&file);
+    grid = sample_grid(&balls, sizes, axes, origin);
+    return 0;
+}
+
+static int free_scene(void **state)
+{
+    (void)state;
+    free(plain.data);
+    smoke_grid_free(&grid);
+    return 0;
+}
+
+/* Optical depth of the light's way to a place, by midpoints: of a lamp from it on, of a sun from before all smoke. */
+static double thick_to(const vxs_light *light, const double ws[3])
+{
+    double from[3], sum = 0, length = 0;
+    for (int n = 0; n < 3; n++) {
+        from[n] = ws[n] - 30 * light->direction_ws[n];
+        if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) continue;
+        from[n] = 0; /* rows of a lamp's matrix are of length 1 */
+        for (int row = 0; row < 3; row++) from[n] -= light->ls_from_ws[4 * row + n] * light->ls_from_ws[4 * row + 3];
+    }
+    for (int n = 0; n < 3; n++) length += (ws[n] - from[n]) * (ws[n] - from[n]);
+    for (int k = 0; k < STEPS; k++) {
+        double at[3];
+        for (int n = 0; n < 3; n++) at[n] = from[n] + (k + 0.5) / STEPS * (ws[n] - from[n]);
+        sum += sampled(&grid, axes, origin, at);
+    }
+    return sum * sqrt(length) / STEPS;
+}
+
+/* Texels across and down, and voxels, of a place in a map; by names of axes. */
+static void map_place(const vxs_light *light, int map, const double ws[3], double at[3])
+{
+    double ls[3], p[3], side = ldexp(1, (int)light->levels);
+    for (int row = 0; row < 3; row++) ls[row] = dot(light->ls_from_ws + 4 * row, ws) + light->ls_from_ws[4 * row + 3];
+    memcpy(at, ls, sizeof ls);
+    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return;
+    const char *names = map_axes[map_count(light) > 1 ? map : 4];
+    for (int n = 0; n < 3; n++) p[n] = names[n] < 'a' ? -ls[names[n] - 'X'] : ls[names[n] - 'x'];
+    at[0] = side / 2 + p[0] / p[2] / light->texel_metres;
+    at[1] = side / 2 + p[1] / p[2] / light->texel_metres;
+    at[2] = log(p[2] / light->near_metres) / light->voxel_metres;
+}
+
+/* What four texels' rays have left at the depth of a place, weighed: what a lookup would say if curves were exact.   Returns -1: outside */
+static double weighed(const vxs_light *light, uint32_t side, const double ws[3])
+{
+    double  texel = ldexp(1, (int)light->levels) / side, at[3], left = 0;
+    int32_t voxel[3];
+    int     map = vxs_voxel(light, ws, NULL, 1, voxel);
+    if (map < 0) return -1;
+    map_place(light, map, ws, at);
+    double u = at[0] / texel - 0.5, v = at[1] / texel - 0.5;
+    for (int n = 0; n < 4; n++) {
+        double x = fmin(fmax(floor(u) + (n & 1), 0), side - 1), y = fmin(fmax(floor(v) + (n >> 1), 0), side - 1), there[3];
+        double weight = (n & 1 ? u - floor(u) : 1 - u + floor(u)) * (n > 1 ? v - floor(v) : 1 - v + floor(v));
+        vxs_point(light, map, (const double[3]){(x + 0.5) * texel, (y + 0.5) * texel, at[2]}, there);
+        left += weight * exp(-thick_to(light, there));
+    }
+    return left;
+}
+
+/* Somewhere in the scene where a light comes to. */
+static int random_lit_place(rng *r, const vxs_baked_light *baked, double ws[3])
+{
+    ws[0] = uniform(r, -9, 9);
+    ws[1] = uniform(r, 0, 9);
+    ws[2] = uniform(r, -9, 9);
+    return vxs_lookup(baked, ws, NULL, 1) == 1;
+}
+
+static void test_lookups_are_near_the_integral(void **state)
+{
+    (void)state;
+    const smoke_settings settings = {.side_px = SIDE, .nodes = 16, .error = 0.001};
+    smoke_counts         counts[SCENE_LIGHTS];
+    vxs_asset           *asset = smoky_asset(&settings, 1, counts);
+    rng                  r     = {1};
+    for (uint32_t light = 0; light < SCENE_LIGHTS; light++) {
+        const vxs_baked_light *baked  = vxs_asset_light(asset, light);
+        double                 square = 0, most = 0;
+        uint32_t               asked = 0, dimmed = 0;
+        assert_in_range(counts[light].curves, 50, 6 * SIDE * SIDE);
+        for (int n = 0; n < (int)repeats(12000, 200000); n++) {
+            double ws[3];
+            if (!random_lit_place(&r, baked, ws)) continue;
+            double found = (double)vxs_smoke_lookup(&baked->light, vxs_asset_smoke(asset, light), ws);
+            if (found > 0.99 ? n % 64 : n % 4) continue; /* most of it would tell nothing new */
+            double exact = weighed(&baked->light, SIDE, ws);
+            double truth = exp(-thick_to(&baked->light, ws));
+            assert_true(fabs(found - exact) < counts[light].largest_error + 0.003); /* and quadrature's */
+            square += (found - truth) * (found - truth);
+            most = fmax(most, fabs(found - truth));
+            dimmed += truth < 0.95;
+            asked++;
+        }
+        print_message("light %u: RMS %.4f, largest %.4f at %u lit places, %u of them in shadow of smoke; curves within %.4f\n",
+                      light, sqrt(square / asked), most, asked, dimmed, counts[light].largest_error);
+        assert_in_range(dimmed, 100, asked);
+        assert_true(counts[light].largest_error < 0.01);
+        assert_true(sqrt(square / asked) < 0.04 && most < 0.25);
+    }
+    vxs_asset_close(asset);
+}
+
+/* Along a ray, from the light on, less and less is left. */
+static void test_light_falls_along_rays(void **state)
+{
+    (void)state;
+    const smoke_settings settings = {.side_px = SIDE, .nodes = 6, .error = 0.005};
+    smoke_counts         counts[SCENE_LIGHTS];
+    vxs_asset           *asset = smoky_asset(&settings, 1, counts);
+    rng                  r     = {2};
+    for (int n = 0; n < 900; n++) {
+        uint32_t         number = (uint32_t)n % SCENE_LIGHTS;
+        const vxs_light *light  = &vxs_asset_light(asset, number)->light;
+        double           side = ldexp(1, (int)light->levels), at[3] = {uniform(&r, 0, side), uniform(&r, 0, side), 0}, before = 1;
+        int              map = (int)rng_below(&r, vxs_light_map_count(light));
+        for (at[2] = -0.5; at[2] < side; at[2] += side / 40) {
+            double ws[3];
+            vxs_point(light, map, at, ws);
+            double left = (double)vxs_smoke_lookup(light, vxs_asset_smoke(asset, number), ws);
+            if (vxs_voxel(light, ws, NULL, 1, (int32_t[3]){0}) != map) continue; /* beyond a cone, or a face of a cube */
+            assert_true(left <= before + 1e-6);
+            before = left;
+        }
+    }
+    vxs_asset_close(asset);
+}
+
+/* A curve ends where light does within a texel about it: nodes lie before that; and without what is opaque there are more of them. */
+static void test_what_lies_behind_is_dropped(void **state)
+{
+    (void)state;
+    const smoke_settings settings = {.side_px = SIDE, .nodes = 16, .error = 0.001};
+    smoke_counts         counts[SCENE_LIGHTS];
+    vxs_asset           *asset = smoky_asset(&settings, 1, counts);
+    uint32_t             cut   = 0;
+    for (uint32_t number = 0; number < SCENE_LIGHTS; number++) {
+        const vxs_baked_light *baked = vxs_asset_light(asset, number);
+        const vxs_baked_smoke *smoke = vxs_asset_smoke(asset, number);
+        const vxs_light       *light = &baked->light;
+        int32_t                texel = RESOLUTION / SIDE, side = 1 << light->levels;
+        float                  units[2];
+        memcpy(units, smoke->words + 1, sizeof units);
+        for (uint32_t n = 0; n < SIDE * SIDE * vxs_light_map_count(light); n++) {
+            uint32_t x = n % SIDE, y = n / SIDE % SIDE, map = n / (SIDE * SIDE),
+                     tile        = smoke->words[3 + TILES * map + y / 8 * (SIDE / 8) + x / 8];
+            const uint16_t *ends = (const uint16_t *)(smoke->words + tile), *end = ends + x % 8 + 8 * (y % 8);
+            uint32_t        count = tile ? *end - (x % 8 + y % 8 ? end[-1] : 0u) : 0;
+            int32_t         last  = 0;
+            for (int32_t j = (int32_t)y * texel - texel / 2; j < (int32_t)(y + 1) * texel + texel / 2; j++)
+                for (int32_t i = (int32_t)x * texel - texel / 2; i < (int32_t)(x + 1) * texel + texel / 2; i++) {
+                    int32_t first = vxs_first_shadow(baked, (int)map, i, j, NULL);
+                    last          = first < 0 ? side : first > last ? first : last;
+                }
+            if (!count || last == side) continue;
+            double depth = (double)units[0] + (smoke->words[tile + 32 + *end - 1] & 0xffff) * (double)units[1], voxel;
+            voxel        = light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? depth / light->voxel_metres
+                                                                     : log(depth / light->near_metres) / light->voxel_metres;
+            assert_true(voxel < last + 1.05);
+            cut += voxel > last + 0.9;
+        }
+    }
+    assert_true(cut >= 20); /* smoke that goes on behind */
+    vxs_asset_close(asset);
+}
+
+static void test_threads_make_no_difference(void **state)
+{
+    (void)state;
+    const smoke_settings settings = {.side_px = 32, .nodes = 8, .error = 0.005};
+    smoke_counts         one[SCENE_LIGHTS], many[SCENE_LIGHTS];
+    vxs_asset           *a = smoky_asset(&settings, 1, one), *b = smoky_asset(&settings, 7, many);
+    for (uint32_t n = 0; n < SCENE_LIGHTS; n++) {
+        const vxs_baked_smoke *x = vxs_asset_smoke(a, n), *y = vxs_asset_smoke(b, n);
+        assert_int_equal(x->word_count, y->word_count);
+        assert_memory_equal(x->words, y->words, x->word_count * sizeof *x->words);
+        assert_true(one[n].largest_error == many[n].largest_error && one[n].memory_bytes == 4 * x->word_count);
+    }
+    vxs_asset_close(a);
+    vxs_asset_close(b);
+}
+
+/* Smoke that no light meets is in no file; nor is more than the map of a light has texels. */
+static void test_what_is_not_needed_is_not_there(void **state)
+{
+    (void)state;
+    const smoke_settings settings  = {.side_px = 1024, .nodes = 8, .error = 0.005};
+    const double         beside[3] = {400, 0, 0};
+    smoke_grid           was       = grid;
+    smoke_counts         counts[SCENE_LIGHTS];
+    grid             = sample_grid(&balls, sizes, axes, origin);
+    vxs_asset *asset = smoky_asset(&settings, 2, counts);
+    for (uint32_t n = 0; n < SCENE_LIGHTS; n++) assert_int_equal(vxs_asset_smoke(asset, n)->side_px, RESOLUTION);
+    vxs_asset_close(asset);
+    assert_int_equal(smoke_grid_place(&grid, axes, beside), 1);
+    asset = smoky_asset(&settings, 2, counts);
+    for (uint32_t n = 0; n < SCENE_LIGHTS; n++) {
+        assert_null(vxs_asset_smoke(asset, n));
+        assert_int_equal(counts[n].curves, 0);
+    }
+    vxs_asset_close(asset);
+    smoke_grid_free(&grid);
+    grid = was;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lookups_are_near_the_integral),   cmocka_unit_test(test_light_falls_along_rays),
+        cmocka_unit_test(test_what_lies_behind_is_dropped),     cmocka_unit_test(test_threads_make_no_difference),
+        cmocka_unit_test(test_what_is_not_needed_is_not_there),
+    };
+    return cmocka_run_group_tests(tests, make_scene, free_scene);
+}
