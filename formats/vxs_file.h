@@ -68,6 +68,15 @@ typedef struct vxs_baked_smoke {
     uint32_t        section;    /* of the file: where they are from */
 } vxs_baked_smoke;
 
+/* Points of the surfaces that cast shadow, baked: as many on each as its part of the area is (formats/vxs.md section 16). */
+typedef struct vxs_baked_points {
+    const uint16_t *coordinates; /* [3 * count] units from low_ws on; NULL: there are none, and all else is 0 */
+    uint32_t        count;
+    uint32_t        section;       /* of the file: where they are from */
+    double          square_metres; /* that each stands for */
+    double          low_ws[3], step_metres;
+} vxs_baked_points;
+
 /* Where memory comes from. A NULL allocator, or one with NULL functions, is malloc and free. */
 typedef struct vxs_allocator {
     void *(*alloc)(size_t size_bytes, void *user); /* NULL when there is none */
@@ -91,7 +100,7 @@ typedef void vxs_finding_fn(void *user, int number, const char *text, int sectio
 
 /* Zero is every field's default. It may grow in later versions of the library, with which programs that know less of it keep running. */
 typedef struct vxs_read_desc {
-    size_t struct_size; /* sizeof(vxs_read_desc), as the caller knows it; 0: up to and with `parallel` */
+    size_t               struct_size;       /* sizeof(vxs_read_desc), as the caller knows it; 0: up to and with `parallel` */
     const vxs_allocator *allocator;         /* NULL: malloc and free; copied, but its functions must outlive what was read */
     uint64_t            memory_limit_bytes; /* 0: 256 times the file, but 64 MiB at least. More is refused before it is allocated */
     vxs_finding_fn     *finding;            /* NULL: nobody asks */
@@ -163,12 +172,21 @@ typedef struct vxs_write_light {
     vxs_blocks_view blocks; /* VXS_CODING_BLOCKS */
 } vxs_write_light;
 
+/* Points to be written, in any order: readers see them sorted. */
+typedef struct vxs_points_view {
+    const double *places_ws;     /* [3 * count] */
+    uint32_t      count;         /* 1 to VXS_POINTS_MAX */
+    double        square_metres; /* that each stands for */
+    double step_metres; /* > 0: places are rounded to such units, or larger ones where the box about them has more than 65535 */
+} vxs_points_view;
+
 typedef struct vxs_write_desc {
     const vxs_write_light *lights;
     uint32_t               light_count;
     const char            *metadata;   /* JSON text, NUL-terminated; NULL: none */
     int                    zstd_level; /* 1..19 */
     const vxs_parallel    *parallel;   /* NULL: the caller's thread does all. What is written does not depend on it */
+    const vxs_points_view *points;     /* NULL: none */
 } vxs_write_desc;
 
 typedef struct vxs_bytes {
@@ -181,15 +199,15 @@ typedef struct vxs_bytes {
  * out  [out] grown with realloc; zero it first, release with free(out->data).
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for a light (number of lights, levels, coding, or words; an
  * empty, unterminated or repeated name; a DAG without as many levels, or without its roots; blocks that are not in canonical order, or of no
- * packing), or zstd_level is out of range. A light's other numbers are written as they are: vxs_read says whether they make sense.
+ * packing), points that are no numbers, none or too many, or zstd_level is out of range. A light's other numbers are written as they are: vxs_read says whether they make sense.
  * The runtime library does not hold this function: games only read. */
 vxs_result vxs_write(vxs_bytes *out, const vxs_write_desc *desc);
 
 /* Smoke of a light to be written (formats/vxs.md section 15). A node is a depth, and in the high half what is left there, of 65535; along a curve the
  * first never falls, the other never rises. */
 typedef struct vxs_smoke_view {
-    uint32_t        levels;                    /* maps have 2^levels curves a side: 3 to those of the light, and VXS_SMOKE_LEVELS_MAX */
-    float           first_metres, step_metres; /* depth d is first + d * step metres along the map's axis */
+    uint32_t levels;                    /* maps have 2^levels curves a side: 3 to those of the light, and VXS_SMOKE_LEVELS_MAX */
+    float    first_metres, step_metres; /* depth d is first + d * step metres along the map's axis */
     const uint8_t *
         counts; /* [maps][4^levels] nodes of each curve, up to VXS_SMOKE_NODES_MAX: tiles of 8 x 8 texels by rows, and so texels of each
                                tile; NULL: the light has no smoke */

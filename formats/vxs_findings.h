@@ -51,7 +51,10 @@
     X(601, VXS_E_CORRUPT,   "a light's smoke has a size that its head and counts do not give")         \
     X(602, VXS_E_CORRUPT,   "the head of a light's smoke is out of range")                             \
     X(603, VXS_E_CORRUPT,   "a tile of smoke has no curve, or one of too many nodes")                  \
-    X(604, VXS_E_CORRUPT,   "a curve of smoke leaves the range of depths or of transmittance")
+    X(604, VXS_E_CORRUPT,   "a curve of smoke leaves the range of depths or of transmittance")         \
+    X(701, VXS_E_CORRUPT,   "the points have a size that their count does not give")                   \
+    X(702, VXS_E_CORRUPT,   "the head of the points is out of range")                                  \
+    X(703, VXS_E_CORRUPT,   "a point leaves the range of coordinates")
 /* clang-format on */
 
 #endif

@@ -36,6 +36,7 @@
 #define VXS_KIND_PAGES       0x45474150u /* "PAGE" */
 #define VXS_KIND_METADATA    0x4154454du /* "META" */
 #define VXS_KIND_SMOKE       0x454b4d53u /* "SMKE" */
+#define VXS_KIND_POINTS      0x53544e50u /* "PNTS" */
 #define VXS_SECTION_OPTIONAL 1u          /* entry flag: a reader that does not know the kind skips the section */
 #define VXS_SECTION_STORED   2u          /* entry flag: the stored bytes are the content, and no frame; from version 2 on */
 #define VXS_NO_LIGHT         0xffffffffu /* entry belongs to the file, not to one light */
@@ -89,6 +90,13 @@
 #define VXS_SMOKE_STEP_METRES  8
 #define VXS_SMOKE_NODE_COUNT   12
 
+/* vxs.md section 16: points of what casts */
+#define VXS_POINTS_PREFIX_BYTES  44
+#define VXS_POINTS_SQUARE_METRES 0
+#define VXS_POINTS_LOW           8
+#define VXS_POINTS_STEP_METRES   32
+#define VXS_POINTS_POINT_COUNT   40
+
 /* vxs.md section 9: limits */
 #define VXS_SECTIONS_MAX 20480u
 #define VXS_LIGHTS_MAX   1024u
@@ -99,6 +107,7 @@
 
 #define VXS_SMOKE_LEVELS_MAX 13u /* maps of 8192 x 8192 curves */
 #define VXS_SMOKE_NODES_MAX  16u /* of a curve */
+#define VXS_POINTS_MAX       0x400000u
 
 /* vxs.md section 6: what a child of a node is, two bits each */
 #define VXS_CHILD_LIT    0u

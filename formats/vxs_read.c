@@ -109,8 +109,8 @@ static int has_blocks(const vxs_reader *r)
 
 static int known_kind(const vxs_reader *r, uint32_t kind)
 {
-    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || kind == VXS_KIND_SMOKE || vxs_is_dag_section(kind) ||
-           (has_blocks(r) && vxs_is_blocks_section(kind));
+    return kind == VXS_KIND_LIGHTS || kind == VXS_KIND_METADATA || kind == VXS_KIND_SMOKE || kind == VXS_KIND_POINTS ||
+           vxs_is_dag_section(kind) || (has_blocks(r) && vxs_is_blocks_section(kind));
 }
 
 /* What is stored as it is says its size twice. Of a kind that is known, it is known whether it is. */
@@ -393,11 +393,18 @@ static void read_all(vxs_reader *r)
             vxs_read_dag(r, baked);
     }
     if (go_on(r)) vxs_read_smoke(r);
+    if (go_on(r)) vxs_read_points(r);
     if (go_on(r)) vxs_read_metadata(r);
 }
 
-vxs_result vxs_read_with_smoke(vxs_contents *contents, vxs_baked_smoke **smoke, const void *bytes, size_t size_bytes,
-                               const vxs_read_desc *desc)
+void vxs_beside_free(vxs_beside *beside, uint32_t light_count, const vxs_allocator *allocator)
+{
+    vxs_smoke_free(beside->smoke, light_count, allocator);
+    vxs_points_free(&beside->points, allocator);
+}
+
+vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const void *bytes, size_t size_bytes,
+                           const vxs_read_desc *desc)
 {
     vxs_reader r     = {.bytes = bytes, .size = size_bytes};
     vxs_result taken = vxs_read_desc_take(&r.desc, desc);
@@ -408,11 +415,12 @@ vxs_result vxs_read_with_smoke(vxs_contents *contents, vxs_baked_smoke **smoke, 
 
     read_all(&r);
     ZSTD_freeDCtx(r.zstd);
+    vxs_beside found = {r.smoke, r.points};
     if (r.result == VXS_OK) {
         *contents = r.out;
-        *smoke    = r.smoke;
+        *beside   = found;
     } else {
-        vxs_smoke_free(r.smoke, r.out.light_count, &r.allocator);
+        vxs_beside_free(&found, r.out.light_count, &r.allocator);
         vxs_contents_free(&r.out);
     }
     return r.result;
@@ -420,9 +428,9 @@ vxs_result vxs_read_with_smoke(vxs_contents *contents, vxs_baked_smoke **smoke, 
 
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
 {
-    vxs_baked_smoke *smoke;
-    vxs_result       r = vxs_read_with_smoke(contents, &smoke, bytes, size_bytes, desc);
-    if (r == VXS_OK) vxs_smoke_free(smoke, contents->light_count, &contents->allocator);
+    vxs_beside beside;
+    vxs_result r = vxs_read_beside(contents, &beside, bytes, size_bytes, desc);
+    if (r == VXS_OK) vxs_beside_free(&beside, contents->light_count, &contents->allocator);
     return r;
 }
 

@@ -21,8 +21,9 @@ struct vxs_reader {
     ZSTD_DCtx     *zstd;
     /* The stored bytes of a section, whose hash holds, until the next call; NULL: a finding. NULL: they are in the file's bytes */
     const uint8_t *(*load)(vxs_reader *r, int section);
-    void *load_user;
+    void            *load_user;
     vxs_baked_smoke *smoke; /* [out.light_count] NULL: no light has any */
+    vxs_baked_points points;
 };
 
 /* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
@@ -83,11 +84,26 @@ void vxs_read_smoke(vxs_reader *r);
 /* smoke  [count] NULL: there is none */
 void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *allocator);
 
+/* vxs_read_points.c ------------------------------------------------------------------------------------------------------------- */
+
+/* Check the points, where there are some, and lay out their coordinates. */
+void vxs_read_points(vxs_reader *r);
+
+/* Accepts none. */
+void vxs_points_free(vxs_baked_points *points, const vxs_allocator *allocator);
+
 /* vxs_read.c -------------------------------------------------------------------------------------------------------------------- */
 
-/* vxs_read, that gives the smoke, too.
- * smoke  [out] [light_count] released with vxs_smoke_free; NULL: no light has any. Written only when VXS_OK is returned */
-vxs_result vxs_read_with_smoke(vxs_contents *contents, vxs_baked_smoke **smoke, const void *bytes, size_t size_bytes,
-                               const vxs_read_desc *desc);
+/* What is read beside the contents, whose layout stays as it is. */
+typedef struct vxs_beside {
+    vxs_baked_smoke *smoke; /* [light_count] NULL: no light has any */
+    vxs_baked_points points;
+} vxs_beside;
+
+/* vxs_read, that gives what is beside, too.
+ * beside  [out] released with vxs_beside_free. Written only when VXS_OK is returned */
+vxs_result vxs_read_beside(vxs_contents *contents, vxs_beside *beside, const void *bytes, size_t size_bytes,
+                           const vxs_read_desc *desc);
+void       vxs_beside_free(vxs_beside *beside, uint32_t light_count, const vxs_allocator *allocator);
 
 #endif

@@ -146,6 +146,7 @@ static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
         r = add_light(s, &desc->lights[n], n, table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_LIGHTS, 0, VXS_NO_LIGHT, 0, &table);
     free(table.data);
+    if (r == VXS_OK && desc->points) r = vxs_add_points(s, desc->points);
     if (r == VXS_OK && desc->metadata) {
         vxs_bytes text = {.data = (uint8_t *)desc->metadata, .size_bytes = strlen(desc->metadata)};
         r              = vxs_add_section(s, VXS_KIND_METADATA, VXS_SECTION_OPTIONAL, VXS_NO_LIGHT, 0, &text);

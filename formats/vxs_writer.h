@@ -54,4 +54,9 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write_smoke. */
 vxs_result vxs_add_smoke(vxs_sections *s, const vxs_smoke_view *smoke, const vxs_light *light, uint32_t number);
 
+/* vxs_write_points.c -------------------------------------------------------------------------------------------------------------- */
+
+/* Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_write. */
+vxs_result vxs_add_points(vxs_sections *s, const vxs_points_view *view);
+
 #endif

@@ -9,9 +9,9 @@
 #include "vxs_reader.h"
 
 struct vxs_asset {
-    vxs_contents     contents;
-    vxs_baked_smoke *smoke; /* [contents.light_count] NULL: no light has any */
-    vxs_allocator    allocator;
+    vxs_contents  contents;
+    vxs_beside    beside;
+    vxs_allocator allocator;
 };
 
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
@@ -25,7 +25,7 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     if (!a) return VXS_E_MEMORY;
     memset(a, 0, sizeof *a);
     a->allocator = memory;
-    r            = vxs_read_with_smoke(&a->contents, &a->smoke, bytes, size_bytes, &known);
+    r            = vxs_read_beside(&a->contents, &a->beside, bytes, size_bytes, &known);
     if (r != VXS_OK) {
         memory.free(a, sizeof *a, memory.user);
         return r;
@@ -63,7 +63,7 @@ void vxs_asset_close(vxs_asset *asset)
 {
     if (!asset) return;
     vxs_allocator memory = asset->allocator;
-    vxs_smoke_free(asset->smoke, asset->contents.light_count, &memory);
+    vxs_beside_free(&asset->beside, asset->contents.light_count, &memory);
     vxs_contents_free(&asset->contents);
     memory.free(asset, sizeof *asset, memory.user);
 }
@@ -87,7 +87,24 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
 
 const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index)
 {
-    return asset->smoke && index < asset->contents.light_count && asset->smoke[index].words ? &asset->smoke[index] : NULL;
+    const vxs_baked_smoke *smoke = asset->beside.smoke;
+    return smoke && index < asset->contents.light_count && smoke[index].words ? &smoke[index] : NULL;
+}
+
+const vxs_baked_points *vxs_asset_points(const vxs_asset *asset)
+{
+    return asset->beside.points.coordinates ? &asset->beside.points : NULL;
+}
+
+void vxs_points_unpack(const vxs_baked_points *points, const double origin_ws[3], float *out)
+{
+    static const double zero[3] = {0, 0, 0};
+    const double       *origin  = origin_ws ? origin_ws : zero;
+    for (uint32_t n = 0; n < points->count; n++) {
+        for (int i = 0; i < 3; i++)
+            *out++ = (float)(points->low_ws[i] - origin[i] + points->step_metres * points->coordinates[3 * (size_t)n + (size_t)i]);
+        *out++ = (float)points->square_metres;
+    }
 }
 
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset)

@@ -58,6 +58,14 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
 /* What baked smoke leaves of light `index`; NULL where it has none. Valid until vxs_asset_close. Streams (vxs_stream.h) read none. */
 const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index);
 
+/* Points of the surfaces that cast shadow, for techniques that draw them; NULL where the file has none. Valid until vxs_asset_close. Streams read none. */
+const vxs_baked_points *vxs_asset_points(const vxs_asset *asset);
+
+/* The same as floats.
+ * origin_ws  metres that they count from: something near, for a float has 24 bits; NULL: (0, 0, 0)
+ * out        [4 * points->count] a place, and the square metres that it stands for: as vxs_area_point has them */
+void vxs_points_unpack(const vxs_baked_points *points, const double origin_ws[3], float *out);
+
 /* Everything that was read: sections, metadata. Valid until vxs_asset_close. */
 const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
 

@@ -8,8 +8,8 @@
 #include "baker/files/output_file.h"
 #include "runtime/vxs.h"
 
-vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata, vxs_bytes *out,
-                        message *m)
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata,
+                        const vxs_points_view *points, vxs_bytes *out, message *m)
 {
     vxs_write_light *lights = calloc(light_count, sizeof *lights);
     vxs_result       r      = VXS_E_MEMORY;
@@ -20,7 +20,8 @@ vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_
                                   .light_count = light_count,
                                   .metadata    = metadata,
                                   .zstd_level  = (int)o->zstd_level,
-                                  .parallel    = &threads};
+                                  .parallel    = &threads,
+                                  .points      = points};
         r                      = vxs_write(out, &desc);
     }
     free(lights);
@@ -30,6 +31,8 @@ vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_
 /* Sizes by part, from the file as a reader sees it. */
 static void report_contents(const vxs_contents *c, bake_report *report)
 {
+    for (uint32_t s = 0; s < c->section_count; s++)
+        if (c->sections[s].kind == VXS_KIND_POINTS) report->points_bytes = c->sections[s].stored_bytes;
     for (uint32_t n = 0; n < c->light_count; n++) {
         const vxs_baked_light *baked = &c->lights[n];
         light_report          *light = &report->lights[n];

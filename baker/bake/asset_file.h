@@ -9,10 +9,11 @@
 /* Encode lights.
  * coded     [light_count]
  * metadata  of the file (provenance.h); NULL: memory has run out
+ * points    NULL: none
  * out       [out] zero it first, release with free(out->data)
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_ARGUMENT when the format has no room for it. */
-vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata, vxs_bytes *out,
-                        message *m);
+vxs_result asset_encode(const bake_options *o, const coded_light *coded, uint32_t light_count, const char *metadata,
+                        const vxs_points_view *points, vxs_bytes *out, message *m);
 
 /* Read back what was encoded, as a game would, tell the report what it holds, and give it the name of the output,
  * where there is one. */

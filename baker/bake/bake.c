@@ -9,6 +9,7 @@
 
 #include "baker/bake/asset_file.h"
 #include "baker/bake/bake_light.h"
+#include "baker/bake/bake_points.h"
 #include "baker/bake/chosen_coder.h"
 #include "baker/bake/kept_squares.h"
 #include "baker/bake/light_columns.h"
@@ -172,11 +173,12 @@ static vxs_result bake_lights(const bake_options *o, const casters *c, coded_lig
 static vxs_result bake_file(const bake_options *o, const casters *c, kept_squares *kept, vxs_bytes *file, bake_report *report,
                             bake_context *ctx)
 {
-    size_t       count = report->plan->baked_count;
-    coded_light *coded = calloc(count, sizeof *coded);
-    char        *text  = NULL;
-    vxs_result   r     = VXS_E_MEMORY;
-    report->lights     = calloc(count, sizeof *report->lights);
+    size_t          count  = report->plan->baked_count;
+    coded_light    *coded  = calloc(count, sizeof *coded);
+    vxs_points_view points = {0};
+    char           *text   = NULL;
+    vxs_result      r      = VXS_E_MEMORY;
+    report->lights         = calloc(count, sizeof *report->lights);
     if (!coded || !report->lights) {
         fail(ctx->message, r, "out of memory for %zu lights", count);
         goto done;
@@ -187,11 +189,14 @@ static vxs_result bake_file(const bake_options *o, const casters *c, kept_square
     watch_say(o->watch, "compressing the file");
     stage_begin(ctx, STAGE_ENCODE);
     text = provenance_text(report);
-    if ((r = asset_encode(o, coded, report->light_count, text, file, ctx->message)) != VXS_OK) goto done;
+    if (o->points && (r = bake_points(&points, c, o->points, ctx->message)) != VXS_OK) goto done;
+    r = asset_encode(o, coded, report->light_count, text, o->points ? &points : NULL, file, ctx->message);
+    if (r != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     r = context_check(ctx);
 done:
     free(text);
+    free((void *)points.places_ws);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
     free(coded);
     return r;

@@ -47,6 +47,7 @@ json_t *bake_choices_json(const bake_options *o)
     set_coding(&object, o);
     set_word(&object, "gl", GL_CHOICES, (int)o->gl);
     json_set(&object, "zstd_level", json_integer(o->zstd_level));
+    if (o->points) json_set(&object, "points", json_integer(o->points));
     if (o->region_given) json_set(&object, "region_m", json_pack("[f,f,f,f,f,f]", b[0], b[1], b[2], b[3], b[4], b[5]));
     if (o->scene.exclude.count) json_set(&object, "exclude", json_texts(&o->scene.exclude));
     if (o->scene.include.count) json_set(&object, "include", json_texts(&o->scene.include));

@@ -80,6 +80,7 @@ typedef struct bake_options {
     const opengl_rendering *rendering; /* with MAPS_GL; NULL: this program has none */
     uint32_t                threads;
     uint32_t                zstd_level; /* 1..19 */
+    uint32_t                points;     /* of what casts, in the file; 0: none */
     baseline_mode           baseline;
     const char             *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
     double                  smoke_factor; /* on its numbers: extinction per metre */

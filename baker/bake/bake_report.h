@@ -62,6 +62,7 @@ typedef struct bake_report {
     char            renderer[128];
     char            cpu_class[16]; /* "" where the renderer does not depend on it */
     uint64_t        file_bytes;
+    uint64_t        points_bytes; /* of that, points of what casts */
     uint32_t        capsule_count;                        /* of the scene's smoke */
     casters         casters;                              /* counts only: no arrays */
     double          casters_min_ws[3], casters_max_ws[3]; /* metres */

@@ -225,7 +225,7 @@ static vxs_result merge_file(part_set *s, const bake_options *o, bake_report *re
     vxs_result r       = coded && report->lights ? VXS_OK : fail(ctx->message, VXS_E_MEMORY, "out of memory for %zu lights", count);
     if (r == VXS_OK) r = merge_lights(s, o, coded, report, ctx);
     watch_say(o->watch, "compressing the file");
-    if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, &file, ctx->message);
+    if (r == VXS_OK) r = asset_encode(o, coded, report->light_count, s->common.metadata, NULL, &file, ctx->message);
     for (size_t n = 0; n < count && coded; n++) coded_light_free(&coded[n]);
     free(coded);
     if (r == VXS_OK) r = asset_write(o, &file, report, ctx->message);

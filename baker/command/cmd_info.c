@@ -14,7 +14,7 @@
 #include "baker/options/options.h"
 #include "baker/report/report.h"
 
-/* What a section holds: parts of its light, most of them one; of others the kind is all that there is to say.
+/* What a section holds: parts of its light, most of them one, or its smoke; points; of others the kind is all that there is to say.
  * parts  [VXS_LEVELS_MAX] [out]
  * Returns how many, 1 at least. */
 static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t section)
@@ -26,6 +26,10 @@ static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t 
     if (smoke) parts[count++] = (vxs_part){"smoke", smoke->side_px, smoke->node_count, 4 * (uint64_t)smoke->word_count, section};
     for (uint32_t n = 0; s->light < c->light_count && n < c->lights[s->light].part_count; n++)
         if (c->lights[s->light].parts[n].section == section) parts[count++] = c->lights[s->light].parts[n];
+    if (s->kind == VXS_KIND_POINTS) {
+        uint32_t points = vxs_asset_points(asset)->count;
+        parts[count++]  = (vxs_part){"points", 0, points, points * 3 * (uint64_t)sizeof(uint16_t), section};
+    }
     if (!count)
         parts[count++] = (vxs_part){.kind = s->kind == VXS_KIND_LIGHTS     ? "lights"
                                             : s->kind == VXS_KIND_METADATA ? "metadata"
@@ -40,7 +44,7 @@ static void print_section(FILE *to, const vxs_asset *asset, uint32_t section)
     const vxs_section  *s = &c->sections[section];
     vxs_part            parts[VXS_LEVELS_MAX];
     uint32_t            count = section_parts(parts, asset, section);
-    char               name[32], memory[32], inflated[32], stored[32], light[VXS_LIGHT_NAME_BYTES];
+    char                name[32], memory[32], inflated[32], stored[32], light[VXS_LIGHT_NAME_BYTES];
     for (uint32_t n = 0; n < count; n++)
         fprintf(to, "%-10s %-16s %10u %12s %12s %12s\n", part_name(name, &parts[n]),
                 one_line(strcpy(light, s->light < c->light_count ? c->lights[s->light].light.name : "-")), parts[n].count,

@@ -121,7 +121,8 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
         return r;
     }
     if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) return r;
-    *contents = vxs_asset_contents(s->asset);
+    *contents              = vxs_asset_contents(s->asset);
+    c->options.area_points = vxs_asset_points(s->asset);
     return asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
 }
 
@@ -234,7 +235,8 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
 static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
 {
     const area_pass *areas = renderer_areas(drawn);
-    *w                     = (area_words){.scene = &s->scene, .gather = area_gather_names[c->options.area_gather]};
+    *w                     = (area_words){
+                            .scene = &s->scene, .gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
     if (areas) w->shares = area_pass_shares(areas);
     if (areas) w->points = area_pass_points(areas);
     return areas || (c->area_given && c->options.area_lamps);

@@ -124,6 +124,8 @@ vxs_result bake_arguments_check(bake_arguments *a, message *m)
     if (r != VXS_OK) return r;
     if (o->coding != CODING_DAG && a->dag_step_given)
         return fail(m, VXS_E_ARGUMENT, "--rule, --reuse, --compress and --stop are steps of a DAG: they need --coding dag");
+    if (o->points && o->parts)
+        return fail(m, VXS_E_ARGUMENT, "--points is of a whole asset, and --part makes a part of one: expected one of them");
     if (o->coding == CODING_DAG && a->pack_given)
         return fail(m, VXS_E_ARGUMENT, "--pack is of the pages of palette blocks: it needs --coding blocks");
     for (int axis = 0; axis < 3 && o->region_given; axis++)
@@ -200,6 +202,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "how maps are kept: palette blocks, or a DAG as in older work, larger and slower to look up (default blocks)", NULL},
         {"--pack", OPTION_CHOICE, &a->o.pack, 0, 0, PACK_CHOICES, NULL,
          "pages of palette blocks: in the fewest bytes, or in more that open many times faster (default small)", &a->pack_given},
+        {"--points", OPTION_U32, &a->o.points, 0, VXS_POINTS_MAX, NULL, "N",
+         "points of what casts, for shadows of area lights, 0 to 4194304, 0: none (default 0)", NULL},
         {"--level", OPTION_U32, &a->o.zstd_level, 1, 19, NULL, "L", "zstd level of the file, 1 to 19 (default 12)", NULL},
         {"--threads", OPTION_U32, &a->o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N",
          "threads; never changes the bytes (default all processors)", NULL},

@@ -36,18 +36,26 @@ struct area_pass {
 
 /* what is made once --------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result scatter(area_pass *p, message *m)
+/* Over the scene's triangles.   Returns how many: none, where they have no area. */
+static uint32_t scatter(const area_pass *p, float *positions, vxs_area_point *points)
 {
-    const scene    *s         = p->options.scene;
-    float          *positions = malloc(3 * s->vertex_count * sizeof *positions);
-    vxs_area_point *points    = malloc(POINTS * sizeof *points);
-    vxs_result      r = positions && points ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", POINTS);
-    for (size_t n = 0; n < 3 * s->vertex_count && r == VXS_OK; n++)
-        positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
-    if (r == VXS_OK && vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, POINTS) > 0) p->points = POINTS;
+    const scene *s = p->options.scene;
+    for (size_t n = 0; n < 3 * s->vertex_count; n++) positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
+    return vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, POINTS) > 0 ? POINTS : 0;
+}
+
+static vxs_result put_points(area_pass *p, message *m)
+{
+    const vxs_baked_points *baked     = p->options.points;
+    uint32_t                most      = baked ? baked->count : POINTS;
+    vxs_area_point         *points    = malloc(most * sizeof *points);
+    float                  *positions = malloc(3 * p->options.scene->vertex_count * sizeof *positions);
+    vxs_result r = points && positions ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    if (r == VXS_OK && baked) vxs_points_unpack(baked, p->options.middle_ws, points->place);
+    if (r == VXS_OK) p->points = baked ? most : scatter(p, positions, points);
     p->gl->GenBuffers(1, &p->buffer);
     p->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
-    if (p->points) p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, POINTS * sizeof *points, points, GL_STATIC_DRAW);
+    if (p->points) p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, p->points * (GLsizeiptr)sizeof *points, points, GL_STATIC_DRAW);
     free(positions);
     free(points);
     return r;
@@ -85,7 +93,7 @@ static vxs_result make(area_pass *p, message *m)
     if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
     p->gl->GenVertexArrays(1, &p->empty_array);
     for (uint32_t n = 0; n < p->count; n++) put_texture(p, n);
-    return scatter(p, m);
+    return put_points(p, m);
 }
 
 vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)

@@ -11,11 +11,12 @@
 extern const char *const area_gather_names[];
 
 typedef struct area_pass_options {
-    const scene    *scene;     /* with area lights; it outlives the pass */
-    const double   *middle_ws; /* [3] places count from there */
-    double          scale;     /* what radiance is times, before exposure */
-    uint32_t        lamps;     /* 1 to VXS_AREA_LAMPS */
-    vxs_area_gather gather;
+    const scene            *scene;     /* with area lights; it outlives the pass */
+    const vxs_baked_points *points;    /* that cast shadows; NULL: they are scattered over the scene's triangles */
+    const double           *middle_ws; /* [3] places count from there */
+    double                  scale;     /* what radiance is times, before exposure */
+    uint32_t                lamps;     /* 1 to VXS_AREA_LAMPS */
+    vxs_area_gather         gather;
 } area_pass_options;
 
 typedef struct area_pass area_pass;

@@ -29,10 +29,11 @@ typedef struct render_options {
     fog_by            fog_by;
     uint32_t          fog_steps, fog_grid; /* as for fog_pass_options */
 
-    const scene    *moving;          /* a scene of its own that moves; NULL: none */
-    double          moving_by_ws[3]; /* metres, from frame to frame */
-    uint32_t        area_lamps;      /* of the scene's area lights; 0: they do not shine */
-    vxs_area_gather area_gather;
+    const scene            *moving;          /* a scene of its own that moves; NULL: none */
+    double                  moving_by_ws[3]; /* metres, from frame to frame */
+    uint32_t                area_lamps;      /* of the scene's area lights; 0: they do not shine */
+    const vxs_baked_points *area_points;     /* as for area_pass_options */
+    vxs_area_gather         area_gather;
 
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */

@@ -215,6 +215,7 @@ static vxs_result make_fog(renderer *r, message *m)
 static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
     area_pass_options o = {.scene     = s,
+                           .points    = r->options.area_points,
                            .middle_ws = r->mesh.middle_ws,
                            .scale     = pi * r->scale,
                            .lamps     = r->options.area_lamps,

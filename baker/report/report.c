@@ -115,6 +115,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
                 1e3 * r->baseline_seconds);
     if (o->page_path) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
     fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
+    if (o->points) fprintf(to, "points       %u, %s\n", o->points, size_text(a, r->points_bytes));
     fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
 }
 
@@ -223,6 +224,9 @@ json_t *report_json(const bake_options *o, const bake_report *r, const message *
                   report_warnings_json(m), "stages", stages_json(r), "plan", plan_json(o, r), "total_seconds", r->total_seconds,
                   "peak_bytes", (json_int_t)r->peak_bytes, "baseline_seconds", r->baseline_seconds);
     if (o->resume_path) json_object_set_new(root, "squares", squares_json(o, r));
+    if (o->points)
+        json_object_set_new(root, "points",
+                            json_pack("{s:I, s:I}", "count", (json_int_t)o->points, "stored_bytes", (json_int_t)r->points_bytes));
     return root;
 }
 

@@ -120,6 +120,27 @@ def test_plan(lit):
     assert "area light quad 1 is left out: behind all that is seen\n" in said
 
 
+def test_points_of_the_asset(vxs, lit, tmp_path):
+    """A file may have the points: light that comes by them is as that by points of the scene. The reports say how many, and what they take."""
+    _, found, folder = lit(*CAMERA, "--area", 16, "--passes", tmp_path / "scene")
+    vxs("bake", folder / "level.gltf", "-o", tmp_path / "points.vxs", "--resolution", 64, "--baseline", "off", "--points", 50000, "--json", tmp_path / "bake.json")
+    told = json.loads((tmp_path / "bake.json").read_text())
+    jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "bake-report.schema.json").read_text())).validate(told)
+    vxs("info", tmp_path / "points.vxs", "--json", tmp_path / "info.json")
+    held = json.loads((tmp_path / "info.json").read_text())
+    jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "info.schema.json").read_text())).validate(held)
+    section = [s for s in held["sections"] if s["kind"] == "points"]
+    assert [(s["count"], s["stored_bytes"]) for s in section] == [(50000, told["points"]["stored_bytes"])] and told["points"]["count"] == 50000
+    assert told["points"]["stored_bytes"] < 3 * 50000 and held["metadata"]["options"]["points"] == 50000
+    vxs("render", folder / "level.gltf", tmp_path / "points.vxs", "-o", tmp_path / "out.png", "--width", SIZE[0], "--height", SIZE[1], "--samples", 1, *CAMERA,
+        "--area", 16, "--passes", tmp_path / "asset", "--json", tmp_path / "r.json")
+    area = json.loads((tmp_path / "r.json").read_text())["area"]
+    assert (area["points"], area["points_of"], found["area"]["points_of"]) == (50000, "asset", "scene")
+    there, here = (sum(linear(byte) for row in read_png((tmp_path / name / "area.png").read_bytes())[2] for byte in row) for name in ("scene", "asset"))
+    assert here == pytest.approx(there, rel=0.02)
+    assert "--points is of a whole asset" in vxs("bake", folder / "level.gltf", "-o", tmp_path / "a.part", "--part", "1/2", "--points", 9, status=2).stderr
+
+
 def test_off_and_none(lit):
     said, found, _ = lit(*CAMERA, "--area", 0)
     assert said == "" and "area" not in found

@@ -15,7 +15,7 @@
 
 /* reading, and what was found -------------------------------------------------------------------------------------------------- */
 
-enum { FINDINGS_END = 700 };
+enum { FINDINGS_END = 800 };
 
 static int produced[FINDINGS_END]; /* over all tests: how often each number was a file's first finding */
 
@@ -24,7 +24,8 @@ typedef struct findings {
     uint64_t offset;
 } findings;
 
-/* Whether a finding is one of palette blocks, or of smoke: test_format_blocks.c and test_smoke_file.c produce it; test_format.c all others. */
+/* Whether a finding is one of palette blocks, of smoke, or of points: test_format_blocks.c, test_smoke_file.c and test_points_file.c produce it; test_format.c all
+ * others. */
 static inline int is_of_blocks(int number)
 {
     return number == 212 || number == 309 || number == 310 || number / 100 == 5;
@@ -33,6 +34,11 @@ static inline int is_of_blocks(int number)
 static inline int is_of_smoke(int number)
 {
     return number / 100 == 6;
+}
+
+static inline int is_of_points(int number)
+{
+    return number / 100 == 7;
 }
 
 static inline vxs_result result_of(int number)

@@ -36,6 +36,8 @@ static void structs_of_the_library_keep_their_layout(void **state)
     assert_int_equal(sizeof(vxs_baked_light), 264 + VXS_LEVELS_MAX * sizeof(vxs_part));
     assert_int_equal(sizeof(vxs_baked_smoke), 32);
     assert_int_equal(AT(vxs_baked_smoke, section), 24);
+    assert_int_equal(sizeof(vxs_baked_points), 56);
+    assert_int_equal(AT(vxs_baked_points, low_ws), 24);
     assert_int_equal(sizeof(vxs_contents), 72);
     assert_int_equal(AT(vxs_contents, allocator), 48);
     assert_int_equal(sizeof(vxs_section), 48);
