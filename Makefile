@@ -144,8 +144,8 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_curves rival_volumes transmittance transmittance_fog volumes): $(reference.o)
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_curves rival_volumes transmittance transmittance_fog volumes): test_libs += -lgsl -lgslcblas
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes transmittance transmittance_fog volumes): $(reference.o)
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes transmittance transmittance_fog volumes): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
@@ -308,8 +308,8 @@ bench-lights: $B/vxs
 	@$(python) tests/bench/lights.py --vxs $< --json build/lights.json $(foreach o,gl size filter resolution frames runs,$(if $($o),--$o $($o)))
 
 # of a machine's graphics card: make bench-volumes gl=egl size=1920x1080 rounds=31
-bench-volumes bench-smoke: $B/vxs $(patsubst %,$B/tests/bench/%,volumes smoke)
-	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds values capsules clock only plots scenes,$(if $($o),--$o "$($o)"))
+bench-volumes bench-smoke: $B/vxs $(patsubst %,$B/tests/bench/%,volumes smoke area)
+	@$(python) tests/bench/volumes.py --build $B $(foreach o,gl size resolution rounds values capsules points samples clock only plots scenes,$(if $($o),--$o "$($o)"))
 bench-smoke: only := smoke
 
 # --- other goals -----------------------------------------------------------------------------------------------------------

@@ -1,275 +1,407 @@
-/* area: what an area light takes, beside its lamps one after the other, in one context.
+/* area: error against run time of the airlight of a rectangle that shines, by lamps on it whose shadow volumes are made together, and by rivals, in one process
+ * and context.
  *
- *     area FILE.vxs [--points N] [--width PX] [--height PX] [--rounds N] [--gl osmesa|egl] [--json FILE.json]
+ *     area SCENE --corner X,Y,Z --across X,Y,Z --up X,Y,Z --eye X,Y,Z --target X,Y,Z [--picture] [--points N] [--fog PER_METRE] [--json FILE.json] ...
  *
- * A screen of 2 x 1 metres with 1 to 256 lamps stands where the file's first lamp does, points of casters lie about it at random, and the view is of air. Each way draws the same lamps:
- *
- *     together      imperfect shadow maps, grids and a scan of all lamps, then what pixels gather: all of them, a ninth, or of a quarter of the pixels
- *     alone         the same passes of one lamp after the other, each with all the points that fall to it
- *     grids         vxs_volumes_grid of one lamp after the other, by a light map that is there
- *     marches       vxs_volumes_march of one lamp after the other, 64 steps of that map
- *
- * Maps are imperfect shadow maps alone; creation is what a view of one pixel takes, its maps among it. All ways take turns, --rounds times; OpenGL is waited for
- * before and behind each; medians, in milliseconds: of OSMesa's threads together, so that what else the machine does counts less, else of a clock.
+ * A knob is how many lamps are set, but of froxels, which have one light and slices. Imperfect shadow maps are made in each frame, as when all moves. Exact ones are
+ * light maps of an asset that is baked here, with a lamp at each of Halton's places and one in the middle. The reference is a mean over places of the rectangle and
+ * of the ray, with traced shadows (tests/volumes/area_reference.h). Creation is what a view of one pixel takes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <jansson.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
+#include <string.h>
 
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
-#include "baker/files/json_file.h"
-#include "baker/measure/clock.h"
-#include "baker/measure/spread.h"
+#include "baker/files/json_value.h"
 #include "baker/opengl/gl.h"
 #include "baker/options/options.h"
-#include "runtime/gl/vxs_gl.h"
+#include "baker/vxs_bake.h"
 #include "runtime/volumes/vxs_area_light.h"
+#include "tests/bench/volumes_bench.h"
+#include "tests/volumes/area_reference.h"
+#include "tests/volumes/rival_faces.h"
+#include "tests/volumes/rival_froxels.h"
 
-enum { ROUNDS_MAX = 31, COUNTS = 5 };
-static const uint32_t counts[COUNTS] = {1, 4, 16, 64, 256};
+enum { LAMPS = VXS_AREA_LAMPS, LIGHTS = LAMPS + 1, WIDE = 16, HIGH = 9, STEPS = 64 };
 
-typedef enum way { TOGETHER, NINTHS, QUARTER, ALONE, GRIDS, MARCHES, WAYS } way;
-static const char *const way_names[WAYS] = {"together", "together, ninths", "together, quarter", "alone", "grids", "marches"};
+typedef struct area {
+    double             corner_ws[3], across[3], up[3];
+    uint32_t           points, side_px, samples;
+    int                has_picture;
+    vxs_area_rectangle screen; /* places count from the eye */
+    float              picture[HIGH][WIDE][3];
+    area_source        source;
+    vxs_area_lamp      lamps[LAMPS]; /* of the frame */
+    vxs_area_light    *all, *one;    /* of all techniques */
+    uint32_t           lamps_most;   /* of those that have exact maps; behind them is one in the middle */
+    vxs_light_map     *maps[LIGHTS];
+    rival_faces       *faces;
+    GLuint             casters;
+    double            *off; /* [pixels] of the reference, about, at most */
+} area;
 
-typedef enum part { FRAME, CREATION, MAPS, PARTS } part;
+/* techniques ---------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct area_bench {
-    const char         *asset_path, *json_path;
-    uint32_t            points, width, height, rounds, threads;
-    int                 backend;
-    vxs_asset          *asset;
-    gl_context         *gl;
-    vxs_gl             *shadows;
-    vxs_volumes        *volumes;
-    vxs_light_map      *map;
-    vxs_shadow_grid    *grid;
-    vxs_area_light     *all, *one;
-    vxs_light_constants light;
-    float              *depths; /* zeros */
-    GLuint              casters;
-    vxs_volumes_frame   frames[2]; /* a view; one pixel of it */
-    vxs_area_lamp       lamps[VXS_AREA_LAMPS];
-    double              ms[PARTS][COUNTS][WAYS][ROUNDS_MAX];
-} area_bench;
-
-static vxs_gl_function lookup(const char *name, void *user)
+static vxs_result nothing(bench *b, void **state, uint32_t count)
 {
-    return (vxs_gl_function)((const gl_context *)user)->lookup(name);
-}
-
-static void say(const char *text, void *user)
-{
-    (void)user;
-    fprintf(stderr, "%s\n", text);
-}
-
-static vxs_result open_gl(area_bench *b, message *m)
-{
-    vxs_result r = vxs_asset_open_file(&b->asset, b->asset_path, NULL);
-    if (r != VXS_OK) return fail(m, r, "%s: %s", b->asset_path, vxs_result_text(r));
-    if ((r = gl_context_create(&b->gl, (gl_backend)b->backend, b->threads, m)) != VXS_OK) return r;
-    vxs_gl_desc words = {.struct_size = sizeof words, .get_proc_address = lookup, .user = b->gl, .asset = b->asset};
-    if ((r = vxs_gl_create(&b->shadows, &words)) != VXS_OK) return fail(m, r, "no words: %s", vxs_result_text(r));
-    vxs_gl_upload(b->shadows, SIZE_MAX);
-    vxs_volumes_desc desc = {.struct_size      = sizeof desc,
-                             .get_proc_address = lookup,
-                             .user             = b->gl,
-                             .shadows          = b->shadows,
-                             .width_px         = b->width,
-                             .height_px        = b->height,
-                             .log              = say};
-    if ((r = vxs_volumes_create(&b->volumes, &desc)) != VXS_OK) return fail(m, r, "no fog: %s", vxs_result_text(r));
-    vxs_light_map_desc   map  = {.side_px = 128};
-    vxs_shadow_grid_desc grid = {.columns = 128, .rows = 128, .bits = 128};
-    vxs_area_light_desc  all = {0}, one = {.lamps = 1};
-    if ((r = vxs_light_map_create(&b->map, b->volumes, &map)) != VXS_OK ||
-        (r = vxs_shadow_grid_create(&b->grid, b->volumes, &grid)) != VXS_OK ||
-        (r = vxs_area_light_create(&b->all, b->volumes, &all)) != VXS_OK ||
-        (r = vxs_area_light_create(&b->one, b->volumes, &one)) != VXS_OK)
-        return fail(m, r, "no area light: %s", vxs_result_text(r));
-    while (vxs_light_map_fill(b->map, 1 << 20)) continue;
+    (void)b;
+    (void)count;
+    *state = NULL;
     return VXS_OK;
 }
 
-/* Points on spheres of 2 to 10 metres about the lamp, as many in each square metre as in any other. */
-static vxs_result scatter(area_bench *b, const float place[3], message *m)
+static void forget(void *state)
 {
-    vxs_area_point *points = malloc(b->points * sizeof *points);
-    rng             r      = {1};
-    if (!points) return fail(m, VXS_E_MEMORY, "out of memory for points");
-    for (uint32_t n = 0; n < b->points; n++) {
-        double from[3], square, metres = 2 * pow(5, rng_unit(&r));
-        do {
-            square = 0;
-            for (int i = 0; i < 3; i++) {
-                from[i] = 2 * rng_unit(&r) - 1;
-                square += from[i] * from[i];
-            }
-        } while (square > 1 || square < 1e-4);
-        points[n].square_metres = (float)(12.6 * metres * metres / b->points);
-        for (int i = 0; i < 3; i++) points[n].place[i] = (float)((double)place[i] + metres * from[i] / sqrt(square));
-    }
-    b->gl->GenBuffers(1, &b->casters);
-    b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, b->casters);
-    b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(b->points * sizeof *points), points, GL_STATIC_DRAW);
-    free(points);
-    return VXS_OK;
+    (void)state;
 }
 
-/* The view from 8 metres before the screen, a quarter turn wide, of nothing but air. */
-static void set_frames(area_bench *b, const float place[3])
+static vxs_result sample(bench *b, vxs_area_places which, uint32_t count)
 {
-    GLuint texture;
-    b->gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
-    b->gl->TextureStorage2D(texture, 1, GL_R32F, (GLsizei)b->width, (GLsizei)b->height);
-    b->gl->TextureSubImage2D(texture, 0, 0, 0, (GLsizei)b->width, (GLsizei)b->height, GL_RED, GL_FLOAT, b->depths);
-    for (uint32_t n = 0; n < 2; n++) {
-        vxs_volumes_frame *f = &b->frames[n];
-        float             *p = f->view.point_from_depth, high = (float)b->height / (float)b->width;
-        *f      = (vxs_volumes_frame){.top_metres = 1e30F, .far_metres = 20, .depth_texture = texture};
-        f->view = (vxs_view){.width_px = n ? 1 : b->width, .height_px = n ? 1 : b->height};
-        for (int i = 0; i < 3; i++) {
-            f->scattering[i] = f->extinction[i] = 0.02F;
-            f->eye[i] = p[8 + i] = place[i] + (i == 2 ? 8 : i == 1 ? 0.7F : 0);
-        }
-        p[0]  = 2;
-        p[5]  = 2 * high;
-        p[11] = 1;
-        p[12] = -1;
-        p[13] = -high;
-        p[14] = -1;
-    }
+    return vxs_area_sample(&b->area->screen, which, which == VXS_AREA_JITTERED, b->area->lamps, count);
 }
 
-static vxs_result set_up(area_bench *b, message *m)
+static vxs_result halton(bench *b, void *state, uint32_t count)
 {
-    float place[3] = {0};
-    b->depths      = calloc((size_t)b->width * b->height, sizeof *b->depths);
-    if (!b->depths) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    b->light = vxs_gl_constants(b->shadows)[0];
-    if (b->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
-        return fail(m, VXS_E_ARGUMENT, "%s: its first light is no lamp", b->asset_path);
-    for (int n = 0; n < 3; n++)
-        for (int row = 0; row < 3; row++) place[n] -= b->light.ls_from_ws[4 * row + n] * b->light.ls_from_ws[4 * row + 3];
-    const vxs_area_rectangle screen = {{place[0] - 1, place[1] - 0.5F, place[2]}, {2, 0, 0}, {0, 1, 0}, {10, 10, 10}, NULL, 0, 0};
-    set_frames(b, place);
-    vxs_area_sample(&screen, VXS_AREA_HALTON, 0, b->lamps, VXS_AREA_LAMPS);
-    return scatter(b, place, m);
+    (void)state;
+    return sample(b, VXS_AREA_HALTON, count);
 }
 
-/* The light of the map, moved to a lamp. */
-static vxs_volumes_light light_at(const area_bench *b, const vxs_area_lamp *lamp, vxs_light_constants *constants)
+static vxs_result importance(bench *b, void *state, uint32_t count)
 {
-    *constants = b->light;
-    for (int row = 0; row < 3; row++) {
-        float *r = constants->ls_from_ws + 4 * row;
-        r[3]     = -(r[0] * lamp->place[0] + r[1] * lamp->place[1] + r[2] * lamp->place[2]);
-    }
-    return (vxs_volumes_light){.constants = constants, .colour = {1, 1, 1}, .radius_metres = lamp->radius_metres};
+    (void)state;
+    return sample(b, VXS_AREA_IMPORTANCE, count);
 }
 
-static vxs_result draw_area(const area_bench *b, vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count, uint32_t points,
-                            vxs_area_gather gather, part of)
+static vxs_result jittered(bench *b, void *state, uint32_t count)
+{
+    (void)state;
+    return sample(b, VXS_AREA_JITTERED, count);
+}
+
+/* Lamps of `light`, and what casts shadows of them. */
+static vxs_result cast_lamps(const bench *b, vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count, uint32_t points)
 {
     vxs_result r = vxs_area_light_set(light, lamps, count);
-    if (r == VXS_OK) r = vxs_area_light_cast(light, &(vxs_area_casters){b->casters, points, 0});
-    return r == VXS_OK && of != MAPS ? vxs_volumes_area(b->volumes, light, &(vxs_area_look){.gather = gather}) : r;
+    return r == VXS_OK ? vxs_area_light_cast(light, &(vxs_area_casters){b->area->casters, points, 0}) : r;
 }
 
-static vxs_result draw(const area_bench *b, way which, uint32_t count, part of)
+static vxs_result cast(bench *b, void *state, uint32_t count)
+{
+    (void)state;
+    return cast_lamps(b, b->area->all, b->area->lamps, count, b->area->points);
+}
+
+static vxs_result gather(const bench *b, vxs_area_gather which)
+{
+    return vxs_volumes_area(b->volumes, b->area->all, &(vxs_area_look){.gather = which});
+}
+
+static vxs_result each(bench *b, void *state, uint32_t count)
+{
+    (void)state;
+    (void)count;
+    return gather(b, VXS_AREA_EACH);
+}
+
+static vxs_result ninths(bench *b, void *state, uint32_t count)
+{
+    (void)state;
+    (void)count;
+    return gather(b, VXS_AREA_NINTHS);
+}
+
+static vxs_result quarter(bench *b, void *state, uint32_t count)
+{
+    (void)state;
+    (void)count;
+    return gather(b, VXS_AREA_QUARTER);
+}
+
+static vxs_result exact(bench *b, void *state, uint32_t count)
+{
+    area      *a = b->area;
+    vxs_result r = vxs_area_light_set(a->all, a->lamps, count);
+    (void)state;
+    return r == VXS_OK ? vxs_volumes_area(b->volumes, a->all, &(vxs_area_look){.maps = (const vxs_light_map *const *)a->maps}) : r;
+}
+
+/* The same passes of one lamp after the other, each with the points that fall to it. */
+static vxs_result one_by_one(bench *b, void *state, uint32_t count)
 {
     vxs_result r = VXS_OK;
-    if (which <= QUARTER) return draw_area(b, b->all, b->lamps, count, b->points, (vxs_area_gather)which, of);
+    (void)state;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        vxs_light_constants constants;
-        vxs_volumes_light   light = light_at(b, &b->lamps[n], &constants);
-        if (which == ALONE) r = draw_area(b, b->one, &b->lamps[n], 1, b->points / count, VXS_AREA_EACH, of);
-        if (which == GRIDS && of != MAPS) r = vxs_volumes_grid(b->volumes, &light, b->map, b->grid, 8);
-        if (which == MARCHES && of != MAPS) r = vxs_volumes_march(b->volumes, &light, b->map, 64, VXS_STEPS_ANGLE);
+        r = cast_lamps(b, b->area->one, &b->area->lamps[n], 1, b->area->points / count);
+        if (r == VXS_OK) r = vxs_volumes_area(b->volumes, b->area->one, &(vxs_area_look){0});
     }
     return r;
 }
 
-static double seconds(const area_bench *b)
+static vxs_result marches(bench *b, void *state, uint32_t count)
 {
-    return b->backend == GL_BACKEND_OSMESA ? (double)clock() / CLOCKS_PER_SEC : clock_seconds();
+    vxs_result r = VXS_OK;
+    (void)state;
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++)
+        r = rival_faces_march(b->area->faces, &b->area->lamps[n], n, b->area->maps[n], STEPS);
+    return r;
 }
 
-static vxs_result measure(area_bench *b, message *m)
+/* Columns of 8 x 8 pixels, and so many slices. */
+static vxs_result open_froxels(bench *b, void **state, uint32_t deep)
 {
-    for (uint32_t round = 0; round <= b->rounds; round++) /* the first warms up */
-        for (uint32_t n = 0; n < PARTS * COUNTS * WAYS; n++) {
-            uint32_t count = n / PARTS / WAYS;
-            part     of    = (part)(n % PARTS);
-            way      which = (way)(n / PARTS % WAYS);
-            if (!round && counts[count] > 4) continue;
-            vxs_result r = vxs_volumes_begin(b->volumes, &b->frames[of != FRAME]);
-            b->gl->Finish();
-            double begun = seconds(b);
-            if (r == VXS_OK) r = draw(b, which, counts[count], of);
-            if (r != VXS_OK) return fail(m, r, "%s: %s", way_names[which], vxs_result_text(r));
-            b->gl->Finish();
-            if (round) b->ms[of][count][which][round - 1] = 1e3 * (seconds(b) - begun);
-        }
-    return VXS_OK;
+    return rival_froxels_create_rectangle((rival_froxels **)state, b->volumes, (b->width + 7) / 8, (b->height + 7) / 8, deep);
 }
 
-static vxs_result report(area_bench *b, message *m)
+static vxs_result froxels(bench *b, void *state, uint32_t deep)
 {
-    json_t *rows = json_array();
-    printf("%5s  %-18s %12s %12s %12s\n", "lamps", "way", "maps, ms", "creation, ms", "frame, ms");
-    for (int count = 0; count < COUNTS; count++)
-        for (int which = 0; which < WAYS; which++) {
-            double median[PARTS];
-            for (int of = 0; of < PARTS; of++) median[of] = spread_of(b->ms[of][count][which], b->rounds).median;
-            printf("%5u  %-18s %12.2f %12.2f %12.2f\n", counts[count], way_names[which], median[MAPS], median[CREATION],
-                   median[FRAME]);
-            json_array_append_new(rows,
-                                  json_pack("{s:i,s:s,s:f,s:f,s:f}", "lamps", (int)counts[count], "way", way_names[which],
-                                            "maps_ms", median[MAPS], "creation_ms", median[CREATION], "frame_ms", median[FRAME]));
+    (void)deep;
+    return rival_froxels_add_rectangle(state, &b->area->screen, &b->light, b->area->maps[b->area->lamps_most]);
+}
+
+static void close_froxels(void *state)
+{
+    rival_froxels_destroy(state);
+}
+
+#define POINTS "the points' shadows"
+#define MAPS   "shadow maps of lamps, and grids of 128"
+
+/* clang-format off */
+#define COUNTS {1, 4, 16, 64, LAMPS}
+#define OF(places, draw) nothing, draw, forget, {places, cast}, NULL
+static const technique techniques[] = {
+    {"imperfect", "lamps", POINTS, 0, COUNTS, OF(halton, each)},
+    {"imperfect, importance", "lamps", POINTS, 0, COUNTS, OF(importance, each)},
+    {"imperfect, jittered", "lamps", POINTS, 0, COUNTS, OF(jittered, each)},
+    {"imperfect, ninths", "lamps", POINTS ", a ninth of the lamps a pixel", 0, COUNTS, OF(halton, ninths)},
+    {"imperfect, quarter", "lamps", POINTS ", in a quarter of the pixels", 0, COUNTS, OF(halton, quarter)},
+    {"exact maps", "lamps", MAPS, 0, COUNTS, nothing, exact, forget, {halton}, NULL},
+    {"imperfect, one by one", "lamps", POINTS, 1, COUNTS, nothing, one_by_one, forget, {halton}, NULL},
+    {"marches", "lamps", "shadow maps of lamps, and 64 steps", 1, COUNTS, nothing, marches, forget, {halton}, NULL},
+    {"froxels", "slices", "all light with the shadow of its middle, columns of 8 x 8 pixels", 1, {16, 64, 256}, open_froxels, froxels, close_froxels, {NULL}, NULL},
+};
+/* clang-format on */
+
+/* the scene ----------------------------------------------------------------------------------------------------------------------- */
+
+/* A picture as a television shows: dim, with a bright window and a warm corner. */
+static void paint(area *a)
+{
+    for (uint32_t y = 0; y < HIGH; y++)
+        for (uint32_t x = 0; x < WIDE; x++) {
+            int    is_window = x >= 10 && x < 13 && y >= 5 && y < 8, is_warm = x < 4 && y < 3;
+            float *texel = a->picture[y][x];
+            for (int n = 0; n < 3; n++) texel[n] = is_window ? 4 : is_warm ? (n == 0 ? 1.5F : 0.5F) : 0.2F + 0.02F * (float)x;
         }
-    if (b->json_path) return json_write(b->json_path, rows, m);
-    json_decref(rows);
-    return VXS_OK;
+}
+
+static int is_free(const void *traced, const double from_ws[3], const double to_ws[3])
+{
+    const light_shape lamp = {.kind = LIGHT_POINT, .position_ws = {from_ws[0], from_ws[1], from_ws[2]}, .range_m = INFINITY};
+    return truth_lit(traced, to_ws, &lamp);
+}
+
+static void set_screen(bench *b)
+{
+    area *a = b->area;
+    for (int n = 0; n < 3; n++) {
+        a->screen.corner[n]    = (float)(a->corner_ws[n] - b->pose.eye_ws[n]);
+        a->screen.across[n]    = (float)a->across[n];
+        a->screen.up[n]        = (float)a->up[n];
+        a->screen.radiance[n]  = 1;
+        a->source.origin_ws[n] = b->pose.eye_ws[n];
+    }
+    if (a->has_picture) {
+        paint(a);
+        a->screen.texture = a->picture[0][0];
+        a->screen.wide_px = WIDE;
+        a->screen.high_px = HIGH;
+    }
+    a->source.rectangle = &a->screen;
+    a->source.is_free   = is_free;
+    a->source.user      = b->truth;
+}
+
+/* Casters in floats, places from the eye.   Owned by the caller */
+static float *casters_from_eye(const bench *b)
+{
+    size_t count = 3 * b->casting.vertex_count;
+    float *laid  = malloc(count * sizeof *laid);
+    for (size_t n = 0; n < count && laid; n++) laid[n] = (float)(b->casting.positions_ws[n] - b->pose.eye_ws[n % 3]);
+    return laid;
+}
+
+/* How many lamps of Halton's places a technique has, as far as knobs go. */
+static uint32_t most_lamps(const bench *b)
+{
+    const uint32_t *counts = techniques[0].values;
+    uint32_t        n      = 0;
+    while (n + 1 < b->values && counts[n + 1]) n++;
+    return counts[n];
+}
+
+/* An asset of a lamp at each place, and in the middle. */
+static vxs_result bake(bench *b, const float *positions, message *m)
+{
+    area            *a    = b->area;
+    vxs_bake_mesh    mesh = {.positions      = positions,
+                             .indices        = b->casting.indices,
+                             .vertex_count   = (uint32_t)b->casting.vertex_count,
+                             .triangle_count = (uint32_t)b->casting.triangle_count};
+    vxs_bake_light   lights[LIGHTS];
+    char             names[LIGHTS][16];
+    vxs_bake_options options = vxs_bake_defaults();
+    vxs_bake_arrays  arrays  = {.meshes = &mesh, .mesh_count = 1, .lights = lights, .light_count = a->lamps_most + 1};
+    vxs_bake_bytes   file;
+    for (uint32_t n = 0; n <= a->lamps_most; n++) {
+        snprintf(names[n], sizeof names[n], "lamp %u", n);
+        lights[n] = (vxs_bake_light){.name = names[n], .kind = VXS_BAKE_POINT};
+        for (int i = 0; i < 3; i++) {
+            double middle            = (double)a->screen.corner[i] + 0.5 * (a->across[i] + a->up[i]);
+            lights[n].position_ws[i] = b->pose.eye_ws[i] + (n == a->lamps_most ? middle : (double)a->lamps[n].place[i]);
+            mesh.origin_ws[i]        = b->pose.eye_ws[i];
+        }
+    }
+    options.arrays     = &arrays;
+    options.closed     = VXS_BAKE_CLOSED_OFF;
+    options.resolution = a->side_px;
+    options.threads    = b->threads;
+    vxs_result r       = vxs_bake(&options, &file, NULL);
+    if (r == VXS_OK) r = vxs_asset_open(&b->asset, file.data, file.size_bytes, NULL);
+    vxs_bake_bytes_free(&file);
+    return r == VXS_OK ? r : fail(m, r, "no asset of lamps: %s", vxs_result_text(r));
+}
+
+/* So that any part of them is of all triangles: they come in the triangles' order. */
+static void shuffle(vxs_area_point *points, uint32_t count)
+{
+    rng r = {1};
+    for (uint32_t n = count; n > 1; n--) {
+        uint32_t       k    = rng_below(&r, n);
+        vxs_area_point last = points[n - 1];
+        points[n - 1]       = points[k];
+        points[k]           = last;
+    }
+}
+
+static vxs_result upload_points(bench *b, const float *positions, message *m)
+{
+    area           *a      = b->area;
+    size_t          size   = a->points * sizeof(vxs_area_point);
+    vxs_area_point *points = malloc(size);
+    if (!points) return fail(m, VXS_E_MEMORY, "out of memory for points");
+    double area_there = vxs_area_scatter(positions, b->casting.indices, (uint32_t)b->casting.triangle_count, points, a->points);
+    shuffle(points, a->points);
+    b->gl->GenBuffers(1, &a->casters);
+    b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, a->casters);
+    b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, points, GL_STATIC_DRAW);
+    free(points);
+    return area_there > 0 ? VXS_OK : fail(m, VXS_E_SCENE, "%s: nothing has an area", b->scene_path);
+}
+
+static vxs_result open_lights(bench *b, message *m)
+{
+    area               *a   = b->area;
+    vxs_area_light_desc all = {.takes_maps = 1}, one = {.lamps = 1};
+    vxs_result          r = vxs_area_light_create(&a->all, b->volumes, &all);
+    if (r == VXS_OK) r = vxs_area_light_create(&a->one, b->volumes, &one);
+    if (r == VXS_OK) r = rival_faces_create(&a->faces, b->volumes);
+    for (uint32_t n = 0; n <= a->lamps_most && r == VXS_OK; n++) r = volumes_open_map(b, n, 0, &a->maps[n]);
+    b->light =
+        (vxs_volumes_light){.baked = a->lamps_most, .colour = {1, 1, 1}, .cos_inner = 1, .radius_metres = (float)b->radius_metres};
+    return r == VXS_OK ? r : fail(m, r, "no area light: %s", vxs_result_text(r));
+}
+
+static void close_lights(area *a)
+{
+    for (uint32_t n = 0; n < LIGHTS; n++) vxs_light_map_destroy(a->maps[n]);
+    rival_faces_destroy(a->faces);
+    vxs_area_light_destroy(a->one);
+    vxs_area_light_destroy(a->all);
+}
+
+static void wanted(const bench *b, const double eye_ws[3], const double direction[3], double metres, size_t ray, double to[3])
+{
+    const area *a = b->area;
+    a->off[ray]   = area_reference_add(&a->source, &b->medium, eye_ws, direction, metres, a->samples, ray, to);
+}
+
+static void describe(const bench *b, json_t **scene_json)
+{
+    double off = 0, size = 0;
+    for (size_t n = 0; n < 3 * b->pixels; n++) {
+        off += b->area->off[n / 3] * b->area->off[n / 3];
+        size += b->wanted[n] * b->wanted[n];
+    }
+    volumes_describe_view(b, scene_json);
+    json_set(scene_json, "points", json_integer(b->area->points));
+    json_set(scene_json, "reference_rms", json_real(rounded(size > 0 ? sqrt(off / size) : 0, 4)));
 }
 
 static vxs_result run(void *command, message *m)
 {
-    area_bench *b = command;
-    vxs_result  r = open_gl(b, m);
-    if (r == VXS_OK) r = set_up(b, m);
-    if (r == VXS_OK) r = measure(b, m);
-    if (r == VXS_OK) r = report(b, m);
-    vxs_area_light_destroy(b->one);
-    vxs_area_light_destroy(b->all);
-    vxs_shadow_grid_destroy(b->grid);
-    vxs_light_map_destroy(b->map);
-    vxs_volumes_destroy(b->volumes);
-    vxs_gl_destroy(b->shadows);
-    gl_context_destroy(b->gl);
-    vxs_asset_close(b->asset);
-    free(b->depths);
+    bench     *b         = command;
+    area      *a         = b->area;
+    float     *positions = NULL;
+    vxs_result r         = volumes_load_scene(b, m);
+    free(b->classes); /* there is no pixel that passes the lamp */
+    b->classes = NULL;
+    if (r == VXS_OK) {
+        set_screen(b);
+        positions = casters_from_eye(b);
+        a->off    = calloc(b->pixels, sizeof *a->off);
+        if (!positions || !a->off) r = fail(m, VXS_E_MEMORY, "out of memory for casters");
+    }
+    a->lamps_most = most_lamps(b);
+    if (r == VXS_OK && (r = sample(b, VXS_AREA_HALTON, a->lamps_most)) != VXS_OK) r = fail(m, r, "the rectangle has no area");
+    if (r == VXS_OK) r = bake(b, positions, m);
+    if (r == VXS_OK) r = volumes_open_gl(b, m);
+    if (r == VXS_OK) r = upload_points(b, positions, m);
+    if (r == VXS_OK) r = open_lights(b, m);
+    if (r == VXS_OK) r = volumes_see(b, 0, wanted, m);
+    if (r == VXS_OK) r = volumes_measure(b, m);
+    close_lights(a);
+    volumes_close_gl(b);
+    volumes_free_scene(b);
+    free(positions);
+    free(a->off);
     return r;
 }
 
 int main(int argc, char **argv)
 {
-    static area_bench b         = {.points = 200000, .width = 64, .height = 36, .rounds = 3};
-    const option      options[] = {
-             {"FILE.vxs", OPTION_INPUT, &b.asset_path, FILE_ASSET, 0, NULL, NULL, "shadows whose first light is a lamp", NULL},
-             {"--points", OPTION_U32, &b.points, 1, 1 << 24, NULL, "N", "of casters (default 200000)", NULL},
-             {"--width", OPTION_U32, &b.width, 16, 4096, NULL, "PX", "default 64", NULL},
-             {"--height", OPTION_U32, &b.height, 16, 4096, NULL, "PX", "default 36", NULL},
-             {"--rounds", OPTION_U32, &b.rounds, 1, ROUNDS_MAX, NULL, "N", "default 3", NULL},
-             {"--gl", OPTION_CHOICE, &b.backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
-             {"--threads", OPTION_U32, &b.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads of OSMesa", NULL},
-             {"--json", OPTION_OUTPUT, &b.json_path, 0, 0, ".json", "FILE.json", "figures as JSON", NULL},
+    static area  a         = {.points = 1000000, .side_px = 128, .samples = 4096};
+    bench        b         = {BENCH_DEFAULTS,
+                              .area             = &a,
+                              .pose.fov_degrees = 60,
+                              .fog              = FOG_DEFAULTS,
+                              .techniques       = techniques,
+                              .technique_count  = sizeof techniques / sizeof *techniques,
+                              .light_name       = "area",
+                              .reference        = "the whole surface, with traced shadows",
+                              .parts            = {"lamps", "maps", "volumes"},
+                              .has_creation     = 1,
+                              .describe         = describe};
+    const option options[] = {
+        {"SCENE", OPTION_INPUT, &b.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene", NULL},
+        {"--corner", OPTION_VECTOR, a.corner_ws, 0, 3, NULL, "X,Y,Z", "of the rectangle that shines, metres", NULL},
+        {"--across", OPTION_VECTOR, a.across, 0, 3, NULL, "X,Y,Z", "one of its sides", NULL},
+        {"--up", OPTION_VECTOR, a.up, 0, 3, NULL, "X,Y,Z", "the other; it shines to where their cross product points", NULL},
+        {"--picture", OPTION_SWITCH, &a.has_picture, 0, 0, NULL, NULL, "a picture is on it", NULL},
+        {"--points", OPTION_U32, &a.points, 1, 1 << 24, NULL, "N", "of casters, for imperfect maps (default 1000000)", NULL},
+        {"--side", OPTION_U32, &a.side_px, 8, 1024, NULL, "PX", "of exact maps (default 128)", NULL},
+        {"--samples", OPTION_U32, &a.samples, 2, 1 << 24, NULL, "N", "of each ray of the reference (default 4096)", NULL},
+        {"--eye", OPTION_VECTOR, b.pose.eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres", NULL},
+        {"--target", OPTION_VECTOR, b.pose.target_ws, 0, 3, NULL, "X,Y,Z", "where to look", NULL},
+        {"--fov", OPTION_F64, &b.pose.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom (default 60)", NULL},
+        FOG_ROWS(b.fog),
+        BENCH_ROWS(b),
     };
     const command_line line =
-        COMMAND_LINE("area", "FILE.vxs [options]", "Measure area lights beside their lamps one after the other.", options);
-    b.threads = parallel_default_threads();
+        COMMAND_LINE("area", "SCENE --corner X,Y,Z --across X,Y,Z --up X,Y,Z --eye X,Y,Z --target X,Y,Z [options]",
+                     "Measure error against run time of airlight of an area.", options);
+    b.fog.per_metre = 0.1;
+    b.cameras       = 1;
     return command_run(&line, argc, argv, run, &b);
 }

@@ -43,14 +43,23 @@ SCENES = [
 SMOKE = [("smoke columns", "columns"), ("smoke with hair", "hair"), ("smoke, leaves", "leaves")]
 SMOKE_TEXELS = 8  # of a light's map on one of the smoke's
 
+# name, scene, and the rectangle that shines with what is seen of it
+AREAS = [
+    ("area light, room", ROOM, ["--corner", "-1.8,1.2,-2.9", "--across", "1.6,0,0", "--up", "0,0.9,0", "--picture", "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2",
+                                "--fog", "0.1"]),
+    ("area light behind a wall", "wall", ["--corner", "-1,0.7,-1.5", "--across", "2,0,0", "--up", "0,1.6,0", "--eye", "4,1.6,7", "--target", "0,1.2,0",
+                                          "--fog", "0.05"]),
+]
+AREA_PART = 0.4  # of the sides of a view: each of its pixels gathers hundreds of lamps
+
 
 def stem_of(name):
     return name.lower().replace(", ", "-").replace(" ", "-")
 
 
-def told(args, name, program, *arguments):
-    """What a program measured, and what follows from that."""
-    figures, (width, height) = pathlib.Path(args.folder) / f"{stem_of(name)}.json", args.size.split("x")
+def told(args, name, program, *arguments, part=1):
+    """What a program measured, and what follows from that. part: of the sides of the view."""
+    figures, (width, height) = pathlib.Path(args.folder) / f"{stem_of(name)}.json", (str(max(16, round(part * int(px)))) for px in args.size.split("x"))
     print(f"\n{name}", flush=True)
     subprocess.run([args.build / "tests/bench" / program, *arguments, "--width", width, "--height", height, "--rounds", str(args.rounds), "--gl", args.gl,
                     "--clock", args.clock, "--values", str(args.values), "--json", figures], check=True)
@@ -70,9 +79,9 @@ def made_scene(args, name, made):
         if not scene.exists():
             print(f"{name}: skipped, there is no {scene}")
         return scene if scene.exists() else None
-    if made in ("spheres", "ball"):
+    if made in ("spheres", "ball", "wall"):
         scene = folder / f"{made}.gltf"
-        spheres.write(scene, made == "ball")
+        spheres.write_wall(scene) if made == "wall" else spheres.write(scene, made == "ball")
     else:
         scene = folder / f"{made[0]}.glb"
         subprocess.run([args.build / "vxs", "scene", *made, "-o", scene, "--force", "--quiet"], check=True)
@@ -91,6 +100,10 @@ def measured(args, name, made, baked, seen):
 
 def measured_smoke(args, name, kind):
     return told(args, name, "smoke", "--scene", kind, "--side", str(args.resolution // SMOKE_TEXELS), "--capsules", str(args.capsules))
+
+
+def measured_area(args, name, made, seen):
+    return told(args, name, "area", made_scene(args, name, made), *seen, "--samples", str(args.samples), "--points", str(args.points), part=AREA_PART)
 
 
 def plot(path, scene, axis, figure):
@@ -146,8 +159,8 @@ def cell_text(cell):
 def tables(scenes):
     """A table for suns, one for lamps, one for smoke and one for area lights, ready for docs/: milliseconds and relative RMS; what is on the front is bold, else it is
     told how far it is behind. Of suns and lamps there are settings_to_tell, of the others all."""
-    kind_of = lambda s: "smoke" if "capsules" in s else "sun" if s["name"].endswith("sun") else "lamp"
-    for kind in ("sun", "lamp", "smoke"):
+    kind_of = lambda s: "smoke" if "capsules" in s else "area" if "points" in s else "sun" if s["name"].endswith("sun") else "lamp"
+    for kind in ("sun", "lamp", "smoke", "area"):
         some = [s for s in scenes if kind_of(s) == kind]
         if some:
             settings = cells_by_setting(some)
@@ -167,6 +180,8 @@ def main():
     parser.add_argument("--size", default="160x90")
     parser.add_argument("--resolution", type=int, default=1024)
     parser.add_argument("--capsules", type=int, default=4000, help="of smoke")
+    parser.add_argument("--points", type=int, default=1000000, help="of casters, for area lights")
+    parser.add_argument("--samples", type=int, default=4096, help="of each ray of their reference")
     parser.add_argument("--clock", default="wall", help="or processor")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--values", type=int, default=8, help="of each knob, so many")
@@ -175,7 +190,8 @@ def main():
     plots = args.plots or pathlib.Path(args.folder)
     for folder in (pathlib.Path(args.folder), plots):
         folder.mkdir(parents=True, exist_ok=True)
-    scenes = [measure(args, *scene) for measure, some in ((measured, SCENES), (measured_smoke, SMOKE)) for scene in some if scene[0].startswith(args.only)]
+    scenes = [measure(args, *scene) for measure, some in ((measured, SCENES), (measured_smoke, SMOKE), (measured_area, AREAS))
+              for scene in some if scene[0].startswith(args.only)]
     scenes = list(filter(None, scenes))
     if not scenes:
         parser.exit(1, f"no scene is there whose name begins with '{args.only}'\n")

@@ -102,7 +102,10 @@ static vxs_result judge(bench *b, cell *c, message *m)
     double    *found = malloc(3 * CAMERAS * b->pixels * sizeof *found), parts[PARTS];
     vxs_result r     = read && found ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for a picture");
     for (uint32_t camera = 0; camera < b->cameras && r == VXS_OK; camera++) {
-        if ((r = draw(b, c, &b->frames[camera], parts)) != VXS_OK) break;
+        if ((r = draw(b, c, &b->frames[camera], parts)) != VXS_OK) {
+            r = fail(m, r, "%s cannot be drawn", c->technique->name);
+            break;
+        }
         b->gl->GetTextureImage(b->picture, 0, GL_RGBA, GL_FLOAT, (GLsizei)(4 * b->pixels * sizeof *read), read);
         for (size_t n = 0; n < 3 * b->pixels; n++)
             found[3 * (size_t)camera * b->pixels + n] = b->value_of(read + n / 3 * 4, (int)(n % 3));
