@@ -6,6 +6,7 @@
 #   make check          install what is missing, build, run every test
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
+#   make check-asan     the same under those sanitizers, without programs that read no bytes of files and take long there
 #   make check-repeats  unit tests with all their random inputs, of which the others take a part: some minutes, config=asan more
 #   make check-exact    every voxel of maps twice as fine, and ten times as many columns of fine ones: some minutes
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
@@ -110,13 +111,18 @@ endif
 # files that go into the command as they are; baker/base/embedded.h names their bytes
 embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl)) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
-unit      := $(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c))
+unit      := $(filter-out $(without:%=$B/tests/unit/test_%),$(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c)))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_% tests/bench/volumes_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
 rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 volumes_bench.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/volumes_*.c))
 # the reference of light in the air, and rivals there, with their shaders
 reference.o := $(patsubst %,$B/%.o,$(wildcard tests/volumes/*.c tests/volumes/*.glsl))
+# what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files and take 4 s or more there, to draw (llvmpipe's code,
+# mostly), to trace rays or to bake; the bakes of test_bake_library and all that is short are a sample of what they test
+long.asan := air air_table area_light blocks build casters compare cracks dag depth_gl generate gl gl_stream light_mesh lit_intervals mesh \
+             mesh_adaptive mesh_meet mesh_repair mesh_split rival_volumes shaders shadow_grid sparse sparse_key transmittance truth volumes \
+             volumes_grid voxelize
 # that rivals hand to a compiler of shaders
 shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h $(wildcard tests/volumes/*.glsl))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
@@ -127,7 +133,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
 all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_volumes.a $B/libvxs_volumes.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -234,14 +240,14 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-repeats check-tsan bench deb packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-tsan bench deb packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects) $(gltf.gch): | packages # nothing is compiled before the headers are there
 endif
 
 # `make demo` compiles no tests, and needs none of their packages
-tested = $(filter check check-fast check-unit check-repeats check-tsan bench packages,$(MAKECMDGOALS))
+tested = $(filter check check-fast check-unit check-asan check-repeats check-tsan bench packages,$(MAKECMDGOALS))
 needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb))
 packages:
 ifneq ($(packages),skip)
@@ -274,7 +280,9 @@ check: all unit
 check-fast: all unit
 	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B --fast
 check-unit: $(unit) $(fuzz)
-	@$(python) tests/run --build $B --unit
+	@$(python) tests/run --build $B --unit --without $(without)
+check-asan: packages
+	@$(MAKE) config=asan packages=skip without="$(long.asan)" check-unit
 check-repeats: $(unit) $(fuzz)
 	@VXS_TEST_REPEATS=all $(python) tests/run --build $B --unit
 check-exact: $B/vxs $B/tests/exact/exact
