@@ -155,6 +155,8 @@ $(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas ri
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o
+# what they test is optimised as it is delivered; they themselves take longer to compile than to run
+$(patsubst %,$B/%.o,$(wildcard tests/unit/*.c)): cflags += $(if $(filter release,$(config)),-O1)
 $B/tests/exact/exact: $(exact.o)
 $B/tests/bench/rivals: $(rival.o) $(filter-out $B/tests/%,$(shader))
 $B/tests/bench/rivals: test_libs := -lz -lOSMesa
