@@ -88,7 +88,8 @@ mpi.o     := $(mpi.c:%=$B/%.o)
 mpi       := $(if $(shell command -v $(MPICC)),$B/vxs-mpi)
 runtime.c := $(wildcard runtime/*.c formats/vxs_read*.c formats/vxs_page_decode.c formats/vxs_page_check.c formats/vxs_resident_check.c)
 gl.c      := $(wildcard runtime/gl/*.c)
-gl.text   := $(wildcard runtime/gl/*.glsl) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h
+# smoke comes with lights, so that there are as many texts as programs know of
+gl.text   := $(filter-out runtime/gl/lights.glsl,$(wildcard runtime/gl/*.glsl)) $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h) runtime/gl/vxs_cull.h $B/runtime/gl/smoke_lights.glsl
 # what its functions are declared in, and texts for C and shaders
 volumes.h := $(addprefix runtime/volumes/,vxs_volumes.h vxs_transmittance.h vxs_area_light.h vxs_capsule.h)
 air.h     := $(filter-out $(volumes.h),$(wildcard runtime/volumes/vxs_*.h))
@@ -188,6 +189,8 @@ $B/libvxs.a $B/libvxs_gl.a $B/libvxs_volumes.a:
 
 # texts of shaders as C strings: what every compiler takes
 $B/runtime/gl/texts.c: $(gl.text)
+$B/runtime/gl/smoke_lights.glsl: formats/vxs_smoke.h runtime/gl/lights.glsl
+	$Q mkdir -p $(@D) && cat $^ >$@
 $B/runtime/volumes/texts.c: $(volumes.text)
 $B/runtime/gl/texts.c $B/runtime/volumes/texts.c: $B/runtime/%/texts.c: Makefile
 	$Q mkdir -p $(@D) && for f in $(filter-out Makefile,$^); do n=vxs_$*_text_$$(basename $$f | tr . _); \

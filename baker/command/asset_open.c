@@ -153,3 +153,8 @@ vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, cons
     }
     return VXS_OK;
 }
+
+void asset_find_smoke(const vxs_asset *asset, const vxs_baked_light *const *lights, uint32_t count, const vxs_baked_smoke **smoke)
+{
+    for (uint32_t n = 0; n < count; n++) smoke[n] = vxs_asset_smoke(asset, (uint32_t)(lights[n] - vxs_asset_light(asset, 0)));
+}

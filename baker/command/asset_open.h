@@ -56,4 +56,7 @@ vxs_result asset_check_scene(const vxs_contents *asset, const json_t *made, cons
 vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
                                uint32_t *count, message *m);
 
+/* What smoke leaves of lights that were chosen.   smoke  [out] [count] NULL: the light has none */
+void asset_find_smoke(const vxs_asset *asset, const vxs_baked_light *const *lights, uint32_t count, const vxs_baked_smoke **smoke);
+
 #endif

@@ -38,8 +38,7 @@ static vxs_result run(void *command, message *m)
     if ((r = asset_open_within(&asset, q->path, q->memory_bytes, 0, m)) != VXS_OK) goto done;
     if ((r = asset_choose_lights(vxs_asset_contents(asset), q->path, &q->light_names, q->lights, &q->light_count, m)) != VXS_OK)
         goto done;
-    for (uint32_t n = 0; n < q->light_count; n++)
-        q->smoke[n] = vxs_asset_smoke(asset, (uint32_t)(q->lights[n] - vxs_asset_light(asset, 0)));
+    asset_find_smoke(asset, q->lights, q->light_count, q->smoke);
     r = points_answer(look_up, q, q->wants_smoke ? 2 * (size_t)q->light_count : q->light_count, 1, m);
 done:
     vxs_asset_close(asset);

@@ -58,6 +58,7 @@ typedef struct subject {
     vxs_asset             *asset;  /* NULL where it is streamed */
     asset_stream           stream; /* with --budget */
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    const vxs_baked_smoke *smoke[VXS_LIGHTS_MAX]; /* of each of them; NULL: it has none */
     uint32_t               light_count;
 } subject;
 
@@ -123,7 +124,10 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) return r;
     *contents              = vxs_asset_contents(s->asset);
     c->options.area_points = vxs_asset_points(s->asset);
-    return asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
+    r                      = asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
+    if (r == VXS_OK) asset_find_smoke(s->asset, s->lights, s->light_count, s->smoke);
+    c->options.smoke = s->smoke;
+    return r;
 }
 
 /* Skinned meshes as they stand: they are what moves most. */

@@ -35,6 +35,8 @@ typedef struct render_options {
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
+    const vxs_baked_smoke *const *smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
+
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;

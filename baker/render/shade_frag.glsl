@@ -68,6 +68,7 @@ void main()
 #ifdef MOVING
         if (lit > 0.0) lit *= moving_lit(n, at, normal);
 #endif
+        if (lit > 0.0) lit *= vxs_smoke_left_by(n, at);
         sum += colours[n].rgb * (power * lit);
     }
 #ifdef STREAMED

@@ -70,6 +70,28 @@ void vxs_gl_give_back(const vxs_gl *gl, void *memory, uint64_t count, size_t siz
     if (memory) gl->memory.free(memory, (size_t)count * size, gl->memory.user);
 }
 
+static int grow_ranges(vxs_gl *gl)
+{
+    uint32_t  capacity = gl->range_capacity ? 2 * gl->range_capacity : RANGES_AT_FIRST;
+    gl_range *ranges   = vxs_gl_take(gl, capacity, sizeof *ranges);
+    if (!ranges) return 0;
+    for (uint32_t n = 0; n < gl->range_count; n++) ranges[n] = gl->ranges[(gl->range_first + n) % gl->range_capacity];
+    vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
+    gl->ranges         = ranges;
+    gl->range_capacity = capacity;
+    gl->range_first    = 0;
+    return 1;
+}
+
+static vxs_result put_words(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
+{
+    if (!count) return VXS_OK;
+    if (gl->range_count == gl->range_capacity && !grow_ranges(gl)) return VXS_E_MEMORY;
+    gl->ranges[(gl->range_first + gl->range_count++) % gl->range_capacity] = (gl_range){words, first, count};
+    gl->bytes_left += (uint64_t)count * sizeof *words;
+    return VXS_OK;
+}
+
 /* The lights of an asset, their words one behind the other.   Returns how many words that are. */
 static uint64_t lights_of_asset(vxs_gl *gl, const vxs_asset *asset)
 {
@@ -80,6 +102,39 @@ static uint64_t lights_of_asset(vxs_gl *gl, const vxs_asset *asset)
         words += baked->word_count;
     }
     return words;
+}
+
+static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
+{
+    if (desc->asset) return vxs_asset_smoke(desc->asset, light);
+    return desc->smoke ? desc->smoke[light] : NULL;
+}
+
+/* Behind all lights' words a table of where each one's smoke starts, and what smoke there is.
+ * words  [in, out] how many there are */
+static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words)
+{
+    uint32_t some = 0;
+    for (uint32_t n = 0; n < gl->light_count; n++) some += smoke_of(desc, n) != NULL;
+    if (!some) return VXS_OK;
+    if (!(gl->smoke = vxs_gl_take(gl, gl->light_count, sizeof *gl->smoke))) return VXS_E_MEMORY;
+    gl->smoke_word = (uint32_t)*words;
+    *words += gl->light_count;
+    for (uint32_t n = 0; n < gl->light_count; n++) {
+        const vxs_baked_smoke *smoke = smoke_of(desc, n);
+        gl->smoke[n]                 = smoke ? (uint32_t)*words : 0;
+        *words += smoke ? smoke->word_count : 0;
+    }
+    return VXS_OK;
+}
+
+static vxs_result put_smoke(vxs_gl *gl, const vxs_gl_desc *desc)
+{
+    if (!gl->smoke) return VXS_OK;
+    vxs_result r = put_words(gl, gl->smoke, gl->smoke_word, gl->light_count);
+    for (uint32_t n = 0; r == VXS_OK && n < gl->light_count; n++)
+        if (gl->smoke[n]) r = put_words(gl, smoke_of(desc, n)->words, gl->smoke[n], smoke_of(desc, n)->word_count);
+    return r;
 }
 
 static vxs_result put_asset(vxs_gl *gl, const vxs_asset *asset)
@@ -110,6 +165,8 @@ static void write_head(vxs_gl *gl)
              "#define VXS_GL_LIGHT_COUNT %uu\n#define VXS_GL_LAST_WORD %uu\n#define VXS_GL_WIDE %uu\n",
              language, gl->is_es ? "es" : "core", gl->is_texture ? "" : "#define VXS_GL_BUFFERS\n", gl->first_binding,
              gl->first_binding + 1, gl->first_binding + 2, gl->light_count, gl->words.count - 1, gl->words.wide);
+    size_t used = strlen(gl->head);
+    if (gl->smoke) snprintf(gl->head + used, sizeof gl->head - used, "#define VXS_GL_SMOKE %uu\n", gl->smoke_word);
 }
 
 static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
@@ -131,15 +188,19 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     else
         memcpy(gl->lights, desc->lights, gl->light_count * sizeof *gl->lights);
 
+    vxs_result r = place_smoke(gl, desc, &word_count);
+    if (r != VXS_OK) return r;
+
     /* lookups may read a few words behind a light's last one */
     word_count += VXS_BLOCKS_SPARE_WORDS;
-    vxs_result r = choose_storage(gl, desc->storage, word_count);
+    r = choose_storage(gl, desc->storage, word_count);
     if (r != VXS_OK) return r;
     if (!vxs_gl_words_make(gl, &gl->words, word_count, 1, words_wide(gl, word_count))) return VXS_E_MEMORY;
     if (!vxs_gl_words_make(gl, &gl->rows, (uint64_t)LIGHT_WORDS * gl->light_count, 4, LIGHT_TEXELS * LIGHTS_WIDE))
         return VXS_E_MEMORY;
     write_head(gl);
     vxs_gl_origin(gl, NULL);
+    if ((r = put_smoke(gl, desc)) != VXS_OK) return r;
     if (desc->asset) return put_asset(gl, desc->asset);
     return desc->stream ? vxs_gl_stream_put(gl) : VXS_OK;
 }
@@ -177,6 +238,7 @@ void vxs_gl_destroy(vxs_gl *gl)
     if (gl->culling) gl->api.DeleteProgram(gl->culling);
     vxs_gl_give_back(gl, gl->lights, gl->light_count, sizeof *gl->lights);
     vxs_gl_give_back(gl, gl->constants, gl->light_count, sizeof *gl->constants);
+    vxs_gl_give_back(gl, gl->smoke, gl->light_count, sizeof *gl->smoke);
     vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
     vxs_gl_give_back(gl, gl->pages, gl->page_count, sizeof *gl->pages);
     vxs_gl_give_back(gl, gl->names, gl->page_count, sizeof *gl->names);
@@ -185,28 +247,11 @@ void vxs_gl_destroy(vxs_gl *gl)
 
 /* upload -------------------------------------------------------------------------------------------------------------------------- */
 
-static int grow_ranges(vxs_gl *gl)
-{
-    uint32_t  capacity = gl->range_capacity ? 2 * gl->range_capacity : RANGES_AT_FIRST;
-    gl_range *ranges   = vxs_gl_take(gl, capacity, sizeof *ranges);
-    if (!ranges) return 0;
-    for (uint32_t n = 0; n < gl->range_count; n++) ranges[n] = gl->ranges[(gl->range_first + n) % gl->range_capacity];
-    vxs_gl_give_back(gl, gl->ranges, gl->range_capacity, sizeof *gl->ranges);
-    gl->ranges         = ranges;
-    gl->range_capacity = capacity;
-    gl->range_first    = 0;
-    return 1;
-}
-
 vxs_result vxs_gl_put(vxs_gl *gl, const uint32_t *words, uint32_t first, uint32_t count)
 {
-    uint32_t end = gl->words.count - VXS_BLOCKS_SPARE_WORDS;
+    uint32_t end = gl->smoke ? gl->smoke_word : gl->words.count - VXS_BLOCKS_SPARE_WORDS;
     if (first > end || count > end - first || (!words && count)) return VXS_E_ARGUMENT;
-    if (!count) return VXS_OK;
-    if (gl->range_count == gl->range_capacity && !grow_ranges(gl)) return VXS_E_MEMORY;
-    gl->ranges[(gl->range_first + gl->range_count++) % gl->range_capacity] = (gl_range){words, first, count};
-    gl->bytes_left += (uint64_t)count * sizeof *words;
-    return VXS_OK;
+    return put_words(gl, words, first, count);
 }
 
 uint64_t vxs_gl_upload(vxs_gl *gl, size_t max_bytes)
@@ -262,7 +307,7 @@ void vxs_gl_texts(const vxs_gl *gl, const char *texts[VXS_GL_TEXTS])
                                            vxs_gl_text_vxs_lookup_blocks_h,
                                            vxs_gl_text_vxs_space_h,
                                            vxs_gl_text_vxs_cull_h,
-                                           vxs_gl_text_lights_glsl};
+                                           vxs_gl_text_smoke_lights_glsl};
     memcpy(texts, all, sizeof all);
 }
 

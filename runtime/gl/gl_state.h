@@ -34,6 +34,8 @@ struct vxs_gl {
 
     vxs_gl_light        *lights;    /* [light_count] */
     vxs_light_constants *constants; /* [light_count] */
+    uint32_t            *smoke; /* [light_count] where each light's smoke starts among the words; 0: it has none. NULL: none has */
+    uint32_t             smoke_word; /* where that table lies among the words */
     uint32_t             light_count;
     gl_words             words, rows, lists; /* rows: the lights' constants. lists: name 0 until there are some */
 
@@ -75,7 +77,7 @@ void       vxs_gl_stream_take_away(vxs_gl *gl);
 uint64_t   vxs_gl_stream_upload(vxs_gl *gl, size_t room_words);
 
 /* The texts of shaders (made by the Makefile from the files of these names). */
-extern const char vxs_gl_text_words_glsl[], vxs_gl_text_lights_glsl[], vxs_gl_text_cull_glsl[], vxs_gl_text_vxs_lookup_h[],
+extern const char vxs_gl_text_words_glsl[], vxs_gl_text_smoke_lights_glsl[], vxs_gl_text_cull_glsl[], vxs_gl_text_vxs_lookup_h[],
     vxs_gl_text_vxs_lookup_blocks_h[], vxs_gl_text_vxs_space_h[], vxs_gl_text_vxs_cull_h[];
 
 #endif

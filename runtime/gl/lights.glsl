@@ -57,6 +57,16 @@ float vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)
     return vxs_lit(light.dag, light, at, normal, filter_px);
 }
 
+/* How much smoke leaves of light n on its way to a place, 0 to 1. */
+float vxs_smoke_left_by(uint n, vec3 at)
+{
+#ifdef VXS_GL_SMOKE
+    uint smoke = vxs_word(VXS_GL_SMOKE, min(n, VXS_GL_LIGHT_COUNT - 1u));
+    if (smoke != 0u) return vxs_smoke_left(smoke, vxs_light_at(n), at);
+#endif
+    return 1.0;
+}
+
 #ifndef VXS_GL_CULL
 /* A tile's list is full where its number is greater than its room: then it has all lights. */
 uint vxs_tile_of(ivec2 pixel)

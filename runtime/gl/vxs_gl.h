@@ -55,7 +55,8 @@ typedef struct vxs_gl_desc {
     const vxs_allocator *allocator; /* NULL: malloc and free; copied, but its functions must outlive the object */
     vxs_gl_storage       storage;
 
-    const vxs_asset *asset; /* all its lights, whose words are put as they are; borrowed until vxs_gl_upload returns 0 */
+    const vxs_asset
+        *asset; /* all its lights and their smoke, whose words are put as they are; borrowed until vxs_gl_upload returns 0 */
 
     /* without an asset or a stream: lights whose words the caller puts (vxs_gl_put) */
     const vxs_gl_light *lights; /* [light_count], copied */
@@ -65,6 +66,9 @@ typedef struct vxs_gl_desc {
     uint32_t first_binding; /* buffers take this binding of storage buffers and the next two; textures such texture units */
 
     const vxs_stream *stream; /* without an asset: all its lights, whose pages vxs_gl_upload follows; borrowed until vxs_gl_destroy */
+
+    /* without an asset: [lights] baked smoke of each, NULL: it has none; NULL: no light has any. Its words are borrowed until vxs_gl_upload returns 0 */
+    const vxs_baked_smoke *const *smoke;
 } vxs_gl_desc;
 
 /* Make room for the words and the lights: one buffer for each, or one texture for each. Nothing is uploaded yet.
@@ -105,12 +109,13 @@ const vxs_light_constants *vxs_gl_constants(const vxs_gl *gl);
 uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
 
 /* What a shader begins with, NUL-terminated texts valid until vxs_gl_destroy: the #version line and names of numbers, how words are
- * fetched, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and how lights are. The body that follows them may call what those headers
+ * fetched, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with how lights are. The body that follows them may call what those headers
  * declare, and
  *
  *     vxs_light_constants vxs_light_at(uint n)                            the constants of light n
  *     uint                vxs_light_count()                               as vxs_gl_light_count
  *     float               vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)   vxs_lit of light n
+ *     float               vxs_smoke_left_by(uint n, vec3 at)              how much of light n baked smoke leaves, 0 to 1: what is lit is multiplied by it
  *     uint                vxs_tile_of(ivec2 pixel)                        of lists that were culled; pixel counts as in the depths
  *     uint                vxs_tile_light_count(uint tile)                 how many lights may reach what the tile shows
  *     uint                vxs_tile_light(uint tile, uint n)               light n of them, in ascending order

@@ -82,6 +82,15 @@ def test_shader_of_dags_alone(glslang, shader):
     glslang(text if shader.suffix == ".hlsl" else with_headers(text, ("vxs_lookup.h", "vxs_space.h")), shader.name, *options_of(shader.name))
 
 
+@pytest.mark.parametrize("shader", SHADERS, ids=lambda path: path.name)
+def test_shader_asks_for_smoke(glslang, shader):
+    """What is lit, times what smoke leaves of it."""
+    text = shader.read_text().replace('#include "vxs_space.h"\n', '#include "vxs_space.h"\n#include "vxs_smoke.h"\n')
+    call = re.search(r"(return|lit =) vxs_lit\(.*\);", text)
+    text = text.replace(call[0], f"{call[0].rstrip(';')} * vxs_smoke_left(9u, light, position_ws);")
+    glslang(text if shader.suffix == ".hlsl" else with_headers(text, (*HEADERS, "vxs_smoke.h")), shader.name, *options_of(shader.name))
+
+
 def test_blocks_headers_alone(glslang):
     """For a shader that knows its voxels."""
     glslang(WORDS + COMPUTE + WORD + header("vxs_lookup.h") + header("vxs_lookup_blocks.h") +

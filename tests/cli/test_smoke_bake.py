@@ -12,6 +12,7 @@ import pytest
 
 import small_scene
 from conftest import ROOT
+from png import read_png
 from test_format import libraries, read  # noqa: F401, a fixture
 
 SMALL = ("--resolution", 64)
@@ -131,6 +132,16 @@ def test_query_says_what_is_left(vxs, baked):
     assert dimmed > 40
     assert all(line.split()[1] == "1" for line in vxs("query", baked[2], "--smoke", input="0 0 0\n5 5 5\n").stdout.splitlines())
     assert all(len(line.split()) == 1 for line in vxs("query", baked[0], input="0 0 0\n5 5 5\n").stdout.splitlines())
+
+
+def test_pictures_are_darker_in_its_shadow(vxs, baked, scene, tmp_path):
+    means = []
+    for asset in (baked[0], baked[2]):
+        vxs("render", scene, asset, "-o", tmp_path / "out.png", "--width", 64, "--height", 48, "--samples", 1, "--exposure", -2, "--eye", "0,12,0.1", "--target", "0,0,0", "--force")
+        width, height, rows = read_png((tmp_path / "out.png").read_bytes())
+        means.append([sum(rows[y][3 * x] for y in range(20, 28)) / 8 for x in (5, 58)])  # beside the block, on both sides
+    (left, right), (bright, other) = means
+    assert bright == other and right < left - 2  # smoke is denser on the right; exposure follows what is brightest
 
 
 def test_reports_tell_of_smoke(vxs, baked, scene, tmp_path):

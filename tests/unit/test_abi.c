@@ -79,7 +79,8 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_gl_desc, lights), 48);
     assert_int_equal(AT(vxs_gl_desc, first_binding), 64);
     assert_int_equal(AT(vxs_gl_desc, stream), 72);
-    assert_true(sizeof(vxs_gl_desc) >= 80);
+    assert_int_equal(AT(vxs_gl_desc, smoke), 80);
+    assert_true(sizeof(vxs_gl_desc) >= 88);
     assert_int_equal(AT(vxs_stream_desc, struct_size), 0);
     assert_int_equal(AT(vxs_stream_desc, read), 32);
     assert_int_equal(AT(vxs_stream_desc, budget_bytes), 48);

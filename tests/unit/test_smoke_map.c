@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "gl_taps.h"
 #include "smoke_sample.h"
 #include "volumes_scene.h"
 
@@ -265,12 +266,64 @@ static void test_what_is_not_needed_is_not_there(void **state)
     grid = was;
 }
 
+/* A position, and in the normal a light's number. */
+static const char left_body[] = "in vec3 position_ws;\n"
+                                "in vec3 normal_ws;\n"
+                                "out float answer;\n"
+                                "void main() { answer = vxs_smoke_left_by(uint(normal_ws.x), position_ws); }\n";
+
+/* As far as a float's place in the light differs, which is a thousandth of a texel of curves here. */
+static void test_shaders_answer_as_c_does(void **state)
+{
+    (void)state;
+    const smoke_settings settings = {.side_px = SIDE, .nodes = 8, .error = 0.002};
+    smoke_counts         counts[SCENE_LIGHTS];
+    vxs_asset           *smoky = smoky_asset(&settings, 1, counts), *without;
+    drawing              d     = drawing_make();
+    rng                  r     = {3};
+    static query         queries[QUERIES];
+    static float         answers[QUERIES];
+    assert_int_equal(vxs_asset_open(&without, plain.data, plain.size_bytes, NULL), VXS_OK);
+    for (int n = 0; n < 4; n++) {
+        static const char *const versions[] = {"#version 430 core", "#version 330 core"};
+        const vxs_asset         *asset      = n < 2 ? smoky : without;
+        vxs_gl_desc desc = {.get_proc_address = scene_function, .asset = asset, .storage = n & 1 ? VXS_GL_TEXTURE : VXS_GL_BUFFER};
+        vxs_gl     *gl;
+        uint32_t    dimmed = 0;
+        double      most   = 0;
+        assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
+        while (vxs_gl_upload(gl, 5000)) continue;
+        use_body(&d, gl, versions[n & 1], left_body);
+        for (query *q = queries; q < queries + QUERIES; q++)
+            *q = (query){{(float)uniform(&r, -12, 12), (float)uniform(&r, -1, 10), (float)uniform(&r, -12, 12)},
+                         {(float)rng_below(&r, 5)}};
+        vxs_gl_bind(gl);
+        draw(&d, queries, answers);
+        for (uint32_t k = 0; k < QUERIES; k++) {
+            uint32_t     light = (uint32_t)queries[k].normal[0] < SCENE_LIGHTS ? (uint32_t)queries[k].normal[0] : SCENE_LIGHTS - 1;
+            const float *p     = queries[k].position;
+            const double ws[3] = {(double)p[0], (double)p[1], (double)p[2]};
+            double       in_c  = (double)vxs_smoke_lookup(&vxs_asset_light(asset, light)->light, vxs_asset_smoke(asset, light), ws);
+            most               = fmax(most, fabs(in_c - (double)answers[k]));
+            dimmed += in_c < 0.9;
+        }
+        print_message("%s: shaders differ by %.2g at most, %u places in shadow of smoke\n", versions[n & 1], most, dimmed);
+        assert_true(most < (n < 2 ? 2e-6 : 1e-30));
+        assert_true(n < 2 ? dimmed > 1000 : !dimmed);
+        vxs_gl_destroy(gl);
+    }
+    vxs_asset_close(smoky);
+    vxs_asset_close(without);
+    if (d.program) d.gl->DeleteProgram(d.program);
+    gl_context_destroy(d.gl);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lookups_are_near_the_integral),   cmocka_unit_test(test_light_falls_along_rays),
         cmocka_unit_test(test_what_lies_behind_is_dropped),     cmocka_unit_test(test_threads_make_no_difference),
-        cmocka_unit_test(test_what_is_not_needed_is_not_there),
+        cmocka_unit_test(test_what_is_not_needed_is_not_there), cmocka_unit_test(test_shaders_answer_as_c_does),
     };
     return cmocka_run_group_tests(tests, make_scene, free_scene);
 }
