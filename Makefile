@@ -110,7 +110,7 @@ level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
 baker.o   += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
 endif
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl)) $B/baker/report/chart.min.js.o
+embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl) runtime/volumes/capsule.glsl) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
 unit      := $(filter-out $(without:%=$B/tests/unit/test_%),$(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c)))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_% tests/bench/volumes_%,$(wildcard tests/bench/*.c)))
@@ -151,8 +151,8 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes transmittance transmittance_fog volumes): $(reference.o)
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes transmittance transmittance_fog volumes): test_libs += -lgsl -lgslcblas
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes smoke_quads transmittance transmittance_fog volumes): $(reference.o)
+$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes smoke_quads transmittance transmittance_fog volumes): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o

@@ -65,36 +65,6 @@ bool vxs_capsule_texels(vxs_capsule c, out ivec4 box)
     return box.z > box.x && box.w > box.y;
 }
 
-/* Join the part of a ray in a ball about the origin.   from  where the ray begins;   part  [in, out] begin, end */
-void vxs_join_ball(vec3 from, vec3 way, float radius, inout vec2 part)
-{
-    float near = -dot(from, way);
-    vec3  beside = from + near * way;
-    float inside = radius * radius - dot(beside, beside);
-    if (inside > 0.0) part = vec2(min(part.x, near - sqrt(inside)), max(part.y, near + sqrt(inside)));
-}
-
-/* The same of a cylinder from the origin to `axis`. */
-void vxs_join_cylinder(vec3 from, vec3 way, vec3 axis, float radius, inout vec2 part)
-{
-    float size = length(axis);
-    if (!(size > 0.0)) return;
-    vec3  u = axis / size;
-    float along = dot(from, u), slope = dot(way, u);
-    vec3  beside = from - along * u, turned = way - slope * u;
-    float square = dot(turned, turned), near = square > 1e-12 ? -dot(beside, turned) / square : 0.0;
-    beside += near * turned;
-    float inside = radius * radius - dot(beside, beside);
-    if (!(inside > 0.0)) return;
-    float reach = square > 1e-12 ? sqrt(inside / square) : 1e30;
-    vec2  within = vec2(near - reach, near + reach);
-    if (abs(slope) > 1e-12) {
-        vec2 ends = vec2(-along, size - along) / slope;
-        within = vec2(max(within.x, min(ends.x, ends.y)), min(within.y, max(ends.x, ends.y)));
-    } else if (!(along >= 0.0 && along <= size)) return;
-    if (within.y > within.x) part = vec2(min(part.x, within.x), max(part.y, within.y));
-}
-
 /* Metres along the map's axis where what is opaque begins in a texel; VXS_NO_END: nowhere. */
 float vxs_opaque_depth(ivec3 texel)
 {
@@ -120,12 +90,8 @@ bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segm
         per_metre = 1.0 / length(way);
         way *= per_metre;
     }
-    float near = dot(c.begin - begin, way); /* all that follows counts from there: it is no difference of what is far */
-    vec3  from = begin - c.begin + near * way;
-    vec2  part = vec2(1e30, -1e30);
-    vxs_join_ball(from, way, c.radius, part);
-    vxs_join_ball(from - (c.end - c.begin), way, c.radius, part);
-    vxs_join_cylinder(from, way, c.end - c.begin, c.radius, part);
+    float near;
+    vec2  part = vxs_capsule_part(c.begin - begin, c.end - c.begin, c.radius, way, near);
     if (!vxs_is_sun()) part.x = max(part.x, -near);
     part.y = min(part.y, opaque / per_metre - near);
     if (!(part.y > part.x)) return false;

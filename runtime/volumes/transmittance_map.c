@@ -45,6 +45,13 @@ void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSM
 
 /* create --------------------------------------------------------------------------------------------------------------------------- */
 
+/* Those of a program that maps with as many nodes share, which is made when the first of them is. */
+static gl_name make_program(vxs_volumes *v, gl_name *made, const char *names, const char *body)
+{
+    if (!*made) *made = vxs_volumes_compute(v, names, body);
+    return *made;
+}
+
 /* What reads curves of any map. */
 static int make_readers(vxs_volumes *v)
 {
@@ -58,22 +65,32 @@ static int make_readers(vxs_volumes *v)
     char names[TRANSMITTANCE_NAMES];
     for (int n = 0; n < CURVES_PROGRAMS; n++) {
         snprintf(names, sizeof names, "#define VXS_USES_CURVES\n#define VXS_READS_CURVES\n%s", texts[n].names);
-        if (!v->curves[n]) v->curves[n] = vxs_volumes_compute(v, names, texts[n].body);
-        if (!v->curves[n]) return 0;
+        if (!make_program(v, &v->curves[n], names, texts[n].body)) return 0;
     }
     return 1;
+}
+
+/* What writes those of this one. */
+static int make_writers(vxs_transmittance_map *map)
+{
+    vxs_volumes *v  = map->volumes;
+    gl_name     *of = v->maps[map->nodes / 4 - 1];
+    char         names[TRANSMITTANCE_NAMES];
+    vxs_transmittance_names(map, names);
+    map->look_up = make_program(v, &of[PROGRAM_CURVES_PASS], names, vxs_volumes_text_transmittance_pass_glsl);
+    if (!map->segment_room)
+        map->build = make_program(v, &of[PROGRAM_CURVES_STREAM], names, vxs_volumes_text_transmittance_stream_glsl);
+    else {
+        map->capture = make_program(v, &of[PROGRAM_CURVES_CAPTURE], names, vxs_volumes_text_transmittance_capture_glsl);
+        map->build   = make_program(v, &of[PROGRAM_CURVES_BUILD], names, vxs_volumes_text_transmittance_build_glsl);
+    }
+    return map->build && map->look_up && (map->capture || !map->segment_room);
 }
 
 static vxs_result make(vxs_transmittance_map *map)
 {
     vxs_volumes *v = map->volumes;
-    char         names[TRANSMITTANCE_NAMES];
-    vxs_transmittance_names(map, names);
-    if (map->segment_room) map->capture = vxs_volumes_compute(v, names, vxs_volumes_text_transmittance_capture_glsl);
-    map->build = vxs_volumes_compute(
-        v, names, map->segment_room ? vxs_volumes_text_transmittance_build_glsl : vxs_volumes_text_transmittance_stream_glsl);
-    map->look_up = vxs_volumes_compute(v, names, vxs_volumes_text_transmittance_pass_glsl);
-    if (!map->build || !map->look_up || (map->segment_room && !map->capture) || !make_readers(v)) return VXS_E_GL;
+    if (!make_writers(map) || !make_readers(v)) return VXS_E_GL;
     map->buffer   = vxs_volumes_buffer(v, bytes_of(map));
     map->capsules = vxs_volumes_buffer(v, (uint64_t)map->capsule_room * sizeof(vxs_capsule));
     return map->buffer && map->capsules ? VXS_OK : VXS_E_MEMORY;
@@ -119,13 +136,10 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
 void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
 {
     if (!map) return;
-    const vxs_volumes *v          = map->volumes;
-    const gl_name      buffers[]  = {map->buffer, map->capsules};
-    const gl_name      programs[] = {map->capture, map->build, map->look_up};
+    const vxs_volumes *v         = map->volumes;
+    const gl_name      buffers[] = {map->buffer, map->capsules};
     for (int n = 0; n < 2; n++)
         if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
-    for (int n = 0; n < 3; n++)
-        if (programs[n]) v->api.DeleteProgram(programs[n]);
     vxs_volumes_give_back(v, map, sizeof *map);
 }
 

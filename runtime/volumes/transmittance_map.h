@@ -11,7 +11,7 @@ struct vxs_transmittance_map {
     vxs_light_constants constants; /* of a light that is not baked */
     uint32_t            baked, is_baked, side_px, layers, nodes, capsule_room, segment_room, is_sorted;
     gl_name             buffer, capsules;
-    gl_name             capture, build, look_up; /* programs; without lists, capture is 0 */
+    gl_name             capture, build, look_up; /* programs of the volumes; without lists, capture is 0 */
 };
 
 /* What programs of maps need beside the texts that all have: lines of #define. */

@@ -118,6 +118,8 @@ void vxs_volumes_destroy(vxs_volumes *v)
         if (v->programs[n]) v->api.DeleteProgram(v->programs[n]);
     for (int n = 0; n < CURVES_PROGRAMS; n++)
         if (v->curves[n]) v->api.DeleteProgram(v->curves[n]);
+    for (int n = 0; n < NODES_KINDS * NODES_PROGRAMS; n++)
+        if (v->maps[n / NODES_PROGRAMS][n % NODES_PROGRAMS]) v->api.DeleteProgram(v->maps[n / NODES_PROGRAMS][n % NODES_PROGRAMS]);
     memory.free(v, sizeof *v, memory.user);
 }
 

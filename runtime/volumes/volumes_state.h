@@ -52,6 +52,16 @@ typedef enum curves_program {
     CURVES_PROGRAMS
 } curves_program;
 
+/* Programs of all maps with as many nodes: 4, 8, 12, 16. */
+typedef enum nodes_program {
+    PROGRAM_CURVES_CAPTURE,
+    PROGRAM_CURVES_BUILD,
+    PROGRAM_CURVES_STREAM,
+    PROGRAM_CURVES_PASS,
+    NODES_PROGRAMS,
+    NODES_KINDS = 4
+} nodes_program;
+
 struct vxs_volumes {
     volumes_api   api;
     vxs_allocator memory;
@@ -60,7 +70,7 @@ struct vxs_volumes {
     vxs_gl     *shadows;
     uint32_t    width_px, height_px, first_unit, first_storage;
     gl_name     airlight, frame_buffer, vertex_array, target; /* target: to draw into airlight */
-    gl_name     programs[VOLUMES_PROGRAMS], curves[CURVES_PROGRAMS];
+    gl_name     programs[VOLUMES_PROGRAMS], curves[CURVES_PROGRAMS], maps[NODES_KINDS][NODES_PROGRAMS];
     frame_block frame;
     float       least;         /* as vxs_volumes_frame has it */
     gl_name     depth_texture; /* of the frame; 0: none has begun */
@@ -161,7 +171,7 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[],
     vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_voxelize_glsl[], vxs_volumes_text_or_scan_glsl[],
     vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[], vxs_volumes_text_transmittance_glsl[],
-    vxs_volumes_text_transmittance_capture_glsl[], vxs_volumes_text_transmittance_build_glsl[],
+    vxs_volumes_text_capsule_glsl[], vxs_volumes_text_transmittance_capture_glsl[], vxs_volumes_text_transmittance_build_glsl[],
     vxs_volumes_text_transmittance_stream_glsl[], vxs_volumes_text_transmittance_pass_glsl[],
     vxs_volumes_text_transmittance_places_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
     vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[], vxs_volumes_text_area_grids_glsl[],
