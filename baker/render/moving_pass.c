@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "baker/base/vec3.h"
+#include "baker/truth/baked_light.h"
 
 enum { SIDE_PX = 1024, BINDING = 6, UNIT = 6 };
 
@@ -88,33 +89,18 @@ static moving_view perspective_view(const double place[3], const double forward[
     return v;
 }
 
-static void lamp_place(const vxs_light *light, double place[3])
-{
-    const double *m = light->ls_from_ws;
-    for (int n = 0; n < 3; n++) place[n] = -(m[n] * m[3] + m[4 + n] * m[7] + m[8 + n] * m[11]);
-}
-
-/* Whether a lamp's range and cone meet a sphere. */
-static int reaches(const vxs_light *light, const double way[3], double radius)
-{
-    double metres = sqrt(vec3_dot(way, way));
-    if (light->range_metres > 0 && metres - radius > light->range_metres) return 0;
-    if (light->kind != VXS_LIGHT_KIND_SPOT || metres <= radius) return 1;
-    double cosine = fmax(-1, fmin(1, vec3_dot(way, light->direction_ws) / metres));
-    return acos(cosine) - asin(radius / metres) < acos(light->cos_outer);
-}
-
 /* How a light sees a sphere.   Returns how many views there are */
 static uint32_t views_of(const vxs_light *light, const double middle[3], double radius, moving_view views[MOVING_FACES])
 {
-    double place[3], way[3], forward[3];
-    if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) {
+    light_shape   shape = baked_light_shape(light);
+    const double *place = shape.position_ws;
+    double        way[3], forward[3];
+    if (shape.kind == LIGHT_DIRECTIONAL) {
         views[0] = parallel_view(light->direction_ws, middle, radius);
         return 1;
     }
-    lamp_place(light, place);
     vec3_sub(middle, place, way);
-    if (!reaches(light, way, radius)) return 0;
+    if (!light_reaches_ball(&shape, middle, radius)) return 0;
     double metres = sqrt(vec3_dot(way, way)), beside = metres * metres - radius * radius;
     if (metres > 1.25 * radius) {
         vec3_unit(way, forward);

@@ -213,6 +213,9 @@ const char *light_kind_name(light_kind kind);
 /* 1 when a point is in the light's cone and range (no shadow is asked about); directional: always. */
 int light_reaches(const light_shape *light, const double point_ws[3]);
 
+/* 1 when some of a ball is. */
+int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_m);
+
 #ifdef __cplusplus
 }
 #endif
