@@ -127,9 +127,9 @@ static void add_column(parts *p, const column *c, rng r, uint32_t puffs)
 /* the yard --------------------------------------------------------------------------------------------------------------------------- */
 
 static const column yard[3] = {
-    {"white smoke", {-4.2, 0.9, -3.6}, 9.5, 0.3, 1.5, {-1.6, -0.5}, 2.2, {0.92, 0.92, 0.93}},
-    {"grey smoke", {0.4, 0.9, 0.6}, 8, 0.25, 1.3, {-2.2, -0.8}, 2.0, {0.62, 0.65, 0.70}},
-    {"brown smoke", {4.6, 0.9, -4.4}, 9, 0.3, 1.4, {-1.2, -0.6}, 2.6, {0.72, 0.60, 0.48}},
+    {"white smoke", {-4.4, 0.9, -3.4}, 9.5, 0.35, 2.1, {-2.2, -0.5}, 2.4, {0.92, 0.92, 0.93}},
+    {"grey smoke", {0.4, 0.9, 0.6}, 7, 0.3, 1.7, {-2.0, -0.8}, 2.0, {0.74, 0.76, 0.80}},
+    {"brown smoke", {5.2, 0.9, -3.8}, 9, 0.35, 1.9, {-1.6, -0.6}, 2.6, {0.80, 0.68, 0.55}},
 };
 
 static void add_windows(parts *p, double x0, double y0, double z)
@@ -178,13 +178,13 @@ static void add_barrels(parts *p, uint32_t iron)
 
 static void add_street_lamp(parts *p, uint32_t iron)
 {
-    const double x = 2.9, z = 0.9, out = 1.7;
+    const double x = 3.4, z = 1.1, out = 1.3;
     parts_mesh(p, "street lamp", iron);
     parts_tube(p, (double[3]){x, -0.1, z}, 0.09, (double[3]){x, 5, z}, 0.06, 12);
     parts_box_at(p, NULL, x - out, x + 0.06, 4.9, 4.98, z - 0.04, z + 0.04);
     parts_box_at(p, NULL, x - out - 0.16, x - out + 0.16, 4.78, 4.9, z - 0.14, z + 0.14);
-    parts_spot(p, "street lamp", (double[3]){x - out, 4.7, z}, (double[3]){-0.12, -1, -0.05}, 42, 12);
-    shine(p, 14, 10.5, 6.5);
+    parts_spot(p, "street lamp", (double[3]){x - out, 4.7, z}, (double[3]){-0.45, -1, -0.12}, 40, 12);
+    shine(p, 22, 16, 9);
 }
 
 vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m)
@@ -241,9 +241,9 @@ static void add_strand(parts *p, rng r, uint32_t pieces)
     find_root(&r, way);
     for (int n = 0; n < 3; n++) at[n] = head_at[n] + head_radius * way[n];
     for (uint32_t piece = 0; piece < pieces; piece++) {
-        way[0] += 0.25 * wave(curl + turn * piece / STRAND_PIECES + 1);
-        way[2] += 0.25 * wave(curl + turn * piece / STRAND_PIECES + 1.25);
-        way[1] -= 0.42;
+        way[0] += 0.25 * wave(curl + turn * piece / STRAND_PIECES);
+        way[2] += 0.25 * wave(curl + turn * piece / STRAND_PIECES + 0.25);
+        way[1] -= 0.8;
         scale_to(way, 1);
         for (int n = 0; n < 3; n++) next[n] = at[n] + length * way[n];
         keep_outside(next);

@@ -96,6 +96,8 @@ def test_smoke_is_points_and_lines(vxs, tmp_path, kind):
     ("room", "2cb8cfd208d15dd6b659fc5b742ea1bbad42416ca2acb688a85f574872bf4508"),
     ("forest", "10334c91e5c6dfa5af233cf9e4bc2595ea68b9653fef7df3c0024214bba245f9"),
     ("landscape", "75f467c9ff2f85fdc1e20564bfeb1c3de418df64769d7b3984dc9cdd994c937e"),
+    ("smoke", "74df5021b387993653b82ac63263e631eb73e074018f79c9b79da3b32d3f27a8"),
+    ("hair", "67c42a5207b8b37fc0e64a0577b14c28c2ae097c4e05c72af4779439c969e08f"),
 ])
 def test_bytes_of_the_geometry_are_pinned(vxs, tmp_path, kind, digest):
     vxs("scene", kind, "-o", tmp_path / "a.glb")
