@@ -29,6 +29,8 @@ enum {
     TILE_LIGHTS      = 255,
     UPLOAD_BYTES     = 1 << 20,
     AREA_LAMPS       = 64,
+    SMOKE_SIDE_MIN   = 16,
+    SMOKE_SIDE_MAX   = 2048,
     FRAMES           = 60,
     FRAMES_MAX       = 100000
 };
@@ -48,7 +50,8 @@ typedef struct render_command {
     uint32_t       frames;
     uint64_t       budget_bytes;
     int            budget_given, upload_given;
-    int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given;
+    int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given,
+        smoke_given, smoke_side_given;
 } render_command;
 
 /* What is drawn. */
@@ -74,6 +77,8 @@ static const char *needs_gl(const render_command *c)
            : c->area_given      ? "--area"
            : c->gather_given    ? "--area-gather"
            : c->stops_given     ? "--exposure"
+           : c->smoke_given     ? "--smoke"
+           : c->smoke_side_given ? "--smoke-side"
            : c->moving_path     ? "--moving"
            : c->passes_folder   ? "--passes"
            : c->path_file       ? "--path"
@@ -93,7 +98,7 @@ static vxs_result check_options(const render_command *c, message *m)
     if (r != VXS_OK) return r;
     if (c->draw == DRAW_RAYS && needs_gl(c))
         return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
-    if (r == VXS_OK) r = fog_check(&c->fog, c->moving_path != NULL, m);
+    if (r == VXS_OK) r = fog_check(&c->fog, c->moving_path || (c->smoke_given && o->smoke == SMOKE_ON), m);
     if (r != VXS_OK) return r;
     if (c->fog.by == FOG_BY_MESH && c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
@@ -102,6 +107,7 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--upload %llu needs --budget", (unsigned long long)o->upload_bytes);
+    if (c->smoke_side_given && o->smoke == SMOKE_OFF) return fail(m, VXS_E_ARGUMENT, "--smoke-side needs --smoke on");
     if (c->moving_by_given && (!c->moving_path || !path))
         return fail(m, VXS_E_ARGUMENT, "--moving-by needs --moving, and --path or --orbit");
     if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
@@ -257,6 +263,8 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
                             .options      = &c->options,
                             .fog_grid     = renderer_fog_grid(drawn),
                             .fog_lights   = renderer_fog_lights(drawn),
+                            .smoke_lights = renderer_smoke_lights(drawn),
+                            .capsules     = s->scene.smoke.count,
                             .areas        = find_area_words(c, s, drawn, &areas) ? &areas : NULL,
                             .lights       = s->lights,
                             .light_count  = s->light_count,
@@ -285,7 +293,7 @@ static void print_moving(FILE *to, const moving_plan *plan)
     fputc('\n', to);
 }
 
-/* Of the picture's frame: which lights see what moves, which area lights are drawn, and which lights its fog is drawn of. */
+/* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog is drawn of. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
     const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
@@ -295,6 +303,9 @@ static void print_plan(const render_command *c, const subject *s, const renderer
     FILE *to = report_stream(m, taken);
     if (!to) return;
     if (c->options.moving) print_moving(to, &last->frame.moving);
+    if (renderer_smoke_lights(drawn))
+        smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn), s->lights,
+                         s->light_count, m->verbose);
     if (find_area_words(c, s, drawn, &areas)) area_plan_print(to, &last->frame.area, &areas, m->verbose);
     if (c->options.fog)
         fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
@@ -368,6 +379,7 @@ int cmd_render(int argc, char **argv)
                                                 .samples      = 2,
                                                 .tile_lights  = TILE_LIGHTS,
                                                 .upload_bytes = UPLOAD_BYTES,
+                                                .smoke_side   = SMOKE_SIDE,
                                                 .area_lamps   = AREA_LAMPS,
                                                 .area_gather  = VXS_AREA_QUARTER,
                                                 .threads      = parallel_default_threads()},
@@ -403,6 +415,10 @@ int cmd_render(int argc, char **argv)
          &c.area_given},
         {"--area-gather", OPTION_CHOICE, &o->area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,
          "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &c.gather_given},
+        {"--smoke", OPTION_CHOICE, &o->smoke, 0, 0, SMOKE_CHOICES, NULL,
+         "points and lines of the scene that are smoke dim light, and are drawn (default on)", &c.smoke_given},
+        {"--smoke-side", OPTION_U32, &o->smoke_side, SMOKE_SIDE_MIN, SMOKE_SIDE_MAX, NULL, "PX",
+         "curves a side of a light's map of smoke, 16 to 2048 (default 256)", &c.smoke_side_given},
         {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
          "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
         {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",

@@ -159,6 +159,14 @@ static void plan_moving(fog_light_plan *light)
     light->why = "something moves in its light";
 }
 
+/* All but marches have closed forms, of light that nothing dims. */
+static void plan_smoke(fog_light_plan *light)
+{
+    if (light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES) return;
+    light->by  = FOG_BY_ANGLES;
+    light->why = "smoke dims it";
+}
+
 /* map  NULL: the file is asked */
 static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const vxs_light_map *map, message *m)
 {
@@ -177,8 +185,8 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
 }
 
 /* What is left out costs no call, and no mesh. */
-static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, const moving_pass *moving, double exposure,
-                            fog_plan *plan, message *m)
+static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, const moving_pass *moving, const smoke_pass *smoke,
+                            double exposure, fog_plan *plan, message *m)
 {
     vxs_moving_casters casters[MOVING_FACES];
     uint32_t           caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
@@ -189,7 +197,9 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, con
     p->lights[n] = plan_light(p, &light);
     plan->lights[p->lights[n].fate]++;
     if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
-    p->last = n;
+    p->last     = n;
+    light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
+    if (light.smoke) plan_smoke(&p->lights[n]);
     if (caster_count) {
         plan_moving(&p->lights[n]);
         plan->light_maps++;
@@ -206,14 +216,14 @@ vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, co
     return result == VXS_OK ? VXS_OK : fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
 }
 
-vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass *moving, double exposure, fog_plan *plan,
-                         message *m)
+vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke, double exposure,
+                         fog_plan *plan, message *m)
 {
     vxs_result result = VXS_OK;
     *plan             = (fog_plan){0};
     p->last           = UINT32_MAX;
     for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
-        result = add_light(p, n, &shines[n], moving, exposure, plan, m);
+        result = add_light(p, n, &shines[n], moving, smoke, exposure, plan, m);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     plan->meshes_made = p->meshes_made;
     vxs_volumes_composite(p->volumes);

@@ -6,6 +6,7 @@
 #include "baker/opengl/gl.h"
 #include "baker/render/fog_plan.h"
 #include "baker/render/moving_pass.h"
+#include "baker/render/smoke_pass.h"
 #include "baker/scene/fog_medium.h"
 #include "runtime/gl/vxs_gl.h"
 #include "runtime/volumes/vxs_volumes.h"
@@ -42,8 +43,8 @@ vxs_result fog_pass_begin(fog_pass *pass, const vxs_view *view, unsigned depths,
 /* Add the lights' airlight, and lay all over the linear picture in the current framebuffer.
  * shines   [lights of shadows];   exposure  what their colours are times;   plan  [out]
  * moving   whose lights are drawn of maps that end where it begins, not by intervals or meshes; NULL: nothing moves */
-vxs_result fog_pass_draw(fog_pass *pass, const fog_shine *shines, const moving_pass *moving, double exposure, fog_plan *plan,
-                         message *m);
+vxs_result fog_pass_draw(fog_pass *pass, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke,
+                         double exposure, fog_plan *plan, message *m);
 
 /* Whose frame it is, for passes that add to it. */
 vxs_volumes *fog_pass_volumes(const fog_pass *pass);

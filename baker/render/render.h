@@ -8,12 +8,16 @@
 #include "baker/render/area_pass.h"
 #include "baker/render/fog_pass.h"
 #include "baker/render/moving_pass.h"
+#include "baker/render/smoke_pass.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/camera.h"
 #include "runtime/vxs_stream.h"
 
 typedef enum cull_mode { CULL_AUTO, CULL_ON, CULL_OFF } cull_mode;
 #define CULL_CHOICES "auto|on|off" /* their words, in that order; auto: where there is more than one light */
+
+typedef enum smoke_mode { SMOKE_ON, SMOKE_OFF } smoke_mode;
+#define SMOKE_CHOICES "on|off" /* their words, in that order; off: the scene's dims nothing, and is not drawn */
 
 typedef struct render_options {
     uint32_t   width_px, height_px;
@@ -37,6 +41,9 @@ typedef struct render_options {
 
     const vxs_baked_smoke *const *smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
 
+    smoke_mode smoke;
+    uint32_t   smoke_side; /* texels of a map of it */
+
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
@@ -47,6 +54,7 @@ enum {
     RENDER_MOVING,
     RENDER_SURFACES,
     RENDER_CULL,
+    RENDER_SMOKE,
     RENDER_SHADE,
     RENDER_AREA,
     RENDER_FOG,
@@ -64,6 +72,7 @@ typedef struct render_frame {
     uint64_t    uploaded_bytes; /* of a stream's words; in the first frame, since the renderer was made */
     uint64_t    waiting_bytes;  /* that are there, and for the next frames to upload */
     fog_plan    fog;            /* lights of it; without fog all 0 */
+    smoke_plan  smoke;          /* lights that it dims; without it all 0 */
     area_plan   area;           /* area lights; without them all 0 */
     moving_plan moving;         /* lights that see what moves; without it all 0 */
     uint64_t    full_pixels;    /* surface_pixels of which each lookup is answered in full; all of them without a stream */
@@ -139,6 +148,16 @@ vxs_result renderer_read_grid(const renderer *r, float *dark, message *m);
  * hide, and its edges; warm where a ray comes into the light, cold where it leaves it.   light  [out] [3 * count] added up */
 int        renderer_has_mesh(const renderer *r);
 vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
+
+/* Each light in the last frame's smoke, [light_count]; NULL without smoke. */
+const smoke_light_plan *renderer_smoke_lights(const renderer *r);
+
+/* How much of light n smoke leaves at each place of the last frame, [count]; NULL left out.   left  [out]   Returns VXS_OK; whether the light is dimmed says
+ * renderer_smoke_lights. */
+vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m);
+
+/* How much smoke lets through of what is behind it, to the eye.   left  [out] [count] */
+vxs_result renderer_read_through(renderer *r, float *left, message *m);
 
 /* What draws. */
 const char *renderer_name(const renderer *r);

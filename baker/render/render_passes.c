@@ -222,21 +222,27 @@ static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) trace_sample(user, n);
 }
 
+/* A picture of a light: what is in p->rgb. */
+static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, message *m)
+{
+    char name[VXS_LIGHT_NAME_BYTES + 32];
+    snprintf(name, sizeof name, "%s-%u-%s", what, number, light->name);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("-_.", *c)) *c = '_';
+    return write_picture(p, name, m);
+}
+
 /* Nothing where the light reaches no sample: of hundreds most do not. */
 static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, message *m)
 {
     size_t reached = 0;
     for (size_t n = 0; n < p->count; n++) reached += p->lit[n] >= 0;
     if (!reached) return VXS_OK;
-    char name[VXS_LIGHT_NAME_BYTES + 32];
-    snprintf(name, sizeof name, "lit-%u-%s", number, light->name);
-    for (char *c = name; *c; c++)
-        if (!isalnum((unsigned char)*c) && !strchr("-_.", *c)) *c = '_';
     for (size_t n = 0; n < p->count; n++) {
         set_grey(p->rgb + 3 * n, (double)p->lit[n]);
         if (!(p->lit[n] >= 0)) memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
     }
-    return write_picture(p, name, m);
+    return write_of_light(p, "lit", number, light, m);
 }
 
 static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
@@ -248,6 +254,26 @@ static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lig
         if (r == VXS_OK) r = write_lit(p, n, a.light, m);
         if (r == VXS_OK && p->truth) parallel_for(p->threads, p->count, p->width, trace_samples, &a);
     }
+    return r;
+}
+
+/* What smoke leaves of each light that it dims, where something is seen; and to the eye of what is behind it. */
+static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
+{
+    float     *left = malloc(p->count * sizeof *left);
+    vxs_result r    = left ? renderer_read_through(p->renderer, left, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    for (size_t i = 0; i < p->count && r == VXS_OK; i++) set_grey(p->rgb + 3 * i, (double)left[i]);
+    if (r == VXS_OK) r = write_picture(p, "smoke", m);
+    for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
+        if (renderer_smoke_lights(p->renderer)[n].fate != SMOKE_DIMS) continue;
+        r = renderer_read_smoke(p->renderer, n, left, m);
+        for (size_t i = 0; i < p->count && r == VXS_OK; i++) {
+            set_grey(p->rgb + 3 * i, (double)left[i]);
+            if (!(p->depths[i] > 0)) memcpy(p->rgb + 3 * i, nothing, sizeof nothing);
+        }
+        if (r == VXS_OK) r = write_of_light(p, "smoke", n, &lights[n]->light, m);
+    }
+    free(left);
     return r;
 }
 
@@ -308,6 +334,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
     if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
     if (r == VXS_OK && renderer_has_mesh(drawn)) r = write_light_mesh(&p, m);
+    if (r == VXS_OK && renderer_smoke_lights(drawn)) r = write_smoke(&p, lights, light_count, m);
     if (r == VXS_OK && streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);

@@ -18,6 +18,8 @@ typedef struct truth_difference {
  *     depth.png, normal.png, albedo.png
  *     light.png        direct light, as exposed, without albedo
  *     lights.png       how many lights were asked: black none, then blue to red for 1 to the most
+ *     smoke.png        how much smoke lets through to the eye, linear, where there is smoke: white is all of it
+ *     smoke-N-NAME.png how much of light N it leaves at what is seen, if it dims the light; magenta where nothing is
  *     area.png         what surfaces get of area lights, irradiance / pi, as exposed, where there are some
  *     airlight.png     what fog scatters toward the eye, as exposed, where there is fog
  *     transmittance.png  what fog leaves of what is seen, linear: white is all of it

@@ -15,6 +15,7 @@
 
 static int has_stage(const render_report *r, int stage)
 {
+    if (stage == RENDER_SMOKE) return r->smoke_lights != NULL;
     if (stage == RENDER_AREA) return r->areas && r->areas->shares;
     return stage == RENDER_UPLOAD   ? r->budget_bytes != 0
            : stage == RENDER_MOVING ? r->options->moving != NULL
@@ -102,6 +103,7 @@ static json_t *frame_json(const render_report *r, const drawn_frame *d)
     json_set(&o, "longest_list", json_integer(d->frame.longest_list));
     if (r->options->fog) json_set(&o, "fog_lights", fog_plan_counts(&d->frame.fog));
     if (r->options->moving) json_set(&o, "moving", moving_json(&d->frame.moving));
+    if (r->smoke_lights) json_set(&o, "smoke_lights", smoke_plan_counts(&d->frame.smoke));
     if (r->areas) json_set(&o, "area_lights", area_plan_counts(&d->frame.area));
     if (r->budget_bytes) json_set(&o, "stream", stream_json(d));
     return o;
@@ -146,11 +148,20 @@ static json_t *fog_json(const render_report *r)
     json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
     json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
     json_set(&fog, "by", json_text(fog_by_names[o->fog_by]));
-    if (o->moving || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES) json_set(&fog, "steps", json_integer(o->fog_steps));
+    if (o->moving || r->smoke_lights || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES) json_set(&fog, "steps", json_integer(o->fog_steps));
     if (r->fog_grid) json_set(&fog, "grid", json_integer(r->fog_grid));
     json_set(&fog, "lights", fog_plan_lights(r->fog_lights, r->lights, r->light_count));
     json_set(&fog, "left_out", fog_plan_left_out(last, o->fog_by, r->light_count));
     return fog;
+}
+
+static json_t *smoke_json(const render_report *r)
+{
+    json_t *smoke = json_object();
+    json_set(&smoke, "capsules", json_integer(r->capsules));
+    json_set(&smoke, "side_px", json_integer(r->options->smoke_side));
+    json_set(&smoke, "lights", smoke_plan_lights(r->smoke_lights, r->lights, r->light_count));
+    return smoke;
 }
 
 json_t *render_report_json(const render_report *r)
@@ -171,6 +182,7 @@ json_t *render_report_json(const render_report *r)
     json_set(&o, "word_bytes", json_integer((json_int_t)r->word_bytes));
     if (r->options->fog) json_set(&o, "fog", fog_json(r));
     if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
+    if (r->smoke_lights) json_set(&o, "smoke", smoke_json(r));
     if (r->areas) json_set(&o, "area", area_plan_json(&r->frames[r->frame_count - 1].frame.area, r->areas));
     if (r->budget_bytes) {
         json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
@@ -227,7 +239,7 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
 
 enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
 
-static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ccbb44",
+static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ddaa99", "#ccbb44",
                                                         "#cc6677", "#228833", "#aa3377", "#999999"};
 
 /* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */

@@ -23,6 +23,8 @@ typedef struct render_report {
     const render_options         *options;
     uint32_t                      fog_grid;   /* n of the fog's grid; 0 without one */
     const fog_light_plan         *fog_lights; /* [light_count] of the last frame; NULL without fog */
+    const smoke_light_plan       *smoke_lights; /* [light_count] of the last frame; NULL without smoke */
+    uint32_t                      capsules;     /* of the scene's smoke */
     const area_words             *areas;      /* NULL: no area light was asked for */
     const vxs_baked_light *const *lights;     /* [light_count] */
     uint32_t                      light_count;

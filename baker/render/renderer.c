@@ -13,6 +13,8 @@ EMBEDDED(surface_vert_glsl)
 EMBEDDED(surface_frag_glsl)
 EMBEDDED(screen_vert_glsl)
 EMBEDDED(moving_glsl)
+EMBEDDED(smoke_glsl)
+EMBEDDED(shine_glsl)
 EMBEDDED(shade_frag_glsl)
 EMBEDDED(tone_frag_glsl)
 
@@ -20,12 +22,12 @@ static const double pi = 3.14159265358979324;
 
 /* programs ------------------------------------------------------------------------------------------------------------------------ */
 
-enum { SHADE_PARTS = VXS_GL_TEXTS + 3 };
+enum { PARTS_MOST = VXS_GL_TEXTS + 5 };
 
 static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
 {
-    const char *texts[SHADE_PARTS];
-    GLint       sizes[SHADE_PARTS];
+    const char *texts[PARTS_MOST];
+    GLint       sizes[PARTS_MOST];
     GLuint      shader = gl->CreateShader(kind);
     for (int n = 0; n < count; n++) {
         texts[n] = parts[n].text;
@@ -53,30 +55,39 @@ vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vert
     return fail(m, VXS_E_GL, "OpenGL cannot link a shader: %s", log);
 }
 
-static vxs_result make_programs(renderer *r, message *m)
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m)
 {
     const char *texts[VXS_GL_TEXTS];
-    text_part   shade[SHADE_PARTS], surface = part_of(surface_frag_glsl);
-    text_part   tone[]    = {{"#version 450 core\n", -1}, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, part_of(tone_frag_glsl)};
-    text_part   picture[] = {tone[0], {"#define TO_PICTURE\n", -1}, tone[2]};
-    char        knows[64];
-    vxs_result  result;
-    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s%s", r->options.filter_px, r->options.stream ? "#define STREAMED\n" : "",
-             r->moving ? "#define MOVING\n" : "");
+    char        knows[96];
+    text_part   none = {"", 0}, parts[PARTS_MOST];
+    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s%s%s", r->options.filter_px,
+             r->options.stream ? "#define STREAMED\n" : "", r->moving ? "#define MOVING\n" : "", r->smoke ? "#define SMOKE\n" : "");
+    const text_part own[] = {{knows, -1},
+                             r->moving ? part_of(moving_glsl) : none,
+                             r->smoke ? part_of(smoke_glsl) : none,
+                             part_of(shine_glsl),
+                             part_of(fragment)};
     vxs_gl_texts(r->shadows, texts);
-    for (int n = 0; n < VXS_GL_TEXTS; n++) shade[n] = (text_part){texts[n], -1};
-    shade[VXS_GL_TEXTS]     = (text_part){knows, -1};
-    shade[VXS_GL_TEXTS + 1] = r->moving ? part_of(moving_glsl) : (text_part){"", 0};
-    shade[VXS_GL_TEXTS + 2] = part_of(shade_frag_glsl);
+    for (int n = 0; n < VXS_GL_TEXTS; n++) parts[n] = (text_part){texts[n], -1};
+    memcpy(parts + VXS_GL_TEXTS, own, sizeof own);
+    return renderer_program(r->gl, program, screen_vert_glsl, parts, PARTS_MOST, m);
+}
+
+static vxs_result make_programs(renderer *r, message *m)
+{
+    text_part  surface   = part_of(surface_frag_glsl);
+    text_part  tone[]    = {{"#version 450 core\n", -1}, {r->fog ? "#define FROM_PICTURE\n" : "", -1}, part_of(tone_frag_glsl)};
+    text_part  picture[] = {tone[0], {"#define TO_PICTURE\n", -1}, tone[2]};
+    vxs_result result;
     if ((result = renderer_program(r->gl, &r->surface_program, surface_vert_glsl, &surface, 1, m)) != VXS_OK) return result;
     if ((result = renderer_program(r->gl, &r->tone_program, screen_vert_glsl, tone, 3, m)) != VXS_OK) return result;
     if (r->fog && (result = renderer_program(r->gl, &r->picture_program, screen_vert_glsl, picture, 3, m)) != VXS_OK) return result;
-    return renderer_program(r->gl, &r->shade_program, screen_vert_glsl, shade, SHADE_PARTS, m);
+    return renderer_lit_program(r, &r->shade_program, shade_frag_glsl, m);
 }
 
 /* targets ------------------------------------------------------------------------------------------------------------------------- */
 
-static GLuint make_frame(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
+GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count)
 {
     static const GLenum attached[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
     GLuint              frame;
@@ -101,10 +112,10 @@ static vxs_result make_targets(renderer *r, message *m)
         gl->TextureParameteri(r->target[n], GL_TEXTURE_MIN_FILTER, GL_NEAREST);
         gl->TextureParameteri(r->target[n], GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     }
-    r->surface_frame = make_frame(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
-    r->light_frame   = make_frame(gl, 0, &r->target[LIGHTS], 1);
-    r->screen_frame  = make_frame(gl, 0, &r->target[SCREEN], 1);
-    if (r->fog) r->picture_frame = make_frame(gl, 0, &r->target[PICTURE], 1);
+    r->surface_frame = renderer_frame_of(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
+    r->light_frame   = renderer_frame_of(gl, 0, &r->target[LIGHTS], 1);
+    r->screen_frame  = renderer_frame_of(gl, 0, &r->target[SCREEN], 1);
+    if (r->fog) r->picture_frame = renderer_frame_of(gl, 0, &r->target[PICTURE], 1);
     gl->GenVertexArrays(1, &r->empty_array);
     if (gl->GetError() == GL_NO_ERROR) return VXS_OK;
     return fail(m, VXS_E_MEMORY, "OpenGL has no room for a picture of %u x %u samples", r->width, r->height);
@@ -196,7 +207,7 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
 
-/* Clear air where there is none: area lights need its frame. */
+/* Clear air where there is none: area lights and smoke need its frame. */
 static vxs_result make_fog(renderer *r, message *m)
 {
     static const fog_medium clear = {.top_ws = INFINITY};
@@ -230,12 +241,26 @@ static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights,
     return moving ? moving_pass_create(&r->moving, r->gl, moving, lights, r->light_count, m) : VXS_OK;
 }
 
+static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
+{
+    const smoke_pass_options o      = {.smoke       = &s->smoke,
+                                       .lights      = lights,
+                                       .light_count = r->light_count,
+                                       .side_px     = r->options.smoke_side,
+                                       .width       = r->width,
+                                       .height      = r->height};
+    vxs_result               result = smoke_pass_create(&r->smoke, &o, r->gl, fog_pass_volumes(r->fog), m);
+    return result == VXS_OK ? renderer_make_cloud(r, &s->smoke, m) : result;
+}
+
 static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const *lights, message *m)
 {
-    uint64_t   samples = (uint64_t)r->width * r->height;
-    int        shines = r->options.area_lamps && s->area_count, is_airy = r->options.fog || shines;
-    uint64_t   bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0); /* targets, and two that are read back */
-    vxs_result result     = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
+    uint64_t samples = (uint64_t)r->width * r->height;
+    int      shines = r->options.area_lamps && s->area_count, smokes = r->options.smoke == SMOKE_ON && s->smoke.count,
+        is_airy         = r->options.fog || shines || smokes;
+    uint64_t bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0) +
+                          (smokes ? 4 * SMOKE_MAPS : 0); /* targets, and two that are read back */
+    vxs_result result = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
     if (result != VXS_OK) return result;
     if ((result = gl_context_create(&r->gl, r->options.backend, r->options.threads, m)) != VXS_OK) return result;
     if ((result = surface_mesh_make(&r->mesh, r->gl, s, m)) != VXS_OK) return result;
@@ -244,6 +269,7 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if ((result = make_moving(r, lights, m)) != VXS_OK) return result;
     if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
     if (shines && (result = make_areas(r, s, m)) != VXS_OK) return result;
+    if (smokes && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     r->near_metres = 1e-5 * r->mesh.size_metres;
     return make_targets(r, m);
@@ -274,6 +300,8 @@ void renderer_destroy(renderer *r)
         surface_mesh_free(&r->mesh, r->gl);
         moving_pass_destroy(r->moving);
         area_pass_destroy(r->areas);
+        renderer_free_cloud(r);
+        smoke_pass_destroy(r->smoke);
         fog_pass_destroy(r->fog);
         vxs_gl_destroy(r->shadows);
         r->gl->DeleteTextures(TARGETS, r->target);

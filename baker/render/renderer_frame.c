@@ -4,6 +4,7 @@
  *     moving     depth maps of what moves, as lights see it (moving_pass.h); left out where nothing does
  *     surfaces   depth (near / distance along the axis, so that far ones keep their digits), normal, albedo
  *     cull       lists of lights of tiles of 8 x 8 (vxs_gl_cull); left out where there is one light
+ *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out where there is none
  *     shade      light of each sample, lookups and all
  *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
  *     fog        over the picture that this makes (fog_pass.h); left out where there is none
@@ -19,7 +20,8 @@
 #include "baker/measure/clock.h"
 #include "baker/render/renderer_state.h"
 
-const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "shade", "area", "fog", "tone"};
+const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "smoke",
+                                                       "shade",  "area",   "fog",      "tone"};
 
 enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
 
@@ -101,6 +103,14 @@ static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint 
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+void renderer_bind_lights(const renderer *r)
+{
+    vxs_gl_bind(r->shadows);
+    if (r->moving) moving_pass_bind(r->moving);
+    if (r->smoke) smoke_pass_bind(r->smoke);
+    r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
+}
+
 void renderer_shade(const renderer *r, int show, uint32_t light)
 {
     const gl_context *gl = r->gl;
@@ -108,14 +118,11 @@ void renderer_shade(const renderer *r, int show, uint32_t light)
     gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
     gl->ProgramUniform3i(p, gl->GetUniformLocation(p, "asked"), show, (GLint)light, renderer_culls(r));
     gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
-    vxs_gl_bind(r->shadows);
-    if (r->moving) moving_pass_bind(r->moving);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
+    renderer_bind_lights(r);
     draw_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
 }
 
-/* What is left of the sky at night. */
-static double day_of(const renderer *r)
+double renderer_day(const renderer *r)
 {
     return r->day ? 1 : 0.07;
 }
@@ -123,14 +130,27 @@ static double day_of(const renderer *r)
 static void set_sizes(const renderer *r, GLuint program)
 {
     r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "sizes"), (float)r->width, (float)r->height,
-                            (float)r->exposure, (float)day_of(r));
+                            (float)r->exposure, (float)renderer_day(r));
 }
 
-/* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere. */
+void renderer_fog_ambient(const renderer *r, double ambient[3])
+{
+    static const double horizon[3] = {0.070, 0.081, 0.095};
+    for (int n = 0; n < 3; n++) ambient[n] = renderer_day(r) * horizon[n];
+}
+
 static vxs_result begin_air(const renderer *r, message *m)
 {
-    const double ambient[3] = {0.070 * day_of(r), 0.081 * day_of(r), 0.095 * day_of(r)};
+    double ambient[3];
+    renderer_fog_ambient(r, ambient);
     return fog_pass_begin(r->fog, &r->view, r->target[DEPTHS], r->camera.eye_ws, ambient, m);
+}
+
+/* How much of each light gets through smoke, in a frame of the air. */
+static vxs_result dim_lights(const renderer *r, smoke_plan *plan, message *m)
+{
+    vxs_result result = begin_air(r, m);
+    return result == VXS_OK ? smoke_pass_draw(r->smoke, r->camera.eye_ws, &r->seen, plan, m) : result;
 }
 
 /* Airlight of area lights, in a frame of the air that begins here, and what surfaces get of them. */
@@ -161,7 +181,7 @@ static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
     renderer_clip(r, eye, matrix);
     vxs_result result = r->areas ? VXS_OK : begin_air(r, m);
     if (r->areas) area_pass_add_glow(r->areas, matrix, r->target[DEPTHS], r->camera.eye_ws, r->exposure);
-    return result != VXS_OK ? result : fog_pass_draw(r->fog, r->shines, r->moving, r->exposure, plan, m);
+    return result != VXS_OK ? result : fog_pass_draw(r->fog, r->shines, r->moving, r->smoke, r->exposure, plan, m);
 }
 
 static void tone(const renderer *r)
@@ -269,9 +289,9 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
 {
     double since = finished(r->gl), now;
 #define STAGE_ENDS(stage)                                                                                                          \
-    now                   = finished(r->gl);                                                                                       \
-    frame->seconds[stage] = now - since;                                                                                           \
-    since                 = now;
+    now = finished(r->gl);                                                                                                         \
+    frame->seconds[stage] += now - since;                                                                                          \
+    since = now;
     if (r->options.stream) upload(r, frame);
     STAGE_ENDS(RENDER_UPLOAD)
     if (r->moving) cast_moving(r, &frame->moving);
@@ -282,6 +302,11 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
     if (renderer_culls(r) && vxs_gl_cull(r->shadows, &r->view, r->target[DEPTHS], r->options.tile_lights) != VXS_OK)
         return fail(m, VXS_E_GL, "OpenGL cannot make lists of lights for %u x %u samples", r->width, r->height);
     STAGE_ENDS(RENDER_CULL)
+    if (r->smoke) {
+        vxs_result result = dim_lights(r, &frame->smoke, m);
+        if (result != VXS_OK) return result;
+        STAGE_ENDS(RENDER_SMOKE)
+    }
     if (r->options.stream) {
         vxs_result result = count_full(r, frame, m);
         if (result != VXS_OK) return result;
@@ -305,6 +330,11 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
         if (result != VXS_OK) return result;
     }
     STAGE_ENDS(RENDER_FOG)
+    if (r->smoke) {
+        vxs_result result = renderer_draw_cloud(r, m);
+        if (result != VXS_OK) return result;
+        STAGE_ENDS(RENDER_SMOKE)
+    }
     tone(r);
     STAGE_ENDS(RENDER_TONE)
 #undef STAGE_ENDS

@@ -165,3 +165,25 @@ vxs_result renderer_read_grid(const renderer *r, float *dark, message *m)
 {
     return fog_pass_read_grid(r->fog, dark, m);
 }
+
+const smoke_light_plan *renderer_smoke_lights(const renderer *r)
+{
+    return r->smoke ? smoke_pass_lights(r->smoke) : NULL;
+}
+
+vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m)
+{
+    size_t row = sizeof *left * r->width;
+    r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    r->gl->GetTextureImage(smoke_pass_picture(r->smoke, n), 0, GL_RED, GL_FLOAT, (GLsizei)(row * r->height), left);
+    turn_over(left, row, r->height);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}
+
+vxs_result renderer_read_through(renderer *r, float *left, message *m)
+{
+    size_t count = (size_t)r->width * r->height;
+    renderer_read_target(r, PICTURE, GL_ALPHA, GL_FLOAT, sizeof *left, left);
+    for (size_t n = 0; n < count; n++) left[n] = 1 - left[n];
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
+}

@@ -11,6 +11,8 @@
 /* Pictures that are drawn to. */
 enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, PICTURE, TARGETS };
 
+typedef struct smoke_cloud smoke_cloud;
+
 struct renderer {
     render_options options;
     gl_context    *gl;
@@ -21,6 +23,8 @@ struct renderer {
     area_pass     *areas;                      /* NULL: there is none */
     double         scale;                      /* what lights of the scene are times, before exposure */
     moving_pass   *moving;                     /* NULL: nothing moves */
+    smoke_pass    *smoke;                      /* NULL: there is none */
+    smoke_cloud   *cloud;                      /* likewise */
     uint32_t       frames_drawn;
     double (*colours)[3]; /* [light_count] the greatest is 1 */
     fog_shine  *shines;   /* [light_count] the same, as fog has it */
@@ -50,6 +54,26 @@ static inline text_part part_of(embedded e)
 /* Make a program of a vertex shader and `count` parts of a fragment shader.   program  [out] deleted by the caller, whatever is returned */
 vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vertex, const text_part *fragment, int count,
                             message *m);
+
+/* The same of a full-screen pass that asks lights: behind the texts of vxs_gl.h, what is between lights and places, and shine.glsl. */
+vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m);
+
+/* For such programs. */
+void renderer_bind_lights(const renderer *r);
+
+/* A framebuffer.   depth  0: none */
+GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);
+
+/* What is left of the sky at night: 1 by day. */
+double renderer_day(const renderer *r);
+
+/* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere.   ambient  [out] */
+void renderer_fog_ambient(const renderer *r, double ambient[3]);
+
+/* Smoke as the eye sees it (renderer_smoke.c): what it is drawn with, and over the picture and its fog. */
+vxs_result renderer_make_cloud(renderer *r, const scene_smoke *smoke, message *m);
+void       renderer_free_cloud(renderer *r);
+vxs_result renderer_draw_cloud(renderer *r, message *m);
 
 /* From the scene's middle to clip space: x / w and y / w in [-1, 1], z / w = near / w.   eye  from there, too */
 void renderer_clip(const renderer *r, const double eye[3], float m[16]);

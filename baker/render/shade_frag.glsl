@@ -1,10 +1,9 @@
-/* Behind the texts of vxs_gl.h, and FILTER_PX, the filter of lookups, which a compiler then knows: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
+/* Behind the texts of vxs_gl.h, shine.glsl, and FILTER_PX, the filter of lookups, which a compiler then knows: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
  * ending at their range and cones as KHR_lights_punctual has it. */
 #define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
 #define SHOW_FULL    2 /* lookups, and how many of them are answered in full; where STREAMED */
 
-layout(std430, binding = 3) readonly restrict buffer colours_block { vec4 colours[]; }; /* and the cosine of the inner cone */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
@@ -12,27 +11,6 @@ uniform mat4 point_from_depth;
 uniform vec4 sizes;   /* width, height */
 uniform ivec3 asked;  /* SHOW_, light of SHOW_LIT, 1: lights of the pixel's tile, 0: all */
 layout(location = 0) out vec4 light_out;
-
-vec3 place_of(vxs_light_constants l)
-{
-    return -(l.ls_from_ws[0].xyz * l.ls_from_ws[0].w + l.ls_from_ws[1].xyz * l.ls_from_ws[1].w + l.ls_from_ws[2].xyz * l.ls_from_ws[2].w);
-}
-
-/* Before shadows; to_light is a unit vector. */
-float strength(vxs_light_constants l, float cos_inner, vec3 at, out vec3 to_light)
-{
-    if (l.kind == VXS_LIGHT_KIND_DIRECTIONAL) {
-        to_light = -normalize(l.ls_from_ws[2].xyz);
-        return 1.0;
-    }
-    vec3  way    = place_of(l) - at;
-    float square = max(dot(way, way), 1e-6), share = square / max(l.range_metres * l.range_metres, 1e-6);
-    to_light     = way * inversesqrt(square);
-    float result = (l.range_metres > 0.0 ? clamp(1.0 - share * share, 0.0, 1.0) : 1.0) / square;
-    if (l.kind == VXS_LIGHT_KIND_POINT) return result;
-    float edge = clamp((-dot(to_light, l.ls_from_ws[2].xyz) - l.cos_outer) / max(0.001, cos_inner - l.cos_outer), 0.0, 1.0);
-    return result * edge * edge;
-}
 
 void main()
 {
@@ -69,6 +47,9 @@ void main()
         if (lit > 0.0) lit *= moving_lit(n, at, normal);
 #endif
         if (lit > 0.0) lit *= vxs_smoke_left_by(n, at);
+#ifdef SMOKE
+        lit *= smoke_left(n, pixel);
+#endif
         sum += colours[n].rgb * (power * lit);
     }
 #ifdef STREAMED

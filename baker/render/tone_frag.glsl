@@ -38,7 +38,7 @@ float curve(float x)
 void main()
 {
 #ifdef TO_PICTURE
-    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 1.0);
+    colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: how much smoke hides */
     return;
 #endif
     vec3 sum = vec3(0.0);

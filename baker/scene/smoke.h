@@ -16,4 +16,23 @@ typedef struct scene_smoke {
     float (*albedos)[3]; /* [count] the share of what a capsule takes that it scatters, linear, 0 to 1; owned likewise */
 } scene_smoke;
 
+/* As wide as a radius at least, and thinner in extinction by the square of how much wider it is: what rays far apart miss at times, they meet. */
+static inline vxs_capsule smoke_widened(vxs_capsule c, double least_metres)
+{
+    double wider = least_metres / (double)c.radius_metres;
+    if (!(wider > 1)) return c;
+    c.radius_metres = (float)least_metres;
+    c.extinction    = (float)((double)c.extinction / (wider * wider));
+    return c;
+}
+
+/* Places from the eye, and not from the origin. */
+static inline void smoke_from_eye(const scene_smoke *smoke, vxs_capsule *c, const double eye_ws[3])
+{
+    for (int n = 0; n < 3; n++) {
+        c->begin[n] = (float)((double)c->begin[n] + (smoke->origin_ws[n] - eye_ws[n]));
+        c->end[n]   = (float)((double)c->end[n] + (smoke->origin_ws[n] - eye_ws[n]));
+    }
+}
+
 #endif

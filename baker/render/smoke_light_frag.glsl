@@ -1,0 +1,26 @@
+/* What lights send to places in smoke, from all sides; a place a pixel, row by row. Behind the texts of vxs_gl.h, smoke.glsl
+ * and shine.glsl. */
+layout(std430, binding = 5) readonly restrict buffer places_block { vec4 places[]; };
+layout(std430, binding = 8) readonly restrict buffer left_block { float left[]; }; /* of each layer, and in it of each place */
+uniform ivec4 sizes; /* pixels across, places */
+layout(location = 0) out vec4 light_out;
+
+void main()
+{
+    int  place = int(gl_FragCoord.y) * sizes.x + int(gl_FragCoord.x);
+    vec3 at = place < sizes.y ? places[place].xyz : vec3(0.0), sum = vec3(0.0);
+    for (uint n = 0u; n < vxs_light_count() && place < sizes.y; n++) {
+        vxs_light_constants l = vxs_light_at(n);
+        vec3                to_light;
+        float               power = strength(l, colours[n].a, at, to_light);
+        if (power <= 0.0) continue;
+        float lit = vxs_lit(l.dag, l, at, vec3(0.0), 1);
+        if (lit < 0.0) lit = l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0;
+#ifdef MOVING
+        if (lit > 0.0) lit *= moving_lit(n, at, vec3(0.0));
+#endif
+        if (smoke_layers[n] >= 0) lit *= left[smoke_layers[n] * sizes.y + place];
+        sum += colours[n].rgb * (power * lit);
+    }
+    light_out = vec4(sum, 1.0);
+}
