@@ -132,7 +132,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     c->options.area_points = vxs_asset_points(s->asset);
     r                      = asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
     if (r == VXS_OK) asset_find_smoke(s->asset, s->lights, s->light_count, s->smoke);
-    c->options.smoke = s->smoke;
+    c->options.baked_smoke = s->smoke;
     return r;
 }
 

@@ -39,7 +39,7 @@ typedef struct render_options {
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
-    const vxs_baked_smoke *const *smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
+    const vxs_baked_smoke *const *baked_smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
 
     smoke_mode smoke;
     uint32_t   smoke_side; /* texels of a map of it */

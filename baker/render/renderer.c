@@ -197,7 +197,7 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
                           .get_proc_address = lookup,
                           .user             = r->gl,
                           .storage          = VXS_GL_BUFFER,
-                          .smoke            = r->options.smoke,
+                          .smoke            = r->options.baked_smoke,
                           .stream           = r->options.stream};
     vxs_result  result = desc.stream ? vxs_gl_create(&r->shadows, &desc) : put_asset(r, lights, &desc);
     if (result != VXS_OK) return fail(m, result, "%u lights cannot be uploaded: %s", r->light_count, vxs_result_text(result));
