@@ -205,6 +205,7 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, con
         plan->light_maps++;
         result = join_map(p, n, casters, caster_count);
     }
+    plan->by_angles += p->lights[n].why != NULL;
     return result == VXS_OK ? draw_light(p, &light, caster_count ? p->maps[n] : NULL, m) : result;
 }
 

@@ -35,7 +35,7 @@ void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_count, fog
     char        what[64];
     memset(savings, 0, FOG_SAVINGS * sizeof *savings);
     if (!plan->lights[FOG_DRAWN]) leave_out(&next, "all passes of lights", "no light has airlight to speak of in view");
-    if (by == FOG_BY_INTERVALS && !plan->light_maps)
+    if (by == FOG_BY_INTERVALS && !plan->by_angles)
         leave_out(&next, "march, grid and mesh", "the file says where each ray is lit, exactly");
     if (by == FOG_BY_MESH) {
         leave_out(&next, "adaptive pass", "what stands has a mesh that is made once, with triangles where its surface bends");
@@ -71,6 +71,7 @@ void fog_plan_print(FILE *to, const fog_plan *plan, fog_by by, const fog_light_p
         fate_text(why, (fog_fate)n);
         if (plan->lights[n]) fprintf(to, ", %u %s", plan->lights[n], why);
     }
+    if (plan->by_angles) fprintf(to, "; %u of them by %s", plan->by_angles, fog_by_names[FOG_BY_ANGLES]);
     if (plan->light_maps) fprintf(to, "; %u of maps that end where something moves", plan->light_maps);
     fputc('\n', to);
     if (!verbose) return;

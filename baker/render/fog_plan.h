@@ -28,7 +28,8 @@ typedef enum fog_fate {
 
 typedef struct fog_plan {
     uint32_t lights[FOG_FATES];
-    uint32_t light_maps;  /* of lights that are drawn, which end where something moves */
+    uint32_t by_angles;   /* of lights that are drawn, those that are so though something else was asked */
+    uint32_t light_maps;  /* of them all, which end where something moves */
     uint32_t meshes_made; /* up to and with this frame, of lights that are drawn; of FOG_BY_MESH */
 } fog_plan;
 
