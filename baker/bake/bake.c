@@ -203,12 +203,13 @@ done:
 }
 
 /* What smoke leaves of the lights of a file, into it. */
-static vxs_result bake_smoke(const bake_options *o, const smoke_grid *grid, vxs_bytes *file, bake_report *report, bake_context *ctx)
+static vxs_result bake_smoke(const bake_options *o, const smoke_source *source, vxs_bytes *file, bake_report *report,
+                             bake_context *ctx)
 {
     smoke_counts *counts = calloc(report->light_count, sizeof *counts);
     if (!counts) return fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of %u lights", report->light_count);
     stage_begin(ctx, STAGE_SMOKE);
-    vxs_result r = smoke_bake(file, grid, &o->smoke, (int)o->zstd_level, counts, ctx);
+    vxs_result r = smoke_bake(file, source, &o->smoke, (int)o->zstd_level, counts, ctx);
     stage_begin(ctx, STAGE_NONE);
     for (uint32_t n = 0; n < report->light_count; n++) report->lights[n].smoke = counts[n];
     free(counts);
@@ -321,7 +322,8 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if (report->unchanged) goto done;
     if ((r = bake_file(o, &s->casters, &kept, &file, report, &ctx)) != VXS_OK) goto done;
 
-    if (s->smoke.extinction && !is_baked_apart(o)) r = bake_smoke(o, &s->smoke, &file, report, &ctx);
+    smoke_source smoke = bake_scene_smoke(s, o);
+    if ((smoke.grid || smoke.capsules) && !is_baked_apart(o)) r = bake_smoke(o, &smoke, &file, report, &ctx);
     if (r != VXS_OK) goto done;
 
     stage_begin(&ctx, STAGE_WRITE);

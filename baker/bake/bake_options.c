@@ -107,7 +107,7 @@ static void set_lights(json_t **object, const bake_options *o)
 json_t *bake_options_json(const bake_options *o)
 {
     json_t *object = bake_choices_json(o);
-    if (o->smoke_path) json_set(&object, "smoke", bake_smoke_json(o));
+    if (bakes_smoke(o)) json_set(&object, "smoke", bake_smoke_json(o));
     set_lights(&object, o);
     set_word(&object, "coding", CODING_CHOICES, (int)o->coding);
     if (o->coding == CODING_DAG) {

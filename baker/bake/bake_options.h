@@ -83,6 +83,7 @@ typedef struct bake_options {
     uint32_t                points;     /* of what casts, in the file; 0: none */
     baseline_mode           baseline;
     const char             *smoke_path;   /* a grid of smoke in NRRD; NULL: none */
+    int                     scene_smoke;  /* 1: the scene's capsules are baked, too */
     double                  smoke_factor; /* on its numbers: extinction per metre */
     smoke_settings          smoke;
     uint64_t                memory_bytes; /* what the bake may hold at most; 0: as much as it needs */
@@ -104,6 +105,12 @@ static inline int keeps_squares(const bake_options *o)
 static inline int is_baked_apart(const bake_options *o)
 {
     return o->parts || (o->others && !o->others->adds);
+}
+
+/* Whether smoke is baked, where there is some. */
+static inline int bakes_smoke(const bake_options *o)
+{
+    return o->smoke_path || o->scene_smoke;
 }
 
 /* Whether more is left free than the insides of solids, as only the sparse source can tell. */

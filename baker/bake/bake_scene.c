@@ -28,6 +28,12 @@ vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_cont
     return nrrd_read(&s->smoke, o->smoke_path, o->smoke_factor, o->memory_bytes ? o->memory_bytes : limit, ctx->message);
 }
 
+smoke_source bake_scene_smoke(const bake_scene *s, const bake_options *o)
+{
+    return (smoke_source){.grid     = s->smoke.extinction ? &s->smoke : NULL,
+                          .capsules = o->scene_smoke && s->scene.smoke.count ? &s->scene.smoke : NULL};
+}
+
 vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_context *ctx)
 {
     vxs_result r;

@@ -25,6 +25,9 @@ vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_che
 /* Read the smoke that options name, if any.   Returns what nrrd_read returns. */
 vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_context *ctx);
 
+/* What of it is baked.   Valid until bake_scene_free. */
+smoke_source bake_scene_smoke(const bake_scene *s, const bake_options *o);
+
 /* Find the casters of a scene that is there.   Returns what casters_for_maps and context_check return. */
 vxs_result bake_scene_find_casters(bake_scene *s, const bake_options *o, bake_context *ctx);
 

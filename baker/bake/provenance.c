@@ -59,12 +59,19 @@ static json_t *scene_json(const scene *s, const scene_fingerprint *f)
 /* Options and, where there is smoke, what smoke it is. */
 static json_t *options_json(const bake_options *o, const bake_scene *s)
 {
-    json_t *options = bake_choices_json(o);
-    char    grid[SMOKE_FINGERPRINT_BYTES];
-    if (!s->smoke.extinction) return options;
+    json_t      *options = bake_choices_json(o);
+    smoke_source source  = bake_scene_smoke(s, o);
+    char         text[SMOKE_FINGERPRINT_BYTES];
+    if (!source.grid && !source.capsules) return options;
     json_t *smoke = bake_smoke_json(o);
-    smoke_grid_fingerprint(&s->smoke, grid);
-    json_set(&smoke, "grid", json_string(grid));
+    if (source.grid) {
+        smoke_grid_fingerprint(source.grid, text);
+        json_set(&smoke, "grid", json_string(text));
+    }
+    if (source.capsules) {
+        smoke_capsules_fingerprint(source.capsules, text);
+        json_set(&smoke, "capsules", json_string(text));
+    }
     json_set(&options, "smoke", smoke);
     return options;
 }

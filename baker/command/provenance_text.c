@@ -151,9 +151,11 @@ static void print_options(FILE *to, const json_t *made)
 
 static void print_smoke(FILE *to, const json_t *smoke)
 {
-    if (!json_is_string(json_object_get(smoke, "grid"))) return;
+    const json_t *grid = json_object_get(smoke, "grid"), *capsules = json_object_get(smoke, "capsules");
+    if (!json_is_string(grid) && !json_is_string(capsules)) return;
     fprintf(to, "smoke        ");
-    print_string(to, json_object_get(smoke, "grid"));
+    if (json_is_string(grid)) fprintf(to, "grid "), print_string(to, grid);
+    if (json_is_string(capsules)) fprintf(to, json_is_string(grid) ? ", capsules " : "capsules "), print_string(to, capsules);
     fprintf(to, ": --smoke-extinction %.9g --smoke-side %lld --smoke-nodes %lld --smoke-error %.9g\n",
             json_number_value(json_object_get(smoke, "extinction")), integer_at(smoke, "side_px"), integer_at(smoke, "nodes"),
             json_number_value(json_object_get(smoke, "error")));

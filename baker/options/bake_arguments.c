@@ -103,12 +103,15 @@ static vxs_result check_kept(const bake_arguments *a, message *m)
 static vxs_result check_smoke(const bake_arguments *a, message *m)
 {
     uint32_t side = a->o.smoke.side_px;
-    if (a->smoke_given && !a->o.smoke_path)
+    if (a->smoke_given && !bakes_smoke(&a->o))
         return fail(m, VXS_E_ARGUMENT,
-                    "--smoke-extinction, --smoke-side, --smoke-nodes and --smoke-error say how smoke is baked: they need --smoke");
+                    "--smoke-extinction, --smoke-side, --smoke-nodes and --smoke-error say how smoke is baked: they need --smoke "
+                    "or --scene-smoke on");
     if (side & (side - 1)) return fail(m, VXS_E_ARGUMENT, "--smoke-side %u: expected a power of two from 8 to 8192", side);
-    if (a->o.smoke_path && a->o.parts)
-        return fail(m, VXS_E_ARGUMENT, "--smoke is baked into a whole asset, and --part makes a part of it: expected one of them");
+    if (bakes_smoke(&a->o) && a->o.parts)
+        return fail(
+            m, VXS_E_ARGUMENT,
+            "smoke is baked into a whole asset, and --part makes a part of it: expected --part, or --smoke and --scene-smoke");
     return VXS_OK;
 }
 
@@ -177,6 +180,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         SCENE_ROWS(a->o.scene),
         {"--smoke", OPTION_INPUT, &a->o.smoke_path, FILE_UNKNOWN, 0, NULL, "SMOKE.nrrd",
          "a grid of extinction, in world space: what it leaves of each light is baked, too", NULL},
+        {"--scene-smoke", OPTION_CHOICE, &a->o.scene_smoke, 0, 0, "off|on", NULL,
+         "what the scene's own smoke leaves, points and lines with a radius and extinction, is baked, too (default off)", NULL},
         {"--smoke-extinction", OPTION_F64, &a->o.smoke_factor, 1e-9, 1e9, NULL, "N",
          "extinction per metre of what is 1 in the grid (default 1)", &a->smoke_given},
         {"--smoke-side", OPTION_U32, &a->o.smoke.side_px, 8, 8192, NULL, "N",

@@ -126,7 +126,7 @@ static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
         sum.stored_bytes += s->stored_bytes;
         sum.largest_error = fmax(sum.largest_error, s->largest_error);
     }
-    if (!o->smoke_path) return;
+    if (!bakes_smoke(o)) return;
     fprintf(to, "smoke        ");
     if (!lights)
         fprintf(to, "it dims no light: the file has none\n");

@@ -7,13 +7,13 @@
 #include "baker/base/parallel.h"
 #include "runtime/vxs.h"
 
-static vxs_result make_maps(smoke_map *maps, const vxs_contents *contents, const smoke_grid *grid, const smoke_settings *settings,
-                            bake_context *ctx)
+static vxs_result make_maps(smoke_map *maps, const vxs_contents *contents, const smoke_source *source,
+                            const smoke_settings *settings, bake_context *ctx)
 {
     vxs_result r = VXS_OK;
     for (uint32_t n = 0; n < contents->light_count && r == VXS_OK; n++) {
         watch_say(ctx->watch, "light %s: smoke", contents->lights[n].light.name);
-        r = smoke_map_make(&maps[n], grid, &contents->lights[n], settings, ctx);
+        r = smoke_map_make(&maps[n], source, &contents->lights[n], settings, ctx);
     }
     return r;
 }
@@ -52,8 +52,8 @@ static void count_maps(smoke_counts *counts, const smoke_map *maps, uint32_t lig
                                    .memory_bytes  = maps[n].word_count * 4};
 }
 
-vxs_result smoke_bake(vxs_bytes *file, const smoke_grid *grid, const smoke_settings *settings, int zstd_level, smoke_counts *counts,
-                      bake_context *ctx)
+vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_settings *settings, int zstd_level,
+                      smoke_counts *counts, bake_context *ctx)
 {
     vxs_contents  contents = {0};
     vxs_parallel  threads  = parallel_lent(ctx->threads);
@@ -62,7 +62,7 @@ vxs_result smoke_bake(vxs_bytes *file, const smoke_grid *grid, const smoke_setti
     if (r != VXS_OK) return fail(ctx->message, r, "the encoded asset cannot be read back for its smoke: %s", vxs_result_text(r));
     smoke_map *maps = calloc(contents.light_count, sizeof *maps);
     if (!maps) r = fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of %u lights", contents.light_count);
-    if (r == VXS_OK) r = make_maps(maps, &contents, grid, settings, ctx);
+    if (r == VXS_OK) r = make_maps(maps, &contents, source, settings, ctx);
     if (r == VXS_OK) r = add_maps(file, &contents, maps, zstd_level, ctx->message);
     if (r == VXS_OK) count_maps(counts, maps, contents.light_count);
     for (uint32_t n = 0; maps && n < contents.light_count; n++) smoke_map_free(&maps[n]);

@@ -17,7 +17,7 @@ typedef struct smoke_counts {
  * file    [in, out] replaced where some light is lost
  * counts  [out] [lights of the file]
  * Returns VXS_OK, VXS_E_MEMORY, or what context_check returns. */
-vxs_result smoke_bake(vxs_bytes *file, const smoke_grid *grid, const smoke_settings *settings, int zstd_level, smoke_counts *counts,
-                      bake_context *ctx);
+vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_settings *settings, int zstd_level,
+                      smoke_counts *counts, bake_context *ctx);
 
 #endif

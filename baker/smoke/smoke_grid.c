@@ -10,9 +10,6 @@
 
 #include "baker/base/vec3.h"
 
-/* A piece of a path that takes more than this, optical depth, is cut into several, between which a line is near enough. */
-#define THICK_PIECE 0.05
-
 void smoke_grid_free(smoke_grid *g)
 {
     free(g->extinction);
@@ -129,7 +126,7 @@ static int add_piece(const march *m, double begin, double end, smoke_path *path)
 {
     double thick = piece_thick(m, begin, end);
     if (!(thick > 0)) return 1;
-    int parts = (int)fmin(ceil(thick / THICK_PIECE), 256);
+    int parts = (int)fmin(ceil(thick / SMOKE_PIECE), 256);
     for (int n = 0; n < parts; n++) {
         double a = begin + (end - begin) * n / parts, b = n + 1 < parts ? begin + (end - begin) * (n + 1) / parts : end;
         if (parts > 1) thick = piece_thick(m, a, b);

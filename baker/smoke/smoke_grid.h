@@ -28,8 +28,6 @@ void smoke_grid_free(smoke_grid *g);
  * Returns 0: the axes have no volume, or a corner of the box lies beyond 1e9 m. */
 int smoke_grid_place(smoke_grid *g, const double axes[3][3], const double origin[3]);
 
-/* 32 hexadecimal digits of XXH3-128 of its numbers and places, and NUL. */
-enum { SMOKE_FINGERPRINT_BYTES = 33 };
 void smoke_grid_fingerprint(const smoke_grid *g, char text[SMOKE_FINGERPRINT_BYTES]);
 
 /* Extinction at a place in world space. */

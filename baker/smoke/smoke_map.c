@@ -12,24 +12,32 @@
 #include "formats/vxs_space.h"
 #include "runtime/vxs_query.h"
 
-enum { TILE_PX = 8, TILE_TEXELS = TILE_PX * TILE_PX, ENDS_PX_MOST = 2 * TILE_PX + 2 };
+enum { TILE_PX = SMOKE_TILE_PX, TILE_TEXELS = TILE_PX * TILE_PX, ENDS_PX_MOST = 2 * TILE_PX + 2 };
+
+/* What a worker has for itself. */
+typedef struct tools {
+    smoke_path    path, of_grid, of_capsules; /* the first is the sum of both */
+    smoke_changes changes;
+} tools;
 
 /* A map while it is made. */
 typedef struct maker {
-    const smoke_grid      *grid;
+    smoke_source           source;
+    smoke_bins             bins; /* of capsules */
     const vxs_baked_light *baked;
     smoke_settings         settings;
     uint32_t               levels, tiles_across, workers;
     smoke_units            units;
     uint8_t               *counts;     /* [maps * 4^levels] */
     uint32_t             **tile_nodes; /* [tiles] owned; NULL: the tile has none */
-    smoke_path            *paths;      /* [workers] */
+    tools                 *tools;      /* [workers] */
     double                *errors;     /* [workers] the largest */
     int                   *failed;     /* [workers] 1: no memory */
 } maker;
 
 /* A tile of curves. */
 typedef struct tile {
+    size_t   number;
     int32_t  map, x, y; /* its first texel */
     int      has_ends;
     uint32_t px,
@@ -80,19 +88,27 @@ static void ray_of(const maker *k, int32_t map, double x, double y, double from[
     vec3_sub(from, way, from);
 }
 
-/* Units that have all depths of the grid's box, before which a lamp has no light. Returns 0: the light does not reach there. */
+/* Between which depths of a map smoke is.   range  [in, out] least, greatest */
+static void find_range(const maker *k, int32_t map, double range[2])
+{
+    const scene_smoke *capsules = k->source.capsules;
+    for (int corner = 0; corner < 8 && k->source.grid; corner++) {
+        double ws[3];
+        smoke_grid_corner(k->source.grid, corner, ws);
+        double depth = depth_of(&k->baked->light, map, ws);
+        range[0]     = fmin(range[0], depth);
+        range[1]     = fmax(range[1], depth);
+    }
+    for (uint32_t n = 0; capsules && n < capsules->count; n++) smoke_capsule_depths(capsules, n, &k->baked->light, map, range);
+}
+
+/* Units that have all depths of the smoke; before a lamp there is no light. Returns 0: the light does not reach there. */
 static int find_units(maker *k)
 {
-    const vxs_light *light = &k->baked->light;
-    double           least = INFINITY, most = -INFINITY;
-    for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
-        for (int corner = 0; corner < 8; corner++) {
-            double ws[3];
-            smoke_grid_corner(k->grid, corner, ws);
-            double depth = depth_of(light, (int32_t)map, ws);
-            least        = fmin(least, depth);
-            most         = fmax(most, depth);
-        }
+    const vxs_light *light    = &k->baked->light;
+    double           range[2] = {INFINITY, -INFINITY};
+    for (uint32_t map = 0; map < vxs_light_map_count(light); map++) find_range(k, (int32_t)map, range);
+    double least = range[0], most = range[1];
     if (!is_sun(light)) {
         least = fmax(least, 0);
         if (light->range_metres > 0) most = fmin(most, light->range_metres);
@@ -136,32 +152,41 @@ static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
 /* curves -------------------------------------------------------------------------------------------------------------------------- */
 
 /* The path of a texel's ray.   Returns 0 without memory */
-static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, smoke_path *path)
+static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
 {
     double from[3], way[3];
     ray_of(k, t->map, t->x + (double)x, t->y + (double)y, from, way);
     double range = k->baked->light.range_metres, begin = is_sun(&k->baked->light) ? -INFINITY : 0;
-    path->count = 0;
-    if (!smoke_grid_march(k->grid, from, way, begin, range > 0 ? range / sqrt(vec3_dot(way, way)) : INFINITY, path)) return 0;
-    if (!path->count) return 1;
+    double end       = range > 0 ? range / sqrt(vec3_dot(way, way)) : INFINITY;
+    w->of_grid.count = w->of_capsules.count = 0;
+    if (k->source.grid && !smoke_grid_march(k->source.grid, from, way, begin, end, &w->of_grid)) return 0;
+    if (k->source.capsules) {
+        const size_t *first = k->bins.first + t->number;
+        if (!smoke_capsules_march(k->source.capsules, k->bins.capsules + first[0], first[1] - first[0], from, way, begin, end,
+                                  &w->changes, &w->of_capsules))
+            return 0;
+    }
+    if (!smoke_path_sum(&w->of_grid, &w->of_capsules, &w->path)) return 0;
+    if (!w->path.count) return 1;
     if (!t->has_ends && find_ends(k, t) != VXS_OK) return 0;
-    smoke_path_cut(path, end_of(k, t, x, y));
+    smoke_path_cut(&w->path, end_of(k, t, x, y));
     return 1;
 }
 
 static void make_tile(maker *k, size_t number, uint32_t worker)
 {
     size_t      in_map = (size_t)k->tiles_across * k->tiles_across;
-    smoke_path *path   = &k->paths[worker];
+    tools      *w      = &k->tools[worker];
     uint8_t    *counts = k->counts + number * TILE_TEXELS;
-    tile        t      = {.map = (int32_t)(number / in_map),
-                          .x   = (int32_t)(number % k->tiles_across) * TILE_PX,
-                          .y   = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
+    tile        t      = {.number = number,
+                          .map    = (int32_t)(number / in_map),
+                          .x      = (int32_t)(number % k->tiles_across) * TILE_PX,
+                          .y      = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
     uint32_t    nodes[TILE_TEXELS * VXS_SMOKE_NODES_MAX], count = 0;
     for (uint32_t n = 0; n < TILE_TEXELS; n++) {
-        if (!find_path(k, &t, n % TILE_PX, n / TILE_PX, path)) goto failed;
-        counts[n]         = (uint8_t)smoke_path_nodes(path, &k->units, k->settings.error, k->settings.nodes, nodes + count);
-        k->errors[worker] = fmax(k->errors[worker], smoke_path_error(path, &k->units, nodes + count, counts[n]));
+        if (!find_path(k, &t, n % TILE_PX, n / TILE_PX, w)) goto failed;
+        counts[n]         = (uint8_t)smoke_path_nodes(&w->path, &k->units, k->settings.error, k->settings.nodes, nodes + count);
+        k->errors[worker] = fmax(k->errors[worker], smoke_path_error(&w->path, &k->units, nodes + count, counts[n]));
         count += counts[n];
     }
     if (!count) return;
@@ -189,19 +214,29 @@ static int take_memory(maker *k)
 {
     k->counts     = calloc(tile_count(k), TILE_TEXELS);
     k->tile_nodes = calloc(tile_count(k), sizeof *k->tile_nodes);
-    k->paths      = calloc(k->workers, sizeof *k->paths);
+    k->tools      = calloc(k->workers, sizeof *k->tools);
     k->errors     = calloc(k->workers, sizeof *k->errors);
     k->failed     = calloc(k->workers, sizeof *k->failed);
-    return k->counts && k->tile_nodes && k->paths && k->errors && k->failed;
+    if (!k->counts || !k->tile_nodes || !k->tools || !k->errors || !k->failed) return 0;
+    return !k->source.capsules || smoke_bins_make(&k->bins, k->source.capsules, &k->baked->light, k->levels);
+}
+
+static void free_tools(tools *w)
+{
+    smoke_path_free(&w->path);
+    smoke_path_free(&w->of_grid);
+    smoke_path_free(&w->of_capsules);
+    free(w->changes.list);
 }
 
 static void give_memory_back(maker *k)
 {
     for (size_t n = 0; k->tile_nodes && n < tile_count(k); n++) free(k->tile_nodes[n]);
-    for (uint32_t n = 0; k->paths && n < k->workers; n++) smoke_path_free(&k->paths[n]);
+    for (uint32_t n = 0; k->tools && n < k->workers; n++) free_tools(&k->tools[n]);
+    smoke_bins_free(&k->bins);
     free(k->counts);
     free(k->tile_nodes);
-    free(k->paths);
+    free(k->tools);
     free(k->errors);
     free(k->failed);
 }
@@ -239,10 +274,11 @@ void smoke_map_free(smoke_map *map)
     *map = (smoke_map){0};
 }
 
-vxs_result smoke_map_make(smoke_map *map, const smoke_grid *grid, const vxs_baked_light *baked, const smoke_settings *settings,
+vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_baked_light *baked, const smoke_settings *settings,
                           bake_context *ctx)
 {
-    maker k = {.grid = grid, .baked = baked, .settings = *settings, .workers = max_u32(ctx->threads, 1), .levels = VXS_LEVELS_MIN};
+    maker k = {
+        .source = *source, .baked = baked, .settings = *settings, .workers = max_u32(ctx->threads, 1), .levels = VXS_LEVELS_MIN};
     while (k.levels < baked->light.levels && 1u << k.levels < settings->side_px) k.levels++;
     k.tiles_across = 1u << (k.levels - 3);
     if (!find_units(&k)) return context_check(ctx);

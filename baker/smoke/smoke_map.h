@@ -7,8 +7,15 @@
 #define SMOKE_MAP_H
 
 #include "baker/measure/context.h"
+#include "baker/smoke/smoke_capsules.h"
 #include "baker/smoke/smoke_grid.h"
 #include "formats/vxs_file.h"
+
+/* What smoke there is. */
+typedef struct smoke_source {
+    const smoke_grid  *grid;     /* NULL: none */
+    const scene_smoke *capsules; /* NULL: none */
+} smoke_source;
 
 /* How smoke is baked. */
 typedef struct smoke_settings {
@@ -34,7 +41,7 @@ void smoke_map_free(smoke_map *map);
 /* baked  a light with its words: where they end the light, its curves end
  * map    [out]
  * Returns VXS_OK, VXS_E_MEMORY, or what context_check returns. The same at any number of threads. */
-vxs_result smoke_map_make(smoke_map *map, const smoke_grid *grid, const vxs_baked_light *baked, const smoke_settings *settings,
+vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_baked_light *baked, const smoke_settings *settings,
                           bake_context *ctx);
 
 #endif

@@ -57,6 +57,18 @@ double smoke_path_thick(const smoke_path *p, double depth)
     return p->thick[low - 1] + part * (p->thick[low] - p->thick[low - 1]);
 }
 
+int smoke_path_sum(const smoke_path *a, const smoke_path *b, smoke_path *sum)
+{
+    sum->count = 0;
+    for (size_t i = 0, j = 0; i < a->count || j < b->count;) {
+        double depth = j == b->count || (i < a->count && a->depth[i] < b->depth[j]) ? a->depth[i] : b->depth[j];
+        while (i < a->count && a->depth[i] <= depth) i++;
+        while (j < b->count && b->depth[j] <= depth) j++;
+        if (!add_point(sum, depth, smoke_path_thick(a, depth) + smoke_path_thick(b, depth))) return 0;
+    }
+    return 1;
+}
+
 /* nodes --------------------------------------------------------------------------------------------------------------------------- */
 
 /* A curve while it gets its nodes: points of the path, and for each gap behind one the point that is farthest from the line over it. */

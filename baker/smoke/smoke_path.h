@@ -7,6 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* 32 hexadecimal digits of XXH3-128 of smoke's numbers and places, and NUL. */
+enum { SMOKE_FINGERPRINT_BYTES = 33 };
+
 /* Zero it; released with smoke_path_free. */
 typedef struct smoke_path {
     size_t  count, depth_capacity, thick_capacity;
@@ -17,10 +20,16 @@ typedef struct smoke_path {
 /* Nothing that is thicker lets a 65535th of the light through. */
 #define SMOKE_OPAQUE 12.0
 
+/* What takes more than this, optical depth, is added in several pieces, between which a line is near enough. */
+#define SMOKE_PIECE 0.05
+
 void smoke_path_free(smoke_path *p);
 
 /* A piece behind all others, from a depth to a greater one.   thick  optical depth, > 0.   Returns 0 without memory. */
 int smoke_path_add(smoke_path *p, double begin, double end, double thick);
+
+/* Both at once.   sum  [out] neither of them; its count is set anew.   Returns 0 without memory. */
+int smoke_path_sum(const smoke_path *a, const smoke_path *b, smoke_path *sum);
 
 /* Forget what lies behind a depth. */
 void smoke_path_cut(smoke_path *p, double depth);

@@ -182,6 +182,22 @@ def test_smoke_makes_other_files_up_to_date(vxs, scene, baked, tmp_path):
     assert out.read_bytes()[:8] == first[:8] and b"SMKE" not in out.read_bytes()
 
 
+def test_smoke_of_the_scene_is_baked_where_it_is_asked_for(vxs, tmp_path):
+    scene, plain, own = tmp_path / "smoke.glb", tmp_path / "plain.vxs", tmp_path / "own.vxs"
+    vxs("scene", "smoke", "-o", scene)
+    vxs("bake", scene, *SMALL, "-o", plain)
+    vxs("bake", scene, *SMALL, "-o", own, "--scene-smoke", "on")
+    assert b"SMKE" in own.read_bytes() and b"SMKE" not in plain.read_bytes() and "smoke        capsules " in vxs("info", own).stdout
+    points = "".join(f"{x} 0.1 {z}\n" for x in range(-12, 13) for z in range(-12, 13))
+    columns = list(zip(*(line.split() for line in vxs("query", own, "--smoke", input=points).stdout.splitlines())))
+    assert columns[::2] == list(zip(*(line.split() for line in vxs("query", plain, input=points).stdout.splitlines())))
+    assert any(min(map(float, left)) < 0.6 for left in columns[1::2])
+    both = vxs("bake", scene, *SMALL, "-o", tmp_path / "both.vxs", "--scene-smoke", "on", "--smoke", nrrd(tmp_path / "slab.nrrd")).stdout
+    assert "smoke        of " in both
+    text = vxs("info", tmp_path / "both.vxs").stdout
+    assert "smoke        grid " in text and ", capsules " in text
+
+
 @pytest.mark.parametrize("kind, factor", [("uint8", 0.01), ("uint16", 0.01)])
 def test_whole_numbers_are_scaled(vxs, scene, tmp_path, kind, factor):
     numbers = [10 + i for _ in range(SIZE[2]) for _ in range(SIZE[1]) for i in range(SIZE[0])]
@@ -259,7 +275,7 @@ def test_options_that_make_no_sense(vxs, scene, baked, tmp_path, options, says):
 
 def test_parts_have_no_smoke(vxs, scene, baked, tmp_path):
     done = vxs("bake", scene, *SMALL, "--smoke", baked[3], "--part", "1/2", "-o", tmp_path / "out.part", status=2)
-    assert "--smoke is baked into a whole asset, and --part makes a part of it" in done.stderr
+    assert "smoke is baked into a whole asset, and --part makes a part of it" in done.stderr
 
 
 def test_missing_grids_are_told_of(vxs, scene, tmp_path):

@@ -7,6 +7,7 @@
 
 #include "baker/smoke/smoke_bake.h"
 #include "random_lamp.h"
+#include "tests/volumes/smoke_scene.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -28,9 +29,14 @@ static const smoke_balls balls = {
 static const uint32_t sizes[3]   = {45, 33, 41};
 static const double   axes[3][3] = {{0.4, 0.03, 0}, {-0.02, 0.3, 0}, {0, 0.02, 0.4}}, origin[3] = {-8.5, -1.2, -8};
 
+enum { CAPSULES = 240 };
+
 static volumes_scene s;
 static smoke_grid    grid;
-static vxs_bytes     plain; /* the scene's asset without smoke */
+static vxs_capsule   capsules[CAPSULES];
+static scene_smoke   cloud = {.origin_ws = {0.5, -0.25, 0.125}, .count = CAPSULES, .list = capsules};
+static smoke_source  source; /* that tests bake: of grid and cloud, one or both */
+static vxs_bytes     plain;  /* the scene's asset without smoke */
 
 /* The scene's asset, with smoke by these settings. */
 static vxs_asset *smoky_asset(const smoke_settings *settings, uint32_t threads, smoke_counts counts[SCENE_LIGHTS])
@@ -41,7 +47,7 @@ static vxs_asset *smoky_asset(const smoke_settings *settings, uint32_t threads, 
     vxs_asset   *asset;
     assert_non_null(file.data);
     memcpy(file.data, plain.data, plain.size_bytes);
-    assert_int_equal(smoke_bake(&file, &grid, settings, 3, counts, &ctx), VXS_OK);
+    assert_int_equal(smoke_bake(&file, &source, settings, 3, counts, &ctx), VXS_OK);
     assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
     free(file.data);
     return asset;
@@ -58,7 +64,11 @@ static int make_scene(void **state)
     if (!plain.data) return 1;
     memcpy(plain.data, file.data, file.size_bytes);
     vxs_bake_bytes_free(&file);
-    grid = sample_grid(&balls, sizes, axes, origin);
+    grid        = sample_grid(&balls, sizes, axes, origin);
+    source.grid = &grid;
+    smoke_make(SMOKE_COLUMNS, capsules, CAPSULES / 2, 5);
+    smoke_make(SMOKE_LEAVES, capsules + CAPSULES / 2, CAPSULES / 2, 5);
+    for (int n = CAPSULES / 2; n < CAPSULES; n++) capsules[n].radius_metres *= 4; /* wide enough for few texels to see */
     return 0;
 }
 
@@ -70,23 +80,34 @@ static int free_scene(void **state)
     return 0;
 }
 
-/* Optical depth of the light's way to a place, by midpoints: of a lamp from it on, of a sun from before all smoke. */
+/* Optical depth along a ray: of the grid by midpoints, of capsules by where bisection finds their ends.   way  of length 1 */
+static double thick_along(const double from[3], const double way[3], double metres)
+{
+    static smoke_part parts[CAPSULES];
+    double            sum = 0, at[3];
+    for (int k = 0; k < STEPS && source.grid; k++) {
+        for (int n = 0; n < 3; n++) at[n] = from[n] + (k + 0.5) / STEPS * metres * way[n];
+        sum += sampled(&grid, axes, origin, at) * metres / STEPS;
+    }
+    for (int n = 0; n < 3; n++) at[n] = from[n] - cloud.origin_ws[n];
+    if (source.capsules) sum -= log(smoke_left(parts, smoke_parts(capsules, CAPSULES, at, way, parts), metres));
+    return sum;
+}
+
+/* Of the light's way to a place: of a lamp from it on, of a sun from before all smoke. */
 static double thick_to(const vxs_light *light, const double ws[3])
 {
-    double from[3], sum = 0, length = 0;
+    double from[3], way[3];
     for (int n = 0; n < 3; n++) {
         from[n] = ws[n] - 30 * light->direction_ws[n];
         if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL) continue;
         from[n] = 0; /* rows of a lamp's matrix are of length 1 */
         for (int row = 0; row < 3; row++) from[n] -= light->ls_from_ws[4 * row + n] * light->ls_from_ws[4 * row + 3];
     }
-    for (int n = 0; n < 3; n++) length += (ws[n] - from[n]) * (ws[n] - from[n]);
-    for (int k = 0; k < STEPS; k++) {
-        double at[3];
-        for (int n = 0; n < 3; n++) at[n] = from[n] + (k + 0.5) / STEPS * (ws[n] - from[n]);
-        sum += sampled(&grid, axes, origin, at);
-    }
-    return sum * sqrt(length) / STEPS;
+    for (int n = 0; n < 3; n++) way[n] = ws[n] - from[n];
+    double metres = sqrt(dot(way, way));
+    make_unit(way);
+    return thick_along(from, way, metres);
 }
 
 /* Texels across and down, and voxels, of a place in a map; by names of axes. */
@@ -130,9 +151,9 @@ static int random_lit_place(rng *r, const vxs_baked_light *baked, double ws[3])
     return vxs_lookup(baked, ws, NULL, 1) == 1;
 }
 
-static void test_lookups_are_near_the_integral(void **state)
+/* rms  that lookups may differ from the ray to the place itself, which lies between those of texels: little in a grid, much beside hard edges */
+static void ask_places(double rms)
 {
-    (void)state;
     const smoke_settings settings = {.side_px = SIDE, .nodes = 16, .error = 0.001};
     smoke_counts         counts[SCENE_LIGHTS];
     vxs_asset           *asset = smoky_asset(&settings, 1, counts);
@@ -142,7 +163,7 @@ static void test_lookups_are_near_the_integral(void **state)
         double                 square = 0, most = 0;
         uint32_t               asked = 0, dimmed = 0;
         assert_in_range(counts[light].curves, 50, 6 * SIDE * SIDE);
-        for (int n = 0; n < (int)repeats(12000, 200000); n++) {
+        for (int n = 0; n < (int)repeats(6000, 200000); n++) {
             double ws[3];
             if (!random_lit_place(&r, baked, ws)) continue;
             double found = (double)vxs_smoke_lookup(&baked->light, vxs_asset_smoke(asset, light), ws);
@@ -157,11 +178,27 @@ static void test_lookups_are_near_the_integral(void **state)
         }
         print_message("light %u: RMS %.4f, largest %.4f at %u lit places, %u of them in shadow of smoke; curves within %.4f\n",
                       light, sqrt(square / asked), most, asked, dimmed, counts[light].largest_error);
-        assert_in_range(dimmed, 100, asked);
-        assert_true(counts[light].largest_error < 0.01);
-        assert_true(sqrt(square / asked) < 0.04 && most < 0.25);
+        assert_in_range(dimmed, 60, asked);
+        assert_true(counts[light].largest_error < 0.03);
+        assert_true(sqrt(square / asked) < rms && most < 8 * rms);
     }
     vxs_asset_close(asset);
+}
+
+static void test_lookups_are_near_the_integral(void **state)
+{
+    (void)state;
+    ask_places(0.04);
+}
+
+static void test_capsules_are_met(void **state)
+{
+    (void)state;
+    source = (smoke_source){.capsules = &cloud};
+    ask_places(0.4);
+    source.grid = &grid;
+    ask_places(0.4);
+    source.capsules = NULL;
 }
 
 /* Along a ray, from the light on, less and less is left. */
@@ -321,9 +358,10 @@ static void test_shaders_answer_as_c_does(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lookups_are_near_the_integral),   cmocka_unit_test(test_light_falls_along_rays),
-        cmocka_unit_test(test_what_lies_behind_is_dropped),     cmocka_unit_test(test_threads_make_no_difference),
-        cmocka_unit_test(test_what_is_not_needed_is_not_there), cmocka_unit_test(test_shaders_answer_as_c_does),
+        cmocka_unit_test(test_lookups_are_near_the_integral), cmocka_unit_test(test_capsules_are_met),
+        cmocka_unit_test(test_light_falls_along_rays),        cmocka_unit_test(test_what_lies_behind_is_dropped),
+        cmocka_unit_test(test_threads_make_no_difference),    cmocka_unit_test(test_what_is_not_needed_is_not_there),
+        cmocka_unit_test(test_shaders_answer_as_c_does),
     };
     return cmocka_run_group_tests(tests, make_scene, free_scene);
 }

@@ -535,7 +535,7 @@ static void test_state(void **state)
     assert_int_equal(vxs_adaptive_mesh_create(&adaptive, s.volumes, &(vxs_adaptive_mesh_desc){.side_px = 64, .layers = 1}), VXS_OK);
     assert_int_equal(vxs_volumes_mesh_adaptive(s.volumes, &l, map, adaptive, 1), VXS_OK);
     vxs_adaptive_mesh_destroy(adaptive);
-    scene_smoke(&s, SCENE_SPOT);
+    scene_smoke_map(&s, SCENE_SPOT);
     vxs_volumes_composite(s.volumes);
     read_state(&s, after);
     for (int n = 0; n < STATE; n++)

@@ -247,7 +247,7 @@ static void test_state(void **state)
     assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
     const vxs_casters casters = {.places = buffer, .corners = buffer, .triangle_count = 4};
     assert_int_equal(vxs_volumes_grid_cast(s.volumes, &l, NULL, grid, 0, &casters, 1), VXS_OK);
-    scene_smoke(&s, SCENE_SUN);
+    scene_smoke_map(&s, SCENE_SUN);
     for (int n = 0; n < 9; n++) get_i(names[n / 3], (GLuint)(5 + n % 3), after + n);
     get(GL_SHADER_STORAGE_BUFFER_BINDING, after + 9);
     for (int n = 0; n < 10; n++)

@@ -287,7 +287,7 @@ static inline void scene_airlight(const volumes_scene *s, const vxs_volumes_ligh
 }
 
 /* Every call of a map of transmittance curves, with lists and without, in the frame that has begun. */
-static inline void scene_smoke(const volumes_scene *s, int light)
+static inline void scene_smoke_map(const volumes_scene *s, int light)
 {
     const vxs_capsule  one     = {{0, 1, 0}, 1, {0, 2, 0}, 1};
     const vxs_capsules smoke   = {.list = &one, .count = 1};

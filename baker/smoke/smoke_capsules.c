@@ -1,0 +1,229 @@
+/* Smoke as capsules; see smoke_capsules.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/smoke/smoke_capsules.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <xxhash.h>
+
+#include "baker/base/array.h"
+#include "baker/base/vec3.h"
+#include "formats/vxs_space.h"
+
+static void ends_of(const scene_smoke *smoke, uint32_t n, double begin[3], double end[3])
+{
+    for (int i = 0; i < 3; i++) {
+        begin[i] = smoke->origin_ws[i] + (double)smoke->list[n].begin[i];
+        end[i]   = smoke->origin_ws[i] + (double)smoke->list[n].end[i];
+    }
+}
+
+void smoke_capsules_fingerprint(const scene_smoke *smoke, char text[SMOKE_FINGERPRINT_BYTES])
+{
+    XXH128_hash_t hash = XXH3_128bits(smoke->origin_ws, sizeof smoke->origin_ws);
+    hash               = XXH3_128bits_withSeed(smoke->list, smoke->count * sizeof *smoke->list, hash.low64);
+    snprintf(text, SMOKE_FINGERPRINT_BYTES, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64, (uint64_t)hash.low64);
+}
+
+/* bins ------------------------------------------------------------------------------------------------------------------------------ */
+
+/* The box of a capsule in a map: metres across, down, and along its axis.   box  [out] least, greatest */
+static void box_in_map(const scene_smoke *smoke, uint32_t n, const vxs_light *light, int32_t map, double box[2][3])
+{
+    double ends[2][3], ls[3], at[2][3], radius = (double)smoke->list[n].radius_metres;
+    ends_of(smoke, n, ends[0], ends[1]);
+    for (int k = 0; k < 2; k++) {
+        vxs_ls_from_ws(light, ends[k], 1, ls);
+        if (light->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+            for (int i = 0; i < 3; i++) at[k][i] = ls[i] * (i < 2 ? light->texel_metres : light->voxel_metres);
+        else
+            vxs_face_from_ls(vxs_face_of_map(light, map), ls, at[k]);
+    }
+    for (int i = 0; i < 3; i++) {
+        box[0][i] = fmin(at[0][i], at[1][i]) - radius;
+        box[1][i] = fmax(at[0][i], at[1][i]) + radius;
+    }
+}
+
+void smoke_capsule_depths(const scene_smoke *smoke, uint32_t n, const vxs_light *light, int32_t map, double range[2])
+{
+    double box[2][3];
+    box_in_map(smoke, n, light, map, box);
+    range[0] = fmin(range[0], box[0][2]);
+    range[1] = fmax(range[1], box[1][2]);
+}
+
+/* Tiles [first, end) across and down.   Returns 0: none */
+static int tiles_of(const scene_smoke *smoke, uint32_t n, const vxs_light *light, uint32_t levels, int32_t map, uint32_t first[2],
+                    uint32_t end[2])
+{
+    double box[2][3], tile = light->texel_metres * ldexp(SMOKE_TILE_PX, (int)(light->levels - levels)),
+                      tiles = ldexp(1, (int)levels - 3);
+    int is_sun              = light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
+    box_in_map(smoke, n, light, map, box);
+    if (!is_sun && box[1][2] <= 0) return 0;
+    for (int i = 0; i < 2; i++) {
+        double low = box[0][i], high = box[1][i];
+        if (!is_sun) { /* slopes; a capsule that is beside the lamp or about it may be anywhere */
+            double near = fmax(box[0][2], 0), far = box[1][2];
+            low  = fmin(low / near, low / far);
+            high = fmax(high / near, high / far);
+            if (!(near > 0)) low = -INFINITY, high = INFINITY;
+        }
+        low      = floor(low / tile + (is_sun ? 0 : tiles / 2) - 1e-6);
+        high     = floor(high / tile + (is_sun ? 0 : tiles / 2) + 1e-6) + 1;
+        first[i] = (uint32_t)fmin(fmax(low, 0), tiles);
+        end[i]   = (uint32_t)fmin(fmax(high, 0), tiles);
+    }
+    return first[0] < end[0] && first[1] < end[1];
+}
+
+/* Count capsules, each in the place behind its tile's, or put them where they go: b->capsules NULL, or not. */
+static void visit(const smoke_bins *b, const scene_smoke *smoke, const vxs_light *light, uint32_t levels)
+{
+    uint32_t across = 1u << (levels - 3), first[2], end[2];
+    for (uint32_t map = 0; map < vxs_light_map_count(light); map++)
+        for (uint32_t n = 0; n < smoke->count; n++) {
+            if (!tiles_of(smoke, n, light, levels, (int32_t)map, first, end)) continue;
+            for (uint32_t y = first[1]; y < end[1]; y++)
+                for (uint32_t x = first[0]; x < end[0]; x++) {
+                    size_t *at = &b->first[((size_t)map * across + y) * across + x + 1];
+                    if (b->capsules) b->capsules[*at] = n;
+                    ++*at;
+                }
+        }
+}
+
+int smoke_bins_make(smoke_bins *b, const scene_smoke *smoke, const vxs_light *light, uint32_t levels)
+{
+    size_t tiles = (size_t)vxs_light_map_count(light) << (2 * (levels - 3)), sum = 0;
+    b->first = calloc(tiles + 1, sizeof *b->first);
+    if (!b->first) return 0;
+    visit(b, smoke, light, levels);
+    for (size_t n = 1; n <= tiles; n++) { /* where each begins stands in the place behind it, until all are put there */
+        size_t count = b->first[n];
+        b->first[n]  = sum;
+        sum += count;
+    }
+    if (!(b->capsules = malloc((sum + 1) * sizeof *b->capsules))) return 0;
+    visit(b, smoke, light, levels);
+    return 1;
+}
+
+void smoke_bins_free(smoke_bins *b)
+{
+    free(b->first);
+    free(b->capsules);
+    *b = (smoke_bins){0};
+}
+
+/* rays ------------------------------------------------------------------------------------------------------------------------------ */
+
+/* Join the part of a ray in a ball about the origin.   from  of the ray;   way  of length 1;   part  [in, out] */
+static void join_ball(const double from[3], const double way[3], double radius, double part[2])
+{
+    double near = -vec3_dot(from, way), beside[3];
+    vec3_mad(from, near, way, beside);
+    double inside = radius * radius - vec3_dot(beside, beside);
+    if (!(inside > 0)) return;
+    part[0] = fmin(part[0], near - sqrt(inside));
+    part[1] = fmax(part[1], near + sqrt(inside));
+}
+
+/* The same of a cylinder from the origin to `axis`: of the ray between the planes of its ends, what is within the radius. */
+static void join_cylinder(const double from[3], const double way[3], const double axis[3], double radius, double part[2])
+{
+    double u[3], beside[3], turned[3], size = sqrt(vec3_dot(axis, axis));
+    if (!vec3_unit(axis, u)) return;
+    double along = vec3_dot(from, u), slope = vec3_dot(way, u);
+    vec3_mad(from, -along, u, beside);
+    vec3_mad(way, -slope, u, turned);
+    double square = vec3_dot(turned, turned), near = square > 1e-24 ? -vec3_dot(beside, turned) / square : 0;
+    vec3_mad(beside, near, turned, beside);
+    double inside = radius * radius - vec3_dot(beside, beside), low = -INFINITY, high = INFINITY;
+    if (!(inside > 0)) return;
+    if (square > 1e-24) {
+        low  = near - sqrt(inside / square);
+        high = near + sqrt(inside / square);
+    }
+    if (slope != 0) {
+        low  = fmax(low, fmin(-along / slope, (size - along) / slope));
+        high = fmin(high, fmax(-along / slope, (size - along) / slope));
+    } else if (along < 0 || along > size) {
+        return;
+    }
+    if (!(high > low)) return;
+    part[0] = fmin(part[0], low);
+    part[1] = fmax(part[1], high);
+}
+
+/* The depths between which a ray is in capsule n.   Returns 0: nowhere */
+static int part_of(const scene_smoke *smoke, uint32_t n, const double from[3], const double way[3], double depths[2])
+{
+    double begin[3], end[3], unit[3], at[3], axis[3], from_end[3], part[2] = {INFINITY, -INFINITY};
+    double length = sqrt(vec3_dot(way, way)), radius = (double)smoke->list[n].radius_metres;
+    ends_of(smoke, n, begin, end);
+    vec3_sub(end, begin, axis);
+    for (int i = 0; i < 3; i++) unit[i] = way[i] / length;
+    vec3_sub(from, begin, at);
+    double near = -vec3_dot(at, unit); /* all that follows counts from there: it is no difference of what is far */
+    vec3_mad(at, near, unit, at);
+    vec3_sub(at, axis, from_end);
+    join_ball(at, unit, radius, part);
+    join_ball(from_end, unit, radius, part);
+    join_cylinder(at, unit, axis, radius, part);
+    depths[0] = (near + part[0]) / length;
+    depths[1] = (near + part[1]) / length;
+    return depths[1] > depths[0];
+}
+
+static int add_change(smoke_changes *c, double depth, double loss)
+{
+    if (!array_reserve(&c->list, &c->capacity, c->count + 1, sizeof *c->list)) return 0;
+    c->list[c->count++] = (smoke_change){depth, loss};
+    return 1;
+}
+
+/* By depth; of one depth what begins comes first, so that sums stay above zero. */
+static int by_depth(const void *a, const void *b)
+{
+    const smoke_change *p = a, *q = b;
+    if (p->depth != q->depth) return p->depth < q->depth ? -1 : 1;
+    return (p->loss < q->loss) - (p->loss > q->loss);
+}
+
+/* Pieces short enough for a line. */
+static int add_even(smoke_path *path, double begin, double end, double thick)
+{
+    int parts = (int)fmin(ceil(thick / SMOKE_PIECE), 256);
+    for (int n = 0; n < parts; n++) {
+        double a = begin + (end - begin) * n / parts, b = n + 1 < parts ? begin + (end - begin) * (n + 1) / parts : end;
+        if (b > a && !smoke_path_add(path, a, b, thick / parts)) return 0;
+    }
+    return 1;
+}
+
+int smoke_capsules_march(const scene_smoke *smoke, const uint32_t *capsules, size_t count, const double from[3],
+                         const double way[3], double begin, double end, smoke_changes *scratch, smoke_path *path)
+{
+    double length = sqrt(vec3_dot(way, way)), loss = 0;
+    path->count = scratch->count = 0;
+    for (size_t n = 0; n < count; n++) {
+        double depths[2], each = length * (double)smoke->list[capsules[n]].extinction;
+        if (!part_of(smoke, capsules[n], from, way, depths)) continue;
+        depths[0] = fmax(depths[0], begin);
+        depths[1] = fmin(depths[1], end);
+        if (!(depths[1] > depths[0])) continue;
+        if (!add_change(scratch, depths[0], each) || !add_change(scratch, depths[1], -each)) return 0;
+    }
+    if (scratch->count) qsort(scratch->list, scratch->count, sizeof *scratch->list, by_depth);
+    for (size_t n = 0; n + 1 < scratch->count; n++) {
+        double a = scratch->list[n].depth, b = scratch->list[n + 1].depth;
+        loss += scratch->list[n].loss;
+        if (b > a && loss > 0 && !add_even(path, a, b, loss * (b - a))) return 0;
+        if (path->count && path->thick[path->count - 1] > SMOKE_OPAQUE) break;
+    }
+    return 1;
+}
