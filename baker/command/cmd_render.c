@@ -146,6 +146,12 @@ static vxs_result load_moving(render_command *c, subject *s, message *m)
     return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
 }
 
+/* Whether an asset's smoke is that of the scene's capsules, too. */
+static int has_capsules(const json_t *made)
+{
+    return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
+}
+
 static vxs_result load(render_command *c, subject *s, message *m)
 {
     json_t             *made = NULL;
@@ -153,6 +159,8 @@ static vxs_result load(render_command *c, subject *s, message *m)
     vxs_result          r;
     if ((r = open_asset(c, s, &contents, m)) != VXS_OK) goto done;
     if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
+    if (c->options.smoke == SMOKE_ON && has_capsules(made))
+        c->options.baked_smoke = NULL; /* drawn from the scene, they would dim light twice */
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
     r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);

@@ -184,7 +184,7 @@ def test_smoke_makes_other_files_up_to_date(vxs, scene, baked, tmp_path):
 
 def test_smoke_of_the_scene_is_baked_where_it_is_asked_for(vxs, tmp_path):
     scene, plain, own = tmp_path / "smoke.glb", tmp_path / "plain.vxs", tmp_path / "own.vxs"
-    vxs("scene", "smoke", "-o", scene)
+    vxs("scene", "smoke", "-o", scene, "--capsules", 200)
     vxs("bake", scene, *SMALL, "-o", plain)
     vxs("bake", scene, *SMALL, "-o", own, "--scene-smoke", "on")
     assert b"SMKE" in own.read_bytes() and b"SMKE" not in plain.read_bytes() and "smoke        capsules " in vxs("info", own).stdout
@@ -192,6 +192,12 @@ def test_smoke_of_the_scene_is_baked_where_it_is_asked_for(vxs, tmp_path):
     columns = list(zip(*(line.split() for line in vxs("query", own, "--smoke", input=points).stdout.splitlines())))
     assert columns[::2] == list(zip(*(line.split() for line in vxs("query", plain, input=points).stdout.splitlines())))
     assert any(min(map(float, left)) < 0.6 for left in columns[1::2])
+    pictures = {}
+    for asset in (plain, own):
+        for smoke in ("on", "off"):
+            vxs("render", scene, asset, "-o", tmp_path / "out.png", "--width", 64, "--height", 48, "--samples", 1, "--smoke", smoke, "--force")
+            pictures[asset, smoke] = (tmp_path / "out.png").read_bytes()
+    assert pictures[plain, "on"] == pictures[own, "on"] and pictures[plain, "off"] != pictures[own, "off"], "the scene's own smoke dims once"
     both = vxs("bake", scene, *SMALL, "-o", tmp_path / "both.vxs", "--scene-smoke", "on", "--smoke", nrrd(tmp_path / "slab.nrrd")).stdout
     assert "smoke        of " in both
     text = vxs("info", tmp_path / "both.vxs").stdout
