@@ -145,6 +145,16 @@ static void look_up(const vxs_baked_light *l, uint64_t *random)
     }
 }
 
+static void look_through_smoke(const vxs_light *l, const vxs_baked_smoke *smoke, uint64_t *random)
+{
+    for (int n = 0; smoke && n < POINTS_PER_LIGHT; n++) {
+        double point[3];
+        point_ws(l, random, point);
+        float left = vxs_smoke_lookup(l, smoke, point);
+        FUZZ_CHECK(left >= 0 && left <= 1); /* NaN is neither */
+    }
+}
+
 /* all of it -------------------------------------------------------------------------------------------------------------------- */
 
 /* The same bytes as a stream: opened within the limit where the whole file is, and maybe where it is not, since less of it is read; what
@@ -195,6 +205,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const vxs_baked_light *light = vxs_asset_light(asset, n);
         FUZZ_CHECK(vxs_asset_find_light(asset, light->light.name) == light);
         if (n < LIGHTS_LOOKED_UP) look_up(light, &random);
+        if (n < LIGHTS_LOOKED_UP) look_through_smoke(&light->light, vxs_asset_smoke(asset, n), &random);
     }
     if (asset && vxs_asset_contents(asset)->metadata)
         FUZZ_CHECK(strlen(vxs_asset_contents(asset)->metadata) <= vxs_asset_contents(asset)->metadata_bytes);
