@@ -14,7 +14,8 @@ from png import read_png
 
 LIGHTS = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
 LAMP = (0, 6, 0)  # where small_scene puts the spot and the point light
-BALLS = [((0.4, 3, 0.2), 1.2, 0.5), ((-1.5, 2, 1), 0.8, 1.5), ((2.5, 1.5, -2), 1.5, 0.3), ((0.5, 4, -1), 0.7, 2)]  # places, radii, extinctions
+# places, radii, extinctions; the last one is cut by the ground
+BALLS = [((0.4, 3, 0.2), 1.2, 0.5), ((-1.5, 2, 1), 0.8, 1.5), ((2.5, 1.5, -2), 1.5, 0.3), ((0.5, 4, -1), 0.7, 2), ((-3, 0.2, -2), 1.4, 0.8)]
 EYE, TARGET, FOV, WIDE, HIGH = (7, 9, 6), (0, 1, 0), 60, 96, 72
 SMALL = "--width", WIDE, "--height", HIGH, "--samples", 1, "--filter", 1, "--eye", "7,9,6", "--target", "0,1,0", "--fov", FOV
 
@@ -106,7 +107,7 @@ def errors(found, wanted):
 @pytest.mark.parametrize("n, light", list(enumerate(["noon", "spot", "lamp"])))
 def test_what_reaches_the_ground(vxs, level, n, light):
     done, found, _ = draw(vxs, level, "smoke", "--passes", level / "passes", "--verbose")
-    assert "4 capsules; 3 lights: 3 dimmed" in done.stdout and f"light {light}: smoke by 256 x 256 curves" in done.stdout
+    assert "5 capsules; 3 lights: 3 dimmed" in done.stdout and f"light {light}: smoke by 256 x 256 curves" in done.stdout
     assert found["frames"][0]["smoke_lights"] == {"dims": 3, "out_of_reach": 0, "out_of_view": 0, "no_room": 0, "built": 3}
     assert found["smoke"]["lights"][n]["fate"] == "dims" and found["smoke"]["lights"][n]["merged"] == 0
     picture, left, wanted = grey(level / "passes" / f"smoke-{n}-{light}.png"), [], []
@@ -119,7 +120,27 @@ def test_what_reaches_the_ground(vxs, level, n, light):
         wanted.append(left_between(at, unit(to_light), metres))
     assert len(left) > 500 and sum(0.1 < w < 0.9 for w in wanted) > 150
     rms, most = errors(left, wanted)
-    assert rms < 0.012 and most < 0.03, (rms, most)
+    assert rms < 0.03 and most < 0.1, (rms, most)  # curves are lines between their nodes: it is seen in the ball that the ground cuts
+
+
+def linear(grey):
+    return grey / 12.92 if grey <= 0.04045 else ((grey + 0.055) / 1.055) ** 2.4
+
+
+def light_of(vxs, level, *options):
+    draw(vxs, level, "smoke", "--light", "lamp", "--exposure", -1, "--passes", level / "passes", *options)
+    return [linear(c) for c in grey(level / "passes" / "light.png")]
+
+
+def test_surfaces_are_dimmed(vxs, level):
+    """By as much as the picture of it says; exposures are told apart by light that no smoke dims."""
+    with_smoke, left = light_of(vxs, level), grey(level / "passes" / "smoke-0-lamp.png")
+    without = light_of(vxs, level, "--smoke", "off")
+    places = [n for n, *_ in ground_places() if without[n] > 0.02]
+    clear = [n for n in places if left[n] == 1]
+    exposure = sum(with_smoke[n] for n in clear) / sum(without[n] for n in clear)
+    rms, most = errors([with_smoke[n] / without[n] / exposure for n in places], [left[n] for n in places])
+    assert rms < 0.012 and most < 0.03 and len(clear) > 100 and sum(left[n] < 0.7 for n in places) > 150, (rms, most)
 
 
 def test_what_is_seen_through(vxs, level):
@@ -138,21 +159,16 @@ def test_off_is_as_without(vxs, level):
     assert draw(vxs, level, "smoke")[2] != without
 
 
-def linear(grey):
-    return grey / 12.92 if grey <= 0.04045 else ((grey + 0.055) / 1.055) ** 2.4
-
-
 def test_fog_is_dimmed(vxs, level):
     """By marches, whatever was asked. Exposures are told apart by light that no smoke dims."""
     clear_ground = [n for n, _, _, at in ground_places() if left_between(at, unit([p - a for p, a in zip(LAMP, at)]), 9) == 1]
 
-    def air(scene, *options):
-        _, found, _ = draw(vxs, level, scene, "--light", "lamp", "--exposure", -1, "--fog", 0.08, "--passes", level / "passes", *options)
-        plan, = found["fog"]["lights"]
-        light = grey(level / "passes" / "light.png")
-        return plan, sum(map(linear, grey(level / "passes" / "airlight.png"))) / sum(linear(light[n]) for n in clear_ground)
+    def air(*options):
+        light = light_of(vxs, level, "--fog", 0.08, *options)
+        plan, = json.loads((level / "r.json").read_text())["fog"]["lights"]
+        return plan, sum(map(linear, grey(level / "passes" / "airlight.png"))) / sum(light[n] for n in clear_ground)
 
-    (clear_plan, clear), (plan, dimmed) = air("clear"), air("smoke", "--smoke", "on", "--fog-steps", 48)
+    (clear_plan, clear), (plan, dimmed) = air("--smoke", "off"), air("--smoke", "on", "--fog-steps", 48)
     assert clear_plan["by"] == "intervals" and (plan["by"], plan["why"]) == ("angles", "smoke dims it")
     assert len(clear_ground) > 100 and 0.5 * clear < dimmed < 0.98 * clear, (clear, dimmed)
 
