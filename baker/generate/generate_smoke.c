@@ -3,8 +3,8 @@
  *     smoke   a yard between two houses, a low sun through three columns      hair   a head with strands on a table between lamps,
  *             that rise from barrels, widen and thin, and a street lamp              and a thread of smoke beside it
  *
- * A column is made of billows, balls that rise, lean with the wind and grow, and each of them of puffs. How dense a puff is follows from how many there are, so that a column
- * is as dense with any number of them.
+ * A column is made of billows, balls that rise, lean with the wind and grow, and each of them of puffs. How dense a puff is
+ * follows from how many there are, so that a column is as dense with any number of them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/generate/generate.h"
 
@@ -45,7 +45,7 @@ static void scale_to(double v[3], double length)
     for (int n = 0; n < 3; n++) v[n] *= length / has;
 }
 
-/* what shadows fall on --------------------------------------------------------------------------------------------------------------- */
+/* what shadows fall on --------------------------------------------------------------------------------------------------------- */
 
 static uint32_t paint(parts *p, const char *name, double red, double green, double blue)
 {
@@ -74,7 +74,7 @@ static void add_camera(parts *p, double x, double y, double z)
     p->s->camera_count        = 1;
 }
 
-/* smoke ------------------------------------------------------------------------------------------------------------------------------ */
+/* smoke ------------------------------------------------------------------------------------------------------------------------ */
 
 typedef struct column {
     const char *name;
@@ -124,7 +124,7 @@ static void add_column(parts *p, const column *c, rng r, uint32_t puffs)
     }
 }
 
-/* the yard --------------------------------------------------------------------------------------------------------------------------- */
+/* the yard --------------------------------------------------------------------------------------------------------------------- */
 
 static const column yard[3] = {
     {"white smoke", {-4.4, 0.9, -3.4}, 9.5, 0.35, 2.1, {-2.2, -0.5}, 2.4, {0.92, 0.92, 0.93}},
@@ -205,7 +205,7 @@ vxs_result generate_smoke(glb_scene *s, const smoke_options *o, message *m)
     return parts_end(&p, m);
 }
 
-/* hair ------------------------------------------------------------------------------------------------------------------------------- */
+/* hair ------------------------------------------------------------------------------------------------------------------------- */
 
 enum { STRAND_PIECES = 8 };
 

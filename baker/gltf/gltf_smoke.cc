@@ -1,10 +1,12 @@
-/* Points and lines with the attributes _RADIUS and _EXTINCTION (3.7.2.1: names that begin with _ are an application's own): capsules that dim light.
+/* Points and lines with the attributes _RADIUS and _EXTINCTION (3.7.2.1: names that begin with _ are an application's own):
+ * capsules that dim light.
  *
  *     POINTS                            a ball for each
  *     LINES, LINE_STRIP, LINE_LOOP      a capsule for each line, as wide and as dense as its ends are in the mean
  *
- * A node that makes the scene larger by a factor makes radii so, and extinctions less by the same: what a puff lets through does not depend on its size. Where it does so
- * unevenly the factor is the cube root of how many times the volume it is, since a ball stays a ball.
+ * A node that makes the scene larger by a factor makes radii so, and extinctions less by the same: what a puff lets through does
+ * not depend on its size. Where it does so unevenly the factor is the cube root of how many times the volume it is, since a ball
+ * stays a ball.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/gltf_loader.h"
 

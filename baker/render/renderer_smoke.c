@@ -1,5 +1,5 @@
-/* Smoke as the eye sees it: capsules over the picture, from back to front, each as far as the ray runs in it. Their light is asked at four places each, and between these is what
- * lies between.
+/* Smoke as the eye sees it: capsules over the picture, from back to front, each as far as the ray runs in it. Their light is asked
+ * at four places each, and between these is what lies between.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 #include <stdlib.h>
@@ -32,7 +32,7 @@ struct smoke_cloud {
     uint32_t           rows;
 };
 
-/* create -------------------------------------------------------------------------------------------------------------------------- */
+/* create ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result make_programs(const renderer *r, smoke_cloud *c, message *m)
 {
@@ -80,7 +80,7 @@ void renderer_free_cloud(renderer *r)
     free(c);
 }
 
-/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
 static void upload(const renderer *r, smoke_cloud *c)
 {

@@ -1,5 +1,5 @@
-/* A capsule over what was drawn, and over the fog that is behind it: what it lets through is told by how far the eye ray runs in it before it meets the scene, so that it
- * is soft where it meets that. Behind capsule.glsl. */
+/* A capsule over what was drawn, and over the fog that is behind it: what it lets through is told by how far the eye ray runs in
+ * it before it meets the scene, so that it is soft where it meets that. Behind capsule.glsl. */
 struct drawn_capsule {
     vec4 begin;  /* metres from the eye, and the radius */
     vec4 end;    /* and extinction */

@@ -11,7 +11,7 @@
 #include "baker/truth/camera.h"
 
 /* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
-enum { SEGMENTS = 1 << 19, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
+enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
 
 struct smoke_pass {
     smoke_pass_options     options;
@@ -27,7 +27,7 @@ struct smoke_pass {
     vxs_capsule           *capsules; /* [smoke's count] as a light sees them */
 };
 
-/* reach ---------------------------------------------------------------------------------------------------------------------------- */
+/* reach ------------------------------------------------------------------------------------------------------------------------ */
 
 /* A ball about a capsule.   Returns its radius */
 static double ball_of(const scene_smoke *smoke, const vxs_capsule *c, double middle_ws[3])
@@ -79,7 +79,7 @@ static int is_in_view(const vxs_light *light, const double eye_ws[3], const came
     return 1;
 }
 
-/* create --------------------------------------------------------------------------------------------------------------------------- */
+/* create ----------------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result make_pictures(smoke_pass *p, message *m)
 {
@@ -142,7 +142,7 @@ void smoke_pass_destroy(smoke_pass *p)
     free(p);
 }
 
-/* maps ----------------------------------------------------------------------------------------------------------------------------- */
+/* maps ------------------------------------------------------------------------------------------------------------------------- */
 
 /* How wide a texel of the light's map is where a capsule is. */
 static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c)
@@ -216,7 +216,7 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
     return VXS_OK;
 }
 
-/* a frame -------------------------------------------------------------------------------------------------------------------------- */
+/* a frame ---------------------------------------------------------------------------------------------------------------------- */
 
 static smoke_fate fate_of(const smoke_pass *p, uint32_t light, const double eye_ws[3], const camera_view *seen)
 {

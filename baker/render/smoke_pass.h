@@ -1,5 +1,6 @@
-/* Smoke of a scene in the light of its lamps and suns, by libvxs_volumes: a map of transmittance for each light that capsules can dim, and for each pixel how much of
- * it is left. Maps are built once, when their light is first in view: nothing of the smoke moves.
+/* Smoke of a scene in the light of its lamps and suns, by libvxs_volumes: a map of transmittance for each light that capsules can
+ * dim, and for each pixel how much of it is left. Maps are built once, when their light is first in view: nothing of the smoke
+ * moves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_PASS_H
 #define SMOKE_PASS_H
@@ -30,14 +31,16 @@ vxs_result smoke_pass_create(smoke_pass **pass, const smoke_pass_options *o, con
 /* Before the volumes. Accepts NULL. */
 void smoke_pass_destroy(smoke_pass *pass);
 
-/* Maps of lights that are new in view, and the pictures of all of them, in the frame of the volumes that has begun. A map without room for all segments is a warning.
+/* Maps of lights that are new in view, and the pictures of all of them, in the frame of the volumes that has begun. A map without
+ * room for all segments is a warning.
  * seen  from eye_ws, which the volumes' places count from;   plan  [out] */
 vxs_result smoke_pass_draw(smoke_pass *pass, const double eye_ws[3], const struct camera_view *seen, smoke_plan *plan, message *m);
 
 /* For shaders that have smoke.glsl. */
 void smoke_pass_bind(const smoke_pass *pass);
 
-/* How much of each light is left at places, layer by layer, into a storage buffer of float.   places  as for vxs_volumes_transmittance_at */
+/* How much of each light is left at places, layer by layer, into a storage buffer of float.   places  as for
+ * vxs_volumes_transmittance_at */
 vxs_result smoke_pass_ask(const smoke_pass *pass, GLuint places, uint32_t count, GLuint left);
 
 /* The map of a light that the last frame's smoke dims; else NULL. */

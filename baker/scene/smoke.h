@@ -16,7 +16,8 @@ typedef struct scene_smoke {
     float (*albedos)[3]; /* [count] the share of what a capsule takes that it scatters, linear, 0 to 1; owned likewise */
 } scene_smoke;
 
-/* As wide as a radius at least, and thinner in extinction by the square of how much wider it is: what rays far apart miss at times, they meet. */
+/* As wide as a radius at least, and thinner in extinction by the square of how much wider it is: what rays far apart miss at
+ * times, they meet. */
 static inline vxs_capsule smoke_widened(vxs_capsule c, double least_metres)
 {
     double wider = least_metres / (double)c.radius_metres;

@@ -1,4 +1,5 @@
-/* A ray for each pixel, and at the middle of each step how much of the light reaches it: all or none by the light's map, or of the asset, and what smoke leaves. */
+/* A ray for each pixel, and at the middle of each step how much of the light reaches it: all or none by the light's map, or of the
+ * asset, and what smoke leaves. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 

@@ -1,5 +1,5 @@
-/* Points and lines of glTF files as capsules of smoke: what is read of each mode, how nodes place them, what is refused, and what is written again.
- * In the JSON below ' stands for ", so that it can be read.
+/* Points and lines of glTF files as capsules of smoke: what is read of each mode, how nodes place them, what is refused, and what
+ * is written again. In the JSON below ' stands for ", so that it can be read.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/output_file.h"
 #include "baker/generate/generate.h"

@@ -1,5 +1,5 @@
-/* Airlight of lights whose smoke dims them: marches on llvmpipe against the same steps in double, each of which looks through all capsules towards the light; places that
- * nobody sees; and what is refused.
+/* Airlight of lights whose smoke dims them: marches on llvmpipe against the same steps in double, each of which looks through all
+ * capsules towards the light; places that nobody sees; and what is refused.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/opengl/gl.h"
 
@@ -127,7 +127,8 @@ static void test_marches_are_dimmed(void **state)
     }
 }
 
-/* Any places, within maps and beside them: what C says of the same curves. What stands before and behind the numbers that are written stays. */
+/* Any places, within maps and beside them: what C says of the same curves. What stands before and behind the numbers that are
+ * written stays. */
 static void test_places(void **state)
 {
     (void)state;
