@@ -4,7 +4,7 @@ struct vxs_area_lamp {
     vec4  axis, ahead, side, alpha_theta, phi; /* of a grid, as grid.glsl has them */
     ivec4 size, eye, reserved;
     vec4  place;  /* and radius */
-    vec4  normal; /* and whether it shines to one side: 1, else 0 */
+    vec4  normal; /* and how it shines: 0 to all sides, 1 to one, 2 along the normal from far away */
     vec4  colour;
     vec4  across; /* the normal, of length 1 */
 };
@@ -28,6 +28,15 @@ vec3 vxs_area_way(uint lamp, vec3 way)
 {
     vec3 normal = vxs_area.lamps[lamp].normal.xyz, across = vxs_area.lamps[lamp].across.xyz;
     return vec3(dot(across, way), dot(cross(normal, across), way), dot(normal, way));
+}
+
+const float vxs_area_far = 2.0;
+
+/* Where a place is in the imperfect shadow map of a lamp that is far away, which shows the sphere about all that casts; in texels.
+ * way  from the sphere's middle, in the lamp's frame */
+vec2 vxs_area_far_texel(uint lamp, vec3 way, int side)
+{
+    return 0.5 * float(side) * (1.0 + way.xy / vxs_area.lamps[lamp].place.w);
 }
 
 /* The first word of level n of a lamp's imperfect shadow map, whose levels lie one behind the other.   maps  the first word of all maps */

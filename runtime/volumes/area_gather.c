@@ -16,13 +16,15 @@ static uint32_t groups(uint32_t count, uint32_t each)
 
 static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const float anchor[3], const vxs_epipolar_view *view)
 {
-    double to_lamp[3], normal[3];
+    double to_lamp[3], normal[3], back[3];
     for (int n = 0; n < 3; n++) {
         to_lamp[n] = (double)lamp->place[n] + (double)anchor[n] - (double)f->eye[n];
         normal[n]  = (double)lamp->normal[n];
+        back[n]    = -normal[n];
     }
+    if (lamp->kind == AREA_FAR) return vxs_epipolar_of_sun(back, view);
     vxs_epipolar space = vxs_epipolar_of_lamp(to_lamp, view);
-    if (lamp->is_face != 0) vxs_epipolar_in_cone(&space, normal, 0, space.phi);
+    if (lamp->kind == AREA_ONE_SIDE) vxs_epipolar_in_cone(&space, normal, 0, space.phi);
     return space;
 }
 
@@ -101,7 +103,8 @@ void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, ui
 static int are_maps(const vxs_area_light *light, const vxs_light_map *const *maps)
 {
     for (uint32_t n = 0; n < light->count; n++)
-        if (!maps[n] || vxs_light_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL) return 0;
+        if (light->lamps[n].kind == AREA_FAR || !maps[n] || vxs_light_map_constants(maps[n])->kind == VXS_LIGHT_KIND_DIRECTIONAL)
+            return 0;
     return light->exact != NULL;
 }
 

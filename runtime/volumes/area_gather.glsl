@@ -11,9 +11,18 @@ struct gathering {
     vec3       air, surface;
 };
 
+/* Of light from far away, which fog dims below its level top alone, as vxs_air_path_of has it. */
+vec3 far_irradiance_of(gathering g, vec3 to_light)
+{
+    float top = vxs_frame.sizes.w, below = max(top - g.eye.y - g.metres * g.direction.y, 0.0), cosine = max(dot(g.normal, to_light), 0.0);
+    if (!(top < VXS_AIR_EVERYWHERE) || below == 0.0) return vec3(cosine);
+    return to_light.y > 0.0 ? exp(-g.medium.extinction * (below / to_light.y)) * cosine : vec3(0.0);
+}
+
 /* Of what shines from the lamp to a surface, how much reaches it, nothing between them. */
 vec3 irradiance_of(gathering g, uint n, vec3 to_lamp)
 {
+    if (vxs_area.lamps[n].normal.w == vxs_area_far) return far_irradiance_of(g, -vxs_area.lamps[n].normal.xyz);
     float square = max(dot(to_lamp, to_lamp), 1e-20), metres = sqrt(square), radius = vxs_area.lamps[n].place.w;
     float cosine = max(dot(g.normal, to_lamp) / metres, 0.0);
     if (vxs_area.lamps[n].normal.w != 0.0) cosine *= max(-dot(vxs_area.lamps[n].normal.xyz, to_lamp) / metres, 0.0);
@@ -26,7 +35,7 @@ float lit_of(gathering g, vxs_grid_size size, uint n, vxs_epipolar space, vxs_ep
     float across = vxs_grid_before(space.alpha, ray.alpha, size.columns);
     float bits = vxs_grid_bits_before(space, size, ray, g.metres);
     if (vxs_area.lamps[n].eye.x > 1) return 1.0;
-    if (ray.cosine > 0.0 && space.alpha.x == 0.0 && across < 1.0) return g.metres >= space.away ? 1.0 : 0.0;
+    if (space.away > 0.0 && ray.cosine > 0.0 && space.alpha.x == 0.0 && across < 1.0) return g.metres >= space.away ? 1.0 : 0.0;
     if (bits < 0.5 && space.phi.x == 0.0) return float(vxs_area.lamps[n].eye.x);
     return vxs_grid_lit(n * uint(vxs_grid_words(size)), size, vxs_grid_voxel(across + vxs_frame.knobs.y, size.columns), rows,
                         bits + vxs_frame.knobs.z);
@@ -35,14 +44,15 @@ float lit_of(gathering g, vxs_grid_size size, uint n, vxs_epipolar space, vxs_ep
 void add_lamp(inout gathering g, uint n)
 {
     vxs_air_light lamp;
-    lamp.kind          = VXS_LIGHT_KIND_POINT;
-    lamp.place         = vxs_area.lamps[n].place.xyz;
+    bool is_far        = vxs_area.lamps[n].normal.w == vxs_area_far;
+    lamp.kind          = is_far ? VXS_LIGHT_KIND_DIRECTIONAL : VXS_LIGHT_KIND_POINT;
+    lamp.place         = is_far ? -vxs_area.lamps[n].normal.xyz : vxs_area.lamps[n].place.xyz;
     lamp.axis          = vxs_area.lamps[n].normal.xyz;
     lamp.cos_inner     = 1.0;
     lamp.cos_outer     = 0.0;
     lamp.radius_metres = vxs_area.lamps[n].place.w;
     lamp.range_metres  = 0.0;
-    vxs_air_path     path = vxs_area_path(lamp, int(vxs_area.lamps[n].normal.w), g.eye, g.direction, g.metres, vxs_frame.sizes.w);
+    vxs_air_path     path = vxs_area_path(lamp, vxs_area.lamps[n].normal.w == 1.0 ? 1 : 0, g.eye, g.direction, g.metres, vxs_frame.sizes.w);
     vxs_epipolar     space = vxs_area_space(n);
     vxs_grid_size    size = vxs_grid_size(vxs_area.lamps[n].size.x, vxs_area.lamps[n].size.y, vxs_area.lamps[n].size.z);
     vxs_epipolar_ray ray = vxs_epipolar_eye(space, g.direction);

@@ -2,24 +2,37 @@
  * lamp. counts: lamps, the side of a map, the first word of all maps. */
 layout(local_size_x = 32, local_size_y = 4) in;
 
-/* Metres from the lamp; VXS_NO_END: light does not end, or never begins. */
-float shadow_begins(uint lamp, vec3 direction)
+float texel_of(uint lamp, vec2 at, int side)
 {
-    vec3 way = vxs_area_way(lamp, direction);
-    int  side = int(vxs_frame.counts.y);
-    vec2 at;
-    if (!(way.z > 0.0)) return VXS_NO_END;
-    vxs_area_texel(way, side, at);
     ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(side - 1));
     return uintBitsToFloat(vxs_area.words[vxs_area_level(vxs_frame.counts.z, lamp, uint(side), 0u) + uint(texel.y * side + texel.x)]);
 }
 
+/* Metres along a light ray; VXS_NO_END: light does not end, or never begins.   from  the lamp, of which it begins there; of one that is far away any place on it */
+float shadow_begins(uint lamp, vec3 from, vec3 direction)
+{
+    int   side = int(vxs_frame.counts.y);
+    bool  is_far = vxs_area.lamps[lamp].normal.w == vxs_area_far;
+    vec3  way = vxs_area_way(lamp, is_far ? from - vxs_area.lamps[lamp].place.xyz : direction);
+    vec2  at = vxs_area_far_texel(lamp, way, side);
+    if (is_far) {
+        float depth = way.z + vxs_area.lamps[lamp].place.w, ends;
+        if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(side)))) return VXS_NO_END;
+        ends = texel_of(lamp, at, side);
+        return ends < VXS_NO_END ? ends - depth : VXS_NO_END;
+    }
+    if (!(way.z > 0.0)) return VXS_NO_END;
+    vxs_area_texel(way, side, at);
+    return texel_of(lamp, at, side);
+}
+
 int eye_lit(uint lamp)
 {
-    vec3  way = vxs_frame.eye_far.xyz - vxs_area.lamps[lamp].place.xyz;
+    vec3  eye = vxs_frame.eye_far.xyz, place = vxs_area.lamps[lamp].place.xyz, way = eye - place;
     float metres = length(way);
+    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return 0.0 < shadow_begins(lamp, eye, vxs_area.lamps[lamp].normal.xyz) ? 1 : 0;
     if (!(metres > vxs_area.lamps[lamp].place.w)) return 2;
-    return metres < shadow_begins(lamp, way / metres) ? 1 : 0;
+    return metres < shadow_begins(lamp, place, way / metres) ? 1 : 0;
 }
 
 void main()
@@ -33,7 +46,7 @@ void main()
     vec2 turned;
     vec3 begin, direction;
     vxs_grid_light_ray(space, size, row, bit, turned, begin, direction);
-    float metres = shadow_begins(lamp, direction);
+    float metres = shadow_begins(lamp, vxs_frame.eye_far.xyz + begin, direction);
     if (!(metres < VXS_NO_END)) return;
     int column = vxs_grid_column(space, size, vxs_epipolar_alpha_at(space, turned, metres));
     if (column < size.columns)

@@ -100,6 +100,12 @@ unsigned vxs_area_light_irradiance(const vxs_area_light *light)
 
 /* lamps --------------------------------------------------------------------------------------------------------------------------- */
 
+static float kind_of(const vxs_area_lamp *lamp)
+{
+    static const float none[3] = {0, 0, 0};
+    return lamp->is_far ? AREA_FAR : memcmp(lamp->normal, none, sizeof none) ? AREA_ONE_SIDE : AREA_ALL_SIDES;
+}
+
 /* Returns 0 where it is none. */
 static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
 {
@@ -111,8 +117,8 @@ static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
         if (!isfinite(from->place[n]) || !(from->colour[n] >= 0) || !isfinite(from->colour[n])) return 0;
     }
     if (!(from->radius_metres > 0) || !isfinite(from->radius_metres)) return 0;
-    if (square != 0 && !(fabsf(square - 1) < 1e-3F)) return 0;
-    *to = (area_lamp){.radius_metres = from->radius_metres, .is_face = square != 0};
+    if ((square != 0 || from->is_far) && !(fabsf(square - 1) < 1e-3F)) return 0;
+    *to = (area_lamp){.radius_metres = from->radius_metres, .kind = kind_of(from)};
     memcpy(to->place, from->place, sizeof to->place);
     memcpy(to->normal, from->normal, sizeof to->normal);
     memcpy(to->colour, from->colour, sizeof from->colour);
@@ -127,7 +133,8 @@ static int lamp_of(const vxs_area_lamp *from, area_lamp *to)
 static int is_where_it_was(const area_lamp *before, const vxs_area_lamp *lamp)
 {
     return !memcmp(before->place, lamp->place, sizeof before->place) &&
-           !memcmp(before->normal, lamp->normal, sizeof before->normal) && before->radius_metres == lamp->radius_metres;
+           !memcmp(before->normal, lamp->normal, sizeof before->normal) && before->radius_metres == lamp->radius_metres &&
+           (before->kind == AREA_FAR) == (lamp->is_far != 0);
 }
 
 vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count)
@@ -201,7 +208,7 @@ vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *ca
     vxs_volumes *v = light->volumes;
     if (!light->count || (casters->count && !casters->buffer)) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < light->count; n++)
-        if (light->lamps[n].is_face == 0) return VXS_E_ARGUMENT;
+        if (light->lamps[n].kind == AREA_ALL_SIDES) return VXS_E_ARGUMENT;
     storage_kept kept = vxs_volumes_keep_storage(v);
     vxs_area_light_put(light, 0);
     clear(light);

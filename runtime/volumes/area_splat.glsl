@@ -3,6 +3,20 @@
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_area_points { vec4 points[]; };
 
+/* Where a point is in a lamp's map, and how deep there: of a lamp that is far away, in metres from one side of the sphere about all that casts.
+ * wide  [out] metres of a texel there
+ * Returns 0 and less where the map has no such point. */
+float depth_of(uint lamp, vec3 way, int side, out vec2 at, out float wide)
+{
+    float radius = vxs_area.lamps[lamp].place.w, metres = length(way);
+    at   = vxs_area_far_texel(lamp, way, side);
+    wide = 2.0 * radius / float(side);
+    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return max(abs(way.x), abs(way.y)) < 2.0 * radius ? way.z + radius : 0.0;
+    if (!(way.z > 1e-4 * metres && metres > radius)) return 0.0;
+    wide = metres * vxs_area_texel(way, side, at);
+    return metres;
+}
+
 /* A square of texels as wide as what the point stands for, in the lamp's own map, and nowhere beyond it. */
 void splat(uint lamp, vec4 point, float shared_by)
 {
@@ -11,9 +25,9 @@ void splat(uint lamp, vec4 point, float shared_by)
     uint texels = vxs_area_level(vxs_frame.counts.w, lamp, uint(side), 0u);
     vec3 way = vxs_area_way(lamp, point.xyz - vxs_area.lamps[lamp].place.xyz);
     vec2 at;
-    float metres = length(way);
-    if (!(way.z > 1e-4 * metres && metres > vxs_area.lamps[lamp].place.w)) return;
-    float wide = vxs_frame.knobs.y * sqrt(point.w * shared_by) / (metres * vxs_area_texel(way, side, at));
+    float texel, metres = depth_of(lamp, way, side, at, texel);
+    if (!(metres > 0.0)) return;
+    float wide = vxs_frame.knobs.y * sqrt(point.w * shared_by) / texel;
     int   across = clamp(int(wide + 0.5), 1, most);
     ivec2 first = ivec2(floor(at - 0.5 * float(across - 1)));
     for (int n = 0; n < across * across; n++) {

@@ -13,10 +13,13 @@ enum { AREA_BITS = 128 };
 typedef struct area_lamp {
     grid_head grid;
     float     place[3], radius_metres;
-    float     normal[3], is_face; /* 1: it shines to one side; else 0 */
+    float     normal[3], kind; /* AREA_ALL_SIDES and so on */
     float     colour[4];
     float     across[4];
 } area_lamp;
+
+/* How a lamp shines. */
+enum { AREA_ALL_SIDES, AREA_ONE_SIDE, AREA_FAR };
 
 typedef enum area_program { AREA_SPLAT, AREA_HOLES, AREA_GRIDS, AREA_GATHER, AREA_SHOW, AREA_PROGRAMS } area_program;
 

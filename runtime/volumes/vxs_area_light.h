@@ -30,6 +30,9 @@ typedef struct vxs_area_lamp {
     float normal[3];     /* of length 1; all 0: it shines to all sides alike */
     float colour[3];     /* intensity along the normal, in candela, or in the units of the picture; >= 0 */
     float radius_metres; /* > 0: no eye ray passes nearer */
+    uint32_t
+        is_far; /* 1: it is far away: its light travels along the normal everywhere, and `colour` is the irradiance of what lies across that.
+                            What casts its shadows is within radius_metres of its place */
 } vxs_area_lamp;
 
 /* A picture that shines, such as a screen or a window. */
@@ -58,6 +61,23 @@ typedef enum vxs_area_places {
  * Cost: of importance, two readings of the texture, and a row of it for each lamp. Threads: none shared; no memory is taken. */
 vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps,
                            uint32_t count);
+
+/* A picture of all that shines from far away, from each direction. */
+typedef struct vxs_area_sky {
+    const float      *
+        texture; /* [high_px][wide_px][3] radiance, >= 0: rows of equal angles from the zenith, along y, down to the nadir; columns of equal angles from x by z
+                             around */
+    uint32_t wide_px, high_px;
+    float    radiance[3];   /* what it is times, >= 0 */
+    float    middle[3];     /* of a sphere about all that casts shadows; */
+    float    radius_metres; /* its radius, > 0: shadow maps are as wide */
+} vxs_area_sky;
+
+/* Lamps of a sky, far away, of which each has its part of all directions; by importance their luminance is the sky's, exactly, and texels count by luminance times
+ * solid angle.
+ * seed, lamps, count  as above;   Returns, cost and threads likewise */
+vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps,
+                               uint32_t count);
 
 /* points of what casts shadows ---------------------------------------------------------------------------------------------------- */
 
@@ -137,7 +157,7 @@ typedef struct vxs_area_look {
 
 /* Add the airlight of all lamps to the frame's, by a grid for each, all made in one dispatch of all their light rays and one scan; and the light that they
  * send to surfaces, where normals are given. All pixels are drawn, whatever the frame's `least` is.
- * Returns VXS_OK; VXS_E_ARGUMENT without a frame, lamps, or their shadow maps, or for maps of a sun. */
+ * Returns VXS_OK; VXS_E_ARGUMENT without a frame, lamps, or their shadow maps, for maps of a sun, or of lamps that are far away. */
 vxs_result vxs_volumes_area(vxs_volumes *volumes, vxs_area_light *light, const vxs_area_look *look);
 
 /* Irradiance of surfaces: RGBA32F, of the size of create, of which the view's corner is used; what fog takes between a lamp and a surface is taken. Of the last

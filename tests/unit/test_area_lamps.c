@@ -196,7 +196,7 @@ static double exactly(const vxs_area_rectangle *r)
     for (int y = 0; y < HIGH * FINE; y++)
         for (int x = 0; x < WIDE * FINE; x++) {
             const float  *texel = r->texture + 3 * (y / FINE * WIDE + x / FINE);
-            vxs_area_lamp l     = {{1 + 2 * (x + 0.5F) / (WIDE * FINE), 2 + (y + 0.5F) / (HIGH * FINE), 3}, {0, 0, 1}, {0}, 1};
+            vxs_area_lamp l     = {{1 + 2 * (x + 0.5F) / (WIDE * FINE), 2 + (y + 0.5F) / (HIGH * FINE), 3}, {0, 0, 1}, {0}, 1, 0};
             for (int i = 0; i < 3; i++) l.colour[i] = texel[i] * r->radiance[i] * 2 / (WIDE * HIGH * FINE * FINE);
             sum += irradiance_of(&l, 1);
         }

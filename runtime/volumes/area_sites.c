@@ -1,0 +1,162 @@
+/* Places on pictures that shine; see area_sites.h.
+ * SPDX-License-Identifier: MIT */
+#include "area_sites.h"
+
+#include <math.h>
+
+#include "area_numbers.h"
+
+int vxs_area_is_number(const float v[3], float least)
+{
+    for (int n = 0; n < 3; n++)
+        if (!(v[n] >= least && isfinite(v[n]))) return 0;
+    return 1;
+}
+
+/* v where row y begins. */
+static double begin_of_row(const area_picture *p, uint32_t y)
+{
+    const double half_turn = 3.14159265358979324;
+    if (!p->is_sky) return y / (double)p->high_px;
+    double half_sine = sin(0.5 * half_turn * y / p->high_px);
+    return half_sine * half_sine;
+}
+
+/* And the row that v is in. */
+static double row_of(const area_picture *p, double v)
+{
+    const double half_turn = 3.14159265358979324;
+    return p->high_px * (p->is_sky ? 2 / half_turn * asin(sqrt(v)) : v);
+}
+
+static const float *texel_of(const area_picture *p, uint32_t x, uint32_t y)
+{
+    static const float one[3] = {1, 1, 1};
+    return p->texture ? p->texture + 3 * ((size_t)y * p->wide_px + x) : one;
+}
+
+static const float *texel_at(const area_picture *p, const area_site *at)
+{
+    if (!p->texture) return texel_of(p, 0, 0);
+    uint32_t x = (uint32_t)(at->u * p->wide_px), y = (uint32_t)row_of(p, at->v);
+    return texel_of(p, x < p->wide_px ? x : p->wide_px - 1, y < p->high_px ? y : p->high_px - 1);
+}
+
+/* Of linear colours with the primaries of Rec. 709. */
+static double luminance_of(const area_picture *p, const float *texel)
+{
+    return 0.2126 * (double)texel[0] * (double)p->radiance[0] + 0.7152 * (double)texel[1] * (double)p->radiance[1] +
+           0.0722 * (double)texel[2] * (double)p->radiance[2];
+}
+
+static double luminance_of_row(const area_picture *p, uint32_t y)
+{
+    double sum = 0;
+    for (uint32_t x = 0; x < p->wide_px; x++) sum += luminance_of(p, texel_of(p, x, y));
+    return sum;
+}
+
+/* How much a texel of a row is of the picture. */
+static double part_of_texel(const area_picture *p, uint32_t y)
+{
+    return (begin_of_row(p, y + 1) - begin_of_row(p, y)) / p->wide_px;
+}
+
+static double luminance_of_all(const area_picture *p)
+{
+    double sum = 0;
+    for (uint32_t y = 0; y < p->high_px; y++) sum += luminance_of_row(p, y) * part_of_texel(p, y);
+    return sum;
+}
+
+static double fraction(double x)
+{
+    return x - floor(x);
+}
+
+static void halton(uint32_t seed, area_site *sites, uint32_t count)
+{
+    double shift[2] = {seed ? vxs_area_random(seed, 0) : 0, seed ? vxs_area_random(seed, 1) : 0};
+    for (uint32_t n = 0; n < count; n++) {
+        sites[n].u = fraction(vxs_area_radical_inverse(n + 1, 2) + shift[0]);
+        sites[n].v = fraction(vxs_area_radical_inverse(n + 1, 3) + shift[1]);
+    }
+}
+
+/* Of so many cells, those in a row of the picture: they are as square as they can be. */
+static uint32_t cells_across(const area_picture *p, uint32_t count)
+{
+    double   least  = INFINITY;
+    uint32_t across = 1;
+    for (uint32_t n = 1; n <= count; n++) {
+        double off = fabs(log(p->aspect * (count / n) / n));
+        if (count % n || off >= least) continue;
+        least  = off;
+        across = n;
+    }
+    return across;
+}
+
+/* The middles of cells; or, where they are jittered, random places in them. */
+static void in_cells(const area_picture *p, int is_jittered, uint32_t seed, area_site *sites, uint32_t count)
+{
+    uint32_t across = cells_across(p, count);
+    for (uint32_t n = 0; n < count; n++) {
+        double x = is_jittered ? vxs_area_random(seed, 2 * n) : 0.5, y = is_jittered ? vxs_area_random(seed, 2 * n + 1) : 0.5;
+        sites[n].u = (n % across + x) / across;
+        sites[n].v = (n / across + y) / (count / across);
+    }
+}
+
+/* A site whose v says how much of the luminance is before it: in a row that has the rest of that before its own end. */
+static void move_in_row(const area_picture *p, uint32_t y, double row, double in_row, double mean, area_site *s)
+{
+    double   left = s->u * row, here = 0;
+    uint32_t x = 0, bright = 0;
+    for (; x < p->wide_px; x++) {
+        here = luminance_of(p, texel_of(p, x, y));
+        if (here > 0) bright = x;
+        if (left < here) break;
+        left -= here;
+    }
+    if (x == p->wide_px) { /* what is left is rounding */
+        here = luminance_of(p, texel_of(p, bright, y));
+        left = 0.5 * here;
+        x    = bright;
+    }
+    s->u     = (x + left / here) / p->wide_px;
+    s->v     = begin_of_row(p, y) + in_row * (begin_of_row(p, y + 1) - begin_of_row(p, y));
+    s->scale = mean / here;
+    s->texel = texel_of(p, x, y);
+}
+
+/* Move points to where the texture is bright: by its rows, and by the texels of a row. */
+static void by_importance(const area_picture *p, area_site *sites, uint32_t count)
+{
+    double all = luminance_of_all(p), before = 0;
+    int    is_moved[VXS_AREA_LAMPS] = {0};
+    if (!p->texture || !(all > 0)) return;
+    for (uint32_t y = 0; y < p->high_px; y++) {
+        double row = luminance_of_row(p, y), part = row * part_of_texel(p, y);
+        for (uint32_t n = 0; n < count; n++) {
+            double at = sites[n].v * all - before;
+            if (is_moved[n] || !(part > 0) || !(at < part)) continue;
+            is_moved[n] = 1;
+            move_in_row(p, y, row, at > 0 ? at / part : 0, all, &sites[n]);
+        }
+        before += part;
+    }
+}
+
+void vxs_area_sites(const area_picture *p, vxs_area_places places, uint32_t seed, area_site *sites, uint32_t count)
+{
+    if (places == VXS_AREA_HALTON || places == VXS_AREA_IMPORTANCE)
+        halton(seed, sites, count);
+    else
+        in_cells(p, places == VXS_AREA_JITTERED, seed, sites, count);
+    for (uint32_t n = 0; n < count; n++) {
+        sites[n].scale = 1;
+        sites[n].texel = texel_at(p, &sites[n]);
+    }
+    if (places == VXS_AREA_IMPORTANCE) by_importance(p, sites, count);
+}
