@@ -1,6 +1,8 @@
 # What is told of a scene of `make bench-volumes` beside its cells: whether error falls along each knob, and ratios that papers give, too.
 # SPDX-License-Identifier: GPL-3.0-or-later
 
+import math
+
 NOISE = 1.1  # times an error before which a greater one does not count
 
 
@@ -19,6 +21,18 @@ def monotone_text(scene):
     found = rises(scene)
     listed = ", ".join(f"{name}, {value}: {times:.2f} times" for name, value, times in found)
     return f"Error rises along a knob: {listed}" if found else "Along every knob error falls, or rises by less than a tenth."
+
+
+def slopes(scene, most=64):
+    """Of area lights: to which power of how many lamps each technique's error falls, up to so many, by least squares: {technique: power}."""
+    found = {}
+    for name in dict.fromkeys(c["technique"] for c in drawn(scene) if c["knob"] == "lamps"):
+        at = [(math.log(c["value"]), math.log(c["error"]["relative_rms"])) for c in drawn(scene) if c["technique"] == name and c["value"] <= most]
+        x, y = (sum(p[n] for p in at) / len(at) for n in (0, 1))
+        across = sum((a - x) ** 2 for a, _ in at)
+        if across:
+            found[name] = sum((a - x) * (b - y) for a, b in at) / across
+    return found
 
 
 def claims(scene):
