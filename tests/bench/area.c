@@ -43,19 +43,6 @@ typedef struct area {
 
 /* techniques ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result nothing(bench *b, void **state, uint32_t count)
-{
-    (void)b;
-    (void)count;
-    *state = NULL;
-    return VXS_OK;
-}
-
-static void forget(void *state)
-{
-    (void)state;
-}
-
 static vxs_result sample(bench *b, vxs_area_places which, uint32_t count)
 {
     return vxs_area_sample(&b->area->screen, which, which == VXS_AREA_JITTERED, b->area->lamps, count);
@@ -169,16 +156,16 @@ static void close_froxels(void *state)
 
 /* clang-format off */
 #define COUNTS {1, 4, 16, 64, LAMPS}
-#define OF(places, draw) nothing, draw, forget, {places, cast}, NULL
+#define OF(places, draw) NULL, draw, NULL, {places, cast}, NULL
 static const technique techniques[] = {
     {"imperfect", "lamps", POINTS, 0, COUNTS, OF(halton, each)},
     {"imperfect, importance", "lamps", POINTS, 0, COUNTS, OF(importance, each)},
     {"imperfect, jittered", "lamps", POINTS, 0, COUNTS, OF(jittered, each)},
     {"imperfect, ninths", "lamps", POINTS ", a ninth of the lamps a pixel", 0, COUNTS, OF(halton, ninths)},
     {"imperfect, quarter", "lamps", POINTS ", in a quarter of the pixels", 0, COUNTS, OF(halton, quarter)},
-    {"exact maps", "lamps", MAPS, 0, COUNTS, nothing, exact, forget, {halton}, NULL},
-    {"imperfect, one by one", "lamps", POINTS, 1, COUNTS, nothing, one_by_one, forget, {halton}, NULL},
-    {"marches", "lamps", "shadow maps of lamps, and 64 steps", 1, COUNTS, nothing, marches, forget, {halton}, NULL},
+    {"exact maps", "lamps", MAPS, 0, COUNTS, NULL, exact, NULL, {halton}, NULL},
+    {"imperfect, one by one", "lamps", POINTS, 1, COUNTS, NULL, one_by_one, NULL, {halton}, NULL},
+    {"marches", "lamps", "shadow maps of lamps, and 64 steps", 1, COUNTS, NULL, marches, NULL, {halton}, NULL},
     {"froxels", "slices", "all light with the shadow of its middle, columns of 8 x 8 pixels", 1, {16, 64, 256}, open_froxels, froxels, close_froxels, {NULL}, NULL},
 };
 /* clang-format on */
@@ -221,15 +208,6 @@ static void set_screen(bench *b)
     a->source.rectangle = &a->screen;
     a->source.is_free   = is_free;
     a->source.user      = b->truth;
-}
-
-/* Casters in floats, places from the eye.   Owned by the caller */
-static float *casters_from_eye(const bench *b)
-{
-    size_t count = 3 * b->casting.vertex_count;
-    float *laid  = malloc(count * sizeof *laid);
-    for (size_t n = 0; n < count && laid; n++) laid[n] = (float)(b->casting.positions_ws[n] - b->pose.eye_ws[n % 3]);
-    return laid;
 }
 
 /* How many lamps of Halton's places a technique has, as far as knobs go. */
@@ -349,7 +327,7 @@ static vxs_result run(void *command, message *m)
     b->classes = NULL;
     if (r == VXS_OK) {
         set_screen(b);
-        positions = casters_from_eye(b);
+        positions = volumes_casters_from_eye(b);
         a->off    = calloc(b->pixels, sizeof *a->off);
         if (!positions || !a->off) r = fail(m, VXS_E_MEMORY, "out of memory for casters");
     }

@@ -75,13 +75,13 @@ typedef vxs_result technique_step(bench *b, void *state, uint32_t value);
 /* What is drawn, by what knob; values end with 0. */
 struct technique {
     const char *name, *knob;
-    const char *limit; /* what it comes to as its knob grows; test_rival_volumes.c and test_rival_curves.c show that rivals do */
+    const char *limit; /* what it comes to as its knob grows; test_rival_volumes.c, _curves.c and _areas.c show that rivals do */
     int         is_rival;
     uint32_t    values[VALUES_MAX + 1];
     vxs_result (*open)(bench *b, void **state,
-                       uint32_t value); /* before the first round: what a level or a size is made ready by */
+                       uint32_t value); /* before the first round: what a level or a size is made ready by; NULL: nothing */
     technique_step *draw;               /* what a frame does */
-    void (*close)(void *state);
+    void (*close)(void *state);         /* NULL: nothing */
     technique_step *before[BEFORE_MAX]; /* what it does before, and is told apart; NULL: nothing */
     double (*bytes)(const bench *b, const void *state,
                     uint32_t value); /* of a texel, for lookups, in the mean; NULL: it is not told */
@@ -113,6 +113,9 @@ void       volumes_close_gl(bench *b);
 /* The scene of b->scene_path, what in it casts, and room for pictures. */
 vxs_result volumes_load_scene(bench *b, message *m);
 void       volumes_free_scene(bench *b);
+
+/* What casts, in floats, places from the eye.   [3 * casting.vertex_count]; owned by the caller; NULL: out of memory */
+float *volumes_casters_from_eye(const bench *b);
 
 /* A map of a baked light, filled. side_px  0: as fine as the baked one */
 vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_light_map **map);

@@ -41,6 +41,11 @@ static vxs_result draw(bench *b, const cell *c, const vxs_volumes_frame *frame, 
     return r;
 }
 
+static vxs_result open_cell(bench *b, cell *c)
+{
+    return c->technique->open ? c->technique->open(b, &c->state, c->value) : VXS_OK;
+}
+
 static void open_cells(bench *b, cell *cells, size_t *count)
 {
     for (size_t t = 0; t < b->technique_count; t++)
@@ -49,7 +54,7 @@ static void open_cells(bench *b, cell *cells, size_t *count)
             cell  *c        = &cells[(*count)++];
             double since    = finished(b);
             *c              = (cell){.technique = &b->techniques[t], .value = b->techniques[t].values[n]};
-            c->is_refused   = b->techniques[t].open(b, &c->state, c->value) != VXS_OK || draw(b, c, b->frames, parts) != VXS_OK;
+            c->is_refused   = open_cell(b, c) != VXS_OK || draw(b, c, b->frames, parts) != VXS_OK;
             c->open_seconds = finished(b) - since;
         }
 }
@@ -147,7 +152,8 @@ vxs_result volumes_measure(bench *b, message *m)
         find_front(cells, count);
         r = volumes_report(b, cells, count, m);
     }
-    for (size_t n = 0; n < count; n++) cells[n].technique->close(cells[n].state);
+    for (size_t n = 0; n < count; n++)
+        if (cells[n].technique->close) cells[n].technique->close(cells[n].state);
     free(cells);
     return r;
 }

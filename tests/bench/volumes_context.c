@@ -73,6 +73,14 @@ void volumes_free_scene(bench *b)
     free(b->classes);
 }
 
+float *volumes_casters_from_eye(const bench *b)
+{
+    size_t count = 3 * b->casting.vertex_count;
+    float *laid  = malloc(count * sizeof *laid);
+    for (size_t n = 0; n < count && laid; n++) laid[n] = (float)(b->casting.positions_ws[n] - b->pose.eye_ws[n % 3]);
+    return laid;
+}
+
 vxs_result volumes_open_map(const bench *b, uint32_t number, uint32_t side_px, vxs_light_map **map)
 {
     vxs_light_map_desc desc = {.baked = number, .side_px = side_px};

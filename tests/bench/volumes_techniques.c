@@ -132,9 +132,8 @@ static vxs_result upload_triangles(cast_grid *c)
     const gl_context *gl    = c->b->gl;
     const casters    *from  = &c->b->casting;
     size_t            count = 3 * from->vertex_count;
-    float            *laid  = malloc(count * sizeof *laid);
+    float            *laid  = volumes_casters_from_eye(c->b);
     if (!laid) return VXS_E_MEMORY;
-    for (size_t n = 0; n < count; n++) laid[n] = (float)(from->positions_ws[n] - c->b->pose.eye_ws[n % 3]);
     gl->GenBuffers(2, c->buffers);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, c->buffers[0]);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(count * sizeof *laid), laid, GL_STATIC_DRAW);
@@ -219,28 +218,15 @@ static void close_slices(void *slices)
     rival_slices_destroy(slices);
 }
 
-static vxs_result nothing(bench *b, void **state, uint32_t value)
-{
-    (void)b;
-    (void)value;
-    *state = NULL;
-    return VXS_OK;
-}
-
-static void forget(void *state)
-{
-    (void)state;
-}
-
 #define LIGHT_MAP "the light map, traversed exactly"
 #define ASSET     "exact lit intervals of the asset"
 
 /* clang-format off */
 static const technique techniques[] = {
-    {"march", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, even_of_map, .close = forget},
-    {"angles", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, nothing, angles_of_map, .close = forget},
-    {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, nothing, angles_of_asset, .close = forget},
-    {"intervals", "-", "floats", 0, {1}, nothing, intervals, .close = forget},
+    {"march", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, even_of_map, .close = NULL},
+    {"angles", "steps", LIGHT_MAP, 0, {8, 16, 32, 64, 128, 256, 512}, NULL, angles_of_map, .close = NULL},
+    {"angles, asset", "steps", ASSET, 0, {16, 64, 256}, NULL, angles_of_asset, .close = NULL},
+    {"intervals", "-", "floats", 0, {1}, NULL, intervals, .close = NULL},
     {"mesh", "texels of error", "the map's surface, whose steps are slopes of a texel", 0, {16, 4, 1}, open_mesh, mesh, .close = close_mesh},
     {"mesh of the map", "texels a side", "the same surface", 0, {64, 256, 1024}, open_map, mesh_of_map, .close = close_map},
     {"adaptive mesh", "texels of error", "the same surface", 0, {16, 4, 1}, open_adaptive, adaptive_mesh, .close = close_adaptive},
