@@ -349,7 +349,7 @@ static vxs_result run(void *command, message *m)
 
 int main(int argc, char **argv)
 {
-    static area  a         = {.points = 1000000, .side_px = 128, .samples = 4096};
+    static area  a         = {.points = 1000000, .side_px = 128, .samples = 32768};
     bench        b         = {BENCH_DEFAULTS,
                               .area             = &a,
                               .pose.fov_degrees = 60,
@@ -369,7 +369,7 @@ int main(int argc, char **argv)
         {"--picture", OPTION_SWITCH, &a.has_picture, 0, 0, NULL, NULL, "a picture is on it", NULL},
         {"--points", OPTION_U32, &a.points, 1, 1 << 24, NULL, "N", "of casters, for imperfect maps (default 1000000)", NULL},
         {"--side", OPTION_U32, &a.side_px, 8, 1024, NULL, "PX", "of exact maps (default 128)", NULL},
-        {"--samples", OPTION_U32, &a.samples, 2, 1 << 24, NULL, "N", "of each ray of the reference (default 4096)", NULL},
+        {"--samples", OPTION_U32, &a.samples, 2, 1 << 24, NULL, "N", "of each ray of the reference (default 32768)", NULL},
         {"--eye", OPTION_VECTOR, b.pose.eye_ws, 0, 3, NULL, "X,Y,Z", "where to stand, metres", NULL},
         {"--target", OPTION_VECTOR, b.pose.target_ws, 0, 3, NULL, "X,Y,Z", "where to look", NULL},
         {"--fov", OPTION_F64, &b.pose.fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom (default 60)", NULL},

@@ -184,7 +184,7 @@ def main():
     parser.add_argument("--resolution", type=int, default=1024)
     parser.add_argument("--capsules", type=int, default=4000, help="of smoke")
     parser.add_argument("--points", type=int, default=1000000, help="of casters, for area lights")
-    parser.add_argument("--samples", type=int, default=4096, help="of each ray of their reference")
+    parser.add_argument("--samples", type=int, default=32768, help="of each ray of their reference")
     parser.add_argument("--clock", default="wall", help="or processor")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--values", type=int, default=8, help="of each knob, so many")
