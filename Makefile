@@ -20,7 +20,7 @@
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
-#   make bench-volumes  measure error against time of shadows in fog, each technique and its rivals: a quarter of an hour; JSON and a page to
+#   make bench-volumes  measure error against time of shadows in fog, smoke and area lights, each technique and its rivals: half an hour; JSON and a page to
 #                       build/volumes.json and .html, plots beside, tables to read. only=room, values=2: of some scenes, of each knob
 #   make bench-smoke    the same of smoke, hair and leaves alone
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json

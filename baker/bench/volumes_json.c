@@ -18,8 +18,8 @@ static const char file_shape[] =
     "     'techniques': [64, {'name': 'text', 'knob': 'text', 'limit': 'text', 'rival': 'bool'}],"
     "     'cells': [1024,"
     "         {" CELL ", 'ms': {'median': 'time', 'least': 'time', 'greatest': 'time'}, 'error': " ERROR ", 'epipole?': " ERROR ","
-    "          'parts?': [3, {'name': 'text', 'ms': 'time'}], 'creation_ms?': 'time', 'bytes_per_texel?': 'size', 'flicker?': 'size',"
-    "          'behind': 'size', 'front': 'bool'},"
+    "          'parts?': [3, {'name': 'text', 'ms': 'time'}], 'creation_ms?': 'time', 'bytes_per_texel?': 'size',"
+    "          'flicker?': 'size', 'behind': 'size', 'front': 'bool'},"
     "         {" CELL "}]}]}";
 
 int is_volumes_json(const json_t *measured)

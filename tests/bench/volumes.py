@@ -45,10 +45,10 @@ SMOKE_TEXELS = 8  # of a light's map on one of the smoke's
 
 # name, scene, and the rectangle that shines with what is seen of it
 AREAS = [
-    ("area light, room", ROOM, ["--corner", "-1.8,1.2,-2.9", "--across", "1.6,0,0", "--up", "0,0.9,0", "--picture", "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2",
-                                "--fog", "0.1"]),
-    ("area light behind a wall", "wall", ["--corner", "-1,0.7,-1.5", "--across", "2,0,0", "--up", "0,1.6,0", "--eye", "4,1.6,7", "--target", "0,1.2,0",
-                                          "--fog", "0.05"]),
+    ("area light, room", ROOM, ["--corner", "-1.8,1.2,-2.9", "--across", "1.6,0,0", "--up", "0,0.9,0", "--picture",
+                                "--eye", "3,1.6,2.2", "--target", "-2,1.2,-2", "--fog", "0.1"]),
+    ("area light behind a wall", "wall", ["--corner", "-1,0.7,-1.5", "--across", "2,0,0", "--up", "0,1.6,0",
+                                          "--eye", "4,1.6,7", "--target", "0,1.2,0", "--fog", "0.05"]),
 ]
 LEAST_PART = 4e-3  # of a frame: parts that take less are not told in tables
 AREA_PART = 0.4  # of the sides of a view: each of its pixels gathers hundreds of lamps
