@@ -146,7 +146,7 @@ def test_some_rivals(rivals, city, tmp_path):
 
 @pytest.mark.parametrize("fault", ["depth", "filter"])
 def test_fault_is_seen(rivals, city, fault, tmp_path):
-    points = {"depth": 1000, "filter": 20000}[fault]  # filters are asked at points, depths in all voxels
+    points = {"depth": 1000, "filter": 8000}[fault]  # filters are asked at points, depths in all voxels
     some = only("DAG", "merged intervals", "float depth map", "palette blocks, GLSL", "16-bit texture, GLSL", "Embree shadow rays")
     rivals(city, "--resolution", 128, "--voxels", "all", "--runs", 1, "--points", points, "--width", 64, "--fault", fault,
            *(some if fault == "filter" else ()), "--json", tmp_path / "f.json", status=1)
