@@ -204,7 +204,7 @@ static void test_round_trip(void **state)
         for (map_kind kind = 0; kind<MAP_KINDS; kind += levels> 8 ? repeats(3, 1) : 1) {
             block_words one = words_of_maps(levels, 1, kind, levels + kind);
             round_trip(&one, levels, 1, kind);
-            if (levels % 3) continue;
+            if (levels % 3 || (levels > 8 && kind >= (map_kind)repeats(1, MAP_KINDS))) continue;
             block_words six = words_of_maps(levels, 6, kind, 10 * levels + kind);
             round_trip(&six, levels, 6, kind);
         }
@@ -222,7 +222,7 @@ static void test_round_trip_of_large_maps(void **state)
 {
     (void)state;
     for (uint32_t levels = 15; levels <= 18; levels += 3)
-        for (analytic_kind kind = 0; kind < ANALYTIC_KINDS; kind++) {
+        for (analytic_kind kind = repeats((levels + packing) % 2, 0); kind < ANALYTIC_KINDS; kind += repeats(2, 1)) {
             if (kind == ANALYTIC_PLANES) continue; /* detail everywhere */
             analytic    a = analytic_shape(kind, 1u << levels);
             block_words w;
