@@ -119,11 +119,10 @@ rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 volumes_bench.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/volumes_*.c))
 # the reference of light in the air, and rivals there, with their shaders
 reference.o := $(patsubst %,$B/%.o,$(wildcard tests/volumes/*.c tests/volumes/*.glsl))
-# what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files and take 4 s or more there, to draw (llvmpipe's code,
-# mostly), to trace rays or to bake; the bakes of test_bake_library and all that is short are a sample of what they test
-long.asan := air air_table area_light blocks build casters compare cracks dag depth_gl generate gl gl_stream light_mesh lit_intervals mesh \
-             mesh_adaptive mesh_meet mesh_repair mesh_split rival_volumes shaders shadow_grid sparse sparse_key transmittance truth volumes \
-             volumes_grid voxelize
+# what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
+# mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls
+long.asan := air air_table blocks casters compare cracks depth_gl generate gl_stream light_mesh lit_intervals mesh mesh_meet mesh_split \
+             rival_volumes shaders shadow_grid sparse sparse_key transmittance truth volumes volumes_grid voxelize
 # that rivals hand to a compiler of shaders
 shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h $(wildcard tests/volumes/*.glsl))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
