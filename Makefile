@@ -199,8 +199,9 @@ $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
 
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
-# CGAL's filling of holes is templates, for which a compiler takes long: without triangulations in a plane, which are off unless asked for;
-# and under sanitizers, with those of addresses alone, not optimised; so is tinygltf, which one file has in it
+# CGAL is templates, for which a compiler takes long: not optimised under sanitizers. Its filling of holes is without triangulations in a plane,
+# which are off unless asked for, and with the sanitizer of addresses alone; so is tinygltf, which one file has in it
+$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += $(if $(filter asan,$(config)),-O0)
 $B/baker/mend/mesh_hole.cc.o: cxxflags += -DCGAL_HOLE_FILLING_DO_NOT_USE_CDT2
 $B/baker/mend/mesh_hole.cc.o $B/baker/gltf/gltf_parse.cc.o: cxxflags += $(if $(filter asan,$(config)),-O0 -fno-sanitize=undefined)
 
