@@ -19,6 +19,7 @@ void main()
 #ifdef MOVING
         if (lit > 0.0) lit *= moving_lit(n, at, vec3(0.0));
 #endif
+        if (lit > 0.0) lit *= vxs_smoke_left_by(n, at);
         if (smoke_layers[n] >= 0) lit *= left[smoke_layers[n] * sizes.y + place];
         sum += colours[n].rgb * (power * lit);
     }

@@ -3,6 +3,7 @@
 import base64
 import json
 import math
+import os
 import struct
 
 import jsonschema
@@ -195,6 +196,18 @@ def test_maps_are_built_once(vxs, level):
     vxs("render", level / "smoke.gltf", level / "level.vxs", "-o", level / "out.png", *options)
     frames = json.loads((level / "r.json").read_text())["frames"]
     assert [f["smoke_lights"]["built"] for f in frames] == [3, 0] and [f["smoke_lights"]["dims"] for f in frames] == [3, 3]
+
+
+@pytest.mark.skipif(not os.environ.get("VXS_LARGE"), reason="set VXS_LARGE=1: five million segments take half a minute")
+def test_no_room(vxs, tmp_path):
+    """What lists have no room for is counted, and said with a remedy; a picture is drawn all the same."""
+    clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=LIGHTS[:1])
+    add_balls(clear, [((0, 3 + 0.01 * n, 0), 12, 0.01) for n in range(20)], tmp_path / "smoke.gltf")
+    vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 512, "--baseline", "off")
+    done, found, _ = draw(vxs, tmp_path, "smoke", "--smoke-side", 512)
+    plan, = found["smoke"]["lights"]
+    assert plan["segments"] > 1 << 22 and plan["merged"] == plan["segments"] - (1 << 22)
+    assert f"{plan['merged']} of {plan['segments']} segments" in done.stderr and "--smoke-side below 512" in done.stderr
 
 
 def test_wrong_options(vxs, level):
