@@ -39,7 +39,8 @@ typedef struct render_options {
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
-    const vxs_baked_smoke *const *baked_smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
+    const vxs_baked_smoke *const
+        *baked_smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
 
     smoke_mode smoke;
     uint32_t   smoke_side; /* texels of a map of it */
@@ -152,8 +153,7 @@ vxs_result renderer_read_mesh(renderer *r, float *light, message *m);
 /* Each light in the last frame's smoke, [light_count]; NULL without smoke. */
 const smoke_light_plan *renderer_smoke_lights(const renderer *r);
 
-/* How much of light n smoke leaves at each place of the last frame, [count]; NULL left out.   left  [out]   Returns VXS_OK; whether the light is dimmed says
- * renderer_smoke_lights. */
+/* How much of light n, which it dims, smoke leaves at each place of the last frame.   left  [out] [count] */
 vxs_result renderer_read_smoke(renderer *r, uint32_t n, float *left, message *m);
 
 /* How much smoke lets through of what is behind it, to the eye.   left  [out] [count] */

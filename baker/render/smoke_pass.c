@@ -235,7 +235,8 @@ static vxs_result draw_light(smoke_pass *p, uint32_t light, const double eye_ws[
     if (result != VXS_OK) return result;
     int32_t layer         = p->layer_of[light];
     p->lights[light].fate = SMOKE_DIMS;
-    return vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
+    result                = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
+    return result == VXS_OK ? VXS_OK : fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
 }
 
 vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_view *seen, smoke_plan *plan, message *m)
