@@ -219,4 +219,18 @@ static inline part *add_part(parts *p, uint32_t kind, uint32_t flags, const void
     return to;
 }
 
+/* The file is refused when the first section of a kind is changed. */
+static inline void refused_with(const vxs_bytes *file, uint32_t kind, void (*change)(part *section), int number)
+{
+    parts p;
+    take_apart(&p, file);
+    part *section = find_part(&p, kind, 0);
+    change(section);
+    store(section);
+    vxs_bytes changed = put_together(&p);
+    refused(&changed, number);
+    parts_free(&p);
+    free(changed.data);
+}
+
 #endif

@@ -139,17 +139,9 @@ static void test_what_has_no_room_is_not_written(void **state)
 
 static void refused_when(void (*change)(part *points), int number)
 {
-    vxs_bytes file = file_of_points(), changed;
-    parts     p;
-    take_apart(&p, &file);
-    part *points = find_part(&p, VXS_KIND_POINTS, 0);
-    change(points);
-    store(points);
-    changed = put_together(&p);
-    refused(&changed, number);
-    parts_free(&p);
+    vxs_bytes file = file_of_points();
+    refused_with(&file, VXS_KIND_POINTS, change, number);
     free(file.data);
-    free(changed.data);
 }
 
 static void set_number(part *points, int offset, double number)

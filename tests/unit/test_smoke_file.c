@@ -207,17 +207,9 @@ static void test_lights_without_smoke_lose_nothing(void **state)
 static void refused_when(void (*change)(part *smoke), int number)
 {
     static sample samples[LIGHTS];
-    vxs_bytes     file = smoky_file(samples, SOLE_LIGHT), changed;
-    parts         p;
-    take_apart(&p, &file);
-    part *smoke = find_part(&p, VXS_KIND_SMOKE, 0);
-    change(smoke);
-    store(smoke);
-    changed = put_together(&p);
-    refused(&changed, number);
-    parts_free(&p);
+    vxs_bytes     file = smoky_file(samples, SOLE_LIGHT);
+    refused_with(&file, VXS_KIND_SMOKE, change, number);
     free(file.data);
-    free(changed.data);
 }
 
 static uint8_t *head_of(part *smoke, int offset)
