@@ -9,7 +9,7 @@ static const double pi = 3.14159265358979324;
 /* The way light travels from a site. */
 static void way_from(const area_site *at, float way[3])
 {
-    double up = 1 - 2 * at->v, across = 2 * sqrt(at->v * (1 - at->v));
+    double up = 1 - 2 * at->v, across = 2 * sqrt(fmax(at->v * (1 - at->v), 0)); /* v may be rounded to beyond 1 */
     way[0] = (float)(-across * cos(2 * pi * at->u));
     way[1] = (float)-up;
     way[2] = (float)(-across * sin(2 * pi * at->u));
