@@ -57,8 +57,10 @@ json_t *bake_choices_json(const bake_options *o)
 
 json_t *bake_smoke_json(const bake_options *o)
 {
-    return json_pack("{s:f, s:i, s:i, s:f}", "extinction", o->smoke_factor, "side_px", (int)o->smoke.side_px, "nodes",
-                     (int)o->smoke.nodes, "error", o->smoke.error);
+    json_t *smoke =
+        json_pack("{s:f, s:i, s:f}", "extinction", o->smoke_factor, "nodes", (int)o->smoke.nodes, "error", o->smoke.error);
+    if (o->smoke.side_px) json_set(&smoke, "side_px", json_integer(o->smoke.side_px));
+    return smoke;
 }
 
 /* Without memory there are no values, and then no object. */

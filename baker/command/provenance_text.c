@@ -156,8 +156,9 @@ static void print_smoke(FILE *to, const json_t *smoke)
     fprintf(to, "smoke        ");
     if (json_is_string(grid)) fprintf(to, "grid "), print_string(to, grid);
     if (json_is_string(capsules)) fprintf(to, json_is_string(grid) ? ", capsules " : "capsules "), print_string(to, capsules);
-    fprintf(to, ": --smoke-extinction %.9g --smoke-side %lld --smoke-nodes %lld --smoke-error %.9g\n",
-            json_number_value(json_object_get(smoke, "extinction")), integer_at(smoke, "side_px"), integer_at(smoke, "nodes"),
+    fprintf(to, ": --smoke-extinction %.9g", json_number_value(json_object_get(smoke, "extinction")));
+    if (json_object_get(smoke, "side_px")) fprintf(to, " --smoke-side %lld", integer_at(smoke, "side_px"));
+    fprintf(to, " --smoke-nodes %lld --smoke-error %.9g\n", integer_at(smoke, "nodes"),
             json_number_value(json_object_get(smoke, "error")));
 }
 

@@ -153,7 +153,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
                                             .rendering    = &opengl_rendered,
                                             .zstd_level   = 12,
                                             .threads      = parallel_default_threads(),
-                                            .smoke        = {.side_px = 256, .nodes = 8, .error = 0.005},
+                                            .smoke        = {.nodes = 8, .error = 0.005},
                                             .smoke_factor = 1};
     const option options[] = {
         {"SCENE", OPTION_INPUT, &a->o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
@@ -185,7 +185,9 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--smoke-extinction", OPTION_F64, &a->o.smoke_factor, 1e-9, 1e9, NULL, "N",
          "extinction per metre of what is 1 in the grid (default 1)", &a->smoke_given},
         {"--smoke-side", OPTION_U32, &a->o.smoke.side_px, 8, 8192, NULL, "N",
-         "curves along a side of a light's map, a power of two, no more than the map has texels (default 256)", &a->smoke_given},
+         "curves along a side of a light's map, a power of two, no more than the map has texels (default as close as samples of "
+         "the grid, 64 to 1024)",
+         &a->smoke_given},
         {"--smoke-nodes", OPTION_U32, &a->o.smoke.nodes, 4, VXS_SMOKE_NODES_MAX, NULL, "N",
          "nodes of a curve at most, 4 to 16 (default 8)", &a->smoke_given},
         {"--smoke-error", OPTION_F64, &a->o.smoke.error, 0, 1, NULL, "T",

@@ -29,6 +29,24 @@ void smoke_grid_corner(const smoke_grid *g, int corner, double ws[3])
     apply(g->ws_from_grid, at, 1, ws);
 }
 
+void smoke_grid_middle(const smoke_grid *g, double ws[3])
+{
+    const double at[3] = {0.5 * (g->size[0] - 1.0), 0.5 * (g->size[1] - 1.0), 0.5 * (g->size[2] - 1.0)};
+    apply(g->ws_from_grid, at, 1, ws);
+}
+
+double smoke_grid_spacing(const smoke_grid *g)
+{
+    double least = INFINITY;
+    for (int n = 0; n < 3; n++) {
+        const double unit[3] = {n == 0, n == 1, n == 2};
+        double       axis[3];
+        apply(g->ws_from_grid, unit, 0, axis);
+        least = fmin(least, sqrt(vec3_dot(axis, axis)));
+    }
+    return least;
+}
+
 /* No corner is farther than 1e9 m. */
 static int is_near(const smoke_grid *g)
 {

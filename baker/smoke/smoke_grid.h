@@ -36,6 +36,12 @@ double smoke_grid_extinction(const smoke_grid *g, const double ws[3]);
 /* The corner of the grid's box, 0 to 7, half a voxel beyond the outermost samples. */
 void smoke_grid_corner(const smoke_grid *g, int corner, double ws[3]);
 
+/* The middle of the box. */
+void smoke_grid_middle(const smoke_grid *g, double ws[3]);
+
+/* Metres from a sample to the next one, along the axis where that is least. */
+double smoke_grid_spacing(const smoke_grid *g);
+
 /* Add to a path what a ray meets between two depths. It may end where nothing is left of the light.
  * from, way   at depth d the ray is at from + d * way
  * Returns 0 without memory. */

@@ -13,6 +13,7 @@
 #include "runtime/vxs_query.h"
 
 enum { TILE_PX = SMOKE_TILE_PX, TILE_TEXELS = TILE_PX * TILE_PX, ENDS_PX_MOST = 2 * TILE_PX + 2 };
+enum { SIDE_LEAST = 64, SIDE_MOST = 1024, SIDE_OF_CAPSULES = 256 }; /* where nobody says */
 
 /* What a worker has for itself. */
 typedef struct tools {
@@ -40,10 +41,8 @@ typedef struct tile {
     size_t   number;
     int32_t  map, x, y; /* its first texel */
     int      has_ends;
-    uint32_t px,
-        ends[ENDS_PX_MOST *
-             ENDS_PX_MOST]; /* voxels where light ends last, of pixels of half a texel, or of a texel where that is one of the light's; from the
-                                                       pixel before the tile on */
+    uint32_t px; /* pixels of `ends` in a row: of half a texel, or of a texel where that is one of the light's */
+    uint32_t ends[ENDS_PX_MOST * ENDS_PX_MOST]; /* voxels where light ends last in each, from the pixel before the tile on */
 } tile;
 
 static int is_sun(const vxs_light *light)
@@ -119,6 +118,21 @@ static int find_units(maker *k)
     while ((double)first + 65535 * (double)step < most) step = nextafterf(step, INFINITY);
     k->units = (smoke_units){(double)first, (double)step};
     return most > least && step > 0;
+}
+
+/* As many curves a side as bring them about as close to each other as samples of the grid are, where it is; of capsules alone, SIDE_OF_CAPSULES. */
+static uint32_t side_of(const smoke_source *source, const vxs_light *light)
+{
+    double   middle[3], far[3], at[3], wide = ldexp(light->texel_metres, (int)light->levels);
+    uint32_t side = SIDE_LEAST;
+    if (!source->grid) return SIDE_OF_CAPSULES;
+    smoke_grid_middle(source->grid, middle);
+    smoke_grid_corner(source->grid, 0, far);
+    vec3_sub(far, middle, far);
+    vxs_ls_from_ws(light, middle, 1, at); /* of lamps metres about the light: maps are as much wider there */
+    if (!is_sun(light)) wide *= fmax(sqrt(vec3_dot(at, at)), sqrt(vec3_dot(far, far)));
+    while (side < SIDE_MOST && wide / side > 1.01 * smoke_grid_spacing(source->grid)) side *= 2;
+    return side;
 }
 
 /* where light ends ---------------------------------------------------------------------------------------------------------------- */
@@ -279,7 +293,8 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
 {
     maker k = {
         .source = *source, .baked = baked, .settings = *settings, .workers = max_u32(ctx->threads, 1), .levels = VXS_LEVELS_MIN};
-    while (k.levels < baked->light.levels && 1u << k.levels < settings->side_px) k.levels++;
+    uint32_t side = settings->side_px ? settings->side_px : side_of(source, &baked->light);
+    while (k.levels < baked->light.levels && 1u << k.levels < side) k.levels++;
     k.tiles_across = 1u << (k.levels - 3);
     if (!find_units(&k)) return context_check(ctx);
     int done = take_memory(&k);

@@ -20,7 +20,8 @@ typedef struct smoke_source {
 /* How smoke is baked. */
 typedef struct smoke_settings {
     uint32_t
-             side_px; /* curves along a side of a map, a power of two, 8 or more; of lights whose maps are smaller, as many as they have texels */
+        side_px; /* curves along a side of a map, a power of two, 8 or more, or as many as the light's map has texels; 0: as close as
+                         samples of the grid lie, 64 to 1024, or 256 without a grid */
     uint32_t nodes; /* of a curve, at most: 4 to VXS_SMOKE_NODES_MAX */
     double   error; /* of transmittance: a curve has no more nodes than it needs for this; 0 to 1 */
 } smoke_settings;

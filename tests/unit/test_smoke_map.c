@@ -292,6 +292,10 @@ static void test_what_is_not_needed_is_not_there(void **state)
     vxs_asset *asset = smoky_asset(&settings, 2, counts);
     for (uint32_t n = 0; n < SCENE_LIGHTS; n++) assert_int_equal(vxs_asset_smoke(asset, n)->side_px, RESOLUTION);
     vxs_asset_close(asset);
+    asset = smoky_asset(&(smoke_settings){.nodes = 8, .error = 0.005}, 2,
+                        counts); /* samples are 0.3 m apart, and the sun's map is 20 m wide */
+    for (uint32_t n = 0; n < SCENE_LIGHTS; n++) assert_int_equal(vxs_asset_smoke(asset, n)->side_px, RESOLUTION);
+    vxs_asset_close(asset);
     assert_int_equal(smoke_grid_place(&grid, axes, beside), 1);
     asset = smoky_asset(&settings, 2, counts);
     for (uint32_t n = 0; n < SCENE_LIGHTS; n++) {
