@@ -1,6 +1,8 @@
-/* Reading baked smoke: every check of formats/vxs.md section 15 on what is stored of a light's curves, and its words as lookups have them.
+/* Reading baked smoke: every check of formats/vxs.md section 15 on what is stored of a light's curves, and its words as lookups
+ * have them.
  *
- * How many words there are follows from how many tiles and nodes are said to be there; counts are held against that before a node is read.
+ * How many words there are follows from how many tiles and nodes are said to be there; counts are held against that before a node
+ * is read.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <string.h>

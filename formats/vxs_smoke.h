@@ -1,19 +1,20 @@
 /* How much light baked smoke leaves on its way to a point: one text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
  *
- * Smoke of a light is an array of 32-bit words (formats/vxs.md section 15): a map of curves over each of the light's maps, with as many or fewer
- * texels. A curve says how much light is left at depths along the light ray through its texel's centre, in metres along the map's axis: of a lamp from
- * it on, of a sun from the near side of its map, before which depths are less than 0.
+ * Smoke of a light is an array of 32-bit words (formats/vxs.md section 15): a map of curves over each of the light's maps, with as
+ * many or fewer texels. A curve says how much light is left at depths along the light ray through its texel's centre, in metres
+ * along the map's axis: of a lamp from it on, of a sun from the near side of its map, before which depths are less than 0.
  *
  *     word 0      log2 of the texels along a side
  *     word 1, 2   floats: the depth of unit 0 in metres, and metres a unit
  *     word 3...   of each tile of 8 x 8 texels, by rows, map after map, the word where it starts; 0: no light is lost there
  *     a tile      32 words, 64 halves: how many nodes the texels up to and with this one have; then the nodes
- *     a node      depth in units, and in the high half what is left there, of 65535; along a curve the first never falls, the other never rises
+ *     a node      depth in units, and in the high half what is left there, of 65535; along a curve the first never falls, the other
+ *                 never rises
  *
  *     vxs_smoke_left    what is left at a point: of four curves, weighed, since curves themselves cannot be filtered
  *
- * Before its first node a curve is 1, behind the last what that has, between two nodes a line. What is behind the first surface that the light meets
- * is in no curve: there the answer means nothing, and the point is in shadow.
+ * Before its first node a curve is 1, behind the last what that has, between two nodes a line. What is behind the first surface
+ * that the light meets is in no curve: there the answer means nothing, and the point is in shadow.
  * In C any number may be asked for, and the answer is never NaN; shaders as for vxs_space.h.
  * Source: [AVSM10] 3.2 and 4.1, with integers.
  * SPDX-License-Identifier: MIT */
@@ -94,7 +95,8 @@ VXS_FN vxs_i32 vxs_smoke_place(VXS_LIGHT light, const vxs_real3 point_ws, vxs_re
     return map;
 }
 
-/* How much light is left at a point, 0 to 1; 1 outside the light's volume and beside its map. Beyond the map's border its last texels go on.
+/* How much light is left at a point, 0 to 1; 1 outside the light's volume and beside its map. Beyond the map's border its last
+ * texels go on.
  * smoke     the words
  * point_ws  as for vxs_place_from_ws */
 VXS_FN vxs_real vxs_smoke_left(VXS_WORDS smoke, VXS_LIGHT light, const vxs_real3 point_ws)

@@ -31,7 +31,7 @@ static vxs_result is_unsupported(const nrrd *n, const char *field, const char *v
     return fail(n->m, VXS_E_UNSUPPORTED, "'%s': %s: %s: expected %s", n->name, field, value, expected);
 }
 
-/* the header ---------------------------------------------------------------------------------------------------------------------- */
+/* the header ------------------------------------------------------------------------------------------------------------------- */
 
 /* The next line of the header, without its end.   Returns 0: there is none, or it is no line of text */
 static int next_line(nrrd *n, char line[LINE_BYTES])
@@ -208,7 +208,7 @@ static vxs_result check_header(const nrrd *n)
                 (unsigned long long)there, (unsigned long long)wanted, n->size[0], n->size[1], n->size[2]);
 }
 
-/* numbers ------------------------------------------------------------------------------------------------------------------------- */
+/* numbers ---------------------------------------------------------------------------------------------------------------------- */
 
 static double number_at(const nrrd *n, size_t k)
 {

@@ -12,8 +12,8 @@
  *
  *     numbers, the first axis fastest
  *
- * Space is the scene's world space, metres, +Y up: sample (i, j, k) lies at origin + i, j and k times the directions. Without directions, "spacings" are distances along x,
- * y and z. Numbers are float, unsigned char (uint8) or unsigned short (uint16).
+ * Space is the scene's world space, metres, +Y up: sample (i, j, k) lies at origin + i, j and k times the directions. Without
+ * directions, "spacings" are distances along x, y and z. Numbers are float, unsigned char (uint8) or unsigned short (uint16).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef NRRD_READ_H
 #define NRRD_READ_H
@@ -24,7 +24,8 @@
 /* factor       on all numbers, which then are extinction per metre
  * limit_bytes  of the file; a larger one is VXS_E_MEMORY
  * g            [out] zeroed; released with smoke_grid_free whatever is returned
- * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: what NRRD has and this reader has not; VXS_E_SCENE: it is none, or has a number that is no extinction; VXS_E_MEMORY. */
+ * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: what NRRD has and this reader has not; VXS_E_SCENE: it is none, or has a number
+ * that is no extinction; VXS_E_MEMORY. */
 vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, uint64_t limit_bytes, message *m);
 
 #endif

@@ -27,7 +27,7 @@ void smoke_capsules_fingerprint(const scene_smoke *smoke, char text[SMOKE_FINGER
     snprintf(text, SMOKE_FINGERPRINT_BYTES, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64, (uint64_t)hash.low64);
 }
 
-/* bins ------------------------------------------------------------------------------------------------------------------------------ */
+/* bins ------------------------------------------------------------------------------------------------------------------------- */
 
 /* The box of a capsule in a map: metres across, down, and along its axis.   box  [out] least, greatest */
 static void box_in_map(const scene_smoke *smoke, uint32_t n, const vxs_light *light, int32_t map, double box[2][3])
@@ -119,7 +119,7 @@ void smoke_bins_free(smoke_bins *b)
     *b = (smoke_bins){0};
 }
 
-/* rays ------------------------------------------------------------------------------------------------------------------------------ */
+/* rays ------------------------------------------------------------------------------------------------------------------------- */
 
 /* Join the part of a ray in a ball about the origin.   from  of the ray;   way  of length 1;   part  [in, out] */
 static void join_ball(const double from[3], const double way[3], double radius, double part[2])

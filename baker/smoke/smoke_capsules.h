@@ -1,4 +1,5 @@
-/* Smoke as capsules of a scene, and light rays through them: which of them a tile of a light's map may see, and the part of a ray in each, exactly.
+/* Smoke as capsules of a scene, and light rays through them: which of them a tile of a light's map may see, and the part of a ray
+ * in each, exactly.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_CAPSULES_H
 #define SMOKE_CAPSULES_H
@@ -15,13 +16,15 @@ typedef struct smoke_bins {
     uint32_t *capsules; /* ascending in each tile */
 } smoke_bins;
 
-/* Of maps of 2^levels texels a side in the space of a light's.   Returns 0 without memory; released with smoke_bins_free either way. */
+/* Of maps of 2^levels texels a side in the space of a light's.   Returns 0 without memory; released with smoke_bins_free either
+ * way. */
 int  smoke_bins_make(smoke_bins *b, const scene_smoke *smoke, const vxs_light *light, uint32_t levels);
 void smoke_bins_free(smoke_bins *b);
 
 void smoke_capsules_fingerprint(const scene_smoke *smoke, char text[SMOKE_FINGERPRINT_BYTES]);
 
-/* From where to where in depth capsule n is in one of the light's maps, its ends rounded outward.   range  [in, out] least, greatest */
+/* From where to where in depth capsule n is in one of the light's maps, its ends rounded outward.   range  [in, out] least,
+ * greatest */
 void smoke_capsule_depths(const scene_smoke *smoke, uint32_t n, const vxs_light *light, int32_t map, double range[2]);
 
 /* Where a ray enters and leaves smoke: what it loses in a unit of depth from there on is more, or less. */

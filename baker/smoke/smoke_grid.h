@@ -1,7 +1,8 @@
 /* Smoke as a grid of extinction, and light rays through it.
  *
- * Samples lie at the voxels' middles; between them extinction is trilinear, in the outer half of the outermost voxels it goes on as it is, and outside the grid there
- * is none. A ray is cut where it passes a plane of samples: in between, extinction along it is a cubic, whose integral Simpson's rule gives exactly.
+ * Samples lie at the voxels' middles; between them extinction is trilinear, in the outer half of the outermost voxels it goes on as
+ * it is, and outside the grid there is none. A ray is cut where it passes a plane of samples: in between, extinction along it is a
+ * cubic, whose integral Simpson's rule gives exactly.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_GRID_H
 #define SMOKE_GRID_H

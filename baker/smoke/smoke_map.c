@@ -50,7 +50,7 @@ static int is_sun(const vxs_light *light)
     return light->kind == VXS_LIGHT_KIND_DIRECTIONAL;
 }
 
-/* space --------------------------------------------------------------------------------------------------------------------------- */
+/* space ------------------------------------------------------------------------------------------------------------------------ */
 
 /* The depth of a voxel's near side, metres along the map's axis. */
 static double metres_of(const vxs_light *light, double voxel)
@@ -120,7 +120,8 @@ static int find_units(maker *k)
     return most > least && step > 0;
 }
 
-/* As many curves a side as bring them about as close to each other as samples of the grid are, where it is; of capsules alone, SIDE_OF_CAPSULES. */
+/* As many curves a side as bring them about as close to each other as samples of the grid are, where it is; of capsules alone,
+ * SIDE_OF_CAPSULES. */
 static uint32_t side_of(const smoke_source *source, const vxs_light *light)
 {
     double   middle[3], far[3], at[3], wide = ldexp(light->texel_metres, (int)light->levels);
@@ -135,7 +136,7 @@ static uint32_t side_of(const smoke_source *source, const vxs_light *light)
     return side;
 }
 
-/* where light ends ---------------------------------------------------------------------------------------------------------------- */
+/* where light ends ------------------------------------------------------------------------------------------------------------- */
 
 static vxs_result find_ends(const maker *k, tile *t)
 {
@@ -163,7 +164,7 @@ static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
     return last < 1u << k->baked->light.levels ? metres_of(&k->baked->light, last + 1.0) : INFINITY;
 }
 
-/* curves -------------------------------------------------------------------------------------------------------------------------- */
+/* curves ----------------------------------------------------------------------------------------------------------------------- */
 
 /* The path of a texel's ray.   Returns 0 without memory */
 static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
@@ -189,14 +190,14 @@ static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
 
 static void make_tile(maker *k, size_t number, uint32_t worker)
 {
-    size_t      in_map = (size_t)k->tiles_across * k->tiles_across;
-    tools      *w      = &k->tools[worker];
-    uint8_t    *counts = k->counts + number * TILE_TEXELS;
-    tile        t      = {.number = number,
-                          .map    = (int32_t)(number / in_map),
-                          .x      = (int32_t)(number % k->tiles_across) * TILE_PX,
-                          .y      = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
-    uint32_t    nodes[TILE_TEXELS * VXS_SMOKE_NODES_MAX], count = 0;
+    size_t   in_map = (size_t)k->tiles_across * k->tiles_across;
+    tools   *w      = &k->tools[worker];
+    uint8_t *counts = k->counts + number * TILE_TEXELS;
+    tile     t      = {.number = number,
+                       .map    = (int32_t)(number / in_map),
+                       .x      = (int32_t)(number % k->tiles_across) * TILE_PX,
+                       .y      = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
+    uint32_t nodes[TILE_TEXELS * VXS_SMOKE_NODES_MAX], count = 0;
     for (uint32_t n = 0; n < TILE_TEXELS; n++) {
         if (!find_path(k, &t, n % TILE_PX, n / TILE_PX, w)) goto failed;
         counts[n]         = (uint8_t)smoke_path_nodes(&w->path, &k->units, k->settings.error, k->settings.nodes, nodes + count);
@@ -217,7 +218,7 @@ static void make_tiles(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end && !k->failed[worker]; n++) make_tile(k, n, worker);
 }
 
-/* all of them --------------------------------------------------------------------------------------------------------------------- */
+/* all of them ------------------------------------------------------------------------------------------------------------------ */
 
 static size_t tile_count(const maker *k)
 {

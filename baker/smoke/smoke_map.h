@@ -1,7 +1,7 @@
 /* What smoke leaves of one light: its map of curves, in the space of the light's maps.
  *
- * A curve is as long as light may still be asked for within a texel about its own: to where the last of the light's texels there ends, since a lookup weighs four
- * curves, and each of them has to know all that lies before the place.
+ * A curve is as long as light may still be asked for within a texel about its own: to where the last of the light's texels there
+ * ends, since a lookup weighs four curves, and each of them has to know all that lies before the place.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_MAP_H
 #define SMOKE_MAP_H
@@ -19,11 +19,10 @@ typedef struct smoke_source {
 
 /* How smoke is baked. */
 typedef struct smoke_settings {
-    uint32_t
-        side_px; /* curves along a side of a map, a power of two, 8 or more, or as many as the light's map has texels; 0: as close as
-                         samples of the grid lie, 64 to 1024, or 256 without a grid */
-    uint32_t nodes; /* of a curve, at most: 4 to VXS_SMOKE_NODES_MAX */
-    double   error; /* of transmittance: a curve has no more nodes than it needs for this; 0 to 1 */
+    uint32_t side_px; /* curves along a side of a map: a power of two, 8 or more, of which the light's texels are the most; 0: as
+                         close as samples of the grid lie, 64 to 1024, or 256 without a grid */
+    uint32_t nodes;   /* of a curve, at most: 4 to VXS_SMOKE_NODES_MAX */
+    double   error;   /* of transmittance: a curve has no more nodes than it needs for this; 0 to 1 */
 } smoke_settings;
 
 /* Zero it; released with smoke_map_free. */

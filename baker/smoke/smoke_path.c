@@ -69,9 +69,10 @@ int smoke_path_sum(const smoke_path *a, const smoke_path *b, smoke_path *sum)
     return 1;
 }
 
-/* nodes --------------------------------------------------------------------------------------------------------------------------- */
+/* nodes ------------------------------------------------------------------------------------------------------------------------ */
 
-/* A curve while it gets its nodes: points of the path, and for each gap behind one the point that is farthest from the line over it. */
+/* A curve while it gets its nodes: points of the path, and for each gap behind one the point that is farthest from the line over
+ * it. */
 typedef struct curve {
     const smoke_path *path;
     size_t            point[VXS_SMOKE_NODES_MAX], worst[VXS_SMOKE_NODES_MAX];

@@ -1,5 +1,5 @@
-/* Light on its way through smoke: how thick the smoke is up to each depth of a light ray, at as many depths as there are; and the few nodes of the curve that is kept
- * of it.
+/* Light on its way through smoke: how thick the smoke is up to each depth of a light ray, at as many depths as there are; and the
+ * few nodes of the curve that is kept of it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SMOKE_PATH_H
 #define SMOKE_PATH_H
@@ -42,8 +42,8 @@ typedef struct smoke_units {
     double first_metres, step_metres;
 } smoke_units;
 
-/* The nodes that are kept of a path: its ends, and in between the depth at which the curve is farthest from the path, until it is nowhere farther than `error`, or there
- * are as many as may be.
+/* The nodes that are kept of a path: its ends, and in between the depth at which the curve is farthest from the path, until it is
+ * nowhere farther than `error`, or there are as many as may be.
  * units  that have the path within 65535
  * error  of transmittance, 0 and more
  * most   2 to VXS_SMOKE_NODES_MAX

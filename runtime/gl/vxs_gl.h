@@ -67,7 +67,8 @@ typedef struct vxs_gl_desc {
 
     const vxs_stream *stream; /* without an asset: all its lights, whose pages vxs_gl_upload follows; borrowed until vxs_gl_destroy */
 
-    /* without an asset: [lights] baked smoke of each, NULL: it has none; NULL: no light has any. Its words are borrowed until vxs_gl_upload returns 0 */
+    /* without an asset: [lights] baked smoke of each, NULL: it has none; NULL: no light has any. Its words are borrowed until
+     * vxs_gl_upload returns 0 */
     const vxs_baked_smoke *const *smoke;
 } vxs_gl_desc;
 

@@ -1,5 +1,6 @@
-/* What baked smoke takes and how near it comes: a plume, a grid of 96 x 96 x 96 samples 80 m wide, over the middle of an asset, baked by sides, nodes and errors;
- * lookups at random lit places in its shadow against the integral along the ray to each place itself.
+/* What baked smoke takes and how near it comes: a plume, a grid of 96 x 96 x 96 samples 80 m wide, over the middle of an asset,
+ * baked by sides, nodes and errors; lookups at random lit places in its shadow against the integral along the ray to each place
+ * itself.
  *
  *     vxs scene city -o city.glb && vxs bake city.glb --baseline off -o city.vxs
  *     build/release/tests/bench/baked_smoke city.vxs

@@ -1,5 +1,5 @@
-/* Baked smoke in a .vxs file: what is written is read back and looked up as formats/vxs.md section 15 has it, by curves that are kept apart; what breaks a
- * rule is refused with its finding.
+/* Baked smoke in a .vxs file: what is written is read back and looked up as formats/vxs.md section 15 has it, by curves that are
+ * kept apart; what breaks a rule is refused with its finding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -76,7 +76,7 @@ static vxs_bytes smoky_file(sample samples[LIGHTS], uint32_t with)
     return smoky;
 }
 
-/* lookups ------------------------------------------------------------------------------------------------------------------------ */
+/* lookups ---------------------------------------------------------------------------------------------------------------------- */
 
 static double curve_at(const sample *s, size_t texel, double depth)
 {
@@ -201,7 +201,7 @@ static void test_lights_without_smoke_lose_nothing(void **state)
     free(plain.data);
 }
 
-/* findings ----------------------------------------------------------------------------------------------------------------------- */
+/* findings --------------------------------------------------------------------------------------------------------------------- */
 
 /* The file with smoke of the sun alone, changed. */
 static void refused_when(void (*change)(part *smoke), int number)

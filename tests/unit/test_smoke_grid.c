@@ -1,4 +1,5 @@
-/* Grids of smoke: the optical depth of rays against quadrature, curves of few nodes against the paths that they are made of, and NRRD.
+/* Grids of smoke: the optical depth of rays against quadrature, curves of few nodes against the paths that they are made of, and
+ * NRRD.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -94,7 +95,7 @@ static void test_places_have_eight_samples(void **state)
     smoke_grid_free(&g);
 }
 
-/* nodes --------------------------------------------------------------------------------------------------------------------------- */
+/* nodes ------------------------------------------------------------------------------------------------------------------------ */
 
 static void random_path(rng *r, smoke_path *path)
 {

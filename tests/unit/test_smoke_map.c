@@ -1,5 +1,5 @@
-/* What smoke leaves of lights that are baked: lookups in maps of curves against the integral along the light's rays, before what is opaque and in the light of a sun, a spot
- * and a point light; and the same in shaders.
+/* What smoke leaves of lights that are baked: lookups in maps of curves against the integral along the light's rays, before what is
+ * opaque and in the light of a sun, a spot and a point light; and the same in shaders.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/opengl/gl.h"
 
@@ -124,7 +124,8 @@ static void map_place(const vxs_light *light, int map, const double ws[3], doubl
     at[2] = log(p[2] / light->near_metres) / light->voxel_metres;
 }
 
-/* What four texels' rays have left at the depth of a place, weighed: what a lookup would say if curves were exact.   Returns -1: outside */
+/* What four texels' rays have left at the depth of a place, weighed: what a lookup would say if curves were exact.   Returns -1:
+ * outside */
 static double weighed(const vxs_light *light, uint32_t side, const double ws[3])
 {
     double  texel = ldexp(1, (int)light->levels) / side, at[3], left = 0;
@@ -151,7 +152,8 @@ static int random_lit_place(rng *r, const vxs_baked_light *baked, double ws[3])
     return vxs_lookup(baked, ws, NULL, 1) == 1;
 }
 
-/* rms  that lookups may differ from the ray to the place itself, which lies between those of texels: little in a grid, much beside hard edges */
+/* rms  that lookups may differ from the ray to the place itself, which lies between those of texels: little in a grid, much beside
+ * hard edges */
 static void ask_places(double rms)
 {
     const smoke_settings settings = {.side_px = SIDE, .nodes = 16, .error = 0.001};
@@ -226,7 +228,8 @@ static void test_light_falls_along_rays(void **state)
     vxs_asset_close(asset);
 }
 
-/* A curve ends where light does within a texel about it: nodes lie before that; and without what is opaque there are more of them. */
+/* A curve ends where light does within a texel about it: nodes lie before that; and without what is opaque there are more of them.
+ * */
 static void test_what_lies_behind_is_dropped(void **state)
 {
     (void)state;
