@@ -15,6 +15,7 @@
  *
  * Before its first node a curve is 1, behind the last what that has, between two nodes a line. What is behind the first surface
  * that the light meets is in no curve: there the answer means nothing, and the point is in shadow.
+ * A march through fog multiplies it into what is lit at each step, at the same place.
  * In C any number may be asked for, and the answer is never NaN; shaders as for vxs_space.h.
  * Source: [AVSM10] 3.2 and 4.1, with integers.
  * SPDX-License-Identifier: MIT */

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/base/integer.h"
+#include "baker/base/memory.h"
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
 #include "formats/vxs_space.h"
@@ -298,6 +299,10 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
     while (k.levels < baked->light.levels && 1u << k.levels < side) k.levels++;
     k.tiles_across = 1u << (k.levels - 3);
     if (!find_units(&k)) return context_check(ctx);
+    vxs_result r =
+        memory_check(tile_count(&k) * (TILE_TEXELS + sizeof *k.tile_nodes), ctx->message,
+                     "%u x %u curves of smoke a map of light '%s' need", 1u << k.levels, 1u << k.levels, baked->light.name);
+    if (r != VXS_OK) return r;
     int done = take_memory(&k);
     if (done) parallel_for(ctx->threads, tile_count(&k), 4, make_tiles, &k);
     for (uint32_t n = 0; n < k.workers && done; n++) done = !k.failed[n];

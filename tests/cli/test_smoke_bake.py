@@ -290,3 +290,6 @@ def test_missing_grids_are_told_of(vxs, scene, tmp_path):
 
 def test_memory_is_kept(vxs, scene, baked, tmp_path):
     vxs("bake", scene, *SMALL, "--smoke", baked[3], "--memory", "1K", "-o", tmp_path / "out.vxs", status=6)
+    lamp = small_scene.write(tmp_path / "lamp.gltf", lights=(("lamp", "point", (0, -1, 0)),))
+    done = vxs("bake", lamp, "--resolution", 4096, "--smoke", baked[3], "--smoke-side", 4096, "--memory", "100M", "-o", tmp_path / "out.vxs", status=6)
+    assert done.stderr.count("\n") == 1 and "--memory allows" in done.stderr and not (tmp_path / "out.vxs").exists()
