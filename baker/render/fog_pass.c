@@ -199,7 +199,7 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, con
     if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
     p->last     = n;
     light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
-    if (light.smoke) plan_smoke(&p->lights[n]);
+    if (light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n])) plan_smoke(&p->lights[n]);
     if (caster_count) {
         plan_moving(&p->lights[n]);
         plan->light_maps++;

@@ -12,13 +12,14 @@
 #include "runtime/volumes/vxs_volumes.h"
 
 typedef struct fog_pass_options {
-    const fog_medium *medium; /* it outlives the pass */
-    fog_by            by;
-    uint32_t          steps;         /* of a march */
-    uint32_t          grid;          /* n: a grid of n x 2n x n; 0: as fits the processor that draws */
-    uint32_t          width, height; /* samples */
-    double            size_metres;   /* of the scene */
-    int               streamed;      /* what is baked may change: light maps are looked up anew in each frame */
+    const fog_medium             *medium; /* it outlives the pass */
+    fog_by                        by;
+    uint32_t                      steps;         /* of a march */
+    uint32_t                      grid;          /* n: a grid of n x 2n x n; 0: as fits the processor that draws */
+    uint32_t                      width, height; /* samples */
+    double                        size_metres;   /* of the scene */
+    const vxs_baked_smoke *const *baked_smoke;   /* [lights] as render_options has it */
+    int                           streamed;      /* what is baked may change: light maps are looked up anew in each frame */
 } fog_pass_options;
 
 /* What a light of libvxs_gl is beside its shadows. */

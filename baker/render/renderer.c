@@ -219,6 +219,7 @@ static vxs_result make_fog(renderer *r, message *m)
                                      .width       = r->width,
                                      .height      = r->height,
                                      .size_metres = r->mesh.size_metres,
+                                     .baked_smoke = o->baked_smoke,
                                      .streamed    = o->stream != NULL};
     return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
 }

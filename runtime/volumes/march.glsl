@@ -14,11 +14,15 @@ bool lit(vec3 at)
 
 float left(vec3 at)
 {
+    float some = 1.0;
+    if (!lit(at)) return 0.0;
 #ifdef VXS_READS_CURVES
-    return lit(at) ? vxs_transmittance(at, int(vxs_frame.knobs.z)) : 0.0;
-#else
-    return lit(at) ? 1.0 : 0.0;
+    some = vxs_transmittance(at, int(vxs_frame.knobs.z));
 #endif
+#ifdef VXS_GL_SMOKE
+    if (vxs_frame.knobs.w > 0.0) some *= vxs_smoke_left_by(uint(vxs_frame.knobs.w) - 1u, at);
+#endif
+    return some;
 }
 
 /* Equal steps of metres: what a metre scatters at the middle, times the step. */

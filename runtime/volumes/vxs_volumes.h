@@ -162,7 +162,8 @@ typedef enum vxs_steps {
     VXS_STEPS_ANGLE, /* of lamps alike in an angle in which phase and falloff are nearly even; of suns alike in what they scatter */
 } vxs_steps;
 
-/* Add a light's airlight by so many questions a ray, each at the middle of a step; of a light with smoke, what a step scatters is times what reaches it.
+/* Add a light's airlight by so many questions a ray, each at the middle of a step; of a light with smoke, what a step scatters is times what reaches it, and so
+ * it is of a baked light whose smoke is baked. Of that no other technique knows: their forms are closed.
  * map  of the light; NULL: the asset is asked at each step
  * steps  1 to 65536 */
 vxs_result vxs_volumes_march(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps,

@@ -204,6 +204,25 @@ def test_smoke_of_the_scene_is_baked_where_it_is_asked_for(vxs, tmp_path):
     assert "smoke        grid " in text and ", capsules " in text
 
 
+def test_fog_is_dimmed_by_what_is_baked(vxs, tmp_path):
+    """As by the same capsules when they are drawn: steps are taken through them, whatever was asked."""
+    scene, plain, own = tmp_path / "smoke.glb", tmp_path / "plain.vxs", tmp_path / "own.vxs"
+    fine = "--resolution", 512, "--light", "sun", "--baseline", "off"  # so that exposure is the same
+    vxs("scene", "smoke", "-o", scene, "--capsules", 400)
+    vxs("bake", scene, *fine, "-o", plain)
+    vxs("bake", scene, *fine, "-o", own, "--scene-smoke", "on", "--smoke-error", 0.001)
+
+    def airlight(asset, smoke):
+        said = vxs("render", scene, asset, "-o", tmp_path / "out.png", "--width", 48, "--height", 36, "--samples", 1, "--light", "sun", "--fog", 0.03,
+                   "--eye", "12,3,14", "--target", "0,2,0", "--smoke", smoke, "--passes", tmp_path / "passes", "--verbose", "--force").stdout
+        return said, [c for row in read_png((tmp_path / "passes" / "airlight.png").read_bytes())[2] for c in row[::3]]
+
+    (_, drawn), (said, found), (_, clear) = airlight(plain, "on"), airlight(own, "off"), airlight(plain, "off")
+    assert "light sun: by angles, in 100 % of the picture: smoke dims it" in said
+    wrong, without = (sum(abs(a - b) for a, b in zip(drawn, other)) for other in (found, clear))
+    assert wrong < 0.05 * without and without > 500, (wrong, without)
+
+
 @pytest.mark.parametrize("kind, factor", [("uint8", 0.01), ("uint16", 0.01)])
 def test_whole_numbers_are_scaled(vxs, scene, tmp_path, kind, factor):
     numbers = [10 + i for _ in range(SIZE[2]) for _ in range(SIZE[1]) for i in range(SIZE[0])]
