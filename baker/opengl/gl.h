@@ -60,6 +60,7 @@ typedef enum gl_backend { GL_BACKEND_OSMESA, GL_BACKEND_EGL } gl_backend;
     X(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                    \
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)              \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                            \
+    X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)              \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                            \
     X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                  \
     X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                  \

@@ -18,8 +18,8 @@ const char *const area_gather_names[] = {"each", "ninths", "quarter"};
 
 static const double pi = 3.14159265358979324;
 
-/* Of all triangles, by area. */
-enum { POINTS = 1 << 18 };
+/* Of all triangles, by area; and of those that move. */
+enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
 
 struct area_pass {
     area_pass_options options;
@@ -29,34 +29,66 @@ struct area_pass {
     double           *powers;        /* [areas] */
     area_share       *shares, *next; /* [areas] of the last frame; of this one */
     double            exposure;      /* that its lamps have; 0: there are none */
-    uint32_t          count, points; /* areas; points */
+    uint32_t          count, points; /* areas; points of what stands, which come first in the buffer */
+    uint32_t          moving_points;
+    vxs_area_point   *moving, *moved; /* [moving_points] where they are in their file; and now */
+    double            moved_ws[3];    /* by how much */
+    int               has_moved;      /* since shadow maps were cast */
     GLuint            buffer, add_program, glow_program, empty_array;
     GLuint           *textures; /* [areas] */
 };
 
 /* what is made once --------------------------------------------------------------------------------------------------------------- */
 
-/* Over the scene's triangles.   Returns how many: none, where they have no area. */
-static uint32_t scatter(const area_pass *p, float *positions, vxs_area_point *points)
+/* Over a scene's triangles.   found  [out] how many: none, where they have no area */
+static vxs_result scatter(const area_pass *p, const scene *s, vxs_area_point *points, uint32_t count, uint32_t *found, message *m)
 {
-    const scene *s = p->options.scene;
+    float *positions = malloc(3 * s->vertex_count * sizeof *positions);
+    if (!positions) return fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", count);
     for (size_t n = 0; n < 3 * s->vertex_count; n++) positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
-    return vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, POINTS) > 0 ? POINTS : 0;
+    *found = vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, count) > 0 ? count : 0;
+    free(positions);
+    return VXS_OK;
+}
+
+static vxs_result scatter_moving(area_pass *p, message *m)
+{
+    if (!p->options.moving) return VXS_OK;
+    p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
+    p->moved  = malloc(MOVING_POINTS * sizeof *p->moved);
+    if (!p->moving || !p->moved) return fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", MOVING_POINTS);
+    return scatter(p, p->options.moving, p->moving, MOVING_POINTS, &p->moving_points, m);
+}
+
+/* Where they are now, behind those that stand. */
+static void put_moving(area_pass *p, const double moved_ws[3])
+{
+    GLsizeiptr size = sizeof *p->moved;
+    for (uint32_t n = 0; n < p->moving_points; n++) {
+        p->moved[n] = p->moving[n];
+        for (int k = 0; k < 3; k++) p->moved[n].place[k] += (float)moved_ws[k];
+    }
+    p->gl->NamedBufferSubData(p->buffer, p->points * size, p->moving_points * size, p->moved);
+    memcpy(p->moved_ws, moved_ws, sizeof p->moved_ws);
+    p->has_moved = 1;
 }
 
 static vxs_result put_points(area_pass *p, message *m)
 {
-    const vxs_baked_points *baked     = p->options.points;
-    uint32_t                most      = baked ? baked->count : POINTS;
-    vxs_area_point         *points    = malloc(most * sizeof *points);
-    float                  *positions = malloc(3 * p->options.scene->vertex_count * sizeof *positions);
-    vxs_result r = points && positions ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    static const double     nowhere[3] = {0};
+    const vxs_baked_points *baked      = p->options.points;
+    uint32_t                most       = baked ? baked->count : POINTS;
+    vxs_area_point         *points     = malloc(most * sizeof *points);
+    vxs_result r = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    p->points    = most;
     if (r == VXS_OK && baked) vxs_points_unpack(baked, p->options.middle_ws, points->place);
-    if (r == VXS_OK) p->points = baked ? most : scatter(p, positions, points);
+    if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, points, most, &p->points, m);
+    GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
     p->gl->GenBuffers(1, &p->buffer);
     p->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
-    if (p->points) p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, p->points * (GLsizeiptr)sizeof *points, points, GL_STATIC_DRAW);
-    free(positions);
+    p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, still + p->moving_points * size, NULL, GL_DYNAMIC_DRAW);
+    if (still) p->gl->NamedBufferSubData(p->buffer, 0, still, points);
+    if (p->moving_points) put_moving(p, nowhere);
     free(points);
     return r;
 }
@@ -122,6 +154,8 @@ void area_pass_destroy(area_pass *p)
     if (p->add_program) p->gl->DeleteProgram(p->add_program);
     if (p->glow_program) p->gl->DeleteProgram(p->glow_program);
     if (p->empty_array) p->gl->DeleteVertexArrays(1, &p->empty_array);
+    free(p->moving);
+    free(p->moved);
     free(p->powers);
     free(p->shares);
     free(p->next);
@@ -143,7 +177,7 @@ static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, 
     return r;
 }
 
-/* Lamps of all that are drawn, and their shadow maps. */
+/* Lamps of all that are drawn, and their shadow maps: again, where something has moved. */
 static vxs_result cast(area_pass *p, double exposure)
 {
     vxs_area_lamp lamps[VXS_AREA_LAMPS];
@@ -155,9 +189,10 @@ static vxs_result cast(area_pass *p, double exposure)
         count += p->shares[n].lamps;
     }
     if (result == VXS_OK) result = vxs_area_light_set(p->light, lamps, count);
-    if (result == VXS_OK && !vxs_area_light_is_cast(p->light))
-        result = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points, 0});
-    p->exposure = result == VXS_OK ? exposure : 0;
+    if (result == VXS_OK && (p->has_moved || !vxs_area_light_is_cast(p->light)))
+        result = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, 0});
+    p->exposure  = result == VXS_OK ? exposure : 0;
+    p->has_moved = 0;
     return result;
 }
 
@@ -166,18 +201,19 @@ static int is_as_before(const area_pass *p, double exposure)
     return exposure == p->exposure && !memcmp(p->shares, p->next, p->count * sizeof *p->next);
 }
 
-vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_view *seen, double far_metres, unsigned normals,
-                          double exposure, area_plan *plan, message *m)
+vxs_result area_pass_draw(area_pass *p, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
+                          double far_metres, unsigned normals, double exposure, area_plan *plan, message *m)
 {
     float      anchor[3];
     vxs_result r = VXS_OK;
+    if (p->moving_points && memcmp(moved_ws, p->moved_ws, sizeof p->moved_ws)) put_moving(p, moved_ws);
     for (uint32_t n = 0; n < p->count; n++)
         p->next[n].fate = area_is_behind(&p->options.scene->areas[n], eye_ws, seen, far_metres) ? AREA_BEHIND : AREA_FAINT;
     area_plan_share(p->powers, p->next, p->count, p->options.lamps, plan);
     int same = is_as_before(p, exposure);
     memcpy(p->shares, p->next, p->count * sizeof *p->next);
     for (int n = 0; n < 3; n++) anchor[n] = (float)(p->options.middle_ws[n] - eye_ws[n]);
-    if (plan->lamps && !same) r = cast(p, exposure);
+    if (plan->lamps && (p->has_moved || !same)) r = cast(p, exposure);
     if (r == VXS_OK) r = vxs_area_light_anchor(p->light, anchor);
     if (r == VXS_OK && plan->lamps)
         r = vxs_volumes_area(p->volumes, p->light, &(vxs_area_look){.gather = p->options.gather, .normal_texture = normals});
@@ -246,7 +282,7 @@ const area_share *area_pass_shares(const area_pass *p)
 
 uint32_t area_pass_points(const area_pass *p)
 {
-    return p->points;
+    return p->points + p->moving_points;
 }
 
 unsigned area_pass_irradiance(const area_pass *p)

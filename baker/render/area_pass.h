@@ -13,6 +13,7 @@ extern const char *const area_gather_names[];
 typedef struct area_pass_options {
     const scene            *scene;     /* with area lights; it outlives the pass */
     const vxs_baked_points *points;    /* that cast shadows; NULL: they are scattered over the scene's triangles */
+    const scene            *moving;    /* what casts shadows from where it is in each frame; NULL: nothing moves */
     const double           *middle_ws; /* [3] places count from there */
     double                  scale;     /* what radiance is times, before exposure */
     uint32_t                lamps;     /* 1 to VXS_AREA_LAMPS */
@@ -28,10 +29,11 @@ vxs_result area_pass_create(area_pass **pass, const area_pass_options *o, const 
 void area_pass_destroy(area_pass *pass);
 
 /* Add airlight to the frame of volumes that has begun, and find what surfaces get.
- * normals  a texture of them;   exposure  what light is times
- * plan     [out] */
-vxs_result area_pass_draw(area_pass *pass, const double eye_ws[3], const camera_view *seen, double far_metres, unsigned normals,
-                          double exposure, area_plan *plan, message *m);
+ * moved_ws  how far what moves has, in metres
+ * normals   a texture of them;   exposure  what light is times
+ * plan      [out] */
+vxs_result area_pass_draw(area_pass *pass, const double eye_ws[3], const camera_view *seen, const double moved_ws[3],
+                          double far_metres, unsigned normals, double exposure, area_plan *plan, message *m);
 
 /* Add what surfaces got to the current framebuffer, without exposure. */
 void area_pass_add_light(const area_pass *pass);

@@ -244,6 +244,11 @@ const surface_mesh *moving_pass_mesh(const moving_pass *p)
     return &p->mesh;
 }
 
+void moving_pass_moved(const moving_pass *p, double by_ws[3])
+{
+    vec3_sub(p->mesh.middle_ws, p->first_middle_ws, by_ws);
+}
+
 void moving_pass_bind(const moving_pass *p)
 {
     p->gl->BindTextureUnit(UNIT, p->depths);

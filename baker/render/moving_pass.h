@@ -36,6 +36,9 @@ void moving_pass_cast(moving_pass *pass, GLuint program, const double by_ws[3], 
 /* Its triangles where they are now: middle_ws has moved with them. */
 const surface_mesh *moving_pass_mesh(const moving_pass *pass);
 
+/* How far it has moved from where its file has it. */
+void moving_pass_moved(const moving_pass *pass, double by_ws[3]);
+
 /* For shaders that have moving.glsl. */
 void moving_pass_bind(const moving_pass *pass);
 

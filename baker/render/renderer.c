@@ -229,6 +229,7 @@ static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
     area_pass_options o = {.scene     = s,
                            .points    = r->options.area_points,
+                           .moving    = r->options.moving,
                            .middle_ws = r->mesh.middle_ws,
                            .scale     = pi * r->scale,
                            .lamps     = r->options.area_lamps,

@@ -158,7 +158,10 @@ static vxs_result draw_areas(const renderer *r, double exposure, area_plan *plan
 {
     vxs_result result = begin_air(r, m);
     if (result != VXS_OK) return result;
-    return area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, fog_pass_far_metres(r->fog), r->target[NORMALS], exposure, plan, m);
+    double moved_ws[3] = {0};
+    if (r->moving) moving_pass_moved(r->moving, moved_ws);
+    return area_pass_draw(r->areas, r->camera.eye_ws, &r->seen, moved_ws, fog_pass_far_metres(r->fog), r->target[NORMALS], exposure,
+                          plan, m);
 }
 
 static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)

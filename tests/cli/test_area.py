@@ -46,15 +46,15 @@ def lit(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("area")
     scene, asset = folder / "level.gltf", folder / "level.vxs"
 
-    def write(colours, **material):
-        small_scene.write(scene, boxes=[small_scene.GROUND], lights=[("sun", "directional", (1, -1, 0))])
+    def write(colours, boxes=(), **material):
+        small_scene.write(scene, boxes=[small_scene.GROUND, *boxes], lights=[("sun", "directional", (1, -1, 0))])
         add_quads(scene, [(*ABOVE, colours[0]), (*BESIDE, colours[1])], **material)
 
     write([RADIANCE, [0, 0, 0]])
     vxs("bake", scene, "-o", asset, "--resolution", 256, "--baseline", "off")
 
-    def render(*options, colours=(RADIANCE, [0, 0, 0]), **material):
-        write(colours, **material)
+    def render(*options, colours=(RADIANCE, [0, 0, 0]), boxes=(), **material):
+        write(colours, boxes, **material)
         said = vxs("render", scene, asset, "-o", folder / "out.png", "--width", SIZE[0], "--height", SIZE[1], "--samples", 1,
                    "--json", folder / "r.json", *options).stdout
         found = json.loads((folder / "r.json").read_text())
@@ -139,6 +139,29 @@ def test_points_of_the_asset(vxs, lit, tmp_path):
     there, here = (sum(linear(byte) for row in read_png((tmp_path / name / "area.png").read_bytes())[2] for byte in row) for name in ("scene", "asset"))
     assert here == pytest.approx(there, rel=0.02)
     assert "--points is of a whole asset" in vxs("bake", folder / "level.gltf", "-o", tmp_path / "a.part", "--part", "1/2", "--points", 9, status=2).stderr
+
+
+def test_what_moves_casts(lit, tmp_path):
+    """A block before the light darkens the floor as if it stood there, in each frame where it is then."""
+    block, beyond = (((x - 0.4, 0.9, -0.4), (x + 0.4, 1.5, 0.4)) for x in (-0.7, 0.7))
+    small_scene.write(tmp_path / "block.gltf", boxes=[block], lights=[])
+    (tmp_path / "path.txt").write_text(2 * "0.01 3.5 0 0 0 0\n")
+    look = "--area", 64, "--area-gather", "each", "--fov", 60, "--passes", tmp_path / "passes", "--path", tmp_path / "path.txt", "--frames", 2
+
+    def floor(*options, boxes=()):
+        """Irradiance of all that is seen, of the brightest; and of how many points."""
+        _, found, _ = lit(*look, *options, boxes=boxes)
+        light = [linear(c) for row in read_png((tmp_path / "passes" / "area.png").read_bytes())[2] for c in row[::3]]
+        return [c / max(light) for c in light], found["area"]["points"]
+
+    def apart(a, b):
+        return sum(abs(x - y) for x, y in zip(a, b)) / len(a)
+
+    clear, few = floor()
+    for options, place in (((), block), (("--moving-by", "1.4,0,0"), beyond)):
+        found, more = floor("--moving", tmp_path / "block.gltf", *options)
+        there, _ = floor(boxes=[place])
+        assert more > few and apart(found, there) < 0.25 * apart(clear, there), (apart(found, there), apart(clear, there))
 
 
 def test_off_and_none(lit):
