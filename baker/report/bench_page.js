@@ -198,7 +198,7 @@ function error_charts() {
 
 /* Greys before the maps, blue for them, greens from them to the DAG, browns for the file. */
 const STAGE_COLOURS = { load: "#8d8a80", solids: "#a7a499", plan: "#75736b", gl: "#9a8fb0", maps: "#3d7ab8", pyramid: "#8ccf9d",
-    masks: "#66b37e", insert: "#3c9260", compress: "#2a7048", merge: "#1f5737", encode: "#d0702a", write: "#94742f" };
+    masks: "#66b37e", insert: "#3c9260", compress: "#2a7048", merge: "#1f5737", encode: "#d0702a", smoke: "#7d7f9b", write: "#94742f" };
 
 /* What bars are stacked of: [{part, colour, values: one of each row}]. What is nowhere a hundredth of a bar is joined. */
 function stack(rows, totals, parts_of) {

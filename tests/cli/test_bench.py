@@ -97,7 +97,7 @@ def test_every_combination_in_order(measured):
     rows = [line.split()[:3] for line in text.splitlines() if line.startswith(("small.gltf", "sheets.gltf"))]
     assert rows == [[s, str(r), e] for s, r, e in cells], "only options that differ have a column"
     found = list(spreads(result))
-    assert len(found) == len(cells) * (3 + 12 + 3) and all(s["min"] <= s["median"] <= s["max"] for s in found)
+    assert len(found) == len(cells) * (3 + 13 + 3) and all(s["min"] <= s["median"] <= s["max"] for s in found)
     walls = [c["bake"]["wall_seconds"] for c in result["cells"]]
     assert all(w["min"] < w["max"] and w["median"] == pytest.approx((w["min"] + w["max"]) / 2) for w in walls), "of two runs"
 

@@ -13,7 +13,7 @@ from page import Page
 from reports import NASTY, pages_of, rejections_of, told_at
 
 SCHEMA = json.loads((pathlib.Path(__file__).resolve().parents[2] / "docs" / "bench.schema.json").read_text())
-STAGES = ("load", "solids", "plan", "gl", "maps", "pyramid", "masks", "insert", "compress", "merge", "encode", "write")
+STAGES = ("load", "solids", "plan", "gl", "maps", "pyramid", "masks", "insert", "compress", "merge", "encode", "smoke", "write")
 PLOTS = {"bytes-by-level-1", "error-bake-random", "error-bake-surface", "error-bytes-random", "error-bytes-surface",
          "error-lookup-random", "error-lookup-surface", "growth-bytes", "growth-time", "nodes-by-level-1", "stages-1"}
 
