@@ -26,8 +26,8 @@ def add_balls(path, balls, to):
     gltf = json.loads(path.read_text())
     data = b"".join(struct.pack("<5f", *place, radius, extinction) for place, radius, extinction in balls)
     view, accessor = len(gltf["bufferViews"]), len(gltf["accessors"])
+    gltf["bufferViews"].append({"buffer": len(gltf["buffers"]), "byteLength": len(data), "byteStride": 20})
     gltf["buffers"].append({"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()})
-    gltf["bufferViews"].append({"buffer": 1, "byteLength": len(data), "byteStride": 20})
     gltf["accessors"] += [{"bufferView": view, "byteOffset": at, "componentType": 5126, "type": kind, "count": len(balls)}
                           for at, kind in ((0, "VEC3"), (12, "SCALAR"), (16, "SCALAR"))]
     gltf["meshes"].append({"primitives": [{"mode": 0, "attributes": {"POSITION": accessor, "_RADIUS": accessor + 1,
