@@ -165,13 +165,14 @@ vxs_result vxs_area_light_anchor(vxs_area_light *light, const float place[3])
     return VXS_OK;
 }
 
-void vxs_area_light_put(const vxs_area_light *light, int from_origin)
+void vxs_area_light_put(vxs_area_light *light, int from_origin)
 {
-    for (uint32_t n = 0; n < light->count; n++) {
-        area_lamp lamp = light->lamps[n];
-        for (int i = 0; i < 3 && from_origin; i++) lamp.place[i] += light->anchor[i];
-        light->volumes->api.NamedBufferSubData(light->buffer, (gl_bytes)(n * sizeof lamp), sizeof lamp, &lamp);
+    for (uint32_t n = 0; n < light->count && from_origin; n++) {
+        light->placed[n] = light->lamps[n];
+        for (int i = 0; i < 3; i++) light->placed[n].place[i] += light->anchor[i];
     }
+    light->volumes->api.NamedBufferSubData(light->buffer, 0, (gl_bytes)(light->count * sizeof *light->lamps),
+                                           from_origin ? light->placed : light->lamps);
 }
 
 /* imperfect shadow maps ----------------------------------------------------------------------------------------------------------- */

@@ -34,14 +34,15 @@ struct vxs_area_light {
     or_scan          scan;
     vxs_shadow_grid *exact; /* NULL: no light maps are taken */
     float            anchor[3];
-    area_lamp        lamps[VXS_AREA_LAMPS]; /* places count from the anchor */
+    area_lamp        lamps[VXS_AREA_LAMPS];  /* places count from the anchor */
+    area_lamp        placed[VXS_AREA_LAMPS]; /* from the origin, as they were uploaded last so */
 };
 
 /* The first word of all maps. */
 uint32_t vxs_area_light_maps(const vxs_area_light *light);
 
 /* Upload the lamps, their places counted from the anchor, or from the origin. */
-void vxs_area_light_put(const vxs_area_light *light, int from_origin);
+void vxs_area_light_put(vxs_area_light *light, int from_origin);
 
 /* Set what a program counts; see there. */
 void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
