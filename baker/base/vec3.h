@@ -44,4 +44,16 @@ static inline int vec3_unit(const double v[3], double out[3])
     return 1;
 }
 
+/* Two unit vectors at right angles to a unit vector and to each other, the first to the axis that it has least of, too. */
+static inline void vec3_across(const double along[3], double right[3], double up[3])
+{
+    double axis[3] = {0};
+    int    least   = fabs(along[1]) < fabs(along[0]);
+    if (fabs(along[2]) < fabs(along[least])) least = 2;
+    axis[least] = 1;
+    vec3_cross(along, axis, right);
+    vec3_unit(right, right);
+    vec3_cross(along, right, up);
+}
+
 #endif

@@ -51,23 +51,11 @@ static void add_row(double row[4], const double other[4], double scale)
     for (int n = 0; n < 4; n++) row[n] += scale * other[n];
 }
 
-/* Two unit vectors at right angles to one, and to each other. */
-static void across_of(const double forward[3], double right[3], double up[3])
-{
-    double least[3] = {0};
-    int    n        = fabs(forward[0]) < fabs(forward[1]) ? 0 : 1;
-    if (fabs(forward[2]) < fabs(forward[n])) n = 2;
-    least[n] = 1;
-    vec3_cross(forward, least, right);
-    vec3_unit(right, right);
-    vec3_cross(forward, right, up);
-}
-
 static moving_view parallel_view(const double way[3], const double middle[3], double radius)
 {
     moving_view v = {.rows[3] = {0, 0, 0, 1}, .texel = 2 * radius / SIDE_PX};
     double      right[3], up[3];
-    across_of(way, right, up);
+    vec3_across(way, right, up);
     set_row(v.rows[0], right, 0.5 / radius, middle, 0.5);
     set_row(v.rows[1], up, 0.5 / radius, middle, 0.5);
     set_row(v.rows[2], way, 0.5 / radius, middle, 0.5);
@@ -78,7 +66,7 @@ static moving_view perspective_view(const double place[3], const double forward[
 {
     moving_view v = {.texel = 2 * half_wide / SIDE_PX};
     double      right[3], up[3];
-    across_of(forward, right, up);
+    vec3_across(forward, right, up);
     set_row(v.rows[3], forward, 1, place, 0);
     set_row(v.rows[0], right, 0.5 / half_wide, place, 0);
     set_row(v.rows[1], up, 0.5 / half_wide, place, 0);

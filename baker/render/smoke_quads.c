@@ -68,14 +68,6 @@ typedef struct quad_plane {
     double middle[3], u[3], v[3], half_u, half_v;
 } quad_plane;
 
-/* Any vector across another, of length 1. */
-static void across(const double way[3], double out[3])
-{
-    const double other[3] = {fabs(way[0]) < 0.6, fabs(way[0]) >= 0.6, 0};
-    vec3_cross(other, way, out);
-    vec3_unit(out, out);
-}
-
 /* What is nearer than the plane seems larger there.   Returns 0 where the capsule is about the eye, or nearly */
 static int find_plane(const vxs_capsule *c, quad_plane *p)
 {
@@ -90,7 +82,7 @@ static int find_plane(const vxs_capsule *c, quad_plane *p)
     if (!(metres > 1.1 * reach)) return 0;
     vec3_mad(axis, -ahead, way, p->u);
     double aside = sqrt(vec3_dot(p->u, p->u)), larger = metres / (metres - reach);
-    if (!(aside > 1e-6 * radius) || !vec3_unit(p->u, p->u)) across(way, p->u);
+    if (!(aside > 1e-6 * radius) || !vec3_unit(p->u, p->u)) vec3_across(way, p->u, p->v);
     vec3_cross(way, p->u, p->v);
     p->half_u = larger * (aside + radius);
     p->half_v = larger * radius;

@@ -84,13 +84,7 @@ typedef struct across {
 static across across_of(const eye_ray *ray)
 {
     across a;
-    double axis[3] = {0, 0, 0};
-    int    least   = fabs(ray->direction[1]) < fabs(ray->direction[0]) ? 1 : 0;
-    if (fabs(ray->direction[2]) < fabs(ray->direction[least])) least = 2;
-    axis[least] = 1;
-    vec3_cross(ray->direction, axis, a.right);
-    vec3_unit(a.right, a.right);
-    vec3_cross(ray->direction, a.right, a.up);
+    vec3_across(ray->direction, a.right, a.up);
     return a;
 }
 
