@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-vxs_result fog_check(const fog_choice *c, int moves, message *m)
+vxs_result fog_check(const fog_choice *c, int takes_steps, message *m)
 {
     const char *alone   = c->albedo_given       ? "--fog-albedo"
                           : c->anisotropy_given ? "--fog-anisotropy"
@@ -13,7 +13,7 @@ vxs_result fog_check(const fog_choice *c, int moves, message *m)
                           : c->steps_given      ? "--fog-steps"
                           : c->grid_given       ? "--fog-grid"
                                                 : NULL;
-    int         marches = moves || c->by == FOG_BY_MARCH || c->by == FOG_BY_ANGLES;
+    int         marches = takes_steps || c->by == FOG_BY_MARCH || c->by == FOG_BY_ANGLES;
     if (alone && !c->given) return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
     if (c->steps_given && !marches) return fail(m, VXS_E_ARGUMENT, "--fog-steps %u needs --fog-by march or angles", c->steps);
     if (c->grid_given && c->by != FOG_BY_GRID) return fail(m, VXS_E_ARGUMENT, "--fog-grid %u needs --fog-by grid", c->grid);

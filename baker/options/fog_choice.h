@@ -39,9 +39,9 @@ typedef struct fog_choice {
      "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given}
 /* clang-format on */
 
-/* moves  something does, for which steps are taken whatever else is asked
+/* takes_steps  something moves, or is smoke, for whose lights steps are taken whatever else is asked
  * Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog, or for the way that shadows are found. */
-vxs_result fog_check(const fog_choice *c, int moves, message *m);
+vxs_result fog_check(const fog_choice *c, int takes_steps, message *m);
 
 fog_medium fog_of(const fog_choice *c);
 

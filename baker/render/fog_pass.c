@@ -151,20 +151,16 @@ static fog_light_plan plan_light(const fog_pass *p, const vxs_volumes_light *lig
         .fate = fate, .share = fate == FOG_DRAWN ? (double)pixels.wide_px * pixels.high_px / all : 0, .by = p->options.by};
 }
 
-/* Intervals ask the file, and meshes are made once: neither knows what moves. */
-static void plan_moving(fog_light_plan *light)
+/* Steps for a light that what was asked does not draw right: all but marches have closed forms, of light that nothing dims; and intervals, which ask the
+ * file, and meshes, which are made once, do not know what moves. */
+static void plan_steps(fog_light_plan *light, int is_dimmed, int meets_moving)
 {
-    if (light->by != FOG_BY_INTERVALS && light->by != FOG_BY_MESH) return;
-    light->by  = FOG_BY_ANGLES;
-    light->why = "something moves in its light";
-}
-
-/* All but marches have closed forms, of light that nothing dims. */
-static void plan_smoke(fog_light_plan *light)
-{
-    if (light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES) return;
-    light->by  = FOG_BY_ANGLES;
-    light->why = "smoke dims it";
+    int marches = light->by == FOG_BY_MARCH || light->by == FOG_BY_ANGLES, knows_moving = marches || light->by == FOG_BY_GRID;
+    if (is_dimmed && !marches)
+        light->why = "smoke dims it";
+    else if (meets_moving && !knows_moving)
+        light->why = "something moves in its light";
+    if (light->why) light->by = FOG_BY_ANGLES;
 }
 
 /* map  NULL: the file is asked */
@@ -199,9 +195,8 @@ static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, con
     if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
     p->last     = n;
     light.smoke = smoke ? smoke_pass_map(smoke, n) : NULL;
-    if (light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n])) plan_smoke(&p->lights[n]);
+    plan_steps(&p->lights[n], light.smoke || (p->options.baked_smoke && p->options.baked_smoke[n]), caster_count > 0);
     if (caster_count) {
-        plan_moving(&p->lights[n]);
         plan->light_maps++;
         result = join_map(p, n, casters, caster_count);
     }
