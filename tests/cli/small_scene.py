@@ -12,6 +12,7 @@ GROUND = ((-8, -1, -8), (8, 0, 8))
 BLOCK = ((-1, 2, -1), (1, 3, 1))  # floats over the middle of the ground
 NOON = (0, -1, 0)
 MORNING = (1, -1, 0)  # the shadow of the block lies towards +x
+EACH_KIND = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", NOON), ("lamp", "point", NOON)]  # lights
 
 
 def box(corner_min, corner_max):

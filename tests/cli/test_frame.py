@@ -9,13 +9,11 @@ from conftest import ROOT
 from test_area import BESIDE, add_quads
 from test_render_smoke import add_balls
 
-LIGHTS = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
-
 
 def test_everything(vxs, tmp_path):
     """Each part is drawn, each has a stage, a pass, and a line of the plan; all of it may be streamed."""
     level, asset, moving = tmp_path / "level.gltf", tmp_path / "level.vxs", tmp_path / "moving.gltf"
-    small_scene.write(level, lights=LIGHTS)
+    small_scene.write(level, lights=small_scene.EACH_KIND)
     vxs("bake", level, "-o", asset, "--resolution", 256, "--baseline", "off")
     add_quads(level, [(*BESIDE, [1, 0.5, 0.25])])
     add_balls(level, [((-3, 2, 0), 0.6, 1)], level)

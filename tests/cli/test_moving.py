@@ -9,7 +9,6 @@ import small_scene
 from conftest import ROOT
 from png import read_png
 
-LIGHTS = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
 BLOCK = [small_scene.BLOCK]
 ABOUT = [((-3, 4, -3), (-2, 5, -2)), ((2, 5, 2), (3, 6, 3))]  # the lamps are among them
 WIDE, HIGH = 96, 72
@@ -22,7 +21,7 @@ def level(vxs, tmp_path_factory):
     folder = tmp_path_factory.mktemp("moving")
     beyond = [tuple((x + 2, y, z) for x, y, z in corners) for corners in BLOCK]
     for name, boxes in (("ground", []), ("block", BLOCK), ("about", ABOUT), ("beyond", beyond)):
-        small_scene.write(folder / f"{name}.gltf", boxes=[small_scene.GROUND, *boxes], lights=LIGHTS)
+        small_scene.write(folder / f"{name}.gltf", boxes=[small_scene.GROUND, *boxes], lights=small_scene.EACH_KIND)
         vxs("bake", folder / f"{name}.gltf", "-o", folder / f"{name}.vxs", "--resolution", 512, "--baseline", "off")
         if boxes:
             small_scene.write(folder / f"{name}_alone.gltf", boxes=boxes, lights=[])

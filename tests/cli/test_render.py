@@ -14,14 +14,13 @@ from conftest import ROOT
 from png import read_png
 
 SMALL = "--width", 64, "--height", 48, "--samples", 1
-LAMPS = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
 
 
 @pytest.fixture(scope="module")
 def level(vxs, tmp_path_factory):
     """A folder with level.gltf, all.vxs of its sun, its spot light and its lamp, and sun.vxs."""
     folder = tmp_path_factory.mktemp("render")
-    small_scene.write(folder / "level.gltf", lights=LAMPS)
+    small_scene.write(folder / "level.gltf", lights=small_scene.EACH_KIND)
     for name, lights in (("all", ()), ("sun", ("--light", "noon"))):
         vxs("bake", folder / "level.gltf", "-o", folder / f"{name}.vxs", "--resolution", 256, "--baseline", "off", *lights)
     return folder
@@ -98,7 +97,7 @@ def test_passes(vxs, level, render):
     """Each pass is a picture, lookups agree with rays, and those of another asset do not."""
     camera = "--eye", "6,9,2", "--target", "0,0,0", "--fov", 60
     moved = [[x + 2, y, z] for x, y, z in small_scene.BLOCK]
-    small_scene.write(level / "moved.gltf", boxes=[small_scene.GROUND, moved], lights=LAMPS)
+    small_scene.write(level / "moved.gltf", boxes=[small_scene.GROUND, moved], lights=small_scene.EACH_KIND)
     vxs("bake", level / "moved.gltf", "-o", level / "moved.vxs", "--resolution", 256, "--baseline", "off")
     right = report(level, render, "all", "--passes", level / "right", *camera)["difference"]
     wrong = report(level, render, "moved", "--passes", level / "wrong", *camera)["difference"]
@@ -112,7 +111,7 @@ def test_passes(vxs, level, render):
 
 def colour(level, render, **material):
     """Mean red, green and blue of a picture from above."""
-    small_scene.write(level / "level.gltf", lights=LAMPS, **material)
+    small_scene.write(level / "level.gltf", lights=small_scene.EACH_KIND, **material)
     render("all", "--eye", "0.1,20,0", "--target", "0,0,0", "--fov", 20)
     rows = read_png((level / "out.png").read_bytes())[2]
     return [sum(sum(row[n::3]) for row in rows) for n in range(3)]
@@ -129,7 +128,7 @@ def test_colours_of_materials(vxs, level, render):
 
 
 def test_colours_of_lights(vxs, level, render):
-    gltf = json.loads(small_scene.write(level / "level.gltf", lights=LAMPS).read_text())
+    gltf = json.loads(small_scene.write(level / "level.gltf", lights=small_scene.EACH_KIND).read_text())
     for light in gltf["extensions"]["KHR_lights_punctual"]["lights"]:
         light |= {"color": [0.1, 0.2, 1], "intensity": 40}
     (level / "level.gltf").write_text(json.dumps(gltf))
@@ -137,7 +136,7 @@ def test_colours_of_lights(vxs, level, render):
     rows = read_png((level / "out.png").read_bytes())[2]
     red, green, blue = (sum(sum(row[n::3]) for row in rows) for n in range(3))
     assert blue > 1.05 * green and green > red
-    small_scene.write(level / "level.gltf", lights=LAMPS)
+    small_scene.write(level / "level.gltf", lights=small_scene.EACH_KIND)
 
 
 @pytest.mark.parametrize("draw", ["rays", "gl"])
@@ -271,7 +270,7 @@ def test_inner_cones(vxs, level, render):
     shares = []
     vxs("bake", level / "level.gltf", "-o", level / "spot.vxs", "--resolution", 256, "--baseline", "off", "--light", "spot")
     for degrees in (None, 30, 45):
-        gltf = json.loads(small_scene.write(level / "level.gltf", lights=LAMPS).read_text())
+        gltf = json.loads(small_scene.write(level / "level.gltf", lights=small_scene.EACH_KIND).read_text())
         spot = gltf["extensions"]["KHR_lights_punctual"]["lights"][1]["spot"]
         if degrees:
             spot["innerConeAngle"] = math.radians(degrees)
@@ -280,7 +279,7 @@ def test_inner_cones(vxs, level, render):
         row = read_png((level / "cone" / "light.png").read_bytes())[2][24][::3]
         shares.append(row[15] / row[22])  # at 37 and 23 degrees
         assert row[22] > 50 and row[3] == row[26] == 0  # beyond the cone, and behind the block
-    small_scene.write(level / "level.gltf", lights=LAMPS)
+    small_scene.write(level / "level.gltf", lights=small_scene.EACH_KIND)
     assert shares[0] < 0.6 and shares[0] < shares[1] - 0.05 and shares[1] < 0.8 < shares[2]
 
 

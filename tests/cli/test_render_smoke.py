@@ -13,7 +13,6 @@ import small_scene
 from conftest import ROOT
 from png import read_png
 
-LIGHTS = [("noon", "directional", (0.2, -1, 0.1)), ("spot", "spot", (0, -1, 0)), ("lamp", "point", (0, -1, 0))]
 LAMP = (0, 6, 0)  # where small_scene puts the spot and the point light
 # places, radii, extinctions; the last one is cut by the ground
 BALLS = [((0.4, 3, 0.2), 1.2, 0.5), ((-1.5, 2, 1), 0.8, 1.5), ((2.5, 1.5, -2), 1.5, 0.3), ((0.5, 4, -1), 0.7, 2), ((-3, 0.2, -2), 1.4, 0.8)]
@@ -41,7 +40,7 @@ def add_balls(path, balls, to):
 def level(vxs, tmp_path_factory):
     """A folder with a ground, baked, with smoke over it and without."""
     folder = tmp_path_factory.mktemp("smoke")
-    clear = small_scene.write(folder / "clear.gltf", boxes=[small_scene.GROUND], lights=LIGHTS)
+    clear = small_scene.write(folder / "clear.gltf", boxes=[small_scene.GROUND], lights=small_scene.EACH_KIND)
     add_balls(clear, BALLS, folder / "smoke.gltf")
     vxs("bake", clear, "-o", folder / "level.vxs", "--resolution", 512, "--baseline", "off")
     return folder
@@ -113,7 +112,7 @@ def test_what_reaches_the_ground(vxs, level, n, light):
     assert found["smoke"]["lights"][n]["fate"] == "dims" and found["smoke"]["lights"][n]["merged"] == 0
     picture, left, wanted = grey(level / "passes" / f"smoke-{n}-{light}.png"), [], []
     for pixel, _, _, at in ground_places():
-        to_light = [-d for d in LIGHTS[0][2]] if light == "noon" else [p - a for p, a in zip(LAMP, at)]
+        to_light = [-d for d in small_scene.EACH_KIND[0][2]] if light == "noon" else [p - a for p, a in zip(LAMP, at)]
         metres = math.inf if light == "noon" else math.sqrt(sum(t * t for t in to_light))
         if light == "spot" and to_light[1] < 0.72 * metres:
             continue  # beside the cone nothing is asked
@@ -176,7 +175,7 @@ def test_fog_is_dimmed(vxs, level):
 
 def test_out_of_reach_and_out_of_view(vxs, tmp_path):
     """A lamp whose range ends before the smoke, one that nobody sees, and one that the smoke dims."""
-    clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=LIGHTS[2:] * 3)
+    clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=small_scene.EACH_KIND[2:] * 3)
     gltf = json.loads(clear.read_text())
     for n, (range_m, place) in enumerate(((1.5, [-7, 1, 7]), (2, [7.5, 1, 7.5]), (20, [0, 6, 0]))):
         gltf["extensions"]["KHR_lights_punctual"]["lights"][n]["range"] = range_m
@@ -201,7 +200,7 @@ def test_maps_are_built_once(vxs, level):
 @pytest.mark.skipif(not os.environ.get("VXS_LARGE"), reason="set VXS_LARGE=1: five million segments take half a minute")
 def test_no_room(vxs, tmp_path):
     """What lists have no room for is counted, and said with a remedy; a picture is drawn all the same."""
-    clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=LIGHTS[:1])
+    clear = small_scene.write(tmp_path / "level.gltf", boxes=[small_scene.GROUND], lights=small_scene.EACH_KIND[:1])
     add_balls(clear, [((0, 3 + 0.01 * n, 0), 12, 0.01) for n in range(20)], tmp_path / "smoke.gltf")
     vxs("bake", clear, "-o", tmp_path / "level.vxs", "--resolution", 512, "--baseline", "off")
     done, found, _ = draw(vxs, tmp_path, "smoke", "--smoke-side", 512)

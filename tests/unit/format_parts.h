@@ -233,4 +233,17 @@ static inline void refused_with(const vxs_bytes *file, uint32_t kind, void (*cha
     free(changed.data);
 }
 
+/* The file is refused when the first section of a kind is there twice. */
+static inline void refused_twice(const vxs_bytes *file, uint32_t kind)
+{
+    parts p;
+    take_apart(&p, file);
+    const part *section                                                                           = find_part(&p, kind, 0);
+    add_part(&p, kind, section->flags, section->content.data, section->content.size_bytes)->light = section->light;
+    vxs_bytes twice                                                                               = put_together(&p);
+    refused(&twice, 208);
+    parts_free(&p);
+    free(twice.data);
+}
+
 #endif

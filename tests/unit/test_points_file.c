@@ -193,16 +193,9 @@ static void test_broken_rules_have_findings(void **state)
 static void test_points_are_there_once(void **state)
 {
     (void)state;
-    vxs_bytes file = file_of_points(), twice;
-    parts     p;
-    take_apart(&p, &file);
-    const part *points = find_part(&p, VXS_KIND_POINTS, 0);
-    add_part(&p, VXS_KIND_POINTS, VXS_SECTION_OPTIONAL, points->content.data, points->content.size_bytes)->light = VXS_NO_LIGHT;
-    twice                                                                                                        = put_together(&p);
-    refused(&twice, 208);
-    parts_free(&p);
+    vxs_bytes file = file_of_points();
+    refused_twice(&file, VXS_KIND_POINTS);
     free(file.data);
-    free(twice.data);
 }
 
 static void test_memory_is_bounded_and_given_back(void **state)
