@@ -150,8 +150,10 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes smoke_map smoke_quads transmittance transmittance_fog volumes): $(reference.o)
-$(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes smoke_map smoke_quads transmittance transmittance_fog volumes): test_libs += -lgsl -lgslcblas
+reference := $(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes smoke_map smoke_quads transmittance \
+                 transmittance_draw transmittance_fog volumes)
+$(reference): $(reference.o)
+$(reference): test_libs += -lgsl -lgslcblas
 $B/tests/unit/test_lookup_blocks $B/tests/unit/test_gl: $B/tests/unit/blocks_scalar.c.o
 $B/tests/unit/test_lookup_many $B/tests/unit/test_gl: $B/tests/unit/lookup_many_scalar.c.o
 $B/tests/unit/test_desk: $B/baker/mpi/desk.c.o

@@ -7,10 +7,13 @@
 #define VXS_CURVE_SORTED 1u
 #define VXS_CURVE_OPAQUE 2u
 #define VXS_NO_SEGMENT   0xffffffffu
+#ifndef VXS_CURVE_SHAPE /* texels a side, layers, nodes, segments that lists have room for; an engine's shaders have them elsewhere */
 #ifdef VXS_READS_CURVES /* of any map: counts: nodes */
 #define VXS_CURVE_NODES int(vxs_frame.counts.x)
 #else
 #define VXS_CURVE_NODES VXS_CURVE_MOST
+#endif
+#define VXS_CURVE_SHAPE uvec4(vxs_frame.counts.w, vxs_frame.map.y, uint(VXS_CURVE_NODES), vxs_frame.counts.y)
 #endif
 layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_curves_buffer {
     uint segments, merged, cut, reserved;
@@ -19,21 +22,21 @@ layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_curves_buffer {
 
 uint vxs_curve_texel(ivec3 texel)
 {
-    return (uint(texel.z) * vxs_frame.counts.w + uint(texel.y)) * vxs_frame.counts.w + uint(texel.x);
+    return (uint(texel.z) * VXS_CURVE_SHAPE.x + uint(texel.y)) * VXS_CURVE_SHAPE.x + uint(texel.x);
 }
 
 /* Where the curve of a texel begins, its record, and a segment. */
 uint vxs_curve_words(uint texel)
 {
-    return texel * uint(2 * VXS_CURVE_NODES);
+    return texel * 2u * VXS_CURVE_SHAPE.z;
 }
 
 uint vxs_curve_record(uint texel)
 {
-    return vxs_curve_words(vxs_frame.counts.w * vxs_frame.counts.w * vxs_frame.map.y) + 4u * texel;
+    return vxs_curve_words(VXS_CURVE_SHAPE.x * VXS_CURVE_SHAPE.x * VXS_CURVE_SHAPE.y) + 4u * texel;
 }
 
 uint vxs_curve_segment(uint n)
 {
-    return vxs_curve_record(vxs_frame.counts.w * vxs_frame.counts.w * vxs_frame.map.y) + 4u * n;
+    return vxs_curve_record(VXS_CURVE_SHAPE.x * VXS_CURVE_SHAPE.x * VXS_CURVE_SHAPE.y) + 4u * n;
 }

@@ -73,6 +73,12 @@ uint sorted(inout uint list)
     return all;
 }
 
+/* A segment that goes on behind what is opaque, as an engine may add them: what it takes before, as if it was evenly dense. */
+vec3 ends_at(float opaque, vec3 segment)
+{
+    return vec3(segment.x, opaque, pow(segment.z, max(opaque - segment.x, 0.0) / (segment.y - segment.x)));
+}
+
 void main()
 {
     ivec3 texel = ivec3(gl_GlobalInvocationID);
@@ -80,6 +86,7 @@ void main()
     uint      index = vxs_curve_texel(texel), record = vxs_curve_record(index);
     vxs_curve curve = vxs_curve_empty();
     uint      n = vxs_curves.words[record], rest = VXS_NO_SEGMENT;
+    float     opaque = vxs_opaque_depth(texel);
     if ((vxs_frame.counts.z & VXS_CURVE_SORTED) != 0u) {
         rest = n;
         n    = sorted(rest);
@@ -87,7 +94,8 @@ void main()
     }
     while (n != VXS_NO_SEGMENT) {
         vec3 segment = segment_at(n);
-        vxs_curve_insert(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
+        if (segment.y > opaque) segment = ends_at(opaque, segment);
+        if (segment.x < opaque) vxs_curve_insert(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
         uint next = next_of(n);
         if (next == VXS_NO_SEGMENT && rest != VXS_NO_SEGMENT) {
             next = rest;
@@ -99,7 +107,6 @@ void main()
     if (n != VXS_NO_SEGMENT) atomicAdd(vxs_curves.cut, 1u);
     vxs_curve_insert(curve, VXS_CURVE_MOST, number_of(vxs_curves.words[record + 1u]), number_of(vxs_curves.words[record + 2u]),
                      uintBitsToFloat(vxs_curves.words[record + 3u]));
-    float opaque = vxs_opaque_depth(texel);
     vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
     vxs_curve_store(index, curve);
 }

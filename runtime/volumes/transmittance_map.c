@@ -93,7 +93,8 @@ static vxs_result make(vxs_transmittance_map *map)
     if (!make_writers(map) || !make_readers(v)) return VXS_E_GL;
     map->buffer   = vxs_volumes_buffer(v, bytes_of(map));
     map->capsules = vxs_volumes_buffer(v, (uint64_t)map->capsule_room * sizeof(vxs_capsule));
-    return map->buffer && map->capsules ? VXS_OK : VXS_E_MEMORY;
+    if (map->segment_room) map->view = vxs_transmittance_view(v);
+    return map->buffer && map->capsules && (map->view || !map->segment_room) ? VXS_OK : VXS_E_MEMORY;
 }
 
 static int is_good(const vxs_volumes *v, const vxs_transmittance_desc *desc)
@@ -123,6 +124,7 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
                                    .segment_room = known.segments,
                                    .is_sorted    = !known.unsorted};
     if (known.constants) map->constants = *known.constants;
+    snprintf(map->binding_text, sizeof map->binding_text, "#define VXS_AT_GRID %u\n", v->first_storage);
     map->layers = constants_of(map)->flags & VXS_LIGHT_CUBE ? 6 : 1;
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
     result = bytes_of(map) <= (uint32_t)most && bytes_of(map) <= INT32_MAX ? make(map) : VXS_E_GL;
@@ -137,8 +139,8 @@ void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
 {
     if (!map) return;
     const vxs_volumes *v         = map->volumes;
-    const gl_name      buffers[] = {map->buffer, map->capsules};
-    for (int n = 0; n < 2; n++)
+    const gl_name      buffers[] = {map->buffer, map->capsules, map->view};
+    for (int n = 0; n < 3; n++)
         if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
     vxs_volumes_give_back(v, map, sizeof *map);
 }
@@ -199,15 +201,25 @@ static int is_of_its_light(const vxs_transmittance_map *map, const vxs_light_map
     return opaque->layers == map->layers && opaque->is_baked == map->is_baked && (!map->is_baked || opaque->baked == map->baked);
 }
 
-vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
+vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque,
+                                             void (*draw)(void *user), void *user)
 {
     if (capsules->count > map->capsule_room || (capsules->count && !capsules->list && !capsules->buffer)) return VXS_E_ARGUMENT;
-    if (opaque && !is_of_its_light(map, opaque)) return VXS_E_ARGUMENT;
+    if ((opaque && !is_of_its_light(map, opaque)) || (draw && !map->segment_room)) return VXS_E_ARGUMENT;
     storage_kept kept = vxs_volumes_keep_storage(map->volumes);
     vxs_transmittance_capture(map, capsules, opaque);
+    if (draw) {
+        vxs_transmittance_draw(map, constants_of(map), draw, user);
+        vxs_transmittance_set(map, opaque, 0);
+    }
     vxs_transmittance_run(map, map->build, opaque);
     vxs_volumes_put_back_storage(map->volumes, &kept);
     return VXS_OK;
+}
+
+vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
+{
+    return vxs_transmittance_map_build_drawn(map, capsules, opaque, NULL, NULL);
 }
 
 vxs_transmittance_counts vxs_transmittance_map_counts(const vxs_transmittance_map *map)

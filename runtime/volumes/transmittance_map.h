@@ -10,8 +10,9 @@ struct vxs_transmittance_map {
     vxs_volumes        *volumes;
     vxs_light_constants constants; /* of a light that is not baked */
     uint32_t            baked, is_baked, side_px, layers, nodes, capsule_room, segment_room, is_sorted;
-    gl_name             buffer, capsules;
+    gl_name             buffer, capsules, view;  /* view: what shaders that draw segments are told; 0 without lists */
     gl_name             capture, build, look_up; /* programs of the volumes; without lists, capture is 0 */
+    char                binding_text[48];
 };
 
 /* What programs of maps need beside the texts that all have: lines of #define. */
@@ -29,6 +30,13 @@ int vxs_transmittance_is_of(const vxs_transmittance_map *map, const vxs_volumes 
 
 /* Capture the segments of capsules anew, where there are lists. Between vxs_volumes_keep_storage and vxs_volumes_put_back_storage. */
 void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
+
+/* The buffer of a map's view.   Returns 0 where there is no room */
+gl_name vxs_transmittance_view(const vxs_volumes *volumes);
+
+/* Let the caller's shaders add segments: lists and view are bound until it returns. */
+void vxs_transmittance_draw(const vxs_transmittance_map *map, const vxs_light_constants *light, void (*draw)(void *user),
+                            void *user);
 
 /* Run a program of 8 x 8 texels a group, on all texels. */
 void vxs_transmittance_run(const vxs_transmittance_map *map, gl_name program, const vxs_light_map *opaque);

@@ -173,7 +173,8 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[], vxs_volumes_text_transmittance_glsl[],
     vxs_volumes_text_capsule_glsl[], vxs_volumes_text_transmittance_capture_glsl[], vxs_volumes_text_transmittance_build_glsl[],
     vxs_volumes_text_transmittance_stream_glsl[], vxs_volumes_text_transmittance_pass_glsl[],
-    vxs_volumes_text_transmittance_places_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
+    vxs_volumes_text_transmittance_places_glsl[], vxs_volumes_text_transmittance_lists_glsl[],
+    vxs_volumes_text_transmittance_segments_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
     vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[], vxs_volumes_text_area_grids_glsl[],
     vxs_volumes_text_area_gather_glsl[], vxs_volumes_text_area_show_glsl[];
 

@@ -65,6 +65,36 @@ typedef struct vxs_capsules {
  * Returns VXS_OK; VXS_E_ARGUMENT for more capsules than create was told, or for another light's map. */
 vxs_result vxs_transmittance_map_build(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque);
 
+/* Smoke of other shapes: shaders of the caller's own add segments to the lists while the map is built, beside those of capsules.
+ *
+ *     const char *text[VXS_SEGMENT_TEXTS + 2] = {"#version 450 core\n"};           // vertex, fragment or compute; needs no other text of the libraries
+ *     vxs_transmittance_map_texts(map, text + 1);
+ *     text[VXS_SEGMENT_TEXTS + 1] = my_body;
+ *     ...
+ *     vxs_transmittance_map_build_drawn(map, &smoke, NULL, draw_sprites, sprites);  // draws into a viewport of side_px x side_px, for each layer once
+ *
+ * Bodies may call
+ *
+ *     ivec3 vxs_segment_texels()                                    texels across, down, and layers, one or six
+ *     vec4  vxs_segment_position(vec3 at, int layer)                gl_Position of a place: fragment (x, y) is texel (x, y) of the layer
+ *     vec3  vxs_segment_ray(ivec3 texel, out vec3 from)             the light ray through a texel's centre: its way, of length 1, and where it begins
+ *     void  vxs_add_segment(ivec3 texel, float entry, float exit, float left)   metres along that ray; what it lets through, 0 to 1
+ *
+ * Each segment is to be added once: one side of faces is culled (the light's view is mirrored: with GL_BACK the sides that look
+ * away from the light stay, of which a ball about a lamp has some), and there is no test of depth. What lies before a lamp, or behind what is opaque, is cut off as if the
+ * segment was evenly dense. What is of texels that are not there, of numbers that are none, or takes nothing, is left out. */
+enum { VXS_SEGMENT_TEXTS = 5 };
+
+/* texts  [out] NUL-terminated, valid until vxs_transmittance_map_destroy; they use two storage buffers, from the volumes' first binding on
+ * Returns VXS_OK; VXS_E_ARGUMENT of a map without lists. */
+vxs_result vxs_transmittance_map_texts(const vxs_transmittance_map *map, const char *texts[VXS_SEGMENT_TEXTS]);
+
+/* As vxs_transmittance_map_build.
+ * draw  called once, with those two storage buffers bound; it leaves them bound. State that it changes, it puts back. NULL: nothing is drawn
+ * Returns as that, and VXS_E_ARGUMENT for a map without lists. */
+vxs_result vxs_transmittance_map_build_drawn(vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque,
+                                             void (*draw)(void *user), void *user);
+
 typedef struct vxs_transmittance_counts {
     uint32_t segments; /* that were met */
     uint32_t merged;   /* of them, because lists had no room */
