@@ -1,6 +1,7 @@
 /* A stream from within: what its files share. Each of them has one idea:
  *
- *     stream_open.c     from a file to a block of memory: what is read by open, where it lies, what is known of pages
+ *     stream_plan.c     what open reads first: which lights there are, how large they are
+ *     stream_open.c     from a file to a block of memory: where things lie in it, what is known of pages
  *     stream_source.c   bytes from a path, memory or the caller
  *     stream_choose.c   which pages are wanted, the nearest first
  *     stream_room.c     where in the array of words a page goes, and which pages leave for it

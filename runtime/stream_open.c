@@ -1,184 +1,19 @@
 /* Opening a stream: from a file to one block of memory.
  *
- * First all is read that says how large things are: header, directory, table of lights, and of each light of palette blocks the first
- * bytes of its resident part. Then the block is taken, laid out, and filled light by light; what that needs for a while lies in the room
+ * First all is read that says how large things are (stream_plan.c): header, directory, table of lights, and of each light of palette
+ * blocks the first bytes of its resident part. Then the block is taken, laid out, and filled light by light; what that needs for a while lies in the room
  * where pages will be, so that nothing else is allocated.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <stddef.h>
 #include <string.h>
-#include <xxhash.h>
 
-#include "stream.h"
+#include "stream_opening.h"
 #include "vxs_bytes.h"
 #include "vxs_memory.h"
-#include "vxs_reader.h"
 #include "vxs_resident_layout.h"
 
-enum { BLOCK_ALIGN = 64, NODE_WORDS_MIN = 6 };
-
-/* A light that is wanted. */
-typedef struct light_plan {
-    uint32_t           number;                          /* in the file */
-    int                resident_section, pages_section; /* of palette blocks, as the next */
-    vxs_resident_sizes sizes;
-    uint32_t           word_count; /* of its resident part, or of all of a DAG */
-    uint64_t           work_bytes; /* while it is read */
-} light_plan;
-
-typedef struct opening {
-    vxs_reader             r;
-    const vxs_stream_desc *desc;
-    stream_source          source;
-    vxs_allocator          allocator;
-    uint8_t               *loaded; /* the section that was loaded last */
-    uint64_t               loaded_bytes;
-    light_plan            *lights; /* [light_count] */
-    uint32_t               light_count, page_count, node_count, tool_count, request_count;
-    uint64_t               resident_words, all_words, work_bytes, buffer_bytes; /* buffer_bytes: of one, at most */
-    int                    small, fast;                                         /* whether there is one that is packed so */
-    vxs_stream            *s;
-    uint8_t               *work, *work_end; /* of the room, that is not yet taken */
-} opening;
-
-/* bytes ------------------------------------------------------------------------------------------------------------------------- */
-
-static int read_bytes(opening *o, uint64_t offset, uint64_t size_bytes, void *to)
-{
-    if (size_bytes <= UINT32_MAX && vxs_stream_source_read(&o->source, offset, (uint32_t)size_bytes, to, NULL) == VXS_STREAM_READ) {
-        o->source.bytes_read += size_bytes;
-        return 1;
-    }
-    if (o->r.result == VXS_OK) o->r.result = VXS_E_READ;
-    return 0;
-}
-
-static void forget_loaded(opening *o)
-{
-    vxs_give_back(&o->r, o->loaded, o->loaded_bytes, 1);
-    o->loaded = NULL;
-}
-
-/* vxs_reader's load. */
-static const uint8_t *load_section(vxs_reader *r, int section)
-{
-    opening           *o = r->load_user;
-    const vxs_section *s = &r->out.sections[section];
-    forget_loaded(o);
-    o->loaded_bytes = s->stored_bytes;
-    o->loaded       = vxs_take(r, s->stored_bytes, 1, section);
-    if (!o->loaded || !read_bytes(o, s->offset_bytes, s->stored_bytes, o->loaded)) return NULL;
-    if (XXH64(o->loaded, s->stored_bytes, 0) == s->hash) return o->loaded;
-    vxs_found(r, 206, section, s->offset_bytes);
-    return NULL;
-}
-
-/* Header and directory, as long as the first says that the second is, and both may be. */
-static int read_head(opening *o)
-{
-    uint8_t  header[VXS_HEADER_BYTES] = {0}, *head;
-    uint64_t size = o->source.size_bytes, first = size < sizeof header ? size : sizeof header;
-    if (!read_bytes(o, 0, first, header)) return 0;
-    uint32_t count = vxs_load32(header + VXS_HEADER_SECTION_COUNT);
-    uint64_t all   = VXS_HEADER_BYTES + (uint64_t)(count < VXS_SECTIONS_MAX ? count : VXS_SECTIONS_MAX) * VXS_ENTRY_BYTES;
-    if (all > size) all = first;
-    if (!(head = vxs_take(&o->r, all, 1, -1))) return 0;
-    memcpy(head, header, first);
-    o->r.bytes = head;
-    o->r.size  = size;
-    int good   = read_bytes(o, first, all - first, head + first) && vxs_read_head(&o->r);
-    vxs_give_back(&o->r, head, all, 1);
-    return good;
-}
-
-/* what is wanted ------------------------------------------------------------------------------------------------------------------ */
-
-static int find_light(const opening *o, const char *name, uint32_t *number)
-{
-    for (*number = 0; *number < o->r.out.light_count; ++*number)
-        if (name && !strcmp(o->r.out.lights[*number].light.name, name)) return 1;
-    return 0;
-}
-
-static int choose_lights(opening *o)
-{
-    o->light_count = o->desc->light_names ? o->desc->light_name_count : o->r.out.light_count;
-    if (!o->light_count || o->light_count > VXS_LIGHTS_MAX) return o->r.result = VXS_E_ARGUMENT, 0;
-    if (!(o->lights = vxs_take(&o->r, o->light_count, sizeof *o->lights, -1))) return 0;
-    memset(o->lights, 0, o->light_count * sizeof *o->lights);
-    for (uint32_t n = 0; n < o->light_count; n++) {
-        o->lights[n].number = n;
-        if (o->desc->light_names && !find_light(o, o->desc->light_names[n], &o->lights[n].number))
-            return o->r.result = VXS_E_ARGUMENT, 0;
-    }
-    return 1;
-}
-
-static uint64_t sum_or_max(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
-
-/* A DAG has no pages. Its levels and masks are inflated, and where nodes start is listed. */
-static void plan_dag(opening *o, light_plan *l)
-{
-    l->word_count = o->r.out.lights[l->number].word_count;
-    for (uint32_t n = 0; n < o->r.out.section_count; n++) {
-        const vxs_section *s = &o->r.out.sections[n];
-        if (s->light != l->number) continue;
-        l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->stored_bytes, s->inflated_bytes));
-        l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->inflated_bytes, sum_or_max(s->inflated_bytes, 256)));
-    }
-}
-
-static int plan_blocks(opening *o, light_plan *l)
-{
-    vxs_reader            *r     = &o->r;
-    const vxs_baked_light *baked = &r->out.lights[l->number];
-    vxs_resident_sizes    *sizes = &l->sizes;
-    uint8_t                head[RESIDENT_HEAD_BYTES];
-    if ((l->resident_section = vxs_find_section(r, VXS_KIND_RESIDENT, l->number, 0)) < 0) return 0;
-    if ((l->pages_section = vxs_find_section(r, VXS_KIND_PAGES, l->number, 0)) < 0) return 0;
-    const vxs_section *resident = &r->out.sections[l->resident_section], *pages = &r->out.sections[l->pages_section];
-    if (resident->stored_bytes < sizeof head) return vxs_found(r, 501, l->resident_section, 0), 0;
-    if (!read_bytes(o, resident->offset_bytes, sizeof head, head)) return 0;
-    if (vxs_resident_sizes_of(sizes, head, sizeof head) != VXS_OK) return vxs_found(r, 501, l->resident_section, 0), 0;
-    if (sizes->word_count > baked->word_count) return vxs_found(r, 406, l->pages_section, 0), 0;
-
-    int fast      = baked->packing == VXS_PACKING_FAST;
-    l->word_count = sizes->word_count;
-    l->work_bytes = sum_or_max(resident->stored_bytes, vxs_page_table_bytes(sizes->page_count)) + 256 +
-                    sizes->node_count * sizeof(vxs_page_node) + 4 * (sizes->page_count + (uint64_t)1) +
-                    (fast ? vxs_resident_inflated_bytes(sizes) : 0);
-    o->small |= !fast;
-    o->fast |= fast;
-    o->page_count += sizes->page_count;
-    if (sizes->node_count > o->node_count) o->node_count = sizes->node_count;
-    if (pages->stored_bytes > o->buffer_bytes) o->buffer_bytes = pages->stored_bytes;
-    o->all_words += baked->word_count - sizes->word_count + (uint64_t)sizes->page_count * 2 * ROOM_ALIGN;
-    return 1;
-}
-
-static int plan_lights(opening *o)
-{
-    for (uint32_t n = 0; n < o->light_count; n++) {
-        light_plan *l = &o->lights[n];
-        if (o->r.out.lights[l->number].light.coding != VXS_CODING_BLOCKS)
-            plan_dag(o, l);
-        else if (!plan_blocks(o, l))
-            return 0;
-        o->resident_words += l->word_count;
-        if (l->work_bytes > o->work_bytes) o->work_bytes = l->work_bytes;
-    }
-    o->resident_words = (o->resident_words + VXS_BLOCKS_SPARE_WORDS + ROOM_ALIGN - 1) / ROOM_ALIGN * ROOM_ALIGN;
-    o->all_words += o->resident_words;
-    if (o->node_count > VXS_PAGE_WORDS_MAX / NODE_WORDS_MIN) o->node_count = VXS_PAGE_WORDS_MAX / NODE_WORDS_MIN;
-    if (o->buffer_bytes > STORED_MAX) o->buffer_bytes = STORED_MAX;
-    if (o->source.bytes) o->buffer_bytes = 0;
-    o->tool_count    = o->desc->threads ? o->desc->threads : 1;
-    o->request_count = o->desc->requests ? o->desc->requests : o->desc->threads + 1;
-    return 1;
-}
+enum { BLOCK_ALIGN = 64 };
 
 /* the block ------------------------------------------------------------------------------------------------------------------------ */
 
@@ -297,7 +132,7 @@ static int fill_pages(opening *o, stream_light *light, const light_plan *plan)
     uint64_t           bytes   = vxs_page_table_bytes(plan->sizes.page_count);
     if (bytes > section->stored_bytes) return vxs_found(r, 502, plan->pages_section, 0), 0;
     uint8_t *table = vxs_take(r, bytes, 1, plan->pages_section);
-    if (!table || !read_bytes(o, section->offset_bytes, bytes, table)) return 0;
+    if (!table || !vxs_stream_read(o, section->offset_bytes, bytes, table)) return 0;
     int wrong = vxs_check_page_table(table, section->stored_bytes, &plan->sizes, r->out.lights[plan->number].word_count);
     if (wrong) return vxs_found(r, wrong, plan->pages_section, 0), 0;
 
@@ -349,7 +184,7 @@ static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
     paged->levels                     = baked->light.levels;
     paged->map_count                  = vxs_light_map_count(&baked->light);
     paged->resident.words             = o->s->words + light->first_word;
-    const uint8_t *bytes              = load_section(r, section);
+    const uint8_t *bytes              = vxs_stream_load(r, section);
     if (!bytes) return 0;
     if (!(paged->resident.nodes = vxs_take(r, sizes->node_count, sizeof *paged->resident.nodes, section))) return 0;
     if (!(paged->resident.page_first = vxs_take(r, sizes->page_count + (uint64_t)1, 4, section))) return 0;
@@ -456,11 +291,11 @@ static int fill_block(opening *o)
 
 static int open_all(opening *o)
 {
-    if (!read_head(o)) return 0;
+    if (!vxs_stream_read_head(o)) return 0;
     if (!(o->r.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
     if (!vxs_read_light_table(&o->r) || !tell_metadata(o)) return 0;
-    forget_loaded(o);
-    if (!choose_lights(o) || !plan_lights(o) || !take_block(o)) return 0;
+    vxs_stream_forget_loaded(o);
+    if (!vxs_stream_plan(o) || !take_block(o)) return 0;
     if (!make_tools(o) || !fill_block(o)) return 0;
     if (vxs_stream_work_start(o->s)) return 1;
     o->r.result = VXS_E_MEMORY;
@@ -497,11 +332,11 @@ vxs_result vxs_stream_open(vxs_stream **stream, const vxs_stream_desc *desc)
     const vxs_read_desc read = {.allocator = desc->allocator, .finding = desc->finding, .finding_user = desc->finding_user};
     o.allocator              = vxs_allocator_of(&read);
     o.r                      = (vxs_reader){
-                             .desc = read, .allocator = o.allocator, .memory_left = desc->budget_bytes, .load = load_section, .load_user = &o};
+                             .desc = read, .allocator = o.allocator, .memory_left = desc->budget_bytes, .load = vxs_stream_load, .load_user = &o};
     o.r.out.allocator = o.allocator;
     int good          = open_all(&o);
 
-    forget_loaded(&o);
+    vxs_stream_forget_loaded(&o);
     vxs_give_back(&o.r, o.lights, o.light_count, sizeof *o.lights);
     ZSTD_freeDCtx(o.r.zstd);
     vxs_contents_free(&o.r.out);
