@@ -16,42 +16,14 @@
 #include <cmocka.h>
 
 #include "format_parts.h"
+#include "smoke_curves.h"
 
-enum { LEVELS = 5, SIDE_LOG2 = 4, SIDE = 1 << SIDE_LOG2, MAPS_MOST = 6, TEXELS = SIDE * SIDE, SOLE_LIGHT = 1 };
-
-/* A map of curves, as it is written. */
-typedef struct sample {
-    uint8_t  counts[MAPS_MOST * TEXELS];
-    uint32_t nodes[MAPS_MOST * TEXELS * VXS_SMOKE_NODES_MAX];
-    size_t   first[MAPS_MOST * TEXELS]; /* of each curve */
-} sample;
+enum { LEVELS = 5, SOLE_LIGHT = 1 };
 
 static const float first_metres[LIGHTS] = {-3, 0, 0.25F, 0.125F}, step_metres = 0.0003F;
 
-/* Light that falls from 1, with steps, and texels and tiles that have none. */
-static void random_curves(sample *s, rng *r, size_t texels)
-{
-    size_t at = 0;
-    for (size_t n = 0; n < texels; n++) {
-        int empty      = n % TEXELS < 64; /* a tile of each map */
-        s->first[n]    = at;
-        s->counts[n]   = (uint8_t)(empty || !rng_below(r, 4) ? 0 : rng_below(r, VXS_SMOKE_NODES_MAX + 1));
-        uint32_t depth = rng_below(r, 4000), left = 65535 - rng_below(r, 2) * rng_below(r, 65535);
-        for (uint32_t k = 0; k < s->counts[n]; k++) {
-            s->nodes[at++] = depth | left << 16;
-            depth += rng_below(r, 3) ? rng_below(r, 3800) : 0;
-            left -= rng_below(r, left / 3 + 1);
-        }
-    }
-}
-
-static vxs_smoke_view view_of(const sample *s, int light)
-{
-    return (vxs_smoke_view){SIDE_LOG2, first_metres[light], step_metres, s->counts, s->nodes};
-}
-
 /* A file of all kinds of lights, with smoke for those that `with` has a bit for. */
-static vxs_bytes smoky_file(sample samples[LIGHTS], uint32_t with)
+static vxs_bytes smoky_file(curve_maps samples[LIGHTS], uint32_t with)
 {
     rng        r = {11};
     dag_sample d;
@@ -66,8 +38,8 @@ static vxs_bytes smoky_file(sample samples[LIGHTS], uint32_t with)
     assert_int_equal(vxs_write(&file, &desc), VXS_OK);
     assert_int_equal(vxs_read(&contents, file.data, file.size_bytes, NULL), VXS_OK);
     for (int n = 0; n < LIGHTS; n++) {
-        random_curves(&samples[n], &r, (n == 3 ? MAPS_MOST : 1) * TEXELS);
-        if (with >> n & 1) views[n] = view_of(&samples[n], n);
+        random_curves(&samples[n], &r, n == 3 ? VXS_CUBE_FACES : 1);
+        if (with >> n & 1) views[n] = curves_view(&samples[n], first_metres[n], step_metres);
     }
     assert_int_equal(vxs_write_smoke(&smoky, file.data, file.size_bytes, &contents, views, 3), VXS_OK);
     vxs_contents_free(&contents);
@@ -78,7 +50,7 @@ static vxs_bytes smoky_file(sample samples[LIGHTS], uint32_t with)
 
 /* lookups ---------------------------------------------------------------------------------------------------------------------- */
 
-static double curve_at(const sample *s, size_t texel, double depth)
+static double curve_at(const curve_maps *s, size_t texel, double depth)
 {
     const uint32_t *nodes = s->nodes + s->first[texel];
     double          left  = 65535;
@@ -112,18 +84,19 @@ static int place_of(int light, const double *p, double *u, double *v, double *me
     return light == 2 ? 0 : map;
 }
 
-static double left_at(const sample *s, int light, const double *p)
+static double left_at(const curve_maps *s, int light, const double *p)
 {
     double u, v, metres, left = 0;
     int    map = place_of(light, p, &u, &v, &metres);
     if (map < 0) return 1;
-    u                = u * SIDE / (1 << LEVELS) - 0.5;
-    v                = v * SIDE / (1 << LEVELS) - 0.5;
+    u                = u * CURVES_SIDE / (1 << LEVELS) - 0.5;
+    v                = v * CURVES_SIDE / (1 << LEVELS) - 0.5;
     double within[2] = {u - floor(u), v - floor(v)}, depth = (metres - (double)first_metres[light]) / (double)step_metres;
     for (int n = 0; n < 4; n++) {
-        size_t x = (size_t)fmin(fmax(floor(u) + (n & 1), 0), SIDE - 1), y = (size_t)fmin(fmax(floor(v) + (n >> 1), 0), SIDE - 1);
+        size_t x = (size_t)fmin(fmax(floor(u) + (n & 1), 0), CURVES_SIDE - 1),
+               y = (size_t)fmin(fmax(floor(v) + (n >> 1), 0), CURVES_SIDE - 1);
         left += (n & 1 ? within[0] : 1 - within[0]) * (n > 1 ? within[1] : 1 - within[1]) *
-                curve_at(s, (size_t)map * TEXELS + 64 * (x / 8 + SIDE / 8 * (y / 8)) + x % 8 + 8 * (y % 8), depth);
+                curve_at(s, (size_t)map * CURVES_A_MAP + 64 * (x / 8 + CURVES_SIDE / 8 * (y / 8)) + x % 8 + 8 * (y % 8), depth);
     }
     return left;
 }
@@ -131,11 +104,11 @@ static double left_at(const sample *s, int light, const double *p)
 static void test_lookups_weigh_four_curves(void **state)
 {
     (void)state;
-    static sample samples[LIGHTS];
-    rng           r    = {3};
-    vxs_bytes     file = smoky_file(samples, 15);
-    vxs_asset    *asset;
-    uint32_t      dimmed = 0, outside = 0;
+    static curve_maps samples[LIGHTS];
+    rng               r    = {3};
+    vxs_bytes         file = smoky_file(samples, 15);
+    vxs_asset        *asset;
+    uint32_t          dimmed = 0, outside = 0;
     assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
     for (int n = 0; n < 40000; n++) {
         int    light = n % LIGHTS;
@@ -158,7 +131,7 @@ static void test_lookups_weigh_four_curves(void **state)
 static void test_any_number_is_answered(void **state)
 {
     (void)state;
-    static sample       samples[LIGHTS];
+    static curve_maps   samples[LIGHTS];
     static const double far[] = {0, -1e-310, 1, -1e30, 1e154, -1e300, INFINITY, -INFINITY, NAN};
     vxs_bytes           file  = smoky_file(samples, 15);
     vxs_asset          *asset;
@@ -177,10 +150,10 @@ static void test_any_number_is_answered(void **state)
 static void test_lights_without_smoke_lose_nothing(void **state)
 {
     (void)state;
-    static sample samples[LIGHTS];
-    vxs_bytes     file = smoky_file(samples, 4), plain = smoky_file(samples, 0);
-    vxs_asset    *asset, *without;
-    const double  p[3] = {-1, 2, 3.2};
+    static curve_maps samples[LIGHTS];
+    vxs_bytes         file = smoky_file(samples, 4), plain = smoky_file(samples, 0);
+    vxs_asset        *asset, *without;
+    const double      p[3] = {-1, 2, 3.2};
     assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
     assert_int_equal(vxs_asset_open(&without, plain.data, plain.size_bytes, NULL), VXS_OK);
     for (uint32_t n = 0; n < LIGHTS; n++) {
@@ -189,7 +162,7 @@ static void test_lights_without_smoke_lose_nothing(void **state)
         assert_memory_equal(a->words, b->words, a->word_count * sizeof *a->words);
         assert_null(vxs_asset_smoke(without, n));
         if (n == 2)
-            assert_int_equal(vxs_asset_smoke(asset, n)->side_px, SIDE);
+            assert_int_equal(vxs_asset_smoke(asset, n)->side_px, CURVES_SIDE);
         else
             assert_null(vxs_asset_smoke(asset, n));
         assert_true(vxs_smoke_lookup(&a->light, NULL, p) == 1);
@@ -206,8 +179,8 @@ static void test_lights_without_smoke_lose_nothing(void **state)
 /* The file with smoke of the sun alone, changed. */
 static void refused_when(void (*change)(part *smoke), int number)
 {
-    static sample samples[LIGHTS];
-    vxs_bytes     file = smoky_file(samples, SOLE_LIGHT);
+    static curve_maps samples[LIGHTS];
+    vxs_bytes         file = smoky_file(samples, SOLE_LIGHT);
     refused_with(&file, VXS_KIND_SMOKE, change, number);
     free(file.data);
 }
@@ -291,8 +264,8 @@ static void test_broken_rules_have_findings(void **state)
 static void test_smoke_is_there_once(void **state)
 {
     (void)state;
-    static sample samples[LIGHTS];
-    vxs_bytes     file = smoky_file(samples, SOLE_LIGHT);
+    static curve_maps samples[LIGHTS];
+    vxs_bytes         file = smoky_file(samples, SOLE_LIGHT);
     refused_twice(&file, VXS_KIND_SMOKE);
     free(file.data);
 }
@@ -301,10 +274,10 @@ static void test_smoke_is_there_once(void **state)
 static void test_any_change_is_found_or_harmless(void **state)
 {
     (void)state;
-    static sample samples[LIGHTS];
-    vxs_bytes     file = smoky_file(samples, SOLE_LIGHT);
-    parts         p;
-    rng           r = {5};
+    static curve_maps samples[LIGHTS];
+    vxs_bytes         file = smoky_file(samples, SOLE_LIGHT);
+    parts             p;
+    rng               r = {5};
     take_apart(&p, &file);
     part *smoke = find_part(&p, VXS_KIND_SMOKE, 0);
     for (int n = 0; n < 400; n++) {
@@ -333,10 +306,10 @@ static void test_any_change_is_found_or_harmless(void **state)
 static void test_memory_is_bounded_and_given_back(void **state)
 {
     (void)state;
-    static sample samples[LIGHTS];
-    vxs_bytes     file   = smoky_file(samples, 15);
-    alloc_fail    needed = {0};
-    vxs_asset    *asset;
+    static curve_maps samples[LIGHTS];
+    vxs_bytes         file   = smoky_file(samples, 15);
+    alloc_fail        needed = {0};
+    vxs_asset        *asset;
     for (uint64_t at = 0; !at || at <= needed.calls; at++) {
         alloc_fail    memory    = {.fail_at = at};
         vxs_allocator allocator = alloc_fail_allocator(at ? &memory : &needed);
@@ -360,15 +333,15 @@ static void test_memory_is_bounded_and_given_back(void **state)
 static void test_what_has_no_room_is_not_written(void **state)
 {
     (void)state;
-    static sample samples[LIGHTS];
-    vxs_bytes     file = smoky_file(samples, SOLE_LIGHT), plain = smoky_file(samples, 0), out = {0};
-    vxs_contents  contents, smoky;
+    static curve_maps samples[LIGHTS];
+    vxs_bytes         file = smoky_file(samples, SOLE_LIGHT), plain = smoky_file(samples, 0), out = {0};
+    vxs_contents      contents, smoky;
     assert_int_equal(vxs_read(&contents, plain.data, plain.size_bytes, NULL), VXS_OK);
     assert_int_equal(vxs_read(&smoky, file.data, file.size_bytes, NULL), VXS_OK);
-    uint8_t        counts[TEXELS] = {2};
-    uint32_t       nodes[20]      = {5 | 9u << 16, 4 | 9u << 16};
-    vxs_smoke_view views[LIGHTS]  = {{SIDE_LOG2, 0, 1, counts, nodes}};
-    const size_t   size           = plain.size_bytes;
+    uint8_t        counts[CURVES_A_MAP] = {2};
+    uint32_t       nodes[20]            = {5 | 9u << 16, 4 | 9u << 16};
+    vxs_smoke_view views[LIGHTS]        = {{CURVES_LOG2, 0, 1, counts, nodes}};
+    const size_t   size                 = plain.size_bytes;
     assert_int_equal(vxs_write_smoke(&out, plain.data, size, &contents, views, 3), VXS_E_ARGUMENT); /* back in depth */
     nodes[1] = 5 | 10u << 16;
     assert_int_equal(vxs_write_smoke(&out, plain.data, size, &contents, views, 3), VXS_E_ARGUMENT); /* light comes back */
@@ -383,7 +356,7 @@ static void test_what_has_no_room_is_not_written(void **state)
     views[0].step_metres = 1;
     views[0].levels      = LEVELS + 1;
     assert_int_equal(vxs_write_smoke(&out, plain.data, size, &contents, views, 3), VXS_E_ARGUMENT);
-    views[0].levels = SIDE_LOG2;
+    views[0].levels = CURVES_LOG2;
     assert_int_equal(vxs_write_smoke(&out, plain.data, size, &contents, views, 3), VXS_OK);
     vxs_contents_free(&contents);
     vxs_contents_free(&smoky);
