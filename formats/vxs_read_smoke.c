@@ -127,28 +127,63 @@ static int decode(const smoke_reader *s, uint32_t *words)
     return 1;
 }
 
-static void read_light(smoke_reader *s, const vxs_light *light, vxs_baked_smoke *to)
+/* Inflate a section, and look how much it has: all of a vxs_baked_smoke but its words. 0: a finding. */
+static int open_section(smoke_reader *s, vxs_reader *r, int section, vxs_baked_smoke *to)
 {
-    if (!find_parts(s, light) || !check_counts(s)) return;
+    const vxs_section *from  = &r->out.sections[section];
+    const vxs_light   *light = &r->out.lights[from->light].light;
+    *s = (smoke_reader){.r = r, .section = section, .content = vxs_inflate(r, section, 0), .size = from->inflated_bytes};
+    if (!s->content || !find_parts(s, light) || !check_counts(s)) return 0;
     uint64_t count = HEAD_WORDS + s->tiles + (uint64_t)s->tile_count * TILE_WORDS + s->node_count;
-    if (count > INT32_MAX) { /* as indices of shaders go */
-        vxs_found(s->r, 601, s->section, 0);
-        return;
-    }
-    uint32_t *words = vxs_take(s->r, count, sizeof *words, s->section);
-    if (!words) return;
-    *to = (vxs_baked_smoke){words, (uint32_t)count, 1u << s->levels, s->tile_count, s->node_count, (uint32_t)s->section};
-    decode(s, words);
+    if (count > INT32_MAX) return vxs_found(r, 601, section, 0), 0; /* as indices of shaders go */
+    *to = (vxs_baked_smoke){NULL, (uint32_t)count, 1u << s->levels, s->tile_count, s->node_count, (uint32_t)section};
+    return 1;
 }
 
-static void read_section(vxs_reader *r, int section)
+static void close_section(const smoke_reader *s)
 {
-    const vxs_section *from    = &r->out.sections[section];
-    uint8_t           *content = vxs_inflate(r, section, 0);
-    smoke_reader       s       = {.r = r, .section = section, .content = content, .size = from->inflated_bytes};
-    if (!content) return;
-    read_light(&s, &r->out.lights[from->light].light, &r->smoke[from->light]);
-    vxs_give_back(r, content, from->inflated_bytes, 1);
+    vxs_give_back(s->r, (void *)s->content, s->size, 1);
+}
+
+void vxs_measure_smoke(vxs_reader *r, int section, vxs_baked_smoke *to)
+{
+    smoke_reader s;
+    open_section(&s, r, section, to);
+    close_section(&s);
+}
+
+void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32_t *words)
+{
+    smoke_reader    s;
+    vxs_baked_smoke now;
+    if (open_section(&s, r, (int)measured->section, &now)) {
+        if (now.word_count == measured->word_count)
+            decode(&s, words);
+        else
+            vxs_found(r, 601, s.section, 0); /* other bytes than a moment ago */
+    }
+    close_section(&s);
+}
+
+static void read_section(vxs_reader *r, int section, vxs_baked_smoke *to)
+{
+    smoke_reader    s;
+    vxs_baked_smoke found;
+    uint32_t       *words = NULL;
+    if (open_section(&s, r, section, &found)) words = vxs_take(r, found.word_count, sizeof *words, section);
+    if (words) {
+        *to       = found;
+        to->words = words;
+        decode(&s, words);
+    }
+    close_section(&s);
+}
+
+int vxs_find_smoke(const vxs_reader *r, uint32_t light)
+{
+    for (uint32_t n = 0; n < r->out.section_count; n++)
+        if (r->out.sections[n].kind == VXS_KIND_SMOKE && r->out.sections[n].light == light) return (int)n;
+    return -1;
 }
 
 void vxs_read_smoke(vxs_reader *r)
@@ -160,7 +195,7 @@ void vxs_read_smoke(vxs_reader *r)
             if (!(r->smoke = vxs_take(r, r->out.light_count, sizeof *r->smoke, (int)n))) return;
             memset(r->smoke, 0, r->out.light_count * sizeof *r->smoke);
         }
-        if (!r->smoke[s->light].words) read_section(r, (int)n);
+        if (!r->smoke[s->light].words) read_section(r, (int)n, &r->smoke[s->light]);
     }
 }
 

@@ -81,6 +81,15 @@ void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked);
 /* Check the smoke of all lights that have some, and lay out its words. */
 void vxs_read_smoke(vxs_reader *r);
 
+/* The section of a light's smoke; -1: it has none. */
+int vxs_find_smoke(const vxs_reader *r, uint32_t light);
+
+/* How much a section of smoke has, checked but for its curves: all of a vxs_baked_smoke but its words. */
+void vxs_measure_smoke(vxs_reader *r, int section, vxs_baked_smoke *to);
+
+/* Check it again, and its curves, and lay out its words.   words  [measured->word_count] */
+void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32_t *words);
+
 /* smoke  [count] NULL: there is none */
 void vxs_smoke_free(vxs_baked_smoke *smoke, uint32_t count, const vxs_allocator *allocator);
 

@@ -150,6 +150,11 @@ const vxs_baked_light *vxs_stream_find_light(const vxs_stream *s, const char *na
     return NULL;
 }
 
+const vxs_baked_smoke *vxs_stream_smoke(const vxs_stream *s, uint32_t index)
+{
+    return index < s->light_count && s->lights[index].smoke.words ? &s->lights[index].smoke : NULL;
+}
+
 const uint32_t *vxs_stream_words(const vxs_stream *s, uint32_t *count)
 {
     *count = s->word_count;

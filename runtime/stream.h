@@ -10,7 +10,7 @@
  *
  * The block, in this order; the array of words is all from `words` to its end, tail and all:
  *
- *     vxs_stream | lights | pages | lists | tools | words: resident parts | room for pages | tail: nodes of tools, buffers of requests
+ *     vxs_stream | lights | pages | lists | tools | words: resident parts, smoke | room for pages | tail: nodes of tools, buffers of requests
  *
  * Who may touch what: lights and what is constant of pages, anybody. The rest of pages, lists, and words of tables of pages: the frame.
  * Requests: under the lock; but what one decodes to and from, who has it in hand.
@@ -33,6 +33,7 @@ enum {
 typedef struct stream_light {
     vxs_paged_light paged; /* nodes and page_first are gone when open ends */
     uint32_t        first_word, first_page, page_count;
+    vxs_baked_smoke smoke; /* words NULL: it has none */
 } stream_light;
 
 typedef enum page_state { PAGE_AWAY, PAGE_COMING, PAGE_HERE, PAGE_BROKEN } page_state;

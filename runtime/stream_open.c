@@ -1,8 +1,8 @@
 /* Opening a stream: from a file to one block of memory.
  *
- * First all is read that says how large things are (stream_plan.c): header, directory, table of lights, and of each light of palette
- * blocks the first bytes of its resident part. Then the block is taken, laid out, and filled light by light; what that needs for a while lies in the room
- * where pages will be, so that nothing else is allocated.
+ * First all is read that says how large things are (stream_plan.c): header, directory, table of lights, of each light of palette blocks
+ * the first bytes of its resident part, and smoke. Then the block is taken, laid out, and filled light by light; what that needs for a
+ * while lies in the room where pages will be, so that nothing else is allocated.
  * SPDX-License-Identifier: MIT */
 #include <float.h>
 #include <stddef.h>
@@ -210,24 +210,48 @@ static int fill_dag(opening *o, const stream_light *light, const light_plan *pla
     return o->r.result == VXS_OK;
 }
 
+/* The room is free. */
+static void begin_work(opening *o)
+{
+    o->work          = (uint8_t *)(o->s->words + o->s->room_first);
+    o->work_end      = (uint8_t *)(o->s->words + o->s->room_end);
+    o->r.memory_left = (uint64_t)(o->work_end - o->work);
+    o->loaded        = NULL;
+}
+
 static int fill_light(opening *o, uint32_t n)
 {
     vxs_stream       *s     = o->s;
     const light_plan *plan  = &o->lights[n];
     stream_light     *light = &s->lights[n];
-    o->work                 = (uint8_t *)(s->words + s->room_first);
-    o->work_end             = (uint8_t *)(s->words + s->room_end);
-    o->r.memory_left        = (uint64_t)(o->work_end - o->work);
-    o->loaded               = NULL;
-    light->first_word       = n ? s->lights[n - 1].first_word + o->lights[n - 1].word_count : 0;
-    light->first_page       = n ? s->lights[n - 1].first_page + s->lights[n - 1].page_count : 0;
-    light->page_count       = plan->sizes.page_count;
-    int blocks              = o->r.out.lights[plan->number].light.coding == VXS_CODING_BLOCKS;
+    begin_work(o);
+    light->first_word = n ? s->lights[n - 1].first_word + o->lights[n - 1].word_count : 0;
+    light->first_page = n ? s->lights[n - 1].first_page + s->lights[n - 1].page_count : 0;
+    light->page_count = plan->sizes.page_count;
+    int blocks        = o->r.out.lights[plan->number].light.coding == VXS_CODING_BLOCKS;
     if (!(blocks ? fill_blocks(o, light, plan) : fill_dag(o, light, plan))) return 0;
     s->baked[n]            = o->r.out.lights[plan->number];
     s->baked[n].words      = s->words + light->first_word;
     s->baked[n].word_count = plan->word_count;
     s->baked[n].part_count = 0;
+    return 1;
+}
+
+/* Smoke of each light that has some, behind the words of all lights. */
+static int fill_smoke(opening *o)
+{
+    vxs_stream *s  = o->s;
+    uint32_t   *at = s->words + s->lights[s->light_count - 1].first_word + o->lights[s->light_count - 1].word_count;
+    for (uint32_t n = 0; n < s->light_count; n++) {
+        const vxs_baked_smoke *measured = &o->lights[n].smoke;
+        if (!measured->word_count) continue;
+        begin_work(o);
+        vxs_read_smoke_words(&o->r, measured, at);
+        if (o->r.result != VXS_OK) return 0;
+        s->lights[n].smoke       = *measured;
+        s->lights[n].smoke.words = at;
+        at += measured->word_count;
+    }
     return 1;
 }
 
@@ -282,6 +306,7 @@ static int fill_block(opening *o)
     o->s->source       = o->source;
     o->r.allocator     = (vxs_allocator){take_work, free_work, o};
     for (uint32_t n = 0; n < o->light_count && good; n++) good = fill_light(o, n);
+    good             = good && fill_smoke(o);
     o->loaded        = NULL;
     o->r.allocator   = real;
     o->r.memory_left = left;

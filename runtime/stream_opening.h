@@ -13,6 +13,7 @@ typedef struct light_plan {
     vxs_resident_sizes sizes;
     uint32_t           word_count; /* of its resident part, or of all of a DAG */
     uint64_t           work_bytes; /* while it is read */
+    vxs_baked_smoke    smoke;      /* without words; all 0: it has none */
 } light_plan;
 
 typedef struct opening {

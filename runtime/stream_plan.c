@@ -87,7 +87,7 @@ static void plan_dag(opening *o, light_plan *l)
     l->word_count = o->r.out.lights[l->number].word_count;
     for (uint32_t n = 0; n < o->r.out.section_count; n++) {
         const vxs_section *s = &o->r.out.sections[n];
-        if (s->light != l->number) continue;
+        if (s->light != l->number || !vxs_is_dag_section(s->kind)) continue;
         l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->stored_bytes, s->inflated_bytes));
         l->work_bytes = sum_or_max(l->work_bytes, sum_or_max(s->inflated_bytes, sum_or_max(s->inflated_bytes, 256)));
     }
@@ -121,6 +121,19 @@ static int plan_blocks(opening *o, light_plan *l)
     return 1;
 }
 
+/* How many words smoke has is known only from its content, which is read again when there is room for them. */
+static int plan_smoke(opening *o, light_plan *l)
+{
+    int section = vxs_find_smoke(&o->r, l->number);
+    if (section < 0) return 1;
+    const vxs_section *s     = &o->r.out.sections[section];
+    uint64_t           bytes = sum_or_max(sum_or_max(s->stored_bytes, s->inflated_bytes), 256);
+    vxs_measure_smoke(&o->r, section, &l->smoke);
+    vxs_stream_forget_loaded(o);
+    if (bytes > l->work_bytes) l->work_bytes = bytes;
+    return o->r.result == VXS_OK;
+}
+
 int vxs_stream_plan(opening *o)
 {
     if (!choose_lights(o)) return 0;
@@ -130,7 +143,8 @@ int vxs_stream_plan(opening *o)
             plan_dag(o, l);
         else if (!plan_blocks(o, l))
             return 0;
-        o->resident_words += l->word_count;
+        if (!plan_smoke(o, l)) return 0;
+        o->resident_words += l->word_count + (uint64_t)l->smoke.word_count;
         if (l->work_bytes > o->work_bytes) o->work_bytes = l->work_bytes;
     }
     o->resident_words = (o->resident_words + VXS_BLOCKS_SPARE_WORDS + ROOM_ALIGN - 1) / ROOM_ALIGN * ROOM_ALIGN;

@@ -55,7 +55,7 @@ const vxs_baked_light *vxs_asset_light(const vxs_asset *asset, uint32_t index);
 /* The light of a name, or NULL; of no name, NULL. */
 const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *name);
 
-/* What baked smoke leaves of light `index`; NULL where it has none. Valid until vxs_asset_close. Streams (vxs_stream.h) read none. */
+/* What baked smoke leaves of light `index`; NULL where it has none. Valid until vxs_asset_close. */
 const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index);
 
 /* Points of the surfaces that cast shadow, for techniques that draw them; NULL where the file has none. Valid until vxs_asset_close. Streams read none. */
@@ -114,8 +114,8 @@ void vxs_lookup_many(const vxs_baked_light *baked, const double *points_ws, cons
 
 /* How much light baked smoke leaves on its way to a point: 0 to 1, never NaN. What reaches a point is vxs_lookup times this: smoke is baked as far as light
  * comes, and behind that this means nothing. Four curves are asked, and what they say is weighed by where the point lies between texels.
- * light     that of vxs_asset_light
- * smoke     that of vxs_asset_smoke; NULL: none, and all light is left
+ * light     that of vxs_asset_light or vxs_stream_light
+ * smoke     that of vxs_asset_smoke or vxs_stream_smoke; NULL: none, and all light is left
  * point_ws  any numbers; all light is left outside the light's volume (vxs_voxel), and beside the maps of suns
  * Cost: four searches among 16 nodes at most. Threads: any. */
 float vxs_smoke_lookup(const vxs_light *light, const vxs_baked_smoke *smoke, const double point_ws[3]);

@@ -13,17 +13,18 @@
  * Open reads what all lookups need: the resident part of each light, with its coarse level. Lights of palette blocks have pages besides,
  * which come by distance and leave by least recent use; where one is missing, answers are the coarse level's (formats/vxs.md 13.1), for
  * all taps of a filter at once, and vxs_lookup_is_full says so. A light that is a DAG has no pages: all of it is read by open.
+ * So is baked smoke of lights that have some: it is always there, and vxs_smoke_lookup says what it says of the file opened whole.
  *
  * **Frames.** Which pages are there changes in vxs_stream_frame and nowhere else. During that call nobody may look up; at any other time
  * any number of threads may, while pages are read and decoded where no lookup goes.
  *
  * **Memory.** Everything that a stream holds is one block, taken by open from the allocator and never more than the budget: bookkeeping,
- * what threads decode by (0.4 MiB each, 0.15 where pages are packed fast), buffers for reads, and the words of lights. While open works it
+ * what threads decode by (0.4 MiB each, 0.15 where pages are packed fast), buffers for reads, and the words of lights and of their smoke. While open works it
  * takes some more besides for the directory, within the budget too. Not counted are the contexts of zstd, some 160 KiB for each
  * thread that decodes, and stacks of threads. After open nothing is allocated.
  *
- * **Words.** The words of all lights lie in one array, resident parts first, pages behind them, so that a GPU's copy is one buffer or
- * texture: vxs_gl.h keeps one. By hand, upload it once, and after each frame the ranges that vxs_stream_changes names.
+ * **Words.** The words of all lights lie in one array, resident parts first, then smoke, pages behind them, so that a GPU's copy is one
+ * buffer or texture: vxs_gl.h keeps one. By hand, upload it once, and after each frame the ranges that vxs_stream_changes names.
  *
  * A stream keeps no global state and never prints. Bytes may be hostile: all are checked before they are looked up.
  * SPDX-License-Identifier: MIT */
@@ -90,7 +91,8 @@ typedef struct vxs_stream_desc {
     void *metadata_user;
 } vxs_stream_desc;
 
-/* Open a file: header, directory, table of lights, and of each light that is wanted its resident part and its table of pages.
+/* Open a file: header, directory, table of lights, and of each light that is wanted its resident part, its table of pages and its smoke.
+ * Smoke is read twice, since how much room it takes is seen only inside.
  * stream  [out] NULL on failure
  * Returns VXS_OK; VXS_E_ARGUMENT: not one source, too many threads or requests, no light of a name, a struct_size as for vxs_read;
  * VXS_E_READ; VXS_E_MEMORY: no memory, or more is needed than the budget (then finding 211); VXS_E_NOT_VXS and others as vxs_asset_open.
@@ -108,6 +110,10 @@ const vxs_baked_light *vxs_stream_light(const vxs_stream *stream, uint32_t index
 
 /* The light of a name, or NULL; of no name, NULL. */
 const vxs_baked_light *vxs_stream_find_light(const vxs_stream *stream, const char *name);
+
+/* What baked smoke leaves of light `index`, for vxs_smoke_lookup; NULL where it has none. Valid until vxs_stream_close, during frames, too. Among the
+ * words of all lights it starts at number smoke->words - vxs_stream_words(stream, &count). */
+const vxs_baked_smoke *vxs_stream_smoke(const vxs_stream *stream, uint32_t index);
 
 /* Where lookups will be: a box in world space, metres; of a camera both ends are its position. One with a number that is not finite, or of
  * which an end is beyond the other, asks for nothing. */
@@ -128,7 +134,7 @@ static inline vxs_stream_focus vxs_stream_camera(const double position_ws[3], do
 typedef struct vxs_stream_status {
     size_t   struct_size;
     uint64_t bytes_held;     /* all of it: the block. Never more than the budget */
-    uint64_t bytes_resident; /* of it, words of resident parts and of pages that are there */
+    uint64_t bytes_resident; /* of it, words of resident parts, of smoke, and of pages that are there */
     uint64_t bytes_room;     /* of it, room for pages */
     uint64_t bytes_read;     /* since open began */
     uint32_t pages;          /* of all lights */

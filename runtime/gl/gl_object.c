@@ -107,10 +107,21 @@ static uint64_t lights_of_asset(vxs_gl *gl, const vxs_asset *asset)
 static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
 {
     if (desc->asset) return vxs_asset_smoke(desc->asset, light);
-    return desc->smoke ? desc->smoke[light] : NULL;
+    if (desc->smoke) return desc->smoke[light];
+    return desc->stream ? vxs_stream_smoke(desc->stream, light) : NULL;
 }
 
-/* Behind all lights' words a table of where each one's smoke starts, and what smoke there is.
+/* Where smoke starts among the words, or will: a stream's own is there.   words  [in, out] how many there are.   0: no smoke */
+static uint32_t place_of(const vxs_gl_desc *desc, const vxs_baked_smoke *smoke, uint64_t *words)
+{
+    uint32_t count, at = (uint32_t)*words;
+    if (!smoke) return 0;
+    if (desc->stream && !desc->smoke) return (uint32_t)(smoke->words - vxs_stream_words(desc->stream, &count));
+    *words += smoke->word_count;
+    return at;
+}
+
+/* Behind all lights' words a table of where each one's smoke starts, and what smoke is not among them.
  * words  [in, out] how many there are */
 static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *words)
 {
@@ -120,11 +131,7 @@ static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *wor
     if (!(gl->smoke = vxs_gl_take(gl, gl->light_count, sizeof *gl->smoke))) return VXS_E_MEMORY;
     gl->smoke_word = (uint32_t)*words;
     *words += gl->light_count;
-    for (uint32_t n = 0; n < gl->light_count; n++) {
-        const vxs_baked_smoke *smoke = smoke_of(desc, n);
-        gl->smoke[n]                 = smoke ? (uint32_t)*words : 0;
-        *words += smoke ? smoke->word_count : 0;
-    }
+    for (uint32_t n = 0; n < gl->light_count; n++) gl->smoke[n] = place_of(desc, smoke_of(desc, n), words);
     return VXS_OK;
 }
 

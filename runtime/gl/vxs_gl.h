@@ -65,10 +65,10 @@ typedef struct vxs_gl_desc {
 
     uint32_t first_binding; /* buffers take this binding of storage buffers and the next two; textures such texture units */
 
-    const vxs_stream *stream; /* without an asset: all its lights, whose pages vxs_gl_upload follows; borrowed until vxs_gl_destroy */
+    const vxs_stream *stream; /* without an asset: all its lights and smoke; vxs_gl_upload follows its pages. Borrowed until vxs_gl_destroy */
 
-    /* without an asset: [lights] baked smoke of each, NULL: it has none; NULL: no light has any. Its words are borrowed until
-     * vxs_gl_upload returns 0 */
+    /* without an asset: [lights] baked smoke of each, NULL: it has none; NULL: that of the stream, and without one no light has any. Its
+     * words are borrowed until vxs_gl_upload returns 0 */
     const vxs_baked_smoke *const *smoke;
 } vxs_gl_desc;
 

@@ -181,7 +181,11 @@ static void stream_file(const uint8_t *data, size_t size, const vxs_asset *whole
             const vxs_baked_light *light = vxs_stream_light(stream, n);
             double                 point[3];
             look_up(light, &random);
+            look_through_smoke(&light->light, vxs_stream_smoke(stream, n), &random);
             point_ws(&light->light, &random, point);
+            if (whole)
+                FUZZ_CHECK(vxs_smoke_lookup(&light->light, vxs_stream_smoke(stream, n), point) ==
+                           vxs_smoke_lookup(&light->light, vxs_asset_smoke(whole, n), point));
             if (!whole || !vxs_lookup_is_full(light, point, NULL, 9)) continue;
             FUZZ_CHECK(vxs_lookup(light, point, NULL, 9) == vxs_lookup(vxs_asset_light(whole, n), point, NULL, 9));
         }
