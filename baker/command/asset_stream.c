@@ -129,7 +129,7 @@ static vxs_result list_lights(asset_stream *s, message *m)
 }
 
 vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names,
-                             const vxs_baked_light **lights, uint32_t *light_count, message *m)
+                             const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m)
 {
     first_finding f = {0};
     *s              = (asset_stream){.path = path};
@@ -148,8 +148,9 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
         r                 = open_stream(s, &desc);
     }
     if (r != VXS_OK) return fail_opening(s, &desc, r, &f, m);
-    r = list_lights(s, m);
-    return r == VXS_OK ? asset_choose_lights(&s->contents, path, names, lights, light_count, m) : r;
+    if ((r = list_lights(s, m)) != VXS_OK) return r;
+    for (uint32_t n = 0; n < s->contents.light_count; n++) smoke[n] = vxs_stream_smoke(s->stream, n);
+    return asset_choose_lights(&s->contents, path, names, lights, light_count, m);
 }
 
 vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m)

@@ -1,6 +1,7 @@
 /* vxs render: a scene in the shadows of a .vxs file, drawn with OpenGL as a game would, or by rays.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/bake/provenance.h"
 #include "baker/base/box.h"
@@ -123,7 +124,7 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     vxs_result r;
     *contents = &s->stream.contents;
     if (c->budget_given) {
-        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, s->lights, &s->light_count, m);
+        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, s->lights, s->smoke, &s->light_count, m);
         c->options.stream = s->stream.stream;
         return r;
     }
@@ -132,7 +133,6 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     c->options.area_points = vxs_asset_points(s->asset);
     r                      = asset_choose_lights(*contents, c->asset_path, &c->light_names, s->lights, &s->light_count, m);
     if (r == VXS_OK) asset_find_smoke(s->asset, s->lights, s->light_count, s->smoke);
-    c->options.baked_smoke = s->smoke;
     return r;
 }
 
@@ -159,8 +159,9 @@ static vxs_result load(render_command *c, subject *s, message *m)
     vxs_result          r;
     if ((r = open_asset(c, s, &contents, m)) != VXS_OK) goto done;
     if ((r = provenance_read(&made, contents, m)) != VXS_OK) goto done;
+    c->options.baked_smoke = s->smoke;
     if (c->options.smoke == SMOKE_ON && has_capsules(made))
-        c->options.baked_smoke = NULL; /* drawn from the scene, they would dim light twice */
+        memset(s->smoke, 0, sizeof s->smoke); /* drawn from the scene, they would dim light twice */
     if ((r = asset_scene_choice(made, &c->choice, m)) != VXS_OK) goto done;
     if ((r = scene_load_gltf(&s->scene, c->scene_path, &c->choice, m)) != VXS_OK) goto done;
     r = asset_check_scene(contents, made, c->asset_path, &s->scene, c->scene_path, "its shadows may not fit", m);

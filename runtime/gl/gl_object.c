@@ -111,12 +111,14 @@ static const vxs_baked_smoke *smoke_of(const vxs_gl_desc *desc, uint32_t light)
     return desc->stream ? vxs_stream_smoke(desc->stream, light) : NULL;
 }
 
-/* Where smoke starts among the words, or will: a stream's own is there.   words  [in, out] how many there are.   0: no smoke */
-static uint32_t place_of(const vxs_gl_desc *desc, const vxs_baked_smoke *smoke, uint64_t *words)
+/* Where a light's smoke starts among the words, or will: a stream's own is there.   words  [in, out] how many there are.   0: no smoke */
+static uint32_t place_of(const vxs_gl_desc *desc, uint32_t light, uint64_t *words)
 {
-    uint32_t count, at = (uint32_t)*words;
+    const vxs_baked_smoke *smoke = smoke_of(desc, light);
+    uint32_t               count, at = (uint32_t)*words;
     if (!smoke) return 0;
-    if (desc->stream && !desc->smoke) return (uint32_t)(smoke->words - vxs_stream_words(desc->stream, &count));
+    if (desc->stream && smoke == vxs_stream_smoke(desc->stream, light))
+        return (uint32_t)(smoke->words - vxs_stream_words(desc->stream, &count));
     *words += smoke->word_count;
     return at;
 }
@@ -131,7 +133,7 @@ static vxs_result place_smoke(vxs_gl *gl, const vxs_gl_desc *desc, uint64_t *wor
     if (!(gl->smoke = vxs_gl_take(gl, gl->light_count, sizeof *gl->smoke))) return VXS_E_MEMORY;
     gl->smoke_word = (uint32_t)*words;
     *words += gl->light_count;
-    for (uint32_t n = 0; n < gl->light_count; n++) gl->smoke[n] = place_of(desc, smoke_of(desc, n), words);
+    for (uint32_t n = 0; n < gl->light_count; n++) gl->smoke[n] = place_of(desc, n, words);
     return VXS_OK;
 }
 
