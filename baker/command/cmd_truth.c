@@ -41,7 +41,7 @@ typedef struct traced_like {
     int                    filter_px;
 } traced_like;
 
-static void trace(const void *user, const query_point *point, float *lit)
+static int trace(void *user, const query_point *point, float *lit)
 {
     const traced *q = user;
     double        from_ws[3];
@@ -51,9 +51,10 @@ static void trace(const void *user, const query_point *point, float *lit)
         const light_shape *light = &q->lights->lights[n].shape;
         lit[n]                   = light_reaches(light, point->position_ws) ? (float)truth_lit(q->truth, from_ws, light) : -1;
     }
+    return 1;
 }
 
-static void trace_like(const void *user, const query_point *point, float *lit)
+static int trace_like(void *user, const query_point *point, float *lit)
 {
     const traced_like *q = user;
     for (uint32_t n = 0; n < q->light_count; n++) {
@@ -61,6 +62,7 @@ static void trace_like(const void *user, const query_point *point, float *lit)
         filter_taps taps = filter_taps_of(light, point->position_ws, point->has_normal ? point->normal_ws : NULL, q->filter_px);
         lit[n]           = taps.map < 0 ? -1 : (float)truth_filtered(q->truth, light, &q->shapes[n], &taps);
     }
+    return 1;
 }
 
 static vxs_result check_options(const truth_options *o, message *m)

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,17 +162,19 @@ vxs_result points_check_input(const char *name, const char *path, message *m)
 
 typedef struct block {
     point_answer answer;
-    const void  *user;
+    void        *user;
     size_t       light_count, capacity;
     query_point *points; /* [capacity] */
     float       *lit;    /* [capacity * light_count] */
+    atomic_int   fails;  /* a point has no answer */
 } block;
 
 static void answer_points(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    const block *b = user;
+    block *b = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) b->answer(b->user, &b->points[n], &b->lit[n * b->light_count]);
+    for (size_t n = begin; n < end && !b->fails; n++)
+        if (!b->answer(b->user, &b->points[n], &b->lit[n * b->light_count])) b->fails = 1;
 }
 
 static void print_answer(float lit, char end)
@@ -184,7 +187,7 @@ static void print_answer(float lit, char end)
         printf("%.6g%c", (double)lit, end);
 }
 
-vxs_result points_answer(point_answer answer, const void *user, size_t light_count, uint32_t threads, message *m)
+vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m)
 {
     point_reader reader = {.file = stdin, .name = "standard input"};
     vxs_result   r      = run_files_check_input("-", reader.name, m);
@@ -203,6 +206,7 @@ vxs_result points_answer(point_answer answer, const void *user, size_t light_cou
     do {
         if ((r = points_read(&reader, b.points, b.capacity, &count, m)) != VXS_OK) goto done;
         parallel_for(threads, count, POINTS_AT_A_TIME, answer_points, &b);
+        if (b.fails) goto done;
         for (size_t n = 0; n < count * light_count; n++) print_answer(b.lit[n], (n + 1) % light_count ? ' ' : '\n');
         if (fflush(stdout) || ferror(stdout)) {
             r = standard_output_is_deserted() ? VXS_E_DESERTED

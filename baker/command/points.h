@@ -41,16 +41,19 @@ vxs_result points_read(point_reader *reader, query_point *points, size_t capacit
 
 /* How lit a point is by each light.
  * lit  [out] [light_count] a share, [0, 1]; negative where the point is outside the light's reach
+ * Returns 0 where it cannot be said, nor of points that follow.
  * Threads: several at once. */
-typedef void (*point_answer)(const void *user, const query_point *point, float *lit);
+typedef int (*point_answer)(void *user, const query_point *point, float *lit);
 
 /* Points have standard input: VXS_E_ARGUMENT when an operand, called `name`, is "-" as well. */
 vxs_result points_check_input(const char *name, const char *path, message *m);
 
 /* Read points from standard input to its end, and print a line for each on standard output, with a column for each light: "0", "1", a number
- * between, or "out". Points are answered in blocks; the block that a bad line is in is not.
+ * between, or "out". Points are answered in blocks; the block that a bad line is in is not,
+ * nor is the one of a point that has no answer.
  * light_count  1 or more
- * Returns VXS_OK, VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_DESERTED: nobody reads the answers any more. */
-vxs_result points_answer(point_answer answer, const void *user, size_t light_count, uint32_t threads, message *m);
+ * Returns VXS_OK, and also where a point has no answer, of which `answer` knows more; VXS_E_READ, VXS_E_WRITE, VXS_E_MEMORY, or VXS_E_DESERTED:
+ * nobody reads the answers any more. */
+vxs_result points_answer(point_answer answer, void *user, size_t light_count, uint32_t threads, message *m);
 
 #endif
