@@ -298,6 +298,17 @@ static int tell_metadata(opening *o)
     return 1;
 }
 
+/* Likewise. */
+static int tell_points(opening *o)
+{
+    vxs_baked_points *p = &o->r.points;
+    if (!o->desc->points) return 1;
+    vxs_read_points(&o->r);
+    if (o->r.result == VXS_OK && p->coordinates) o->desc->points(o->desc->points_user, p);
+    vxs_give_back(&o->r, (void *)p->coordinates, p->count, 3 * sizeof *p->coordinates);
+    return o->r.result == VXS_OK;
+}
+
 static int fill_block(opening *o)
 {
     vxs_allocator real = o->r.allocator;
@@ -319,7 +330,7 @@ static int open_all(opening *o)
 {
     if (!vxs_stream_read_head(o)) return 0;
     if (!(o->r.zstd = ZSTD_createDCtx())) return o->r.result = VXS_E_MEMORY, 0;
-    if (!vxs_read_light_table(&o->r) || !tell_metadata(o)) return 0;
+    if (!vxs_read_light_table(&o->r) || !tell_metadata(o) || !tell_points(o)) return 0;
     vxs_stream_forget_loaded(o);
     if (!vxs_stream_plan(o) || !take_block(o)) return 0;
     if (!make_tools(o) || !fill_block(o)) return 0;

@@ -58,7 +58,7 @@ const vxs_baked_light *vxs_asset_find_light(const vxs_asset *asset, const char *
 /* What baked smoke leaves of light `index`; NULL where it has none. Valid until vxs_asset_close. */
 const vxs_baked_smoke *vxs_asset_smoke(const vxs_asset *asset, uint32_t index);
 
-/* Points of the surfaces that cast shadow, for techniques that draw them; NULL where the file has none. Valid until vxs_asset_close. Streams read none. */
+/* Points of the surfaces that cast shadow, for techniques that draw them; NULL where the file has none. Valid until vxs_asset_close. */
 const vxs_baked_points *vxs_asset_points(const vxs_asset *asset);
 
 /* The same as floats.

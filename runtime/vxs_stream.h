@@ -19,9 +19,9 @@
  * any number of threads may, while pages are read and decoded where no lookup goes.
  *
  * **Memory.** Everything that a stream holds is one block, taken by open from the allocator and never more than the budget: bookkeeping,
- * what threads decode by (0.4 MiB each, 0.15 where pages are packed fast), buffers for reads, and the words of lights and of their smoke. While open works it
- * takes some more besides for the directory, within the budget too. Not counted are the contexts of zstd, some 160 KiB for each
- * thread that decodes, and stacks of threads. After open nothing is allocated.
+ * what threads decode by (0.4 MiB each, 0.15 where pages are packed fast), buffers for reads, and the words of lights and of their
+ * smoke. While open works it takes some more besides for the directory, for metadata and for points, within the budget too. Not counted
+ * are the contexts of zstd, some 160 KiB for each thread that decodes, and stacks of threads. After open nothing is allocated.
  *
  * **Words.** The words of all lights lie in one array, resident parts first, then smoke, pages behind them, so that a GPU's copy is one
  * buffer or texture: vxs_gl.h keeps one. By hand, upload it once, and after each frame the ranges that vxs_stream_changes names.
@@ -89,6 +89,9 @@ typedef struct vxs_stream_desc {
     /* Called by open with the file's metadata, if it has any: JSON text, gone when the call returns. NULL: it is left as it lies in the file */
     void (*metadata)(void *user, const char *text, size_t size_bytes);
     void *metadata_user;
+    /* Called by open with points of what casts, if the file has any, gone when the call returns. NULL: they are not read */
+    void (*points)(void *user, const vxs_baked_points *points);
+    void *points_user;
 } vxs_stream_desc;
 
 /* Open a file: header, directory, table of lights, and of each light that is wanted its resident part, its table of pages and its smoke.

@@ -32,6 +32,22 @@ static void skip_metadata(void *user, const char *text, size_t size_bytes)
     (void)size_bytes;
 }
 
+static void keep_points(void *user, const vxs_baked_points *points)
+{
+    vxs_baked_points *kept       = user;
+    const size_t      size_bytes = points->count * 3 * sizeof *points->coordinates;
+    uint16_t         *copy       = malloc(size_bytes); /* without memory they are as those of a file that has none */
+    if (!copy) return;
+    *kept             = *points;
+    kept->coordinates = memcpy(copy, points->coordinates, size_bytes);
+}
+
+static void skip_points(void *user, const vxs_baked_points *points)
+{
+    (void)user;
+    (void)points;
+}
+
 static void keep_failure(void *user, uint32_t light, uint32_t page, vxs_result result, int finding)
 {
     asset_stream *s    = user;
@@ -45,7 +61,7 @@ static void keep_failure(void *user, uint32_t light, uint32_t page, vxs_result r
         snprintf(s->broken_text, sizeof s->broken_text, "cannot be read: page %u of light '%s'", page, name);
 }
 
-static vxs_stream_desc desc_of(asset_stream *s, uint64_t budget_bytes, const text_list *names)
+static vxs_stream_desc desc_of(asset_stream *s, uint64_t budget_bytes, const text_list *names, int points)
 {
     return (vxs_stream_desc){.struct_size      = sizeof(vxs_stream_desc),
                              .path             = s->path,
@@ -57,14 +73,18 @@ static vxs_stream_desc desc_of(asset_stream *s, uint64_t budget_bytes, const tex
                              .failed           = keep_failure,
                              .failed_user      = s,
                              .metadata         = keep_metadata,
-                             .metadata_user    = &s->contents};
+                             .metadata_user    = &s->contents,
+                             .points           = points ? keep_points : NULL,
+                             .points_user      = &s->points};
 }
 
 static void forget_contents(asset_stream *s)
 {
     free(s->contents.metadata);
     free(s->contents.lights);
+    free((void *)s->points.coordinates);
     s->contents = (vxs_contents){0};
+    s->points   = (vxs_baked_points){0};
 }
 
 /* The last attempt has one thread, which needs the least. */
@@ -82,8 +102,9 @@ static int opens_within(vxs_stream_desc desc, uint64_t budget_bytes)
     vxs_stream *stream;
     desc.budget_bytes = budget_bytes;
     desc.metadata     = skip_metadata;
-    desc.finding      = NULL;
-    vxs_result r      = vxs_stream_open(&stream, &desc);
+    if (desc.points) desc.points = skip_points;
+    desc.finding = NULL;
+    vxs_result r = vxs_stream_open(&stream, &desc);
     vxs_stream_close(stream);
     return r == VXS_OK;
 }
@@ -128,7 +149,7 @@ static vxs_result list_lights(asset_stream *s, message *m)
     return VXS_OK;
 }
 
-vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names,
+vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names, int points,
                              const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m)
 {
     first_finding f = {0};
@@ -136,7 +157,7 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
     if (is_read_once(path))
         return fail(m, VXS_E_ARGUMENT, "--budget: %s is read once, from its beginning to its end: expected a file",
                     input_name(path));
-    vxs_stream_desc desc = desc_of(s, budget_bytes, names);
+    vxs_stream_desc desc = desc_of(s, budget_bytes, names, points);
     desc.finding         = keep_first_finding;
     desc.finding_user    = &f;
     errno                = 0;

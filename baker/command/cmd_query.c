@@ -88,7 +88,8 @@ static vxs_result answer_whole(query *q, message *m)
 static vxs_result answer_streamed(query *q, message *m)
 {
     streamed_query s = {.query = q, .message = m};
-    vxs_result r = asset_stream_open(&s.stream, q->path, q->budget_bytes, &q->light_names, q->lights, q->smoke, &q->light_count, m);
+    vxs_result     r =
+        asset_stream_open(&s.stream, q->path, q->budget_bytes, &q->light_names, 0, q->lights, q->smoke, &q->light_count, m);
     if (r == VXS_OK) r = points_answer(look_up_streamed, &s, column_count(q), 1, m);
     if (r == VXS_OK) r = s.result;
     if (r == VXS_OK && s.coarse)

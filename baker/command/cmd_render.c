@@ -124,8 +124,10 @@ static vxs_result open_asset(render_command *c, subject *s, const vxs_contents *
     vxs_result r;
     *contents = &s->stream.contents;
     if (c->budget_given) {
-        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, s->lights, s->smoke, &s->light_count, m);
-        c->options.stream = s->stream.stream;
+        r = asset_stream_open(&s->stream, c->asset_path, c->budget_bytes, &c->light_names, c->options.area_lamps > 0, s->lights,
+                              s->smoke, &s->light_count, m);
+        c->options.stream      = s->stream.stream;
+        c->options.area_points = s->stream.points.coordinates ? &s->stream.points : NULL;
         return r;
     }
     if ((r = asset_open(&s->asset, c->asset_path, c->options.threads, m)) != VXS_OK) return r;

@@ -1,4 +1,4 @@
-# Files with smoke that are streamed, by vxs query and vxs render with --budget: answers and pictures are those of the whole file; budgets that are too small,
+# Files with smoke and points that are streamed, by vxs query and vxs render with --budget: answers and pictures are those of the whole file; budgets that are too small,
 # pages and smoke that are damaged.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
@@ -9,6 +9,7 @@ import struct
 import pytest
 
 import small_scene
+from test_area import BESIDE, add_quads
 from test_smoke_bake import SMALL, nrrd
 
 SIZE = "--width", 48, "--height", 36, "--samples", 1
@@ -143,3 +144,24 @@ def test_smoke_of_the_scene_dims_once(vxs, tmp_path):
             vxs("render", scene, asset, "-o", tmp_path / "out.png", *SIZE, "--smoke", smoke, *budget, "--force")
             pictures[smoke, bool(budget)] = (tmp_path / "out.png").read_bytes()
     assert pictures["on", True] == pictures["on", False] != pictures["off", False] == pictures["off", True]
+
+
+def test_points_of_the_asset(vxs, tmp_path):
+    """They cast the shadows of area lights; they are within the budget while the file is opened, and without area lights nobody asks for them."""
+    level, asset = small_scene.write(tmp_path / "level.gltf", lights=[("sun", "directional", (1, -1, 0))]), tmp_path / "level.vxs"
+    add_quads(level, [(*BESIDE, [1, 0.5, 0.25])])
+    vxs("bake", level, *SMALL, "-o", asset, "--points", 30000)
+
+    def render(*options, **more):
+        return vxs("render", level, asset, "-o", tmp_path / "out.png", *SIZE, "--eye", "7,9,6", "--target", "0,1,0", *options, "--json", tmp_path / "r.json", "--force", **more)
+
+    pictures, reports = [], []
+    for budget in ((), ("--budget", "16M")):
+        render("--area", 8, *budget)
+        pictures.append((tmp_path / "out.png").read_bytes())
+        reports.append(json.loads((tmp_path / "r.json").read_text())["area"])
+    assert pictures[0] == pictures[1] and reports[0] == reports[1] and (reports[0]["points"], reports[0]["points_of"]) == (30000, "asset")
+    with_points, without = (least_budget(render, "--area", lamps) for lamps in (8, 0))
+    assert with_points > max(without, 2 * 6 * 30000)
+    render("--area", 8, "--budget", with_points)
+    assert json.loads((tmp_path / "r.json").read_text())["area"] == reports[0]

@@ -87,7 +87,8 @@ static void descriptions_grow_at_their_end(void **state)
     assert_int_equal(AT(vxs_stream_desc, requests), 80);
     assert_int_equal(AT(vxs_stream_desc, failed_user), 136);
     assert_int_equal(AT(vxs_stream_desc, metadata_user), 152);
-    assert_true(sizeof(vxs_stream_desc) >= 160);
+    assert_int_equal(AT(vxs_stream_desc, points_user), 168);
+    assert_true(sizeof(vxs_stream_desc) >= 176);
     assert_int_equal(AT(vxs_stream_status, struct_size), 0);
     assert_int_equal(AT(vxs_stream_status, pages), 40);
     assert_int_equal(AT(vxs_stream_status, left), 76);

@@ -6,7 +6,7 @@
 #include "alloc_fail.h"
 #include "dag_sample.h"
 #include "random_lamp.h"
-#include "runtime/vxs.h"
+#include "runtime/vxs_stream.h"
 
 /* last, because cmocka's macro fail() would hide the function of message.h; it wants the four above it */
 #include <setjmp.h>
@@ -217,6 +217,99 @@ static void test_memory_is_bounded_and_given_back(void **state)
     free(file.data);
 }
 
+static void keep_points(void *user, const vxs_baked_points *points)
+{
+    vxs_baked_points *kept   = user;
+    uint16_t         *copied = malloc(points->count * 3 * sizeof *copied);
+    assert_non_null(copied);
+    memcpy(copied, points->coordinates, points->count * 3 * sizeof *copied);
+    *kept             = *points;
+    kept->coordinates = copied;
+}
+
+/* Open tells a caller who asks what an asset has, holds none of it, and does not read it where nobody asks. */
+static void test_streams_tell_of_them(void **state)
+{
+    (void)state;
+    vxs_bytes         file = file_of_points();
+    vxs_baked_points  kept = {0};
+    vxs_stream_status with = {.struct_size = sizeof with}, without = with;
+    alloc_fail        memory    = {0};
+    vxs_allocator     allocator = alloc_fail_allocator(&memory);
+    vxs_stream_desc   desc      = {.struct_size  = sizeof desc,
+                                   .bytes        = file.data,
+                                   .size_bytes   = file.size_bytes,
+                                   .budget_bytes = 4 << 20,
+                                   .allocator    = &allocator,
+                                   .points_user  = &kept};
+    vxs_asset        *asset;
+    vxs_stream       *stream;
+    assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, NULL), VXS_OK);
+    const vxs_baked_points *points = vxs_asset_points(asset);
+    uint64_t                stored = vxs_asset_contents(asset)->sections[points->section].stored_bytes;
+    for (int asks = 0; asks < 2; asks++) {
+        desc.points = asks ? keep_points : NULL;
+        assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+        vxs_stream_frame(stream, NULL, 0, asks ? &with : &without);
+        vxs_stream_close(stream);
+        assert_int_equal(memory.live_bytes + memory.wrong_sizes, 0);
+        assert_true((kept.coordinates != NULL) == asks);
+    }
+    assert_memory_equal(kept.coordinates, points->coordinates, 3 * COUNT * sizeof *kept.coordinates);
+    assert_true(kept.count == COUNT && kept.square_metres == points->square_metres && kept.step_metres == points->step_metres);
+    assert_memory_equal(kept.low_ws, points->low_ws, sizeof kept.low_ws);
+    assert_true(with.bytes_held == without.bytes_held && with.bytes_read == without.bytes_read + stored);
+
+    file.data[vxs_asset_contents(asset)->sections[points->section].offset_bytes + 30] ^= 1;
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_E_CORRUPT);
+    assert_null(stream);
+    desc.points = NULL;
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_OK);
+    vxs_stream_close(stream);
+    assert_int_equal(memory.live_bytes + memory.wrong_sizes, 0);
+    free((void *)kept.coordinates);
+    vxs_asset_close(asset);
+    free(file.data);
+}
+
+/* What it needs to tell of them is within the budget; without it, or memory, nothing is left behind. */
+static void test_streams_without_memory(void **state)
+{
+    (void)state;
+    vxs_bytes       file = file_of_points();
+    vxs_result      result;
+    vxs_stream     *stream;
+    uint64_t        calls = UINT64_MAX;
+    vxs_stream_desc desc  = {.struct_size = sizeof desc, .bytes = file.data, .size_bytes = file.size_bytes, .points = keep_points};
+    for (uint64_t n = 0; n <= calls; n++) {
+        vxs_baked_points kept      = {0};
+        alloc_fail       memory    = {.fail_at = n};
+        vxs_allocator    allocator = alloc_fail_allocator(&memory);
+        desc.allocator             = &allocator;
+        desc.points_user           = &kept;
+        desc.budget_bytes          = 4 << 20;
+        result                     = vxs_stream_open(&stream, &desc);
+        assert_int_equal(result, n ? VXS_E_MEMORY : VXS_OK);
+        if (!n) calls = memory.calls;
+        vxs_stream_close(stream);
+        assert_int_equal(memory.live_bytes + memory.wrong_sizes, 0);
+        free((void *)kept.coordinates);
+    }
+    for (desc.budget_bytes = 1; desc.budget_bytes < 8000; desc.budget_bytes += 61) {
+        vxs_baked_points kept      = {0};
+        alloc_fail       memory    = {0};
+        vxs_allocator    allocator = alloc_fail_allocator(&memory);
+        desc.allocator             = &allocator;
+        desc.points_user           = &kept;
+        result                     = vxs_stream_open(&stream, &desc);
+        assert_true((result == VXS_OK || result == VXS_E_MEMORY) && memory.peak_bytes <= desc.budget_bytes);
+        vxs_stream_close(stream);
+        assert_int_equal(memory.live_bytes, 0);
+        free((void *)kept.coordinates);
+    }
+    free(file.data);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -226,6 +319,8 @@ int main(void)
         cmocka_unit_test(test_points_are_there_once),
         cmocka_unit_test(test_broken_rules_have_findings),
         cmocka_unit_test(test_memory_is_bounded_and_given_back),
+        cmocka_unit_test(test_streams_tell_of_them),
+        cmocka_unit_test(test_streams_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
