@@ -77,9 +77,9 @@ static int take_block(opening *o)
     uint64_t least = sum_or_max(l.used + 4 * o->resident_words, o->work_bytes);
     uint64_t most  = sum_or_max(l.used + 4 * o->all_words, tail + BLOCK_ALIGN);
     if (most < least) most = least + BLOCK_ALIGN;
-    uint64_t size  = (most < o->r.memory_left ? most : o->r.memory_left) / BLOCK_ALIGN * BLOCK_ALIGN;
+    if (most > 4 * (uint64_t)UINT32_MAX) most = 4 * (uint64_t)UINT32_MAX; /* words have numbers of 32 bits */
+    uint64_t size = (most < o->r.memory_left ? most : o->r.memory_left) / BLOCK_ALIGN * BLOCK_ALIGN;
     if (size < least) return vxs_found(&o->r, 211, -1, 0), 0;
-    if (o->all_words > UINT32_MAX) size = size < 4 * (uint64_t)UINT32_MAX ? size : 4 * (uint64_t)UINT32_MAX;
     uint8_t *block = vxs_take(&o->r, size, 1, -1);
     if (!block) return 0;
 

@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "format_parts.h"
 #include "stream_sample.h"
 
 enum { ENOUGH = 64 << 20, ALL_ATTEMPTS = 8 << (VXS_STREAM_ATTEMPTS + 1) };
@@ -60,6 +61,46 @@ static void test_failing_allocations(void **state)
         assert_int_equal(memory.wrong_sizes, 0);
         if (result == VXS_OK) break;
     }
+}
+
+/* Gives no block of a GiB or more, and counts those that were asked for. */
+static void *take_little(size_t size_bytes, void *user)
+{
+    if (size_bytes >> 30) return ++*(int *)user, NULL;
+    return malloc(size_bytes);
+}
+
+static void free_little(void *memory, size_t size_bytes, void *user)
+{
+    (void)size_bytes;
+    (void)user;
+    free(memory);
+}
+
+/* A light that says that it has as many words as can be numbered, beside others: all are too many, whatever the budget. */
+static void test_more_words_than_have_numbers(void **state)
+{
+    (void)state;
+    int             asked     = 0;
+    vxs_allocator   allocator = {take_little, free_little, &asked};
+    parts           p;
+    findings        f = {0};
+    vxs_stream     *stream;
+    vxs_stream_desc desc = stream_desc_of(&sample, UINT64_MAX);
+    take_apart(&p, &sample.file);
+    part *lights = find_part(&p, VXS_KIND_LIGHTS, 0);
+    vxs_store32(lights->content.data + VXS_LIGHTS_PREFIX_BYTES + sample.dag * VXS_LIGHT_BYTES + VXS_LIGHT_WORD_COUNT, UINT32_MAX);
+    store(lights);
+    vxs_bytes changed = put_together(&p);
+    desc.bytes        = changed.data;
+    desc.size_bytes   = changed.size_bytes;
+    desc.allocator    = &allocator;
+    desc.finding      = collect;
+    desc.finding_user = &f;
+    assert_int_equal(vxs_stream_open(&stream, &desc), VXS_E_MEMORY);
+    assert_true(f.first == 211 && !asked);
+    free(changed.data);
+    parts_free(&p);
 }
 
 /* reads --------------------------------------------------------------------------------------------------------------------------- */
@@ -323,10 +364,15 @@ static void test_every_length(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_failing_allocations), cmocka_unit_test(test_failing_reads_of_open),
-        cmocka_unit_test(test_failing_reads),       cmocka_unit_test(test_no_reads),
-        cmocka_unit_test(test_corrupt_pages),       cmocka_unit_test(test_pages_of_strangers),
-        cmocka_unit_test(test_every_byte),          cmocka_unit_test(test_every_length),
+        cmocka_unit_test(test_more_words_than_have_numbers),
+        cmocka_unit_test(test_failing_allocations),
+        cmocka_unit_test(test_failing_reads_of_open),
+        cmocka_unit_test(test_failing_reads),
+        cmocka_unit_test(test_no_reads),
+        cmocka_unit_test(test_corrupt_pages),
+        cmocka_unit_test(test_pages_of_strangers),
+        cmocka_unit_test(test_every_byte),
+        cmocka_unit_test(test_every_length),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
