@@ -13,7 +13,7 @@
  * Open reads what all lookups need: the resident part of each light, with its coarse level. Lights of palette blocks have pages besides,
  * which come by distance and leave by least recent use; where one is missing, answers are the coarse level's (formats/vxs.md 13.1), for
  * all taps of a filter at once, and vxs_lookup_is_full says so. A light that is a DAG has no pages: all of it is read by open.
- * So is baked smoke of lights that have some: it is always there, and vxs_smoke_lookup says what it says of the file opened whole.
+ * So is baked smoke of lights that have some: always there, and vxs_smoke_lookup says what it says of the file opened whole.
  *
  * **Frames.** Which pages are there changes in vxs_stream_frame and nowhere else. During that call nobody may look up; at any other time
  * any number of threads may, while pages are read and decoded where no lookup goes.
@@ -114,8 +114,8 @@ const vxs_baked_light *vxs_stream_light(const vxs_stream *stream, uint32_t index
 /* The light of a name, or NULL; of no name, NULL. */
 const vxs_baked_light *vxs_stream_find_light(const vxs_stream *stream, const char *name);
 
-/* What baked smoke leaves of light `index`, for vxs_smoke_lookup; NULL where it has none. Valid until vxs_stream_close, during frames, too. Among the
- * words of all lights it starts at number smoke->words - vxs_stream_words(stream, &count). */
+/* What baked smoke leaves of light `index`, for vxs_smoke_lookup; NULL where it has none. Valid until vxs_stream_close, during frames,
+ * too. Among the words of all lights it starts at number smoke->words - vxs_stream_words(stream, &count). */
 const vxs_baked_smoke *vxs_stream_smoke(const vxs_stream *stream, uint32_t index);
 
 /* Where lookups will be: a box in world space, metres; of a camera both ends are its position. One with a number that is not finite, or of

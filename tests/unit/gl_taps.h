@@ -31,6 +31,13 @@
     "    " last "\n"                                                                                                               \
     "}\n"
 
+/* What smoke leaves at a position; normal: light. */
+#define SMOKE_LEFT_BODY                                                                                                            \
+    "in vec3 position_ws;\n"                                                                                                       \
+    "in vec3 normal_ws;\n"                                                                                                         \
+    "out float answer;\n"                                                                                                          \
+    "void main() { answer = vxs_smoke_left_by(uint(normal_ws.x), position_ws); }\n"
+
 static inline void use_body(drawing *d, const vxs_gl *gl, const char *name, const char *body)
 {
     const char *texts[VXS_GL_TEXTS + 1];

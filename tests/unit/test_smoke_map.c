@@ -310,12 +310,6 @@ static void test_what_is_not_needed_is_not_there(void **state)
     grid = was;
 }
 
-/* A position, and in the normal a light's number. */
-static const char left_body[] = "in vec3 position_ws;\n"
-                                "in vec3 normal_ws;\n"
-                                "out float answer;\n"
-                                "void main() { answer = vxs_smoke_left_by(uint(normal_ws.x), position_ws); }\n";
-
 /* As far as a float's place in the light differs, which is a thousandth of a texel of curves here. */
 static void test_shaders_answer_as_c_does(void **state)
 {
@@ -337,7 +331,7 @@ static void test_shaders_answer_as_c_does(void **state)
         double      most   = 0;
         assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
         while (vxs_gl_upload(gl, 5000)) continue;
-        use_body(&d, gl, versions[n & 1], left_body);
+        use_body(&d, gl, versions[n & 1], SMOKE_LEFT_BODY);
         for (query *q = queries; q < queries + QUERIES; q++)
             *q = (query){{(float)uniform(&r, -12, 12), (float)uniform(&r, -1, 10), (float)uniform(&r, -12, 12)},
                          {(float)rng_below(&r, 5)}};

@@ -167,12 +167,6 @@ static vxs_gl_function loaded(const char *name, void *user)
     return (vxs_gl_function)OSMesaGetProcAddress(name);
 }
 
-/* A position, and in the normal a light's number. */
-static const char left_body[] = "in vec3 position_ws;\n"
-                                "in vec3 normal_ws;\n"
-                                "out float answer;\n"
-                                "void main() { answer = vxs_smoke_left_by(uint(normal_ws.x), position_ws); }\n";
-
 /* Whose smoke shaders are given: that of an asset alone, a stream's own, the same said so, that of an asset beside it, or none in its place. */
 typedef enum given { ASSET, OWN, SAME, BESIDE, NONE, GIVEN } given;
 
@@ -213,7 +207,7 @@ static void answers_of(drawing *d, given from, int n, float answers[QUERIES])
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
     while (vxs_gl_upload(gl, 5000)) continue;
     if (from == OWN || from == SAME) assert_int_equal(word_room(gl), words + LIGHTS + VXS_BLOCKS_SPARE_WORDS); /* no second copy */
-    use_body(d, gl, versions[n], left_body);
+    use_body(d, gl, versions[n], SMOKE_LEFT_BODY);
     for (int frame = 0; frame < 4 && from != ASSET; frame++) {
         double at[3];
         stream_random_point(&vxs_stream_light(stream, SUN)->light, &r, at);
