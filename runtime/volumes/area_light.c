@@ -7,10 +7,14 @@
 
 _Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
 
-enum { LAMPS = VXS_AREA_LAMPS, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 3 };
+enum { LAMPS = VXS_AREA_LAMPS, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
 
-/* How wide a point is drawn, of what it stands for. */
-#define POINT_WIDE 0.7F
+/* How wide a point is drawn, with half a texel of the coarsest level from which gaps between points are filled; and such a texel at most; of what it stands for. */
+#define POINT_WIDE 1.55F
+#define GAP_WIDE   2.0F
+
+/* Fewer are drawn only where all are in the maps of all lamps. */
+#define POINTS_DRAWN (1U << 18)
 
 static uint32_t words_of_map(uint32_t side)
 {
@@ -192,6 +196,14 @@ static void clear(const vxs_area_light *light)
                                                 GL_TYPE_FLOAT, &no_end);
 }
 
+/* Of how many points in a row each lamp has one. */
+static uint32_t points_to_share(const vxs_area_light *light, const vxs_area_casters *casters)
+{
+    uint64_t all = (uint64_t)casters->count * light->count, share = (all + POINTS_DRAWN - 1) / POINTS_DRAWN;
+    if (casters->is_whole) return 1;
+    return share < light->count ? (uint32_t)share : light->count;
+}
+
 static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
 {
     enum { GROUP = 64, ACROSS = 32768 };
@@ -199,7 +211,8 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     uint32_t     groups = casters->count / GROUP + (casters->count % GROUP != 0), across = groups < ACROSS ? groups : ACROSS;
     v->frame.knobs[0] = (float)light->side_px;
     v->frame.knobs[1] = POINT_WIDE;
-    vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_light_maps(light));
+    v->frame.knobs[2] = GAP_WIDE;
+    vxs_area_light_count(light, light->count, casters->count, points_to_share(light, casters), vxs_area_light_maps(light));
     vxs_volumes_use_storage(v, light->buffer, casters->buffer);
     vxs_volumes_run(v, light->programs[AREA_SPLAT], 0, 0, across, (groups + across - 1) / across);
 }

@@ -1,8 +1,8 @@
 /* Points of triangles; see vxs_area_light.h.
  * SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <string.h>
 
-#include "area_numbers.h"
 #include "vxs_area_light.h"
 
 static double area_of(const float *a, const float *b, const float *c)
@@ -22,19 +22,24 @@ static double area_of_corners(const float *positions, const uint32_t *corner)
     return area_of(positions + 3 * (size_t)corner[0], positions + 3 * (size_t)corner[1], positions + 3 * (size_t)corner[2]);
 }
 
-/* Point n of all, on a triangle: evenly on a square, of which one half is folded over the other. */
-static vxs_area_point point_on(const float *positions, const uint32_t *corner, uint32_t n, double area)
+/* The place t, [0, 1), of Sierpinski's curve through a triangle: equal parts of it are in equal parts of the area, each in one piece. So places that are
+ * evenly spaced along it are so on the triangle, and any few that follow each other are neighbours. */
+static vxs_area_point point_on(const float *positions, const uint32_t *corner, double t, double area)
 {
-    double         u = vxs_area_radical_inverse(n, 2), v = vxs_area_radical_inverse(n, 3);
-    vxs_area_point point = {.square_metres = (float)area};
-    if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
+    enum { HALVINGS = 26, BEGIN = 0, END = 1, BESIDE = 2 }; /* as a float has it; corners of what is left */
+    double         at[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    vxs_area_point point    = {.square_metres = (float)area};
+    for (int n = 0; n < HALVINGS; n++) {
+        double middle[2] = {0.5 * (at[BEGIN][0] + at[END][0]), 0.5 * (at[BEGIN][1] + at[END][1])};
+        int    is_behind = t >= 0.5;
+        memcpy(at[is_behind ? BEGIN : END], at[BESIDE], sizeof *at);
+        memcpy(at[BESIDE], middle, sizeof *at);
+        t = 2 * t - is_behind;
     }
     for (int i = 0; i < 3; i++) {
         double a = (double)positions[3 * (size_t)corner[0] + i], b = (double)positions[3 * (size_t)corner[1] + i],
                c       = (double)positions[3 * (size_t)corner[2] + i];
-        point.place[i] = (float)(a + u * (b - a) + v * (c - a));
+        point.place[i] = (float)(a + at[BEGIN][0] * (b - a) + at[BEGIN][1] * (c - a));
     }
     return point;
 }
@@ -48,8 +53,10 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
     if (!(all > 0) || !isfinite(all)) return 0;
     for (uint32_t t = 0; t < triangle_count; t++) {
         const uint32_t *corner = corners + 3 * (size_t)t;
-        before += area_of_corners(positions, corner);
-        for (; n < count && (n + 0.5) * all < before * count; n++) points[n] = point_on(positions, corner, n, all / count);
+        double          here   = area_of_corners(positions, corner);
+        for (; n < count && (n + 0.5) * all < (before + here) * count; n++)
+            points[n] = point_on(positions, corner, ((n + 0.5) * all / count - before) / here, all / count);
+        before += here;
     }
     return all;
 }

@@ -1,5 +1,5 @@
-/* Points of what casts shadows, into imperfect shadow maps: each into that of one lamp, or of all. counts: lamps, points, 1 for all, the first word of all
- * maps; knobs: the side of a map, and how wide a point is drawn, of what it stands for. */
+/* Points of what casts shadows, into imperfect shadow maps: of so many in a row each lamp has one. counts: lamps, points, how many in a row, the first word of
+ * all maps; knobs: the side of a map, and how wide a point is drawn, and how wide texels are from which gaps may be filled, of what it stands for. */
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_area_points { vec4 points[]; };
 
@@ -17,24 +17,23 @@ float depth_of(uint lamp, vec3 way, int side, out vec2 at, out float wide)
     return metres;
 }
 
-/* A square of texels as wide as what the point stands for, in the lamp's own map, and nowhere beyond it. */
+/* The texels whose middles are in a square as wide as what the point stands for, or the one it is in, of the lamp's own map. */
 void splat(uint lamp, vec4 point, float shared_by)
 {
-    const int most = 7;
+    const float most = 32.0;
     int  side = int(vxs_frame.knobs.x);
     uint texels = vxs_area_level(vxs_frame.counts.w, lamp, uint(side), 0u);
     vec3 way = vxs_area_way(lamp, point.xyz - vxs_area.lamps[lamp].place.xyz);
     vec2 at;
     float texel, metres = depth_of(lamp, way, side, at, texel);
     if (!(metres > 0.0)) return;
-    float wide = vxs_frame.knobs.y * sqrt(point.w * shared_by) / texel;
-    int   across = clamp(int(wide + 0.5), 1, most);
-    ivec2 first = ivec2(floor(at - 0.5 * float(across - 1)));
-    for (int n = 0; n < across * across; n++) {
-        ivec2 texel = first + ivec2(n % across, n / across);
-        if (all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(texel, ivec2(side))))
-            atomicMin(vxs_area.words[texels + uint(texel.y * side + texel.x)], floatBitsToUint(metres));
-    }
+    float wide = sqrt(point.w * shared_by) / texel;
+    uint  reach = uint(log2(clamp(vxs_frame.knobs.z * wide, 2.0, most)));
+    float across = clamp(vxs_frame.knobs.y * wide - 0.5 * float(1u << reach), 1.0, most); /* the wider, the less wide gaps are filled */
+    uint  word = vxs_area_word(metres, reach);
+    ivec2 first = max(ivec2(ceil(at - 0.5 * across - 0.5)), ivec2(0)), last = min(ivec2(floor(at + 0.5 * across - 0.5)), ivec2(side - 1));
+    for (int y = first.y; y <= last.y; y++)
+        for (int x = first.x; x <= last.x; x++) atomicMin(vxs_area.words[texels + uint(y * side + x)], word);
 }
 
 void main()
@@ -42,8 +41,8 @@ void main()
     uvec4 counts = vxs_frame.counts;
     uint  n = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationID.x;
     if (n >= counts.y) return;
-    if (counts.z == 0u)
-        splat(vxs_area_hash(n) % counts.x, points[n], float(counts.x));
-    else
-        for (uint lamp = 0u; lamp < counts.x; lamp++) splat(lamp, points[n], 1.0);
+    for (uint first = 0u; first < counts.x; first += counts.z) {
+        uint lamp = first + (n + vxs_area_hash(n / counts.z + first)) % counts.z;
+        if (lamp < counts.x) splat(lamp, points[n], float(counts.z));
+    }
 }

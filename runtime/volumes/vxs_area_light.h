@@ -87,7 +87,8 @@ typedef struct vxs_area_point {
     float square_metres;
 } vxs_area_point;
 
-/* Points of triangles, as many on each as its part of the area is, in the order of the triangles.
+/* Points of triangles, as many on each as its part of the area is, in the order of the triangles, and on each along a curve: those that follow each other are
+ * neighbours, so that one of each few is spread as evenly as all are.
  * positions  [3 * vertices] metres;   corners  [3 * triangle_count] vertices
  * points     [out] [count] all of one area
  * Returns the area of all triangles, in square metres; 0 where there is none, or it is no number, and then no points are written.
@@ -127,11 +128,12 @@ typedef struct vxs_area_casters {
     unsigned buffer; /* of vxs_area_point, one behind the other; not read where count is 0 */
     uint32_t count;
     uint32_t
-        is_whole; /* 1: each point casts shadows of each lamp; 0: of one, chosen by a hash of its number, and stands for as many points as there are lamps */
+        is_whole; /* 1: each point casts shadows of each lamp; 0: of so many in a row each lamp has one, chosen at random, that stands for all of them: as many as
+                     there are lamps, or fewer, until 2^18 are drawn. Neighbours should follow each other, as vxs_area_scatter and a file have them */
 } vxs_area_casters;
 
-/* Imperfect shadow maps of all lamps: points that are as wide as what they stand for, and holes between them filled from coarser levels. Again, when lamps
- * or casters have moved; between frames they stay.
+/* Imperfect shadow maps of all lamps: points about as wide as what they stand for, and gaps between them filled from coarser levels, whether nothing is seen
+ * through them or something farther. Again, when lamps or casters have moved; between frames they stay.
  * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides. */
 vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters);
 
