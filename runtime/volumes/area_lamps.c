@@ -38,7 +38,7 @@ vxs_result vxs_area_sample(const vxs_area_rectangle *r, vxs_area_places places, 
         for (int i = 0; i < 3; i++) {
             lamps[n].place[i]  = (float)((double)r->corner[i] + at->u * (double)r->across[i] + at->v * (double)r->up[i]);
             lamps[n].normal[i] = (float)normal[i];
-            lamps[n].colour[i] = (float)((double)r->radiance[i] * (double)at->texel[i] * at->scale * area / count);
+            lamps[n].colour[i] = (float)((double)r->radiance[i] * at->light[i] * area / count);
         }
     }
     return VXS_OK;

@@ -13,33 +13,32 @@ int vxs_area_is_number(const float v[3], float least)
     return 1;
 }
 
-/* v where row y begins. */
-static double begin_of_row(const area_picture *p, uint32_t y)
+static const double half_turn = 3.14159265358979324;
+
+double vxs_area_before_row(const area_picture *p, uint32_t y)
 {
-    const double half_turn = 3.14159265358979324;
     if (!p->is_sky) return y / (double)p->high_px;
     double half_sine = sin(0.5 * half_turn * y / p->high_px);
     return half_sine * half_sine;
 }
 
-/* And the row that v is in. */
-static double row_of(const area_picture *p, double v)
+uint32_t vxs_area_row_of(const area_picture *p, double v)
 {
-    const double half_turn = 3.14159265358979324;
-    return p->high_px * (p->is_sky ? 2 / half_turn * asin(sqrt(v)) : v);
+    uint32_t y = (uint32_t)(p->high_px * (p->is_sky ? 2 / half_turn * asin(sqrt(v)) : v));
+    return y < p->high_px ? y : p->high_px - 1;
 }
 
-static const float *texel_of(const area_picture *p, uint32_t x, uint32_t y)
+const float *vxs_area_texel_of(const area_picture *p, uint32_t x, uint32_t y)
 {
-    static const float one[3] = {1, 1, 1};
-    return p->texture ? p->texture + 3 * ((size_t)y * p->wide_px + x) : one;
+    return p->texture + 3 * ((size_t)y * p->wide_px + x);
 }
 
-static const float *texel_at(const area_picture *p, const area_site *at)
+void vxs_area_place_of(const area_picture *p, double u, double v, double place[3])
 {
-    if (!p->texture) return texel_of(p, 0, 0);
-    uint32_t x = (uint32_t)(at->u * p->wide_px), y = (uint32_t)row_of(p, at->v);
-    return texel_of(p, x < p->wide_px ? x : p->wide_px - 1, y < p->high_px ? y : p->high_px - 1);
+    double across = 2 * sqrt(fmax(v * (1 - v), 0)); /* v may be rounded to beyond 1 */
+    place[0]      = p->is_sky ? across * cos(2 * half_turn * u) : u * p->aspect;
+    place[1]      = p->is_sky ? 1 - 2 * v : v;
+    place[2]      = p->is_sky ? across * sin(2 * half_turn * u) : 0;
 }
 
 /* Of linear colours with the primaries of Rec. 709. */
@@ -52,14 +51,14 @@ static double luminance_of(const area_picture *p, const float *texel)
 static double luminance_of_row(const area_picture *p, uint32_t y)
 {
     double sum = 0;
-    for (uint32_t x = 0; x < p->wide_px; x++) sum += luminance_of(p, texel_of(p, x, y));
+    for (uint32_t x = 0; x < p->wide_px; x++) sum += luminance_of(p, vxs_area_texel_of(p, x, y));
     return sum;
 }
 
 /* How much a texel of a row is of the picture. */
 static double part_of_texel(const area_picture *p, uint32_t y)
 {
-    return (begin_of_row(p, y + 1) - begin_of_row(p, y)) / p->wide_px;
+    return (vxs_area_before_row(p, y + 1) - vxs_area_before_row(p, y)) / p->wide_px;
 }
 
 static double luminance_of_all(const area_picture *p)
@@ -114,28 +113,26 @@ static void move_in_row(const area_picture *p, uint32_t y, double row, double in
     double   left = s->u * row, here = 0;
     uint32_t x = 0, bright = 0;
     for (; x < p->wide_px; x++) {
-        here = luminance_of(p, texel_of(p, x, y));
+        here = luminance_of(p, vxs_area_texel_of(p, x, y));
         if (here > 0) bright = x;
         if (left < here) break;
         left -= here;
     }
     if (x == p->wide_px) { /* what is left is rounding */
-        here = luminance_of(p, texel_of(p, bright, y));
+        here = luminance_of(p, vxs_area_texel_of(p, bright, y));
         left = 0.5 * here;
         x    = bright;
     }
-    s->u     = (x + left / here) / p->wide_px;
-    s->v     = begin_of_row(p, y) + in_row * (begin_of_row(p, y + 1) - begin_of_row(p, y));
-    s->scale = mean / here;
-    s->texel = texel_of(p, x, y);
+    s->u = (x + left / here) / p->wide_px;
+    s->v = vxs_area_before_row(p, y) + in_row * (vxs_area_before_row(p, y + 1) - vxs_area_before_row(p, y));
+    for (int n = 0; n < 3; n++) s->light[n] = mean / here * (double)vxs_area_texel_of(p, x, y)[n];
 }
 
 /* Move points to where the texture is bright: by its rows, and by the texels of a row. */
-static void by_importance(const area_picture *p, area_site *sites, uint32_t count)
+static void by_importance(const area_picture *p, double all, area_site *sites, uint32_t count)
 {
-    double all = luminance_of_all(p), before = 0;
+    double before                   = 0;
     int    is_moved[VXS_AREA_LAMPS] = {0};
-    if (!p->texture || !(all > 0)) return;
     for (uint32_t y = 0; y < p->high_px; y++) {
         double row = luminance_of_row(p, y), part = row * part_of_texel(p, y);
         for (uint32_t n = 0; n < count; n++) {
@@ -154,9 +151,12 @@ void vxs_area_sites(const area_picture *p, vxs_area_places places, uint32_t seed
         halton(seed, sites, count);
     else
         in_cells(p, places == VXS_AREA_JITTERED, seed, sites, count);
-    for (uint32_t n = 0; n < count; n++) {
-        sites[n].scale = 1;
-        sites[n].texel = texel_at(p, &sites[n]);
-    }
-    if (places == VXS_AREA_IMPORTANCE) by_importance(p, sites, count);
+    for (uint32_t n = 0; n < count; n++)
+        for (int i = 0; i < 3; i++) sites[n].light[i] = 1;
+    if (!p->texture) return;
+    double all = places == VXS_AREA_IMPORTANCE ? luminance_of_all(p) : 0;
+    if (all > 0)
+        by_importance(p, all, sites, count);
+    else
+        vxs_area_share_light(p, sites, count);
 }

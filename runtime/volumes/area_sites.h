@@ -13,11 +13,26 @@ typedef struct area_picture {
     double aspect; /* of u and v, where these are spread out evenly */
 } area_picture;
 
-/* Where a light is, its light, and what that is times. v runs down the rows as these count: from 0 to 1, evenly through area, or through directions. */
+/* Where a light is, and its light: the mean of all is that of the texture. v runs down the rows as these count: from 0 to 1, evenly through area, or through
+ * directions. */
 typedef struct area_site {
-    double       u, v, scale;
-    const float *texel; /* [3] */
+    double u, v, light[3];
 } area_site;
+
+/* The part of a picture before row y. */
+double vxs_area_before_row(const area_picture *p, uint32_t y);
+
+/* The row that has v; v is [0, 1]. */
+uint32_t vxs_area_row_of(const area_picture *p, double v);
+
+/* Texel x of row y.   [3] */
+const float *vxs_area_texel_of(const area_picture *p, uint32_t x, uint32_t y);
+
+/* Where a place of a picture is: on a rectangle, with its up as unit; of a sky the way there, of length 1. */
+void vxs_area_place_of(const area_picture *p, double u, double v, double place[3]);
+
+/* Give each site the light of all that is nearer to it than to others. */
+void vxs_area_share_light(const area_picture *p, area_site *sites, uint32_t count);
 
 /* Choose places, as vxs_area_sample says.   sites  [out] [count] */
 void vxs_area_sites(const area_picture *p, vxs_area_places places, uint32_t seed, area_site *sites, uint32_t count);

@@ -6,18 +6,10 @@
 
 static const double pi = 3.14159265358979324;
 
-/* The way light travels from a site. */
-static void way_from(const area_site *at, float way[3])
-{
-    double up = 1 - 2 * at->v, across = 2 * sqrt(fmax(at->v * (1 - at->v), 0)); /* v may be rounded to beyond 1 */
-    way[0] = (float)(-across * cos(2 * pi * at->u));
-    way[1] = (float)-up;
-    way[2] = (float)(-across * sin(2 * pi * at->u));
-}
-
 vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps, uint32_t count)
 {
     area_site    sites[VXS_AREA_LAMPS];
+    double       from[3];
     area_picture picture = {sky->texture, sky->radiance, sky->wide_px, sky->high_px, 1, 2};
     if (!count || count > VXS_AREA_LAMPS || (unsigned)places > VXS_AREA_JITTERED) return VXS_E_ARGUMENT;
     if (!vxs_area_is_number(sky->middle, -INFINITY) || !vxs_area_is_number(sky->radiance, 0)) return VXS_E_ARGUMENT;
@@ -26,10 +18,11 @@ vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, 
     vxs_area_sites(&picture, places, seed, sites, count);
     for (uint32_t n = 0; n < count; n++) {
         lamps[n] = (vxs_area_lamp){.is_far = 1, .radius_metres = sky->radius_metres};
-        way_from(&sites[n], lamps[n].normal);
+        vxs_area_place_of(&picture, sites[n].u, sites[n].v, from);
         for (int i = 0; i < 3; i++) {
             lamps[n].place[i]  = sky->middle[i];
-            lamps[n].colour[i] = (float)((double)sky->radiance[i] * (double)sites[n].texel[i] * sites[n].scale * 4 * pi / count);
+            lamps[n].normal[i] = (float)-from[i];
+            lamps[n].colour[i] = (float)((double)sky->radiance[i] * sites[n].light[i] * 4 * pi / count);
         }
     }
     return VXS_OK;

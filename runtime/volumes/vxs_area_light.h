@@ -52,13 +52,13 @@ typedef enum vxs_area_places {
     VXS_AREA_JITTERED, /* a place at random in each of these cells */
 } vxs_area_places;
 
-/* Lamps of a rectangle, of which each has its part of the area: their sum is the rectangle's light, exactly in luminance where they are chosen by
- * importance, else as even as the texture is.
+/* Lamps of a rectangle. By importance all have one luminance, in the colour of their texel; else each has the light of all that is nearer to it than to others, by
+ * 64 x 64 pieces, so that no bright place is missed; without a texture all are alike. Their sum is the rectangle's light, by importance in luminance.
  * seed   of what is at random; of Halton's points a shift of all, round the edges. 0: none
  * lamps  [out] [count]
  * count  1 to VXS_AREA_LAMPS
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, a rectangle without area, or a texture without texels.
- * Cost: of importance, two readings of the texture, and a row of it for each lamp. Threads: none shared; no memory is taken. */
+ * Cost: a reading of the texture, and 4096 distances for each lamp; of importance, two readings, and a row for each lamp. Threads: none shared; no memory is taken. */
 vxs_result vxs_area_sample(const vxs_area_rectangle *rectangle, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps,
                            uint32_t count);
 
@@ -73,8 +73,7 @@ typedef struct vxs_area_sky {
     float    radius_metres; /* its radius, > 0: shadow maps are as wide */
 } vxs_area_sky;
 
-/* Lamps of a sky, far away, of which each has its part of all directions; by importance their luminance is the sky's, exactly, and texels count by luminance times
- * solid angle.
+/* Lamps of a sky, far away, likewise: texels count by their solid angle, and by importance by luminance times that.
  * seed, lamps, count  as above;   Returns, cost and threads likewise */
 vxs_result vxs_area_sample_sky(const vxs_area_sky *sky, vxs_area_places places, uint32_t seed, vxs_area_lamp *lamps,
                                uint32_t count);

@@ -37,8 +37,8 @@ typedef struct area {
     uint32_t           lamps_most;   /* of those that have exact maps; behind them is one in the middle */
     vxs_light_map     *maps[LIGHTS];
     rival_faces       *faces;
-    GLuint             casters;
-    double            *off; /* [pixels] of the reference, about, at most */
+    GLuint             casters, shuffled; /* points in order; and so that any part of them is of all triangles */
+    double            *off;               /* [pixels] of the reference, about, at most */
 } area;
 
 /* techniques ---------------------------------------------------------------------------------------------------------------------- */
@@ -67,16 +67,16 @@ static vxs_result jittered(bench *b, void *state, uint32_t count)
 }
 
 /* Lamps of `light`, and what casts shadows of them. */
-static vxs_result cast_lamps(const bench *b, vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count, uint32_t points)
+static vxs_result cast_lamps(vxs_area_light *light, const vxs_area_lamp *lamps, uint32_t count, GLuint points, uint32_t point_count)
 {
     vxs_result r = vxs_area_light_set(light, lamps, count);
-    return r == VXS_OK ? vxs_area_light_cast(light, &(vxs_area_casters){b->area->casters, points, 0}) : r;
+    return r == VXS_OK ? vxs_area_light_cast(light, &(vxs_area_casters){points, point_count, 0}) : r;
 }
 
 static vxs_result cast(bench *b, void *state, uint32_t count)
 {
     (void)state;
-    return cast_lamps(b, b->area->all, b->area->lamps, count, b->area->points);
+    return cast_lamps(b->area->all, b->area->lamps, count, b->area->casters, b->area->points);
 }
 
 static vxs_result gather(const bench *b, vxs_area_gather which)
@@ -119,7 +119,7 @@ static vxs_result one_by_one(bench *b, void *state, uint32_t count)
     vxs_result r = VXS_OK;
     (void)state;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        r = cast_lamps(b, b->area->one, &b->area->lamps[n], 1, b->area->points / count);
+        r = cast_lamps(b->area->one, &b->area->lamps[n], 1, b->area->shuffled, b->area->points / count);
         if (r == VXS_OK) r = vxs_volumes_area(b->volumes, b->area->one, &(vxs_area_look){0});
     }
     return r;
@@ -251,7 +251,7 @@ static vxs_result bake(bench *b, const float *positions, message *m)
     return r == VXS_OK ? r : fail(m, r, "no asset of lamps: %s", vxs_result_text(r));
 }
 
-/* So that any part of them is of all triangles: they come in the triangles' order. */
+/* They come in the triangles' order. */
 static void shuffle(vxs_area_point *points, uint32_t count)
 {
     rng r = {1};
@@ -270,10 +270,13 @@ static vxs_result upload_points(bench *b, const float *positions, message *m)
     vxs_area_point *points = malloc(size);
     if (!points) return fail(m, VXS_E_MEMORY, "out of memory for points");
     double area_there = vxs_area_scatter(positions, b->casting.indices, (uint32_t)b->casting.triangle_count, points, a->points);
-    shuffle(points, a->points);
-    b->gl->GenBuffers(1, &a->casters);
-    b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, a->casters);
-    b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, points, GL_STATIC_DRAW);
+    GLuint *const buffers[2] = {&a->casters, &a->shuffled};
+    for (int n = 0; n < 2; n++) {
+        b->gl->GenBuffers(1, buffers[n]);
+        b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, *buffers[n]);
+        b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, points, GL_STATIC_DRAW);
+        shuffle(points, a->points);
+    }
     free(points);
     return area_there > 0 ? VXS_OK : fail(m, VXS_E_SCENE, "%s: nothing has an area", b->scene_path);
 }
