@@ -22,6 +22,22 @@ static double area_of_corners(const float *positions, const uint32_t *corner)
     return area_of(positions + 3 * (size_t)corner[0], positions + 3 * (size_t)corner[1], positions + 3 * (size_t)corner[2]);
 }
 
+/* The corner that the longest side begins at: cut in its middle, parts of a triangle do not get thin. */
+static int longest_side(const float *positions, const uint32_t *corner)
+{
+    double most = -1;
+    int    side = 0;
+    for (int n = 0; n < 3; n++) {
+        const float *from = positions + 3 * (size_t)corner[n], *to = positions + 3 * (size_t)corner[(n + 1) % 3];
+        double       square = 0;
+        for (int i = 0; i < 3; i++) square += ((double)to[i] - (double)from[i]) * ((double)to[i] - (double)from[i]);
+        if (!(square > most)) continue;
+        most = square;
+        side = n;
+    }
+    return side;
+}
+
 /* The place t, [0, 1), of Sierpinski's curve through a triangle: equal parts of it are in equal parts of the area, each in one piece. So places that are
  * evenly spaced along it are so on the triangle, and any few that follow each other are neighbours. */
 static vxs_area_point point_on(const float *positions, const uint32_t *corner, double t, double area)
@@ -52,8 +68,10 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
     for (uint32_t t = 0; t < triangle_count; t++) all += area_of_corners(positions, corners + 3 * (size_t)t);
     if (!(all > 0) || !isfinite(all)) return 0;
     for (uint32_t t = 0; t < triangle_count; t++) {
-        const uint32_t *corner = corners + 3 * (size_t)t;
-        double          here   = area_of_corners(positions, corner);
+        const uint32_t *given     = corners + 3 * (size_t)t;
+        int             first     = longest_side(positions, given);
+        const uint32_t  corner[3] = {given[first], given[(first + 1) % 3], given[(first + 2) % 3]};
+        double          here      = area_of_corners(positions, corner);
         for (; n < count && (n + 0.5) * all < (before + here) * count; n++)
             points[n] = point_on(positions, corner, ((n + 0.5) * all / count - before) / here, all / count);
         before += here;

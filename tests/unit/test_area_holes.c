@@ -145,7 +145,7 @@ static void test_wall_on_floor(void **state)
         for (size_t k = 0; k < 4; k++) {
             light_parts p = cast_wall(&q, counts[n], lamps[k]);
             print_message("%u points, %u lamps: %.4f of all light leaks, %.4f is lost\n", counts[n], lamps[k], p.leaked, p.lost);
-            assert_true(p.leaked < 0.035 && p.lost < 0.015);
+            assert_true(p.leaked < 0.02 && p.lost < 0.015);
         }
 }
 
