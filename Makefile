@@ -150,7 +150,7 @@ $B/baker.a: $(baker.o) $(library.o)
 	$Q$(RM) $@ && $(AR) rcsT $@ $^
 $(unit) $(helper): $B/%: $B/%.c.o $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a $B/libvxs.a
 $(unit): test_libs := -lcmocka -lOSMesa
-reference := $(patsubst %,$B/tests/unit/test_%,air air_table reference metrics rival_areas rival_curves rival_volumes smoke_map smoke_quads transmittance \
+reference := $(patsubst %,$B/tests/unit/test_%,air air_table area_smoke reference metrics rival_areas rival_curves rival_volumes smoke_map smoke_quads transmittance \
                  transmittance_draw transmittance_fog volumes)
 $(reference): $(reference.o)
 $(reference): test_libs += -lgsl -lgslcblas

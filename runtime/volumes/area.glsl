@@ -5,17 +5,33 @@ struct vxs_area_lamp {
     ivec4 size, eye, reserved;
     vec4  place;  /* and radius */
     vec4  normal; /* and how it shines: 0 to all sides, 1 to one, 2 along the normal from far away */
-    vec4  colour;
+    vec4  colour; /* and the number of the light whose baked smoke dims it, and 1; 0: none does */
     vec4  across; /* the normal, of length 1 */
 };
 
-layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_area_buffer {
+#ifdef VXS_USES_CURVES /* which are behind the first binding */
+#define VXS_AT_AREA (VXS_AT_GRID + 2)
+#else
+#define VXS_AT_AREA VXS_AT_GRID
+#endif
+layout(std430, binding = VXS_AT_AREA) VXS_GRID_ACCESS buffer vxs_area_buffer {
     vxs_area_lamp lamps[256];
     uint          words[];
 } vxs_area;
 
 #undef vxs_grid_word
 #define vxs_grid_word(words, i) vxs_area.words[(words) + uint(i)]
+
+#if defined(VXS_GL_SMOKE) && defined(VXS_AREA_TAKES_MAPS)
+#define VXS_AREA_BAKED
+#endif
+#if defined(VXS_AREA_GATHERS) && (defined(VXS_USES_CURVES) || defined(VXS_AREA_BAKED))
+/* The lamp and the eye ray that are gathered, and what smoke leaves of the one along the other. */
+uint  vxs_area_lamp_now;
+vec3  vxs_area_direction;
+float vxs_area_left(uint lamp, vec3 at);
+#define vxs_grid_left(metres) vxs_area_left(vxs_area_lamp_now, vxs_frame.eye_far.xyz + (metres) * vxs_area_direction)
+#endif
 
 vxs_epipolar vxs_area_space(uint lamp)
 {

@@ -28,13 +28,14 @@ static vxs_epipolar space_of(const frame_block *f, const area_lamp *lamp, const 
     return space;
 }
 
-static void put_heads(vxs_area_light *light, uint32_t runs)
+static void put_heads(vxs_area_light *light, const vxs_light_map *const *maps, uint32_t runs)
 {
     const vxs_volumes *v    = light->volumes;
     vxs_epipolar_view  view = vxs_grid_view_of(&v->frame);
     for (uint32_t n = 0; n < light->count; n++) {
-        vxs_epipolar space   = space_of(&v->frame, &light->lamps[n], light->anchor, &view);
-        light->lamps[n].grid = vxs_grid_head_of(&space, &light->size, runs);
+        vxs_epipolar space    = space_of(&v->frame, &light->lamps[n], light->anchor, &view);
+        light->lamps[n].grid  = vxs_grid_head_of(&space, &light->size, runs);
+        light->lamps[n].baked = maps && maps[n]->is_baked ? (float)(maps[n]->baked + 1) : 0;
     }
     vxs_area_light_put(light, 1);
 }
@@ -83,9 +84,12 @@ static void gather(const vxs_area_light *light, const vxs_area_look *look, uint3
     v->frame.knobs[0]    = (float)runs;
     v->frame.knobs[1]    = column_bias;
     v->frame.knobs[2]    = bit_bias;
-    vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, 0);
+    int dims             = light->smoke == AREA_DIMMED;
+    vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
     vxs_volumes_use_storage(v, light->buffer, 0);
-    volumes_kept kept = vxs_volumes_use(v, light->programs[AREA_GATHER], 0, light->gathered, GL_FORMAT_RGBA32F);
+    if (dims) vxs_area_light_use_curves(light);
+    volumes_kept kept =
+        vxs_volumes_use(v, light->programs[dims ? AREA_GATHER_SMOKE : AREA_GATHER], 0, light->gathered, GL_FORMAT_RGBA32F);
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_OTHER);
     v->api.BindTexture(GL_TARGET_TEXTURE_2D, look->normal_texture);
     v->api.DispatchCompute(groups(v->frame.map_side_px, GROUP), groups(v->frame.map_layers, GROUP), 1);
@@ -112,10 +116,11 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
 {
     uint32_t runs = look->runs ? look->runs : RUNS;
     if (!v->depth_texture || !light->count || runs > AREA_BITS || (unsigned)look->gather > VXS_AREA_QUARTER) return VXS_E_ARGUMENT;
+    if (light->smoke == AREA_DIMMED_BEFORE) return VXS_E_ARGUMENT;
     if (look->maps ? !are_maps(light, look->maps) : !light->is_cast) return VXS_E_ARGUMENT;
     v->frame.pixels   = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};
     storage_kept kept = vxs_volumes_keep_storage(v);
-    put_heads(light, runs);
+    put_heads(light, look->maps, runs);
     if (look->maps)
         fill_exactly(light, look->maps, runs);
     else

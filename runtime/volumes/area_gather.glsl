@@ -1,8 +1,23 @@
 /* Light of all lamps, or of each ninth, in the air and on surfaces, of each pixel, or of each second both ways. map: how many are gathered across and up;
- * counts: lamps, which (vxs_area_gather), 1 to look up between rows; knobs: runs, and what surfaces are moved by, in columns and bits. */
+ * counts: lamps, which (vxs_area_gather), 1 to look up between rows, the side of curves of smoke; knobs: runs, and what surfaces are moved by, in columns and bits. */
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform writeonly restrict image2DArray gathered; /* air, and how far it goes; surfaces */
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_normals;
+
+#ifdef VXS_GRID_DIMS
+float vxs_area_left(uint lamp, vec3 at)
+{
+    float left = 1.0;
+#ifdef VXS_USES_CURVES
+    left = vxs_area_curves_left(lamp, at);
+#endif
+#ifdef VXS_AREA_BAKED
+    float baked = vxs_area.lamps[lamp].colour.w;
+    if (baked > 0.0) left *= vxs_smoke_left_by(uint(baked) - 1u, at);
+#endif
+    return left;
+}
+#endif
 
 struct gathering {
     vec3       eye, direction, normal; /* normal 0: there is no surface */
@@ -58,13 +73,22 @@ void add_lamp(inout gathering g, uint n)
     vxs_epipolar_ray ray = vxs_epipolar_eye(space, g.direction);
     vxs_grid_rows    rows = vxs_grid_row_of(space, size, ray.theta);
     vec3             air;
+#ifdef VXS_GRID_DIMS
+    vxs_area_lamp_now  = n;
+    vxs_area_direction = g.direction;
+#endif
     if (vxs_frame.counts.z != 0u) rows = vxs_grid_rows_about(space, size, ray.theta);
     vxs_grid_airlight_of(n * uint(vxs_grid_words(size)), space, size, g.medium, path, ray, rows, g.metres, int(vxs_frame.knobs.x),
                          vxs_area.lamps[n].eye.x, air);
     g.air += vxs_area.lamps[n].colour.rgb * air;
     if (g.normal == vec3(0.0)) return;
     vec3 irradiance = irradiance_of(g, n, lamp.place - g.eye - g.metres * g.direction);
-    if (irradiance != vec3(0.0)) g.surface += vxs_area.lamps[n].colour.rgb * irradiance * lit_of(g, size, n, space, ray, rows);
+    if (irradiance == vec3(0.0)) return;
+    irradiance *= lit_of(g, size, n, space, ray, rows);
+#ifdef VXS_GRID_DIMS
+    irradiance *= vxs_grid_left(g.metres);
+#endif
+    g.surface += vxs_area.lamps[n].colour.rgb * irradiance;
 }
 
 void main()

@@ -31,32 +31,32 @@ static uint64_t bytes_of(const vxs_area_light *light)
     return sizeof light->lamps + 4 * ((uint64_t)vxs_area_light_maps(light) + (uint64_t)light->most * words_of_map(light->side_px));
 }
 
-static int make_programs(vxs_area_light *light)
+static int make_programs(vxs_area_light *light, int takes_maps)
 {
-    static const char uses[]               = "#define VXS_USES_GRID\n#define VXS_USES_AREA\n";
-    static const char reads[]              = "#define VXS_USES_GRID\n#define VXS_USES_AREA\n#define VXS_GRID_ACCESS readonly\n";
-    const char *const names[AREA_PROGRAMS] = {uses, uses, uses, reads, ""};
-    const char *const texts[AREA_PROGRAMS] = {vxs_volumes_text_area_splat_glsl, vxs_volumes_text_area_holes_glsl,
-                                              vxs_volumes_text_area_grids_glsl, vxs_volumes_text_area_gather_glsl,
-                                              vxs_volumes_text_area_show_glsl};
-    for (int n = 0; n < AREA_PROGRAMS; n++)
+    const char *const names[AREA_CLEAR_PROGRAMS] = {AREA_USES, AREA_USES, AREA_USES, takes_maps ? AREA_TAKES_MAPS : AREA_GATHERS,
+                                                    ""};
+    const char *const texts[AREA_CLEAR_PROGRAMS] = {vxs_volumes_text_area_splat_glsl, vxs_volumes_text_area_holes_glsl,
+                                                    vxs_volumes_text_area_grids_glsl, vxs_volumes_text_area_gather_glsl,
+                                                    vxs_volumes_text_area_show_glsl};
+    for (int n = 0; n < AREA_CLEAR_PROGRAMS; n++)
         if (!(light->programs[n] = vxs_volumes_compute(light->volumes, names[n], texts[n]))) return 0;
     return 1;
 }
 
-static vxs_result make(vxs_area_light *light, int takes_maps)
+static vxs_result make(vxs_area_light *light, const vxs_area_light_desc *desc)
 {
     vxs_volumes *v      = light->volumes;
     vxs_result   result = vxs_or_scan_create(&light->scan, v, 0);
     if (result != VXS_OK) return result;
-    if (!make_programs(light)) return VXS_E_GL;
+    if (!make_programs(light, desc->takes_maps != 0)) return VXS_E_GL;
     light->buffer     = vxs_volumes_buffer(v, bytes_of(light));
     light->gathered   = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 2);
     light->irradiance = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
     if (!light->buffer || !light->gathered || !light->irradiance) return VXS_E_MEMORY;
     v->api.ClearTexImage(light->irradiance, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
     vxs_shadow_grid_desc grid = {.columns = (uint32_t)light->size.columns, .rows = (uint32_t)light->size.rows, .bits = AREA_BITS};
-    return takes_maps ? vxs_shadow_grid_create(&light->exact, v, &grid) : VXS_OK;
+    if (desc->takes_maps) result = vxs_shadow_grid_create(&light->exact, v, &grid);
+    return result == VXS_OK && desc->capsules ? vxs_area_light_take_smoke(light, desc) : result;
 }
 
 vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs_area_light_desc *desc)
@@ -75,7 +75,7 @@ vxs_result vxs_area_light_create(vxs_area_light **out, vxs_volumes *v, const vxs
     light->most    = desc->lamps ? desc->lamps : LAMPS;
     light->side_px = side;
     v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
-    vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, desc->takes_maps != 0);
+    vxs_result result = bytes_of(light) > (uint32_t)most ? VXS_E_GL : make(light, desc);
     if (result == VXS_OK)
         *out = light;
     else
@@ -94,6 +94,7 @@ void vxs_area_light_destroy(vxs_area_light *light)
         if (light->programs[n]) v->api.DeleteProgram(light->programs[n]);
     if (light->scan.volumes) vxs_or_scan_destroy(&light->scan);
     vxs_shadow_grid_destroy(light->exact);
+    if (light->curves.volumes) vxs_transmittance_give_back(&light->curves);
     vxs_volumes_give_back(v, light, sizeof *light);
 }
 
@@ -147,11 +148,13 @@ vxs_result vxs_area_light_set(vxs_area_light *light, const vxs_area_lamp *lamps,
     if (!count || count > light->most) return VXS_E_ARGUMENT;
     for (uint32_t n = 0; n < count; n++)
         if (!lamp_of(&lamps[n], &unused)) return VXS_E_ARGUMENT;
-    if (count != light->count) light->is_cast = 0;
+    int stays = count == light->count;
     for (uint32_t n = 0; n < count; n++) {
-        if (!is_where_it_was(&light->lamps[n], &lamps[n])) light->is_cast = 0;
+        stays = stays && is_where_it_was(&light->lamps[n], &lamps[n]);
         lamp_of(&lamps[n], &light->lamps[n]);
     }
+    if (!stays) light->is_cast = 0;
+    if (!stays && light->smoke == AREA_DIMMED) light->smoke = AREA_DIMMED_BEFORE;
     light->count = count;
     return VXS_OK;
 }
@@ -217,12 +220,17 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     vxs_volumes_run(v, light->programs[AREA_SPLAT], 0, 0, across, (groups + across - 1) / across);
 }
 
+int vxs_area_light_has_sides(const vxs_area_light *light)
+{
+    for (uint32_t n = 0; n < light->count; n++)
+        if (light->lamps[n].kind == AREA_ALL_SIDES) return 0;
+    return light->count > 0;
+}
+
 vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters)
 {
     vxs_volumes *v = light->volumes;
-    if (!light->count || (casters->count && !casters->buffer)) return VXS_E_ARGUMENT;
-    for (uint32_t n = 0; n < light->count; n++)
-        if (light->lamps[n].kind == AREA_ALL_SIDES) return VXS_E_ARGUMENT;
+    if (!vxs_area_light_has_sides(light) || (casters->count && !casters->buffer)) return VXS_E_ARGUMENT;
     storage_kept kept = vxs_volumes_keep_storage(v);
     vxs_area_light_put(light, 0);
     clear(light);

@@ -9,7 +9,7 @@ void main()
     for (int layer = 0; layer < int(vxs_frame.map.y); layer++) {
         vxs_capsule c = vxs_capsule_of(capsules[2u * n], capsules[2u * n + 1u], layer);
         ivec4       box;
-        if (!vxs_capsule_texels(c, box)) continue;
+        if (!vxs_capsule_texels(c, layer, box)) continue;
         int wide = box.z - box.x, count = wide * (box.w - box.y);
         for (int k = int(gl_LocalInvocationID.x); k < count; k += 64) {
             ivec3 texel = ivec3(box.x + k % wide, box.y + k / wide, layer);

@@ -87,21 +87,29 @@ static int make_writers(vxs_transmittance_map *map)
     return map->build && map->look_up && (map->capture || !map->segment_room);
 }
 
-static vxs_result make(vxs_transmittance_map *map)
+vxs_result vxs_transmittance_take(vxs_transmittance_map *map)
 {
-    vxs_volumes *v = map->volumes;
-    if (!make_writers(map) || !make_readers(v)) return VXS_E_GL;
+    vxs_volumes *v    = map->volumes;
+    int          most = 0;
+    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
+    if (bytes_of(map) > (uint32_t)most || bytes_of(map) > INT32_MAX) return VXS_E_GL;
     map->buffer   = vxs_volumes_buffer(v, bytes_of(map));
     map->capsules = vxs_volumes_buffer(v, (uint64_t)map->capsule_room * sizeof(vxs_capsule));
     if (map->segment_room) map->view = vxs_transmittance_view(v);
     return map->buffer && map->capsules && (map->view || !map->segment_room) ? VXS_OK : VXS_E_MEMORY;
 }
 
-static int is_good(const vxs_volumes *v, const vxs_transmittance_desc *desc)
+void vxs_transmittance_give_back(vxs_transmittance_map *map)
 {
-    if (!desc->constants && desc->baked >= vxs_gl_light_count(v->shadows)) return 0;
-    if (desc->nodes && desc->nodes != 4 && desc->nodes != 8 && desc->nodes != 12 && desc->nodes != 16) return 0;
-    return desc->side_px <= SIDE_MAX && desc->capsules && desc->capsules <= CAPSULES_MAX;
+    const gl_name buffers[] = {map->buffer, map->capsules, map->view};
+    for (int n = 0; n < 3; n++)
+        if (buffers[n]) map->volumes->api.DeleteBuffers(1, &buffers[n]);
+}
+
+int vxs_transmittance_is_size(uint32_t side_px, uint32_t nodes, uint32_t capsules)
+{
+    int is_nodes = nodes == 0 || nodes == 4 || nodes == 8 || nodes == 12 || nodes == 16;
+    return is_nodes && side_px <= SIDE_MAX && capsules && capsules <= CAPSULES_MAX;
 }
 
 vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes *v, const vxs_transmittance_desc *desc)
@@ -109,10 +117,10 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
     vxs_transmittance_desc known  = {0};
     const size_t           first  = offsetof(vxs_transmittance_desc, unsorted) + sizeof known.unsorted;
     vxs_result             result = vxs_desc_take(&known, sizeof known, first, desc);
-    int                    most   = 0;
     *out                          = NULL;
     if (result != VXS_OK) return result;
-    if (!is_good(v, &known)) return VXS_E_ARGUMENT;
+    if (!known.constants && known.baked >= vxs_gl_light_count(v->shadows)) return VXS_E_ARGUMENT;
+    if (!vxs_transmittance_is_size(known.side_px, known.nodes, known.capsules)) return VXS_E_ARGUMENT;
     vxs_transmittance_map *map = vxs_volumes_take(v, sizeof *map);
     if (!map) return VXS_E_MEMORY;
     *map = (vxs_transmittance_map){.volumes      = v,
@@ -126,8 +134,7 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
     if (known.constants) map->constants = *known.constants;
     snprintf(map->binding_text, sizeof map->binding_text, "#define VXS_AT_GRID %u\n", v->first_storage);
     map->layers = constants_of(map)->flags & VXS_LIGHT_CUBE ? 6 : 1;
-    v->api.GetIntegerv(GL_MOST_STORAGE_BYTES, &most);
-    result = bytes_of(map) <= (uint32_t)most && bytes_of(map) <= INT32_MAX ? make(map) : VXS_E_GL;
+    result      = make_writers(map) && make_readers(v) ? vxs_transmittance_take(map) : VXS_E_GL;
     if (result == VXS_OK)
         *out = map;
     else
@@ -138,11 +145,8 @@ vxs_result vxs_transmittance_map_create(vxs_transmittance_map **out, vxs_volumes
 void vxs_transmittance_map_destroy(vxs_transmittance_map *map)
 {
     if (!map) return;
-    const vxs_volumes *v         = map->volumes;
-    const gl_name      buffers[] = {map->buffer, map->capsules, map->view};
-    for (int n = 0; n < 3; n++)
-        if (buffers[n]) v->api.DeleteBuffers(1, &buffers[n]);
-    vxs_volumes_give_back(v, map, sizeof *map);
+    vxs_transmittance_give_back(map);
+    vxs_volumes_give_back(map->volumes, map, sizeof *map);
 }
 
 /* build ---------------------------------------------------------------------------------------------------------------------------- */

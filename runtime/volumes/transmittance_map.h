@@ -19,6 +19,13 @@ struct vxs_transmittance_map {
 enum { TRANSMITTANCE_NAMES = 96 };
 void vxs_transmittance_names(const vxs_transmittance_map *map, char names[TRANSMITTANCE_NAMES]);
 
+/* What a description may say. */
+int vxs_transmittance_is_size(uint32_t side_px, uint32_t nodes, uint32_t capsules);
+
+/* The buffers of a map whose numbers are set, and without them.   Returns VXS_OK; VXS_E_GL for more than the context holds; VXS_E_MEMORY. */
+vxs_result vxs_transmittance_take(vxs_transmittance_map *map);
+void       vxs_transmittance_give_back(vxs_transmittance_map *map);
+
 /* The map and its light, for shaders (curves.glsl).   opaque  NULL: none */
 void vxs_transmittance_set(const vxs_transmittance_map *map, const vxs_light_map *opaque, uint32_t capsule_count);
 

@@ -8,7 +8,7 @@ bool in_tile(vxs_capsule c)
 {
     ivec4 box;
     ivec2 first = ivec2(gl_WorkGroupID.xy) * 8;
-    return vxs_capsule_texels(c, box) && all(lessThan(box.xy, first + 8)) && all(greaterThan(box.zw, first));
+    return vxs_capsule_texels(c, int(gl_GlobalInvocationID.z), box) && all(lessThan(box.xy, first + 8)) && all(greaterThan(box.zw, first));
 }
 
 void main()

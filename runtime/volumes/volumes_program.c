@@ -7,7 +7,7 @@
 
 /* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
  * library have. */
-enum { TEXTS = VXS_GL_TEXTS + 32, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 37, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -52,6 +52,11 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     vxs_volumes_text_vxs_curve_h,
                                     vxs_volumes_text_capsule_glsl,
                                     vxs_volumes_text_transmittance_glsl,
+                                    "#ifdef VXS_USES_AREA\n",
+                                    vxs_volumes_text_area_curves_glsl,
+                                    "#else\n",
+                                    vxs_volumes_text_transmittance_light_glsl,
+                                    "#endif\n",
                                     vxs_volumes_text_transmittance_lists_glsl,
                                     "#endif\n",
                                     vxs_volumes_text_mesh_glsl,

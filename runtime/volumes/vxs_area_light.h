@@ -5,6 +5,7 @@
  *     vxs_area_sample(&screen, VXS_AREA_IMPORTANCE, 0, lamps, 64);
  *     vxs_area_light_set(light, lamps, 64);
  *     vxs_area_light_cast(light, &(vxs_area_casters){points, count});   // again when anything has moved
+ *     vxs_area_light_smoke(light, &(vxs_capsules){.list = smoke, .count = puffs}); // where there is smoke: when that or lamps have moved
  *
  *     vxs_volumes_area(air, light, &(vxs_area_look){0});                // each frame, behind vxs_volumes_begin
  *
@@ -14,6 +15,7 @@
 #ifndef VXS_AREA_LIGHT_H
 #define VXS_AREA_LIGHT_H
 
+#include "vxs_transmittance.h"
 #include "vxs_volumes.h"
 
 #ifdef __cplusplus
@@ -105,9 +107,13 @@ typedef struct vxs_area_light_desc {
     uint32_t side_px;       /* of each lamp's imperfect shadow map: 32, 64, 128, 256; 0: 128 */
     uint32_t columns, rows; /* of each lamp's grid, whose eye rays have 128 bits: 1 to 256; 0: 128 */
     uint32_t takes_maps;    /* 1: exact light maps may be given in place of imperfect ones */
+    uint32_t capsules;      /* of smoke, the most that there are at once, up to 2^24; 0: it takes none, and nothing is made for it */
+    uint32_t smoke_side_px; /* curves a side of each lamp; 0: 64 */
+    uint32_t smoke_nodes;   /* of each curve: 4, 8, 12, 16; 0: 4 */
 } vxs_area_light_desc;
 
-/* lamps * (16 * columns * rows + 5.4 * side_px * side_px) bytes of one storage buffer, 86 MiB by default, and three pictures of the view's size.
+/* lamps * (16 * columns * rows + 5.4 * side_px * side_px) bytes of one storage buffer, 86 MiB by default, and three pictures of the view's size. With smoke, another
+ * of lamps * 8 * smoke_nodes * smoke_side_px * smoke_side_px bytes, 32 MiB by default, and 32 for each capsule.
  * light  [out] NULL on failure
  * Returns VXS_OK; VXS_E_ARGUMENT; VXS_E_GL for a shader that does not compile, or more than a storage buffer of the context holds; VXS_E_MEMORY. */
 vxs_result vxs_area_light_create(vxs_area_light **light, vxs_volumes *volumes, const vxs_area_light_desc *desc);
@@ -136,6 +142,15 @@ typedef struct vxs_area_casters {
  * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides. */
 vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters);
 
+/* How much smoke leaves of each lamp's light, on surfaces and in the air: curves as in vxs_transmittance.h, of the half of all directions that it shines to, or of the sphere
+ * about its place where it is far away. Again, when lamps or smoke have moved; between frames they stay.
+ * smoke  places count from where those of lamps do. What is thinner than a texel is as wide as one, and as much less dense. Without capsules nothing
+ *        dims the light any more, and it costs nothing
+ * Lamps with maps of baked lights are dimmed by the smoke that is baked for these, too, without this call; of others nothing is baked.
+ * Returns VXS_OK; VXS_E_ARGUMENT without lamps, where a lamp shines to all sides, or for more capsules than create was told.
+ * Cost: a workgroup for each lamp and 8 x 8 curves looks at all capsules, in their order. */
+vxs_result vxs_area_light_smoke(vxs_area_light *light, const vxs_capsules *smoke);
+
 /* 1: its lamps have imperfect shadow maps; 0: casting is to come. */
 int vxs_area_light_is_cast(const vxs_area_light *light);
 
@@ -158,7 +173,7 @@ typedef struct vxs_area_look {
 
 /* Add the airlight of all lamps to the frame's, by a grid for each, all made in one dispatch of all their light rays and one scan; and the light that they
  * send to surfaces, where normals are given. All pixels are drawn, whatever the frame's `least` is.
- * Returns VXS_OK; VXS_E_ARGUMENT without a frame, lamps, or their shadow maps, for maps of a sun, or of lamps that are far away. */
+ * Returns VXS_OK; VXS_E_ARGUMENT without a frame, lamps, or their shadow maps, for curves of smoke of where lamps were before, for maps of a sun, or of lamps that are far away. */
 vxs_result vxs_volumes_area(vxs_volumes *volumes, vxs_area_light *light, const vxs_area_look *look);
 
 /* Irradiance of surfaces: RGBA32F, of the size of create, of which the view's corner is used; what fog takes between a lamp and a surface is taken. Of the last

@@ -169,6 +169,27 @@ VXS_FN vxs_real vxs_grid_lit_part_of(VXS_GRID_WORDS words, VXS_GRID_SIZE size, v
     return lit + part * (vxs_grid_lit_part(words, size, column, VXS_FIELD(rows, next), first, end) - lit);
 }
 
+/* How much of the light smoke leaves on its way to a place of the eye ray, so many metres along it: a shader that knows defines it before this text. */
+#ifdef vxs_grid_left
+#define VXS_GRID_DIMS
+/* The same of a path of which all is lit, by as many places of it. */
+VXS_FN vxs_real vxs_grid_left_along(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_i32 places)
+{
+    vxs_real  step = (VXS_FIELD(path, end) - VXS_FIELD(path, begin)) / VXS_REAL(places), all = VXS_REAL(0.0), left = VXS_REAL(0.0);
+    vxs_real3 now;
+    for (vxs_i32 n = 0; n < places; n++) {
+        vxs_real x = VXS_FIELD(path, begin) + (VXS_REAL(n) + 0.5) * step;
+        vxs_air_at(medium, path, x, now);
+        vxs_real weight = now[0] + now[1] + now[2];
+        all += weight;
+        left += weight * vxs_grid_left(x);
+    }
+    return all > 0.0 ? left / all : VXS_REAL(1.0);
+}
+#else
+#define vxs_grid_left(metres) VXS_REAL(1.0)
+#endif
+
 /* Airlight of an eye ray's path, whose bits are taken in runs: each is as lit as its bits are in the mean, and counts as much as its middle
  * scatters. All of it lit is what vxs_air_lit says.
  * A bit whose middle is not on the path does not count; beyond the last that is, nothing changes. Two kinds of rays are shorter than a bit, or
@@ -204,6 +225,9 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
         same = VXS_REAL(eye_lit);
     for (vxs_i32 i = 0; i < 3; i++) all[i] = lit[i] = VXS_REAL(0.0);
     if (same >= 0.0) parts = 0;
+#ifdef VXS_GRID_DIMS
+    if (same > 0.0) same *= vxs_grid_left_along(medium, path, runs);
+#endif
 
     vxs_real bit = vxs_grid_bits_before(space, size, ray, begin), behind = vxs_grid_bits_before(space, size, ray, end);
     for (vxs_i32 n = 0; n < parts; n++) {
@@ -218,6 +242,7 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
             vxs_real y = x - VXS_FIELD(path, passed).along, h = VXS_FIELD(path, passed).beside;
             weight *= h * h + y * y;
         }
+        if (part > 0.0) part *= vxs_grid_left(x);
         vxs_air_at(medium, path, x, now);
         for (vxs_i32 i = 0; i < 3; i++) {
             all[i] += weight * now[i];

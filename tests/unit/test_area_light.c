@@ -531,7 +531,8 @@ static void test_misuse(void **state)
     static double                    metres[PIXELS];
     static const vxs_area_light_desc bad[] = {{.lamps = 257},   {.side_px = 48},  {.side_px = 16},
                                               {.side_px = 512}, {.columns = 257}, {.rows = 257}};
-    const vxs_area_light_desc        large = {0, 256, 256, 256, 0}, small = {.lamps = 1, .side_px = 32, .columns = 1, .rows = 1};
+    const vxs_area_light_desc        large = {.side_px = 256, .columns = 256, .rows = 256},
+                              small        = {.lamps = 1, .side_px = 32, .columns = 1, .rows = 1};
     vxs_area_light                  *other;
     vxs_area_lamp                    lamps[2], wrong;
     volumes_camera                   c     = camera_at(eyes[0], look, 0.7);

@@ -1,0 +1,81 @@
+/* Lamps of an area light as layers of curves, in place of transmittance_light.glsl: the half of all directions that each shines to, as in its imperfect shadow map, or the
+ * sphere about all that casts. Places are metres in the lamp's frame, from the lamp, or from the middle of the sphere; depths are metres along a ray from there, or
+ * from the plane across it through the middle. */
+bool vxs_area_is_far(int lamp)
+{
+    return vxs_area.lamps[lamp].normal.w == vxs_area_far;
+}
+
+/* Where a place is in a lamp's layer, in texels.   wide  [out] metres of a texel there */
+vec2 vxs_area_place(int lamp, vec3 way, out float wide)
+{
+    int  side = int(vxs_frame.counts.w);
+    vec2 at = vxs_area_far_texel(uint(lamp), way, side);
+    wide = 2.0 * vxs_area.lamps[lamp].place.w / float(side);
+    if (!vxs_area_is_far(lamp)) wide = length(way) * vxs_area_texel(way, side, at);
+    return at;
+}
+
+/* As wide as a texel at least, and as much less dense as it is larger then: so it takes as much light in all, while that is little. */
+vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int lamp)
+{
+    vxs_capsule c = vxs_capsule_stored(begin, end);
+    float       wide, size = length(c.end - c.begin);
+    c.begin = vxs_area_way(uint(lamp), c.begin - vxs_area.lamps[lamp].place.xyz);
+    c.end   = vxs_area_way(uint(lamp), c.end - vxs_area.lamps[lamp].place.xyz);
+    vxs_area_place(lamp, 0.5 * (c.begin + c.end), wide);
+    if (c.radius > 0.0 && 0.5 * wide > c.radius) {
+        float part = c.radius / (0.5 * wide);
+        c.extinction *= part * part * (size + 4.0 / 3.0 * c.radius) / (size + 2.0 / 3.0 * wide);
+        c.radius = 0.5 * wide;
+    }
+    return c;
+}
+
+/* Of a ball about it. A paraboloid shows a ball's outline as a circle, whose ends toward the normal and away from it are tangents of half their angles. */
+bool vxs_capsule_texels(vxs_capsule c, int lamp, out ivec4 box)
+{
+    float side = float(vxs_frame.counts.w), wide;
+    vec3  middle = 0.5 * (c.begin + c.end);
+    float radius = c.radius + 0.5 * length(c.end - c.begin), metres = length(middle), beside = length(middle.xy);
+    vec2  at = vxs_area_place(lamp, middle, wide);
+    float reach = radius / wide;
+    box = ivec4(0);
+    if (!(c.radius > 0.0)) return false;
+    if (!vxs_area_is_far(lamp)) {
+        float from = atan(beside, middle.z), half_wide = metres > radius ? asin(radius / metres) : 4.0;
+        vec2  ends = tan(0.5 * vec2(from - half_wide, from + half_wide));
+        bool  is_all = !(from + half_wide < 3.1);
+        at    = 0.5 * side * (1.0 + (beside > 0.0 ? middle.xy / beside : vec2(0.0)) * (0.5 * (ends.x + ends.y)));
+        reach = 0.25 * side * (ends.y - ends.x);
+        if (is_all) at = vec2(0.5 * side);
+        if (is_all) reach = side;
+    }
+    box = ivec4(clamp(vec4(floor(at - reach - 0.5), ceil(at + reach + 0.5)), 0.0, side));
+    return box.z > box.x && box.w > box.y;
+}
+
+/* What is opaque casts in shadow maps. */
+float vxs_opaque_depth(ivec3 texel)
+{
+    return VXS_NO_END;
+}
+
+bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segment)
+{
+    vec2  at = (vec2(texel.xy) + 0.5) * (2.0 / float(vxs_frame.counts.w)) - 1.0;
+    float square = dot(at, at);
+    if (vxs_area_is_far(texel.z))
+        return vxs_ray_segment(c, vec3(at * vxs_area.lamps[texel.z].place.w, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
+    return vxs_ray_segment(c, vec3(0.0), vec3(2.0 * at, 1.0 - square) / (1.0 + square), 1.0, true, opaque, segment);
+}
+
+/* How much of a lamp's light its curves leave at a place: outside its layer there is no smoke. */
+float vxs_area_curves_left(uint lamp, vec3 at)
+{
+    vec3  way = vxs_area_way(lamp, at - vxs_area.lamps[lamp].place.xyz);
+    float wide;
+    vec2  place = vxs_area_place(int(lamp), way, wide);
+    if (!(all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(vxs_frame.counts.w))))) return 1.0;
+    return vxs_curves_left(place, int(lamp), vxs_area_is_far(int(lamp)) ? way.z : length(way), 0);
+}

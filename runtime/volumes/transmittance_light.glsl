@@ -1,0 +1,93 @@
+/* The light's own maps as layers of curves, in place of area_curves.glsl. Places are metres along the axes of one of the light's maps: of lamps about the light, of
+ * suns from the map's corner. */
+bool vxs_is_sun()
+{
+    return vxs_frame.light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
+}
+
+/* How wide a texel is: of suns in metres, of lamps at one metre along the axis. */
+float vxs_curve_texel_size()
+{
+    return vxs_frame.light.texel_metres * float(1u << vxs_frame.light.levels) / float(vxs_frame.counts.w);
+}
+
+vec3 vxs_map_metres(vec3 ls, int layer)
+{
+    vec3 turned = ls * vec3(vec2(vxs_frame.light.texel_metres), vxs_frame.light.voxel_metres);
+    if (!vxs_is_sun()) vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, layer), ls, turned);
+    return turned;
+}
+
+vxs_capsule vxs_capsule_of(vec4 begin, vec4 end, int layer)
+{
+    vxs_capsule c = vxs_capsule_stored(begin, end);
+    vec3        ls;
+    vxs_ls_from_ws(vxs_frame.light, c.begin, 1.0, ls);
+    c.begin = vxs_map_metres(ls, layer);
+    vxs_ls_from_ws(vxs_frame.light, c.end, 1.0, ls);
+    c.end = vxs_map_metres(ls, layer);
+    return c;
+}
+
+/* Between which slopes x / z and y / z a ball before a lamp lies. */
+vec4 vxs_ball_slopes(vec3 middle, float radius)
+{
+    float far = (middle.z - radius) * (middle.z + radius);
+    vec2  root = radius * sqrt(middle.xy * middle.xy + far);
+    return vec4(middle.xy * middle.z - root, middle.xy * middle.z + root) / far;
+}
+
+/* Texels of a layer whose rays may meet it.   box  [out] first, end   Returns whether there are any */
+bool vxs_capsule_texels(vxs_capsule c, int layer, out ivec4 box)
+{
+    float side = float(vxs_frame.counts.w), middle = vxs_is_sun() ? 0.0 : 0.5 * side;
+    vec4  ends = vec4(min(c.begin.xy, c.end.xy) - c.radius, max(c.begin.xy, c.end.xy) + c.radius);
+    box = ivec4(0);
+    if (!(c.radius > 0.0)) return false;
+    if (!vxs_is_sun()) {
+        if (max(c.begin.z, c.end.z) + c.radius <= 0.0) return false;
+        vec4 first = vxs_ball_slopes(c.begin, c.radius), second = vxs_ball_slopes(c.end, c.radius);
+        ends = vec4(min(first.xy, second.xy), max(first.zw, second.zw));
+        if (!(min(c.begin.z, c.end.z) > c.radius)) ends = vec4(-1e12, -1e12, 1e12, 1e12);
+    }
+    ends = ends / vxs_curve_texel_size() + middle;
+    box  = ivec4(clamp(vec4(floor(ends.xy - 0.5), ceil(ends.zw + 0.5)), 0.0, side));
+    return box.z > box.x && box.w > box.y;
+}
+
+/* Metres along the map's axis where what is opaque begins in a texel; VXS_NO_END: nowhere. */
+float vxs_opaque_depth(ivec3 texel)
+{
+    if ((vxs_frame.counts.z & VXS_CURVE_OPAQUE) == 0u) return VXS_NO_END;
+    vec2  at = (vec2(texel.xy) + 0.5) * (float(vxs_frame.map.x) / float(vxs_frame.counts.w));
+    float first = texelFetch(vxs_map, ivec3(at, texel.z), 0).r;
+    if (!(first < VXS_NO_END)) return VXS_NO_END;
+    return vxs_is_sun() ? first * vxs_frame.light.voxel_metres : first;
+}
+
+/* What a capsule does to the ray of a texel before an opaque depth, as for vxs_ray_segment. */
+bool vxs_capsule_segment(vxs_capsule c, ivec3 texel, float opaque, out vec3 segment)
+{
+    float size = vxs_curve_texel_size(), side = float(vxs_frame.counts.w);
+    if (vxs_is_sun()) return vxs_ray_segment(c, vec3((vec2(texel.xy) + 0.5) * size, 0.0), vec3(0.0, 0.0, 1.0), 1.0, false, opaque, segment);
+    vec3  way       = vec3((vec2(texel.xy) + 0.5 - 0.5 * side) * size, 1.0);
+    float per_metre = 1.0 / length(way);
+    return vxs_ray_segment(c, vec3(0.0), way * per_metre, per_metre, true, opaque, segment);
+}
+
+/* How much light is left at a place: outside the map there is no smoke. */
+float vxs_transmittance(vec3 at, int exponential)
+{
+    vec3  ls;
+    ivec2 side = ivec2(vxs_frame.counts.w);
+    vxs_ls_from_ws(vxs_frame.light, at, 1.0, ls);
+    int  layer = vxs_is_sun() ? 0 : vxs_map_from_ls(vxs_frame.light, ls);
+    vec3 place = vxs_map_metres(ls, layer);
+    if (!vxs_is_sun()) {
+        if (!(place.z > 0.0)) return 1.0;
+        place.xy = place.xy / place.z + 0.5 * vxs_curve_texel_size() * vec2(side);
+    }
+    place.xy /= vxs_curve_texel_size();
+    if (!(all(greaterThanEqual(place.xy, vec2(0.0))) && all(lessThan(place.xy, vec2(side))))) return 1.0;
+    return vxs_curves_left(place.xy, layer, place.z, exponential);
+}
