@@ -99,7 +99,7 @@ static vxs_result check_options(const render_command *c, message *m)
     if (r != VXS_OK) return r;
     if (c->draw == DRAW_RAYS && needs_gl(c))
         return fail(m, VXS_E_ARGUMENT, "--draw rays goes without %s, which is for OpenGL", needs_gl(c));
-    if (r == VXS_OK) r = fog_check(&c->fog, c->moving_path || (c->smoke_given && o->smoke == SMOKE_ON), m);
+    if (r == VXS_OK) r = fog_check(&c->fog, m);
     if (r != VXS_OK) return r;
     if (c->fog.by == FOG_BY_MESH && c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
@@ -148,6 +148,21 @@ static vxs_result load_moving(render_command *c, subject *s, message *m)
     return fail(m, VXS_E_SCENE, "%s has no triangles: nothing moves", c->moving_path);
 }
 
+/* Whether what is baked dims a light. */
+static int has_baked_smoke(const render_command *c, const subject *s)
+{
+    int some = 0;
+    for (uint32_t n = 0; n < s->light_count && c->options.baked_smoke; n++) some |= c->options.baked_smoke[n] != NULL;
+    return some;
+}
+
+/* Whether some light takes steps in fog is known when scene and file are. */
+static vxs_result check_steps(const render_command *c, const subject *s, message *m)
+{
+    if (c->moving_path || (c->options.smoke == SMOKE_ON && s->scene.smoke.count) || has_baked_smoke(c, s)) return VXS_OK;
+    return fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
+}
+
 /* Whether an asset's smoke is that of the scene's capsules, too. */
 static int has_capsules(const json_t *made)
 {
@@ -174,6 +189,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
     }
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
+    if ((r = check_steps(c, s, m)) != VXS_OK) goto done;
     camera_place(&c->camera, &s->box, s->lights, s->light_count, (double)c->options.width_px / c->options.height_px);
 done:
     json_decref(made);

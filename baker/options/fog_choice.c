@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-vxs_result fog_check(const fog_choice *c, int takes_steps, message *m)
+vxs_result fog_check(const fog_choice *c, message *m)
 {
     const char *alone   = c->albedo_given       ? "--fog-albedo"
                           : c->anisotropy_given ? "--fog-anisotropy"
@@ -13,11 +13,15 @@ vxs_result fog_check(const fog_choice *c, int takes_steps, message *m)
                           : c->steps_given      ? "--fog-steps"
                           : c->grid_given       ? "--fog-grid"
                                                 : NULL;
-    int         marches = takes_steps || c->by == FOG_BY_MARCH || c->by == FOG_BY_ANGLES;
     if (alone && !c->given) return fail(m, VXS_E_ARGUMENT, "%s needs --fog", alone);
-    if (c->steps_given && !marches) return fail(m, VXS_E_ARGUMENT, "--fog-steps %u needs --fog-by march or angles", c->steps);
     if (c->grid_given && c->by != FOG_BY_GRID) return fail(m, VXS_E_ARGUMENT, "--fog-grid %u needs --fog-by grid", c->grid);
     return VXS_OK;
+}
+
+vxs_result fog_check_steps(const fog_choice *c, const char *others, message *m)
+{
+    if (!c->steps_given || c->by == FOG_BY_MARCH || c->by == FOG_BY_ANGLES) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "--fog-steps %u needs --fog-by march or angles%s", c->steps, others);
 }
 
 fog_medium fog_of(const fog_choice *c)

@@ -34,14 +34,17 @@ typedef struct fog_choice {
      "with OpenGL: questions at even steps of each ray, or at steps that scatter alike; what is lit, exactly; a mesh of what is lit, made once; or a "  \
      "grid of light rays (default intervals)", &(choice).by_given},     \
     {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
-     "of march or angles, 1 to 65536 (default 64)", &(choice).steps_given},                                                        \
+     "of march or angles, and of lights that smoke dims or that see what moves, 1 to 65536 (default 64)", &(choice).steps_given},  \
     {"--fog-grid", OPTION_U32, &(choice).grid, 16, 1024, NULL, "N",                                                                \
      "of grid: N x 2N x N voxels, 16 to 1024 (default 256, with egl 512)", &(choice).grid_given}
 /* clang-format on */
 
-/* takes_steps  something moves, or is smoke, for whose lights steps are taken whatever else is asked
- * Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog, or for the way that shadows are found. */
-vxs_result fog_check(const fog_choice *c, int takes_steps, message *m);
+/* Returns VXS_OK, or VXS_E_ARGUMENT for what means nothing without --fog, or for the way that shadows are found. */
+vxs_result fog_check(const fog_choice *c, message *m);
+
+/* The same of steps, where nothing moves, or is smoke, for whose lights they are taken whatever is asked.
+ * others  what else would do, or why it does not: the end of a line */
+vxs_result fog_check_steps(const fog_choice *c, const char *others, message *m);
 
 fog_medium fog_of(const fog_choice *c);
 

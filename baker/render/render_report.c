@@ -148,7 +148,8 @@ static json_t *fog_json(const render_report *r)
     json_set(&fog, "anisotropy", json_real(o->fog->anisotropy));
     json_set(&fog, "top_metres", o->fog->top_ws < INFINITY ? json_real(o->fog->top_ws) : json_null());
     json_set(&fog, "by", json_text(fog_by_names[o->fog_by]));
-    if (o->moving || r->smoke_lights || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES) json_set(&fog, "steps", json_integer(o->fog_steps));
+    if (o->moving || r->smoke_lights || last->by_angles || o->fog_by == FOG_BY_MARCH || o->fog_by == FOG_BY_ANGLES)
+        json_set(&fog, "steps", json_integer(o->fog_steps));
     if (r->fog_grid) json_set(&fog, "grid", json_integer(r->fog_grid));
     json_set(&fog, "lights", fog_plan_lights(r->fog_lights, r->lights, r->light_count));
     json_set(&fog, "left_out", fog_plan_left_out(last, o->fog_by, r->light_count));

@@ -72,10 +72,10 @@ def direction_of(x, y):
     return unit([f + across * r + above * u for f, r, u in zip(ahead, right, up)])
 
 
-def left_between(begin, way, metres):
+def left_between(begin, way, metres, balls=BALLS):
     """What all balls leave of a ray's light."""
     depth = 0
-    for place, radius, extinction in BALLS:
+    for place, radius, extinction in balls:
         to = [p - b for p, b in zip(place, begin)]
         near = sum(a * b for a, b in zip(to, way))
         inside = radius ** 2 - sum(t * t for t in to) + near ** 2
@@ -168,9 +168,19 @@ def test_fog_is_dimmed(vxs, level):
         plan, = json.loads((level / "r.json").read_text())["fog"]["lights"]
         return plan, sum(map(linear, grey(level / "passes" / "airlight.png"))) / sum(light[n] for n in clear_ground)
 
-    (clear_plan, clear), (plan, dimmed) = air("--smoke", "off"), air("--smoke", "on", "--fog-steps", 48)
+    (clear_plan, clear), (plan, dimmed) = air("--smoke", "off"), air("--fog-steps", 48)
     assert clear_plan["by"] == "intervals" and (plan["by"], plan["why"]) == ("angles", "smoke dims it")
     assert len(clear_ground) > 100 and 0.5 * clear < dimmed < 0.98 * clear, (clear, dimmed)
+
+
+def test_steps_of_fog(vxs, level):
+    """Smoke of the scene takes steps without being asked for; where nothing does, a line says what would."""
+    fog = "--light", "noon", "--fog", 0.1, "--fog-steps", 9
+    assert draw(vxs, level, "smoke", *fog)[1]["fog"]["steps"] == 9
+    for scene, options, words in (("smoke", ["--smoke", "off"], "--fog-steps 9 needs --fog-by march or angles, or --smoke on\n"),
+                                  ("clear", [], "--fog-steps 9 needs --fog-by march or angles: there is no smoke, and nothing moves\n")):
+        done = vxs("render", level / f"{scene}.gltf", level / "level.vxs", "-o", level / "no.png", *SMALL, *fog, *options, status=2)
+        assert done.stderr.endswith(words) and done.stderr.count("\n") == 1
 
 
 def test_out_of_reach_and_out_of_view(vxs, tmp_path):
