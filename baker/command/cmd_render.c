@@ -276,6 +276,8 @@ static int find_area_words(const render_command *c, const subject *s, const rend
                             .scene = &s->scene, .gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
     if (areas) w->shares = area_pass_shares(areas);
     if (areas) w->points = area_pass_points(areas);
+    if (areas) w->capsules = area_pass_capsules(areas, &w->smoke_side);
+    w->baked_smoke = areas && has_baked_smoke(c, s);
     return areas || (c->area_given && c->options.area_lamps);
 }
 

@@ -18,8 +18,8 @@ const char *const area_gather_names[] = {"each", "ninths", "quarter"};
 
 static const double pi = 3.14159265358979324;
 
-/* Of all triangles, by area; and of those that move. */
-enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
+/* Of all triangles, by area; and of those that move. Virtual lights are many, and each has its curves of smoke. */
+enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15, SMOKE_SIDE_MOST = 64 };
 
 struct area_pass {
     area_pass_options options;
@@ -34,6 +34,8 @@ struct area_pass {
     vxs_area_point   *moving, *moved; /* [moving_points] where they are in their file; and now */
     double            moved_ws[3];    /* by how much */
     int               has_moved;      /* since shadow maps were cast */
+    vxs_capsule      *capsules;       /* [options.smoke->count] of smoke: those that lamps of the last frame shine on */
+    uint32_t          capsule_count;
     GLuint            buffer, add_program, glow_program, empty_array;
     GLuint           *textures; /* [areas] */
 };
@@ -110,13 +112,15 @@ static void put_texture(area_pass *p, uint32_t n)
 static vxs_result make(area_pass *p, message *m)
 {
     text_part           add = part_of(area_frag_glsl), glow = part_of(glow_frag_glsl);
-    vxs_area_light_desc desc = {.lamps = p->options.lamps};
+    uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
+    vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
     vxs_result          r;
     p->powers   = calloc(p->count, sizeof *p->powers);
     p->shares   = calloc(p->count, sizeof *p->shares);
     p->next     = calloc(p->count, sizeof *p->next);
     p->textures = calloc(p->count, sizeof *p->textures);
-    if (!p->powers || !p->shares || !p->next || !p->textures)
+    p->capsules = calloc(capsules + !capsules, sizeof *p->capsules);
+    if (!p->powers || !p->shares || !p->next || !p->textures || !p->capsules)
         return fail(m, VXS_E_MEMORY, "out of memory for %u area lights", p->count);
     for (uint32_t n = 0; n < p->count; n++) p->powers[n] = area_power(&p->options.scene->areas[n]);
     if ((r = vxs_area_light_create(&p->light, p->volumes, &desc)) != VXS_OK)
@@ -134,6 +138,7 @@ vxs_result area_pass_create(area_pass **out, const area_pass_options *o, const g
     *out         = NULL;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
     p->options   = *o;
+    if (o->smoke_side > SMOKE_SIDE_MOST) p->options.smoke_side = SMOKE_SIDE_MOST;
     p->gl        = gl;
     p->volumes   = volumes;
     p->count     = (uint32_t)o->scene->area_count;
@@ -156,6 +161,7 @@ void area_pass_destroy(area_pass *p)
     if (p->empty_array) p->gl->DeleteVertexArrays(1, &p->empty_array);
     free(p->moving);
     free(p->moved);
+    free(p->capsules);
     free(p->powers);
     free(p->shares);
     free(p->next);
@@ -177,7 +183,37 @@ static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, 
     return r;
 }
 
-/* Lamps of all that are drawn, and their shadow maps: again, where something has moved. */
+/* Whether some of a capsule is before a light that is drawn.   c  places count from the middle */
+static int is_shone_on(const area_pass *p, const vxs_capsule *c)
+{
+    for (uint32_t n = 0; n < p->count; n++) {
+        const scene_area *a    = &p->options.scene->areas[n];
+        double            most = -INFINITY, normal[3], way[3];
+        vec3_cross(a->across_ws, a->up_ws, normal);
+        for (int end = 0; end < 2; end++) {
+            for (int i = 0; i < 3; i++) way[i] = (double)(end ? c->end : c->begin)[i] + p->options.middle_ws[i] - a->corner_ws[i];
+            most = fmax(most, vec3_dot(way, normal));
+        }
+        if (p->shares[n].lamps && most > -(double)c->radius_metres * sqrt(vec3_dot(normal, normal))) return 1;
+    }
+    return 0;
+}
+
+/* What smoke leaves of each lamp. */
+static vxs_result dim(area_pass *p)
+{
+    const scene_smoke *smoke = p->options.smoke;
+    p->capsule_count         = 0;
+    for (uint32_t n = 0; smoke && n < smoke->count; n++) {
+        vxs_capsule *c = &p->capsules[p->capsule_count];
+        *c             = smoke->list[n];
+        smoke_from_eye(smoke, c, p->options.middle_ws);
+        p->capsule_count += (uint32_t)is_shone_on(p, c);
+    }
+    return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
+}
+
+/* Lamps of all that are drawn, what smoke leaves of them, and their shadow maps: again, where something has moved. */
 static vxs_result cast(area_pass *p, double exposure)
 {
     vxs_area_lamp lamps[VXS_AREA_LAMPS];
@@ -189,7 +225,9 @@ static vxs_result cast(area_pass *p, double exposure)
         count += p->shares[n].lamps;
     }
     if (result == VXS_OK) result = vxs_area_light_set(p->light, lamps, count);
-    if (result == VXS_OK && (p->has_moved || !vxs_area_light_is_cast(p->light)))
+    int stay = vxs_area_light_is_cast(p->light);
+    if (result == VXS_OK && !stay) result = dim(p);
+    if (result == VXS_OK && (p->has_moved || !stay))
         result = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, 0});
     p->exposure  = result == VXS_OK ? exposure : 0;
     p->has_moved = 0;
@@ -283,6 +321,12 @@ const area_share *area_pass_shares(const area_pass *p)
 uint32_t area_pass_points(const area_pass *p)
 {
     return p->points + p->moving_points;
+}
+
+uint32_t area_pass_capsules(const area_pass *p, uint32_t *smoke_side)
+{
+    *smoke_side = p->options.smoke_side;
+    return p->capsule_count;
 }
 
 unsigned area_pass_irradiance(const area_pass *p)

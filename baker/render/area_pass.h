@@ -14,6 +14,8 @@ typedef struct area_pass_options {
     const scene            *scene;     /* with area lights; it outlives the pass */
     const vxs_baked_points *points;    /* that cast shadows; NULL: they are scattered over the scene's triangles */
     const scene            *moving;    /* what casts shadows from where it is in each frame; NULL: nothing moves */
+    const scene_smoke      *smoke;     /* what dims the light; NULL: nothing does */
+    uint32_t                smoke_side; /* curves a side of a map of it; a virtual light has no more than 64 */
     const double           *middle_ws; /* [3] places count from there */
     double                  scale;     /* what radiance is times, before exposure */
     uint32_t                lamps;     /* 1 to VXS_AREA_LAMPS */
@@ -47,5 +49,8 @@ void area_pass_add_glow(const area_pass *pass, const float clip_from_scene[16], 
 const area_share *area_pass_shares(const area_pass *pass);
 uint32_t          area_pass_points(const area_pass *pass);
 unsigned          area_pass_irradiance(const area_pass *pass);
+
+/* How many capsules of smoke dim it; and by how many curves a side of each virtual light. */
+uint32_t area_pass_capsules(const area_pass *pass, uint32_t *smoke_side);
 
 #endif

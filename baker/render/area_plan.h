@@ -45,6 +45,8 @@ typedef struct area_words {
     const char       *gather; /* its word */
     uint32_t          points; /* that cast shadows */
     int               baked;  /* they are those of the asset */
+    uint32_t          capsules, smoke_side; /* of smoke that dims what is drawn, and curves a side of each virtual light */
+    int               baked_smoke;          /* the asset has some for its lights, which nothing says of these */
 } area_words;
 
 /* A line; with `verbose` a line for each parallelogram, and for what shines and is none. */
