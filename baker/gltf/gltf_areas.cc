@@ -4,6 +4,7 @@
 #include "baker/gltf/gltf_loader.h"
 
 #include "baker/base/array.h"
+#include "baker/base/srgb.h"
 #include "baker/base/vec3.h"
 
 namespace gltf
@@ -70,12 +71,6 @@ static size_t wrapped(double texels, size_t count, texture_wrap wrap)
     return (size_t)turn % count;
 }
 
-static float linear(uint8_t srgb)
-{
-    double c = srgb / 255.0;
-    return (float)(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
 /* How many texels lie along a side. */
 static uint32_t texels_along(const image_colours &image, const double from[2], const double to[2])
 {
@@ -98,7 +93,7 @@ static void turn_texture(const image_colours &image, const alpha_mask &wraps, co
             size_t         column = wrapped(uv[0] * image.width_px, image.width_px, wraps.wrap_u);
             size_t         row    = wrapped(uv[1] * image.height_px, image.height_px, wraps.wrap_v);
             const uint8_t *from   = image.rgba.data() + 4 * (row * image.width_px + column);
-            for (int n = 0; n < 3; n++) *out++ = linear(from[n]);
+            for (int n = 0; n < 3; n++) *out++ = srgb_light(from[n]);
         }
 }
 

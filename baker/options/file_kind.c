@@ -39,7 +39,7 @@ static file_kind kind_of_bytes(char bytes[LOOKED_AT + 1], size_t size)
     static const char png[] = "\x89PNG\r\n\x1a\n";
     if (begins(bytes, size, VXS_MAGIC, VXS_MAGIC_BYTES)) return FILE_ASSET;
     if (is_glb(bytes, size)) return FILE_SCENE;
-    if (begins(bytes, size, png, sizeof png - 1)) return FILE_PICTURE;
+    if (begins(bytes, size, png, sizeof png - 1) || begins(bytes, size, "#?", 2)) return FILE_PICTURE;
     if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
     bytes[size] = '\0';
     return kind_of_text(bytes);
@@ -61,7 +61,7 @@ file_kind file_kind_of(const char *path)
 const char *file_kind_text(file_kind kind)
 {
     static const char *const texts[] = {"something else",  "a glTF scene",  "a .vxs file",      "JSON",
-                                        "a report of vxs", "a PNG picture", "a part of a bake", "a folder"};
+                                        "a report of vxs", "a picture", "a part of a bake", "a folder"};
     return texts[kind];
 }
 

@@ -9,7 +9,7 @@ typedef enum file_kind {
     FILE_ASSET,   /* .vxs */
     FILE_JSON,    /* text that begins as JSON does, and neither of the following */
     FILE_REPORT,  /* JSON that vxs wrote, beginning with its version */
-    FILE_PICTURE, /* PNG */
+    FILE_PICTURE, /* PNG, or Radiance's */
     FILE_PART,    /* of a bake */
     FILE_FOLDER
 } file_kind;
@@ -20,7 +20,7 @@ file_kind file_kind_of(const char *path);
 /* "a .vxs file"; of FILE_UNKNOWN "something else" */
 const char *file_kind_text(file_kind kind);
 
-/* 0 when a file that is this cannot be what was expected, which is a scene, an asset or JSON. What is not known may be anything. */
+/* 0 when a file that is this cannot be what was expected, which is a scene, an asset, JSON or a picture. What is not known may be anything. */
 int file_kind_may_be(file_kind found, file_kind expected);
 
 #endif

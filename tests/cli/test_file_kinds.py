@@ -112,7 +112,7 @@ def test_scenes_from_pipes_are_not_looked_into(vxs_path, scene):
 
 # --- files of other kinds -----------------------------------------------------------------------------------------------------
 
-KINDS = {"gltf": "a glTF scene", "glb": "a glTF scene", "vxs": "a .vxs file", "png": "a PNG picture", "report": "a report of vxs",
+KINDS = {"gltf": "a glTF scene", "glb": "a glTF scene", "vxs": "a .vxs file", "png": "a picture", "report": "a report of vxs",
          "json": "JSON", "folder": "a folder"}
 READERS = [("bake {} -o {out}", "gltf"), ("plan {}", "gltf"), ("truth {} --sun 0,-1,0", "gltf"), ("compare {} {vxs}", "gltf"),
            ("render {} {vxs} -o {out}", "gltf"), ("health {}", "gltf"), ("mend {} -o {out}", "gltf"), ("bench {} -o {out}", "gltf"),

@@ -1,0 +1,16 @@
+/* The curve of sRGB.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SRGB_H
+#define SRGB_H
+
+#include <math.h>
+#include <stdint.h>
+
+/* The light that a byte stands for, 0 to 1. */
+static inline float srgb_light(uint8_t byte)
+{
+    double c = byte / 255.0;
+    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+}
+
+#endif
