@@ -3,23 +3,12 @@
 #ifndef AREA_PASS_H
 #define AREA_PASS_H
 
-#include "baker/opengl/gl.h"
 #include "baker/render/area_plan.h"
-#include "runtime/volumes/vxs_area_light.h"
-
-#define AREA_GATHER_CHOICES "each|ninths|quarter" /* words of vxs_area_gather, in that order */
-extern const char *const area_gather_names[];
+#include "baker/render/lamp_pass.h"
 
 typedef struct area_pass_options {
-    const scene            *scene;     /* with area lights; it outlives the pass */
-    const vxs_baked_points *points;    /* that cast shadows; NULL: they are scattered over the scene's triangles */
-    const scene            *moving;    /* what casts shadows from where it is in each frame; NULL: nothing moves */
-    const scene_smoke      *smoke;     /* what dims the light; NULL: nothing does */
-    uint32_t                smoke_side; /* curves a side of a map of it; a virtual light has no more than 64 */
-    const double           *middle_ws; /* [3] places count from there */
-    double                  scale;     /* what radiance is times, before exposure */
-    uint32_t                lamps;     /* 1 to VXS_AREA_LAMPS */
-    vxs_area_gather         gather;
+    lamp_pass_options lit;   /* what they light; its scene has area lights, and outlives the pass */
+    double            scale; /* what radiance is times, before exposure */
 } area_pass_options;
 
 typedef struct area_pass area_pass;

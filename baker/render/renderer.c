@@ -227,15 +227,15 @@ static vxs_result make_fog(renderer *r, message *m)
 /* As what a matt surface sends back to each direction is counted pi times, so is what shines. */
 static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
-    area_pass_options o = {.scene      = s,
-                           .points     = r->options.area_points,
-                           .moving     = r->options.moving,
-                           .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
-                           .smoke_side = r->options.smoke_side,
-                           .middle_ws  = r->mesh.middle_ws,
-                           .scale      = pi * r->scale,
-                           .lamps      = r->options.area_lamps,
-                           .gather     = r->options.area_gather};
+    area_pass_options o = {.lit   = {.scene      = s,
+                                     .points     = r->options.area_points,
+                                     .moving     = r->options.moving,
+                                     .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
+                                     .smoke_side = r->options.smoke_side,
+                                     .middle_ws  = r->mesh.middle_ws,
+                                     .lamps      = r->options.area_lamps,
+                                     .gather     = r->options.area_gather},
+                           .scale = pi * r->scale};
     return area_pass_create(&r->areas, &o, r->gl, fog_pass_volumes(r->fog), m);
 }
 

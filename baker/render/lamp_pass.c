@@ -1,0 +1,213 @@
+/* Virtual lights in a frame; see lamp_pass.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/render/lamp_pass.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/render/renderer_state.h"
+
+EMBEDDED(screen_vert_glsl)
+EMBEDDED(area_frag_glsl)
+
+const char *const area_gather_names[] = {"each", "ninths", "quarter"};
+
+static const double pi = 3.14159265358979324;
+
+/* Of all triangles, by area; where each casts shadows of each lamp; of those that move. What such casting may be of points times lamps. */
+enum { POINTS = 1 << 18, WHOLE_POINTS = 1 << 16, MOVING_POINTS = 1 << 15, WHOLE_MOST = WHOLE_POINTS * VXS_AREA_LAMPS };
+
+/* Lamps are many, and each has its curves of smoke. */
+enum { SMOKE_SIDE_MOST = 64 };
+
+struct lamp_pass {
+    lamp_pass_options options;
+    const gl_context *gl;
+    vxs_volumes      *volumes;
+    vxs_area_light   *light;
+    uint32_t          points, moving_points; /* of what stands, which come first in the buffer; of what moves */
+    vxs_area_point   *moving, *moved;        /* [moving_points] where they are in their file; and now */
+    double            moved_ws[3];           /* by how much */
+    int               has_moved;             /* since shadow maps were cast */
+    vxs_capsule      *capsules;              /* [options.smoke->count] of smoke: those that lamps shine on */
+    uint32_t          capsule_count;
+    GLuint            buffer, add_program, empty_array;
+};
+
+/* what is made once --------------------------------------------------------------------------------------------------------------- */
+
+/* Over a scene's triangles.   found  [out] how many: none, where they have no area */
+static vxs_result scatter(const lamp_pass *p, const scene *s, vxs_area_point *points, uint32_t count, uint32_t *found, message *m)
+{
+    float *positions = malloc(3 * s->vertex_count * sizeof *positions);
+    if (!positions) return fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", count);
+    for (size_t n = 0; n < 3 * s->vertex_count; n++) positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
+    *found = vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, count) > 0 ? count : 0;
+    free(positions);
+    return VXS_OK;
+}
+
+static vxs_result scatter_moving(lamp_pass *p, message *m)
+{
+    if (!p->options.moving) return VXS_OK;
+    p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
+    p->moved  = malloc(MOVING_POINTS * sizeof *p->moved);
+    if (!p->moving || !p->moved) return fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", MOVING_POINTS);
+    return scatter(p, p->options.moving, p->moving, MOVING_POINTS, &p->moving_points, m);
+}
+
+/* Where they are now, behind those that stand. */
+static void put_moving(lamp_pass *p, const double moved_ws[3])
+{
+    GLsizeiptr size = sizeof *p->moved;
+    for (uint32_t n = 0; n < p->moving_points; n++) {
+        p->moved[n] = p->moving[n];
+        for (int k = 0; k < 3; k++) p->moved[n].place[k] += (float)moved_ws[k];
+    }
+    p->gl->NamedBufferSubData(p->buffer, p->points * size, p->moving_points * size, p->moved);
+    memcpy(p->moved_ws, moved_ws, sizeof p->moved_ws);
+    p->has_moved = 1;
+}
+
+static vxs_result put_points(lamp_pass *p, message *m)
+{
+    static const double     nowhere[3] = {0};
+    const vxs_baked_points *baked      = p->options.points;
+    uint32_t                most       = baked ? baked->count : p->options.is_whole ? WHOLE_POINTS : POINTS;
+    vxs_area_point         *points     = malloc(most * sizeof *points);
+    vxs_result r = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
+    p->points    = most;
+    if (r == VXS_OK && baked) vxs_points_unpack(baked, p->options.middle_ws, points->place);
+    if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, points, most, &p->points, m);
+    GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
+    p->gl->GenBuffers(1, &p->buffer);
+    p->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
+    p->gl->BufferData(GL_SHADER_STORAGE_BUFFER, still + p->moving_points * size, NULL, GL_DYNAMIC_DRAW);
+    if (still) p->gl->NamedBufferSubData(p->buffer, 0, still, points);
+    if (p->moving_points) put_moving(p, nowhere);
+    free(points);
+    return r;
+}
+
+static vxs_result make(lamp_pass *p, message *m)
+{
+    text_part           add      = part_of(area_frag_glsl);
+    uint32_t            capsules = p->options.smoke ? p->options.smoke->count : 0;
+    vxs_area_light_desc desc     = {.lamps = p->options.lamps, .capsules = capsules, .smoke_side_px = p->options.smoke_side};
+    vxs_result          r        = vxs_area_light_create(&p->light, p->volumes, &desc);
+    p->capsules                  = calloc(capsules + !capsules, sizeof *p->capsules);
+    if (!p->capsules) return fail(m, VXS_E_MEMORY, "out of memory for %u capsules of smoke", capsules);
+    if (r != VXS_OK) return fail(m, r, "OpenGL cannot draw area lights of %u lamps: %s", p->options.lamps, vxs_result_text(r));
+    if ((r = renderer_program(p->gl, &p->add_program, screen_vert_glsl, &add, 1, m)) != VXS_OK) return r;
+    p->gl->GenVertexArrays(1, &p->empty_array);
+    return put_points(p, m);
+}
+
+vxs_result lamp_pass_create(lamp_pass **out, const lamp_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
+{
+    lamp_pass *p = calloc(1, sizeof *p);
+    *out         = NULL;
+    if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
+    p->options = *o;
+    if (o->smoke_side > SMOKE_SIDE_MOST) p->options.smoke_side = SMOKE_SIDE_MOST;
+    p->gl        = gl;
+    p->volumes   = volumes;
+    vxs_result r = make(p, m);
+    if (r == VXS_OK)
+        *out = p;
+    else
+        lamp_pass_destroy(p);
+    return r;
+}
+
+void lamp_pass_destroy(lamp_pass *p)
+{
+    if (!p) return;
+    vxs_area_light_destroy(p->light);
+    if (p->buffer) p->gl->DeleteBuffers(1, &p->buffer);
+    if (p->add_program) p->gl->DeleteProgram(p->add_program);
+    if (p->empty_array) p->gl->DeleteVertexArrays(1, &p->empty_array);
+    free(p->moving);
+    free(p->moved);
+    free(p->capsules);
+    free(p);
+}
+
+/* a frame ------------------------------------------------------------------------------------------------------------------------- */
+
+int lamp_pass_move(lamp_pass *p, const double moved_ws[3])
+{
+    if (p->moving_points && memcmp(moved_ws, p->moved_ws, sizeof p->moved_ws)) put_moving(p, moved_ws);
+    return p->has_moved;
+}
+
+/* What smoke leaves of each lamp. */
+static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+{
+    const scene_smoke *smoke = p->options.smoke;
+    p->capsule_count         = 0;
+    for (uint32_t n = 0; smoke && n < smoke->count; n++) {
+        vxs_capsule *c = &p->capsules[p->capsule_count];
+        *c             = smoke->list[n];
+        smoke_from_eye(smoke, c, p->options.middle_ws);
+        p->capsule_count += !is_shone_on || is_shone_on(user, c);
+    }
+    return vxs_area_light_smoke(p->light, &(vxs_capsules){.list = p->capsules, .count = p->capsule_count});
+}
+
+vxs_result lamp_pass_set(lamp_pass *p, const vxs_area_lamp *lamps, uint32_t count,
+                         int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
+{
+    uint32_t   is_whole = p->options.is_whole && (uint64_t)p->points * count <= WHOLE_MOST;
+    vxs_result r        = vxs_area_light_set(p->light, lamps, count);
+    int        stay     = vxs_area_light_is_cast(p->light);
+    if (r == VXS_OK && !stay) r = dim(p, is_shone_on, user);
+    if (r == VXS_OK && (p->has_moved || !stay))
+        r = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, is_whole});
+    p->has_moved = 0;
+    return r;
+}
+
+vxs_result lamp_pass_draw(lamp_pass *p, const double eye_ws[3], unsigned normals)
+{
+    float anchor[3];
+    for (int n = 0; n < 3; n++) anchor[n] = (float)(p->options.middle_ws[n] - eye_ws[n]);
+    vxs_result r = vxs_area_light_anchor(p->light, anchor);
+    if (r != VXS_OK) return r;
+    return vxs_volumes_area(p->volumes, p->light, &(vxs_area_look){.gather = p->options.gather, .normal_texture = normals});
+}
+
+void lamp_pass_begin_adding(const lamp_pass *p, GLuint program)
+{
+    p->gl->Enable(GL_BLEND);
+    p->gl->BlendEquation(GL_FUNC_ADD);
+    p->gl->BlendFunc(GL_ONE, GL_ONE);
+    p->gl->UseProgram(program);
+    p->gl->BindVertexArray(p->empty_array);
+}
+
+void lamp_pass_add_light(const lamp_pass *p, double exposure)
+{
+    const gl_context *gl = p->gl;
+    lamp_pass_begin_adding(p, p->add_program);
+    gl->BindTextureUnit(0, lamp_pass_irradiance(p));
+    gl->ProgramUniform1f(p->add_program, gl->GetUniformLocation(p->add_program, "factor"), (float)(1 / (pi * exposure)));
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->Disable(GL_BLEND);
+}
+
+uint32_t lamp_pass_capsules(const lamp_pass *p, uint32_t *smoke_side)
+{
+    *smoke_side = p->options.smoke_side;
+    return p->capsule_count;
+}
+
+uint32_t lamp_pass_points(const lamp_pass *p)
+{
+    return p->points + p->moving_points;
+}
+
+unsigned lamp_pass_irradiance(const lamp_pass *p)
+{
+    return vxs_area_light_irradiance(p->light);
+}
