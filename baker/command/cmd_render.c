@@ -21,6 +21,7 @@
 #include "baker/picture/picture.h"
 #include "baker/render/camera_path.h"
 #include "baker/render/render_report.h"
+#include "baker/sky/sky_map.h"
 
 enum {
     SIDE_MIN_PX      = 16,
@@ -47,17 +48,18 @@ typedef struct render_command {
     filter_choice  filter;
     draw_mode      draw;
     fog_choice     fog;
-    const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path;
+    const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
     uint32_t       frames;
     uint64_t       budget_bytes;
     int            budget_given, upload_given;
     int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given,
-        smoke_given, smoke_side_given;
+        smoke_given, smoke_side_given, sky_light_given, sky_turn_given;
 } render_command;
 
 /* What is drawn. */
 typedef struct subject {
     scene                  scene, moving;
+    sky_map                sky;
     box                    box;
     vxs_asset             *asset;  /* NULL where it is streamed */
     asset_stream           stream; /* with --budget */
@@ -77,6 +79,7 @@ static const char *needs_gl(const render_command *c)
            : c->fog.grid_given  ? "--fog-grid"
            : c->area_given      ? "--area"
            : c->gather_given    ? "--area-gather"
+           : c->sky_path        ? "--sky"
            : c->stops_given     ? "--exposure"
            : c->smoke_given     ? "--smoke"
            : c->smoke_side_given ? "--smoke-side"
@@ -104,6 +107,9 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->fog.by == FOG_BY_MESH && c->budget_given)
         return fail(m, VXS_E_ARGUMENT, "--fog-by mesh goes without --budget: it is made once, of all of the file");
     if (c->gather_given && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--area-gather needs area lights: --area 1 or more");
+    if (c->sky_path && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--sky needs virtual lights: --area 1 or more");
+    if (!c->sky_path && (c->sky_light_given || c->sky_turn_given))
+        return fail(m, VXS_E_ARGUMENT, "%s needs --sky", c->sky_light_given ? "--sky-light" : "--sky-turn");
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
@@ -163,6 +169,13 @@ static vxs_result check_steps(const render_command *c, const subject *s, message
     return fog_check_steps(&c->fog, s->scene.smoke.count ? ", or --smoke on" : ": there is no smoke, and nothing moves", m);
 }
 
+static vxs_result load_sky(render_command *c, subject *s, message *m)
+{
+    vxs_result r   = c->passes_folder ? render_passes_check_input(c->passes_folder, c->sky_path, "--sky", m) : VXS_OK;
+    c->options.sky = &s->sky;
+    return r == VXS_OK ? sky_map_read(&s->sky, c->sky_path, m) : r;
+}
+
 /* Whether an asset's smoke is that of the scene's capsules, too. */
 static int has_capsules(const json_t *made)
 {
@@ -189,6 +202,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
     }
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
+    if (c->sky_path && (r = load_sky(c, s, m)) != VXS_OK) goto done;
     if ((r = check_steps(c, s, m)) != VXS_OK) goto done;
     camera_place(&c->camera, &s->box, s->lights, s->light_count, (double)c->options.width_px / c->options.height_px);
 done:
@@ -268,23 +282,43 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
     return r;
 }
 
+/* lamps  NULL: there are none */
+static lamp_words words_of_lamps(const render_command *c, const subject *s, const lamp_pass *lamps)
+{
+    lamp_words w = {.gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
+    if (!lamps) return w;
+    w.points      = lamp_pass_points(lamps);
+    w.capsules    = lamp_pass_capsules(lamps, &w.smoke_side);
+    w.baked_smoke = has_baked_smoke(c, s);
+    return w;
+}
+
 /* Of area lights there is something to say where there are some, or where they were asked for.   Returns 0 where there is not. */
 static int find_area_words(const render_command *c, const subject *s, const renderer *drawn, area_words *w)
 {
     const area_pass *areas = renderer_areas(drawn);
-    *w                     = (area_words){
-                            .scene = &s->scene, .gather = area_gather_names[c->options.area_gather], .baked = c->options.area_points != NULL};
-    if (areas) w->shares = area_pass_shares(areas);
-    if (areas) w->points = area_pass_points(areas);
-    if (areas) w->capsules = area_pass_capsules(areas, &w->smoke_side);
-    w->baked_smoke = areas && has_baked_smoke(c, s);
-    return areas || (c->area_given && c->options.area_lamps);
+    *w                     = (area_words){.scene  = &s->scene,
+                                          .shares = areas ? area_pass_shares(areas) : NULL,
+                                          .lit    = words_of_lamps(c, s, areas ? area_pass_lamps(areas) : NULL)};
+    return areas || (c->area_given && c->options.area_lamps && !c->sky_path);
+}
+
+static sky_words words_of_sky(const render_command *c, const subject *s, const renderer *drawn)
+{
+    return (sky_words){.path         = c->sky_path,
+                       .wide_px      = s->sky.wide_px,
+                       .high_px      = s->sky.high_px,
+                       .light        = c->options.sky_light,
+                       .turn_degrees = c->options.sky_turn_degrees,
+                       .lamps        = c->options.area_lamps,
+                       .lit          = words_of_lamps(c, s, sky_pass_lamps(renderer_sky(drawn)))};
 }
 
 static vxs_result write_reports(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *frames,
                                 uint32_t count, const truth_difference *difference, message *m)
 {
     area_words    areas;
+    sky_words     sky    = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
     render_report report = {.scene_path   = c->scene_path,
                             .asset_path   = c->asset_path,
                             .renderer     = renderer_name(drawn),
@@ -295,6 +329,7 @@ static vxs_result write_reports(const render_command *c, const subject *s, const
                             .smoke_lights = renderer_smoke_lights(drawn),
                             .capsules     = s->scene.smoke.count,
                             .areas        = find_area_words(c, s, drawn, &areas) ? &areas : NULL,
+                            .sky          = c->sky_path ? &sky : NULL,
                             .lights       = s->lights,
                             .light_count  = s->light_count,
                             .culls        = renderer_culls(drawn),
@@ -327,6 +362,7 @@ static void print_plan(const render_command *c, const subject *s, const renderer
 {
     const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
     area_words  areas;
+    sky_words   sky   = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
     int         taken = 0;
     for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
     FILE *to = report_stream(m, taken);
@@ -336,6 +372,7 @@ static void print_plan(const render_command *c, const subject *s, const renderer
         smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn), s->lights,
                          s->light_count, m->verbose);
     if (find_area_words(c, s, drawn, &areas)) area_plan_print(to, &last->frame.area, &areas, m->verbose);
+    if (c->sky_path) sky_plan_print(to, &sky, m->verbose);
     if (c->options.fog)
         fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
 }
@@ -394,6 +431,7 @@ static vxs_result run(void *command, message *m)
     if (s) {
         scene_free(&s->scene);
         scene_free(&s->moving);
+        sky_map_free(&s->sky);
         vxs_asset_close(s->asset);
         asset_stream_close(&s->stream);
     }
@@ -411,6 +449,7 @@ int cmd_render(int argc, char **argv)
                                                 .smoke_side   = SMOKE_SIDE,
                                                 .area_lamps   = AREA_LAMPS,
                                                 .area_gather  = VXS_AREA_QUARTER,
+                                                .sky_light    = 1,
                                                 .threads      = parallel_default_threads()},
                               .filter.box_px = 5,
                               .fog           = FOG_DEFAULTS};
@@ -444,6 +483,15 @@ int cmd_render(int argc, char **argv)
          &c.area_given},
         {"--area-gather", OPTION_CHOICE, &o->area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,
          "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &c.gather_given},
+        {"--sky", OPTION_INPUT, &c.sky_path, FILE_PICTURE, 0, NULL, "FILE",
+         "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr or "
+         "PNG, twice as wide as high",
+         NULL},
+        {"--sky-light", OPTION_F64, &o->sky_light, 1e-9, 1e9, NULL, "FACTOR",
+         "candela a square metre of what is 1 in the map, 1e-9 to 1e9 (default 1)", &c.sky_light_given},
+        {"--sky-turn", OPTION_F64, &o->sky_turn_degrees, -360, 360, NULL, "DEGREES",
+         "of the map, whose middle is along +X, about +Y, counter-clockwise from above, -360 to 360 (default 0)",
+         &c.sky_turn_given},
         {"--smoke", OPTION_CHOICE, &o->smoke, 0, 0, SMOKE_CHOICES, NULL,
          "points and lines of the scene that are smoke dim light, and are drawn (default on)", &c.smoke_given},
         {"--smoke-side", OPTION_U32, &o->smoke_side, SMOKE_SIDE_MIN, SMOKE_SIDE_MAX, NULL, "PX",

@@ -201,17 +201,7 @@ const area_share *area_pass_shares(const area_pass *p)
     return p->shares;
 }
 
-uint32_t area_pass_points(const area_pass *p)
+const lamp_pass *area_pass_lamps(const area_pass *p)
 {
-    return lamp_pass_points(p->lamps);
-}
-
-uint32_t area_pass_capsules(const area_pass *p, uint32_t *smoke_side)
-{
-    return lamp_pass_capsules(p->lamps, smoke_side);
-}
-
-unsigned area_pass_irradiance(const area_pass *p)
-{
-    return lamp_pass_irradiance(p->lamps);
+    return p->lamps;
 }

@@ -34,12 +34,8 @@ void area_pass_add_light(const area_pass *pass);
 void area_pass_add_glow(const area_pass *pass, const float clip_from_scene[16], unsigned depths, const double eye_ws[3],
                         double exposure);
 
-/* [scene->area_count] of the last frame; how many points cast shadows; what surfaces got, times exposure: an RGBA32F texture. */
+/* [scene->area_count] of the last frame; what lights by them. */
 const area_share *area_pass_shares(const area_pass *pass);
-uint32_t          area_pass_points(const area_pass *pass);
-unsigned          area_pass_irradiance(const area_pass *pass);
-
-/* How many capsules of smoke dim it; and by how many curves a side of each virtual light. */
-uint32_t area_pass_capsules(const area_pass *pass, uint32_t *smoke_side);
+const lamp_pass  *area_pass_lamps(const area_pass *pass);
 
 #endif

@@ -78,15 +78,16 @@ void area_plan_print(FILE *to, const area_plan *plan, const area_words *w, int v
 {
     size_t count = w->scene->area_count;
     fprintf(to, "area         %zu parallelogram%s of light", count, count == 1 ? "" : "s");
-    if (count) fprintf(to, ": %u drawn by %u lamps", plan->areas[AREA_DRAWN], plan->lamps);
-    if (w->capsules) fprintf(to, " that %u capsules of smoke dim", w->capsules);
+    if (count)
+        fprintf(to, ": %u drawn by %u lamps", plan->areas[AREA_DRAWN], plan->lamps);
+    else
+        fputs(": nothing in the scene shines; --sky FILE lights it by a map of the sky", to);
+    lamp_plan_print_smoke(to, &w->lit);
     for (int n = AREA_FAINT; n < AREA_FATES; n++)
         if (plan->areas[n]) fprintf(to, ", %u %s", plan->areas[n], fate_texts[n]);
     fputc('\n', to);
     if (!verbose) return;
-    if (count) fprintf(to, "shadows of %u points of the %s, pixels gather %s\n", w->points, w->baked ? "file" : "scene", w->gather);
-    if (w->capsules) fprintf(to, "smoke by %u x %u curves for each lamp\n", w->smoke_side, w->smoke_side);
-    if (w->baked_smoke) fprintf(to, "baked smoke is left out: the file has it for its own lights alone\n");
+    if (count) lamp_plan_print(to, &w->lit);
     for (size_t n = 0; n < count; n++) {
         char name[128];
         snprintf(name, sizeof name, "%s", name_of(w->scene, &w->scene->areas[n]));
@@ -106,14 +107,6 @@ json_t *area_plan_counts(const area_plan *plan)
     return o;
 }
 
-static json_t *smoke_json(const area_words *w)
-{
-    json_t *o = json_object();
-    json_set(&o, "capsules", json_integer(w->capsules));
-    json_set(&o, "side_px", json_integer(w->smoke_side));
-    return o;
-}
-
 json_t *area_plan_json(const area_plan *plan, const area_words *w)
 {
     json_t *o = json_object(), *lights = json_array();
@@ -125,11 +118,7 @@ json_t *area_plan_json(const area_plan *plan, const area_words *w)
         json_append(&lights, light);
     }
     json_set(&o, "lamps", json_integer(plan->lamps));
-    json_set(&o, "gather", json_text(w->gather));
-    json_set(&o, "points", json_integer(w->points));
-    json_set(&o, "points_of", json_text(w->baked ? "asset" : "scene"));
-    if (w->capsules) json_set(&o, "smoke", smoke_json(w));
-    json_set(&o, "baked_smoke_left_out", json_boolean(w->baked_smoke));
+    lamp_plan_json(&o, &w->lit);
     json_set(&o, "lights", lights);
     json_set(&o, "dim_triangles", json_integer((json_int_t)w->scene->dim_count));
     return o;

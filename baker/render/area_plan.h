@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "baker/render/lamp_plan.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/camera.h"
 
@@ -42,11 +43,7 @@ void area_plan_share(const double *powers, area_share *shares, uint32_t count, u
 typedef struct area_words {
     const scene      *scene;
     const area_share *shares; /* [scene->area_count] of the last frame */
-    const char       *gather; /* its word */
-    uint32_t          points; /* that cast shadows */
-    int               baked;  /* they are those of the asset */
-    uint32_t          capsules, smoke_side; /* of smoke that dims what is drawn, and curves a side of each virtual light */
-    int               baked_smoke;          /* the asset has some for its lights, which nothing says of these */
+    lamp_words        lit;
 } area_words;
 
 /* A line; with `verbose` a line for each parallelogram, and for what shines and is none. */

@@ -8,6 +8,7 @@
 #include "baker/render/area_pass.h"
 #include "baker/render/fog_pass.h"
 #include "baker/render/moving_pass.h"
+#include "baker/render/sky_pass.h"
 #include "baker/render/smoke_pass.h"
 #include "baker/scene/scene.h"
 #include "baker/truth/camera.h"
@@ -39,6 +40,10 @@ typedef struct render_options {
     const vxs_baked_points *area_points;     /* as for area_pass_options */
     vxs_area_gather         area_gather;
 
+    const sky_map *sky;      /* it outlives the renderer, and lights by area_lamps of its own. NULL: the sky that pictures have */
+    double sky_light;        /* what its radiance is times: candela a square metre, where lights are in candela and lux */
+    double sky_turn_degrees; /* about +Y */
+
     const vxs_baked_smoke *const
         *baked_smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
 
@@ -49,7 +54,7 @@ typedef struct render_options {
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */
 } render_options;
 
-/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, what moves, area lights, or fog, theirs is left out. */
+/* What a frame took, in seconds, each stage by itself: OpenGL is waited for behind each. Without a stream, what moves, area lights, a sky, or fog, theirs is left out. */
 enum {
     RENDER_UPLOAD,
     RENDER_MOVING,
@@ -58,6 +63,7 @@ enum {
     RENDER_SMOKE,
     RENDER_SHADE,
     RENDER_AREA,
+    RENDER_SKY,
     RENDER_FOG,
     RENDER_TONE,
     RENDER_STAGES
@@ -137,6 +143,12 @@ const area_pass *renderer_areas(const renderer *r);
 
 /* What surfaces got of area lights in the last frame, as exposed.   light  [out] [3 * count] linear */
 vxs_result renderer_read_area(renderer *r, float *light, message *m);
+
+/* What draws the sky; NULL without it. */
+const sky_pass *renderer_sky(const renderer *r);
+
+/* What surfaces got of it in the last frame, as renderer_read_area. */
+vxs_result renderer_read_sky(renderer *r, float *light, message *m);
 
 /* Each light in the last frame's fog, [light_count]; NULL without fog. */
 const fog_light_plan *renderer_fog_lights(const renderer *r);

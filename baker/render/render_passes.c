@@ -3,6 +3,7 @@
 #include "baker/render/render_passes.h"
 
 #include <ctype.h>
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -330,6 +331,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK) r = write_light(&p, m);
     if (r == VXS_OK) r = write_lights(&p, m);
     if (r == VXS_OK && renderer_areas(drawn)) r = write_linear(&p, "area", renderer_read_area, 1 / pi, m);
+    if (r == VXS_OK && renderer_sky(drawn)) r = write_linear(&p, "sky", renderer_read_sky, 1 / pi, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_linear(&p, "airlight", renderer_read_airlight, 1, m);
     if (r == VXS_OK && renderer_is_in_fog(drawn)) r = write_transmittance(&p, m);
     if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
@@ -348,4 +350,25 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     free(p.reached);
     free(p.rgb);
     return r;
+}
+
+static int is_png(const char *name)
+{
+    size_t length = strlen(name);
+    return length > 4 && !strcmp(name + length - 4, ".png");
+}
+
+vxs_result render_passes_check_input(const char *folder, const char *path, const char *what, message *m)
+{
+    struct stat input, there;
+    DIR        *open   = !stat(path, &input) && S_ISREG(input.st_mode) ? opendir(folder) : NULL;
+    vxs_result  result = VXS_OK;
+    for (struct dirent *entry; open && result == VXS_OK && (entry = readdir(open));) {
+        if (!is_png(entry->d_name) || fstatat(dirfd(open), entry->d_name, &there, 0)) continue;
+        if (there.st_dev == input.st_dev && there.st_ino == input.st_ino)
+            result = fail(m, VXS_E_ARGUMENT, "--passes %s: %s of it is the input itself, %s: expected another folder", folder,
+                          entry->d_name, what);
+    }
+    if (open) closedir(open);
+    return result;
 }

@@ -21,6 +21,7 @@ typedef struct truth_difference {
  *     smoke.png        how much smoke lets through to the eye, linear, where there is smoke: white is all of it
  *     smoke-N-NAME.png how much of light N it leaves at what is seen, if it dims the light; magenta where nothing is
  *     area.png         what surfaces get of area lights, irradiance / pi, as exposed, where there are some
+ *     sky.png          the same of a map of the sky
  *     airlight.png     what fog scatters toward the eye, as exposed, where there is fog
  *     transmittance.png  what fog leaves of what is seen, linear: white is all of it
  *     shadow-grid.png  of fog by a grid, of the light that was drawn last: columns of alpha, rows of theta, how much of each is lit
@@ -38,5 +39,10 @@ typedef struct truth_difference {
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count, int streamed,
                          const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m);
+
+/* Ask before an input is read: none of a folder's pictures, over which passes may be written, is it.
+ * what  says who reads it: "--sky"
+ * Returns VXS_OK or VXS_E_ARGUMENT. */
+vxs_result render_passes_check_input(const char *folder, const char *path, const char *what, message *m);
 
 #endif

@@ -17,6 +17,7 @@ static int has_stage(const render_report *r, int stage)
 {
     if (stage == RENDER_SMOKE) return r->smoke_lights != NULL;
     if (stage == RENDER_AREA) return r->areas && r->areas->shares;
+    if (stage == RENDER_SKY) return r->sky != NULL;
     return stage == RENDER_UPLOAD   ? r->budget_bytes != 0
            : stage == RENDER_MOVING ? r->options->moving != NULL
                                     : stage != RENDER_FOG || r->options->fog;
@@ -185,6 +186,7 @@ json_t *render_report_json(const render_report *r)
     if (r->moving_path) json_set(&o, "moving", json_text(r->moving_path));
     if (r->smoke_lights) json_set(&o, "smoke", smoke_json(r));
     if (r->areas) json_set(&o, "area", area_plan_json(&r->frames[r->frame_count - 1].frame.area, r->areas));
+    if (r->sky) json_set(&o, "sky", sky_plan_json(r->sky));
     if (r->budget_bytes) {
         json_set(&o, "budget_bytes", json_integer((json_int_t)r->budget_bytes));
         json_set(&o, "held_bytes", json_integer((json_int_t)r->frames[0].stream.bytes_held));
@@ -241,7 +243,7 @@ vxs_result render_report_csv(const render_report *r, const char *path, message *
 enum { PLOT_WIDE = 900, PLOT_HIGH = 360, LEFT = 60, RIGHT = 150, TOP = 20, BOTTOM = 40, STREAM_HIGH = 160 };
 
 static const char *const plot_colours[RENDER_STAGES] = {"#66ccee", "#117733", "#4477aa", "#ddaa99", "#ccbb44",
-                                                        "#cc6677", "#228833", "#aa3377", "#999999"};
+                                                        "#cc6677", "#228833", "#88ccee", "#aa3377", "#999999"};
 
 /* 1, 2 or 5 times a power of ten, five of which or fewer reach `most`. */
 static double step_for(double most)

@@ -7,6 +7,7 @@
 
 #include "baker/render/render.h"
 #include "baker/render/render_passes.h"
+#include "baker/render/sky_plan.h"
 
 typedef struct drawn_frame {
     camera_pose  camera;
@@ -26,6 +27,7 @@ typedef struct render_report {
     const smoke_light_plan       *smoke_lights; /* [light_count] of the last frame; NULL without smoke */
     uint32_t                      capsules;     /* of the scene's smoke */
     const area_words             *areas;      /* NULL: no area light was asked for */
+    const sky_words              *sky;        /* NULL: none was asked for */
     const vxs_baked_light *const *lights;     /* [light_count] */
     uint32_t                      light_count;
     int                           culls;

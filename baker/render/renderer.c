@@ -207,7 +207,7 @@ static vxs_result put_shadows(renderer *r, const vxs_baked_light *const *lights,
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
 
-/* Clear air where there is none: area lights and smoke need its frame. */
+/* Clear air where there is none: area lights, a sky and smoke need its frame. */
 static vxs_result make_fog(renderer *r, message *m)
 {
     static const fog_medium clear = {.top_ws = INFINITY};
@@ -224,19 +224,34 @@ static vxs_result make_fog(renderer *r, message *m)
     return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
 }
 
+static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s, int is_whole)
+{
+    return (lamp_pass_options){.scene      = s,
+                               .points     = r->options.area_points,
+                               .moving     = r->options.moving,
+                               .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
+                               .smoke_side = r->options.smoke_side,
+                               .middle_ws  = r->mesh.middle_ws,
+                               .lamps      = r->options.area_lamps,
+                               .gather     = r->options.area_gather,
+                               .is_whole   = is_whole};
+}
+
 /* As what a matt surface sends back to each direction is counted pi times, so is what shines. */
 static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
-    area_pass_options o = {.lit   = {.scene      = s,
-                                     .points     = r->options.area_points,
-                                     .moving     = r->options.moving,
-                                     .smoke      = r->options.smoke == SMOKE_ON && s->smoke.count ? &s->smoke : NULL,
-                                     .smoke_side = r->options.smoke_side,
-                                     .middle_ws  = r->mesh.middle_ws,
-                                     .lamps      = r->options.area_lamps,
-                                     .gather     = r->options.area_gather},
-                           .scale = pi * r->scale};
+    area_pass_options o = {.lit = lit_by_lamps(r, s, 0), .scale = pi * r->scale};
     return area_pass_create(&r->areas, &o, r->gl, fog_pass_volumes(r->fog), m);
+}
+
+static vxs_result make_sky(renderer *r, const scene *s, message *m)
+{
+    sky_pass_options o = {.lit           = lit_by_lamps(r, s, 1),
+                          .radius_metres = 0.5 * r->mesh.size_metres,
+                          .map           = r->options.sky,
+                          .scale         = pi * r->scale * r->options.sky_light,
+                          .turn_rad      = r->options.sky_turn_degrees * pi / 180};
+    return sky_pass_create(&r->sky, &o, r->gl, fog_pass_volumes(r->fog), m);
 }
 
 static vxs_result make_moving(renderer *r, const vxs_baked_light *const *lights, message *m)
@@ -261,8 +276,8 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
 {
     uint64_t samples = (uint64_t)r->width * r->height;
     int      shines = r->options.area_lamps && s->area_count, smokes = r->options.smoke == SMOKE_ON && s->smoke.count,
-        is_airy         = r->options.fog || shines || smokes;
-    uint64_t bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0) +
+        is_airy         = r->options.fog || shines || smokes || r->options.sky;
+    uint64_t bytes_each = 4 + 16 + 4 + 16 + 28 + (is_airy ? 32 : 0) + (shines ? 48 : 0) + (r->options.sky ? 48 : 0) +
                           (smokes ? 4 * SMOKE_MAPS : 0); /* targets, and two that are read back */
     vxs_result result = memory_check(samples * bytes_each, m, "a picture of %u x %u samples needs", r->width, r->height);
     if (result != VXS_OK) return result;
@@ -273,6 +288,7 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if ((result = make_moving(r, lights, m)) != VXS_OK) return result;
     if (is_airy && (result = make_fog(r, m)) != VXS_OK) return result;
     if (shines && (result = make_areas(r, s, m)) != VXS_OK) return result;
+    if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;
     if (smokes && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
     r->near_metres = 1e-5 * r->mesh.size_metres;
@@ -304,6 +320,7 @@ void renderer_destroy(renderer *r)
         surface_mesh_free(&r->mesh, r->gl);
         moving_pass_destroy(r->moving);
         area_pass_destroy(r->areas);
+        sky_pass_destroy(r->sky);
         renderer_free_cloud(r);
         smoke_pass_destroy(r->smoke);
         fog_pass_destroy(r->fog);

@@ -7,6 +7,7 @@
  *     smoke      how much it leaves of each light (smoke_pass.h), and, over all the air, itself (renderer_smoke.c); left out where there is none
  *     shade      light of each sample, lookups and all
  *     area       what area lights send to it and to the air (area_pass.h); left out where there is none
+ *     sky        the same of a map of the sky (sky_pass.h)
  *     fog        over the picture that this makes (fog_pass.h); left out where there is none
  *     tone       what a screen shows of the mean of a pixel's samples
  *
@@ -21,7 +22,7 @@
 #include "baker/render/renderer_state.h"
 
 const char *const render_stage_names[RENDER_STAGES] = {"upload", "moving", "surfaces", "cull", "smoke",
-                                                       "shade",  "area",   "fog",      "tone"};
+                                                       "shade",  "area",   "sky",      "fog",  "tone"};
 
 enum { COLOURS_BINDING = 3, PICTURE_UNIT = 4 };
 
@@ -124,7 +125,7 @@ void renderer_shade(const renderer *r, int show, uint32_t light)
 
 double renderer_day(const renderer *r)
 {
-    return r->day ? 1 : 0.07;
+    return r->sky ? 0 : r->day ? 1 : 0.07;
 }
 
 static void set_sizes(const renderer *r, GLuint program)
@@ -173,6 +174,24 @@ static vxs_result light_by_areas(const renderer *r, area_plan *plan, message *m)
     return VXS_OK;
 }
 
+/* The same of the sky, in the frame of area lights where there are some. */
+static vxs_result draw_sky(const renderer *r, double exposure, message *m)
+{
+    vxs_result result      = r->areas ? VXS_OK : begin_air(r, m);
+    double     moved_ws[3] = {0};
+    if (r->moving) moving_pass_moved(r->moving, moved_ws);
+    return result == VXS_OK ? sky_pass_draw(r->sky, r->camera.eye_ws, moved_ws, r->target[NORMALS], exposure, m) : result;
+}
+
+static vxs_result light_by_sky(const renderer *r, message *m)
+{
+    vxs_result result = draw_sky(r, r->exposure > 0 ? r->exposure : 1, m);
+    if (result != VXS_OK) return result;
+    r->gl->BindFramebuffer(GL_FRAMEBUFFER, r->light_frame);
+    sky_pass_add_light(r->sky);
+    return VXS_OK;
+}
+
 /* The picture, what shines in it, and the air over it. */
 static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
 {
@@ -182,8 +201,9 @@ static vxs_result fog(const renderer *r, fog_plan *plan, message *m)
     draw_screen(r, r->picture_frame, r->picture_program, SCREEN, r->width, r->height);
     vec3_sub(r->camera.eye_ws, r->mesh.middle_ws, eye);
     renderer_clip(r, eye, matrix);
-    vxs_result result = r->areas ? VXS_OK : begin_air(r, m);
+    vxs_result result = r->areas || r->sky ? VXS_OK : begin_air(r, m);
     if (r->areas) area_pass_add_glow(r->areas, matrix, r->target[DEPTHS], r->camera.eye_ws, r->exposure);
+    if (r->sky) sky_pass_add_map(r->sky, &r->view, r->target[DEPTHS], r->exposure);
     return result != VXS_OK ? result : fog_pass_draw(r->fog, r->shines, r->moving, r->smoke, r->exposure, plan, m);
 }
 
@@ -322,9 +342,15 @@ static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
         if (result != VXS_OK) return result;
         STAGE_ENDS(RENDER_AREA)
     }
+    if (r->sky) {
+        vxs_result result = light_by_sky(r, m);
+        if (result != VXS_OK) return result;
+        STAGE_ENDS(RENDER_SKY)
+    }
     if (r->exposure <= 0) {
         vxs_result result = choose_exposure(r, m);
         if (result == VXS_OK && r->areas) result = draw_areas(r, r->exposure, &frame->area, m); /* airlight is exposed */
+        if (result == VXS_OK && r->sky) result = draw_sky(r, r->exposure, m);
         if (result != VXS_OK) return result;
         since = finished(r->gl);
     }

@@ -77,7 +77,12 @@ vxs_result renderer_read_airlight(renderer *r, float *air, message *m)
 
 vxs_result renderer_read_area(renderer *r, float *light, message *m)
 {
-    return read_texture(r, area_pass_irradiance(r->areas), light, m);
+    return read_texture(r, lamp_pass_irradiance(area_pass_lamps(r->areas)), light, m);
+}
+
+vxs_result renderer_read_sky(renderer *r, float *light, message *m)
+{
+    return read_texture(r, lamp_pass_irradiance(sky_pass_lamps(r->sky)), light, m);
 }
 
 vxs_result renderer_read_full(renderer *r, float *full, message *m)
@@ -143,6 +148,11 @@ int renderer_is_in_fog(const renderer *r)
 const area_pass *renderer_areas(const renderer *r)
 {
     return r->areas;
+}
+
+const sky_pass *renderer_sky(const renderer *r)
+{
+    return r->sky;
 }
 
 const fog_light_plan *renderer_fog_lights(const renderer *r)

@@ -117,15 +117,16 @@ static void set4(const renderer *r, const char *name, const double rgb[3], doubl
     r->gl->ProgramUniform4f(p, r->gl->GetUniformLocation(p, name), (float)rgb[0], (float)rgb[1], (float)rgb[2], (float)last);
 }
 
-/* Of the sky's light smoke gets what surfaces that stand upright do. */
+/* Of the sky's light smoke gets what surfaces that stand upright do; of a map its mean. */
 static void set_uniforms(const renderer *r)
 {
     static const double sky[3] = {0.375, 0.4425, 0.5775}; /* between the ground and the sky of tone_frag.glsl */
     const fog_medium   *medium = r->options.fog;
     double              ambient[3], fog_ambient[3], extinction[3] = {0}, turned[3] = {0};
     renderer_fog_ambient(r, fog_ambient);
+    if (r->sky) sky_pass_mean(r->sky, r->exposure, ambient);
     for (int n = 0; n < 3; n++) {
-        ambient[n] = 0.30 * renderer_day(r) * sky[n];
+        if (!r->sky) ambient[n] = 0.30 * renderer_day(r) * sky[n];
         if (!medium) continue;
         extinction[n] = medium->extinction[n];
         if (extinction[n] > 0) turned[n] = fog_ambient[n] * medium->scattering[n] / extinction[n];

@@ -19,8 +19,9 @@ struct renderer {
     vxs_gl        *shadows;
     surface_mesh   mesh;
     uint32_t       light_count, width, height; /* samples */
-    fog_pass      *fog;                        /* NULL: there is none, nor an area light, whose air may be clear */
+    fog_pass      *fog;                        /* NULL: there is none, nor an area light or a sky, whose air may be clear */
     area_pass     *areas;                      /* NULL: there is none */
+    sky_pass      *sky;                        /* likewise */
     double         scale;                      /* what lights of the scene are times, before exposure */
     moving_pass   *moving;                     /* NULL: nothing moves */
     smoke_pass    *smoke;                      /* NULL: there is none */
@@ -64,7 +65,7 @@ void renderer_bind_lights(const renderer *r);
 /* A framebuffer.   depth  0: none */
 GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);
 
-/* What is left of the sky at night: 1 by day. */
+/* What is left of the sky at night, or where a map takes its place: 1 by day. */
 double renderer_day(const renderer *r);
 
 /* Of the sky's light fog scatters as much as if a tenth of its horizon were seen from everywhere.   ambient  [out] */

@@ -168,7 +168,7 @@ def test_off_and_none(lit):
     said, found, _ = lit(*CAMERA, "--area", 0)
     assert said == "" and "area" not in found
     said, found, _ = lit(*CAMERA, "--area", 64, colours=([0, 0, 0], [0, 0, 0]))
-    assert said == "area         0 parallelograms of light\n" and found["area"]["lights"] == [] and "area" not in found["median_ms"]
+    assert said == "area         0 parallelograms of light: nothing in the scene shines; --sky FILE lights it by a map of the sky\n" and found["area"]["lights"] == [] and "area" not in found["median_ms"]
 
 
 def test_airlight(lit, tmp_path):
