@@ -472,6 +472,29 @@ static void test_when(void **state)
     vxs_area_light_destroy(plain);
 }
 
+/* Storage buffers are bound as they were. */
+static void test_state(void **state)
+{
+    (void)state;
+    static double          places[PIXELS][3];
+    static float           air[4 * PIXELS], surfaces[4 * PIXELS];
+    PFNGLGETINTEGERI_VPROC get   = (PFNGLGETINTEGERI_VPROC)scene_function("glGetIntegeri_v", NULL);
+    volumes_camera         c     = camera_of(0);
+    vxs_volumes_frame      frame = random_places(&c, 16, places);
+    GLuint                 buffers[3];
+    scene.gl->GenBuffers(3, buffers);
+    for (GLuint n = 0; n < 3; n++) scene.gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, 5 + n, buffers[n]);
+    put_lamps(light, lamps, 2);
+    put_smoke(light, CAPSULES);
+    look_at(light, &frame, 0, air, surfaces);
+    for (GLuint n = 0; n < 3; n++) {
+        GLint bound = 0;
+        get(GL_SHADER_STORAGE_BUFFER_BINDING, 5 + n, &bound);
+        assert_int_equal(bound, buffers[n]);
+    }
+    scene.gl->DeleteBuffers(3, buffers);
+}
+
 static void test_misuse(void **state)
 {
     (void)state;
@@ -542,9 +565,10 @@ static void test_any_numbers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_surfaces), cmocka_unit_test(test_air),       cmocka_unit_test(test_away_from_a_lamp),
-        cmocka_unit_test(test_thin),     cmocka_unit_test(test_far_lamps), cmocka_unit_test(test_baked_smoke),
-        cmocka_unit_test(test_when),     cmocka_unit_test(test_misuse),    cmocka_unit_test(test_any_numbers),
+        cmocka_unit_test(test_surfaces),    cmocka_unit_test(test_air),       cmocka_unit_test(test_away_from_a_lamp),
+        cmocka_unit_test(test_thin),        cmocka_unit_test(test_far_lamps), cmocka_unit_test(test_baked_smoke),
+        cmocka_unit_test(test_when),        cmocka_unit_test(test_state),     cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, set_up, area_tear_down);
 }
