@@ -322,19 +322,20 @@ def test_nothing_moved(against, measured):
 
 
 def test_times_that_moved(against, measured):
-    """A hundredth of the time before is slower now, and a hundred times as long is not; --max-slower gates on the one alone."""
+    """A millionth of the time before is slower now, and a million times as long is not, whatever else the machine does meanwhile;
+    --max-slower gates on the one alone."""
     old = first_cell(measured)
-    text = against(scaled(old, 0.01))
+    text = against(scaled(old, 1e-6))
     rows = {row[1]: row for row in (re.split(r"  +", line.strip()) for line in text.splitlines()) if len(row) == 5}
     assert {"bake", "maps to words", "lookup", "lookup 3 x 3", "ray"} <= rows.keys()
     assert any(name.startswith("stage ") for name in rows), "which of them take long enough to be told differs"
     assert not {"file", "nodes"} & rows.keys()
-    assert rows["bake"][0] == "small.gltf, 64 texels" and 20 < float(rows["bake"][4]) < 500
-    assert rows["bake"][2].endswith(")") and rows["bake"][3].endswith("ms"), "before: a spread; now: a single run"
-    assert "of these times are more than 5 times what they were; FAILED" in against(scaled(old, 0.01), "--max-slower", 5, status=1)
-    text = against(scaled(old, 100), "--max-slower", 1)
-    assert re.search(r"  bake .* 0\.0\d\d\n", text) and "FAILED" not in text
-    assert "FAILED" not in against(wide(scaled(old, 0.01)), "--max-slower", 1), "within the spread"
+    assert rows["bake"][0] == "small.gltf, 64 texels" and float(rows["bake"][4]) > 1e3
+    assert rows["bake"][2].endswith(")") and rows["bake"][3].endswith("s"), "before: a spread; now: a single run"
+    assert "of these times are more than 5 times what they were; FAILED" in against(scaled(old, 1e-6), "--max-slower", 5, status=1)
+    text = against(scaled(old, 1e6), "--max-slower", 1)
+    assert re.search(r"  bake .* 0\.00\d\n", text) and "FAILED" not in text
+    assert "FAILED" not in against(wide(scaled(old, 1e-6)), "--max-slower", 1), "within the spread"
 
 
 @pytest.mark.parametrize("change, row", [
