@@ -12,8 +12,8 @@ import jsonschema
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SIDE = 128
-SMALL = ("--resolution", SIDE, "--voxels", "all", "--runs", 2, "--points", 5000, "--width", 128)
+SIDE = 64
+SMALL = ("--resolution", SIDE, "--voxels", "all", "--runs", 2, "--points", 5000, "--width", 64)
 
 
 @pytest.fixture(scope="module")
@@ -148,7 +148,7 @@ def test_some_rivals(rivals, city, tmp_path):
 def test_fault_is_seen(rivals, city, fault, tmp_path):
     points = {"depth": 1000, "filter": 8000}[fault]  # filters are asked at points, depths in all voxels
     some = only("DAG", "merged intervals", "float depth map", "palette blocks, GLSL", "16-bit texture, GLSL", "Embree shadow rays")
-    rivals(city, "--resolution", 128, "--voxels", "all", "--runs", 1, "--points", points, "--width", 64, "--fault", fault,
+    rivals(city, "--resolution", SIDE, "--voxels", "all", "--runs", 1, "--points", points, "--width", 64, "--fault", fault,
            *(some if fault == "filter" else ()), "--json", tmp_path / "f.json", status=1)
     for r in json.loads((tmp_path / "f.json").read_text())["rivals"]:
         if fault == "filter":
