@@ -3,11 +3,12 @@
 #   make                build the command and the libraries of the runtime, its OpenGL, and the bake: build/release/vxs, libvxs.a and .so,
 #                       libvxs_gl.a and .so, libvxs_bake.a and .so; and vxs-mpi, where there is an mpicc
 #   make demo           install what is missing, build, bake a city, compare it with ray-traced truth, draw it
-#   make check          install what is missing, build, run every test
+#   make check          install what is missing, build, run every test but for what check-repeats adds
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-asan     the same under those sanitizers, without programs that read no bytes of files and take long there
-#   make check-repeats  unit tests with all their random inputs, of which the others take a part: some minutes, config=asan more
+#   make check-repeats  every test with all its random inputs, of which the others take a part, and tests marked long, and unit programs that check
+#                       leaves out (long.unit): half an hour; before an issue is resolved
 #   make check-exact    every voxel of maps twice as fine, and ten times as many columns of fine ones: some minutes
 #   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
@@ -109,9 +110,22 @@ ifneq ($(findstring x86_64,$(MAKE_HOST)),)
 level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
 baker.o   += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
 endif
+# with CGAL's templates, which take 35 s to compile under sanitizers: check-asan links those of release, check-unit config=asan its own
+cgal      := $(wildcard baker/mend/*.cc baker/casters/*.cc)
+baker.o   := $(filter-out $(unsanitized:%=$B/%.o),$(baker.o)) $(unsanitized:%=build/release/%.o)
 # files that go into the command as they are; baker/base/embedded.h names their bytes
 embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl) runtime/volumes/capsule.glsl) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
+# what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
+# mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls
+long.asan := air air_table area_light blocks casters compare cracks dag depth_gl generate gl_stream intervals_gl light_mesh lit_intervals mesh \
+             mesh_meet mesh_split rival_areas rival_curves rival_volumes shaders shadow_grid sparse sparse_key transmittance truth volumes \
+             volumes_grid voxelize
+# what check leaves to check-repeats: of techniques that volumes are only measured against, which tests/cli/test_measurements.py runs, too
+long.unit := rival_curves rival_volumes
+ifneq ($(filter check check-fast,$(MAKECMDGOALS)),)
+without   ?= $(long.unit)
+endif
 unit      := $(filter-out $(without:%=$B/tests/unit/test_%),$(patsubst %.c,$B/%,$(wildcard tests/unit/test_*.c)))
 helper    := $(patsubst %.c,$B/%,tests/exact/exact.c $(filter-out tests/bench/rival_% tests/bench/volumes_%,$(wildcard tests/bench/*.c)))
 exact.o   := $(patsubst %,$B/%.o,$(filter-out %/exact.c,$(wildcard tests/exact/*.c)))
@@ -119,10 +133,6 @@ rival.o   := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/rival_*.c))
 volumes_bench.o := $(patsubst %.c,$B/%.c.o,$(wildcard tests/bench/volumes_*.c))
 # the reference of light in the air, and rivals there, with their shaders
 reference.o := $(patsubst %,$B/%.o,$(wildcard tests/volumes/*.c tests/volumes/*.glsl))
-# what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
-# mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls
-long.asan := air air_table blocks casters compare cracks depth_gl generate gl_stream light_mesh lit_intervals mesh mesh_meet mesh_split \
-             rival_volumes shaders shadow_grid sparse sparse_key transmittance truth volumes volumes_grid voxelize
 # that rivals hand to a compiler of shaders
 shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.h $(wildcard tests/volumes/*.glsl))
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
@@ -283,15 +293,16 @@ demo: $B/vxs
 	@echo; echo "scene $D/city.glb, shadows $D/city.vxs, picture $D/city.png, reports $D/bake.json and $D/compare.json"
 
 check: all unit
-	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B
+	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B --without $(without)
 check-fast: all unit
-	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B --fast
+	@VXS_FLAGS="$(opt)" $(python) tests/run --build $B --fast --without $(without)
 check-unit: $(unit) $(fuzz)
 	@$(python) tests/run --build $B --unit --without $(without)
 check-asan: packages
-	@$(MAKE) config=asan packages=skip without="$(long.asan)" check-unit
-check-repeats: $(unit) $(fuzz)
-	@VXS_TEST_REPEATS=all $(python) tests/run --build $B --unit
+	@$(MAKE) config=release packages=skip $(cgal:%=build/release/%.o)
+	@$(MAKE) config=asan packages=skip without="$(long.asan)" unsanitized="$(cgal)" check-unit
+check-repeats: all unit
+	@VXS_TEST_REPEATS=all VXS_FLAGS="$(opt)" $(python) tests/run --build $B
 check-exact: $B/vxs $B/tests/exact/exact
 	@VXS_SIDE=512 VXS_COLUMNS=1000000 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider -n auto tests/cli/test_exact.py
 check-memory: all

@@ -18,6 +18,8 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
+EVERY = os.environ.get("VXS_TEST_REPEATS") == "all"  # make check-repeats
+
 # files all of whose tests are left out by `make check-fast`; in other files, tests are marked one by one
 SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "encodings", "health", "lamps", "measurements", "report",
                                        "report_bake", "report_volumes", "rivals", "stress", "threads")}
@@ -25,10 +27,15 @@ SLOW = {f"test_{name}.py" for name in ("bench", "compare", "compare_faults", "en
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "slow: left out by make check-fast")
+    config.addinivalue_line("markers", "long: run by make check-repeats alone, where a quicker test of the same feature is run always")
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """test_exact.py comes last: it is the longest by far, and its tests, which share nothing, fill all processors to the end."""
+    left_out = [] if EVERY else [item for item in items if item.get_closest_marker("long")]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in left_out]
     items.sort(key=lambda item: item.path.name == "test_exact.py")
     for item in items:
         if item.path.name in SLOW:

@@ -559,7 +559,8 @@ ASKED = {"c": ["-Wconversion", "-Wsign-conversion", "-Wdouble-promotion", "-Wsha
 
 @pytest.mark.parametrize("compilers", [{"c": os.environ.get("CC", "cc"), "c++": os.environ.get("CXX", "c++")},
                                        {"c": "clang", "c++": "clang++"}], ids=["default", "clang"])
-@pytest.mark.parametrize("language, standard", [("c", "c99"), ("c", "c11"), ("c++", "c++11"), ("c++", "c++17")])
+@pytest.mark.parametrize("language, standard", [("c", "c99"), pytest.param("c", "c11", marks=pytest.mark.long), ("c++", "c++11"),
+                                                pytest.param("c++", "c++17", marks=pytest.mark.long)])
 def test_headers_stand_alone(compilers, language, standard, tmp_path):
     """First and alone, and once more: each header brings what it needs, and can be there twice."""
     assert len(HEADERS) >= 7

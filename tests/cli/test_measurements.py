@@ -136,6 +136,7 @@ def test_volumes(measure_fog):
     assert {row[0] for row in rows(printed)} >= {t["name"] for t in scene["techniques"]}, "losers have a row, too"
 
 
+@pytest.mark.long
 def test_volumes_of_spheres(measure_fog):
     """Against formulas exact intervals of the asset are off by its map, and nothing comes nearer than maps let it."""
     scene, errors, _ = measure_fog("spheres, sun")

@@ -44,7 +44,7 @@ def different(a, b):
 
 
 @pytest.mark.parametrize("light", ["noon", "spot", "lamp"])
-@pytest.mark.parametrize("what", ["block", "about"])
+@pytest.mark.parametrize("what", [pytest.param("block", marks=pytest.mark.long), "about"])
 def test_as_if_it_were_baked(vxs, level, what, light):
     baked = light_of(vxs, level, what, light)
     moving = light_of(vxs, level, "ground", light, "--moving", level / f"{what}_alone.gltf")
@@ -56,7 +56,7 @@ def test_as_if_it_were_baked(vxs, level, what, light):
     assert wrong < 0.003 < 0.009 < without
 
 
-@pytest.mark.parametrize("light", ["noon", "lamp"])
+@pytest.mark.parametrize("light", [pytest.param("noon", marks=pytest.mark.long), "lamp"])
 def test_fog_as_if_it_were_baked(vxs, level, light):
     """By steps of a map for the light that sees it, where the baked scene has exact intervals."""
     def airlight(name, *options):

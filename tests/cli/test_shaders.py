@@ -294,6 +294,7 @@ def test_blocks_in_c(language, standard, includer, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long  # of a file of tests/golden the unit program asks itself
 def test_same_answer_of_files(vxs, vxs_path, scenes, tmp_path):
     """A sun and spot lights, in both codings: C, storage buffer and texture to the bit (tests/unit/test_gl.c; VXS_POINTS of each)."""
     program = vxs_path.parent / "tests" / "unit" / "test_gl"
