@@ -3,6 +3,7 @@
 #ifndef SMOKE_H
 #define SMOKE_H
 
+#include <math.h>
 #include <stdint.h>
 
 #include "runtime/volumes/vxs_capsule.h"
@@ -16,14 +17,16 @@ typedef struct scene_smoke {
     float (*albedos)[3]; /* [count] the share of what a capsule takes that it scatters, linear, 0 to 1; owned likewise */
 } scene_smoke;
 
-/* As wide as a radius at least, and thinner in extinction by the square of how much wider it is: what rays far apart miss at
- * times, they meet. */
+/* As wide as a radius at least, and as much less dense as it is larger then, a cylinder and a ball: what rays far apart miss at times, they meet, and it takes as much
+ * light in all, while that is little. */
 static inline vxs_capsule smoke_widened(vxs_capsule c, double least_metres)
 {
-    double wider = least_metres / (double)c.radius_metres;
-    if (!(wider > 1)) return c;
+    double radius = (double)c.radius_metres, part = radius / least_metres, square = 0;
+    if (!(part < 1)) return c;
+    for (int n = 0; n < 3; n++) square += ((double)c.end[n] - (double)c.begin[n]) * ((double)c.end[n] - (double)c.begin[n]);
+    double length   = sqrt(square);
     c.radius_metres = (float)least_metres;
-    c.extinction    = (float)((double)c.extinction / (wider * wider));
+    c.extinction    = (float)((double)c.extinction * part * part * (length + 4.0 / 3 * radius) / (length + 4.0 / 3 * least_metres));
     return c;
 }
 
