@@ -37,8 +37,9 @@ typedef struct area {
     uint32_t           lamps_most;   /* of those that have exact maps; behind them is one in the middle */
     vxs_light_map     *maps[LIGHTS];
     rival_faces       *faces;
-    GLuint             casters, shuffled; /* points in order; and so that any part of them is of all triangles */
-    double            *off;               /* [pixels] of the reference, about, at most */
+    GLuint             casters;
+    vxs_area_point    *scattered; /* [points] */
+    double            *off;       /* [pixels] of the reference, about, at most */
 } area;
 
 /* techniques ---------------------------------------------------------------------------------------------------------------------- */
@@ -113,13 +114,37 @@ static vxs_result exact(bench *b, void *state, uint32_t count)
     return r == VXS_OK ? vxs_volumes_area(b->volumes, a->all, &(vxs_area_look){.maps = (const vxs_light_map *const *)a->maps}) : r;
 }
 
+static GLuint upload(const bench *b, const vxs_area_point *points, uint32_t count)
+{
+    GLuint buffer;
+    b->gl->GenBuffers(1, &buffer);
+    b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(count * sizeof *points), points, GL_STATIC_DRAW);
+    return buffer;
+}
+
+/* What falls to one of so many lamps, in a buffer that goes with the context: one of each `count` points, which stands for all of them. */
+static vxs_result open_part(bench *b, void **state, uint32_t count)
+{
+    uint32_t        points = b->area->points / count;
+    vxs_area_point *part   = malloc(points * sizeof *part + 1);
+    rng             r      = {1};
+    if (!part) return VXS_E_MEMORY;
+    for (uint32_t n = 0; n < points; n++) {
+        part[n] = b->area->scattered[n * count + rng_below(&r, count)];
+        part[n].square_metres *= (float)count;
+    }
+    *state = (void *)(uintptr_t)upload(b, part, points);
+    free(part);
+    return VXS_OK;
+}
+
 /* The same passes of one lamp after the other, each with the points that fall to it. */
 static vxs_result one_by_one(bench *b, void *state, uint32_t count)
 {
     vxs_result r = VXS_OK;
-    (void)state;
     for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
-        r = cast_lamps(b->area->one, &b->area->lamps[n], 1, b->area->shuffled, b->area->points / count);
+        r = cast_lamps(b->area->one, &b->area->lamps[n], 1, (GLuint)(uintptr_t)state, b->area->points / count);
         if (r == VXS_OK) r = vxs_volumes_area(b->volumes, b->area->one, &(vxs_area_look){0});
     }
     return r;
@@ -164,7 +189,7 @@ static const technique techniques[] = {
     {"imperfect, ninths", "lamps", POINTS ", a ninth of the lamps a pixel", 0, COUNTS, OF(halton, ninths)},
     {"imperfect, quarter", "lamps", POINTS ", in a quarter of the pixels", 0, COUNTS, OF(halton, quarter)},
     {"exact maps", "lamps", MAPS, 0, COUNTS, NULL, exact, NULL, {halton}, NULL},
-    {"imperfect, one by one", "lamps", POINTS, 1, COUNTS, NULL, one_by_one, NULL, {halton}, NULL},
+    {"imperfect, one by one", "lamps", POINTS, 1, COUNTS, open_part, one_by_one, NULL, {halton}, NULL},
     {"marches", "lamps", "shadow maps of lamps, and 64 steps", 1, COUNTS, NULL, marches, NULL, {halton}, NULL},
     {"froxels", "slices", "all light with the shadow of its middle, columns of 8 x 8 pixels", 1, {16, 64, 256}, open_froxels, froxels, close_froxels, {NULL}, NULL},
 };
@@ -251,33 +276,14 @@ static vxs_result bake(bench *b, const float *positions, message *m)
     return r == VXS_OK ? r : fail(m, r, "no asset of lamps: %s", vxs_result_text(r));
 }
 
-/* They come in the triangles' order. */
-static void shuffle(vxs_area_point *points, uint32_t count)
-{
-    rng r = {1};
-    for (uint32_t n = count; n > 1; n--) {
-        uint32_t       k    = rng_below(&r, n);
-        vxs_area_point last = points[n - 1];
-        points[n - 1]       = points[k];
-        points[k]           = last;
-    }
-}
-
 static vxs_result upload_points(bench *b, const float *positions, message *m)
 {
-    area           *a      = b->area;
-    size_t          size   = a->points * sizeof(vxs_area_point);
-    vxs_area_point *points = malloc(size);
-    if (!points) return fail(m, VXS_E_MEMORY, "out of memory for points");
-    double area_there = vxs_area_scatter(positions, b->casting.indices, (uint32_t)b->casting.triangle_count, points, a->points);
-    GLuint *const buffers[2] = {&a->casters, &a->shuffled};
-    for (int n = 0; n < 2; n++) {
-        b->gl->GenBuffers(1, buffers[n]);
-        b->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, *buffers[n]);
-        b->gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, points, GL_STATIC_DRAW);
-        shuffle(points, a->points);
-    }
-    free(points);
+    area *a      = b->area;
+    a->scattered = malloc(a->points * sizeof *a->scattered);
+    if (!a->scattered) return fail(m, VXS_E_MEMORY, "out of memory for points");
+    double area_there =
+        vxs_area_scatter(positions, b->casting.indices, (uint32_t)b->casting.triangle_count, a->scattered, a->points);
+    a->casters = upload(b, a->scattered, a->points);
     return area_there > 0 ? VXS_OK : fail(m, VXS_E_SCENE, "%s: nothing has an area", b->scene_path);
 }
 
@@ -346,6 +352,7 @@ static vxs_result run(void *command, message *m)
     volumes_close_gl(b);
     volumes_free_scene(b);
     free(positions);
+    free(a->scattered);
     free(a->off);
     return r;
 }
