@@ -141,6 +141,7 @@ static vxs_result put_smoke(vxs_gl *gl, const vxs_gl_desc *desc)
 {
     if (!gl->smoke) return VXS_OK;
     vxs_result r = put_words(gl, gl->smoke, gl->smoke_word, gl->light_count);
+    if (r == VXS_OK) r = put_words(gl, &gl->smoke_word, gl->words.count - 1, 1);
     for (uint32_t n = 0; r == VXS_OK && n < gl->light_count; n++)
         if (gl->smoke[n]) r = put_words(gl, smoke_of(desc, n)->words, gl->smoke[n], smoke_of(desc, n)->word_count);
     return r;
@@ -166,16 +167,23 @@ static uint32_t words_wide(const vxs_gl *gl, uint64_t count)
     return wide;
 }
 
+/* Of an asset in buffers it says nothing but whether there is smoke: buffers know how long they are, so that programs of one level are those of the next, and a driver
+ * that keeps what it compiled has them. */
 static void write_head(vxs_gl *gl)
 {
-    int language = gl->is_es ? gl->is_texture ? 300 : 310 : gl->is_texture ? 330 : 430;
-    snprintf(gl->head, sizeof gl->head,
-             "#version %d %s\n%s#define VXS_GL_AT_WORDS %u\n#define VXS_GL_AT_LIGHTS %u\n#define VXS_GL_AT_LISTS %u\n"
-             "#define VXS_GL_LIGHT_COUNT %uu\n#define VXS_GL_LAST_WORD %uu\n#define VXS_GL_WIDE %uu\n",
-             language, gl->is_es ? "es" : "core", gl->is_texture ? "" : "#define VXS_GL_BUFFERS\n", gl->first_binding,
-             gl->first_binding + 1, gl->first_binding + 2, gl->light_count, gl->words.count - 1, gl->words.wide);
-    size_t used = strlen(gl->head);
-    if (gl->smoke) snprintf(gl->head + used, sizeof gl->head - used, "#define VXS_GL_SMOKE %uu\n", gl->smoke_word);
+    int   language = gl->is_es ? gl->is_texture ? 300 : 310 : gl->is_texture ? 330 : 430;
+    char *to = gl->head, *end = gl->head + sizeof gl->head;
+    to += snprintf(to, (size_t)(end - to), "#version %d %s\n", language, gl->is_es ? "es" : "core");
+    if (gl->is_texture)
+        to += snprintf(to, (size_t)(end - to),
+                       "#define VXS_GL_LIGHT_COUNT %uu\n#define VXS_GL_LAST_WORD %uu\n#define VXS_GL_WIDE %uu\n", gl->light_count,
+                       gl->words.count - 1, gl->words.wide);
+    else
+        to += snprintf(
+            to, (size_t)(end - to),
+            "#define VXS_GL_BUFFERS\n#define VXS_GL_AT_WORDS %u\n#define VXS_GL_AT_LIGHTS %u\n#define VXS_GL_AT_LISTS %u\n",
+            gl->first_binding, gl->first_binding + 1, gl->first_binding + 2);
+    if (gl->smoke) snprintf(to, (size_t)(end - to), "#define VXS_GL_SMOKE\n");
 }
 
 static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
@@ -200,7 +208,7 @@ static vxs_result make(vxs_gl *gl, const vxs_gl_desc *desc)
     vxs_result r = place_smoke(gl, desc, &word_count);
     if (r != VXS_OK) return r;
 
-    /* lookups may read a few words behind a light's last one */
+    /* lookups may read a few words behind a light's last one; and the last one says where the table of smoke is */
     word_count += VXS_BLOCKS_SPARE_WORDS;
     r = choose_storage(gl, desc->storage, word_count);
     if (r != VXS_OK) return r;

@@ -2,6 +2,7 @@
  * in lists are held in what there is: a pixel beside the view, or lists of other lights, have some light, and nothing worse. */
 #ifdef VXS_GL_BUFFERS
 layout(std430, binding = VXS_GL_AT_LIGHTS) readonly restrict buffer vxs_lights_block { vxs_light_constants vxs_lights[]; };
+#define VXS_GL_LIGHT_COUNT uint(vxs_lights.length())
 #ifndef VXS_GL_CULL
 layout(std430, binding = VXS_GL_AT_LISTS) readonly restrict buffer vxs_lists_block { uint vxs_lists[]; };
 uint vxs_list_word(uint at)
@@ -61,7 +62,7 @@ float vxs_lit_by(uint n, vec3 at, vec3 normal, int filter_px)
 float vxs_smoke_left_by(uint n, vec3 at)
 {
 #ifdef VXS_GL_SMOKE
-    uint smoke = vxs_word(VXS_GL_SMOKE, min(n, VXS_GL_LIGHT_COUNT - 1u));
+    uint smoke = vxs_word(vxs_word(VXS_GL_LAST_WORD, 0u), min(n, VXS_GL_LIGHT_COUNT - 1u));
     if (smoke != 0u) return vxs_smoke_left(smoke, vxs_light_at(n), at);
 #endif
     return 1.0;

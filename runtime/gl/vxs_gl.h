@@ -110,7 +110,8 @@ const vxs_light_constants *vxs_gl_constants(const vxs_gl *gl);
 uint32_t                   vxs_gl_light_count(const vxs_gl *gl);
 
 /* What a shader begins with, NUL-terminated texts valid until vxs_gl_destroy: the #version line and names of numbers, how words are
- * fetched, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with how lights are. The body that follows them may call what those headers
+ * fetched, vxs_lookup.h, vxs_lookup_blocks.h, vxs_space.h, vxs_cull.h, and vxs_smoke.h with how lights are. With buffers they are the same for all assets
+ * with smoke, and for all without, so that programs may be kept; with textures they have the asset's numbers. The body that follows them may call what those headers
  * declare, and
  *
  *     vxs_light_constants vxs_light_at(uint n)                            the constants of light n

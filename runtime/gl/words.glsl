@@ -6,6 +6,7 @@ precision highp usampler2D;
 #endif
 #ifdef VXS_GL_BUFFERS
 layout(std430, binding = VXS_GL_AT_WORDS) readonly restrict buffer vxs_words_block { uint vxs_words[]; };
+#define VXS_GL_LAST_WORD (uint(vxs_words.length()) - 1u)
 #define vxs_word(dag, i) vxs_words[min((dag) + (i), VXS_GL_LAST_WORD)]
 #else
 uniform usampler2D vxs_words;

@@ -18,6 +18,7 @@
 
 #include "format_parts.h"
 #include "gl_taps.h"
+#include "runtime/gl/gl_state.h"
 #include "smoke_curves.h"
 #include "stream_sample.h"
 
@@ -172,17 +173,6 @@ typedef enum given { ASSET, OWN, SAME, BESIDE, NONE, GIVEN } given;
 
 static query asked[QUERIES];
 
-/* Words on the graphics processor, as shaders know. */
-static uint32_t word_room(const vxs_gl *gl)
-{
-    static const char name[] = "VXS_GL_LAST_WORD ";
-    const char       *texts[VXS_GL_TEXTS], *found;
-    vxs_gl_texts(gl, texts);
-    found = strstr(texts[0], name);
-    assert_non_null(found);
-    return (uint32_t)strtoul(found + sizeof name - 1, NULL, 10) + 1;
-}
-
 /* What shaders answer, pages having come and gone.   n  of storages */
 static void answers_of(drawing *d, given from, int n, float answers[QUERIES])
 {
@@ -206,7 +196,7 @@ static void answers_of(drawing *d, given from, int n, float answers[QUERIES])
                         .smoke            = from == ASSET || from == OWN ? NULL : smoke};
     assert_int_equal(vxs_gl_create(&gl, &desc), VXS_OK);
     while (vxs_gl_upload(gl, 5000)) continue;
-    if (from == OWN || from == SAME) assert_int_equal(word_room(gl), words + LIGHTS + VXS_BLOCKS_SPARE_WORDS); /* no second copy */
+    if (from == OWN || from == SAME) assert_int_equal(gl->words.count, words + LIGHTS + VXS_BLOCKS_SPARE_WORDS); /* no second copy */
     use_body(d, gl, versions[n], SMOKE_LEFT_BODY);
     for (int frame = 0; frame < 4 && from != ASSET; frame++) {
         double at[3];
