@@ -223,6 +223,7 @@ def test_every_voxel_of_lamps_at_every_resolution(exact, scene):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_columns_of_fine_lamps(exact, scene):
     """8192 texels are four map tiles."""
     for counts in exact(scene("city"), *LAMPS[2:4], "--resolution", 8192, "--columns", COLUMNS // 4, coding=CODINGS):

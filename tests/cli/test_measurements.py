@@ -117,6 +117,7 @@ def measure_fog(measure, tmp_path):
     return run
 
 
+@pytest.mark.long
 def test_volumes(measure_fog):
     """Each technique comes nearer with more of its knob; what is on the front, and how far the others are behind, follows from their figures."""
     scene, errors, printed = measure_fog("room, lamp off screen")
@@ -144,6 +145,7 @@ def test_volumes_of_spheres(measure_fog):
     assert errors["angles"][-1] < 0.5 * errors["angles"][0] and errors["moments"][-1] < 0.5 * errors["moments"][0]
 
 
+@pytest.mark.long
 def test_volumes_of_smoke(measure_fog):
     """Each technique comes nearer with more of its knob, parts of a frame are all of it, bytes are those of knobs, and ratios those of the figures."""
     scene, errors, printed = measure_fog("smoke with hair")
