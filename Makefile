@@ -308,7 +308,7 @@ check-exact: $B/vxs $B/tests/exact/exact
 check-memory: all
 	@VXS_EVERY_SCENE=1 VXS=$B/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_limits.py -k promise
 check-faults: all
-	@VXS_KILLS=50 VXS_LARGE=1 VXS_EVERY_BIT=1 VXS=$B/vxs $(python) -m pytest -q -rs -p no:cacheprovider \
+	@VXS_TEST_REPEATS=all VXS_KILLS=50 VXS_LARGE=1 VXS_EVERY_BIT=1 VXS=$B/vxs $(python) -m pytest -q -rs -p no:cacheprovider \
 	    tests/cli/test_resume.py tests/cli/test_parts.py tests/cli/test_farm.py tests/cli/test_faults.py tests/cli/test_limits.py
 check-sparse: $B/vxs $B/tests/exact/exact $B/tests/bench/sources
 	@$(python) tests/exact/sparse.py --build $B $(if $(part),--part $(part))

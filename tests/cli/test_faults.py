@@ -268,6 +268,7 @@ def test_failing_allocation_of_bake(faulty, scene, asset, tmp_path, source, ever
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_failing_allocation_of_a_dag(faulty, vxs, scene, tmp_path):
     out = tmp_path / "a.vxs"
     bake = ("bake", scene, "-o", out, *SMALL, "--coding", "dag")

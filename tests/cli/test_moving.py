@@ -43,7 +43,7 @@ def different(a, b):
     return sum(abs(x - y) > 40 for x, y in zip(a, b)) / len(a)
 
 
-@pytest.mark.parametrize("light", ["noon", "spot", "lamp"])
+@pytest.mark.parametrize("light", ["noon", pytest.param("spot", marks=pytest.mark.long), "lamp"])
 @pytest.mark.parametrize("what", [pytest.param("block", marks=pytest.mark.long), "about"])
 def test_as_if_it_were_baked(vxs, level, what, light):
     baked = light_of(vxs, level, what, light)

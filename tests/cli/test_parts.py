@@ -50,7 +50,7 @@ def test_same_bytes_as_one_bake(vxs, scene, tmp_path, maps, coding):
     vxs("bake", scene, "-o", out, *options)
     want = out.read_bytes()
     rng = random.Random(3)
-    for count in (1, 2, 5, 40):
+    for count in (1, 2, 17):
         paths = bake_parts(vxs, scene, tmp_path / str(count), count, *options, "--threads", str(1 + count % 3))
         rng.shuffle(paths)
         for threads in ("1", "3"):

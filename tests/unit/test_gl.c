@@ -513,6 +513,34 @@ static void test_clamped(void **state)
     gl_context_destroy(d.gl);
 }
 
+/* Programs are those of any asset: with buffers, texts know neither its lights nor its words. Textures may be longer than what is in them, and theirs do. */
+static void test_texts_are_those_of_any_asset(void **state)
+{
+    drawing   d = drawing_make();
+    rng       r = {39};
+    vxs_light light[2];
+    (void)state;
+    for (int n = 0; n < 2; n++) light[n] = light_of(&r, n ? SPOT : SUN, 5, (double[3]){0, 0, 0});
+    const vxs_gl_light lights[2] = {{&light[0], 0}, {&light[1], 7}};
+    for (int storage = 0; storage < 2; storage++) {
+        const char *texts[2][VXS_GL_TEXTS];
+        vxs_gl     *gl[2];
+        for (uint32_t n = 0; n < 2; n++) {
+            vxs_gl_desc desc = {.get_proc_address = telling,
+                                .storage          = storage ? VXS_GL_TEXTURE : VXS_GL_BUFFER,
+                                .lights           = lights,
+                                .light_count      = 1 + n,
+                                .word_count       = 8 + 3000 * n};
+            assert_int_equal(vxs_gl_create(&gl[n], &desc), VXS_OK);
+            vxs_gl_texts(gl[n], texts[n]);
+        }
+        assert_int_equal(strcmp(texts[0][0], texts[1][0]) != 0, storage);
+        for (int n = 1; n < VXS_GL_TEXTS; n++) assert_string_equal(texts[0][n], texts[1][n]);
+        for (int n = 0; n < 2; n++) vxs_gl_destroy(gl[n]);
+    }
+    gl_context_destroy(d.gl);
+}
+
 /* The last light for numbers beyond, the last word of lists for pixels that the view does not have. */
 static const char held_body[] =
     "in vec3 position_ws;\n"
@@ -1069,19 +1097,13 @@ static void test_full_lists(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_answer),
-        cmocka_unit_test(test_same_answer_of_files),
-        cmocka_unit_test(test_origin),
-        cmocka_unit_test(test_slices),
-        cmocka_unit_test(test_clamped),
-        cmocka_unit_test(test_held_lights),
-        cmocka_unit_test(test_damaged_words),
-        cmocka_unit_test(test_left_out),
-        cmocka_unit_test(test_state_is_put_back),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_culling),
-        cmocka_unit_test(test_wild_depths),
-        cmocka_unit_test(test_full_lists),
+        cmocka_unit_test(test_same_answer), cmocka_unit_test(test_same_answer_of_files),
+        cmocka_unit_test(test_origin),      cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_clamped),     cmocka_unit_test(test_texts_are_those_of_any_asset),
+        cmocka_unit_test(test_held_lights), cmocka_unit_test(test_damaged_words),
+        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_state_is_put_back),
+        cmocka_unit_test(test_refused),     cmocka_unit_test(test_culling),
+        cmocka_unit_test(test_wild_depths), cmocka_unit_test(test_full_lists),
     };
     if (getenv("VXS_ASSETS")) cmocka_set_test_filter("*_of_files");
     return cmocka_run_group_tests(tests, NULL, NULL);
