@@ -24,6 +24,7 @@
 #   make bench-volumes  measure error against time of shadows in fog, smoke and area lights, each technique and its rivals: half an hour; JSON and a page to
 #                       build/volumes.json and .html, plots beside, tables to read. only=room, values=2: of some scenes, of each knob
 #   make bench-smoke    the same of smoke, hair and leaves alone
+#   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
@@ -143,7 +144,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
 all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_volumes.a $B/libvxs_volumes.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -320,6 +321,8 @@ check-tsan: packages
 
 bench: all $(helper)
 	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
+bench-bias: $B/tests/bench/bias
+	$< --json build/bias.json
 bench-flight: $B/vxs $B/tests/bench/flight
 	$B/vxs scene city --triangles 800000 --blocks 22 -o build/flight.glb --force
 	@for px in 16384 65536; do for pack in small fast; do \
