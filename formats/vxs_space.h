@@ -59,6 +59,14 @@ typedef struct vxs_place vxs_place;
 #define VXS_FIELD(light, field)            ((light)->field)
 #define VXS_LS_FROM_WS(light, row, column) ((light)->ls_from_ws[4 * (row) + (column)])
 #define vxs_abs(x)                         fabs(x)
+
+/* floor, without a call: of numbers that vxs_clamped leaves alone; others stay as they are. */
+VXS_FN vxs_real vxs_floor(vxs_real x)
+{
+    if (!(x > -2147483648.0 && x < 2147483648.0)) return x;
+    vxs_real whole = VXS_REAL(VXS_I(x));
+    return whole > x ? whole - 1.0 : whole;
+}
 #else
 #define vxs_real     float
 #define VXS_REAL_MIN 1e-30
@@ -80,6 +88,7 @@ typedef struct vxs_place vxs_place;
 #define VXS_FIELD(light, field)            ((light).field)
 #define VXS_LS_FROM_WS(light, row, column) ((light).ls_from_ws[row][column])
 #define vxs_abs(x)                         abs(x)
+#define vxs_floor(x)                       floor(x)
 
 /* As in runtime/vxs.h, where the fields are described: 96 bytes in std140, std430, a cbuffer and a StructuredBuffer. */
 struct vxs_light_constants {
@@ -100,9 +109,6 @@ struct vxs_light_constants {
 #define VXS_OUTSIDE                (-1.0f)
 #define VXS_FILTER_MAX             17
 #define VXS_SMOOTH                 256
-
-/* A step along a normal that is shorter than this, in voxels, is rounding noise. Floats need as much. */
-#define VXS_STEP_NOISE 1e-5
 
 /* maps ------------------------------------------------------------------------------------------------------------------------ */
 
@@ -195,13 +201,6 @@ struct vxs_place {
         down; /* how far from the texel's near corner, rounded down to 1/256 of it: [0, 255]; 0 where the filter is not smooth */
 };
 
-/* How far a filter is moved along the normal, in texels. In whole steps away from a wall along the light, half of an odd width leads a smooth
- * box half a texel off it, and texels whose centre is behind the wall stay outside; an even width is moved as the next odd one. */
-VXS_FN vxs_real vxs_half_filter(vxs_i32 filter_px)
-{
-    return 0.5 * VXS_REAL(vxs_filter_width(filter_px) | 1);
-}
-
 /* A coordinate as an integer; one that is clamped lies far outside any map, and stays there. */
 VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
 {
@@ -210,43 +209,114 @@ VXS_FN vxs_i32 vxs_clamped(vxs_real coordinate)
     return coordinate < limit ? VXS_I(coordinate) : 1 << 30;
 }
 
-/* How far into its texel a coordinate is, in 1/256; of a plain box nobody asks. */
+/* How far into its texel a coordinate is, in 1/256; 0 for a filter that is not smooth. */
 VXS_FN vxs_u32 vxs_within(vxs_real coordinate, vxs_i32 filter_px)
 {
     if (filter_px < VXS_SMOOTH) return 0u;
-    vxs_real part = 256.0 * (coordinate - floor(coordinate));
+    vxs_real part = 256.0 * (coordinate - vxs_floor(coordinate));
     if (!(part > 0.0)) return 0u;
     return part < 255.0 ? VXS_U(part) : 255u;
 }
 
-/* A step in whole voxels, rounded away from zero, so that one too short to leave the voxel of the surface still leaves it. A normal that is
- * no number makes none. */
-VXS_FN vxs_real vxs_whole_step(vxs_real voxels)
+/* bias ------------------------------------------------------------------------------------------------------------------------
+ *
+ * A surface must not shade itself. So a point of a surface is looked up some texels and voxels away from it, in a box of taps that all lie
+ * on the outer side of the plane through the point. A tap is the centre of a texel. Its voxel is certainly lit where the far side of the
+ * voxel is before the surface (formats/vxs.md 2).
+ *
+ *      light        u ->   |   |   |   |   | ./|      p   the point, on the plane /
+ *        |                 |   |   |   |  .|/  |      ==  the voxels of a 3 x 1 filter about p, one texel across and one voxel towards
+ *        v  depth          |   |   |===|=/=|===|          the light: the plane is behind the far side of each at the texel's centre
+ *                          |   |   |  /|   |   |
+ *                          |   |   |/p |   |   |
+ *
+ * Let n be the normal in texels: across and down the map, and along the light's ray through the point. A step of (u, v, k) texels moves
+ * n . (u, v, k) off the plane, times the size of a texel. The tap that is farthest behind the point needs n_u * reach_u + n_v * reach_v,
+ * and the far side of its voxel n_k * 1 voxel.
+ *
+ * A step along the light leaves the edges of shadows in their place, but detaches a shadow from its caster (peter-panning), and would be
+ * endless where light grazes the surface. A step across the map moves the edges. So the step along the light is at most VXS_BIAS_ALONG
+ * times the width of the filter, and one voxel; the rest is a step across.
+ * Source: [CPVS16] 5 moves by half the filter along the normal. That is too little for the corners of a filter, and where voxels are deeper
+ * than texels are wide. */
+
+/* Of the filter's width. docs/measurements.md compares values. */
+#define VXS_BIAS_ALONG 0.2
+
+/* Added to distances, in texels and in voxels: for floats, rasterized depths, and normals of 8 bits. */
+#define VXS_BIAS_SLACK 0.0625
+
+/* The distance between the middle of a filter and its last tap along one axis, in texels: on average over places of the middle. At most it is
+ * half a texel more. */
+VXS_FN vxs_real vxs_filter_reach(vxs_i32 filter_px)
 {
-    if (!(vxs_abs(voxels) >= VXS_STEP_NOISE)) return VXS_REAL(0.0);
-    return voxels > 0.0 ? ceil(voxels - VXS_STEP_NOISE) : floor(voxels + VXS_STEP_NOISE);
+    vxs_real half_px = 0.5 * VXS_REAL(vxs_filter_width(filter_px));
+    return filter_px < VXS_SMOOTH ? half_px - 0.5 : half_px;
 }
 
-/* Coordinate `row` of a directional light's voxel: of a point's, moved along the normal. */
-VXS_FN vxs_i32 vxs_sun_coordinate(VXS_LIGHT light, vxs_i32 row, vxs_real at, const vxs_real3 normal_ws, vxs_real half_px)
+/* Where a point is between two taps of its filter: from -0.5 to 0.5 texels, 0 in the middle of its texel where the filter is not smooth.
+ * The last tap is so much farther than vxs_filter_reach on the near side, and nearer on the other. */
+VXS_FN vxs_real vxs_between_taps(vxs_real at, vxs_i32 filter_px)
 {
-    vxs_real bias = vxs_ls_coordinate(light, row, normal_ws, VXS_REAL(0.0));
-    return vxs_clamped(floor(at) + vxs_whole_step(bias * VXS_FIELD(light, texel_metres) * half_px));
+    vxs_real first = filter_px < VXS_SMOOTH ? at : at - 0.5 * VXS_REAL(vxs_filter_width(filter_px));
+    return first - vxs_floor(first) - 0.5;
 }
+
+/* The voxel in which a point of a surface is looked up.
+ * at      the point: texels, texels, voxels
+ * normal  in texels, as above; of any length; no step where it is zero, or where one of its numbers is NaN */
+VXS_FN void vxs_biased_voxel(VXS_LIGHT light, const vxs_real3 at, const vxs_real3 normal, vxs_i32 filter_px, VXS_OUT vxs_int3 voxel)
+{
+    voxel[0]        = vxs_clamped(vxs_floor(at[0]));
+    voxel[1]        = vxs_clamped(vxs_floor(at[1]));
+    voxel[2]        = vxs_clamped(vxs_floor(at[2]));
+    vxs_real across = vxs_abs(normal[0]), down = vxs_abs(normal[1]), along = vxs_abs(normal[2]);
+    if (!(across + down + along > 0.0)) return;
+
+    vxs_real reach = vxs_filter_reach(filter_px) + VXS_BIAS_SLACK, u = VXS_REAL(0.0), v = VXS_REAL(0.0);
+    vxs_real most = VXS_BIAS_ALONG * VXS_REAL(vxs_filter_width(filter_px)) * along;
+
+    /* across: the same step for all points of a plane, so that the edges of shadows keep their shape; half a texel short for some points */
+    vxs_real beyond = reach * (across + down) - most;
+    if (beyond > 0.0) {
+        beyond = beyond / (across * across + down * down);
+        u      = vxs_floor(beyond * across + 0.5);
+        v      = vxs_floor(beyond * down + 0.5);
+    }
+
+    /* what is missing for this point: with one texel more on each axis, it is no more than the step along the light may be */
+    vxs_real missing = reach * (across + down) + vxs_between_taps(at[0], filter_px) * normal[0] +
+                       vxs_between_taps(at[1], filter_px) * normal[1] - u * across - v * down;
+    for (vxs_i32 n = 0; n < 2 && missing > most; n++) {
+        vxs_i32 axis = across > down ? n : 1 - n;
+        u += axis == 0 ? 1.0 : 0.0;
+        v += axis == 0 ? 0.0 : 1.0;
+        missing -= axis == 0 ? across : down;
+    }
+    voxel[0] = vxs_clamped(vxs_floor(at[0]) + (normal[0] < 0.0 ? -u : u));
+    voxel[1] = vxs_clamped(vxs_floor(at[1]) + (normal[1] < 0.0 ? -v : v));
+
+    /* along: towards the light, or away from it for the back of a surface */
+    vxs_real voxels = (1.0 + VXS_BIAS_SLACK) * along + missing * (VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres));
+    if (!(voxels > 0.0)) return;
+    voxels   = voxels / along;
+    voxel[2] = vxs_clamped(normal[2] < 0.0 ? vxs_floor(at[2] - voxels) : -1.0 - vxs_floor(-at[2] - voxels));
+}
+
+/* world to voxel, by the kind of light ---------------------------------------------------------------------------------------- */
 
 VXS_FN vxs_place vxs_sun_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
-    vxs_real3 ls;
+    vxs_real3 ls, normal;
     vxs_place place;
-    vxs_i32   side    = VXS_I(1) << VXS_FIELD(light, levels);
-    vxs_real  half_px = vxs_half_filter(filter_px);
+    vxs_i32   side = VXS_I(1) << VXS_FIELD(light, levels);
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
-    place.across   = vxs_within(ls[0], filter_px);
-    place.down     = vxs_within(ls[1], filter_px);
-    place.voxel[0] = vxs_sun_coordinate(light, 0, ls[0], normal_ws, half_px);
-    place.voxel[1] = vxs_sun_coordinate(light, 1, ls[1], normal_ws, half_px);
-    place.voxel[2] = vxs_sun_coordinate(light, 2, ls[2], normal_ws, half_px);
-    place.map      = 0;
+    vxs_ls_from_ws(light, normal_ws, VXS_REAL(0.0), normal);
+    normal[2]    = normal[2] * (VXS_FIELD(light, voxel_metres) / VXS_FIELD(light, texel_metres));
+    place.across = vxs_within(ls[0], filter_px);
+    place.down   = vxs_within(ls[1], filter_px);
+    vxs_biased_voxel(light, ls, normal, filter_px, place.voxel);
+    place.map = 0;
     if (place.voxel[0] < 0 || place.voxel[1] < 0 || place.voxel[0] >= side || place.voxel[1] >= side) place.map = -1;
     if ((VXS_FIELD(light, flags) & VXS_LIGHT_BOUNDED) != 0u && (place.voxel[2] < 0 || place.voxel[2] >= side)) place.map = -1;
     return place;
@@ -268,44 +338,42 @@ VXS_FN vxs_real vxs_lamp_coordinate(VXS_LIGHT light, vxs_real across, vxs_real z
     return 0.5 * VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)) + across / z / VXS_FIELD(light, texel_metres);
 }
 
-/* The texel of a coordinate, moved by `step` texels. A step leaves a map of fewer than 256 texels, whose border is too narrow for it, and is
- * held in the map. */
-VXS_FN vxs_i32 vxs_lamp_texel(VXS_LIGHT light, vxs_real at, vxs_real step)
+/* A texel, or the one in the map that is nearest to it: in a map of fewer than 256 texels the border is too narrow for some steps. */
+VXS_FN vxs_i32 vxs_texel_in_map(VXS_LIGHT light, vxs_i32 texel)
 {
-    vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels), texel = vxs_clamped(floor(at) + vxs_whole_step(step));
+    vxs_i32 side = VXS_I(1) << VXS_FIELD(light, levels);
     return texel < 0 ? 0 : texel < side ? texel : side - 1;
 }
 
-/* Texels are z * texel_metres wide: the paper's half filter along the normal is a step of filter / 2 * (n - n_along * across / z) texels. */
+/* Texels are z * texel_metres wide, and voxels z * voxel_metres deep along the ray through the point: its direction is (p / z, q / z, 1). */
 VXS_FN vxs_place vxs_lamp_place(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {
-    vxs_real3 ls, normal_ls, p, n;
+    vxs_real3 ls, normal_ls, p, normal, at;
     vxs_place place;
     vxs_ls_from_ws(light, point_ws, VXS_REAL(1.0), ls);
     vxs_ls_from_ws(light, normal_ws, VXS_REAL(0.0), normal_ls);
     vxs_i32 map = vxs_map_from_ls(light, ls);
     vxs_face_from_ls(vxs_face_of_map(light, map), ls, p);
-    vxs_face_from_ls(vxs_face_of_map(light, map), normal_ls, n);
+    vxs_face_from_ls(vxs_face_of_map(light, map), normal_ls, normal);
 
     vxs_real z = p[2] > VXS_REAL_MIN ? p[2] : VXS_REAL_MIN; /* the light's own place is lit */
-    vxs_real u = vxs_lamp_coordinate(light, p[0], z), v = vxs_lamp_coordinate(light, p[1], z);
-    vxs_real half_px = vxs_half_filter(filter_px);
-    place.across     = vxs_within(u, filter_px);
-    place.down       = vxs_within(v, filter_px);
-    place.voxel[0]   = vxs_lamp_texel(light, u, half_px * (n[0] - n[2] * p[0] / z));
-    place.voxel[1]   = vxs_lamp_texel(light, v, half_px * (n[1] - n[2] * p[1] / z));
-    /* voxels are as deep as texels are wide: of a step along the axis, as many as it is metres at one metre from the light */
-    vxs_real bias    = half_px * n[2] * VXS_FIELD(light, texel_metres) / VXS_FIELD(light, voxel_metres);
-    vxs_real depth   = log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres);
-    place.voxel[2]   = vxs_clamped(floor(depth) + vxs_whole_step(bias));
-    place.map        = vxs_in_reach(light, ls) != 0 ? map : -1;
+    at[0]      = vxs_lamp_coordinate(light, p[0], z);
+    at[1]      = vxs_lamp_coordinate(light, p[1], z);
+    at[2]      = log(z / VXS_FIELD(light, near_metres)) / VXS_FIELD(light, voxel_metres);
+    normal[2] += normal[0] * (p[0] / z) + normal[1] * (p[1] / z);
+    place.across = vxs_within(at[0], filter_px);
+    place.down   = vxs_within(at[1], filter_px);
+    vxs_biased_voxel(light, at, normal, filter_px, place.voxel);
+    place.voxel[0] = vxs_texel_in_map(light, place.voxel[0]);
+    place.voxel[1] = vxs_texel_in_map(light, place.voxel[1]);
+    place.map      = vxs_in_reach(light, ls) != 0 ? map : -1;
     return place;
 }
 
 /* Where a point is looked up.
  * point_ws   metres; in a shader, relative to the origin that vxs_light_constants_of was given
- * normal_ws  a unit normal: the place is moved by half the filter's width along it, in whole voxels away from the surface, so that a
- *            surface does not shadow itself ([CPVS16] 5); (0, 0, 0) in the air
+ * normal_ws  the normal of the surface that the point lies on, of any length: the place is moved off it, so that it does not shade itself
+ *            (bias, above); (0, 0, 0) in the air
  * filter_px  the filter that the place is for, as for vxs_lit */
 VXS_FN vxs_place vxs_place_from_ws(VXS_LIGHT light, const vxs_real3 point_ws, const vxs_real3 normal_ws, vxs_i32 filter_px)
 {

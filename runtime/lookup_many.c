@@ -74,34 +74,107 @@ static inline void find_within(vxs_lanes at, vxs_lanes floors, uint8_t *within)
     for (int n = 0; n < VXS_LANES; n++) within[n] = part[n] > 0 ? (uint8_t)(part[n] < 255 ? part[n] : 255) : 0;
 }
 
-/* Coordinate `row` of a directional light's voxels, as vxs_sun_coordinate has it. Returns 0 when some are so great that it would clamp
- * them, or are no numbers: then none of `out` counts.
- * within  [out] where in their texels; NULL: nobody asks */
-static int find_coordinates(const vxs_light *light, int row, const coordinates *points, const coordinates *normals, int filter_px,
-                            int32_t *out, uint8_t *within)
+/* As vxs_between_taps.   floors  of `at` */
+static inline vxs_lanes between_taps(vxs_lanes at, vxs_lanes floors, int filter_px)
 {
-    const vxs_lanes noise = vxs_lanes_of(VXS_STEP_NOISE), limit = vxs_lanes_of(1 << 29);
-    const vxs_lanes half = vxs_lanes_of(vxs_half_filter(filter_px));
-    const double   *m = light->ls_from_ws + 4 * row, texel = light->texel_metres;
-    double          sum[CHUNK];
-    vxs_lane_mask   small = noise < limit; /* all */
-    for (int n = 0; n < CHUNK && !normals; n += VXS_LANES) {
-        vxs_lanes at = times_row(m, points, n, 1), floors = vxs_small_floor(at);
-        small &= vxs_abs_lanes(at) < limit;
-        vxs_store(sum + n, floors);
-        if (within) find_within(at, floors, within + n);
+    if (filter_px < VXS_SMOOTH) return at - floors - vxs_lanes_of(0.5);
+    vxs_lanes first = at - vxs_lanes_of(0.5 * vxs_filter_width(filter_px));
+    return first - vxs_small_floor(first) - vxs_lanes_of(0.5);
+}
+
+/* Points in the map of a directional light: loops over all of them, one behind the other, keep a processor busier than one loop that does
+ * it all for a point. */
+typedef struct sun_points {
+    double at[3][CHUNK], voxel[3][CHUNK]; /* as for vxs_biased_voxel; voxels: floors at first */
+    double normal[3][CHUNK];
+    double missing[CHUNK], across[2][CHUNK]; /* its steps across */
+} sun_points;
+
+static void step_across(sun_points *p, int filter_px)
+{
+    const vxs_lanes zero = vxs_lanes_of(0), half = vxs_lanes_of(0.5);
+    for (int n = 0; n < CHUNK; n += VXS_LANES) {
+        vxs_lanes i = vxs_load(p->normal[0] + n), j = vxs_load(p->normal[1] + n), across = vxs_abs_lanes(i),
+                  down   = vxs_abs_lanes(j);
+        vxs_lanes most   = vxs_lanes_of(VXS_BIAS_ALONG * vxs_filter_width(filter_px)) * vxs_abs_lanes(vxs_load(p->normal[2] + n));
+        vxs_lanes reach  = vxs_lanes_of(vxs_filter_reach(filter_px) + VXS_BIAS_SLACK) * (across + down);
+        vxs_lanes beyond = reach - most;
+        beyond           = vxs_keep(beyond > zero, beyond / (across * across + down * down));
+        vxs_lanes u = vxs_small_floor(beyond * across + half), v = vxs_small_floor(beyond * down + half);
+        vxs_lanes first  = between_taps(vxs_load(p->at[0] + n), vxs_load(p->voxel[0] + n), filter_px);
+        vxs_lanes second = between_taps(vxs_load(p->at[1] + n), vxs_load(p->voxel[1] + n), filter_px);
+        vxs_store(p->missing + n, reach + first * i + second * j - u * across - v * down);
+        vxs_store(p->across[0] + n, u);
+        vxs_store(p->across[1] + n, v);
     }
-    for (int n = 0; n < CHUNK && normals; n += VXS_LANES) {
-        vxs_lanes at = times_row(m, points, n, 1), floors = vxs_small_floor(at);
-        vxs_lanes step  = times_row(m, normals, n, 0) * vxs_lanes_of(texel) * half;
-        vxs_lanes steps = vxs_abs_lanes(step),
-                  away  = -vxs_small_floor(noise - steps); /* from zero, in whole voxels; noise is none */
-        small &= (vxs_abs_lanes(at) < limit) & (steps < limit);
-        vxs_store(sum + n, floors + vxs_signed_as(away, step));
-        if (within) find_within(at, floors, within + n);
+}
+
+static void step_farther(sun_points *p, int filter_px)
+{
+    const vxs_lanes one = vxs_lanes_of(1);
+    for (int n = 0; n < CHUNK; n += VXS_LANES) {
+        vxs_lanes i = vxs_load(p->normal[0] + n), j = vxs_load(p->normal[1] + n), across = vxs_abs_lanes(i),
+                  down    = vxs_abs_lanes(j);
+        vxs_lanes most    = vxs_lanes_of(VXS_BIAS_ALONG * vxs_filter_width(filter_px)) * vxs_abs_lanes(vxs_load(p->normal[2] + n));
+        vxs_lanes missing = vxs_load(p->missing + n), u = vxs_load(p->across[0] + n), v = vxs_load(p->across[1] + n);
+        for (int axis = 0; axis < 2; axis++) {
+            vxs_lane_mask more = missing > most, first = axis ? across <= down : across > down;
+            vxs_lanes     a = vxs_keep(more, vxs_keep(first, one)), b = vxs_keep(more, one) - a;
+            u += a;
+            v += b;
+            missing -= a * across + b * down;
+        }
+        vxs_lane_mask some = across + down + vxs_abs_lanes(vxs_load(p->normal[2] + n)) > vxs_lanes_of(0);
+        vxs_store(p->missing + n, missing);
+        vxs_store(p->voxel[0] + n, vxs_load(p->voxel[0] + n) + vxs_keep(some, vxs_signed_as(u, i)));
+        vxs_store(p->voxel[1] + n, vxs_load(p->voxel[1] + n) + vxs_keep(some, vxs_signed_as(v, j)));
     }
+}
+
+static void step_along(const vxs_light *light, sun_points *p)
+{
+    const vxs_lanes zero = vxs_lanes_of(0), one = vxs_lanes_of(1), depth = vxs_lanes_of(light->texel_metres / light->voxel_metres);
+    for (int n = 0; n < CHUNK; n += VXS_LANES) {
+        vxs_lanes     normal = vxs_load(p->normal[2] + n), along = vxs_abs_lanes(normal), at = vxs_load(p->at[2] + n);
+        vxs_lanes     voxels = vxs_lanes_of(1 + VXS_BIAS_SLACK) * along + vxs_load(p->missing + n) * depth;
+        vxs_lane_mask deep   = voxels > zero;
+        voxels               = voxels / along;
+        vxs_lanes towards = vxs_small_floor(at - voxels), away = -one - vxs_small_floor(-at - voxels);
+        vxs_store(p->voxel[2] + n, vxs_pick(deep, vxs_pick(normal < zero, towards, away), vxs_load(p->voxel[2] + n)));
+    }
+}
+
+/* The voxels of a directional light, as vxs_sun_place has them. Returns 0 when some coordinates are so great that it would clamp them, or are
+ * no numbers: then none of `out` counts.
+ * normals  NULL: none */
+static int find_voxels(const vxs_light *light, const coordinates *points, const coordinates *normals, int filter_px, places *out)
+{
+    const vxs_lanes limit = vxs_lanes_of(1 << 29), depth = vxs_lanes_of(light->voxel_metres / light->texel_metres);
+    vxs_lane_mask   small = vxs_lanes_of(0) < limit; /* all */
+    sun_points      p;
+    for (int row = 0; row < 3; row++)
+        for (int n = 0; n < CHUNK; n += VXS_LANES) {
+            vxs_lanes at = times_row(light->ls_from_ws + 4 * row, points, n, 1), floors = vxs_small_floor(at);
+            small &= vxs_abs_lanes(at) < limit;
+            vxs_store(p.at[row] + n, at);
+            vxs_store(p.voxel[row] + n, floors);
+            if (row < 2 && filter_px >= VXS_SMOOTH) find_within(at, floors, out->within[row] + n);
+        }
+    for (int row = 0; row < 3 && normals; row++)
+        for (int n = 0; n < CHUNK; n += VXS_LANES) {
+            vxs_lanes normal = times_row(light->ls_from_ws + 4 * row, normals, n, 0);
+            vxs_store(p.normal[row] + n, row < 2 ? normal : normal * depth);
+        }
+    if (normals) {
+        step_across(&p, filter_px);
+        step_farther(&p, filter_px);
+        step_along(light, &p);
+    }
+    for (int row = 0; row < 3; row++)
+        for (int n = 0; n < CHUNK && normals; n += VXS_LANES) small &= vxs_abs_lanes(vxs_load(p.voxel[row] + n)) < limit;
     if (!vxs_all(small)) return 0;
-    for (int n = 0; n < CHUNK; n++) out[n] = (int32_t)sum[n];
+    for (int row = 0; row < 3; row++)
+        for (int n = 0; n < CHUNK; n++) out->at[row][n] = (int32_t)p.voxel[row][n];
     return 1;
 }
 
@@ -109,11 +182,9 @@ static int find_coordinates(const vxs_light *light, int row, const coordinates *
 static void find_places(const vxs_light *light, const coordinates *points, const coordinates *normals, size_t count, int filter_px,
                         places *out)
 {
-    int     alike = light->kind == VXS_LIGHT_KIND_DIRECTIONAL, bounded = (light->flags & VXS_LIGHT_BOUNDED) != 0;
-    int     smooth = filter_px >= VXS_SMOOTH;
-    int32_t side   = 1 << light->levels;
-    for (int row = 0; row < 3 && alike; row++)
-        alike = find_coordinates(light, row, points, normals, filter_px, out->at[row], smooth && row < 2 ? out->within[row] : NULL);
+    int     sun = light->kind == VXS_LIGHT_KIND_DIRECTIONAL, bounded = (light->flags & VXS_LIGHT_BOUNDED) != 0;
+    int32_t side  = 1 << light->levels;
+    int     alike = sun && find_voxels(light, points, normals, filter_px, out);
     for (size_t n = 0; n < count && !alike; n++) find_place(light, points, normals, n, filter_px, out);
     for (size_t n = 0; n < count && alike; n++) {
         int inside  = (uint32_t)out->at[0][n] < (uint32_t)side && (uint32_t)out->at[1][n] < (uint32_t)side;

@@ -34,6 +34,12 @@ static inline int vxs_all(vxs_lane_mask mask)
     return (mask[0] & mask[1]) != 0;
 }
 
+/* x where the mask is set, else `other`. */
+static inline vxs_lanes vxs_pick(vxs_lane_mask mask, vxs_lanes x, vxs_lanes other)
+{
+    return (vxs_lanes)(((vxs_lane_mask)x & mask) | ((vxs_lane_mask)other & ~mask));
+}
+
 static inline vxs_lanes vxs_lanes_of(double x)
 {
     vxs_lanes both = {x, x};
@@ -61,6 +67,11 @@ static inline vxs_lanes vxs_signed_as(vxs_lanes x, vxs_lanes other)
 static inline int vxs_all(vxs_lane_mask mask)
 {
     return mask;
+}
+
+static inline vxs_lanes vxs_pick(vxs_lane_mask mask, vxs_lanes x, vxs_lanes other)
+{
+    return mask ? x : other;
 }
 
 static inline vxs_lanes vxs_lanes_of(double x)

@@ -11,8 +11,8 @@
 #include "stream.h"
 #include "vxs_space.h"
 
-/* How many texels a lookup reaches beyond its point: half a filter, and half of it again along the normal. */
-static const double reach_px = VXS_FILTER_MAX / 2 + 1 + VXS_FILTER_MAX / 2 + 1;
+/* How many texels a lookup reaches beyond its point: half a filter, and the bias of that filter (vxs_voxel). */
+static const double reach_px = VXS_FILTER_MAX / 2 + 1 + 1.2 * (VXS_FILTER_MAX + 1) / 2 + 1;
 
 /* Pages that are here count as nearer, so that what is as far does not take their place, nor what an eye that sways brings a metre nearer. */
 static float rank_of_here(float rank)

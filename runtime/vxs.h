@@ -73,11 +73,12 @@ const vxs_contents *vxs_asset_contents(const vxs_asset *asset);
  * -2^30.
  * point_ws   world space, metres: any numbers. A point with NaN or infinity is outside; so is one from which the square of the distance to
  *            a spot or point light is no number, some 1e154 m
- * normal_ws  NULL, or a unit normal: the voxel is moved by half the filter's width along it, in whole voxels away from the surface,
- *            so that a surface does not shadow itself ([CPVS16] 5). A longer or shorter one moves it as much farther or less: one of
- *            length 5, five halves of the width; (0, 0, 0) and one with NaN, not at all. It may leave the map of a directional light so,
- *            which is outside; in the maps of a spot or point light it is held
- * filter_px  the filter that the voxel is for, as for vxs_lookup; an even width is moved as the next odd one
+ * normal_ws  NULL, or the normal of the surface that the point lies on, of any length: the voxel is moved off the surface (the bias), as
+ *            far as the filter, the size of a texel and the depth of a voxel need it, so that the surface does not shade itself: up to
+ *            1.2 * (filter_px + 1) / 2 + 1 texels across the map, and 0.2 * filter_px texels and 2 voxels along the light. (0, 0, 0)
+ *            and a normal with NaN do not move it. It may leave the map of a directional light, which is outside; in the maps of a spot
+ *            or point light it is held
+ * filter_px  the filter that the voxel is for, as for vxs_lookup
  * Returns the map that the voxel is in: 0, or 0 to 5 of a light with six maps (VXS_LIGHT_CUBE); -1 when the point is outside the
  * light's volume. The volume of a directional light is the prism over its map: in front of the map all is lit, and what is behind it is
  * in the shadow of the map's last voxel. A bounded one (baked for a region) ends at its near and far sides too. The volume of a spot

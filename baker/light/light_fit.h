@@ -6,7 +6,7 @@
 #include "baker/casters/casters.h"
 #include "formats/vxs_file.h"
 
-#define LAMP_BORDER_PX    26 /* half of the widest filter, and twice that on a surface that light grazes at 60 degrees off the axis */
+#define LAMP_BORDER_PX    26 /* half of the widest filter and its bias across the map (vxs_voxel), rounded up */
 #define LAMP_FAR_NEAR_MAX 1e7
 #define LAMP_SPOT_MAX_RAD 1.0471975511965976 /* 60 degrees from the axis: wider cones get six maps */
 

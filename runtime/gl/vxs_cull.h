@@ -31,12 +31,13 @@ VXS_FN vxs_real vxs_row_reach(VXS_LIGHT light, vxs_i32 row, const vxs_real3 midd
     return reach + VXS_CULL_ROUNDING * (size + reach);
 }
 
-/* Does a box meet the slab of a directional light's map between its sides along u, v or depth? A step along a normal may lead into it. */
+/* Does a box meet the slab of a directional light's map between its sides along u, v or depth? A point's bias (vxs_space.h) may lead into it:
+ * by (1 + sqrt(2)) / 2 times the filter's reach where the normal is a diagonal of the map, and what is rounded. */
 VXS_FN vxs_i32 vxs_sun_meets_box(VXS_LIGHT light, vxs_i32 row, const vxs_real3 middle, const vxs_real3 half_size, vxs_i32 filter_px)
 {
     vxs_real x = VXS_LS_FROM_WS(light, row, 0), y = VXS_LS_FROM_WS(light, row, 1), z = VXS_LS_FROM_WS(light, row, 2);
     vxs_real side = VXS_REAL(VXS_I(1) << VXS_FIELD(light, levels)), at = vxs_ls_coordinate(light, row, middle, VXS_REAL(1.0));
-    vxs_real most  = sqrt(x * x + y * y + z * z) * VXS_FIELD(light, texel_metres) * vxs_half_filter(filter_px) + 2.0;
+    vxs_real most = sqrt(x * x + y * y + z * z) * VXS_FIELD(light, texel_metres) * 1.21 * (vxs_filter_reach(filter_px) + 0.6) + 3.0;
     vxs_real slack = vxs_row_reach(light, row, middle, half_size) + most;
     return at + slack >= 0.0 && at - slack <= side ? 1 : 0;
 }

@@ -44,7 +44,7 @@ CASES = {
             (floor(60, 0, -1000), LIT), (floor(540, 0, -1000), LIT), (floor(300, 240, -1000), LIT),
             (floor(190, 0, -1000), LIT), (floor(410, 0, -1000), LIT), (floor(300, 110, -1000), LIT),
             (floor(-75, 325, -1000), DARK), (floor(-110, 325, -1000), LIT), (floor(-40, 325, -1000), LIT),
-            (floor(-222, 0, -1000), DARK), (floor(-230, 0, -1000), LIT), (floor(-200, 0, -980), LIT),
+            (floor(-223, 0, -1000), DARK), (floor(-230, 0, -1000), LIT), (floor(-200, 0, -980), LIT),
             ((0, -0.0005, 0), LIT), (floor(0, 0, -1000), LIT), (floor(0, -300, -1000), LIT)])
         for light, resolution in (("spot", 2048), ("point", 2048))
     }),

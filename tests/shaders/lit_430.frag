@@ -9,7 +9,7 @@ layout(std430, binding = 0) readonly buffer shadow_words { uint words[]; };
 
 layout(std140, binding = 0) uniform shadow_light { vxs_light_constants light; };
 in vec3 position_ws; /* metres from the origin that the constants were made for */
-in vec3 normal_ws;   /* of unit length; of the triangle, not of a normal map; (0, 0, 0) in the air */
+in vec3 normal_ws;   /* of the triangle, not of a normal map; (0, 0, 0) in the air */
 out float lit;       /* 0 dark to 1 lit; VXS_OUTSIDE where the light's map does not reach: the engine decides */
 
 void main()

@@ -227,36 +227,6 @@ static void test_voxel(void **state)
     check_voxel(light, (double[3]){-1e300, 1e300, 1e300}, NULL, 1, -limit, limit, -limit);
 }
 
-/* A bias of half the filter along the normal, a texel being half a metre, a voxel of depth one; whole, and away from the surface. */
-static void test_voxel_bias(void **state)
-{
-    const fixture   *f     = *state;
-    const vxs_light *light = &vxs_asset_light(f->asset, 0)->light;
-    double           p[3];
-    ws_from_vx(p, 30.5, 30.5, 30.5);
-    check_voxel(light, p, (double[3]){1, 0, 0}, 1, 31, 30, 30); /* 0.5 -> 1 */
-    check_voxel(light, p, (double[3]){-1, 0, 0}, 1, 29, 30, 30);
-    check_voxel(light, p, (double[3]){1, 0, 0}, 9, 35, 30, 30);   /* 4.5 -> 5 */
-    check_voxel(light, p, (double[3]){0, 0, -1}, 17, 30, 21, 30); /* 8.5 -> 9 */
-    check_voxel(light, p, (double[3]){0, 1, 0}, 9, 30, 30, 27);   /* up is to the light: 2.25 -> 3 */
-    check_voxel(light, p, (double[3]){0, -1, 0}, 9, 30, 30, 33);
-    check_voxel(light, p, (double[3]){0.8, 0.6, 0}, 9, 34, 30, 28);        /* 3.6 -> 4, 1.35 -> 2 */
-    check_voxel(light, p, (double[3]){1 / 1.5, 0.0, 1e-9}, 9, 33, 30, 30); /* 3 and a rounding error is 3, an error alone is 0 */
-    check_voxel(light, p, (double[3]){0, 0, 0}, 9, 30, 30, 30);
-
-    /* noise ends at 1e-5 of a voxel: half of these, with a filter of one texel */
-    check_voxel(light, p, (double[3]){1.9e-5, 0, 4 + 1.9e-5}, 1, 30, 32, 30);
-    check_voxel(light, p, (double[3]){-1.9e-5, 0, -4 - 1.9e-5}, 1, 30, 28, 30);
-    check_voxel(light, p, (double[3]){2.1e-5, 0, 4 + 2.1e-5}, 1, 31, 33, 30);
-    check_voxel(light, p, (double[3]){-2.1e-5, 0, -4 - 2.1e-5}, 1, 29, 27, 30);
-
-    /* sizes of a hostile file, and normals that are none */
-    vxs_light huge    = *light;
-    huge.texel_metres = 1e300;
-    check_voxel(&huge, p, (double[3]){1, 1, 0}, 17, 1 << 30, 30, -(1 << 30));
-    check_voxel(&huge, (double[3]){1e300, -1e300, 0}, (double[3]){1e300, -1e300, 0}, 17, 1 << 30, -4, 1 << 30);
-}
-
 /* The lit fraction, a voxel at a time. */
 static float lit_fraction(const dag_sample *s, int32_t i, int32_t j, int32_t k, int filter_px)
 {
@@ -595,42 +565,6 @@ static void test_lamp_volume(void **state)
     assert_true(in[0] > 5000 && in[1] > 5000);
 }
 
-/* The normal's step by finite differences of u, v and depth: half a filter of the texels that the point is in, in whole voxels,
- * never shorter, away from the surface. */
-static void test_lamp_bias(void **state)
-{
-    (void)state;
-    rng r     = {26};
-    int asked = 0;
-    for (int n = 0; n < 60000; n++) {
-        lamp    l    = random_lamp(&r, (lamp_shape)(n % LAMP_SHAPES));
-        double  side = ldexp(1, (int)l.light.levels), point[3], normal[3], at[3], before[3], behind[3], p[3], ahead[3], back[3];
-        int     map = rng_between(&r, 0, map_count(&l.light) - 1), filter_px = 1 + 2 * rng_between(&r, 0, VXS_FILTER_MAX / 2);
-        int32_t voxel[3];
-        double  width = n % LAMP_SHAPES == SPOT ? tan(l.cone_rad) * 0.7 : 0.98;
-        for (int c = 0; c < 2; c++) at[c] = side / 2 + uniform(&r, -width, width) / l.light.texel_metres;
-        at[2] = uniform(&r, 0, side);
-        random_direction(&r, normal);
-        vxs_point(&l.light, map, at, point);
-        map_space(&l, map, point, p);
-        double texel = p[2] * l.light.texel_metres, h = 1e-4 * p[2];
-        for (int c = 0; c < 3; c++) ahead[c] = point[c] + h * normal[c], back[c] = point[c] - h * normal[c];
-        place(&l, map, ahead, behind);
-        place(&l, map, back, before);
-        if (!clear_of_boundaries(at) || vxs_voxel(&l.light, point, normal, filter_px, voxel) != map) continue;
-        for (int c = 0; c < 3; c++) {
-            double step  = (behind[c] - before[c]) / (2 * h) * 0.5 * filter_px * texel;
-            double moved = voxel[c] - floor(at[c]);
-            if (c < 2 && (voxel[c] == 0 || voxel[c] == (int32_t)side - 1)) continue; /* held in the map */
-            double slack = 1e-4 * (1 + fabs(step));
-            assert_true(fabs(moved) >= fabs(step) - slack && fabs(moved) < fabs(step) + 1 + slack);
-            assert_true(moved == 0 ? fabs(step) < slack : moved * step > 0);
-            asked++;
-        }
-    }
-    assert_true(asked > 60000);
-}
-
 /* Where the format has six roots: lookups of a sample whose maps are known. */
 typedef struct lamp_asset {
     dag_sample      sample;
@@ -796,7 +730,6 @@ int main(void)
         cmocka_unit_test(test_failing_allocations),
         cmocka_unit_test(test_memory_limit_counts_the_file),
         cmocka_unit_test(test_voxel),
-        cmocka_unit_test(test_voxel_bias),
         cmocka_unit_test(test_lookup),
         cmocka_unit_test(test_smooth_lookup),
         cmocka_unit_test(test_smooth_lookup_is_smooth),
@@ -810,7 +743,6 @@ int main(void)
         cmocka_unit_test(test_cube_edges),
         cmocka_unit_test(test_cube_ties),
         cmocka_unit_test(test_lamp_volume),
-        cmocka_unit_test(test_lamp_bias),
         cmocka_unit_test(test_lamp_lookup),
         cmocka_unit_test(test_lamp_own_place),
         cmocka_unit_test(test_lamp_extremes),
