@@ -43,6 +43,21 @@ static compare_counts total(const compared_asset *a, int first, int last)
     return sum;
 }
 
+/* Of all lights and kinds, single taps and filters. */
+static compare_bias bias_of_all(const compare_report *r, const compared_asset *a)
+{
+    compare_bias sum = {0};
+    for (uint32_t n = 0; n < a->light_count; n++)
+        for (int kind = 0; kind < COMPARE_KINDS; kind++)
+            for (uint32_t f = 0; f <= r->options.filter_count; f++) {
+                const compare_result *one  = &a->results[n];
+                const compare_bias   *bias = f ? &one->filters[f - 1].error[kind].bias : &one->counts[kind].bias;
+                sum.self_shadows += bias->self_shadows;
+                sum.deep_leaks += bias->deep_leaks;
+            }
+    return sum;
+}
+
 static compare_counts total_of_all(const compared_asset *a)
 {
     return total(a, 0, COMPARE_KINDS - 1);
@@ -55,8 +70,9 @@ static double wrong_share(const compare_counts *n)
 
 int compare_asset_passes(const compare_report *r, const compared_asset *a)
 {
-    compare_counts sum = total_of_all(a);
-    return !sum.unexplained && !(r->max_error_given && wrong_share(&sum) > r->max_error);
+    compare_counts sum  = total_of_all(a);
+    compare_bias   bias = bias_of_all(r, a);
+    return !sum.unexplained && !bias.self_shadows && !bias.deep_leaks && !(r->max_error_given && wrong_share(&sum) > r->max_error);
 }
 
 int compare_passes(const compare_report *r)
@@ -108,18 +124,27 @@ static void print_distance(FILE *to, const char *name, const compare_distance *d
 
 static void print_example(FILE *to, const compare_example *e)
 {
-    fprintf(to, "  unexplained: (%.9g, %.9g, %.9g)", e->point_ws[0], e->point_ws[1], e->point_ws[2]);
+    static const char *const texts[] = {"", "unexplained", "in its own shadow", "in light deep behind casters"};
+    fprintf(to, "  %s: (%.9g, %.9g, %.9g)", texts[e->fault], e->point_ws[0], e->point_ws[1], e->point_ws[2]);
     if (e->kind != COMPARE_RANDOM) fprintf(to, ", normal (%.6g, %.6g, %.6g)", e->normal_ws[0], e->normal_ws[1], e->normal_ws[2]);
     fprintf(to, ", map %d, voxel (%d, %d, %d): asset %s, truth %s\n", e->map, e->voxel[0], e->voxel[1], e->voxel[2],
             e->asset_lit ? "lit" : "shadow", e->truth_lit ? "lit" : "shadow");
 }
 
+static void print_bias(FILE *to, const char *points, const compare_bias *bias)
+{
+    fprintf(to, "  %s points in their own shadow: %llu; in light deep behind casters: %llu\n", points,
+            (unsigned long long)bias->self_shadows, (unsigned long long)bias->deep_leaks);
+}
+
 static void print_filter(FILE *to, const compare_report *r, const compare_filter *f, uint32_t filter_px)
 {
     char text[32];
-    for (int kind = 0; kind < kind_count(r); kind++)
+    for (int kind = 0; kind < kind_count(r); kind++) {
         fprintf(to, "  %s filter, %s points: RMSE %.4g, at most %.4g, of %llu points\n", filter_text(text, filter_px),
                 kind_names[kind], f->error[kind].rmse, f->error[kind].max_error, (unsigned long long)f->error[kind].points);
+        if (kind != COMPARE_RANDOM) print_bias(to, kind_names[kind], &f->error[kind].bias);
+    }
 }
 
 static void print_time(FILE *to, const compare_report *r, const compare_result *result)
@@ -154,11 +179,7 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
     for (int kind = 0; kind < kind_count(r); kind++)
         if (compare_wrong(&result->counts[kind])) print_distance(to, kind_names[kind], &result->counts[kind].boundary);
 
-    for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) {
-        const compare_counts *n = &result->counts[kind];
-        fprintf(to, "  at the surface itself%s: %.4f %% wrong\n", kind == COMPARE_CAMERA ? ", camera" : "",
-                100 * share(n->wrong_at_surface, n->checked_at_surface));
-    }
+    for (int kind = COMPARE_SURFACE; kind < kind_count(r); kind++) print_bias(to, kind_names[kind], &result->counts[kind].bias);
     for (uint32_t n = 0; n < result->example_count; n++) print_example(to, &result->examples[n]);
     for (uint32_t n = 0; n < r->options.filter_count; n++) print_filter(to, r, &result->filters[n], r->options.filters_px[n]);
     print_time(to, r, result);
@@ -168,12 +189,25 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
 static void print_judgement(FILE *to, const compare_report *r, const compared_asset *a, const message *m)
 {
     compare_counts sum    = total_of_all(a);
+    compare_bias   bias   = bias_of_all(r, a);
     int            passes = compare_asset_passes(r, a);
     char           word[COLORED_BYTES];
     fputs(colored(word, m->color, to, passes ? COLOR_GREEN : COLOR_RED, passes ? "passed" : "FAILED"), to);
-    if (sum.unexplained) fprintf(to, ": %llu wrong answers that nothing explains", (unsigned long long)sum.unexplained);
+    const char *before = ":";
+    if (sum.unexplained) {
+        fprintf(to, "%s %llu wrong answers that nothing explains", before, (unsigned long long)sum.unexplained);
+        before = ", and";
+    }
+    if (bias.self_shadows) {
+        fprintf(to, "%s %llu points of surfaces in their own shadow", before, (unsigned long long)bias.self_shadows);
+        before = ", and";
+    }
+    if (bias.deep_leaks) {
+        fprintf(to, "%s %llu points in light deep behind casters", before, (unsigned long long)bias.deep_leaks);
+        before = ", and";
+    }
     if (r->max_error_given && wrong_share(&sum) > r->max_error)
-        fprintf(to, "%s more is wrong than --max-error %g", sum.unexplained ? ", and" : ":", r->max_error);
+        fprintf(to, "%s more is wrong than --max-error %g", before, r->max_error);
     if (!passes && !m->verbose) fprintf(to, "; --verbose says where");
     fprintf(to, "\n");
 }
@@ -324,6 +358,14 @@ static json_t *distance_json(const compare_distance *d)
                      texels_json(d, d->max));
 }
 
+/* Random points have no bias. */
+static void set_bias(json_t *object, int kind, const compare_bias *bias)
+{
+    if (kind == COMPARE_RANDOM) return;
+    json_object_set_new(object, "self_shadows", json_integer((json_int_t)bias->self_shadows));
+    json_object_set_new(object, "deep_leaks", json_integer((json_int_t)bias->deep_leaks));
+}
+
 static json_t *counts_json(const compare_counts *n, compare_kind kind)
 {
     json_t *counts = json_pack(
@@ -332,20 +374,18 @@ static json_t *counts_json(const compare_counts *n, compare_kind kind)
         (json_int_t)n->checked, "wrong", (json_int_t)compare_wrong(n), "wrong_share", wrong_share(n), "leaks", (json_int_t)n->leaks,
         "false_shadows", (json_int_t)n->false_shadows, "near_boundary", (json_int_t)n->near_boundary, "near_surface",
         (json_int_t)n->near_surface, "unexplained", (json_int_t)n->unexplained, "boundary_texels", distance_json(&n->boundary));
-    if (kind == COMPARE_RANDOM) return counts;
-    json_object_set_new(counts, "checked_at_surface", json_integer((json_int_t)n->checked_at_surface));
-    json_object_set_new(counts, "wrong_at_surface", json_integer((json_int_t)n->wrong_at_surface));
-    json_object_set_new(counts, "wrong_at_surface_share", json_real(share(n->wrong_at_surface, n->checked_at_surface)));
+    set_bias(counts, kind, &n->bias);
     return counts;
 }
 
 static json_t *examples_json(const compare_result *result)
 {
-    json_t *examples = json_array();
+    static const char *const names[]  = {"", "unexplained", "self_shadow", "deep_leak"};
+    json_t                  *examples = json_array();
     for (uint32_t n = 0; n < result->example_count; n++) {
         const compare_example *e = &result->examples[n];
-        json_array_append_new(examples, json_pack("{s:s, s:o, s:o, s:i, s:[i,i,i], s:b, s:b}", "kind", kind_names[e->kind],
-                                                  "point_m", json_vector(e->point_ws), "normal",
+        json_array_append_new(examples, json_pack("{s:s, s:s, s:o, s:o, s:i, s:[i,i,i], s:b, s:b}", "fault", names[e->fault],
+                                                  "kind", kind_names[e->kind], "point_m", json_vector(e->point_ws), "normal",
                                                   e->kind == COMPARE_RANDOM ? json_null() : json_vector(e->normal_ws), "map",
                                                   e->map, "voxel", e->voxel[0], e->voxel[1], e->voxel[2], "asset_lit", e->asset_lit,
                                                   "truth_lit", e->truth_lit));
@@ -363,9 +403,10 @@ static json_t *filters_json(const compare_report *r, const compare_result *resul
                                                     filter_px >= VXS_SMOOTH, "lookup_ns", 1e9 * f->lookup_s);
         for (int kind = 0; kind < kind_count(r); kind++) {
             const compare_error *e = &f->error[kind];
-            json_object_set_new(
-                one, kind_names[kind],
-                json_pack("{s:I, s:f, s:f}", "points", (json_int_t)e->points, "rmse", e->rmse, "max_error", e->max_error));
+            json_t              *error =
+                json_pack("{s:I, s:f, s:f}", "points", (json_int_t)e->points, "rmse", e->rmse, "max_error", e->max_error);
+            set_bias(error, kind, &e->bias);
+            json_object_set_new(one, kind_names[kind], error);
         }
         json_array_append_new(filters, one);
     }
@@ -377,7 +418,7 @@ static json_t *compared_light_json(const compare_report *r, const vxs_light *l, 
     json_t *light = light_json(l);
     for (int kind = 0; kind < kind_count(r); kind++)
         json_object_set_new(light, kind_names[kind], counts_json(&result->counts[kind], (compare_kind)kind));
-    json_object_set_new(light, "unexplained", examples_json(result));
+    json_object_set_new(light, "faults", examples_json(result));
     json_object_set_new(light, "filters", filters_json(r, result));
     json_object_set_new(light, "time",
                         json_pack("{s:I, s:f, s:f}", "points", (json_int_t)result->time.points, "lookup_ns",

@@ -37,7 +37,7 @@ typedef struct compare_report {
     size_t          asset_count;
 } compare_report;
 
-/* 1 when no answer of an asset is unexplained, and no more are wrong than accepted; of all assets. */
+/* 1 when no answer of an asset is unexplained, its bias has no fault, and no more are wrong than accepted; of all assets. */
 int compare_asset_passes(const compare_report *r, const compared_asset *a);
 int compare_passes(const compare_report *r);
 

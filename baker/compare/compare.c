@@ -3,9 +3,6 @@
  * A pass over all points of a kind writes one verdict each; counts and examples are taken from the verdicts in order. Then it is
  * measured how far the wrong ones are from a boundary (compare_boundary.c).
  *
- * A lookup with a normal is moved off the surface by whole voxels, and the ray starts there: that judges the map. The
- * answer is also held against a ray from the surface, which judges map and bias together; it is counted apart.
- *
  * A voxel follows the ray through the centre of its texel: lit before casters, shadow behind them, and either where that ray is
  * inside of a solid or meets a surface. So a wrong answer has one of two excuses, or it is a fault:
  *
@@ -32,7 +29,7 @@
 #include "baker/truth/baked_light.h"
 #include "runtime/vxs.h"
 
-enum { POINTS_AT_A_TIME = 256, STEPS = 2 };
+enum { POINTS_AT_A_TIME = 256 };
 
 /* A rasterizer may move an edge by half of this, and its corner by as much again: in texels. */
 #define SNAP (1.0 / 256)
@@ -54,10 +51,10 @@ typedef enum verdict {
     VERDICT_NEAR_SURFACE,
     VERDICT_UNEXPLAINED,
     VERDICT_LEFT_FREE,
-    VERDICT_CAUSE            = 7,  /* a mask for the above */
-    VERDICT_LEAK             = 8,  /* a flag for the wrong ones: asset lit, truth shadow */
-    VERDICT_AT_SURFACE       = 16, /* flags for points with a normal: checked at the surface, */
-    VERDICT_WRONG_AT_SURFACE = 32  /* and wrong */
+    VERDICT_CAUSE       = 7,  /* a mask for the above */
+    VERDICT_LEAK        = 8,  /* a flag for the wrong ones: asset lit, truth shadow */
+    VERDICT_SELF_SHADOW = 16, /* and faults of the bias, as compare_fault has them */
+    VERDICT_DEEP_LEAK   = 32
 } verdict;
 
 typedef struct judgement {
@@ -90,6 +87,12 @@ static double nearest_caster_m(const comparison *c, int map, double u, double v,
     return nearest;
 }
 
+double compare_step_px(const comparison *c, int map, double u, double v, double depth)
+{
+    double ray_m = RAY_SLACK * truth_precision(c->truth), caster_m = nearest_caster_m(c, map, u, v, depth);
+    return fmin(SLACK_MAX, 2 * SNAP + ray_m / (caster_m * c->light->texel_metres)) / COMPARE_STEPS;
+}
+
 static centre centre_of(const comparison *c, const sample *s)
 {
     const vxs_light *l    = c->light;
@@ -102,9 +105,8 @@ static centre centre_of(const comparison *c, const sample *s)
     if (c->shape.kind != LIGHT_DIRECTIONAL) metres = sqrt(vec3_dot(from_light_ws, from_light_ws));
     double ray_m    = RAY_SLACK * truth_precision(c->truth);
     double depth_vx = fmin(SLACK_MAX, DEPTH_SLACK + ray_m / (metres * l->voxel_metres));
-    double u = voxel[0] + 0.5, v = voxel[1] + 0.5, caster_m = nearest_caster_m(c, s->map, u, v, voxel[2] + 0.5);
-    double beside_px = fmin(SLACK_MAX, 2 * SNAP + ray_m / (caster_m * l->texel_metres));
-    return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, beside_px / STEPS};
+    double u = voxel[0] + 0.5, v = voxel[1] + 0.5, step_px = compare_step_px(c, s->map, u, v, voxel[2] + 0.5);
+    return (centre){s->map, u, v, voxel[2] - depth_vx, voxel[2] + 1 + depth_vx, step_px};
 }
 
 /* 1 when the truth has this answer at the near side of the voxel, in its middle, or at its far side. */
@@ -133,8 +135,8 @@ static int is_free(const comparison *c, const centre *at, double u, double v, in
 static int holds_about(const comparison *c, const centre *at, int lit,
                        int (*holds)(const comparison *c, const centre *at, double u, double v, int lit))
 {
-    for (int j = -STEPS; j <= STEPS; j++)
-        for (int i = -STEPS; i <= STEPS; i++)
+    for (int j = -COMPARE_STEPS; j <= COMPARE_STEPS; j++)
+        for (int i = -COMPARE_STEPS; i <= COMPARE_STEPS; i++)
             if (holds(c, at, at->u + at->step_px * i, at->v + at->step_px * j, lit)) return 1;
     return 0;
 }
@@ -154,34 +156,21 @@ static verdict explain(const comparison *c, const sample *s, int asset_lit)
     return holds_about(c, &at, asset_lit, is_free) ? VERDICT_NEAR_SURFACE : VERDICT_UNEXPLAINED;
 }
 
-/* The answer against a ray from the surface itself. */
-static uint8_t judge_at_surface(const comparison *c, const sample *s, int asset_lit)
-{
-    double p[3];
-    truth_lift(c->truth, s->point_ws, s->normal, p);
-    if (truth_inside_solid(c->truth, p)) return 0;
-    int wrong = truth_lit(c->truth, p, &c->shape) != asset_lit;
-    return VERDICT_AT_SURFACE | (wrong ? VERDICT_WRONG_AT_SURFACE : 0);
-}
-
-/* The answer against a ray from where it was looked up. */
-static uint8_t judge_lookup(const comparison *c, const sample *s, int asset_lit)
-{
-    if (truth_inside_solid(c->truth, s->truth_ws)) return VERDICT_INSIDE_SOLID;
-    if (truth_lit(c->truth, s->truth_ws, &c->shape) == asset_lit) return VERDICT_RIGHT;
-    verdict v = explain(c, s, asset_lit);
-    return (uint8_t)(v | (asset_lit && v != VERDICT_LEFT_FREE ? VERDICT_LEAK : 0));
-}
-
 static uint8_t judge(const judgement *j, size_t index)
 {
     const comparison *c = j->comparison;
     sample            s;
-    if (!compare_point(c, j->kind, index, 1, &s)) return VERDICT_OUTSIDE;
-    float lookup = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
+    if (!compare_point(c, j->kind, index, &s)) return VERDICT_OUTSIDE;
+    float lookup    = vxs_lookup(c->baked, s.point_ws, s.normal, 1);
+    int   asset_lit = lookup > 0;
     if (lookup < 0) return VERDICT_OUTSIDE;
-    uint8_t v = judge_lookup(c, &s, lookup > 0);
-    return s.normal && v != VERDICT_LEFT_FREE ? v | judge_at_surface(c, &s, lookup > 0) : v;
+    if (truth_inside_solid(c->truth, s.truth_ws)) return VERDICT_INSIDE_SOLID;
+    if (truth_lit(c->truth, s.truth_ws, &c->shape) == asset_lit) return VERDICT_RIGHT;
+    verdict v = explain(c, &s, asset_lit);
+    if (v == VERDICT_LEFT_FREE) return VERDICT_LEFT_FREE;
+    compare_fault fault = compare_bias_fault(c, &s, 1, lookup, !asset_lit);
+    return (uint8_t)(v | (asset_lit ? VERDICT_LEAK : 0) | (fault == FAULT_SELF_SHADOW ? VERDICT_SELF_SHADOW : 0) |
+                     (fault == FAULT_DEEP_LEAK ? VERDICT_DEEP_LEAK : 0));
 }
 
 static void judge_points(void *user, size_t begin, size_t end, uint32_t worker)
@@ -199,13 +188,13 @@ static int is_wrong(uint8_t v)
     return cause > VERDICT_RIGHT && cause != VERDICT_LEFT_FREE;
 }
 
-static void add_example(const judgement *j, size_t index, int asset_lit, compare_result *out)
+static void add_example(const judgement *j, size_t index, compare_fault fault, int asset_lit, compare_result *out)
 {
     if (out->example_count == COMPARE_EXAMPLES_MAX) return;
     compare_example *e = &out->examples[out->example_count++];
     sample           s;
-    compare_point(j->comparison, j->kind, index, 1, &s);
-    *e = (compare_example){.kind = j->kind, .asset_lit = asset_lit, .truth_lit = !asset_lit};
+    compare_point(j->comparison, j->kind, index, &s);
+    *e = (compare_example){.fault = fault, .kind = j->kind, .asset_lit = asset_lit, .truth_lit = !asset_lit};
     memcpy(e->point_ws, s.point_ws, sizeof e->point_ws);
     if (s.normal) memcpy(e->normal_ws, s.normal, sizeof e->normal_ws);
     e->map = vxs_voxel(j->comparison->light, s.point_ws, s.normal, 1, e->voxel);
@@ -226,9 +215,11 @@ static void count_verdicts(const judgement *j, compare_result *out)
         n->near_boundary += cause == VERDICT_NEAR_BOUNDARY;
         n->near_surface += cause == VERDICT_NEAR_SURFACE;
         n->unexplained += cause == VERDICT_UNEXPLAINED;
-        n->checked_at_surface += (j->verdicts[i] & VERDICT_AT_SURFACE) != 0;
-        n->wrong_at_surface += (j->verdicts[i] & VERDICT_WRONG_AT_SURFACE) != 0;
-        if (cause == VERDICT_UNEXPLAINED) add_example(j, i, leak, out);
+        n->bias.self_shadows += (j->verdicts[i] & VERDICT_SELF_SHADOW) != 0;
+        n->bias.deep_leaks += (j->verdicts[i] & VERDICT_DEEP_LEAK) != 0;
+        if (cause == VERDICT_UNEXPLAINED) add_example(j, i, FAULT_UNEXPLAINED, leak, out);
+        if (j->verdicts[i] & VERDICT_SELF_SHADOW) add_example(j, i, FAULT_SELF_SHADOW, leak, out);
+        if (j->verdicts[i] & VERDICT_DEEP_LEAK) add_example(j, i, FAULT_DEEP_LEAK, leak, out);
     }
 }
 

@@ -9,9 +9,7 @@
 
 /* Compare one light with the truth.
  *
- * For a surface point the truth is traced from where the lookup goes: off the surface by the bias of vxs_voxel, which is whole voxels.
- * So the error that the bias brings is in neither leaks nor false_shadows; wrong_at_surface has it, from rays that start at
- * truth_lift.
+ * For a surface point the truth is traced from the surface itself (truth_lift), so that errors of the lookup's bias count as well.
  * An answer is explained by rays about the centre of the texel that was looked up, in its voxel. How far about: a rasterizer may move
  * edges by 1/128 texel and depths by a twentieth of a voxel, and rays are off by three times truth_precision, which is more of a texel
  * the nearer to a spot or point light a caster is; two texels at most. compare_boundary.c explains how the distance is measured.

@@ -62,7 +62,7 @@ static double nearest_between(const comparison *c, const sample *s, int lit, dou
 static double distance_of(const search *f, const wrong_answer *a)
 {
     sample s;
-    compare_point(f->comparison, f->kind, a->index, 1, &s);
+    compare_point(f->comparison, f->kind, a->index, &s);
     for (int n = 0; n < STEPS; n++) {
         double nearest = nearest_between(f->comparison, &s, a->asset_lit, n ? steps[n - 1] : 0, steps[n]);
         if (!isinf(nearest)) return nearest;

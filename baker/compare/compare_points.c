@@ -60,26 +60,15 @@ static int random_sample(const comparison *c, rng *r, sample *s)
     return 1;
 }
 
-/* Move the truth by what a lookup with this normal is moved by: whole voxels. Both from one place leave the error of the map,
- * and keeps out how far the bias had to be rounded. */
-static void move_with_bias(const comparison *c, uint32_t filter_px, sample *s)
-{
-    int32_t at[3], biased[3];
-    vxs_voxel(c->light, s->point_ws, NULL, (int)filter_px, at);
-    vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, biased);
-    baked_light_coordinates(c->light, s->map, s->point_ws, s->truth_ls);
-    for (int i = 0; i < 3; i++) s->truth_ls[i] += biased[i] - at[i];
-    vxs_point(c->light, s->map, s->truth_ls, s->truth_ws);
-}
-
 /* Of a point and its normal. Returns 0 when the light does not reach the point. */
-static int finish_surface_sample(const comparison *c, uint32_t filter_px, sample *s)
+static int finish_surface_sample(const comparison *c, sample *s)
 {
     int32_t voxel[3];
     s->normal = s->normal_ws;
-    s->map    = vxs_voxel(c->light, s->point_ws, s->normal_ws, (int)filter_px, voxel);
+    s->map    = vxs_voxel(c->light, s->point_ws, s->normal_ws, 1, voxel);
     if (s->map < 0) return 0;
-    move_with_bias(c, filter_px, s);
+    truth_lift(c->truth, s->point_ws, s->normal_ws, s->truth_ws);
+    baked_light_coordinates(c->light, s->map, s->truth_ws, s->truth_ls);
     return 1;
 }
 
@@ -89,22 +78,21 @@ static void turn_normal(sample *s)
 }
 
 /* Either side of a sheet is drawn; of a solid the outer one. */
-static int finish_drawn_sample(const comparison *c, uint32_t filter_px, uint32_t triangle, rng *r, sample *s)
+static int finish_drawn_sample(const comparison *c, uint32_t triangle, rng *r, sample *s)
 {
     if (triangle >= c->casters->solid_triangle_count && rng_below(r, 2)) turn_normal(s);
-    return finish_surface_sample(c, filter_px, s);
+    return finish_surface_sample(c, s);
 }
 
-static int sample_by_area(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+static int sample_by_area(const comparison *c, rng *r, sample *s)
 {
     double   uniforms[3] = {rng_unit(r), rng_unit(r), rng_unit(r)};
     uint32_t triangle;
-    return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) &&
-           finish_drawn_sample(c, filter_px, triangle, r, s);
+    return truth_sample_surface(c->truth, uniforms, s->point_ws, s->normal_ws, &triangle) && finish_drawn_sample(c, triangle, r, s);
 }
 
 /* Whatever lies behind a random point of the light's volume. */
-static int sample_along_light(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+static int sample_along_light(const comparison *c, rng *r, sample *s)
 {
     double   from_ws[3], way_ws[3], distance;
     uint32_t triangle;
@@ -113,21 +101,21 @@ static int sample_along_light(const comparison *c, uint32_t filter_px, rng *r, s
     if (!vec3_unit(way_ws, way_ws)) return 0;
     if (!truth_first_hit(c->truth, from_ws, way_ws, &distance, s->normal_ws, &triangle)) return 0;
     vec3_mad(from_ws, distance, way_ws, s->point_ws);
-    return finish_drawn_sample(c, filter_px, triangle, r, s);
+    return finish_drawn_sample(c, triangle, r, s);
 }
 
 /* A spot may reach a small part of the casters: draw again, and at last along its own rays. */
-static int surface_sample(const comparison *c, uint32_t filter_px, rng *r, sample *s)
+static int surface_sample(const comparison *c, rng *r, sample *s)
 {
-    if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, filter_px, r, s);
+    if (c->light->kind == VXS_LIGHT_KIND_DIRECTIONAL) return sample_by_area(c, r, s);
     int found = 0;
-    for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, filter_px, r, s);
-    for (int n = 0; n < TRIES && !found; n++) found = sample_along_light(c, filter_px, r, s);
+    for (int n = 0; n < TRIES && !found; n++) found = sample_by_area(c, r, s);
+    for (int n = 0; n < TRIES && !found; n++) found = sample_along_light(c, r, s);
     return found;
 }
 
 /* The surface in a pixel's middle, with the normal towards the eye. */
-static int camera_sample(const comparison *c, size_t pixel, uint32_t filter_px, sample *s)
+static int camera_sample(const comparison *c, size_t pixel, sample *s)
 {
     const double *eye_ws = c->options->camera->eye_ws;
     double        x      = ((double)(pixel % c->width_px) + 0.5) / c->width_px;
@@ -137,15 +125,15 @@ static int camera_sample(const comparison *c, size_t pixel, uint32_t filter_px, 
     if (!truth_first_hit(c->truth, eye_ws, way_ws, &distance, s->normal_ws, NULL)) return 0;
     vec3_mad(eye_ws, distance, way_ws, s->point_ws);
     if (vec3_dot(s->normal_ws, way_ws) > 0) turn_normal(s);
-    return finish_surface_sample(c, filter_px, s);
+    return finish_surface_sample(c, s);
 }
 
-int compare_point(const comparison *c, compare_kind kind, size_t index, uint32_t filter_px, sample *s)
+int compare_point(const comparison *c, compare_kind kind, size_t index, sample *s)
 {
-    if (kind == COMPARE_CAMERA) return camera_sample(c, index, filter_px, s);
+    if (kind == COMPARE_CAMERA) return camera_sample(c, index, s);
     rng all = rng_split(c->options->seed, (uint64_t)kind);
     rng r   = rng_split(all.state, index);
-    return kind == COMPARE_SURFACE ? surface_sample(c, filter_px, &r, s) : random_sample(c, &r, s);
+    return kind == COMPARE_SURFACE ? surface_sample(c, &r, s) : random_sample(c, &r, s);
 }
 
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth)

@@ -28,8 +28,8 @@ typedef struct sample {
     double  normal_ws[3];
     double *normal;      /* normal_ws, or NULL for a random point */
     int     map;         /* that is looked up */
-    double  truth_ls[3]; /* where the truth is traced from, in the map's coordinates: texels, texels, voxels */
-    double  truth_ws[3];
+    double  truth_ws[3]; /* where the truth is traced from: the point; of a surface, just above it */
+    double  truth_ls[3]; /* the same in the map's coordinates: texels, texels, voxels */
 } sample;
 
 void comparison_init(comparison *out, const truth *t, const casters *c, const vxs_baked_light *baked, const compare_options *o);
@@ -37,12 +37,17 @@ void comparison_init(comparison *out, const truth *t, const casters *c, const vx
 /* How many there are of a kind: 0 of a camera's when there is none. */
 size_t compare_point_count(const comparison *c, compare_kind kind);
 
-/* Point `index` of a kind, [0, compare_point_count), to be looked up with a filter of filter_px.
+/* Point `index` of a kind, [0, compare_point_count).
  * Returns 0 when there is none: casters without area, outside the light's volume, nothing seen in the pixel. */
-int compare_point(const comparison *c, compare_kind kind, size_t index, uint32_t filter_px, sample *s);
+int compare_point(const comparison *c, compare_kind kind, size_t index, sample *s);
 
 /* The truth at a place of a map: texels, texels, voxels. 1: lit. */
 int compare_lit_at(const comparison *c, int map, double u, double v, double depth);
+
+/* Rays are tried at so many places on each side of a texel's centre, along both axes, one step from the next: a rasterizer and the rounding of
+ * rays may move an edge so far. In texels. */
+enum { COMPARE_STEPS = 2 };
+double compare_step_px(const comparison *c, int map, double u, double v, double depth);
 
 /* Whether it was asked to leave anything open. */
 static inline int compare_leaves_free(const comparison *c)
@@ -52,6 +57,10 @@ static inline int compare_leaves_free(const comparison *c)
 
 /* compare_free.c: 1 when the asset was asked to leave open whether a voxel is lit, of the ray through (u, v) of a map, between two depths. */
 int compare_left_free(const comparison *c, int map, double u, double v, double near_vx, double far_vx);
+
+/* compare_bias.c: FAULT_SELF_SHADOW, FAULT_DEEP_LEAK (see compare_bias), or FAULT_NONE, which random points have.
+ * filter_px  as for vxs_lookup;   lookup  its answer, which is not VXS_OUTSIDE;   lit  the truth at the point */
+compare_fault compare_bias_fault(const comparison *c, const sample *s, int filter_px, float lookup, int lit);
 
 /* compare_boundary.c: how far wrong answers are from a place where they would be right. */
 

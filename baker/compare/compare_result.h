@@ -50,8 +50,19 @@ typedef struct compare_distance {
     double   mean, median, p95, max; /* of points; 0 when there are none */
 } compare_distance;
 
+/* What may be wrong without an excuse. */
+typedef enum compare_fault { FAULT_NONE, FAULT_UNEXPLAINED, FAULT_SELF_SHADOW, FAULT_DEEP_LEAK } compare_fault;
+
+/* Faults of the bias of lookups on surfaces. */
+typedef struct compare_bias {
+    uint64_t
+        self_shadows; /* not wholly lit, though nothing lies between the light and the plane of the surface, under the filter and a texel about it */
+    uint64_t
+        deep_leaks; /* lit, though casters lie before the filter and a texel about it, and farther from the point than the filter is wide */
+} compare_bias;
+
 /* points = outside + inside_solid + left_free + checked; wrong = leaks + false_shadows = near_boundary + near_surface + unexplained
- * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for. */
+ * = boundary.points + boundary.beyond. All are 0 for a kind that was not asked for, and the last two for random points. */
 typedef struct compare_counts {
     uint64_t points;
     uint64_t outside; /* not in the light's volume, like all other places that were tried; a camera's: or nothing is seen there */
@@ -64,26 +75,25 @@ typedef struct compare_counts {
     uint64_t near_surface;  /* not that, but the voxel is free there: inside of a solid, or a surface crosses it */
     uint64_t unexplained;   /* neither: a fault */
     compare_distance boundary;
-
-    /* Points on surfaces only, and apart from the above: the same answers against rays from the surface itself. */
-    uint64_t checked_at_surface; /* neither outside nor, just above the surface, inside a solid */
-    uint64_t wrong_at_surface;
+    compare_bias     bias;
 } compare_counts;
 
-/* An unexplained answer. */
+/* A wrong answer that has no excuse. */
 typedef struct compare_example {
-    compare_kind kind;
-    double       point_ws[3];
-    double       normal_ws[3]; /* zero for random points */
-    int          map;          /* of the light: 0, or 0 to 5 of six */
-    int32_t      voxel[3];     /* that was looked up */
-    int          asset_lit, truth_lit;
+    compare_fault fault;
+    compare_kind  kind;
+    double        point_ws[3];
+    double        normal_ws[3]; /* zero for random points */
+    int           map;          /* of the light: 0, or 0 to 5 of six */
+    int32_t       voxel[3];     /* that was looked up */
+    int           asset_lit, truth_lit;
 } compare_example;
 
 /* Filtered lookups against the same filter over rays. */
 typedef struct compare_error {
-    uint64_t points; /* compared: neither outside nor inside a solid */
-    double   rmse, max_error;
+    uint64_t     points; /* compared: neither outside nor inside a solid */
+    double       rmse, max_error;
+    compare_bias bias; /* of these points */
 } compare_error;
 
 typedef struct compare_filter {

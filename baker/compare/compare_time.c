@@ -47,7 +47,7 @@ static void gather_points(timed *t, size_t limit)
 {
     sample s;
     for (size_t n = 0; n < limit; n++)
-        if (compare_point(t->comparison, COMPARE_RANDOM, n, 1, &s))
+        if (compare_point(t->comparison, COMPARE_RANDOM, n, &s))
             memcpy(t->points_ws + 3 * t->count++, s.point_ws, sizeof s.point_ws);
 }
 

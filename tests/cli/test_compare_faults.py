@@ -76,15 +76,14 @@ def test_nothing_changed_is_nothing_found(vxs_path, folder, sound, damaged):
 
 @pytest.mark.parametrize("texels, voxels", [((1, 0), 0), ((-1, 0), 0), ((0, 1), 0), ((0, -1), 0), ((0, 0), 1), ((0, 0), -1)])
 def test_a_shift_of_one_shows(vxs_path, folder, sound, damaged, texels, voxels):
-    """As unexplained answers, on surfaces and off them. And half as many again are wrong on surfaces, twice as far from a boundary."""
+    """As unexplained answers, on surfaces and off them. And more are wrong; on surfaces the error of the bias adds to both."""
     path, right = damaged("city.glb", lambda asset: asset.shift(texels, voxels)), sound["city.glb"]
     found = Compared(vxs_path, folder / "city.glb", path)
     assert not right.failed and right.unexplained == 0
     assert found.failed and found.surface["unexplained"] > 500 and found.random["unexplained"] > 50
-    assert found.surface["wrong"] > 1.4 * right.surface["wrong"] and found.random["wrong"] > 1.1 * right.random["wrong"]
-    for kind, factor in ("random", 1.5), ("surface", 1.8):
-        wrong, sound_texels = getattr(found, kind)["boundary_texels"], getattr(right, kind)["boundary_texels"]
-        assert wrong["median"] > factor * sound_texels["median"] and sound_texels["median"] < 0.2 and wrong["median"] > 0.25
+    assert found.surface["wrong"] > 1.25 * right.surface["wrong"] and found.random["wrong"] > 1.1 * right.random["wrong"]
+    wrong, sound_texels = found.random["boundary_texels"], right.random["boundary_texels"]
+    assert wrong["median"] > 1.5 * sound_texels["median"] and sound_texels["median"] < 0.2 and wrong["median"] > 0.25
 
 
 # -- nodes and masks -------------------------------------------------------------------------------------------
