@@ -60,6 +60,7 @@ static void report_light(light_report *light, const plan_light *planned, const l
     const build_stats *stats  = coding->stats;
     uint64_t           across = max_u32(1, (1u << planned->light.levels) / tile_px);
     light->light              = planned->light;
+    light->texels             = planned->texels;
     light->depth              = columns->rendered.stats;
     light->tiles              = planned->map_count * across * across;
     light->tiles_skipped      = light->tiles - stats->squares_fetched;
@@ -226,11 +227,15 @@ static vxs_result judge_lights(const light_choice *chosen, message *m)
     return VXS_OK;
 }
 
-static void warn_about_scene(const bake_options *o, const casters *c, const light_choice *chosen, message *m)
+static void warn_about_scene(const bake_options *o, const bake_scene *s, const light_choice *chosen, message *m)
 {
-    int has_sun = 0;
+    const casters *c       = &s->casters;
+    int            has_sun = 0;
     for (size_t n = 0; n < chosen->count; n++) has_sun |= chosen->lights[n].shape.kind == LIGHT_DIRECTIONAL;
     warn_about_scale(c, m);
+    warn_about_ranges(c, chosen, m);
+    warn_about_flat(c, m);
+    warn_about_names(&s->scene, m);
     if (o->region_given && has_sun) warn_about_region(c, o->region_ws, m); /* lamps do not look at it */
 }
 
@@ -271,7 +276,7 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
     if (o->if_changed && (r = bake_check_outputs(o, m)) != VXS_OK) goto done; /* else it was asked before the scene was read */
 
     if (!o->prepared && (r = bake_scene_find_casters(s, o, ctx)) != VXS_OK) goto done;
-    warn_about_scene(o, &s->casters, &chosen, m);
+    warn_about_scene(o, s, &chosen, m);
     if ((r = message_check(m)) != VXS_OK) goto done;
 
     stage_begin(ctx, STAGE_PLAN);
@@ -281,7 +286,7 @@ static vxs_result prepare(const bake_options *o, bake_scene *s, bake_report *rep
         r = fail(m, VXS_E_MEMORY, "out of memory for a plan");
         goto done;
     }
-    if ((r = plan_make(report->plan, o, &s->casters, &chosen, s->file_bytes, m)) != VXS_OK) goto done;
+    if ((r = plan_make(report->plan, o, &s->casters, &s->scene, &chosen, s->file_bytes, m)) != VXS_OK) goto done;
     if ((r = bake_report_begin(report, &s->scene, &s->casters, m)) != VXS_OK) goto done;
     stage_begin(ctx, STAGE_NONE);
     if ((r = message_check(m)) != VXS_OK) goto done;

@@ -17,6 +17,8 @@ static void report_casters(bake_report *report, const casters *c)
     counts->indices = counts->component_of = NULL;
     counts->kind_of = counts->solid_meets = NULL;
     counts->parts_of                      = NULL;
+    counts->boxes                         = NULL;
+    counts->double_sided                  = NULL;
     counts->alpha_masks                   = NULL;
     counts->alpha_mask_first              = NULL;
     counts->hole_uvs                      = NULL;

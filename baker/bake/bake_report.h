@@ -17,6 +17,7 @@ typedef struct part_report {
 
 typedef struct light_report {
     vxs_light      light;
+    texel_range    texels;
     depth_stats    depth;
     uint64_t       tiles, tiles_skipped;  /* map tiles of TILE_MAX_PX at most; without casters */
     uint64_t       squares, squares_made; /* where squares are kept: those of tiles with casters; of them, made in this run */

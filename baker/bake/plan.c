@@ -57,7 +57,8 @@ static void warn_about_left_out(const bake_plan *plan, message *m)
                  l->name, l->left_out);
 }
 
-static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const light_choice *chosen, message *m)
+static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, const light_choice *chosen,
+                             message *m)
 {
     vxs_result r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
     if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
@@ -69,6 +70,7 @@ static vxs_result fit_lights(bake_plan *plan, const bake_options *o, const caste
     if (r == VXS_OK && !plan->baked_count) return fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
     if (r != VXS_OK) return r;
     warn_about_left_out(plan, m);
+    plan_check_lights(plan, o, c, s, m);
     return message_check(m);
 }
 
@@ -259,14 +261,14 @@ static void count_tiles(bake_plan *plan)
     }
 }
 
-vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const light_choice *chosen, uint64_t scene_bytes,
-                     message *m)
+vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
+                     uint64_t scene_bytes, message *m)
 {
     double     start = clock_seconds();
     vxs_result r;
     memset(plan, 0, sizeof *plan);
     if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
-    if ((r = fit_lights(plan, o, c, chosen, m)) != VXS_OK) goto done;
+    if ((r = fit_lights(plan, o, c, s, chosen, m)) != VXS_OK) goto done;
     plan_exit(plan, o, c);
     uint32_t maps = plan_count_maps(plan);
     if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;

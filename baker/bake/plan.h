@@ -21,12 +21,19 @@ typedef struct palette_estimate {
     double block_words, pattern_words, words;
 } palette_estimate;
 
+/* How wide a texel is at the casters that a light reaches, in metres: at the nearest, at half of their surface, at the farthest. A sun's
+ * texels are alike. Of a sample of 256 points. */
+typedef struct texel_range {
+    double least, median, most;
+} texel_range;
+
 /* Of one light. */
 typedef struct plan_light {
     char        name[VXS_LIGHT_NAME_BYTES];
     const char *left_out; /* why it is not baked; NULL: it is */
     light_shape shape;
     vxs_light   light; /* fitted */
+    texel_range texels;
     uint32_t    map_count;
     size_t      triangles; /* that the light can reach */
 
@@ -88,15 +95,25 @@ extern const char REACHES_NOTHING[];
 /* Make a plan.
  * plan         [out] zeroed on failure; released with plan_free
  * c            gets solid_meets where the plan needs it
+ * s            the scene that c is of, whose names warnings tell; NULL: none is known
  * scene_bytes  of the scene's file
  * Returns VXS_OK; VXS_E_NO_LIGHT when no light reaches a caster; VXS_E_ARGUMENT for a light that cannot be fitted, or two of one name;
  * VXS_E_MEMORY, also when no plan stays within the budget: one line says how much is needed; VXS_E_STRICT, before a light is sampled.
  * Same scene and options, same plan, but for the clock. */
-vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const light_choice *chosen, uint64_t scene_bytes,
-                     message *m);
+vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
+                     uint64_t scene_bytes, message *m);
 
 /* Accepts a zeroed object. */
 void plan_free(bake_plan *plan);
+
+/* plan_checks.c: what the lights of a plan, which are fitted, show of a bake that would be of little use. Fills texels of each; warns of
+ *   - an object that keeps a light from all others (light_hider.h)
+ *   - objects that make a sun's map much larger than that of the rest, and texels wider than most components (coarse_texels.h)
+ *   - a lamp whose range ends behind its own fixture
+ *   - positions that are stored coarsely, as floats far from their origin
+ * A warning comes where it is nearly certain; docs/manual.md, "Bakes of little use", says when.
+ * s  NULL: nothing is known of nodes and their names. Without memory, warnings are left out. */
+void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, message *m);
 
 /* plan_savings.c: what would be saved if more were left free, where that is worth it: a sample of all maps for each option.
  * c  as they were planned.   Returns VXS_OK or VXS_E_MEMORY. */

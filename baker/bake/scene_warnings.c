@@ -14,6 +14,9 @@
 /* The surface of the Earth bends away over a farther distance; no terrain is half as high; no building is as small. */
 static const double ACROSS_MAX_M = 200e3, HEIGHT_MAX_M = 20e3, ACROSS_MIN_M = 0.01;
 
+/* One thing may be as small, of few parts; a room with its furniture is not. */
+static const double PLACE_ACROSS_MIN_M = 0.1;
+
 /* A place this large has many things in it that are not: the smallest tenth of a city's parts is 3 m and less, of a terrain in tiles
  * there are few parts. In centimetres nearly all is larger. */
 static const double PLACE_MIN_M = 5e3, PART_LARGE_M = 50;
@@ -26,17 +29,12 @@ static size_t all_components(const casters *c)
     return count;
 }
 
-/* Nine in ten components are larger than anything in a level is; no where there are few, or no memory to find out. */
+/* Nine in ten components are larger than anything in a level is; no where there are few. */
 static int parts_are_large(const casters *c)
 {
     size_t count = all_components(c), small = 0;
-    box   *boxes = count < PARTS_MIN ? NULL : malloc(count * sizeof *boxes);
-    if (!boxes) return 0;
-    for (size_t i = 0; i < count; i++) boxes[i] = box_empty();
-    for (size_t n = 0; n < 3 * c->triangle_count; n++)
-        box_add(&boxes[c->component_of[n / 3]], c->positions_ws + 3 * (size_t)c->indices[n]);
-    for (size_t i = 0; i < count; i++) small += box_diagonal(&boxes[i]) < PART_LARGE_M;
-    free(boxes);
+    if (count < PARTS_MIN) return 0;
+    for (size_t i = 0; i < count; i++) small += box_diagonal(&c->boxes[i]) < PART_LARGE_M;
     return small * PARTS_SMALL_SHARE <= count;
 }
 
@@ -45,10 +43,54 @@ void warn_about_scale(const casters *c, message *m)
     box    all    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     double across = box_diagonal(&all), height = all.max[1] - all.min[1];
     int    large = across > ACROSS_MAX_M || height > HEIGHT_MAX_M || (across > PLACE_MIN_M && parts_are_large(c));
-    if (!large && !(across < ACROSS_MIN_M)) return;
+    int    small = across < ACROSS_MIN_M || (across < PLACE_ACROSS_MIN_M && all_components(c) >= PARTS_MIN);
+    if (!large && !small) return;
     warn(m, "the scene is %.15g x %.15g x %.15g m, %s: glTF is in metres; export it so, or scale its root nodes%s",
          rounded(all.max[0] - all.min[0], 3), rounded(height, 3), rounded(all.max[2] - all.min[2], 3),
          large ? "as one in centimetres is" : "too small for anything to be in it", large ? " by 0.01" : "");
+}
+
+/* ranges ---------------------------------------------------------------------------------------------------------------------- */
+
+static const double RANGE_OF_WIDTH_MIN = 0.5;
+
+void warn_about_ranges(const casters *c, const light_choice *chosen, message *m)
+{
+    const chosen_light *longest = NULL;
+    size_t              count = all_components(c), wider = 0;
+    for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
+        if (l->shape.kind == LIGHT_DIRECTIONAL) continue;
+        if (!isfinite(l->shape.range_m)) return;
+        if (!longest || l->shape.range_m > longest->shape.range_m) longest = l;
+    }
+    if (!longest || count < PARTS_MIN / 2) return;
+    double width = longest->shape.range_m / RANGE_OF_WIDTH_MIN;
+    for (size_t n = 0; n < count; n++) wider += box_width(&c->boxes[n]) > width;
+    if (2 * wider <= count) return;
+    box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    warn(m, "light '%s' reaches %.3g m, no lamp farther, and %zu of %zu components are wider than %.3g m, in a scene of %.15g m: as of one in "
+            "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
+         longest->name, longest->shape.range_m, wider, count, width, rounded(box_diagonal(&all), 3));
+}
+
+/* flat scenes ----------------------------------------------------------------------------------------------------------------- */
+
+void warn_about_flat(const casters *c, message *m)
+{
+    const double  rounding = 1e-6;
+    const double *corners[3];
+    double        ab[3], ac[3], normal[3], from[3];
+    for (int n = 0; n < 3; n++) corners[n] = c->positions_ws + 3 * (size_t)c->indices[n];
+    vec3_sub(corners[1], corners[0], ab);
+    vec3_sub(corners[2], corners[0], ac);
+    vec3_cross(ab, ac, normal);
+    double length = sqrt(vec3_dot(normal, normal));
+    for (size_t n = 0; n < c->vertex_count; n++) {
+        vec3_sub(c->positions_ws + 3 * n, corners[0], from);
+        if (fabs(vec3_dot(from, normal)) > rounding * length * sqrt(vec3_dot(from, from))) return;
+    }
+    warn(m, "all that casts shadows lies in one plane, and shades nothing: %zu triangles; bake it with what stands on it",
+         casters_whole_count(c));
 }
 
 /* region ---------------------------------------------------------------------------------------------------------------------- */

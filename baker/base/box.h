@@ -32,6 +32,13 @@ static inline double box_diagonal(const box *b)
     return sqrt(x * x + y * y + z * z);
 }
 
+/* The middle one of its sides: how wide something looks from where it is seen best. A pole's shadow is as wide as the pole. */
+static inline double box_width(const box *b)
+{
+    double x = b->max[0] - b->min[0], y = b->max[1] - b->min[1], z = b->max[2] - b->min[2];
+    return fmax(fmin(x, y), fmin(fmax(x, y), z));
+}
+
 /* The box of the corners of triangles.
  * positions  [3 * vertices];   indices  [count] vertices */
 static inline box box_of_corners(const double *positions, const uint32_t *indices, size_t count)

@@ -401,6 +401,7 @@ static void number_by_kind(casters *c, work *w)
         k->number              = (uint32_t)(k->kind == COMPONENT_SOLID ? next_solid++ : next_sheet++);
         c->kind_of[k->number]  = (uint8_t)k->kind;
         c->parts_of[k->number] = k->parts;
+        c->boxes[k->number]    = w->boxes[i];
     }
 }
 
@@ -488,11 +489,12 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
     c->double_sided     = any_double_sided(w) ? malloc(w->mesh.triangle_count) : NULL;
     c->kind_of          = malloc(w->component_count * sizeof *c->kind_of);
     c->parts_of         = malloc(w->component_count * sizeof *c->parts_of);
+    c->boxes            = malloc(w->component_count * sizeof *c->boxes);
     c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
     c->alpha_mask_first = allocate(s->alpha_mask_count + 1, sizeof *c->alpha_mask_first);
     c->hole_uvs         = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
-    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->alpha_masks ||
-        !c->alpha_mask_first || !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
+    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->boxes ||
+        !c->alpha_masks || !c->alpha_mask_first || !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
         return 0;
 
     c->solid_triangle_count = first[GROUP_SHEETS];
@@ -598,6 +600,7 @@ void casters_free(casters *c)
     free(c->component_of);
     free(c->kind_of);
     free(c->parts_of);
+    free(c->boxes);
     free(c->solid_meets);
     free(c->alpha_masks);
     free(c->alpha_mask_first);

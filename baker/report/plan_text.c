@@ -181,9 +181,24 @@ void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o
     for (const plan_decision *d = l.items; d < l.items + l.count; d++) fprintf(to, "%-20s %s: %s\n", d->name, d->choice, d->reason);
 }
 
+const char *texels_text(char text[TEXELS_BYTES], const texel_range *t, int digits)
+{
+    if (t->least == t->most)
+        snprintf(text, TEXELS_BYTES, "%.15g m", rounded(t->median, digits));
+    else
+        snprintf(text, TEXELS_BYTES, "%.15g to %.15g m at casters, median %.15g m", rounded(t->least, digits),
+                 rounded(t->most, digits), rounded(t->median, digits));
+    return text;
+}
+
+json_t *texels_json(const texel_range *t)
+{
+    return json_pack("{s:f, s:f, s:f}", "least", t->least, "median", t->median, "most", t->most);
+}
+
 static void print_light(FILE *to, const bake_options *o, const plan_light *l)
 {
-    char     name[VXS_LIGHT_NAME_BYTES], a[32], b[32];
+    char     name[VXS_LIGHT_NAME_BYTES], a[TEXELS_BYTES], b[32];
     unsigned side = 1u << l->light.levels;
     one_line(strcpy(name, l->name));
     if (l->left_out) {
@@ -191,8 +206,8 @@ static void print_light(FILE *to, const bake_options *o, const plan_light *l)
         return;
     }
     fprintf(to, "light %s\n", name);
-    fprintf(to, "  map        %u of %u x %u texels of %.4g m, voxels %.4g %s deep\n", l->map_count, side, side,
-            l->light.texel_metres, l->light.voxel_metres, l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
+    fprintf(to, "  map        %u of %u x %u texels of %s, voxels %.4g %s deep\n", l->map_count, side, side, texels_text(a, &l->texels, 4),
+            l->light.voxel_metres, l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
     fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
             (unsigned long long)l->tiles_empty);
     if (o->maps != MAPS_SPARSE)
@@ -317,8 +332,8 @@ static json_t *light_json(const plan_light *l)
 {
     if (l->left_out) return json_pack("{s:o, s:s}", "name", json_text(l->name), "left_out", l->left_out);
     json_t *light =
-        json_pack("{s:o, s:I, s:i, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name), "resolution_px",
-                  (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "triangles", (json_int_t)l->triangles, "tiles",
+        json_pack("{s:o, s:I, s:i, s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "name", json_text(l->name), "resolution_px",
+                  (json_int_t)1 << l->light.levels, "maps", (int)l->map_count, "texel_at_casters_m", texels_json(&l->texels), "triangles", (json_int_t)l->triangles, "tiles",
                   (json_int_t)l->tiles, "tiles_without_casters", (json_int_t)l->tiles_empty, "blocks", (json_int_t)l->blocks,
                   "blocks_without_casters", (json_int_t)l->blocks_empty, "blocks_peeled", (json_int_t)l->blocks_peeled,
                   "blocks_not_peeled", (json_int_t)l->blocks_not_peeled, "mask_tiles", (json_int_t)l->mask_tiles, "memory_bytes",

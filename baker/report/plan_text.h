@@ -22,6 +22,11 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report);
 /* path "-" is standard output. Returns VXS_OK, VXS_E_WRITE, VXS_E_MEMORY. */
 vxs_result plan_write_json(const char *path, const bake_options *o, const bake_report *report, message *m);
 
+/* "0.206 m", of a lamp "0.002 to 0.03 m at casters, median 0.01 m", into text. Returns text. */
+enum { TEXELS_BYTES = 96 };
+const char *texels_text(char text[TEXELS_BYTES], const texel_range *t, int digits);
+json_t     *texels_json(const texel_range *t);
+
 /* Parts of it, for the report of the bake: what casts shadows, what was warned of, what was decided. */
 void    report_print_casters(FILE *to, const bake_report *r);
 void    report_print_excluded(FILE *to, const bake_report *r, const char *head); /* a line a rule, head first */

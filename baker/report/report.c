@@ -64,12 +64,12 @@ static void print_smoke(FILE *to, const smoke_counts *s)
 
 static void print_light(FILE *to, const light_report *l)
 {
-    char     a[32], b[32], c[32];
+    char     a[TEXELS_BYTES], b[32], c[32];
     unsigned side = 1u << l->light.levels;
     char     name[VXS_LIGHT_NAME_BYTES];
     fprintf(to, "light %s\n", one_line(strcpy(name, l->light.name)));
-    fprintf(to, "  map        %u x %u texels of %.4g m, voxels %.4g m deep\n", side, side, l->light.texel_metres,
-            l->light.voxel_metres);
+    fprintf(to, "  map        %u x %u texels of %s, voxels %.4g %s deep\n", side, side, texels_text(a, &l->texels, 4), l->light.voxel_metres,
+            l->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? "m" : "of the distance");
     fprintf(to, "  tiles      %llu, left out without casters: %llu", (unsigned long long)l->tiles,
             (unsigned long long)l->tiles_skipped);
     print_rendering(to, &l->depth);
@@ -159,9 +159,9 @@ static json_t *light_json(const light_report *l)
 {
     double  texels = light_texels(l);
     json_t *o      = json_pack(
-             "{s:o, s:s, s:I, s:i, s:f, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
+             "{s:o, s:s, s:I, s:i, s:f, s:o, s:f, s:[f,f,f], s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o}", "name",
              json_text(l->light.name), "kind", kind_text(&l->light), "resolution_px", (json_int_t)1 << l->light.levels, "maps",
-             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "voxel_m", l->light.voxel_metres, "direction",
+             (int)vxs_light_map_count(&l->light), "texel_m", l->light.texel_metres, "texel_at_casters_m", texels_json(&l->texels), "voxel_m", l->light.voxel_metres, "direction",
              l->light.direction_ws[0], l->light.direction_ws[1], l->light.direction_ws[2], "tiles", (json_int_t)l->tiles,
              "tiles_without_casters", (json_int_t)l->tiles_skipped, "blocks_rendered", (json_int_t)l->depth.blocks_rendered,
              "blocks_without_casters", (json_int_t)l->depth.blocks_empty, "triangles_drawn", (json_int_t)l->depth.triangles_drawn,

@@ -48,6 +48,7 @@ static void print_lights(FILE *to, const bake_plan *plan)
     name_list         names = {0};
     const plan_light *one   = NULL;
     uint32_t          least = 32, most = 0;
+    char              texels[TEXELS_BYTES];
     for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++) {
         if (l->left_out) continue;
         one = l;
@@ -57,10 +58,9 @@ static void print_lights(FILE *to, const bake_plan *plan)
     }
     fprintf(to, names.count == 1 ? "light        " : "lights       %zu: ", names.count);
     print_names(to, &names);
-    if (names.count == 1 && one->light.kind == VXS_LIGHT_KIND_DIRECTIONAL)
-        fprintf(to, "; %u x %u texels of %.15g m\n", 1u << most, 1u << most, rounded(one->light.texel_metres, 3));
-    else if (names.count == 1)
-        fprintf(to, "; %u x %u texels%s\n", 1u << most, 1u << most, one->map_count > 1 ? ", six maps" : "");
+    if (names.count == 1)
+        fprintf(to, "; %u x %u texels%s of %s\n", 1u << most, 1u << most, one->map_count > 1 ? ", six maps," : "",
+                texels_text(texels, &one->texels, 3));
     else if (least == most)
         fprintf(to, "; %u x %u texels each\n", 1u << most, 1u << most);
     else

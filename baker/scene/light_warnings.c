@@ -23,10 +23,23 @@ void warn_about_sun(const char *name, const double direction_ws[3], message *m)
          name, d[0], d[1], d[2], 0 - d[0], 0 - d[1], 0 - d[2]); /* no -0 */
 }
 
+/* A node that was never turned: the scene's sun shines along the ground, which it only grazes. */
+static void warn_about_unturned(const chosen_light *light, message *m)
+{
+    const double *d = light->shape.direction_ws;
+    if (light->is_option || d[2] > -1 + 1e-9 || fabs(d[0]) > 1e-6 || fabs(d[1]) > 1e-6) return;
+    warn(m, "light '%s' travels level, along -Z, as a node without a rotation has it: sunlight comes from above; turn its node, or give "
+            "--sun X,Y,Z",
+         light->name);
+}
+
 void warn_about_suns(const light_choice *chosen, message *m)
 {
     for (const chosen_light *light = chosen->lights; light < chosen->lights + chosen->count; light++)
-        if (light->shape.kind == LIGHT_DIRECTIONAL) warn_about_sun(light->name, light->shape.direction_ws, m);
+        if (light->shape.kind == LIGHT_DIRECTIONAL) {
+            warn_about_sun(light->name, light->shape.direction_ws, m);
+            warn_about_unturned(light, m);
+        }
 }
 
 static int near_by(const double a[3], const double b[3])

@@ -37,7 +37,7 @@ vxs_result light_maps_render(light_maps *out, const bake_options *o, message *m)
     if ((r = scene_load_gltf(&out->scene, o->scene_path, NULL, m)) != VXS_OK) goto done;
     if ((r = casters_for_maps(&out->casters, &out->scene, o->closed, 2, m)) != VXS_OK) goto done;
     if ((r = lights_choose(&out->scene, &o->light_names, &o->suns, &chosen, m)) != VXS_OK) goto done;
-    if ((r = plan_make(&out->plan, o, &out->casters, &chosen, 0, m)) != VXS_OK) goto done;
+    if ((r = plan_make(&out->plan, o, &out->casters, NULL, &chosen, 0, m)) != VXS_OK) goto done;
 
     size_t n = 0;
     while (n < out->plan.light_count &&

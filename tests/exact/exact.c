@@ -251,7 +251,7 @@ done:
 static vxs_result staged_asset(world *w, const light_choice *chosen, way *y, message *m)
 {
     bake_plan  plan = {0};
-    vxs_result r    = plan_make(&plan, &y->bake, &w->c, chosen, 0, m);
+    vxs_result r    = plan_make(&plan, &y->bake, &w->c, NULL, chosen, 0, m);
     if (r == VXS_OK) r = planned_asset(w, &plan, y, m);
     plan_free(&plan);
     return r;

@@ -1,0 +1,219 @@
+/* Texels that are coarser than they should be; see coarse_texels.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/bake/coarse_texels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/base/text.h"
+#include "baker/base/vec3.h"
+
+enum { COMPONENTS_MIN = 4, LOST_PX = 2, LOST_NODE_PX = 4 };
+
+static int is_preview(const plan_light *l)
+{
+    return 1u << l->light.levels < PREVIEW_PX;
+}
+
+/* objects far from the rest --------------------------------------------------------------------------------------------------- */
+
+static int by_value(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return p < q ? -1 : p > q;
+}
+
+/* Cards of a few triangles, as leaves are, shade together. */
+static int counts_alone(const casters *c, const scene_object *component, uint32_t number)
+{
+    return component->triangles > 4 || c->kind_of[number] == COMPONENT_SOLID;
+}
+
+/* The width that half of the components in a box have at most; 0 when there is none. */
+static double median_width(const check_scene *k, const box *within)
+{
+    const object_list *l     = &k->components;
+    double            *width = malloc((l->count + 1) * sizeof *width), median = 0;
+    size_t             count = 0;
+    for (size_t n = 0; n < l->count && width; n++) {
+        const box *b      = &l->items[n].around;
+        int        inside = counts_alone(k->c, &l->items[n], (uint32_t)n);
+        for (int axis = 0; axis < 3; axis++) inside &= b->min[axis] >= within->min[axis] && b->max[axis] <= within->max[axis];
+        if (inside) width[count++] = box_width(b);
+    }
+    if (count) {
+        qsort(width, count, sizeof *width, by_value);
+        median = width[count / 2];
+    }
+    free(width);
+    return median;
+}
+
+/* Texels, or voxels, of a sun's map from one end of a box to the other. */
+static double span_of(const vxs_light *light, const box *b, int first_row, int last_row)
+{
+    double span = 0;
+    for (int row = first_row; row <= last_row; row++) {
+        double along = 0;
+        for (int axis = 0; axis < 3; axis++) along += fabs(light->ls_from_ws[4 * row + axis]) * (b->max[axis] - b->min[axis]);
+        span = fmax(span, along);
+    }
+    return span;
+}
+
+/* "-12.5,0,-3,12.5,4,3": the box, a little larger, in few digits. */
+static const char *region_text(char text[160], const box *b)
+{
+    double size = 0;
+    size_t used = 0;
+    for (int axis = 0; axis < 3; axis++) size = fmax(size, b->max[axis] - b->min[axis]);
+    double step = pow(10, floor(log10(fmax(size, 1e-6))) - 1);
+    for (int n = 0; n < 6; n++) {
+        double at = n < 3 ? floor(b->min[n] / step) * step : ceil(b->max[n - 3] / step) * step;
+        used += (size_t)snprintf(text + used, 160 - used, "%s%.15g", n ? "," : "", rounded(at, 9) + 0);
+    }
+    return text;
+}
+
+/* "node 'sea', node 'sky'", and the options that leave them out. */
+static void name_far(const check_scene *k, const far_objects *far, const object_list *of, char names[LIST_BYTES],
+                     char remedies[LIST_BYTES])
+{
+    names[0] = remedies[0] = 0;
+    for (size_t n = 0; n < far->count; n++) {
+        object_name name;
+        size_t      used = strlen(remedies);
+        object_name_find(&name, &of->items[far->items[n]], k->c, k->s);
+        list_item(names, name.text);
+        if (name.option[0] && used + strlen(name.option) + 2 < LIST_BYTES)
+            snprintf(remedies + used, LIST_BYTES - used, "%s%s", used ? " " : "", name.option);
+    }
+}
+
+int warn_about_far_objects(const check_scene *k, const far_objects *far, const object_list *of)
+{
+    const plan_light *worst = NULL;
+    double            most = 0, texels = 0, median = median_width(k, &far->rest);
+    int               deep = 0;
+    for (const plan_light *l = k->plan->lights; l < k->plan->lights + k->plan->light_count; l++) {
+        if (l->left_out || !is_sun(l) || is_preview(l)) continue;
+        double side   = ldexp(1, (int)l->light.levels);
+        double across = span_of(&l->light, &far->rest, 0, 1), along = span_of(&l->light, &far->rest, 2, 2);
+        double times  = side / fmax(across, 1e-9), layers = l->light.voxel_metres > 1.5 * l->light.texel_metres ? side / fmax(along, 1e-9) : 0;
+        if (fmax(times, layers) <= most) continue;
+        worst  = l;
+        most   = fmax(times, layers);
+        deep   = layers > times;
+        texels = deep ? along : across;
+    }
+    if (!worst || most < 8) return 0;
+    double size = deep ? worst->light.voxel_metres : worst->light.texel_metres;
+    if (texels > 64 && median > 32 * size) return 0; /* coarser than need be, and still fine */
+    char names[LIST_BYTES], remedies[LIST_BYTES], region[160];
+    name_far(k, far, of, names, remedies);
+    warn(k->m, "%zu of %zu triangles, %s, make %s of light '%s' %.15g times as %s, %.3g m: all else is %.15g of them %s; "
+               "--region %s, or %s",
+         far->triangles, casters_whole_count(k->c), names, deep ? "depths" : "texels", worst->name, rounded(most, 2),
+         deep ? "deep" : "large", size, ceil(texels), deep ? "deep" : "wide", region_text(region, &far->rest),
+         remedies[0] ? remedies : "leave them out");
+    return 1;
+}
+
+/* texels that are larger than things ------------------------------------------------------------------------------------------ */
+
+/* A component as a light's map sees it. */
+typedef struct seen_component {
+    double metres; /* from the light; sun: 0 */
+    double width_px;
+} seen_component;
+
+static int nearer(const void *a, const void *b)
+{
+    const seen_component *p = a, *q = b;
+    if (p->metres != q->metres) return p->metres < q->metres ? -1 : 1;
+    return p->width_px < q->width_px ? -1 : p->width_px > q->width_px;
+}
+
+/* From a lamp along the axis of the map that sees a point. */
+static double along_axis(const plan_light *l, const double at_ws[3])
+{
+    double from[3], along = 0;
+    vec3_sub(at_ws, l->shape.position_ws, from);
+    if (l->map_count == 1) return vec3_dot(from, l->light.direction_ws);
+    for (int axis = 0; axis < 3; axis++) along = fmax(along, fabs(from[axis]));
+    return along;
+}
+
+static size_t see_objects(seen_component *out, const check_scene *k, const object_list *list, const plan_light *l, int alone)
+{
+    size_t count = 0;
+    for (size_t n = 0; n < list->count; n++) {
+        const box *b = &list->items[n].around;
+        double     middle[3];
+        if (alone && !counts_alone(k->c, &list->items[n], (uint32_t)n)) continue;
+        for (int axis = 0; axis < 3; axis++) middle[axis] = 0.5 * (b->min[axis] + b->max[axis]);
+        double metres = is_sun(l) ? 0 : along_axis(l, middle), texel = is_sun(l) ? 1 : metres;
+        if (!is_sun(l) && (!(metres > 0) || !light_reaches(&l->shape, middle))) continue;
+        out[count++] = (seen_component){metres, box_width(b) / (texel * l->light.texel_metres)};
+    }
+    return count;
+}
+
+static size_t count_lost(const seen_component *seen, size_t count, double width_px)
+{
+    size_t lost = 0;
+    for (size_t n = 0; n < count; n++) lost += seen[n].width_px < width_px;
+    return lost;
+}
+
+int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, size_t *of)
+{
+    size_t          most = k->components.count > k->nodes.count ? k->components.count : k->nodes.count;
+    seen_component *seen = malloc((most + 1) * sizeof *seen);
+    int             is   = 0;
+    if (!seen || is_preview(l)) {
+        free(seen);
+        return 0;
+    }
+    *of   = see_objects(seen, k, &k->components, l, 1);
+    *lost = count_lost(seen, *of, LOST_PX);
+    if (*of >= COMPONENTS_MIN && 2 * *lost > *of) {
+        qsort(seen, *of, sizeof *seen, nearer);
+        size_t near = is_sun(l) ? *of : *of / 4 > COMPONENTS_MIN ? *of / 4 : COMPONENTS_MIN;
+        is          = 2 * count_lost(seen, near, LOST_PX) > near;
+        size_t nodes = see_objects(seen, k, &k->nodes, l, 0);
+        if (nodes >= COMPONENTS_MIN) is &= 2 * count_lost(seen, nodes, LOST_NODE_PX) > nodes;
+    }
+    free(seen);
+    return is;
+}
+
+/* The resolution at which a texel is a quarter of what half of the components are wide; 0: none is so fine. */
+static uint32_t enough_texels(const check_scene *k, const plan_light *l)
+{
+    box    all    = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+    double median = median_width(k, &all), side = ldexp(1, (int)l->light.levels);
+    while (side <= RESOLUTION_MAX_PX && l->texels.median * ldexp(1, (int)l->light.levels) / side > median / 4) side *= 2;
+    return side <= RESOLUTION_MAX_PX ? (uint32_t)side : 0;
+}
+
+void warn_about_lost(const check_scene *k, const plan_light *l, size_t lost, size_t of)
+{
+    uint32_t side = enough_texels(k, l);
+    char     finer[32 + VXS_LIGHT_NAME_BYTES] = "";
+    if (side && k->plan->light_count > 1)
+        snprintf(finer, sizeof finer, "--resolution %s=%u, or ", l->name, side);
+    else if (side)
+        snprintf(finer, sizeof finer, "--resolution %u, or ", side);
+    if (is_sun(l))
+        warn(k->m, "light '%s': a texel is %.3g m, and %zu of %zu components are narrower than two texels: their shadows are lost; %s--region around "
+                   "what matters",
+             l->name, l->texels.median, lost, of, finer);
+    else
+        warn(k->m, "light '%s' is %.15g m from what it lights, where a texel is %.3g m, and %zu of %zu components are narrower than "
+                   "two texels: their shadows are lost; %smake it a sun, or a spot that lights these alone",
+             l->name, rounded(l->texels.median / l->light.texel_metres, 3), l->texels.median, lost, of, finer);
+}
+

@@ -1,0 +1,244 @@
+/* Bakes that would be of little use; see plan.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "baker/bake/coarse_texels.h"
+#include "baker/bake/light_hider.h"
+#include "baker/bake/plan.h"
+#include "baker/base/text.h"
+#include "baker/base/vec3.h"
+
+enum { POINTS = 256, POINT_TRIANGLES_MAX = 1 << 14, TOLD_EACH = 3 };
+
+/* Lights of which the same is said: the first few have a line each, the others are listed in one. */
+typedef struct light_tally {
+    size_t count;
+    char   more[LIST_BYTES];
+} light_tally;
+
+static int is_told(light_tally *t, const char *name)
+{
+    if (t->count++ < TOLD_EACH) return 1;
+    list_item(t->more, name);
+    return 0;
+}
+
+static void tell_rest(const light_tally *t, const char *what, message *m)
+{
+    if (t->count > TOLD_EACH) warn(m, "%zu more lights %s: %s; the same goes for them", t->count - TOLD_EACH, what, t->more);
+}
+
+/* texels ---------------------------------------------------------------------------------------------------------------------- */
+
+static int by_distance(const void *a, const void *b)
+{
+    const lit_point *p = a, *q = b;
+    return p->along_m < q->along_m ? -1 : p->along_m > q->along_m;
+}
+
+/* points  sorted here by their distance */
+static texel_range texels_of(const plan_light *l, lit_point *points, size_t count)
+{
+    double slope = l->light.texel_metres, near = l->light.near_metres, all = 0, before = 0;
+    double far = near * exp(l->light.voxel_metres * ldexp(1, (int)l->light.levels));
+    size_t n   = 0;
+    if (is_sun(l)) return (texel_range){slope, slope, slope};
+    if (!count) return (texel_range){slope * near, slope * sqrt(near * far), slope * far};
+    qsort(points, count, sizeof *points, by_distance);
+    for (size_t k = 0; k < count; k++) all += points[k].weight;
+    while (n + 1 < count && 2 * (before += points[n].weight) < all) n++;
+    return (texel_range){slope * points[0].along_m, slope * points[n].along_m, slope * points[count - 1].along_m};
+}
+
+/* an object in front of all others -------------------------------------------------------------------------------------------- */
+
+static const scene_object *find_hider(check_scene *k, const lit_points_desc *d, const lit_point *points, size_t count, double *metres)
+{
+    const scene_object *o = light_hider_find(&k->components, points, count, d, metres);
+    if (!o && k->nodes.count && k->nodes.count < k->components.count) o = light_hider_find(&k->nodes, points, count, d, metres);
+    return o;
+}
+
+static void warn_about_hider(const check_scene *k, const plan_light *l, const scene_object *hider, double metres)
+{
+    object_name name;
+    object_name_find(&name, hider, k->c, k->s);
+    const char *own = name.option[0] ? "" : "give that a node of its own, and leave it out with --exclude";
+    const char *out = name.option[0] ? "leave that out with " : "";
+    if (is_sun(l))
+        warn(k->m, "light '%s': all else is in the shadow of %s; if that is a sky or a cover, %s%s%s", l->name, name.text, out,
+             name.option, own);
+    else
+        warn(k->m, "light '%s': all else is in the shadow of %s, %.2g m from it at most; move the light, or %s%s%s", l->name, name.text,
+             metres, out, name.option, own);
+}
+
+/* far objects ----------------------------------------------------------------------------------------------------------------- */
+
+/* Returns 1 when something was said. Of objects that hide lights enough is said.   hiders  [lights] NULL: nothing hides it */
+static int check_far(const check_scene *k, const scene_object *const *hiders)
+{
+    far_objects        far;
+    const object_list *of = k->nodes.count > 1 && far_objects_find(&far, &k->nodes) ? &k->nodes : &k->components;
+    size_t             hide = 0;
+    if (of == &k->components && !far_objects_find(&far, of)) return 0;
+    for (size_t n = 0; n < far.count; n++)
+        for (size_t l = 0; l < k->plan->light_count; l++)
+            if (hiders[l] && hiders[l]->component == of->items[far.items[n]].component) {
+                hide++;
+                break;
+            }
+    return hide < far.count && warn_about_far_objects(k, &far, of);
+}
+
+/* ranges that end too soon ---------------------------------------------------------------------------------------------------- */
+
+static double distance_to(const box *b, const double from[3])
+{
+    double square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double beside = fmax(0, fmax(b->min[axis] - from[axis], from[axis] - b->max[axis]));
+        square += beside * beside;
+    }
+    return sqrt(square);
+}
+
+/* Within a lamp's range is one object, and no large one: its own fixture.   next_m  [out] from the lamp to the next object */
+static const scene_object *find_fixture(const check_scene *k, const plan_light *l, double *next_m)
+{
+    const object_list  *list  = k->nodes.count > 1 ? &k->nodes : &k->components;
+    const scene_object *found = NULL;
+    box                 all   = box_empty();
+    *next_m                   = INFINITY;
+    for (const scene_object *o = list->items; o < list->items + list->count; o++) {
+        double metres = distance_to(&o->around, l->shape.position_ws);
+        box_add(&all, o->around.min);
+        box_add(&all, o->around.max);
+        if (metres > l->shape.range_m) {
+            *next_m = fmin(*next_m, metres);
+        } else {
+            if (found) return NULL;
+            found = o;
+        }
+    }
+    int is_fixture = found && isfinite(*next_m) && box_width(&found->around) <= l->shape.range_m &&
+                     box_diagonal(&found->around) < box_diagonal(&all) / 4;
+    return is_fixture ? found : NULL;
+}
+
+static void warn_about_fixture(const check_scene *k, const plan_light *l, const scene_object *fixture, double next_m)
+{
+    object_name name;
+    object_name_find(&name, fixture, k->c, k->s);
+    warn(k->m, "light '%s' reaches nothing but %s: its range is %.3g m, and what is next is %.3g m from it; give it a longer range",
+         l->name, name.text, l->shape.range_m, next_m);
+}
+
+/* positions that are stored too coarsely -------------------------------------------------------------------------------------- */
+
+/* From a float of this size to the next. */
+static double float_step(double size)
+{
+    return size > 0 ? ldexp(1, ilogb(size) - 23) : 0;
+}
+
+static double farthest_corner(const box *b, const double from[3])
+{
+    double far = 0;
+    for (int axis = 0; axis < 3; axis++) far = fmax(far, fmax(fabs(b->min[axis] - from[axis]), fabs(b->max[axis] - from[axis])));
+    return far;
+}
+
+static const double STEP_MAX_M = 1e-3, FAR_TIMES = 16;
+
+/* Positions are floats, counted from the origin of their node. The node that suffers most is named. */
+static void warn_about_steps(const check_scene *k)
+{
+    const scene      *s     = k->s;
+    const scene_part *worst = NULL, *last = NULL;
+    box               all = box_empty();
+    size_t            nodes = 0, origin = 0;
+    double            worst_far = 0;
+    for (size_t n = 0; n < k->components.count; n++) {
+        box_add(&all, k->components.items[n].around.min);
+        box_add(&all, k->components.items[n].around.max);
+    }
+    for (size_t n = 0; s && s->origin_count && n < s->part_count; n++) {
+        const scene_part *part  = &s->parts[n];
+        size_t            first = part->triangle_first, end = n + 1 < s->part_count ? part[1].triangle_first : s->triangle_count;
+        while (origin + 1 < s->origin_count && s->origins[origin + 1].triangle_first <= first) origin++;
+        const double *from = s->origins[origin].at_ws;
+        if (float_step(farthest_corner(&all, from)) <= STEP_MAX_M) continue; /* soon known of most scenes */
+        box    own = box_of_corners(s->positions_ws, s->indices + 3 * first, 3 * (end - first));
+        double far = farthest_corner(&own, from);
+        if (float_step(far) <= STEP_MAX_M || far < FAR_TIMES * box_diagonal(&own)) continue;
+        nodes += !last || last->node != part->node;
+        last = part;
+        if (far <= worst_far) continue;
+        worst_far = far;
+        worst     = part;
+    }
+    if (!worst) return;
+    char more[48] = "";
+    if (nodes > 1) snprintf(more, sizeof more, " and %zu more", nodes - 1);
+    warn(k->m, "node %u '%s'%s: positions are floats %.9g m from the origin of the node, in steps of %.3g m; store them near it, and place "
+               "them by the translation of the node",
+         worst->node, s->names + worst->node_name, more, rounded(worst_far, 3), float_step(worst_far));
+}
+
+/* all of it ------------------------------------------------------------------------------------------------------------------- */
+
+/* Of a light's sample of points: its texels, and what hides it. */
+static void sample_light(check_scene *k, plan_light *l, const scene_object **hider, light_tally *hidden)
+{
+    lit_point       points[POINTS];
+    double          metres;
+    lit_points_desc d = {
+        .c = k->c, .reach = &k->plan->reach, .shape = &l->shape, .light = &l->light, .triangles_max = POINT_TRIANGLES_MAX};
+    size_t count = lit_points_choose(points, POINTS, &d);
+    l->texels    = texels_of(l, points, count);
+    *hider       = find_hider(k, &d, points, count, &metres);
+    if (*hider && is_told(hidden, l->name)) warn_about_hider(k, l, *hider, metres);
+}
+
+/* What is said of a light that is not hidden. */
+static void check_light(const check_scene *k, const plan_light *l, int far_told, light_tally *short_ones, light_tally *coarse)
+{
+    size_t              lost, of;
+    double              metres;
+    const scene_object *o = !is_sun(l) && isfinite(l->shape.range_m) ? find_fixture(k, l, &metres) : NULL;
+    if (o) {
+        if (is_told(short_ones, l->name)) warn_about_fixture(k, l, o, metres);
+    } else if (!(is_sun(l) && far_told) && texels_lose_most(k, l, &lost, &of)) {
+        if (is_told(coarse, l->name)) warn_about_lost(k, l, lost, of);
+    }
+}
+
+static void check_all(check_scene *k, const scene_object **hiders, int has_region)
+{
+    light_tally hidden = {0}, short_ones = {0}, coarse = {0};
+    plan_light *lights = k->plan->lights;
+    for (size_t n = 0; n < k->plan->light_count; n++)
+        if (!lights[n].left_out) sample_light(k, &lights[n], &hiders[n], &hidden);
+    int far_told = !has_region && check_far(k, hiders);
+    for (size_t n = 0; n < k->plan->light_count; n++)
+        if (!lights[n].left_out && !hiders[n]) check_light(k, &lights[n], far_told, &short_ones, &coarse);
+    warn_about_steps(k);
+    tell_rest(&hidden, "are hidden from all else in this way", k->m);
+    tell_rest(&short_ones, "reach nothing but one object", k->m);
+    tell_rest(&coarse, "have texels wider than most components", k->m);
+}
+
+void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, message *m)
+{
+    check_scene          k      = {.plan = plan, .c = c, .s = s, .m = m};
+    const scene_object **hiders = calloc(plan->light_count, sizeof *hiders);
+    objects_by_node(&k.nodes, c, s);
+    if (objects_by_component(&k.components, c) && hiders) check_all(&k, hiders, o->region_given);
+    objects_free(&k.components);
+    objects_free(&k.nodes);
+    free(hiders);
+}

@@ -1,0 +1,204 @@
+/* Points of the casters that a light can light; see lit_points.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "baker/light/lit_points.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "baker/base/random.h"
+#include "baker/base/vec3.h"
+#include "baker/light/map_space.h"
+
+enum { SEED = 0x11f7 };
+
+/* Triangles that may be in reach, with the sum of their areas. */
+typedef struct candidates {
+    size_t    count;
+    uint32_t *triangles; /* [count] */
+    double   *area_to;   /* [count] square metres of all up to this one */
+} candidates;
+
+static double cross_length(const double *a, const double *b, const double *c)
+{
+    double ab[3], ac[3], normal[3];
+    vec3_sub(b, a, ab);
+    vec3_sub(c, a, ac);
+    vec3_cross(ab, ac, normal);
+    return sqrt(vec3_dot(normal, normal));
+}
+
+static const double *corner_of(const casters *c, size_t triangle, size_t n)
+{
+    return c->positions_ws + 3 * (size_t)c->indices[3 * triangle + n];
+}
+
+/* What of a ball may be in reach, without trigonometry for each of many. */
+static int touches(const light_shape *shape, double cosine, double sine, const reach_run *run)
+{
+    double way[3], r = run->radius_m;
+    if (shape->kind == LIGHT_DIRECTIONAL) return 1;
+    vec3_sub(run->center_ws, shape->position_ws, way);
+    double square = vec3_dot(way, way);
+    if (square > (shape->range_m + r) * (shape->range_m + r)) return 0;
+    if (shape->kind == LIGHT_POINT) return 1;
+    double along = vec3_dot(way, shape->direction_ws), beside = square - along * along;
+    return along > -r && sqrt(beside > 0 ? beside : 0) * cosine - along * sine <= r;
+}
+
+/* Every step-th triangle of the runs that are touched. Returns how many. */
+static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *touched, size_t step)
+{
+    const casters *c     = d->c;
+    size_t         count = 0, until_next = 1;
+    double         area = 0;
+    for (size_t run = 0; run < d->reach->run_count; run++) {
+        size_t end = (run + 1) * REACH_RUN < c->triangle_count ? (run + 1) * REACH_RUN : c->triangle_count;
+        for (size_t t = run * REACH_RUN; t < end && touched[run]; t++) {
+            if ((d->object_of && d->object_of[c->component_of[t]] == d->without) || --until_next) continue;
+            until_next = step;
+            double own            = 0.5 * cross_length(corner_of(c, t, 0), corner_of(c, t, 1), corner_of(c, t, 2));
+            out->triangles[count] = (uint32_t)t;
+            out->area_to[count++] = area += isfinite(own) ? own : 0;
+        }
+    }
+    return count;
+}
+
+/* Returns 0 when there is none. */
+static int find_candidates(candidates *k, const lit_points_desc *d)
+{
+    uint8_t *touched = malloc(d->reach->run_count + 1);
+    double   cosine = cos(d->shape->outer_rad), sine = sin(d->shape->outer_rad);
+    size_t   step = 1;
+    for (size_t run = 0; touched && run < d->reach->run_count; run++) {
+        touched[run] = (uint8_t)touches(d->shape, cosine, sine, &d->reach->runs[run]);
+        k->count += touched[run] ? REACH_RUN : 0; /* of the last one, and without an object, fewer */
+    }
+    if (d->triangles_max && k->count > d->triangles_max) step = (k->count + d->triangles_max - 1) / d->triangles_max;
+    k->triangles = malloc((k->count / step + 1) * sizeof *k->triangles);
+    k->area_to   = malloc((k->count / step + 1) * sizeof *k->area_to);
+    k->count     = touched && k->triangles && k->area_to ? take(k, d, touched, step) : 0;
+    free(touched);
+    return k->count && k->area_to[k->count - 1] > 0;
+}
+
+/* The candidate at this share of the whole area. */
+static size_t candidate_at(const candidates *k, double share)
+{
+    double area = share * k->area_to[k->count - 1];
+    size_t low = 0, high = k->count - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (k->area_to[middle] > area)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+static double polygon_area(const map_polygon *p)
+{
+    double area = 0;
+    for (int n = 1; n + 1 < p->count; n++) area += 0.5 * cross_length(p->corners[0].at, p->corners[n].at, p->corners[n + 1].at);
+    return area;
+}
+
+/* A uniform point of a convex polygon. */
+static void point_in(const map_polygon *p, double area, rng *random, double out[3])
+{
+    double left = rng_unit(random) * area, u = sqrt(rng_unit(random)), v = rng_unit(random);
+    int    n    = 1;
+    for (; n + 2 < p->count; n++) {
+        double part = 0.5 * cross_length(p->corners[0].at, p->corners[n].at, p->corners[n + 1].at);
+        if (left < part) break;
+        left -= part;
+    }
+    for (int axis = 0; axis < 3; axis++)
+        out[axis] = (1 - u) * p->corners[0].at[axis] + u * ((1 - v) * p->corners[n].at[axis] + v * p->corners[n + 1].at[axis]);
+}
+
+/* What of a triangle a map of a lamp sees, in map space: the range is cut flat, points beyond it are left out later. */
+static void seen_part(const lit_points_desc *d, const map_frame *frame, const map_sides *sides, int map, size_t t, map_polygon *out)
+{
+    map_polygon triangle = {.count = 3}, kept;
+    map_sides   range    = {{{0}}};
+    out->count           = 0;
+    for (size_t n = 0; n < 3; n++) map_space_from_ws(frame, corner_of(d->c, t, n), triangle.corners[n].at);
+    if (!map_sides_touch(sides, &triangle) || map_space_behind(d->light, map, &triangle)) return;
+    map_sides_clip(sides, &triangle, &kept);
+    for (int n = 0; n < MAP_SIDES; n++) range.n[n][3] = 1; /* all is inside of these */
+    if (isfinite(d->shape->range_m)) {
+        range.n[0][2] = -1;
+        range.n[0][3] = d->shape->range_m;
+    }
+    map_sides_clip(&range, &kept, out);
+    if (out->count < 3) out->count = 0;
+}
+
+static void ws_from_map_space(const map_frame *f, const double at[3], double out[3])
+{
+    for (int axis = 0; axis < 3; axis++) out[axis] = 0;
+    for (int n = 0; n < 3; n++) vec3_mad(out, (n == 2 ? at[n] * f->unit : at[n]) - f->rows[n][3], f->rows[n], out);
+}
+
+/* A point of what a lamp sees of a triangle.   Returns 0 when it sees nothing there. */
+static int point_of_lamp(lit_point *out, const lit_points_desc *d, const map_sides *sides, size_t t, rng *random)
+{
+    map_polygon seen[VXS_CUBE_FACES];
+    double      areas[VXS_CUBE_FACES], all = 0, at[3];
+    int         maps = (int)vxs_light_map_count(d->light), map = 0;
+    for (int n = 0; n < maps; n++) {
+        map_frame frame = map_frame_of(d->light, n);
+        seen_part(d, &frame, sides, n, t, &seen[n]);
+        all += areas[n] = polygon_area(&seen[n]);
+    }
+    if (!(all > 0)) return 0;
+    for (double left = rng_unit(random) * all; map + 1 < maps && (!(areas[map] > 0) || left >= areas[map]); map++) left -= areas[map];
+    if (!(areas[map] > 0)) return 0;
+    map_frame frame = map_frame_of(d->light, map);
+    point_in(&seen[map], areas[map], random, at);
+    ws_from_map_space(&frame, at, out->at_ws);
+    out->along_m = at[2];
+    out->weight  = all;
+    return light_reaches(d->shape, out->at_ws);
+}
+
+static void point_of_sun(lit_point *out, const casters *c, size_t t, rng *random)
+{
+    map_polygon triangle = {.count = 3};
+    for (size_t n = 0; n < 3; n++)
+        for (int axis = 0; axis < 3; axis++) triangle.corners[n].at[axis] = corner_of(c, t, n)[axis];
+    out->weight  = polygon_area(&triangle);
+    out->along_m = 0;
+    point_in(&triangle, out->weight, random, out->at_ws);
+}
+
+size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc *d)
+{
+    candidates k     = {0};
+    size_t     found = 0;
+    int        sun   = d->shape->kind == LIGHT_DIRECTIONAL;
+    map_sides  sides = map_sides_of(d->light, 0);
+    if (!find_candidates(&k, d)) goto done;
+    for (size_t n = 0; n < count; n++) {
+        rng        random = rng_split(SEED, n);
+        double     share  = ((double)(n / 2) + rng_unit(&random)) / (double)((count + 1) / 2);
+        size_t     chosen = n % 2 ? (size_t)(share * (double)k.count) : candidate_at(&k, share);
+        size_t     at     = chosen < k.count ? chosen : k.count - 1;
+        double     area   = k.area_to[at] - (at ? k.area_to[at - 1] : 0);
+        double     likely = 0.5 * area / k.area_to[k.count - 1] + 0.5 / (double)k.count;
+        lit_point *p      = &points[found];
+        p->triangle       = k.triangles[at];
+        if (sun)
+            point_of_sun(p, d->c, p->triangle, &random);
+        else if (!point_of_lamp(p, d, &sides, p->triangle, &random))
+            continue;
+        p->weight /= likely * (double)count;
+        found++;
+    }
+done:
+    free(k.triangles);
+    free(k.area_to);
+    return found;
+}
