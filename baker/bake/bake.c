@@ -325,6 +325,9 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
 
     if ((r = prepare(o, s, report, &ctx)) != VXS_OK) goto done;
     if (report->unchanged) goto done;
+    stage_begin(&ctx, STAGE_PLAN);
+    if ((r = plan_find_closed(report->plan, o, &s->casters, m)) != VXS_OK) goto done;
+    stage_begin(&ctx, STAGE_NONE);
     if ((r = bake_file(o, &s->casters, &kept, &file, report, &ctx)) != VXS_OK) goto done;
 
     smoke_source smoke = bake_scene_smoke(s, o);
@@ -355,7 +358,8 @@ vxs_result bake_plan_only(const bake_options *o, bake_report *report, message *m
     vxs_result   r   = prepare(o, &s, report, &ctx);
     if (r == VXS_OK && !report->unchanged) {
         stage_begin(&ctx, STAGE_PLAN);
-        r = plan_find_savings(report->plan, o, &s.casters, m);
+        r = plan_find_closed(report->plan, o, &s.casters, m);
+        if (r == VXS_OK) r = plan_find_savings(report->plan, o, &s.casters, m);
         stage_begin(&ctx, STAGE_NONE);
     }
     report_stages(report, &ctx);

@@ -13,7 +13,7 @@
 #include "baker/measure/context.h"
 #include "baker/scene/light_choice.h"
 
-enum { PLAN_SAVINGS_MAX = 2 };
+enum { PLAN_SAVINGS_MAX = 3 };
 
 /* Palette blocks that a light will take, different ones alone. */
 typedef struct palette_estimate {
@@ -57,7 +57,8 @@ typedef struct plan_light {
 typedef struct plan_saving {
     const char *option; /* "--behind free" */
     uint64_t    file_bytes;
-    double      seconds; /* of the whole bake */
+    double      seconds;   /* of the whole bake */
+    size_t      triangles; /* of --closed on: that are closed, and would be solids but for a material of two sides; else 0 */
 } plan_saving;
 
 typedef struct bake_plan {
@@ -118,6 +119,10 @@ void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c,
 /* plan_savings.c: what would be saved if more were left free, where that is worth it: a sample of all maps for each option.
  * c  as they were planned.   Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const casters *c, message *m);
+
+/* The same of --closed on alone, where a quarter of all triangles or more are closed but for their material: a bake asks for it, too. Nothing is
+ * sampled where there are fewer. */
+vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, message *m);
 
 /* Sample all maps of a light.
  * maps  of all lights */

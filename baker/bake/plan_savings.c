@@ -3,24 +3,35 @@
  * They are of sheets: of a solid the inside is free already. The maps are sampled as they would be with the option, and estimated by the same
  * coefficients as the plan.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include <stdlib.h>
+#include <string.h>
+
 #include "baker/bake/plan.h"
+#include "baker/base/vec3.h"
 #include "baker/measure/clock.h"
 
-/* Less is not worth a question. */
-static const double LEAST_SHARE_SAVED = 0.1;
+/* Less is not worth a question; of --closed on, which asks more of the scene, much less. */
+static const double LEAST_SHARE_SAVED = 0.1, LEAST_SHARE_CLOSED = 0.2;
+
+/* Fewer triangles change little, and are not sampled for. */
+enum { TWO_SIDED_SHARE = 4 };
 
 #define THICKNESS_M 0.02
 
-static vxs_result estimate(bake_plan *plan, const bake_options *asked, const casters *c, plan_saving *out, message *m)
+/* reach  of c */
+static vxs_result estimate(const bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c, plan_saving *out,
+                           message *m)
 {
     double     bytes = (double)plan->file_bytes;
+    bake_plan  as_if = *plan;
     vxs_result r     = VXS_OK;
+    as_if.reach      = *reach;
     out->seconds     = plan->total_seconds;
     for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
         const plan_light *now   = &plan->lights[n];
         plan_light        other = *now;
         if (now->left_out) continue;
-        r = plan_sample_light(plan, plan_count_maps(plan), &other, asked, c, m);
+        r = plan_sample_light(&as_if, plan_count_maps(plan), &other, asked, c, m);
         plan_estimate_light(&other, asked);
         bytes += other.stored_bytes - now->stored_bytes;
         for (int s = 0; s < STAGE_COUNT; s++) out->seconds += other.seconds[s] - now->seconds[s];
@@ -32,9 +43,85 @@ static vxs_result estimate(bake_plan *plan, const bake_options *asked, const cas
 static vxs_result consider(bake_plan *plan, const bake_options *asked, const char *option, const casters *c, message *m)
 {
     plan_saving saving = {.option = option};
-    vxs_result  r      = estimate(plan, asked, c, &saving, m);
+    vxs_result  r      = estimate(plan, &plan->reach, asked, c, &saving, m);
     if (r == VXS_OK && (double)saving.file_bytes <= (1 - LEAST_SHARE_SAVED) * (double)plan->file_bytes)
         plan->savings[plan->saving_count++] = saving;
+    return r;
+}
+
+/* closed components whose material has two sides ------------------------------------------------------------------------------ */
+
+static const double *corner_of(const casters *c, size_t triangle, size_t n)
+{
+    return c->positions_ws + 3 * (size_t)c->indices[3 * triangle + n];
+}
+
+/* Volumes of components, times 6, seen from their first corners.   volumes  [components] 0 at first;   first  [components] NULL at first */
+static void add_volumes(const casters *c, double *volumes, const double **first)
+{
+    for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
+        uint32_t k = c->component_of[t];
+        double   edges[3][3], normal[3];
+        if (!first[k]) first[k] = corner_of(c, t, 0);
+        for (size_t n = 0; n < 3; n++) vec3_sub(corner_of(c, t, n), first[k], edges[n]);
+        vec3_cross(edges[1], edges[2], normal);
+        volumes[k] += vec3_dot(edges[0], normal);
+    }
+}
+
+/* Triangles of one kind, from `at` on: those of components that are closed and have two sides, or all others between solids and masks. */
+static size_t take_sheets(casters *out, const casters *c, const double *volumes, int closed, size_t at)
+{
+    for (size_t t = c->solid_triangle_count; t < c->holed_first; t++) {
+        uint32_t k = c->component_of[t];
+        if ((c->kind_of[k] == COMPONENT_SHEET_DOUBLE_SIDED) != closed) continue;
+        for (size_t n = 0; n < 3; n++) /* inward ones are turned outward */
+            out->indices[3 * at + n] = c->indices[3 * t + (closed && volumes[k] < 0 ? 2 - n : n)];
+        out->double_sided[at++] = c->double_sided[t];
+    }
+    return at;
+}
+
+/* The casters as they would be if those were solids, which is most of what --closed on does: indices and double_sided are the result's own. */
+static int as_if_closed(casters *out, const casters *c)
+{
+    size_t components = 0;
+    for (int kind = 0; kind < COMPONENT_KINDS; kind++) components += c->component_count[kind];
+    double        *volumes = calloc(components + 1, sizeof *volumes);
+    const double **first   = calloc(components + 1, sizeof *first);
+    *out                   = *c;
+    out->indices           = malloc(3 * c->triangle_count * sizeof *out->indices);
+    out->double_sided      = malloc(c->triangle_count);
+    int ok                 = volumes && first && out->indices && out->double_sided;
+    if (ok) {
+        memcpy(out->indices, c->indices, 3 * c->triangle_count * sizeof *out->indices);
+        memcpy(out->double_sided, c->double_sided, c->triangle_count);
+        add_volumes(c, volumes, first);
+        out->solid_triangle_count = take_sheets(out, c, volumes, 1, c->solid_triangle_count);
+        take_sheets(out, c, volumes, 0, out->solid_triangle_count);
+    }
+    free(volumes);
+    free(first);
+    return ok;
+}
+
+vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const casters *c, message *m)
+{
+    double      start  = clock_seconds();
+    plan_saving saving = {.option = "--closed on", .triangles = c->triangles_of_kind[COMPONENT_SHEET_DOUBLE_SIDED]};
+    casters     closed;
+    reach_index reach = {0};
+    vxs_result  r     = VXS_OK;
+    if (o->maps != MAPS_SPARSE || o->closed != CLOSED_AUTO || TWO_SIDED_SHARE * saving.triangles < casters_whole_count(c)) return r;
+    if (!as_if_closed(&closed, c)) r = fail(m, VXS_E_MEMORY, "out of memory for an estimate of --closed on");
+    if (r == VXS_OK) r = reach_init(&reach, &closed, m);
+    if (r == VXS_OK) r = estimate(plan, &reach, o, &closed, &saving, m);
+    if (r == VXS_OK && (double)saving.file_bytes <= (1 - LEAST_SHARE_CLOSED) * (double)plan->file_bytes)
+        plan->savings[plan->saving_count++] = saving;
+    reach_free(&reach);
+    free(closed.indices);
+    free(closed.double_sided);
+    plan->plan_seconds += clock_seconds() - start;
     return r;
 }
 

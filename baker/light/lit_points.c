@@ -45,6 +45,11 @@ static int touches(const light_shape *shape, double cosine, double sine, const r
     return along > -r && sqrt(beside > 0 ? beside : 0) * cosine - along * sine <= r;
 }
 
+static size_t end_of_run(const lit_points_desc *d, size_t run)
+{
+    return (run + 1) * REACH_RUN < d->c->triangle_count ? (run + 1) * REACH_RUN : d->c->triangle_count;
+}
+
 /* Every step-th triangle of the runs that are touched. Returns how many. */
 static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *touched, size_t step)
 {
@@ -52,8 +57,8 @@ static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *tou
     size_t         count = 0, until_next = 1;
     double         area = 0;
     for (size_t run = 0; run < d->reach->run_count; run++) {
-        size_t end = (run + 1) * REACH_RUN < c->triangle_count ? (run + 1) * REACH_RUN : c->triangle_count;
-        for (size_t t = run * REACH_RUN; t < end && touched[run]; t++) {
+        size_t end = touched[run] ? end_of_run(d, run) : 0;
+        for (size_t t = run * REACH_RUN; t < end; t++) {
             if ((d->object_of && d->object_of[c->component_of[t]] == d->without) || --until_next) continue;
             until_next = step;
             double own            = 0.5 * cross_length(corner_of(c, t, 0), corner_of(c, t, 1), corner_of(c, t, 2));
@@ -72,7 +77,7 @@ static int find_candidates(candidates *k, const lit_points_desc *d)
     size_t   step = 1;
     for (size_t run = 0; touched && run < d->reach->run_count; run++) {
         touched[run] = (uint8_t)touches(d->shape, cosine, sine, &d->reach->runs[run]);
-        k->count += touched[run] ? REACH_RUN : 0; /* of the last one, and without an object, fewer */
+        k->count += touched[run] ? end_of_run(d, run) - run * REACH_RUN : 0; /* without an object, fewer */
     }
     if (d->triangles_max && k->count > d->triangles_max) step = (k->count + d->triangles_max - 1) / d->triangles_max;
     k->triangles = malloc((k->count / step + 1) * sizeof *k->triangles);
@@ -116,6 +121,12 @@ static void point_in(const map_polygon *p, double area, rng *random, double out[
     }
     for (int axis = 0; axis < 3; axis++)
         out[axis] = (1 - u) * p->corners[0].at[axis] + u * ((1 - v) * p->corners[n].at[axis] + v * p->corners[n + 1].at[axis]);
+}
+
+/* Of a map of a lamp without its border, in which the faces of a cube overlap. */
+static double slope_of(const lit_points_desc *d)
+{
+    return vxs_light_map_count(d->light) > 1 ? 1 : tan(d->shape->outer_rad);
 }
 
 /* What of a triangle a map of a lamp sees, in map space: the range is cut flat, points beyond it are left out later. */
@@ -179,7 +190,7 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
     candidates k     = {0};
     size_t     found = 0;
     int        sun   = d->shape->kind == LIGHT_DIRECTIONAL;
-    map_sides  sides = map_sides_of(d->light, 0);
+    map_sides  sides = map_sides_of(d->light, sun ? 0 : slope_of(d) / d->light->texel_metres - ldexp(0.5, (int)d->light->levels));
     if (!find_candidates(&k, d)) goto done;
     for (size_t n = 0; n < count; n++) {
         rng        random = rng_split(SEED, n);

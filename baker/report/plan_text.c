@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/report/plan_text.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -229,12 +230,32 @@ void plan_print_estimate(FILE *to, const bake_plan *plan)
             size_text(a, plan->peak_bytes), size_text(b, plan->file_bytes), size_text(c, plan->memory_bytes));
 }
 
-void plan_print_savings(FILE *to, const bake_plan *plan)
+static const char *share_words(double share)
+{
+    static const struct {
+        double      share;
+        const char *words;
+    } known[]   = {{0.1, "a tenth"}, {0.2, "a fifth"}, {0.25, "a quarter"}, {1.0 / 3, "a third"}, {0.4, "two fifths"}, {0.5, "half"},
+                   {0.6, "three fifths"}, {2.0 / 3, "two thirds"}, {0.75, "three quarters"}, {0.8, "four fifths"}};
+    size_t best = 0;
+    for (size_t n = 1; n < sizeof known / sizeof *known; n++)
+        if (fabs(known[n].share - share) < fabs(known[best].share - share)) best = n;
+    return known[best].words;
+}
+
+void plan_print_savings(FILE *to, const bake_plan *plan, uint64_t file_bytes)
 {
     char a[32];
-    for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++)
-        fprintf(to, "%-12s %s: %.15g s, a file of %s, which promises less\n", s == plan->savings ? "would save" : "",
-                s->option, rounded(s->seconds, 2), size_text(a, s->file_bytes));
+    for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++) {
+        double share = (double)s->file_bytes / (double)plan->file_bytes;
+        fprintf(to, "%-12s %s: %.15g s, a file of %s, ", s == plan->savings ? "would save" : "", s->option, rounded(s->seconds, 2),
+                size_text(a, (uint64_t)(share * (double)file_bytes)));
+        if (s->triangles)
+            fprintf(to, "about %s: %zu triangles are closed, but their material has two sides; it promises nothing inside of them\n",
+                    share_words(share), s->triangles);
+        else
+            fprintf(to, "which promises less\n");
+    }
 }
 
 void plan_print(FILE *to, const bake_options *o, const bake_report *report)
@@ -250,7 +271,7 @@ void plan_print(FILE *to, const bake_options *o, const bake_report *report)
             fprintf(to, "light %s is left out: %s\n", one_line(strcpy(name, report->left_out[n].name)), report->left_out[n].why);
         }
     plan_print_estimate(to, plan);
-    plan_print_savings(to, plan);
+    plan_print_savings(to, plan, plan->file_bytes);
 }
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */
@@ -351,12 +372,15 @@ json_t *plan_lights_json(const bake_plan *plan)
     return lights;
 }
 
-static json_t *savings_json(const bake_plan *plan)
+json_t *plan_savings_json(const bake_plan *plan)
 {
     json_t *savings = json_array();
-    for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++)
-        json_array_append_new(savings, json_pack("{s:s, s:I, s:f}", "option", s->option, "file_bytes", (json_int_t)s->file_bytes,
-                                                 "total_seconds", s->seconds));
+    for (const plan_saving *s = plan->savings; s < plan->savings + plan->saving_count; s++) {
+        json_t *saving = json_pack("{s:s, s:I, s:f}", "option", s->option, "file_bytes", (json_int_t)s->file_bytes, "total_seconds",
+                                   s->seconds);
+        if (s->triangles) json_object_set_new(saving, "triangles", json_integer((json_int_t)s->triangles));
+        json_array_append_new(savings, saving);
+    }
     return savings;
 }
 
@@ -368,6 +392,6 @@ vxs_result plan_write_json(const char *path, const bake_options *o, const bake_r
                   json_text(o->scene_path), "unchanged", 0, "options", bake_options_json(o), "casters", report_casters_json(report),
                   "decisions", plan_decisions_json(plan, o, report), "lights", plan_lights_json(plan), "lights_left_out",
                   report_left_out_json(report), "warnings", report_warnings_json(m), "estimate", plan_estimate_json(plan),
-                  "least_bytes", (json_int_t)plan->least_bytes, "savings", savings_json(plan), "plan_seconds", plan->plan_seconds);
+                  "least_bytes", (json_int_t)plan->least_bytes, "savings", plan_savings_json(plan), "plan_seconds", plan->plan_seconds);
     return json_write(path, root, m);
 }

@@ -13,8 +13,8 @@ void plan_print_decisions(FILE *to, const bake_plan *plan, const bake_options *o
 /* A line: time, memory and size as they are expected. */
 void plan_print_estimate(FILE *to, const bake_plan *plan);
 
-/* A line for each option that nobody asked for, and that would save something. */
-void plan_print_savings(FILE *to, const bake_plan *plan);
+/* A line for each option that was not asked for, and that would save something.   file_bytes  without it: as planned, or as baked */
+void plan_print_savings(FILE *to, const bake_plan *plan, uint64_t file_bytes);
 
 /* The whole of vxs plan. */
 void plan_print(FILE *to, const bake_options *o, const bake_report *report);
@@ -35,5 +35,6 @@ json_t *report_warnings_json(const message *m);
 json_t *plan_decisions_json(const bake_plan *plan, const bake_options *o, const bake_report *report);
 json_t *plan_estimate_json(const bake_plan *plan);
 json_t *plan_lights_json(const bake_plan *plan);
+json_t *plan_savings_json(const bake_plan *plan);
 
 #endif

@@ -116,6 +116,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
     if (o->page_path) fprintf(to, "%-12s %7.1f ms    not part of the total: for --report\n", "pictures", 1e3 * r->picture_seconds);
     fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
     if (o->points) fprintf(to, "points       %u, %s\n", o->points, size_text(a, r->points_bytes));
+    plan_print_savings(to, r->plan, r->file_bytes);
     fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
 }
 
@@ -199,8 +200,8 @@ static json_t *plan_json(const bake_options *o, const bake_report *r)
 {
     uint64_t memory_bytes = 0;
     for (uint32_t n = 0; n < r->light_count; n++) memory_bytes += r->lights[n].memory_bytes;
-    return json_pack("{s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
-                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "actual", "total_seconds",
+    return json_pack("{s:o, s:o, s:o, s:o, s:{s:f, s:I, s:I, s:I}}", "decisions", plan_decisions_json(r->plan, o, r), "lights",
+                     plan_lights_json(r->plan), "estimate", plan_estimate_json(r->plan), "savings", plan_savings_json(r->plan), "actual", "total_seconds",
                      r->total_seconds, "peak_bytes", (json_int_t)r->peak_bytes, "file_bytes", (json_int_t)r->file_bytes,
                      "memory_bytes", (json_int_t)memory_bytes);
 }

@@ -175,6 +175,7 @@ void bake_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     print_file(to, o, r);
     print_smoke(to, o, r);
     print_time(to, o, r);
+    plan_print_savings(to, r->plan, r->file_bytes);
 }
 
 void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r)
@@ -183,5 +184,5 @@ void plan_summary_print(FILE *to, const bake_options *o, const bake_report *r)
     print_lights(to, r->plan);
     print_left_out(to, r);
     plan_print_estimate(to, r->plan);
-    plan_print_savings(to, r->plan);
+    plan_print_savings(to, r->plan, r->plan->file_bytes);
 }

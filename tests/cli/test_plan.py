@@ -6,10 +6,12 @@ import re
 import subprocess
 import time
 
+import jsonschema
 import pytest
 
 import small_scene
-from conftest import open_terminal
+from conftest import ROOT, open_terminal
+from named_scene import dome, inside_out, light, node, plane, write
 from small_scene import NOON
 
 LIGHTS = (("noon", "directional", NOON), ("lamp", "spot", NOON), ("bulb", "point", NOON), ("up", "spot", (0, 1, 0)))
@@ -203,6 +205,67 @@ def test_less_memory_makes_the_same_file(vxs, plan, bake, folder, tmp_path, reso
         assert report["peak_bytes"] <= budget
         assert sections(vxs, tmp_path / "out.vxs") == expected
     assert len(sizes) == (2 if maps == "gl" else 1)
+
+
+TWO_SIDED = {"doubleSided": True}
+
+
+def stones(material, count=60, mesh=lambda n: dome(0.5 + n % 3 / 4, 6, 10)):
+    """Round stones over a floor, each a node."""
+    rest = {"material": material} if material else {}
+    return [node(f"stone{n}", mesh(n), (3 * (n % 8) - 12, 1 + n % 5, 3 * (n // 8) - 12), **rest) for n in range(count)] + [
+        node("floor", plane(40))]
+
+
+def test_closed_but_for_a_material_of_two_sides(vxs, plan, bake, tmp_path):
+    """As Blender exports it: --closed on would make solids of it, which is said where it saves much, and is what it then saves."""
+    lights, options = [light("sun", "directional", direction=(0.3, -1, 0.2))], ("--resolution", 1024)
+    path = write(tmp_path / "stones.gltf", stones(TWO_SIDED), lights)
+    planned, solid = plan(path, *options), plan(path, *options, "--closed", "on")
+    saving = planned["savings"][0]
+    triangles = planned["casters"]["sheets"]["double sided"]["triangles"]
+    assert saving == {"option": "--closed on", "triangles": triangles, "file_bytes": solid["estimate"]["file_bytes"],
+                      "total_seconds": pytest.approx(solid["estimate"]["total_seconds"], rel=0.1)}
+    report = bake(path, *options)
+    assert report["plan"]["savings"] == [saving]
+    closed = bake(path, *options, "--closed", "on")
+    assert closed["plan"]["savings"] == [] and closed["file_bytes"] < 0.7 * report["file_bytes"]
+    text = f"{triangles} triangles are closed, but their material has two sides; it promises nothing inside of them"
+    for command in (("plan",), ("bake", "-o", tmp_path / "b.vxs"), ("bake", "-o", tmp_path / "b.vxs", "--verbose")):
+        said = vxs(command[0], path, *command[1:], *options).stdout
+        assert re.search(rf"^would save   --closed on: \S+ s, a file of [\d.]+ (Ki)?B, about [a-z ]+: {text}$", said, re.MULTILINE)
+    for name, schema in (("plan", planned), ("bake-report", report)):
+        schema.pop("decided", None)
+        jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / f"{name}.schema.json").read_text())).validate(schema)
+
+
+@pytest.mark.parametrize("nodes, options", [
+    (stones(None), ()),
+    (stones(TWO_SIDED), ("--closed", "off")),
+    (stones(TWO_SIDED)[:6] + stones(None)[6:], ()),  # few
+    (stones(TWO_SIDED, mesh=lambda n: dome(1, 6, 10, lowest=-0.7)), ()),  # open below
+], ids=["one side", "off", "few", "open"])
+def test_nothing_is_closed_but_for_its_material(plan, tmp_path, nodes, options):
+    path = write(tmp_path / "stones.gltf", nodes, [light("sun", "directional", direction=(0.3, -1, 0.2))])
+    assert "--closed on" not in [saving["option"] for saving in plan(path, "--resolution", 1024, *options)["savings"]]
+
+
+def test_stones_turned_inside_out(plan, tmp_path):
+    """--closed on turns them outward, and so does the estimate."""
+    path = write(tmp_path / "in.gltf", stones(TWO_SIDED, mesh=lambda n: inside_out(dome(0.5 + n % 3 / 4, 6, 10))),
+                 [light("sun", "directional", direction=(0.3, -1, 0.2))])
+    planned, solid = plan(path, "--resolution", 1024), plan(path, "--resolution", 1024, "--closed", "on")
+    assert planned["savings"][0]["file_bytes"] == solid["estimate"]["file_bytes"]
+
+
+def test_a_town_of_blender(plan, scenes):
+    folder = scenes.parent / "cases" / "files" / "double_sided_three_times"
+    if not folder.is_dir():
+        pytest.skip(f"no {folder}")
+    planned = plan(folder / "blender_default.gltf")
+    assert planned["savings"][0]["option"] == "--closed on" and planned["savings"][0]["triangles"] == 3600
+    assert 0.25 < planned["savings"][0]["file_bytes"] / planned["estimate"]["file_bytes"] < 0.5
+    assert "--closed on" not in str(plan(folder / "backface_culling.gltf")["savings"])
 
 
 def test_too_little_memory_is_told_before_the_work(vxs, plan, folder, tmp_path):

@@ -200,6 +200,25 @@ def test_a_lamp_far_above(said):
     assert said(nodes, [light("far", "spot", (0, 30, 0))], "--resolution", 4096) == []
 
 
+def test_texels_at_casters(vxs, tmp_path):
+    """Of a spot over a floor all alike; of a bulb from straight below to where its range ends; of a sun, everywhere."""
+    path = write(tmp_path / "floor.gltf", [node("floor", plane(40))],
+                 [light("spot", "spot", (0, 5, 0)), light("bulb", "point", (0, 5, 0), reach=10), SUN])
+    plan = json.loads(vxs("plan", path, "--json", "-").stdout)["lights"]
+    spot, bulb, sun = (one["texel_at_casters_m"] for one in plan)
+    assert all(value == pytest.approx(5 * math.tan(0.6) / (2048 - 26), rel=1e-6) for value in spot.values())
+    at_1_m = 1 / (2048 - 26)
+    assert bulb["least"] == pytest.approx(5 * at_1_m, rel=0.01) and bulb["most"] == pytest.approx(75 ** 0.5 * at_1_m, rel=0.05)
+    side = (75 * math.pi / 2) ** 0.5 / 2  # of half of the disc, where the largest coordinate counts: a square of about that side
+    assert bulb["median"] == pytest.approx(max(side, 5) * at_1_m, rel=0.1)
+    assert sun["least"] == sun["median"] == sun["most"] == pytest.approx(40 / 4094, rel=1e-3)
+    baked = json.loads(vxs("bake", path, "-o", tmp_path / "a.vxs", "--json", "-").stdout)
+    assert [one["texel_at_casters_m"] for one in baked["lights"]] == [spot, bulb, sun] == [
+        one["texel_at_casters_m"] for one in baked["plan"]["lights"]]
+    text = vxs("plan", path, "--light", "bulb", "--verbose").stdout
+    assert re.search(r"texels of 0\.0024\d+ to 0\.004\d+ m at casters, median 0\.00\d+ m", text)
+
+
 def test_texels_larger_than_components(said):
     stones = [node("gravel", join(*(cube(0.05, (x, 0, z)) for x in range(20) for z in range(20)))), node("floor", plane(20))]
     found = said(stones, [SUN], "--resolution", 256)
