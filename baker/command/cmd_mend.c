@@ -129,13 +129,13 @@ static vxs_result count_solids(mend_command *c, const scene *s, int when, messag
     return VXS_OK;
 }
 
-static vxs_result write_scene(const char *path, const scene *s, message *m)
+static vxs_result write_scene(const char *path, const scene *s, const double origin_ws[3], message *m)
 {
     glb_scene   glb = {0};
     output_file out = {0};
     vxs_result  r;
 
-    if ((r = glb_from_scene(&glb, s, m)) != VXS_OK) goto done;
+    if ((r = glb_from_scene(&glb, s, origin_ws, m)) != VXS_OK) goto done;
     if ((r = output_file_open(&out, path, m)) != VXS_OK) goto done;
     if ((r = glb_write(&glb, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);
@@ -149,14 +149,16 @@ static vxs_result run(void *command, message *m)
 {
     mend_command *c = command;
     scene         s = {0};
+    double        origin_ws[3];
     vxs_result    r;
 
     if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
-    if ((r = glb_round_positions(&s, m)) != VXS_OK) goto done; /* first, so that what is closed here is closed in the file */
+    glb_find_origin(&s, origin_ws);
+    if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK) goto done; /* first, so that what is closed here is closed in the file */
     if ((r = scene_repair(&s, &c->how, &c->report, m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 1, m)) != VXS_OK) goto done;
-    if ((r = write_scene(c->output_path, &s, m)) != VXS_OK) goto done;
+    if ((r = write_scene(c->output_path, &s, origin_ws, m)) != VXS_OK) goto done;
     if (c->report.count) qsort(c->report.components, c->report.count, sizeof *c->report.components, worst_first);
     /* what goes to standard output stays alone there */
     FILE *to = report_stream(m, is_standard_output(c->output_path) || is_standard_output(c->json_path));

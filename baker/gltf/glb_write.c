@@ -302,6 +302,15 @@ static int append_smoke(json_t *root, const chunk *c, const glb_scene *s, size_t
     return failed | append_node(root, json_pack("{s:s, s:I}", "name", smoke->name, "mesh", (json_int_t)(s->mesh_count + i)));
 }
 
+/* What is drawn so far becomes the children of a node that puts it in its place. */
+static int append_origin(json_t *root, const double origin_ws[3])
+{
+    json_t *drawn    = json_array_get(json_object_get(root, "scenes"), 0);
+    json_t *children = json_incref(json_object_get(drawn, "nodes"));
+    if (json_object_set_new(drawn, "nodes", json_array())) return json_decref(children), 1;
+    return append_node(root, json_pack("{s:s, s:o, s:o}", "name", "origin", "translation", json_vector(origin_ws), "children", children));
+}
+
 static int has_sampler(const glb_material *material)
 {
     return material->image && (material->wrap_u != WRAP_REPEAT || material->wrap_v != WRAP_REPEAT || material->nearest);
@@ -395,6 +404,7 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
     if (!failed && s->mesh_count + s->smoke_count) failed = json_object_set_new(root, "meshes", json_array());
     for (size_t i = 0; !failed && i < s->mesh_count; i++) failed = append_mesh(root, c, s, i);
     for (size_t i = 0; !failed && i < s->smoke_count; i++) failed = append_smoke(root, c, s, i);
+    if (!failed && s->mesh_count + s->smoke_count && !is_zero(s->origin_ws)) failed = append_origin(root, s->origin_ws);
     for (size_t i = 0; !failed && i < s->material_count; i++) failed = append_material(root, s, i);
     for (size_t i = 0; !failed && i < s->image_count; i++) failed = append_image(root, c, i);
     for (size_t i = 0; !failed && i < s->material_count; i++)

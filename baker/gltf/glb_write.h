@@ -44,7 +44,7 @@ typedef struct glb_smoke {
 
 /* As the file has it: attributes side by side. */
 typedef struct glb_smoke_vertex {
-    float place[3], radius_metres, extinction; /* per metre */
+    float place[3], radius_metres, extinction; /* per metre; places are metres from the origin */
 } glb_smoke_vertex;
 
 /* Stored as PNG. */
@@ -56,8 +56,9 @@ typedef struct glb_image {
 typedef struct glb_scene {
     const char *name; /* borrowed, UTF-8 */
 
+    double origin_ws[3]; /* metres: where positions of meshes and places of smoke count from; a root node with this translation holds them. 0,0,0: no such node */
     size_t vertex_count;
-    float *positions; /* [3 * vertex_count] metres, +Y up; owned. What is not finite is written too, for scenes that are broken */
+    float *positions; /* [3 * vertex_count] metres from the origin, +Y up; owned. What is not finite is written too, for scenes that are broken */
     float *texcoords; /* [2 * vertex_count] owned; NULL when no mesh has a material with an image */
 
     size_t    triangle_count;

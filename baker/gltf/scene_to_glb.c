@@ -62,7 +62,7 @@ static void add_meshes(glb_scene *out, const material_sort *k, const scene *s)
 
 static void add_triangles(glb_scene *out, material_sort *k, const scene *s)
 {
-    for (size_t i = 0; i < 3 * s->vertex_count; i++) out->positions[i] = (float)s->positions_ws[i];
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) out->positions[i] = (float)(s->positions_ws[i] - out->origin_ws[i % 3]);
     for (size_t t = 0, at = 0; t < s->triangle_count; t++) {
         const holed_triangle *hole     = hole_of(s, t, &at);
         size_t                material = material_of(s, t, hole), place = k->next[material]++;
@@ -130,7 +130,7 @@ static int begins_run(const scene_smoke *smoke, uint32_t n)
 static void add_smoke_vertex(glb_scene *out, const scene_smoke *smoke, const float place[3], const vxs_capsule *c)
 {
     glb_smoke_vertex *v = &out->smoke_vertices[out->smoke_vertex_count++];
-    for (int k = 0; k < 3; k++) v->place[k] = (float)(smoke->origin_ws[k] + (double)place[k]);
+    for (int k = 0; k < 3; k++) v->place[k] = (float)(smoke->origin_ws[k] - out->origin_ws[k] + (double)place[k]);
     v->radius_metres = c->radius_metres;
     v->extinction    = c->extinction;
     out->smoke[out->smoke_count - 1].vertex_count++;
@@ -164,7 +164,7 @@ static uint32_t count_runs(const scene_smoke *smoke)
     return runs;
 }
 
-/* ---- all of it ---- */
+/* ---- room ---- */
 
 /* Room for everything, whose counts are known but for what is added one by one. */
 static int reserve(glb_scene *out, material_sort *k, const scene *s)
@@ -189,24 +189,85 @@ static int reserve(glb_scene *out, material_sort *k, const scene *s)
            out->smoke && out->smoke_vertices && out->camera_positions_ws;
 }
 
-vxs_result glb_round_positions(scene *s, message *m)
+/* ---- the origin ---- */
+
+static double farthest_of(const scene *s, const double from[3])
 {
-    for (size_t i = 0; i < 3 * s->vertex_count; i++) {
-        double rounded = (float)s->positions_ws[i];
-        if (isfinite(s->positions_ws[i]) && !isfinite(rounded))
-            return fail(m, VXS_E_SCENE, "a vertex has the coordinate %g: expected one that fits into a float", s->positions_ws[i]);
-        s->positions_ws[i] = rounded;
-    }
-    return VXS_OK;
+    double far = 0;
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) far = fmax(far, fabs(s->positions_ws[i] - from[i % 3]));
+    return far;
 }
 
-vxs_result glb_from_scene(glb_scene *out, const scene *s, message *m)
+/* What the longest run of triangles was placed from; the first of several. NULL: nothing is known of it. */
+static const double *usual_origin(const scene *s)
+{
+    size_t most = 0, best = 0;
+    for (size_t n = 0; n < s->origin_count; n++) {
+        size_t end = n + 1 < s->origin_count ? s->origins[n + 1].triangle_first : s->triangle_count;
+        size_t own = end - s->origins[n].triangle_first;
+        if (own <= most) continue;
+        most = own;
+        best = n;
+    }
+    return s->origin_count ? s->origins[best].at_ws : NULL;
+}
+
+/* How far rounding moves a coordinate at most, in metres. */
+static double rounding_of(const scene *s, const double from[3])
+{
+    double moved = 0;
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) {
+        double at = s->positions_ws[i], origin = from[i % 3];
+        moved = fmax(moved, fabs(origin + (double)(float)(at - origin) - at));
+    }
+    return moved;
+}
+
+static const double FAR_TIMES = 8, MOVED_MAX_M = 1e-3;
+
+void glb_find_origin(const scene *s, double origin_ws[3])
+{
+    static const double zero[3] = {0, 0, 0};
+    double              low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0;
+    const double       *usual = usual_origin(s);
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) {
+        low[i % 3]  = fmin(low[i % 3], s->positions_ws[i]);
+        high[i % 3] = fmax(high[i % 3], s->positions_ws[i]);
+    }
+    for (int axis = 0; axis < 3; axis++) half = fmax(half, 0.5 * (high[axis] - low[axis]));
+    memcpy(origin_ws, zero, sizeof zero);
+    double far = farthest_of(s, zero);
+    if (!(far > FAR_TIMES * half) || !isfinite(far)) return;
+    double grid = half > 0 ? ldexp(1, ilogb(half) - 4) : 1; /* few digits, and nearly the middle */
+    for (int axis = 0; axis < 3; axis++) origin_ws[axis] = rint(0.5 * (low[axis] + high[axis]) / grid) * grid;
+    if (usual && rounding_of(s, usual) <= rounding_of(s, origin_ws)) memcpy(origin_ws, usual, sizeof zero);
+}
+
+vxs_result glb_round_positions(scene *s, const double origin_ws[3], message *m)
+{
+    double moved = rounding_of(s, origin_ws);
+    for (size_t i = 0; i < 3 * s->vertex_count; i++) {
+        double from = origin_ws[i % 3], rounded = (float)(s->positions_ws[i] - from);
+        if (isfinite(s->positions_ws[i]) && !isfinite(rounded))
+            return fail(m, VXS_E_SCENE, "a vertex has the coordinate %g: expected one that fits into a float", s->positions_ws[i]);
+        s->positions_ws[i] = from + rounded;
+    }
+    if (moved > MOVED_MAX_M)
+        warn(m, "positions become floats, and vertices move by up to %.2g m, as the scene is %.3g m wide; mend what lies far apart by itself, "
+                "with --include",
+             moved, farthest_of(s, origin_ws));
+    return message_check(m);
+}
+
+/* ---- all of it ---- */
+
+vxs_result glb_from_scene(glb_scene *out, const scene *s, const double origin_ws[3], message *m)
 {
     material_sort k  = {0};
     int           ok = 1;
     vxs_result    r  = VXS_OK;
 
-    *out = (glb_scene){.name = s->name};
+    *out = (glb_scene){.name = s->name, .origin_ws = {origin_ws[0], origin_ws[1], origin_ws[2]}};
     ok   = reserve(out, &k, s);
     for (size_t i = 0; ok && i < s->image_count; i++) ok = add_image(out, &s->images[i]);
     for (size_t i = 0; ok && i < s->light_count; i++) ok = add_light(out, &s->lights[i]);

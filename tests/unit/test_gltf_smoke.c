@@ -250,7 +250,7 @@ static void test_generated_smoke_is_read_and_written_again(void **state)
         assert_true(s.lights[1].colour[0] > 0 && s.lights[1].colour[0] != 1);
         scene first = s;
         s           = (scene){0};
-        must(glb_from_scene(&again, &first, &m));
+        must(glb_from_scene(&again, &first, (const double[3]){0}, &m));
         write_and_load(&again);
         expect_same(&first.smoke, &s.smoke);
         scene_free(&first);
