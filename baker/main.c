@@ -53,6 +53,7 @@ static int unknown_command(const char *name)
     char    meant[64];
     for (int n = 0; n < COMMAND_COUNT; n++) nearest_try(&near, commands[n].name, strlen(commands[n].name));
     nearest_try(&near, "help", strlen("help"));
+    nearest_try(&near, "version", strlen("version"));
     return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unknown command '%s'%s%s vxs --help lists the commands", name,
                                 nearest_text(meant, &near), near.word ? "" : ":"));
 }
@@ -73,7 +74,8 @@ int main(int argc, char **argv)
     }
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) return print_help("text");
     if (!strncmp(name, "--help=", strlen("--help="))) return print_help(strchr(name, '=') + 1);
-    if (!strcmp(name, "--version")) {
+    if (!strcmp(name, "--version") || !strcmp(name, "version") || !strcmp(name, "-V") || !strcmp(name, "-v")) {
+        if (argc > 2) return command_end(&m, fail(&m, VXS_E_ARGUMENT, "unexpected argument '%s': usage is vxs --version", argv[2]));
         printf("vxs %s\n", VXS_VERSION);
         return command_end(&m, VXS_OK);
     }

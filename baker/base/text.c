@@ -64,12 +64,18 @@ void print_quoted(FILE *to, const char *text, const char *special)
 
 const char *size_text(char text[32], uint64_t bytes)
 {
-    if (bytes < 10 * 1024)
+    static const char *const units[] = {"KiB", "MiB", "GiB", "TiB"};
+    double size = (double)bytes / 1024;
+    int    unit = 0;
+    if (bytes < 10 * 1024) {
         snprintf(text, 32, "%llu B", (unsigned long long)bytes);
-    else if (bytes < 10000 * 1024) /* lines that end at column 80 have room for four digits before the point */
-        snprintf(text, 32, "%.1f KiB", (double)bytes / 1024);
-    else
-        snprintf(text, 32, "%.1f MiB", (double)bytes / (1024 * 1024));
+        return text;
+    }
+    while (size >= 1023.95 && unit < 3) { /* what would be printed as 1024.0 */
+        size /= 1024;
+        unit++;
+    }
+    snprintf(text, 32, "%.*f %s", size < 9.995 ? 2 : 1, size, units[unit]);
     return text;
 }
 

@@ -48,7 +48,7 @@ const char *shorten(char *text, size_t bytes, const char *whole);
 /* What stands for a text between two single quotes of a shell; characters of `special` get a backslash before them. */
 void print_quoted(FILE *to, const char *text, const char *special);
 
-/* "12.3 MiB" into text. Returns text. */
+/* "9876 B", "12.3 KiB", "1.55 MiB", "2.00 GiB" into text: three digits or more, and 1023 of a unit at most. Returns text. */
 const char *size_text(char text[32], uint64_t bytes);
 
 /* A number rounded to so many digits. Printed with %.15g it has no more of them, and no exponent where it is large: 12300, not 1.23e+04. */

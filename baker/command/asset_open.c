@@ -11,6 +11,7 @@
 #include "baker/base/nearest.h"
 #include "baker/base/parallel.h"
 #include "baker/files/input_file.h"
+#include "baker/scene/light_choice.h"
 #include "formats/vxs_memory.h"
 
 /* of a file, where no limit is given */
@@ -138,6 +139,26 @@ static const vxs_baked_light *find_light(const vxs_contents *asset, const char *
     return NULL;
 }
 
+static int is_among(const vxs_baked_light *light, const vxs_baked_light *const *lights, uint32_t count)
+{
+    for (uint32_t n = 0; n < count; n++)
+        if (lights[n] == light) return 1;
+    return 0;
+}
+
+/* All that a pattern names, but for those that are there already. Returns how many it names. */
+static uint32_t add_matching(const vxs_contents *asset, const char *pattern, const vxs_baked_light **lights, uint32_t *count)
+{
+    uint32_t matched = 0;
+    for (uint32_t n = 0; n < asset->light_count; n++) {
+        const vxs_baked_light *light = &asset->lights[n];
+        if (!light_name_matches(pattern, n, light->light.name)) continue;
+        matched++;
+        if (!is_among(light, lights, *count)) lights[(*count)++] = light;
+    }
+    return matched;
+}
+
 vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, const text_list *names, const vxs_baked_light **lights,
                                uint32_t *count, message *m)
 {
@@ -146,9 +167,10 @@ vxs_result asset_choose_lights(const vxs_contents *asset, const char *path, cons
         for (uint32_t n = 0; n < asset->light_count; n++) lights[(*count)++] = &asset->lights[n];
     for (size_t n = 0; n < names->count; n++) {
         const vxs_baked_light *light = find_light(asset, names->items[n]);
-        if (!light) return fail_no_such_light(asset, path, names->items[n], m);
-        for (uint32_t before = 0; before < *count; before++)
-            if (lights[before] == light) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
+        if (!light && !add_matching(asset, names->items[n], lights, count))
+            return fail_no_such_light(asset, path, names->items[n], m);
+        if (!light) continue;
+        if (is_among(light, lights, *count)) return fail(m, VXS_E_ARGUMENT, "--light %s is given twice", names->items[n]);
         lights[(*count)++] = light;
     }
     return VXS_OK;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/text.h"
 #include "baker/command/asset_open.h"
 #include "baker/files/input_file.h"
 
@@ -134,8 +135,9 @@ static vxs_result fail_opening(asset_stream *s, const vxs_stream_desc *desc, vxs
         return fail(m, r, "cannot read '%s': %s", s->path, errno ? strerror(errno) : "it is cut short");
     uint64_t least = f->number == 211 ? least_budget(desc, desc->budget_bytes) : 0;
     if (!least) return asset_fail(s->path, r, f, "", m);
-    return fail(m, r, "--budget %llu: '%s' needs at least %llu bytes", (unsigned long long)desc->budget_bytes, s->path,
-                (unsigned long long)least);
+    char needed[32];
+    return fail(m, r, "--budget %llu: '%s' needs at least %llu bytes, %s", (unsigned long long)desc->budget_bytes, s->path,
+                (unsigned long long)least, size_text(needed, least));
 }
 
 /* What is known of the stream's lights. */
@@ -149,11 +151,44 @@ static vxs_result list_lights(asset_stream *s, message *m)
     return VXS_OK;
 }
 
+/* Lights by name, as a stream takes them. */
+typedef struct name_texts {
+    char (*texts)[VXS_LIGHT_NAME_BYTES]; /* owned */
+    const char *names[VXS_LIGHTS_MAX];
+} name_texts;
+
+/* No light has a name that was given: it is a pattern, or wrong. Which lights there are is known when all are open; the stream is closed again.
+ * lights, light_count  room to work in */
+static vxs_result expand_patterns(asset_stream *s, vxs_stream_desc *desc, const text_list *names, name_texts *out,
+                                  const vxs_baked_light **lights, uint32_t *light_count, message *m)
+{
+    vxs_stream_desc all = *desc;
+    all.light_names     = NULL;
+    all.budget_bytes    = UINT64_MAX;
+    forget_contents(s);
+    vxs_result r = open_stream(s, &all);
+    if (r == VXS_OK) r = list_lights(s, m);
+    if (r == VXS_OK) r = asset_choose_lights(&s->contents, s->path, names, lights, light_count, m);
+    if (r == VXS_OK && !(out->texts = malloc(*light_count * sizeof *out->texts)))
+        r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", *light_count);
+    for (uint32_t n = 0; r == VXS_OK && n < *light_count; n++) {
+        memcpy(out->texts[n], lights[n]->light.name, sizeof *out->texts);
+        out->names[n] = out->texts[n];
+    }
+    vxs_stream_close(s->stream);
+    s->stream = NULL;
+    forget_contents(s);
+    desc->light_names      = out->names;
+    desc->light_name_count = *light_count;
+    return r;
+}
+
 vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_bytes, const text_list *names, int points,
                              const vxs_baked_light **lights, const vxs_baked_smoke **smoke, uint32_t *light_count, message *m)
 {
-    first_finding f = {0};
-    *s              = (asset_stream){.path = path};
+    first_finding f        = {0};
+    name_texts    expanded = {0};
+    *s                     = (asset_stream){.path = path};
     if (is_read_once(path))
         return fail(m, VXS_E_ARGUMENT, "--budget: %s is read once, from its beginning to its end: expected a file",
                     input_name(path));
@@ -162,16 +197,18 @@ vxs_result asset_stream_open(asset_stream *s, const char *path, uint64_t budget_
     desc.finding_user    = &f;
     errno                = 0;
     vxs_result r         = open_stream(s, &desc);
-    if (r == VXS_E_ARGUMENT && names->count) { /* no light of a name: with all lights the message can say which there are */
-        forget_contents(s);
-        desc.light_names  = NULL;
-        desc.budget_bytes = UINT64_MAX;
-        r                 = open_stream(s, &desc);
+    if (names->count && (r == VXS_E_ARGUMENT || f.number == 211)) { /* a small budget may end before names are looked at */
+        f = (first_finding){0};
+        r = expand_patterns(s, &desc, names, &expanded, lights, light_count, m);
+        if (r == VXS_OK) r = open_stream(s, &desc);
     }
-    if (r != VXS_OK) return fail_opening(s, &desc, r, &f, m);
-    if ((r = list_lights(s, m)) != VXS_OK) return r;
-    for (uint32_t n = 0; n < s->contents.light_count; n++) smoke[n] = vxs_stream_smoke(s->stream, n);
-    return asset_choose_lights(&s->contents, path, names, lights, light_count, m);
+    if (r != VXS_OK && !m->error[0]) r = fail_opening(s, &desc, r, &f, m);
+    if (r == VXS_OK) r = list_lights(s, m);
+    for (uint32_t n = 0; r == VXS_OK && n < s->contents.light_count; n++) smoke[n] = vxs_stream_smoke(s->stream, n);
+    static const text_list all = {0};
+    if (r == VXS_OK) r = asset_choose_lights(&s->contents, path, expanded.texts ? &all : names, lights, light_count, m);
+    free(expanded.texts);
+    return r;
 }
 
 vxs_result asset_stream_frame(asset_stream *s, const double eye_ws[3], vxs_stream_status *status, message *m)

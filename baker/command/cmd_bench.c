@@ -89,7 +89,7 @@ int cmd_bench(int argc, char **argv)
           "K x K box filters to look up, besides single taps; K odd, 1 to 17 texels (default single taps only)", NULL},
          {"--smooth", OPTION_U32S, &c.smooth, 1, VXS_FILTER_MAX, NULL, "K",
           "smooth K x K filters to look up, too; K even or odd, 1 to 17 texels", NULL},
-         {"--light", OPTION_TEXTS, &c.o.light_names, 0, 0, NULL, "NAME", "bake this light, in all scenes (default all lights)",
+         {"--light", OPTION_TEXTS, &c.o.light_names, 0, 0, NULL, "NAME", "bake this light, or all that a pattern names, in all scenes (default all lights)",
           NULL},
          {"--sun", OPTION_TEXTS, &c.o.suns, 0, 0, NULL, "[NAME=]X,Y,Z",
           "add a light that travels this way, named sun or NAME, to all scenes; repeat for more", NULL},

@@ -271,7 +271,7 @@ int cmd_compare(int argc, char **argv)
          {"SCENE", OPTION_INPUT, &c.report.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
          {"FILE.vxs", OPTION_INPUTS, &c.asset_paths, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote, of this scene", NULL},
          {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
-          "compare this light of each file; repeat for more (default all of each file)", NULL},
+          "compare this light of each file, or all that a pattern names; repeat for more (default all of each file)", NULL},
          {"--points", OPTION_U32, &o->points, 1, 1e9, NULL, "N", "points of each kind (default 100000)", NULL},
          {"--seed", OPTION_U32, &o->seed, 0, UINT32_MAX, NULL, "S", "another seed, other points (default 1)", NULL},
          {"--filter", OPTION_U32S, &c.filters_px, 1, VXS_FILTER_MAX, NULL, "K",

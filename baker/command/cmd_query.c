@@ -115,7 +115,7 @@ int cmd_query(int argc, char **argv)
     const option options[] = {
         {"FILE.vxs", OPTION_INPUT, &q.path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
         {"--light", OPTION_TEXTS, &q.light_names, 0, 0, NULL, "NAME",
-         "answer for this light; repeat for more (default all, in file order)", NULL},
+         "answer for this light, or all that a pattern names; repeat for more (default all, in file order)", NULL},
         FILTER_ROWS(q.filter, "K x K box filter, K odd, 1 to 17 texels (default 1)"),
         {"--smoke", OPTION_SWITCH, &q.wants_smoke, 0, 0, NULL, NULL,
          "a second column for each light: how much of it baked smoke leaves, 0 to 1", NULL},

@@ -474,7 +474,7 @@ int cmd_render(int argc, char **argv)
          &c.camera.target_given},
         {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
-         "a light that shines; repeat for more (default all of the file)", NULL},
+         "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
         FOG_ROWS(c.fog),
         {"--area", OPTION_U32, &o->area_lamps, 0, VXS_AREA_LAMPS, NULL, "N",

@@ -138,7 +138,7 @@ int cmd_truth(int argc, char **argv)
     const option options[] = {
         {"SCENE", OPTION_INPUT, &o.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
         {"--light", OPTION_TEXTS, &o.light_names, 0, 0, NULL, "NAME",
-         "a light, a column each; repeat for more (default all, in the scene's order)", NULL},
+         "a light, or all that a pattern names, a column each; repeat for more (default all, in the scene's order)", NULL},
         {"--sun", OPTION_NAMED_VECTOR, &o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",
          "add a light that travels this way, named sun or NAME; repeat for more", NULL},
         {"--like", OPTION_INPUT, &o.like_path, FILE_ASSET, 0, NULL, "FILE.vxs",

@@ -20,7 +20,7 @@ typedef enum option_kind {
     OPTION_TEXT,   /* const char *, borrowed from argv */
     OPTION_TEXTS,  /* text_list, repeated; borrowed from argv */
     OPTION_CHOICE, /* int, or an enum of its size: index of the value in `choices` */
-    /* named_list, repeated as [NAME=]value, each name and no name once; the value as that of VECTOR (of 3), U32, F64 */
+    /* named_list, repeated as [NAME=]value, each name and no name once; the value as that of VECTOR (of 3), U32 (also "4K": times 1024), F64 */
     OPTION_NAMED_VECTOR,
     OPTION_NAMED_U32,
     OPTION_NAMED_F64,

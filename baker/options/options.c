@@ -97,9 +97,18 @@ static vxs_result set_vector(const option *o, const char *value, double *out, me
     return VXS_OK;
 }
 
+/* "4K" is 4096: of texels, which come in powers of two. */
+static const char *parse_thousands(const char *end, double *number)
+{
+    if (!end || (*end != 'K' && *end != 'k')) return end;
+    *number *= 1024;
+    return end + 1;
+}
+
 static vxs_result parse_in_range(const option *o, const char *value, int whole, double *number, message *m)
 {
     const char *end = parse_number(behind_name(o, value), number);
+    if (o->kind == OPTION_NAMED_U32) end = parse_thousands(end, number);
     if (end && !*end && *number >= o->min && *number <= o->max && (!whole || *number == floor(*number))) return VXS_OK;
     int digits = whole ? 10 : 6; /* as many as a uint32_t may have; as many as %g has */
     return fail(m, VXS_E_ARGUMENT, "%s %s: expected a %snumber from %.*g to %.*g", o->name, value, whole ? "whole " : "", digits,
@@ -220,15 +229,36 @@ static vxs_result take_value(const option *o, const char *equals, int argc, char
     return VXS_OK;
 }
 
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* Options that begin with what was typed, three at most: ": did you mean '--resolution' or '--resume'?" into text, or nothing. */
+static void begun_text(char text[128], const command_line *c, const char *typed)
+{
+    const char *names[OPTIONS_MAX];
+    size_t      count = 0, used = 0, length = strlen(typed);
+    text[0] = 0;
+    for (const option *o = c->options; o < c->options + c->option_count && length > strlen("--"); o++)
+        if (o->name && !is_operand(o) && !strncmp(o->name, typed, length)) names[count++] = o->name;
+    if (!count || count > 3) return;
+    qsort(names, count, sizeof *names, by_name);
+    for (size_t n = 0; n < count; n++)
+        used += (size_t)snprintf(text + used, 128 - used, "%s'%s'", !n ? ": did you mean " : n + 1 == count ? " or " : ", ", names[n]);
+    snprintf(text + used, 128 - used, "?");
+}
+
 static vxs_result unknown_option(const command_line *c, const char *arg, message *m)
 {
-    char    name[NEAREST_LENGTH_MAX + 2], meant[64]; /* longer names are cut, but not to what is compared */
+    char    name[NEAREST_LENGTH_MAX + 2], meant[128]; /* longer names are cut, but not to what is compared */
     nearest near = {.typed = name};
     snprintf(name, sizeof name, "%.*s", (int)strcspn(arg, "="), arg);
+    begun_text(meant, c, name);
     for (const option *o = c->options; o < c->options + c->option_count; o++)
         if (o->name && !is_operand(o)) nearest_try(&near, o->name, strlen(o->name));
-    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, nearest_text(meant, &near),
-                near.word ? "" : ":", c->name);
+    if (!meant[0]) nearest_text(meant, &near);
+    return fail(m, VXS_E_ARGUMENT, "unknown option '%s'%s%s vxs %s --help lists the options", arg, meant, meant[0] ? "" : ":", c->name);
 }
 
 static vxs_result parse_arguments(const command_line *c, int argc, char **argv, char *given, int *help_shown, message *m)

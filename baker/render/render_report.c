@@ -291,6 +291,7 @@ static void plot_stream(FILE *to, const render_report *r)
 {
     const double foot = PLOT_HIGH + STREAM_HIGH - BOTTOM, high = STREAM_HIGH - BOTTOM - 10;
     uint64_t     most = 1;
+    char         a[32], b[32], c[32];
     for (size_t n = 1; n < r->frame_count; n++)
         if (r->frames[n].frame.uploaded_bytes > most) most = r->frames[n].frame.uploaded_bytes;
     fputs("<path stroke=\"#66ccee\" stroke-width=\"3\" d=\"", to);
@@ -305,9 +306,8 @@ static void plot_stream(FILE *to, const render_report *r)
             "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">100 %%</text><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">0</text>\n",
             LEFT - 6, foot - high + 4, LEFT - 6, foot + 4);
     fprintf(to, "<text x=\"%d\" y=\"%.1f\" fill=\"#228833\">in full</text>\n", PLOT_WIDE - RIGHT + 20, foot - high + 4);
-    fprintf(to, "<text x=\"%d\" y=\"%.1f\">samples in full; bytes uploaded, %.3g MB at most; %.4g MB resident of %.4g MB</text>\n",
-            LEFT, foot + 28, 1e-6 * (double)most, 1e-6 * (double)r->frames[r->frame_count - 1].stream.bytes_resident,
-            1e-6 * (double)r->budget_bytes);
+    fprintf(to, "<text x=\"%d\" y=\"%.1f\">samples in full; bytes uploaded, %s at most; %s resident of %s</text>\n", LEFT, foot + 28,
+            size_text(a, most), size_text(b, r->frames[r->frame_count - 1].stream.bytes_resident), size_text(c, r->budget_bytes));
 }
 
 vxs_result render_report_plot(const render_report *r, const char *path, message *m)

@@ -72,8 +72,8 @@ const percent = (share) => digits(100 * share) + NO_BREAK + "%";
 /* As the reports in words have it. */
 function bytes(value) {
     if (value < 10 * 1024) return Math.floor(value) + NO_BREAK + "B";
-    if (value < 10 * 1024 ** 2) return (value / 1024).toFixed(1) + NO_BREAK + "KiB";
-    return (value / 1024 ** 2).toFixed(1) + NO_BREAK + "MiB";
+    const unit = [1, 2, 3].find((power) => value / 1024 ** power < 1023.95) ?? 4, size = value / 1024 ** unit;
+    return size.toFixed(size < 9.995 ? 2 : 1) + NO_BREAK + ["KiB", "MiB", "GiB", "TiB"][unit - 1];
 }
 
 function count(value) {

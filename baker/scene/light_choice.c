@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/scene/light_choice.h"
 
+#include <fnmatch.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +15,13 @@
 static void add(light_choice *chosen, chosen_light light)
 {
     chosen->lights[chosen->count++] = light;
+}
+
+int light_name_matches(const char *pattern, size_t number, const char *name)
+{
+    char by_number[24];
+    snprintf(by_number, sizeof by_number, "#%zu", number);
+    return !strcmp(pattern, by_number) || !fnmatch(pattern, name, 0);
 }
 
 static const chosen_light *find(const light_choice *lights, const char *name)
@@ -74,11 +82,18 @@ static vxs_result add_named(const light_choice *all, const char *name, light_cho
 {
     const chosen_light *light = find(all, name);
     char                known[LIST_BYTES], meant[64];
+    size_t              matched = 0;
     if (find(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
     if (light) {
         add(chosen, *light);
         return VXS_OK;
     }
+    for (size_t i = 0; i < all->count; i++) {
+        if (!light_name_matches(name, i, all->lights[i].name)) continue;
+        matched++;
+        if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i]);
+    }
+    if (matched) return VXS_OK;
     if (!all->count) return fail(m, VXS_E_ARGUMENT, "--light %s: the scene has no lights; --sun X,Y,Z gives one", name);
     return fail(m, VXS_E_ARGUMENT, "--light %s: no such light; there are %s%s", name, list_lights(all, known),
                 meant_light(all, name, meant));

@@ -20,9 +20,13 @@ typedef struct light_choice {
     chosen_light *lights; /* [count] owned; no two have the same name */
 } light_choice;
 
+/* 1 when a pattern names a light: by a name with the wildcards of a shell, "lamp*", or by its number from 0, "#3". */
+int light_name_matches(const char *pattern, size_t number, const char *name);
+
 /* Choose lights.
  *   neither option         all lights of the scene, in its order
- *   --light NAME ...       those, in the order given
+ *   --light NAME ...       those, in the order given. Where no light has that name, it is a pattern, and stands for all that it names, in the
+ *                          scene's order, but for those that are there already
  *   --sun NAME=X,Y,Z ...   suns, each in place of the scene's own light of that name; last, or where --light NAME asks for one
  * names   the values of --light
  * suns    those of --sun, all with a name: the way sunlight travels, of any length but zero

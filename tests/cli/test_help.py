@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import fcntl
 import itertools
+import json
 import os
 import re
 import shutil
@@ -13,6 +14,7 @@ import time
 
 import pytest
 
+import small_scene
 from commands import COMMANDS, options, rows
 from conftest import ROOT, open_terminal
 
@@ -267,3 +269,34 @@ def test_zsh_completes(vxs, place):
     process.wait(60)
     drain.join(60)
     os.close(ours)
+
+
+# --- abbreviations ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line, says", [
+    (["bake", "--res", "64"], "unknown option '--res': did you mean '--resolution' or '--resume'? vxs bake --help lists the options"),
+    (["plan", "--resol=64"], "unknown option '--resol=64': did you mean '--resolution'? vxs plan --help lists the options"),
+    (["render", "--cam", "x"], "unknown option '--cam': did you mean '--camera'? vxs render --help lists the options"),
+    (["bake", "--s"], "unknown option '--s': vxs bake --help lists the options"),  # too many
+    (["bake", "--"], "SCENE is missing: usage is vxs bake SCENE -o OUT.vxs [options]"),
+])
+def test_options_that_are_cut_short(vxs, line, says):
+    assert vxs(*line, status=2).stderr == f"vxs: error: {says}\n"
+
+
+@pytest.mark.parametrize("word", ["-v", "-V", "version"])
+def test_version_by_other_words(vxs, word):
+    assert vxs(word).stdout == vxs("--version").stdout
+    assert "unexpected argument 'bake': usage is vxs --version" in vxs(word, "bake", status=2).stderr
+
+
+def test_resolution_in_thousands(vxs, tmp_path):
+    scene = small_scene.write(tmp_path / "a.gltf", lights=(("sun", "directional", small_scene.NOON), ("lamp", "spot", small_scene.NOON)))
+    for given, sides in (("4K", (4096, 4096)), ("16k", (16384, 16384)), ("lamp=1K", (4096, 1024))):
+        plan = json.loads(vxs("plan", scene, "--resolution", given, "--json", "-").stdout)
+        assert tuple(light["resolution_px"] for light in plan["lights"]) == sides
+    for given, says in (("5K", "--resolution 5120: expected a power of two"), ("4KB", "--resolution 4KB: expected a whole number from 8 to 262144"),
+                        ("512K", "--resolution 512K: expected a whole number"), ("K", "--resolution K: expected a whole number")):
+        assert says in vxs("plan", scene, "--resolution", given, status=2).stderr
+    assert "--filter 1K: expected a whole number" in vxs("compare", scene, scene, "--filter", "1K", status=2).stderr

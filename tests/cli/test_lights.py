@@ -270,3 +270,63 @@ def test_wrong_filters_of_rays(vxs, folder, assets, options, says):
     options = [folder / o if str(o).endswith(".vxs") else o for o in options]
     said = vxs("truth", folder / "small.gltf", *options, input=UNDER, status=2).stderr
     assert said.startswith("vxs: error: ") and said.count("\n") == 1 and says in said
+
+
+# --- lights by patterns -------------------------------------------------------------------------------------------------------
+
+NAMES = ("sun", "lamp1", "lamp2", "lamp10", "lamp*", "desk lamp")
+
+
+@pytest.fixture(scope="module")
+def many(vxs, tmp_path_factory):
+    """A scene of these lights, all spots but the sun, and the asset of all."""
+    at = tmp_path_factory.mktemp("patterns")
+    scene = small_scene.write(at / "many.gltf", lights=[(name, "spot" if name != "sun" else "directional", (n / 10, -1, 0))
+                                                        for n, name in enumerate(NAMES)])
+    vxs("bake", scene, "-o", at / "many.vxs", *SMALL)
+    return scene, at / "many.vxs"
+
+
+@pytest.mark.parametrize("patterns, expected", [
+    (["lamp?"], ["lamp1", "lamp2", "lamp*"]),  # in the scene's order
+    (["lamp*"], ["lamp*"]),  # which is the name of one
+    (["lamp[0-9]*"], ["lamp1", "lamp2", "lamp10"]),
+    (["*lamp"], ["desk lamp"]),
+    (["#0"], ["sun"]),
+    (["lamp10", "lamp??", "lamp1*"], ["lamp10", "lamp1"]),  # what is there already stays where it is
+    (["*"], list(NAMES)),
+])
+def test_lights_by_patterns(vxs, many, tmp_path, patterns, expected):
+    scene, asset = many
+    options = [word for pattern in patterns for word in ("--light", pattern)]
+    plan = json.loads(vxs("plan", scene, *options, "--json", "-").stdout)
+    assert [light["name"] for light in plan["lights"]] == expected and plan["options"]["light"] == patterns
+    vxs("bake", scene, "-o", tmp_path / "a.vxs", *SMALL, *options)
+    assert [light["name"] for light in json.loads(vxs("info", tmp_path / "a.vxs", "--json", "-").stdout)["lights"]] == expected
+    one_by_one = " ".join(vxs("query", asset, "--light", name, input=AGAINST).stdout.strip() for name in expected)
+    for budget in ((), ("--budget", "4M")):
+        assert vxs("query", asset, *options, *budget, input=AGAINST).stdout.strip() == one_by_one
+    assert len(vxs("truth", scene, *options, input=AGAINST).stdout.split()) == len(expected)
+    assert len(vxs("truth", scene, "--like", asset, *options, input=AGAINST).stdout.split()) == len(expected)
+    compared = json.loads(vxs("compare", scene, asset, *options, "--points", 500, "--json", "-").stdout)
+    assert [light["name"] for light in compared["assets"][0]["lights"]] == expected
+
+
+def test_patterns_that_name_no_light(vxs, many):
+    scene, asset = many
+    known = "sun, lamp1, lamp2, lamp10, lamp*, desk lamp"
+    for pattern in ("lump*", "LAMP*", "#6", ""):
+        assert f"--light {pattern}: no such light; there are sun (directional), lamp1 (spot)" in vxs("plan", scene, "--light", pattern, status=2).stderr
+        for budget in ((), ("--budget", "4M")):
+            said = vxs("query", asset, "--light", pattern, *budget, input=UNDER, status=2).stderr
+            assert f"--light {pattern}: '{asset}' has no light of that name; it has {known}" in said
+    for words in (("plan", scene), ("query", asset), ("query", asset, "--budget", "4M")):
+        assert "given twice" in vxs(*words, "--light", "lamp1", "--light", "lamp1", input=UNDER, status=2).stderr
+
+
+def test_a_budget_below_the_least_for_a_pattern(vxs, many):
+    """The least is that of the lights that are meant."""
+    least = [int(vxs("query", many[1], "--light", light, "--budget", 1, input=UNDER, status=6).stderr.split(" bytes")[0].split()[-1])
+             for light in ("lamp1[0]", "lamp10", "*")]
+    assert least[0] == least[1] < least[2]
+    assert vxs("query", many[1], "--light", "lamp1?", "--budget", least[0], input=UNDER).stdout

@@ -289,7 +289,7 @@ def test_a_scene_larger_than_the_budget_is_not_read(vxs, tmp_path):
         f.write(b"glTF")
         os.ftruncate(f.fileno(), 3 << 30)  # takes no room on the disk
     done = vxs("bake", path, "-o", tmp_path / "a.vxs", "--memory", "1G", status=6)
-    assert "large.glb" in done.stderr and "--memory allows 1024.0 MiB" in done.stderr and done.stderr.count("\n") == 1
+    assert "large.glb" in done.stderr and "--memory allows 1.00 GiB" in done.stderr and done.stderr.count("\n") == 1
 
 
 # --- progress --------------------------------------------------------------------------------------------------------------------

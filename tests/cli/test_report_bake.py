@@ -47,7 +47,10 @@ def bake(vxs, browser, tmp_path):
 
 
 def size_text(size):
-    return f"{size} B" if size < 10240 else f"{size / 1024:.1f} KiB" if size < 10 << 20 else f"{size / (1 << 20):.1f} MiB"
+    if size < 10240:
+        return f"{size} B"
+    unit = next((n for n in (1, 2, 3) if size / 1024 ** n < 1023.95), 4)
+    return f"{size / 1024 ** unit:.{2 if size / 1024 ** unit < 9.995 else 1}f} {' KMGT'[unit]}iB"
 
 
 @pytest.mark.parametrize("coding", ["dag", "blocks"])
