@@ -9,6 +9,8 @@
 #include "baker/command/asset_open.h"
 #include "baker/command/asset_stream.h"
 #include "baker/command/commands.h"
+#include "baker/command/scene_camera.h"
+#include "baker/command/written_text.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
@@ -48,12 +50,13 @@ typedef struct render_command {
     filter_choice  filter;
     draw_mode      draw;
     fog_choice     fog;
+    const char    *camera_name; /* of the scene's own; NULL: none */
     const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
     uint32_t       frames;
     uint64_t       budget_bytes;
     int            budget_given, upload_given;
     int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given,
-        smoke_given, smoke_side_given, sky_light_given, sky_turn_given;
+        smoke_given, smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
 } render_command;
 
 /* What is drawn. */
@@ -93,6 +96,13 @@ static const char *needs_gl(const render_command *c)
                                 : NULL;
 }
 
+static vxs_result check_samples(const render_options *o, message *m)
+{
+    if (o->width_px * o->samples <= SAMPLES_SIDE_MAX && o->height_px * o->samples <= SAMPLES_SIDE_MAX) return VXS_OK;
+    return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
+                o->width_px, o->height_px, SAMPLES_SIDE_MAX);
+}
+
 static vxs_result check_options(const render_command *c, message *m)
 {
     const render_options *o    = &c->options;
@@ -110,6 +120,8 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->sky_path && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--sky needs virtual lights: --area 1 or more");
     if (!c->sky_path && (c->sky_light_given || c->sky_turn_given))
         return fail(m, VXS_E_ARGUMENT, "%s needs --sky", c->sky_light_given ? "--sky-light" : "--sky-turn");
+    const char *other = c->camera.eye_given ? "--eye" : c->path_file ? "--path" : c->orbits ? "--orbit" : c->fov_given ? "--fov" : NULL;
+    if (c->camera_name && other) return fail(m, VXS_E_ARGUMENT, "--camera and %s exclude each other", other);
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
     if (c->upload_given && !c->budget_given)
@@ -118,10 +130,7 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->moving_by_given && (!c->moving_path || !path))
         return fail(m, VXS_E_ARGUMENT, "--moving-by needs --moving, and --path or --orbit");
     if (!path && c->frames_given) return fail(m, VXS_E_ARGUMENT, "--frames %u needs --path or --orbit", c->frames);
-    if (o->width_px * o->samples > SAMPLES_SIDE_MAX || o->height_px * o->samples > SAMPLES_SIDE_MAX)
-        return fail(m, VXS_E_ARGUMENT, "--samples %u of a picture of %u x %u: expected no side of more than %d samples", o->samples,
-                    o->width_px, o->height_px, SAMPLES_SIDE_MAX);
-    return VXS_OK;
+    return check_samples(o, m);
 }
 
 /* All of an asset, or what is resident of it.   contents  [out] */
@@ -182,6 +191,27 @@ static int has_capsules(const json_t *made)
     return json_object_get(json_object_get(json_object_get(made, "options"), "smoke"), "capsules") != NULL;
 }
 
+/* The scene's own camera, or one that all of the scene is in view of: on an orbit from everywhere. */
+static vxs_result place_camera(render_command *c, subject *s, message *m)
+{
+    render_options   *o    = &c->options;
+    const scene_view *view = NULL;
+    if (!c->camera_name) {
+        double aspect = (double)o->width_px / o->height_px;
+        camera_place(&c->camera, &s->box, s->lights, s->light_count, aspect);
+        if (c->orbits && !c->camera.eye_given) camera_frame_orbit(&c->camera.camera, &s->box, aspect);
+        return VXS_OK;
+    }
+    vxs_result r = scene_camera_find(&view, &s->scene, c->camera_name, c->scene_path, m);
+    if (r != VXS_OK) return r;
+    if (view->kind == VIEW_ORTHOGRAPHIC && o->fog)
+        return fail(m, VXS_E_ARGUMENT, "--fog is of the way to an eye, and the orthographic camera '%s' has none: expected a perspective one",
+                    view->name);
+    scene_camera_size(view, c->width_given, c->height_given, SIDE_MAX_PX, &o->width_px, &o->height_px);
+    c->camera.camera = scene_camera_pose(view, &s->box);
+    return check_samples(o, m);
+}
+
 static vxs_result load(render_command *c, subject *s, message *m)
 {
     json_t             *made = NULL;
@@ -204,7 +234,7 @@ static vxs_result load(render_command *c, subject *s, message *m)
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
     if (c->sky_path && (r = load_sky(c, s, m)) != VXS_OK) goto done;
     if ((r = check_steps(c, s, m)) != VXS_OK) goto done;
-    camera_place(&c->camera, &s->box, s->lights, s->light_count, (double)c->options.width_px / c->options.height_px);
+    r = place_camera(c, s, m);
 done:
     json_decref(made);
     return r;
@@ -357,15 +387,34 @@ static void print_moving(FILE *to, const moving_plan *plan)
     fputc('\n', to);
 }
 
+/* Where the report goes; NULL: nowhere. */
+static FILE *report_of(const render_command *c, const message *m)
+{
+    const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
+    int         taken  = 0;
+    for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
+    return report_stream(m, taken);
+}
+
+static void print_written(const render_command *c, const message *m)
+{
+    FILE *to = report_of(c, m);
+    char  pixels[48];
+    if (!to) return;
+    snprintf(pixels, sizeof pixels, "%u x %u pixels", c->options.width_px, c->options.height_px);
+    written_print(to, c->passes_folder, "passes, as pictures");
+    written_print(to, c->json_path, "times of frames as JSON");
+    written_print(to, c->csv_path, "times of frames as a table");
+    written_print(to, c->plot_path, "times of frames as a plot");
+    written_print(to, c->out, pixels);
+}
+
 /* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog is drawn of. */
 static void print_plan(const render_command *c, const subject *s, const renderer *drawn, const drawn_frame *last, const message *m)
 {
-    const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
-    area_words  areas;
-    sky_words   sky   = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
-    int         taken = 0;
-    for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
-    FILE *to = report_stream(m, taken);
+    area_words areas;
+    sky_words  sky = c->sky_path ? words_of_sky(c, s, drawn) : (sky_words){0};
+    FILE      *to  = report_of(c, m);
     if (!to) return;
     if (c->options.moving) print_moving(to, &last->frame.moving);
     if (renderer_smoke_lights(drawn))
@@ -427,6 +476,7 @@ static vxs_result run(void *command, message *m)
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
     if (r == VXS_OK) r = draw(c, s, &out, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);
+    if (r == VXS_OK) print_written(c, m);
     output_file_abort(&out);
     if (s) {
         scene_free(&s->scene);
@@ -462,8 +512,8 @@ int cmd_render(int argc, char **argv)
         {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
         {"--draw", OPTION_CHOICE, &c.draw, 0, 0, "gl|rays", NULL,
          "with OpenGL, as a game would, or all but shadows by rays, with light from the sky (default gl)", NULL},
-        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", NULL},
-        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", NULL},
+        {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", &c.width_given},
+        {"--height", OPTION_U32, &o->height_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 720)", &c.height_given},
         {"--samples", OPTION_U32, &o->samples, 1, SAMPLES_MAX, NULL, "N",
          "a pixel is the mean of N x N samples, 1 to 4 (default 2)", &c.samples_given},
         {"--exposure", OPTION_F64, &o->stops, -20, 20, NULL, "STOPS", "brighter or darker by powers of two, -20 to 20 (default 0)",
@@ -472,7 +522,9 @@ int cmd_render(int argc, char **argv)
          &c.camera.eye_given},
         {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
          &c.camera.target_given},
-        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", NULL},
+        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", &c.fov_given},
+        {"--camera", OPTION_TEXT, &c.camera_name, 0, 0, NULL, "NAME",
+         "a camera of the scene, by its name, a pattern, or its number from 0; without --width or --height the picture has its shape", NULL},
         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
          "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),

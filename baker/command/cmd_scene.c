@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "baker/command/commands.h"
+#include "baker/command/written_text.h"
 #include "baker/files/output_file.h"
 #include "baker/generate/generate.h"
 #include "baker/gltf/glb_write.h"
@@ -92,16 +93,29 @@ static void print_cases(void)
     for (size_t i = 0; stress_name(i); i++) printf("%-24s %s\n", stress_name(i), stress_purpose(i));
 }
 
+/* "99996 triangles, 2 lights", and smoke in it. */
+static void print_report(FILE *to, const scene_options *o, const glb_scene *s)
+{
+    char   what[128], smoke[48] = "";
+    size_t capsules = 0;
+    for (size_t n = 0; n < s->smoke_count; n++) capsules += s->smoke[n].vertex_count / (s->smoke[n].lines ? 2 : 1);
+    if (capsules) snprintf(smoke, sizeof smoke, ", %zu capsules of smoke", capsules);
+    snprintf(what, sizeof what, "%zu triangles, %zu light%s%s", s->triangle_count, s->light_count, s->light_count == 1 ? "" : "s", smoke);
+    written_print(to, o->out, what);
+}
+
 static vxs_result make_scene(const scene_options *o, message *m)
 {
     glb_scene   s   = {0};
     output_file out = {0};
+    FILE       *to  = report_stream(m, is_standard_output(o->out));
     vxs_result  r;
 
     if ((r = output_file_open(&out, o->out, m)) != VXS_OK) goto done; /* first: a name that cannot be written costs nothing */
     if ((r = generate(&s, o, m)) != VXS_OK) goto done;
     if ((r = glb_write(&s, &out, m)) != VXS_OK) goto done;
     r = output_file_commit(&out, m);
+    if (r == VXS_OK && to) print_report(to, o, &s);
 done:
     output_file_abort(&out);
     glb_scene_free(&s);

@@ -529,6 +529,11 @@ void read_lights(loader &l, const json &root);
 void place_lights(loader &l);
 void place_cameras(loader &l);
 
+/* ---- gltf_cameras.cc ---- */
+
+/* What cameras see, into the scene. */
+void place_views(loader &l);
+
 } // namespace gltf
 
 #endif

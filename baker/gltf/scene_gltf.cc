@@ -90,6 +90,7 @@ static void load(loader &l, const scene_check *check)
     select_casters(l, parent);
     place_lights(l);
     place_cameras(l);
+    place_views(l);
     place_materials(l);
     l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[chosen].name.c_str());
     if (!l.s->name) throw std::bad_alloc();

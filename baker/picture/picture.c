@@ -253,7 +253,10 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     sky_colour(direction, haze);
     for (int i = 0; i < 3; i++) haze[i] *= v->day;
     memcpy(out, haze, sizeof haze);
-    if (!truth_first_hit(v->truth, v->options->camera.eye_ws, direction, distance, normal, NULL)) return 0;
+    double begin = v->options->camera.near_metres / vec3_dot(direction, v->seen.forward), from[3];
+    vec3_mad(v->options->camera.eye_ws, begin, direction, from);
+    if (!truth_first_hit(v->truth, from, direction, distance, normal, NULL)) return 0;
+    *distance += begin;
     double turn = vec3_dot(normal, direction) > 0 ? -1 : 1; /* a sheet may be seen from behind */
     for (int i = 0; i < 3; i++) normal[i] *= turn;
     vec3_mad(v->options->camera.eye_ws, *distance, direction, point);

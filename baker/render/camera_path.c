@@ -41,7 +41,7 @@ static vxs_result read_keys(camera_path *path, char *text, const char *name, dou
         if (path->count == PATH_KEYS_MAX)
             return fail(m, VXS_E_READ, "'%s' line %zu: more than %d keys", name, number, (int)PATH_KEYS_MAX);
         camera_pose *key = &path->keys[path->count++];
-        key->fov_degrees = fov_degrees;
+        *key             = (camera_pose){.fov_degrees = fov_degrees};
         if (!read_key(line, key))
             return fail(m, VXS_E_READ, "'%s' line %zu: expected six numbers, x y z of the eye and of another point to look at",
                         name, number);

@@ -291,7 +291,6 @@ static vxs_result make(renderer *r, const scene *s, const vxs_baked_light *const
     if (r->options.sky && (result = make_sky(r, s, m)) != VXS_OK) return result;
     if (smokes && (result = make_smoke(r, s, lights, m)) != VXS_OK) return result;
     if ((result = make_programs(r, m)) != VXS_OK) return result;
-    r->near_metres = 1e-5 * r->mesh.size_metres;
     return make_targets(r, m);
 }
 

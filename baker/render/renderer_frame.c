@@ -32,6 +32,7 @@ static void set_view(renderer *r, const camera_pose *camera)
     const camera_view *v = &r->seen;
     float             *m = r->view.point_from_depth;
     r->camera            = *camera;
+    r->near_metres       = camera->near_metres > 0 ? camera->near_metres : 1e-5 * r->mesh.size_metres;
     r->seen              = camera_view_of(camera, (double)r->width / r->height);
     r->view =
         (vxs_view){.width_px = r->width, .height_px = r->height, .empty_depth = 0, .filter_px = (int32_t)r->options.filter_px};

@@ -25,6 +25,8 @@ void scene_free(scene *s)
     free(s->holed_triangles);
     free(s->material_colours);
     free(s->camera_positions_ws);
+    for (size_t i = 0; i < s->view_count; i++) free(s->views[i].name);
+    free(s->views);
     free(s->smoke.list);
     free(s->smoke.albedos);
     free(s->triangle_flags);

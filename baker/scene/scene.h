@@ -83,6 +83,22 @@ typedef struct scene_area {
         texture; /* [high_px][wide_px][3] linear, what the radiance is times; the first texel is at the corner; owned by the scene */
 } scene_area;
 
+/* What a camera of the file sees, for pictures. A picture is as wide as its shape says, and as high as this: */
+typedef enum view_kind {
+    VIEW_NONE,        /* the file has no sound numbers for it */
+    VIEW_PERSPECTIVE, /* half_high is the tangent of half of its angle from top to bottom */
+    VIEW_ORTHOGRAPHIC /* half_high is half of its height in metres */
+} view_kind;
+
+typedef struct scene_view {
+    char     *name; /* of its node, or of the camera, or "camera" and its number; owned */
+    view_kind kind;
+    double    eye_ws[3], forward_ws[3], up_ws[3]; /* forward and up: unit, at right angles */
+    double    half_high;
+    double    aspect; /* width / height; 0: that of the picture */
+    double    near_m; /* nearer along its axis nothing is seen, 0 or more */
+} scene_view;
+
 /* Triangles that follow each other, all placed from one origin: their coordinates are floats that are counted from there. */
 typedef struct scene_origin {
     uint32_t triangle_first; /* to where the next one begins */
@@ -142,6 +158,9 @@ typedef struct scene {
 
     size_t  camera_count;
     double *camera_positions_ws; /* [3 * camera_count] */
+
+    size_t      view_count;
+    scene_view *views; /* of the same cameras, in the scene's order; none in a scene that came from no file */
 
     scene_smoke smoke; /* points and lines that dim light */
 } scene;

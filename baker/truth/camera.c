@@ -15,11 +15,12 @@ static void corner_of(const box *b, int n, double corner[3])
     for (int i = 0; i < 3; i++) corner[i] = n >> i & 1 ? b->max[i] : b->min[i];
 }
 
-/* Unit axes of a camera with the direction `forward`, level with the horizon unless that is straight up or down. */
-static void camera_axes(const double forward[3], double right[3], double up[3])
+/* Unit axes of a camera with the direction `forward`, level with the horizon unless that is straight up or down, or another way is up. */
+static void camera_axes(const double forward[3], const double up_ws[3], double right[3], double up[3])
 {
-    double across[3];
-    vec3_cross(forward, (double[3]){0, 1, 0}, across);
+    static const double vertical[3] = {0, 1, 0};
+    double              across[3];
+    vec3_cross(forward, vec3_dot(up_ws, up_ws) > 0 ? up_ws : vertical, across);
     if (!vec3_unit(across, right)) memcpy(right, (double[3]){1, 0, 0}, 3 * sizeof *right);
     vec3_cross(right, forward, up);
 }
@@ -48,7 +49,7 @@ void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], dou
     double       azimuth    = atan2(-sun_ws[2], -sun_ws[0]) + aside;
     double       forward[3] = {-cos(azimuth) * cos(elevation), -sin(elevation), -sin(azimuth) * cos(elevation)};
     double       right[3], up[3], target[3], distance = 0;
-    camera_axes(forward, right, up);
+    camera_axes(forward, (const double[3]){0}, right, up);
     for (int i = 0; i < 3; i++) target[i] = 0.5 * (b->min[i] + b->max[i]);
 
     /* centre the box in the view, step back until it fits, and again, since perspective moves the centre */
@@ -73,6 +74,29 @@ void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], dou
     vec3_mad(target, -distance, forward, camera->eye_ws);
 }
 
+void camera_frame_orbit(camera_pose *camera, const box *b, double aspect)
+{
+    enum { STEPS = 360 };
+    const double margin = 1.03;
+    double       tan_y = tan(camera->fov_degrees * pi / 360) / margin, tan_x = tan_y * aspect, away[3], unit[3] = {0, 0, 1}, distance = 0;
+    vec3_sub(camera->eye_ws, camera->target_ws, away);
+    vec3_unit(away, unit);
+    for (int axis = 0; axis < 3; axis++) camera->target_ws[axis] = 0.5 * (b->min[axis] + b->max[axis]);
+    for (int step = 0; step < STEPS; step++) {
+        double angle      = 2 * pi * step / STEPS, right[3], up[3];
+        double forward[3] = {-(unit[0] * cos(angle) - unit[2] * sin(angle)), -unit[1], -(unit[0] * sin(angle) + unit[2] * cos(angle))};
+        camera_axes(forward, (const double[3]){0}, right, up);
+        for (int n = 0; n < 8; n++) {
+            double corner[3], from[3];
+            corner_of(b, n, corner);
+            vec3_sub(corner, camera->target_ws, from);
+            double behind = vec3_dot(from, forward);
+            distance      = fmax(distance, fmax(fabs(vec3_dot(from, right)) / tan_x, fabs(vec3_dot(from, up)) / tan_y) - behind);
+        }
+    }
+    vec3_mad(camera->target_ws, fmax(distance, 1e-3 * fmax(box_diagonal(b), 1e-9)), unit, camera->eye_ws);
+}
+
 void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *const *lights, uint32_t light_count, double aspect)
 {
     static const double usual[3] = {-0.43, -0.86, -0.26};
@@ -88,7 +112,7 @@ camera_view camera_view_of(const camera_pose *camera, double aspect)
     double      tan_y = tan(camera->fov_degrees * pi / 360), along[3];
     vec3_sub(camera->target_ws, camera->eye_ws, along);
     vec3_unit(along, v.forward);
-    camera_axes(v.forward, v.right, v.up);
+    camera_axes(v.forward, camera->up_ws, v.right, v.up);
     for (int i = 0; i < 3; i++) {
         v.right[i] *= tan_y * aspect;
         v.up[i] *= tan_y;

@@ -9,6 +9,8 @@
 typedef struct camera_pose {
     double eye_ws[3], target_ws[3];
     double fov_degrees; /* from top to bottom, above 0, below 180 */
+    double up_ws[3];    /* what is up in the picture, of any length, not along the way to the target; 0,0,0: level with the horizon */
+    double near_metres; /* nearer along its axis nothing is seen; 0: all is */
 } camera_pose;
 
 /* Place a camera so that a box fills its view, no corner cut, from above, with the sun to the side.
@@ -17,7 +19,11 @@ typedef struct camera_pose {
  * aspect     width / height */
 void camera_frame(camera_pose *camera, const box *b, const double sun_ws[3], double aspect);
 
-/* The same, beside the first sun of the lights, or as if there were a usual one.   lights  [light_count] */
+/* Step back, or come nearer, so that all of a box is in view from everywhere on a circle about its middle, as high as the eye is.
+ * camera  as camera_frame places it; target becomes the middle */
+void camera_frame_orbit(camera_pose *camera, const box *b, double aspect);
+
+/* The same as camera_frame, beside the first sun of the lights, or as if there were a usual one.   lights  [light_count] */
 void camera_frame_lit(camera_pose *camera, const box *b, const vxs_baked_light *const *lights, uint32_t light_count, double aspect);
 
 /* The field of view: the unit vector forward, and the ways from the picture's middle to its edges, at distance 1. */
