@@ -190,11 +190,26 @@ int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, si
     return is;
 }
 
+static const box EVERYWHERE = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+
+uint32_t coarser_side(const check_scene *k, const plan_light *l)
+{
+    enum { FINE_SIDE_PX = 16384, FINE_WIDTH_PX = 4096 };
+    const double fine_m = 0.5e-3;
+    double       width = median_width(k, &EVERYWHERE), texel = l->texels.median;
+    uint32_t     side  = 1u << l->light.levels;
+    if (side < FINE_SIDE_PX || texel >= fine_m || width < FINE_WIDTH_PX * texel) return 0;
+    while (side > 4096 && texel < fine_m && width > 2 * FINE_WIDTH_PX * texel) {
+        side /= 2;
+        texel *= 2;
+    }
+    return side == 1u << l->light.levels ? side / 2 : side;
+}
+
 /* The resolution at which a texel is a quarter of what half of the components are wide; 0: none is so fine. */
 static uint32_t enough_texels(const check_scene *k, const plan_light *l)
 {
-    box    all    = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
-    double median = median_width(k, &all), side = ldexp(1, (int)l->light.levels);
+    double median = median_width(k, &EVERYWHERE), side = ldexp(1, (int)l->light.levels);
     while (side <= RESOLUTION_MAX_PX && l->texels.median * ldexp(1, (int)l->light.levels) / side > median / 4) side *= 2;
     return side <= RESOLUTION_MAX_PX ? (uint32_t)side : 0;
 }

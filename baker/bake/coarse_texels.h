@@ -35,4 +35,8 @@ int texels_lose_most(const check_scene *k, const plan_light *l, size_t *lost, si
 
 void warn_about_lost(const check_scene *k, const plan_light *l, size_t lost, size_t of);
 
+/* The resolution that is as good as a light's own, where that makes texels of less than half a millimetre, with 4096 of them or more across most
+ * components, in a map of 16384 a side or more; 0: its own is no finer than that. */
+uint32_t coarser_side(const check_scene *k, const plan_light *l);
+
 #endif

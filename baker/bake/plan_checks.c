@@ -204,9 +204,20 @@ static void sample_light(check_scene *k, plan_light *l, const scene_object **hid
     if (*hider && is_told(hidden, l->name)) warn_about_hider(k, l, *hider, metres);
 }
 
-/* What is said of a light that is not hidden. */
-static void check_light(const check_scene *k, const plan_light *l, int far_told, light_tally *short_ones, light_tally *coarse)
+static void warn_about_fine(const check_scene *k, const plan_light *l, uint32_t side)
 {
+    char name[VXS_LIGHT_NAME_BYTES + 2] = "";
+    if (k->plan->light_count > 1) snprintf(name, sizeof name, "%s=", l->name);
+    warn(k->m, "light '%s': a texel is %.2g mm, and most components are more than 4096 texels wide, finer than shadows are seen; "
+               "--resolution %s%u takes less time and a smaller file",
+         l->name, 1000 * l->texels.median, name, side);
+}
+
+/* What is said of a light that is not hidden. */
+static void check_light(const check_scene *k, const plan_light *l, int far_told, light_tally *short_ones, light_tally *coarse,
+                        light_tally *fine)
+{
+    uint32_t            side;
     size_t              lost, of;
     double              metres;
     const scene_object *o = !is_sun(l) && isfinite(l->shape.range_m) ? find_fixture(k, l, &metres) : NULL;
@@ -214,22 +225,25 @@ static void check_light(const check_scene *k, const plan_light *l, int far_told,
         if (is_told(short_ones, l->name)) warn_about_fixture(k, l, o, metres);
     } else if (!(is_sun(l) && far_told) && texels_lose_most(k, l, &lost, &of)) {
         if (is_told(coarse, l->name)) warn_about_lost(k, l, lost, of);
+    } else if ((side = coarser_side(k, l))) {
+        if (is_told(fine, l->name)) warn_about_fine(k, l, side);
     }
 }
 
 static void check_all(check_scene *k, const scene_object **hiders, int has_region)
 {
-    light_tally hidden = {0}, short_ones = {0}, coarse = {0};
+    light_tally hidden = {0}, short_ones = {0}, coarse = {0}, fine = {0};
     plan_light *lights = k->plan->lights;
     for (size_t n = 0; n < k->plan->light_count; n++)
         if (!lights[n].left_out) sample_light(k, &lights[n], &hiders[n], &hidden);
     int far_told = !has_region && check_far(k, hiders);
     for (size_t n = 0; n < k->plan->light_count; n++)
-        if (!lights[n].left_out && !hiders[n]) check_light(k, &lights[n], far_told, &short_ones, &coarse);
+        if (!lights[n].left_out && !hiders[n]) check_light(k, &lights[n], far_told, &short_ones, &coarse, &fine);
     warn_about_steps(k);
     tell_rest(&hidden, "are hidden from all else in this way", k->m);
     tell_rest(&short_ones, "reach nothing but one object", k->m);
     tell_rest(&coarse, "have texels wider than most components", k->m);
+    tell_rest(&fine, "have texels finer than shadows are seen", k->m);
 }
 
 void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, message *m)

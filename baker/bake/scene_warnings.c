@@ -52,7 +52,8 @@ void warn_about_scale(const casters *c, message *m)
 
 /* ranges ---------------------------------------------------------------------------------------------------------------------- */
 
-static const double RANGE_OF_WIDTH_MIN = 0.5;
+static const double RANGE_OF_WIDTH_MIN = 0.5, CENTIMETRES_ACROSS_MIN_M = 100;
+enum { RANGE_PARTS_MIN = 4 };
 
 void warn_about_ranges(const casters *c, const light_choice *chosen, message *m)
 {
@@ -63,11 +64,12 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, message *m)
         if (!isfinite(l->shape.range_m)) return;
         if (!longest || l->shape.range_m > longest->shape.range_m) longest = l;
     }
-    if (!longest || count < PARTS_MIN / 2) return;
+    if (!longest || count < RANGE_PARTS_MIN) return;
     double width = longest->shape.range_m / RANGE_OF_WIDTH_MIN;
     for (size_t n = 0; n < count; n++) wider += box_width(&c->boxes[n]) > width;
     if (2 * wider <= count) return;
     box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_M) return;
     warn(m, "light '%s' reaches %.3g m, no lamp farther, and %zu of %zu components are wider than %.3g m, in a scene of %.15g m: as of one in "
             "centimetres with lights in metres; scale its root nodes by 0.01, or give lights longer ranges",
          longest->name, longest->shape.range_m, wider, count, width, rounded(box_diagonal(&all), 3));

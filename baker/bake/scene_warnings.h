@@ -11,8 +11,8 @@
 /* Warn when a scene is too large or too small for metres: the unit of glTF, which other units are taken for. */
 void warn_about_scale(const casters *c, message *m);
 
-/* Warn when all lamps with a range reach less far than half of the components are wide, as in a scene of centimetres whose lights are in
- * metres. */
+/* Warn when no lamp reaches half as far as most components are wide, in a scene of 100 m or more, as of one in centimetres whose lights are
+ * in metres. */
 void warn_about_ranges(const casters *c, const light_choice *chosen, message *m);
 
 /* Warn when all casters lie in one plane: nothing can be in the shadow of another. */

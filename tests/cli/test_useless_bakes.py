@@ -227,6 +227,15 @@ def test_texels_larger_than_components(said):
     assert said(stones, [SUN], "--resolution", side) == []
 
 
+def test_texels_finer_than_shadows_are_seen(said):
+    things = [node(f"thing{n}", cube(0.9), (n, 0, 0)) for n in range(3)]
+    found = said(things, [SUN], "--resolution", 16384)
+    assert len(found) == 1 and re.match(r"light 'sun': a texel is 0.1\d mm, and most components are more than 4096 texels wide", found[0])
+    side = re.search(r"--resolution (\d+)", found[0])[1]
+    assert said(things, [SUN], "--resolution", side) == [] == said(things, [SUN], "--resolution", 4096)
+    assert said(crates(), [SUN], "--resolution", 16384) == []
+
+
 def test_leaves_shade_together(said):
     """Cards of two triangles, and trees that are nodes: none is asked for alone."""
     leaves = join(*(([(x, 3, z), (x + 0.05, 3, z), (x, 3, z + 0.05), (x + 0.05, 3, z + 0.05)], [(0, 2, 1), (1, 2, 3)])
