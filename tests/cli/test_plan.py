@@ -220,11 +220,12 @@ def stones(material, count=60, mesh=lambda n: dome(0.5 + n % 3 / 4, 6, 10)):
 def test_closed_but_for_a_material_of_two_sides(vxs, plan, bake, tmp_path):
     """As Blender exports it: --closed on would make solids of it, which is said where it saves much, and is what it then saves."""
     lights, options = [light("sun", "directional", direction=(0.3, -1, 0.2))], ("--resolution", 1024)
-    path = write(tmp_path / "stones.gltf", stones(TWO_SIDED), lights)
+    bowls = [node(f"bowl{n}", dome(0.7, 6, 10, lowest=-0.5), (3 * n - 12, 7, 2)) for n in range(8)]  # open: --closed on leaves them
+    path = write(tmp_path / "stones.gltf", [*stones(TWO_SIDED), *bowls], lights)
     planned, solid = plan(path, *options), plan(path, *options, "--closed", "on")
     saving = planned["savings"][0]
     triangles = planned["casters"]["sheets"]["double sided"]["triangles"]
-    assert saving == {"option": "--closed on", "triangles": triangles, "file_bytes": solid["estimate"]["file_bytes"],
+    assert saving == {"option": "--closed on", "triangles": triangles, "file_bytes": pytest.approx(solid["estimate"]["file_bytes"], abs=2),
                       "total_seconds": pytest.approx(solid["estimate"]["total_seconds"], rel=0.1)}
     report = bake(path, *options)
     assert report["plan"]["savings"] == [saving]
