@@ -59,7 +59,7 @@ def lit(vxs, tmp_path_factory):
                    "--json", folder / "r.json", *options).stdout
         found = json.loads((folder / "r.json").read_text())
         jsonschema.Draft202012Validator(json.loads((ROOT / "docs" / "render.schema.json").read_text())).validate(found)
-        return said, found, folder
+        return said.partition("wrote  ")[0], found, folder
 
     return render
 
