@@ -196,9 +196,11 @@ uint32_t coarser_side(const check_scene *k, const plan_light *l)
 {
     enum { FINE_SIDE_PX = 16384, FINE_WIDTH_PX = 4096 };
     const double fine_m = 0.5e-3;
-    double       width = median_width(k, &EVERYWHERE), texel = l->texels.median;
+    double       texel = l->texels.median;
     uint32_t     side  = 1u << l->light.levels;
-    if (side < FINE_SIDE_PX || texel >= fine_m || width < FINE_WIDTH_PX * texel) return 0;
+    if (side < FINE_SIDE_PX || texel >= fine_m) return 0;
+    double width = median_width(k, &EVERYWHERE);
+    if (width < FINE_WIDTH_PX * texel) return 0;
     while (side > 4096 && texel < fine_m && width > 2 * FINE_WIDTH_PX * texel) {
         side /= 2;
         texel *= 2;
