@@ -27,12 +27,34 @@ void list_item(char text[LIST_BYTES], const char *item)
     if (used >= LIST_BYTES) memcpy(text + LIST_BYTES - sizeof "...", "...", sizeof "...");
 }
 
+size_t utf8_letter(const char *text, uint32_t *code)
+{
+    const unsigned char *c    = (const unsigned char *)text;
+    size_t               size = c[0] < 0x80 ? 1 : c[0] < 0xc2 ? 0 : c[0] < 0xe0 ? 2 : c[0] < 0xf0 ? 3 : c[0] < 0xf5 ? 4 : 0;
+    *code                     = size > 1 ? c[0] & (0x7fu >> size) : c[0];
+    for (size_t n = 1; n < size; n++) {
+        if ((c[n] & 0xc0) != 0x80) return 0; /* a NUL, too */
+        *code = *code << 6 | (c[n] & 0x3f);
+    }
+    int overlong = (size == 3 && *code < 0x800) || (size == 4 && *code < 0x10000), surrogate = *code >= 0xd800 && *code < 0xe000;
+    return overlong || surrogate || *code > 0x10ffff ? 0 : size;
+}
+
+/* Controls are also those of 8 bits (U+0080 to U+009F), ends of lines and paragraphs (U+2028, U+2029), and those that turn the direction of text round
+ * (U+061C, U+200E, U+200F, U+202A to U+202E, U+2066 to U+2069): they make a line read as another one. */
+static int is_printable(uint32_t code)
+{
+    if (code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x61c || code == 0x200e || code == 0x200f) return 0;
+    return !(code >= 0x2028 && code <= 0x202e) && !(code >= 0x2066 && code <= 0x2069);
+}
+
 char *one_line(char *text)
 {
-    for (unsigned char *c = (unsigned char *)text; *c; c++) {
-        int control_8_bit = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0; /* U+0080 to U+009F in UTF-8 */
-        if (control_8_bit) *c++ = '?';
-        if (control_8_bit || *c < 0x20 || *c == 0x7f) *c = '?';
+    for (char *c = text; *c;) {
+        uint32_t code;
+        size_t   size = utf8_letter(c, &code);
+        if (!size || !is_printable(code)) memset(c, '?', size ? size : 1);
+        c += size ? size : 1;
     }
     return text;
 }

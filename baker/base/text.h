@@ -8,6 +8,10 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Values of an option that may be repeated. */
 typedef struct text_list {
     const char **items; /* owned; the strings are argv's */
@@ -36,8 +40,12 @@ void named_list_free(named_list *list);
 enum { LIST_BYTES = 512 };
 void list_item(char text[LIST_BYTES], const char *item);
 
-/* Make text that comes from a file fit to print, in place: control characters, which would break the line or speak to the terminal,
- * become '?'. Messages and progress lines do so themselves. Returns text. */
+/* Bytes of the UTF-8 letter that a text begins with, 1 to 4; 0: it begins with no UTF-8.
+ * code  its number [out]; of no meaning where 0 is returned */
+size_t utf8_letter(const char *text, uint32_t *code);
+
+/* Make text that comes from a file fit to print, in place: each byte of a control character, which would break the line, speak to the terminal or
+ * turn the text round, and each byte that is no UTF-8, becomes '?'. Messages and progress lines do so themselves. Returns text. */
 char *one_line(char *text);
 
 /* A text with what is more than `bytes`, at least 3, left out of its middle: "SM_Wal...te_04". No letter of UTF-8 is cut in two.
@@ -64,4 +72,7 @@ int choice_index(const char *choices, const char *word);
  * Returns the name in it, which is a part of the path; NULL when the folder is longer than any that can be opened. */
 const char *path_split(const char *path, char folder[PATH_MAX]);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -176,8 +176,11 @@ def test_file_that_needs_too_much_memory(vxs, tmp_path):
 
 
 def test_control_characters_stay_off_the_terminal(fails):
-    """Escape sequences, of 7 and of 8 bits; other characters beyond ASCII are kept."""
+    """Escape sequences, of 7 and of 8 bits, ends of lines, what turns text round, and bytes that are no UTF-8; other characters are kept."""
     fails(2, "--light", "a\x1b[31m\u009bx\u00e9", says="--light a?[31m??x\u00e9:")
+    fails(2, "--light", "a\u202eb\u2066c\u200fd\u061ce\u2028f", says="--light a???b???c???d??e???f:")
+    fails(2, "--light", "\u4e2d\u200b\U0001f4a1", says="--light \u4e2d\u200b\U0001f4a1:")
+    fails(2, "--light", "a\udcffb\udce4\udcb8", says="--light a?b??:")  # bytes 0xff, and two of three
 
 
 # -- the same question, ray traced -------------------------------------------------------------------------
