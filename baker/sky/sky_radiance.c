@@ -17,7 +17,7 @@ typedef struct reader {
     const sky_file *file;
     const uint8_t  *at;
     uint32_t        wide_px, high_px, row;
-    double          exposure; /* that pixels were multiplied with */
+    double          exposure[3]; /* what red, green and blue were multiplied with */
     message        *m;
 } reader;
 
@@ -46,14 +46,59 @@ static int next_line(reader *r, char line[LINE_BYTES])
     return 1;
 }
 
-static vxs_result read_setting(reader *r, const char *line)
+/* So many numbers, each read as strtod does.   Returns how many there are. */
+static int read_numbers(const char *text, double *numbers, int most)
 {
-    if (!strncmp(line, "FORMAT=", 7) && strcmp(line + 7, "32-bit_rle_rgbe"))
-        return fail(r->m, VXS_E_UNSUPPORTED, "'%s' has pixels of format %s: expected 32-bit_rle_rgbe: convert it", r->file->name,
-                    line + 7);
-    if (strncmp(line, "EXPOSURE=", 9)) return VXS_OK;
-    r->exposure *= strtod(line + 9, NULL);
-    return r->exposure > 0 && isfinite(r->exposure) ? VXS_OK : broken(r, VXS_E_CORRUPT, "its exposure is no number above 0");
+    int count = 0;
+    for (char *end; count < most; count++, text = end) {
+        numbers[count] = strtod(text, &end);
+        if (end == text) break;
+    }
+    return count;
+}
+
+/* EXPOSURE= has one factor for all of a picture, COLORCORR= one for each colour; both may be there many times. */
+static vxs_result read_factors(reader *r, const char *text, int count)
+{
+    double factor[3];
+    int    good = read_numbers(text, factor, count) == count;
+    for (int n = 0; n < 3; n++) {
+        r->exposure[n] *= good ? factor[n % count] : 0;
+        if (!(r->exposure[n] > 0 && isfinite(r->exposure[n])))
+            return broken(r, VXS_E_CORRUPT,
+                          count == 1 ? "its exposure is no number above 0" : "its COLORCORR is not three numbers above 0");
+    }
+    return VXS_OK;
+}
+
+/* PRIMARIES= has the colours that red, green, blue and white are. Those of Radiance are near those of sRGB, which scenes have. */
+static void judge_primaries(const reader *r, const char *text)
+{
+    static const double known[][8] = {
+        {0.64, 0.33, 0.29, 0.6, 0.15, 0.06, 1.0 / 3, 1.0 / 3}, {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}, {0}};
+    double found[8];
+    int    is_known = read_numbers(text, found, 8) < 8; /* says nothing */
+    for (size_t k = 0; k < sizeof known / sizeof *known && !is_known; k++) {
+        is_known = 1;
+        for (int n = 0; n < 8; n++) is_known &= fabs(found[n] - known[k][n]) < 2e-3;
+    }
+    if (!is_known)
+        warn(r->m, "'%s' has PRIMARIES of its own, %.60s: its colours are taken as those of sRGB; convert it", r->file->name,
+             text + strspn(text, " \t"));
+}
+
+static vxs_result read_setting(reader *r, char *line)
+{
+    static const char format[] = "32-bit_rle_rgbe";
+    for (size_t size = strlen(line); size && (line[size - 1] == ' ' || line[size - 1] == '\t'); size--) line[size - 1] = '\0';
+    if (!strncmp(line, "EXPOSURE=", 9)) return read_factors(r, line + 9, 1);
+    if (!strncmp(line, "COLORCORR=", 10)) return read_factors(r, line + 10, 3);
+    if (!strncmp(line, "PRIMARIES=", 10)) judge_primaries(r, line + 10);
+    if (strncmp(line, "FORMAT=", 7)) return VXS_OK;
+    const char *found = line + 7 + strspn(line + 7, " \t");
+    return strcmp(found, format) ? fail(r->m, VXS_E_UNSUPPORTED, "'%s' has pixels of format %s: expected %s: convert it",
+                                        r->file->name, found, format)
+                                 : VXS_OK;
 }
 
 /* "-Y 512 +X 1024": rows from the top, from left to right. */
@@ -126,7 +171,7 @@ static vxs_result put_row(const reader *r, const uint8_t (*row)[4], float *radia
 {
     for (uint32_t x = 0; x < r->wide_px; x++)
         for (int n = 0; n < 3; n++) {
-            double value = row[x][3] ? ldexp(row[x][n], row[x][3] - 136) / r->exposure : 0;
+            double value = row[x][3] ? ldexp(row[x][n], row[x][3] - 136) / r->exposure[n] : 0;
             if (!(value <= FLT_MAX)) return broken(r, VXS_E_CORRUPT, "its exposure makes pixels infinite");
             *radiance++ = (float)value;
         }
@@ -143,7 +188,7 @@ int sky_is_radiance(const sky_file *file)
 vxs_result sky_read_radiance(sky_map *map, const sky_file *file, message *m)
 {
     uint8_t    row[2 * SKY_HIGH_MAX][4];
-    reader     r      = {.file = file, .at = file->bytes, .exposure = 1, .m = m};
+    reader     r      = {.file = file, .at = file->bytes, .exposure = {1, 1, 1}, .m = m};
     vxs_result result = read_head(&r);
     if (result == VXS_OK) result = sky_map_make(map, file, r.wide_px, r.high_px, m);
     for (; r.row < r.high_px && result == VXS_OK; r.row++) {

@@ -112,7 +112,7 @@ static vxs_result read_bytes(sky_map *map, const uint8_t *bytes, size_t size, me
     return r;
 }
 
-/* Each coding gives the same floats, divided by all exposures. */
+/* Each coding gives the same floats, divided by all exposures and corrections of colours; blanks about a value are none of it. */
 static void test_radiance(void **state)
 {
     (void)state;
@@ -123,16 +123,42 @@ static void test_radiance(void **state)
     for (int c = 0; c < CODINGS; c++)
         for (int exposed = 0; exposed < 2; exposed++) {
             write_picture(&w, (coding)c,
-                          exposed ? "EXPOSURE=2\nFORMAT=32-bit_rle_rgbe\nEXPOSURE= 0.25\n" : "FORMAT=32-bit_rle_rgbe\n");
+                          exposed ? "EXPOSURE=2\nCOLORCORR= 1 2 0.5\nFORMAT= 32-bit_rle_rgbe \t\nEXPOSURE= 0.25\nCOLORCORR=1 1 4 \n"
+                                  : "FORMAT=32-bit_rle_rgbe\n");
             assert_int_equal(read_bytes(&map, w.bytes, w.size, &m), VXS_OK);
             assert_true(map.wide_px == WIDE && map.high_px == HIGH);
             for (size_t n = 0; n < 3 * PIXELS; n++) {
                 const uint8_t *p      = pixels[n / 3];
-                double         wanted = p[3] ? p[n % 3] / 256.0 * pow(2, p[3] - 128) * (exposed ? 2 : 1) : 0;
+                double         factor = exposed ? (double[]){2, 1, 1}[n % 3] : 1;
+                double         wanted = p[3] ? p[n % 3] / 256.0 * pow(2, p[3] - 128) * factor : 0;
                 assert_true((double)map.radiance[n] == wanted);
             }
             sky_map_free(&map);
         }
+}
+
+/* Colours of another space are said; those of Radiance and of sRGB, and zeros, are none. */
+static void test_primaries(void **state)
+{
+    (void)state;
+    static written w;
+    static const struct {
+        const char *text;
+        int         warns;
+    } rows[] = {{"PRIMARIES=0 0 0 0 0 0 0 0\n", 0},
+                {"PRIMARIES= 0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n", 0},
+                {"PRIMARIES=.64 .33 .3 .6 .15 .06 .3127 .329\n", 0},
+                {"PRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n", 1}};
+    for (size_t n = 0; n < sizeof rows / sizeof *rows; n++) {
+        message m;
+        sky_map map;
+        write_picture(&w, PLAIN, rows[n].text);
+        assert_int_equal(read_bytes(&map, w.bytes, w.size, &m), VXS_OK);
+        assert_int_equal(m.warning_count, rows[n].warns);
+        if (rows[n].warns) assert_non_null(strstr(m.warnings[0], "'sky' has PRIMARIES of its own, .708 .292"));
+        message_free(&m);
+        sky_map_free(&map);
+    }
 }
 
 /* Every beginning of a file is refused as one that ends early, or as no picture; what is damaged gives a picture of numbers, or a message. */
@@ -234,6 +260,8 @@ static void test_refused(void **state)
          "32-bit_rle_xyze: expected 32-bit_rle_rgbe: convert it"},
         {"#?RADIANCE\nEXPOSURE=-1\n\n-Y 4 +X 8\n", VXS_E_CORRUPT, "its exposure is no number above 0"},
         {"#?RADIANCE\nEXPOSURE=nan\n\n-Y 4 +X 8\n", VXS_E_CORRUPT, "its exposure is no number above 0"},
+        {"#?RADIANCE\nCOLORCORR=1 1\n\n-Y 4 +X 8\n", VXS_E_CORRUPT, "its COLORCORR is not three numbers above 0"},
+        {"#?RADIANCE\nCOLORCORR=1 0 1\n\n-Y 4 +X 8\n", VXS_E_CORRUPT, "its COLORCORR is not three numbers above 0"},
         {"#?RADIANCE\nEXPOSURE=1e-30\n\n-Y 1 +X 2\n\200\200\200\377\200\200\200\377", VXS_E_CORRUPT,
          "its exposure makes pixels infinite"},
         {"#?RADIANCE\n\n-Y 1 +X 2\n\1\1\1\1", VXS_E_CORRUPT, "a run is longer than its row"},
@@ -253,8 +281,8 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_radiance), cmocka_unit_test(test_damage),  cmocka_unit_test(test_long_runs),
-        cmocka_unit_test(test_png),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_radiance),  cmocka_unit_test(test_primaries), cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_long_runs), cmocka_unit_test(test_png),       cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
