@@ -83,6 +83,7 @@ typedef enum vxs_bake_exit { VXS_BAKE_EXIT_AUTO, VXS_BAKE_EXIT_PEEL, VXS_BAKE_EX
 typedef enum vxs_bake_coding { VXS_BAKE_BLOCKS, VXS_BAKE_DAG } vxs_bake_coding;
 typedef enum vxs_bake_pack { VXS_BAKE_PACK_SMALL, VXS_BAKE_PACK_FAST } vxs_bake_pack;
 typedef enum vxs_bake_skinned { VXS_BAKE_SKINNED_EXCLUDE, VXS_BAKE_SKINNED_REST } vxs_bake_skinned;
+typedef enum vxs_bake_blend { VXS_BAKE_BLEND_MASK, VXS_BAKE_BLEND_OPAQUE, VXS_BAKE_BLEND_EXCLUDE } vxs_bake_blend;
 
 /* How far a bake is. */
 typedef struct vxs_bake_progress {
@@ -151,6 +152,10 @@ typedef struct vxs_bake_options {
     vxs_bake_progress_fn *progress;
     vxs_bake_warning_fn  *warning;
     void                 *user; /* handed to both */
+
+    /* of a file's scene, since the second version of this struct: of a scene that was opened before, its own */
+    vxs_bake_blend blend;         /* materials of alphaMode BLEND: --blend */
+    int            allow_outside; /* 1: buffers and images may lie outside of the scene's folder: --allow-outside */
 } vxs_bake_options;
 
 static inline vxs_bake_options vxs_bake_defaults(void)

@@ -52,6 +52,7 @@ json_t *bake_choices_json(const bake_options *o)
     if (o->scene.exclude.count) json_set(&object, "exclude", json_texts(&o->scene.exclude));
     if (o->scene.include.count) json_set(&object, "include", json_texts(&o->scene.include));
     if (o->scene.skinned != SKINNED_EXCLUDE) set_word(&object, "skinned", SKINNED_CHOICES, o->scene.skinned);
+    if (o->scene.blend != BLEND_MASK) set_word(&object, "blend", BLEND_CHOICES, o->scene.blend);
     return object;
 }
 

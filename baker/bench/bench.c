@@ -114,6 +114,7 @@ static vxs_result compare_once(bench_work *w, const bench_job *job, double *seco
     }
     if (o->scene_name) arguments[count++] = "--scene";
     if (o->scene_name) arguments[count++] = o->scene_name;
+    if (o->allow_outside) arguments[count++] = "--allow-outside";
     arguments[count++] = "--other-scene"; /* one that changed since its bake shows by the bytes of the next */
     arguments[count++] = "--";
     arguments[count++] = job->scene_path;

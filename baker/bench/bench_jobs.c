@@ -69,7 +69,7 @@ static size_t append_all(const char **arguments, size_t count, const char *name,
 /* The command line that bakes cell `index`: what all have, its values, its scene. NULL without memory. */
 static const char **arguments_of(const bench_options *o, const char *scene_path, const children *c, size_t index)
 {
-    size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 8, count = 0;
+    size_t pairs = o->light_names.count + o->suns.count + o->exclude.count + o->include.count + 9, count = 0;
     for (int n = 0; n < BENCH_SWEEPS; n++) pairs += o->sweep_value[n].count;
     const char **all = calloc(2 * pairs, sizeof *all);
     if (!all) return NULL;
@@ -90,6 +90,7 @@ static const char **arguments_of(const bench_options *o, const char *scene_path,
             count = append_pair(all, count, o->sweep_name[n], value_alike(&o->sweep_value[n], i, index % alike));
             index /= alike;
         }
+    if (o->allow_outside) all[count++] = "--allow-outside";
     append_pair(all, count, "--", scene_path);
     return all;
 }

@@ -10,7 +10,7 @@
 
 /* Options of bake that are swept, in the order of the table of options; a cell for each combination of their values. Values for lights
  * ("sun=512") are combined with those for other lights, and with those for all ("64"). */
-enum { BENCH_SWEEPS = 13 };
+enum { BENCH_SWEEPS = 14 };
 
 typedef struct bench_options {
     text_list   scenes;
@@ -19,6 +19,7 @@ typedef struct bench_options {
     text_list   light_names, suns;         /* these, too, go to every bake; NULL or none: not given */
     text_list   exclude, include;
     const char *region, *scene_name;
+    int         allow_outside;           /* 1: likewise */
     uint32_t    filters_px[FILTERS_MAX]; /* besides single taps: as filters_take has them */
     uint32_t    filter_count;
     uint32_t    runs;

@@ -78,7 +78,7 @@ static json_t *varying_options(const json_t *result)
 /* What an option is where a cell does not name it. */
 static const char *unnamed_text(const char *name)
 {
-    return strcmp(name, "skinned") ? "-" : "exclude";
+    return !strcmp(name, "skinned") ? "exclude" : !strcmp(name, "blend") ? "mask" : "-";
 }
 
 static const char *option_text(char text[64], const json_t *cell, const char *name)

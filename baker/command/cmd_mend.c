@@ -12,6 +12,7 @@
 #include "baker/mend/mesh_repair.h"
 #include "baker/options/options.h"
 #include "baker/options/scene_rows.h"
+#include "baker/scene/light_choice.h"
 
 enum { ROWS = 30 };
 
@@ -153,6 +154,8 @@ static vxs_result run(void *command, message *m)
     vxs_result    r;
 
     if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
+    warn_about_lost_lights(&s, m);
+    if ((r = message_check(m)) != VXS_OK) goto done;
     if ((r = count_solids(c, &s, 0, m)) != VXS_OK) goto done;
     glb_find_origin(&s, origin_ws);
     if ((r = glb_round_positions(&s, origin_ws, m)) != VXS_OK) goto done; /* first, so that what is closed here is closed in the file */

@@ -212,6 +212,31 @@ static vxs_result place_camera(render_command *c, subject *s, message *m)
     return check_samples(o, m);
 }
 
+/* Why the scene's light of a name does not shine; NULL: it does, or there is none. */
+static const char *dark_text(const scene *s, const char *name)
+{
+    for (size_t n = 0; n < s->lost_light_count; n++)
+        if (!strcmp(s->lost_lights[n].name, name))
+            return s->lost_lights[n].why ? "it cannot be read" : "it is hidden (KHR_node_visibility)";
+    for (size_t n = 0; n < s->light_count; n++)
+        if (!strcmp(s->lights[n].name, name)) return s->lights[n].dark;
+    return NULL;
+}
+
+enum { DARK_SHOWN = 3 };
+
+static void warn_about_dark_lights(const subject *s, message *m)
+{
+    size_t dark = 0;
+    for (uint32_t n = 0; n < s->light_count; n++) {
+        const char *name = s->lights[n]->light.name, *why = dark_text(&s->scene, name);
+        if (why && ++dark <= DARK_SHOWN)
+            warn(m, "light '%s' is not drawn: in the scene %s; set it there, or draw others with --light", name, why);
+    }
+    if (dark > DARK_SHOWN)
+        warn(m, "%zu more lights are not drawn for such reasons; see to those above, and run again", dark - DARK_SHOWN);
+}
+
 static vxs_result load(render_command *c, subject *s, message *m)
 {
     json_t             *made = NULL;
@@ -230,6 +255,8 @@ static vxs_result load(render_command *c, subject *s, message *m)
         r = casters_none(&s->scene, m);
         goto done;
     }
+    warn_about_dark_lights(s, m);
+    if ((r = message_check(m)) != VXS_OK) goto done;
     s->box = box_of_corners(s->scene.positions_ws, s->scene.indices, 3 * s->scene.triangle_count);
     if (c->moving_path && (r = load_moving(c, s, m)) != VXS_OK) goto done;
     if (c->sky_path && (r = load_sky(c, s, m)) != VXS_OK) goto done;
@@ -258,7 +285,11 @@ static vxs_result draw_by_rays(const render_command *c, const subject *s, uint8_
     casters         casting = {0};
     truth          *t       = NULL;
     vxs_result      r       = make_truth(&t, &casting, s, o.threads, m);
-    if (r == VXS_OK) r = picture_render(rgb, &o, t, &casting, s->lights, s->light_count, m);
+    const vxs_baked_light *lights[VXS_LIGHTS_MAX];
+    uint32_t               count = 0;
+    for (uint32_t n = 0; n < s->light_count; n++)
+        if (!dark_text(&s->scene, s->lights[n]->light.name)) lights[count++] = s->lights[n];
+    if (r == VXS_OK) r = picture_render(rgb, &o, t, &casting, lights, count, m);
     truth_destroy(t);
     casters_free(&casting);
     return r;

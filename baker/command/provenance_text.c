@@ -127,6 +127,7 @@ static void print_options(FILE *to, const json_t *made)
     print_patterns(to, options, "exclude");
     print_patterns(to, options, "include");
     if (json_is_string(json_object_get(options, "skinned"))) print_word(to, options, "skinned", SKINNED_CHOICES, SKINNED_EXCLUDE);
+    if (json_is_string(json_object_get(options, "blend"))) print_word(to, options, "blend", BLEND_CHOICES, BLEND_MASK);
     json_array_foreach(lights, n, light) print_size(to, light, json_array_get(lights, 0));
     if (json_object_get(options, "region_m")) {
         fprintf(to, " --region ");

@@ -170,6 +170,7 @@ static json_t *json_light(const scene_light *light)
     if (!failed && light->shape.kind != LIGHT_DIRECTIONAL && isfinite(light->shape.range_m))
         failed = json_object_set_new(json, "range", json_real(light->shape.range_m));
     if (!failed && !is_zero(light->colour)) failed = set_colour(json, light->colour);
+    if (!failed && light->dark) failed = json_object_set_new(json, "intensity", json_real(0));
     if (!failed && light->shape.kind == LIGHT_SPOT)
         failed = json_object_set_new(json, "spot", json_pack("{s:f}", "outerConeAngle", light->shape.outer_rad));
     if (!failed) return json;

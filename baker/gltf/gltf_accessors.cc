@@ -35,16 +35,18 @@ static size_t element_bytes(int type, size_t component)
     return (size_t)tinygltf::GetNumComponentsInType((uint32_t)type) * component;
 }
 
-/* That `count` elements of `size` bytes from `offset` lie in a bufferView. Returns how far apart they are. */
+/* That `count` elements of `size` bytes from `offset` lie in a bufferView, and in what there is of its buffer. Returns how far apart they are. */
 static size_t check_extent(loader &l, const std::string &where, int index, size_t offset, size_t count, size_t size)
 {
-    if (index < 0 || (size_t)index >= l.views.size()) l.broken(where, "bufferView %d does not exist", index);
+    check_view_index(l, where, (size_t)index);
     const buffer_view &view   = l.views[index];
     size_t             stride = view.stride ? view.stride : size;
+    if (view.fault) throw view.fault;
     if (stride < size) l.broken(where, "byteStride %zu is less than its elements of %zu bytes", stride, size);
     if (offset > view.length || count > SIZE_MAX / 256 ||
         (count && (view.length - offset < size || (count - 1) > (view.length - offset - size) / stride)))
         l.broken(where, "%zu elements at byte %zu do not fit in bufferView %d of %zu bytes", count, offset, index, view.length);
+    if (count && !view.compressed.extension) check_there(l, view.buffer, view.offset + offset, (count - 1) * stride + size);
     return stride;
 }
 
@@ -54,28 +56,36 @@ size_t offset_in_buffer(const loader &l, const tinygltf::Accessor &a)
     return a.byteOffset + (view.compressed.extension ? 0 : view.offset);
 }
 
+static void check_accessor(loader &l, const tinygltf::Accessor &a, elements &e)
+{
+    auto broken = l.faults[ACCESSORS].find(l.accessors.size());
+    if (broken != l.faults[ACCESSORS].end()) throw broken->second;
+    e.component      = a.componentType;
+    e.component_size = component_bytes(a.componentType);
+    e.size = e.stride = element_bytes(a.type, e.component_size);
+    if (a.bufferView >= 0) e.stride = check_extent(l, e.label, a.bufferView, a.byteOffset, a.count, e.size);
+    if (a.sparse.isSparse && (size_t)a.sparse.count > a.count)
+        l.broken(e.label, "sparse count %d exceeds its %zu elements", a.sparse.count, a.count);
+}
+
 void check_accessors(loader &l)
 {
     for (const tinygltf::Accessor &a : l.model.accessors) {
-        elements e       = {};
-        e.label          = label("accessor", l.accessors.size(), a.name);
-        e.count          = a.count;
-        e.type           = a.type;
-        e.component      = a.componentType;
-        e.component_size = component_bytes(a.componentType);
-        e.normalized     = a.normalized;
-        if (!e.component_size) l.broken(e.label, "unknown componentType %d", a.componentType);
-        e.size = e.stride = element_bytes(a.type, e.component_size);
-        if (a.bufferView >= 0) {
-            e.stride = check_extent(l, e.label, a.bufferView, a.byteOffset, a.count, e.size);
-            if (offset_in_buffer(l, a) % e.component_size)
-                l.broken(e.label, "byte %zu of its buffer is not a multiple of its components' %zu bytes", offset_in_buffer(l, a),
-                         e.component_size);
-        }
-        if (a.sparse.isSparse && (size_t)a.sparse.count > a.count)
-            l.broken(e.label, "sparse count %d exceeds its %zu elements", a.sparse.count, a.count);
+        elements e   = {};
+        e.label      = label("accessor", l.accessors.size(), a.name);
+        e.count      = a.count;
+        e.type       = a.type;
+        e.normalized = a.normalized;
+        e.fault      = caught([&] { check_accessor(l, a, e); });
         l.accessors.push_back(std::move(e));
     }
+}
+
+const elements &sound_accessor(loader &l, const std::string &where, const char *what, int index)
+{
+    if (index < 0 || (size_t)index >= l.accessors.size()) l.broken(where, "%s accessor %d does not exist", what, index);
+    if (l.accessors[index].fault) throw l.accessors[index].fault;
+    return l.accessors[index];
 }
 
 double elements::value(size_t i, size_t k) const
@@ -99,7 +109,7 @@ static elements view_elements(loader &l, const std::string &where, int view, int
     elements e = {};
     e.size     = size;
     e.stride   = check_extent(l, where, view, (size_t)offset, count, size);
-    e.data     = view_bytes(l, view) + offset;
+    e.data     = view_bytes(l, (size_t)view) + offset;
     return e;
 }
 
@@ -123,7 +133,7 @@ static void overlay_sparse(loader &l, const tinygltf::Accessor &a, elements &e)
 
 static void make_dense(loader &l, const tinygltf::Accessor &a, elements &e)
 {
-    if (e.count > l.dense_left) l.unsupported(e.label, "sparse accessors would hold more than %zu elements", DENSE_MAX);
+    if (e.count > l.dense_left) l.refused(e.label, "sparse accessors would hold more than %zu elements", DENSE_MAX);
     l.dense_left -= e.count;
     l.need(e.count * e.size, e.label);
     e.dense.resize(e.count * e.size);
@@ -137,6 +147,7 @@ const elements &use_accessor(loader &l, size_t index)
 {
     elements                 &e = l.accessors[index];
     const tinygltf::Accessor &a = l.model.accessors[index];
+    if (e.fault) throw e.fault;
     if (e.ready) return e;
     if (a.bufferView >= 0) e.data = view_bytes(l, a.bufferView) + a.byteOffset;
     if (a.sparse.isSparse || a.bufferView < 0) make_dense(l, a, e);
@@ -144,9 +155,11 @@ const elements &use_accessor(loader &l, size_t index)
     return e;
 }
 
-void check_index_values(loader &l, const elements &e, size_t vertices)
+/* The largest value of a type restarts strips and fans; in lists of triangles it is a vertex like others, where there is one. */
+void check_index_values(loader &l, const elements &e, size_t vertices, bool restarts)
 {
-    size_t limit = std::min(vertices, e.size == 4 ? (size_t)UINT32_MAX : ((size_t)1 << 8 * e.size) - 1);
+    size_t largest = e.size == 4 ? (size_t)UINT32_MAX : ((size_t)1 << 8 * e.size) - 1;
+    size_t limit   = restarts ? std::min(vertices, largest) : vertices;
     size_t below = e.indices_below, bad = 0;
     if (!below)
         for (size_t i = 0; i < e.count; i++) below = std::max(below, (size_t)e.index(i) + 1);

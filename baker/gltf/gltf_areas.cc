@@ -102,7 +102,8 @@ static bool find_corner_uvs(loader &l, const placement &p, const texture_place &
 {
     int accessor = attribute(p.primitive->attributes, "TEXCOORD_" + std::to_string(place.uv_set));
     if (p.draco || accessor < 0) return false;
-    const elements &e = use_accessor(l, accessor);
+    sound_accessor(l, "", "texture coordinate", accessor);
+    const elements &e = use_accessor(l, (size_t)accessor);
     const double   *t = place.transform;
     if (e.type != TINYGLTF_TYPE_VEC2 || e.count != p.positions->count) return false;
     for (int n = 0; n < 4; n++) {
@@ -130,14 +131,14 @@ static bool add_texture(loader &l, const std::string &where, const json &object,
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
 
-void append_area(loader &l, const placement &p, size_t first)
+void append_area(loader &l, const placement &p, size_t first, size_t count)
 {
     const material &m = *p.material;
     scene          *s = l.s;
     quad            q = {};
     if (!(m.radiance[0] > 0 || m.radiance[1] > 0 || m.radiance[2] > 0)) return;
-    if (p.triangles != 2 || !quad_of(l, p, first, q) || !is_parallelogram(q.corner)) {
-        s->dim_count += p.triangles;
+    if (p.triangles != 2 || count != 2 || !quad_of(l, p, first, q) || !is_parallelogram(q.corner)) {
+        s->dim_count += count;
         return;
     }
     if (!array_reserve(&s->areas, &l.area_capacity, s->area_count + 1, sizeof *s->areas)) throw std::bad_alloc();
@@ -150,12 +151,14 @@ void append_area(loader &l, const placement &p, size_t first)
     vec3_sub(q.corner[3], q.corner[0], area.up_ws);
     s->area_count++;
 
-    std::string where = label("material", l.materials, p.primitive->material);
-    if (add_texture(l, where, items(l.rest, "materials")[p.primitive->material], p, q, area)) return;
-    warn(l.m,
-         "%s: its emissiveTexture is not read: it shines as if it were grey; store it as PNG or WebP, and give it texture "
-         "coordinates",
-         where.c_str());
+    std::string where = label("material", l.materials, (size_t)p.primitive->material);
+    bool        read  = false;
+    failure     f =
+        caught([&] { read = add_texture(l, where, items(l.rest, "materials")[(size_t)p.primitive->material], p, q, area); });
+    if (read) return;
+    take_note(l, cost::MATERIAL, (size_t)p.primitive->material, where,
+              std::string("its emissiveTexture is not read") + (f ? " (" + f.text + ")" : "") + ": it shines as if it were grey",
+              "store it as PNG or WebP, and give it texture coordinates");
     for (float &c : area.radiance) c = (float)(GREY * (double)c);
 }
 

@@ -112,11 +112,10 @@ static draco_primitive decode(loader &l, const std::string &where, const tinyglt
 {
     const tinygltf::Value &e    = p.extensions.at(NAME);
     size_t                 view = (size_t)e.Get("bufferView").GetNumberAsInt();
-    check_view_index(l, where + " " + NAME, view);
+    const char            *from = (const char *)whole_view(l, where + " " + NAME, view);
     if (p.mode != TINYGLTF_MODE_TRIANGLES || p.indices < 0)
         l.unsupported(where, "%s data is read for indexed triangles only", NAME);
 
-    const char     *from    = (const char *)view_bytes(l, view);
     const elements &indices = l.accessors[p.indices];
     size_t          size    = l.views[view].length;
     uint32_t        triangles;
@@ -134,10 +133,14 @@ static draco_primitive decode(loader &l, const std::string &where, const tinyglt
     if (mesh.value()->num_faces() != triangles) l.broken(where, "its %s data is incomplete", NAME);
 
     draco_primitive out    = {{}, copy_indices(*mesh.value(), indices)};
-    bool            masked = p.material >= 0 && l.materials[p.material].masked;
+    bool            masked = p.material >= 0 && l.materials[p.material].mode != alpha_mode::SOLID;
     for (const auto &[name, accessor] : p.attributes) {
-        bool is_alpha = name.rfind("TEXCOORD_", 0) == 0 || name == "COLOR_0";
-        if (name == "POSITION" || (masked && is_alpha && e.Get("attributes").Has(name)))
+        bool is_alpha = name.rfind("TEXCOORD_", 0) == 0 || name == "COLOR_0",
+             is_skin  = name.rfind("JOINTS_", 0) == 0 || name.rfind("WEIGHTS_", 0) == 0;
+        bool is_read  = (masked && is_alpha) || (is_skin && l.choice->skinned == SKINNED_REST);
+        if ((size_t)accessor >= l.accessors.size() || l.accessors[accessor].fault)
+            continue; /* of none that is needed without a word */
+        if (name == "POSITION" || (is_read && e.Get("attributes").Has(name)))
             out.attributes[name] = copy_attribute(l, where, *mesh.value(), e.Get("attributes"), name, l.accessors[accessor]);
     }
     return out;

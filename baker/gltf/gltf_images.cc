@@ -33,6 +33,7 @@ static image_alpha alpha_of(const image_colours &image)
     out.width_px    = image.width_px;
     out.height_px   = image.height_px;
     out.least = out.most = 255;
+    out.has_alpha        = image.has_alpha;
     if (image.rgba.empty()) return out;
     out.alpha.resize(image.rgba.size() / 4);
     for (size_t i = 0; i < out.alpha.size(); i++) out.alpha[i] = image.rgba[4 * i + 3];
@@ -56,6 +57,7 @@ static void decode_png(loader &l, const std::string &where, const unsigned char 
     check_pixels(l, where, (int)std::min(png.image.width, (png_uint_32)INT32_MAX),
                  (int)std::min(png.image.height, (png_uint_32)INT32_MAX), out);
 
+    out.has_alpha    = png.image.format & PNG_FORMAT_FLAG_ALPHA;
     png.image.format = PNG_FORMAT_RGBA;
     out.rgba.resize(4 * (size_t)out.width_px * out.height_px);
     if (!png_image_finish_read(&png.image, nullptr, out.rgba.data(), 0, nullptr))
@@ -68,9 +70,34 @@ static void decode_webp(loader &l, const std::string &where, const unsigned char
     if (WebPGetFeatures(from, size, &features) != VP8_STATUS_OK) l.broken(where, "broken WebP");
     if (features.has_animation) l.unsupported(where, "an animated WebP");
     check_pixels(l, where, features.width, features.height, out);
+    out.has_alpha = features.has_alpha;
 
     out.rgba.resize(4 * (size_t)out.width_px * out.height_px);
     if (!WebPDecodeRGBAInto(from, size, out.rgba.data(), out.rgba.size(), 4 * features.width)) l.broken(where, "broken WebP");
+}
+
+/* The format of an image that is not read; NULL: it is unknown. */
+static const char *other_format(const unsigned char *from, size_t size)
+{
+    static const struct {
+        const char *magic, *name;
+        size_t      at;
+    } formats[] = {{"\xabKTX", "KTX", 0},
+                   {"DDS ", "DDS", 0},
+                   {"BM", "BMP", 0},
+                   {"GIF8", "GIF", 0},
+                   {"ftypavif", "AVIF", 4},
+                   {"ftyphei", "HEIF", 4},
+                   {"\x76\x2f\x31\x01", "OpenEXR", 0},
+                   {"#?", "Radiance", 0},
+                   {"II*", "TIFF", 0},
+                   {"MM", "TIFF", 0},
+                   {"8BPS", "Photoshop", 0},
+                   {"version https://git-lfs", "a Git LFS pointer (git lfs pull)", 0},
+                   {"sB", "basis", 0}};
+    for (const auto &f : formats)
+        if (size >= f.at + strlen(f.magic) && !memcmp(from + f.at, f.magic, strlen(f.magic))) return f.name;
+    return nullptr;
 }
 
 static void decode(loader &l, const std::string &where, const unsigned char *from, size_t size, image_colours &out)
@@ -80,8 +107,9 @@ static void decode(loader &l, const std::string &where, const unsigned char *fro
     };
     if (begins("\x89PNG", 4, 0)) return decode_png(l, where, from, size, out);
     if (begins("RIFF", 4, 0) && begins("WEBP", 4, 8)) return decode_webp(l, where, from, size, out);
-    if (begins("\xabKTX", 4, 0)) l.unsupported(where, "KTX images are not read");
-    if (!begins("\xff\xd8\xff", 3, 0)) l.unsupported(where, "not a PNG, JPEG or WebP");
+    const char *other = other_format(from, size);
+    if (!begins("\xff\xd8\xff", 3, 0))
+        l.unsupported(where, "not a PNG, JPEG or WebP%s%s", other ? ", but " : "", other ? other : "");
     /* a JPEG is opaque, if it is there from its first marker to its last */
     if (!memmem(from, size, "\xff\xd9", 2)) l.broken(where, "broken JPEG: it has no end");
 }
@@ -90,20 +118,13 @@ static void read_image(loader &l, const std::string &where, const json &object, 
 {
     check_shape(l, where, object, {{"uri", is::text}, {"bufferView", is::index}});
     if (object.contains("bufferView")) {
-        size_t view = object["bufferView"];
-        check_view_index(l, where, view);
-        return decode(l, where, view_bytes(l, view), l.views[view].length, out);
+        size_t               view  = object["bufferView"];
+        const unsigned char *bytes = whole_view(l, where, view);
+        return decode(l, where, bytes, l.views[view].length, out);
     }
     std::string uri = object.value("uri", "");
-    file_bytes  owned;
     if (uri.empty()) l.error(VXS_E_SCENE, "%s has neither a uri nor a bufferView", where.c_str());
-    if (uri.rfind("data:", 0) == 0) {
-        size_t comma = uri.find(";base64,");
-        if (comma == std::string::npos || !decode_base64(uri.substr(comma + 8), owned))
-            l.broken(where, "'%.40s' is not a base64 data URI", uri.c_str());
-    } else {
-        owned = read_beside(l, where, uri, IMAGE_BYTES_MAX);
-    }
+    file_bytes owned = is_data(uri) ? data_of(l, where, uri) : read_beside(l, where, uri, IMAGE_BYTES_MAX);
     decode(l, where, owned.data(), owned.size(), out);
 }
 
@@ -118,7 +139,7 @@ static image_colours colours_of(loader &l, size_t index)
     const json   &object = items(l.rest, "images")[index];
     std::string   name   = text_member(object, "name", text_member(object, "uri", ""));
     image_colours image  = {};
-    read_image(l, label("image", index, name.rfind("data:", 0) == 0 ? "" : name), object, image);
+    read_image(l, label("image", index, is_data(name) ? "" : name), object, image);
     return image;
 }
 

@@ -1,13 +1,16 @@
 /* Shape of the JSON: all that is read here has the type that the specification gives it.
  *
  * tinygltf reads leniently: a property of the wrong type counts as absent, and a primitive that it cannot parse is dropped. A baker
- * must not bake something else than the file holds, so the tables below list all that is read, and it is checked first.
+ * must not bake something else than the file holds, so the tables below list all that is read, and it is checked first. What is wrong
+ * with an item of a list is a fault of that item; in its place an empty one is handed on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/gltf/gltf_loader.h"
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 #include <set>
+#include <strings.h>
 
 namespace gltf
 {
@@ -29,8 +32,6 @@ static constexpr shape mesh_shape = {
 static constexpr shape primitive_shape = {
     {"attributes", is::index_map, true}, {"indices", is::index}, {"material", is::index}, {"mode", is::index},
     {"targets", is::objects}, {"extensions", is::extensions}};
-static constexpr shape material_shape = {
-    {"name", is::text}, {"alphaMode", is::text}, {"doubleSided", is::flag}};
 static constexpr shape accessor_shape = {
     {"bufferView", is::index}, {"byteOffset", is::size}, {"componentType", is::index, true}, {"count", is::size, true},
     {"type", is::text, true}, {"normalized", is::flag}, {"sparse", is::object}};
@@ -46,13 +47,15 @@ static constexpr shape buffer_view_shape = {
 static constexpr shape buffer_shape = {
     {"byteLength", is::size, true}, {"uri", is::text}, {"extensions", is::extensions}};
 static constexpr shape skin_shape = {
-    {"name", is::text}, {"joints", is::indices, true}};
+    {"joints", is::indices, true}, {"inverseBindMatrices", is::index}};
 static constexpr shape draco_shape = {
     {"bufferView", is::index, true}, {"attributes", is::index_map, true}};
 static constexpr shape instancing_shape = {
     {"attributes", is::index_map, true}};
 static constexpr shape light_use_shape = {
     {"light", is::index, true}};
+static constexpr shape visibility_shape = {
+    {"visible", is::flag}};
 /* clang-format on */
 
 static bool is_index(const json &value)
@@ -101,15 +104,18 @@ static const char *expected_instead(const json &value, is kind)
     return nullptr;
 }
 
+static void check_member(loader &l, const std::string &where, const json &object, const property &p)
+{
+    auto found = object.find(p.name);
+    if (found == object.end() && !p.required) return;
+    if (found == object.end()) l.broken(where, "'%s' is missing", p.name);
+    if (const char *instead = expected_instead(*found, p.kind)) l.broken(where, "'%s' is not %s", p.name, instead);
+    if (p.count && found->size() != p.count) l.broken(where, "'%s' is not %zu numbers", p.name, p.count);
+}
+
 void check_shape(loader &l, const std::string &where, const json &object, const shape &expected)
 {
-    for (const property &p : expected) {
-        auto found = object.find(p.name);
-        if (found == object.end() && !p.required) continue;
-        if (found == object.end()) l.broken(where, "'%s' is missing", p.name);
-        if (const char *instead = expected_instead(*found, p.kind)) l.broken(where, "'%s' is not %s", p.name, instead);
-        if (p.count && found->size() != p.count) l.broken(where, "'%s' is not %zu numbers", p.name, p.count);
-    }
+    for (const property &p : expected) check_member(l, where, object, p);
 }
 
 const json *check_extension(loader &l, const std::string &where, const json &object, const char *name, const shape &expected)
@@ -133,10 +139,41 @@ const json *extension(const json &object, const char *name)
     return found == extensions.end() ? nullptr : &*found;
 }
 
-void check_list(loader &l, const json &root, const char *list, const char *item_name, const shape &expected)
+/* A member that is a text; "" where there is none. */
+static std::string text_of(const json &object, const char *name)
 {
-    size_t index = 0;
-    for (const json &item : items(root, list)) check_shape(l, label(item_name, index++), item, expected);
+    auto found = object.find(name);
+    return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+/* A name is for people alone: one that is no text is none. */
+static std::string take_name(json &object)
+{
+    if (object.contains("name") && !object["name"].is_string()) object.erase("name");
+    return text_of(object, "name");
+}
+
+/* A tileset of 3D Tiles is JSON with an asset, too. */
+static void refuse_tileset(loader &l, const json &root)
+{
+    if (root.contains("geometricError") && root.contains("root"))
+        l.refused("", "is a tileset of 3D Tiles: give the glTF files that it refers to, one by one");
+}
+
+/* "2.0", and what writers make of it: 2.0 and 2, as a number or a text. */
+static bool read_version(const json &value, unsigned *major, unsigned *minor)
+{
+    char end;
+    *minor = 0;
+    if (value.is_number()) {
+        double number = value.get<double>();
+        if (!(number >= 0 && number < 1000)) return false;
+        *major = (unsigned)number;
+        *minor = (unsigned)std::lround(10 * (number - *major));
+        return true;
+    }
+    const char *text = value.is_string() ? value.get_ref<const std::string &>().c_str() : "";
+    return sscanf(text, "%u.%u", major, minor) == 2 || sscanf(text, "%u%c", major, &end) == 1;
 }
 
 static void check_version(loader &l, const json &root)
@@ -148,79 +185,168 @@ static void check_version(loader &l, const json &root)
         unsigned major, minor;
         bool     is_least = !strcmp(name, "minVersion");
         if (found == asset->end() && is_least) continue;
-        if (found == asset->end() || !found->is_string() ||
-            sscanf(found->get_ref<const std::string &>().c_str(), "%u.%u", &major, &minor) != 2)
+        if (found == asset->end() || !read_version(*found, &major, &minor))
             l.broken("", "asset.%s: expected a text like \"2.0\"", name);
-        if (major != 2 || (minor && is_least)) l.unsupported("", "asset.%s is %u.%u, expected 2.0", name, major, minor);
+        if (major != 2 || (minor && is_least))
+            l.refused("", "asset.%s is %u.%u, expected 2.0%s", name, major, minor,
+                      major < 2 ? ": glTF 1.0 is another format; convert it with gltf-pipeline, or export it again" : "");
     }
 }
 
-/* Extensions that are read, and those that may be required because they change no shadow: how surfaces and images look. */
-static bool extension_known(const std::string &name)
-{
-    /* clang-format off */
-    static const std::set<std::string> known = {
-        "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_lights_punctual",
-        "KHR_mesh_quantization", "KHR_meshopt_compression", "KHR_texture_transform", "EXT_texture_webp",
-        "KHR_materials_pbrSpecularGlossiness", "KHR_materials_variants",
+/* ---- items of lists ---- */
 
-        "EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds", "KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld",
-        "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_common", "KHR_materials_diffuse_transmission",
-        "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
-        "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
-        "KHR_materials_volume"};
-    /* clang-format on */
-    return known.count(name) != 0;
+static const char export_again[] = "export it again";
+
+/* A member that is not in shape is taken out.   Returns its fault. */
+static failure take_out(loader &l, const std::string &where, json &object, const property &p)
+{
+    failure f = fault_of([&] { check_member(l, where, object, p); });
+    if (f) object.erase(p.name);
+    return f;
 }
 
-static void check_required_extensions(loader &l, const json &root)
+/* The members of an extension that is not in shape; it is taken out then. */
+static failure take_out_extension(loader &l, const std::string &where, json &object, const char *name, const shape &expected)
 {
-    for (const json &name : items(root, "extensionsRequired"))
-        if (!extension_known(name)) l.unsupported("", "requires the extension %s", name.get<std::string>().c_str());
+    failure f = fault_of([&] { check_extension(l, where, object, name, expected); });
+    if (f) object["extensions"].erase(name);
+    return f;
 }
 
-static void check_nodes(loader &l, const json &root)
+/* What the file says of where a node is has to be sound, or nothing below it can be placed; all else costs itself. */
+static void check_node(loader &l, json &node, size_t index)
 {
-    size_t index = 0;
-    for (const json &node : items(root, "nodes")) {
-        std::string where = label("node", index++);
-        if (node.contains("matrix") && (node.contains("translation") || node.contains("rotation") || node.contains("scale")))
-            l.error(VXS_E_SCENE, "%s has both a matrix and translation, rotation or scale", where.c_str());
-        check_extension(l, where, node, "KHR_lights_punctual", light_use_shape);
-        check_extension(l, where, node, "EXT_mesh_gpu_instancing", instancing_shape);
+    node_state &state = l.nodes[index];
+    std::string where = label("node", index, take_name(node));
+    for (const property &p : node_shape) {
+        failure f     = take_out(l, where, node, p);
+        bool    moves = p.kind == is::numbers && strcmp(p.name, "weights") != 0;
+        if (f && moves && !state.fault)
+            state.fault = f;
+        else if (f && !moves)
+            take_fault(l, cost::REFERENCE, 16 * index + (size_t)(&p - node_shape.begin()), where, f, export_again);
     }
-}
-
-static void check_accessor_members(loader &l, const json &root)
-{
-    size_t index = 0;
-    for (const json &accessor : items(root, "accessors")) {
-        std::string where  = label("accessor", index++);
-        auto        sparse = accessor.find("sparse");
-        if (accessor.contains("byteOffset") && !accessor.contains("bufferView"))
-            l.broken(where, "a byteOffset without a bufferView");
-        if (sparse == accessor.end()) continue;
-        check_shape(l, where + " sparse", *sparse, sparse_shape);
-        check_shape(l, where + " sparse indices", (*sparse)["indices"], sparse_indices_shape);
-        check_shape(l, where + " sparse values", (*sparse)["values"], sparse_values_shape);
+    if (node.contains("matrix") && (node.contains("translation") || node.contains("rotation") || node.contains("scale"))) {
+        take_note(l, cost::TREE, index, where, "has both a matrix and translation, rotation or scale: the matrix counts",
+                  export_again);
+        for (const char *name : {"translation", "rotation", "scale"}) node.erase(name);
     }
+    state.light      = take_out_extension(l, where, node, "KHR_lights_punctual", light_use_shape).text;
+    state.instancing = take_out_extension(l, where, node, "EXT_mesh_gpu_instancing", instancing_shape);
+    if (failure f = take_out_extension(l, where, node, "KHR_node_visibility", visibility_shape))
+        take_note(l, cost::TREE, index, where, f.text.substr(f.text.find("KHR_node")) + ": taken as visible", export_again);
+    const json *visibility = extension(node, "KHR_node_visibility");
+    state.hidden           = visibility && visibility->value("visible", true) == false;
 }
 
-static void check_primitives(loader &l, const json &root)
+/* The type that tinygltf knows, and a component that this loader does. */
+static void check_accessor(loader &l, const std::string &where, const json &accessor)
 {
-    size_t mesh_index = 0;
-    for (const json &mesh : items(root, "meshes")) {
-        std::string mesh_label = label("mesh", mesh_index++);
-        size_t      index      = 0;
-        for (const json &primitive : mesh["primitives"]) {
-            std::string where = mesh_label + " " + label("primitive", index++);
-            check_shape(l, where, primitive, primitive_shape);
-            check_extension(l, where, primitive, "KHR_draco_mesh_compression", draco_shape);
-            for (const json &target : items(primitive, "targets"))
-                if (!all(target, is_index)) l.broken(where, "a morph target's attribute is not an index");
+    static const std::set<std::string> types = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
+    check_shape(l, where, accessor, accessor_shape);
+    std::string type = accessor["type"];
+    if (!types.count(type)) l.broken(where, "unknown type '%.40s'", type.c_str());
+    if (!component_bytes(accessor["componentType"]))
+        l.broken(where, "unknown componentType %d", accessor["componentType"].get<int>());
+    if (accessor.contains("byteOffset") && !accessor.contains("bufferView")) l.broken(where, "a byteOffset without a bufferView");
+    auto sparse = accessor.find("sparse");
+    if (sparse == accessor.end()) return;
+    check_shape(l, where + " sparse", *sparse, sparse_shape);
+    check_shape(l, where + " sparse indices", (*sparse)["indices"], sparse_indices_shape);
+    check_shape(l, where + " sparse values", (*sparse)["values"], sparse_values_shape);
+}
+
+static void check_primitive(loader &l, const std::string &where, const json &primitive)
+{
+    check_shape(l, where, primitive, primitive_shape);
+    check_extension(l, where, primitive, "KHR_draco_mesh_compression", draco_shape);
+    for (const json &target : items(primitive, "targets"))
+        if (!all(target, is_index)) l.broken(where, "a morph target's attribute is not an index");
+}
+
+static void check_mesh(loader &l, json &mesh, size_t index)
+{
+    std::string where    = label("mesh", index, take_name(mesh));
+    l.mesh_faults[index] = fault_of([&] { check_shape(l, where, mesh, mesh_shape); });
+    if (!l.mesh_faults[index]) l.mesh_faults.erase(index);
+    if (l.mesh_faults.count(index)) mesh["primitives"] = json::array(), mesh.erase("weights");
+    for (size_t i = 0; i < mesh["primitives"].size(); i++) {
+        json &primitive = mesh["primitives"][i];
+        if (failure f = fault_of([&] { check_primitive(l, where + " " + label("primitive", i), primitive); })) {
+            json instead = {{"attributes", json::object()}};
+            if (primitive.contains("material") && is_index(primitive["material"]))
+                instead["material"] = primitive["material"]; /* patterns may name it */
+            l.primitive_faults[{index, i}] = f;
+            primitive                      = instead;
         }
     }
 }
+
+/* Items that are looked up by number. */
+template <typename function>
+static void check_items(loader &l, json &root, list which, const char *name, const json &instead, function &&check)
+{
+    static const char *const lists[LISTS] = {"scenes", "accessors", "bufferViews", "buffers", "skins"};
+    for (size_t i = 0; i < items(root, lists[which]).size(); i++) {
+        json &item = root[lists[which]][i];
+        take_name(item);
+        if (failure f = fault_of([&] { check(label(name, i), item); })) {
+            l.faults[which][i] = f;
+            item               = instead;
+        }
+    }
+}
+
+static void check_lists(loader &l, json &root)
+{
+    auto by = [&l](const shape &expected) {
+        return [&l, &expected](const std::string &where, const json &item) { check_shape(l, where, item, expected); };
+    };
+    check_items(l, root, SCENES, "scene", json::object(), by(scene_shape));
+    check_items(l, root, ACCESSORS, "accessor", {{"componentType", 5126}, {"count", 0}, {"type", "SCALAR"}},
+                [&l](const std::string &where, const json &item) { check_accessor(l, where, item); });
+    check_items(l, root, VIEWS, "bufferView", json::object(), by(buffer_view_shape));
+    check_items(l, root, BUFFERS, "buffer", json::object(), by(buffer_shape));
+    check_items(l, root, SKINS, "skin", json::object(), by(skin_shape));
+    l.nodes.resize(items(root, "nodes").size());
+    for (size_t i = 0; i < l.nodes.size(); i++) check_node(l, root["nodes"][i], i);
+    for (size_t i = 0; i < items(root, "meshes").size(); i++) check_mesh(l, root["meshes"][i], i);
+    for (size_t i = 0; i < items(root, "materials").size(); i++) take_name(root["materials"][i]);
+}
+
+static json trimmed(json &object, const shape &kept)
+{
+    json out = json::object();
+    for (const property &p : kept) {
+        auto found = object.find(p.name);
+        if (found != object.end()) out[p.name] = std::move(*found);
+    }
+    return out;
+}
+
+json take_model(json &root)
+{
+    static const struct {
+        const char  *name;
+        const shape &kept;
+    } lists[]  = {{"scenes", scene_shape}, {"nodes", node_shape}, {"meshes", mesh_shape}, {"accessors", accessor_shape}};
+    json model = json::object();
+    for (const char *name : {"asset", "scene"})
+        if (root.contains(name)) model[name] = std::move(root[name]);
+    model["asset"]["version"] = "2.0"; /* as it is, where it is written as a number */
+    for (const auto &list : lists) {
+        if (!root.contains(list.name)) continue;
+        json &to = model[list.name] = json::array();
+        for (json &item : root[list.name]) to.push_back(trimmed(item, list.kept));
+        root.erase(list.name);
+    }
+    for (json &mesh : model.contains("meshes") ? model["meshes"] : model["none"])
+        for (json &primitive : mesh["primitives"]) primitive = trimmed(primitive, primitive_shape);
+    model.erase("none");
+    return model;
+}
+
+/* ---- the text ---- */
 
 /* What a text is made of. */
 struct text_counts {
@@ -252,32 +378,113 @@ static text_counts count_text(const container &c)
 /* What a text becomes, with the model that tinygltf makes of it: measured with long lists of nodes and with data URIs. */
 constexpr uint64_t JSON_VALUE_BYTES = 150, JSON_TEXT_BYTES = 3;
 
+/* What printf and scripts write of numbers that JSON has not: NaN, -Infinity, inf, -nan(ind), 1.#QNAN, and 1e999. */
+static bool is_no_number(const std::string &token)
+{
+    if (token == "true" || token == "false" || token == "null") return false;
+    char  *end;
+    double number = strtod(token.c_str(), &end); /* which knows their words */
+    return end != token.c_str() && (*end == '#' || *end == '(' || (!*end && !std::isfinite(number)));
+}
+
+/* A text with null in the place of such numbers: what needs one will say so. Returns how many there are. */
+static size_t replace_no_numbers(const container &c, std::string &text)
+{
+    static const char token_of[] = "+-.#()0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+    size_t            count      = 0;
+    for (size_t i = 0; i < c.text_size;) {
+        size_t begin = i;
+        if (c.text[i] == '"') {
+            for (i++; i < c.text_size && c.text[i] != '"'; i++) i += c.text[i] == '\\';
+            i = std::min(i + 1, c.text_size);
+            text.append(c.text + begin, i - begin);
+            continue;
+        }
+        while (i < c.text_size && c.text[i] && strchr(token_of, c.text[i])) i++;
+        if (i == begin) {
+            text += c.text[i++];
+            continue;
+        }
+        std::string token(c.text + begin, i - begin);
+        bool        bad = is_no_number(token);
+        text += bad ? "null" : token;
+        count += bad;
+    }
+    return count;
+}
+
+/* Bytes that are no UTF-8, as the Latin-1 that older exporters of Western Europe write: names are in the text, and not much else. Returns how many. */
+static size_t replace_latin1(std::string &text)
+{
+    std::string out;
+    size_t      count = 0;
+    for (size_t i = 0, size; i < text.size(); i += size) {
+        uint32_t      code;
+        unsigned char byte = (unsigned char)text[i];
+        size               = utf8_letter(text.c_str() + i, &code);
+        if (size) {
+            out.append(text, i, size);
+            continue;
+        }
+        out += (char)(0xc0 | byte >> 6);
+        out += (char)(0x80 | (byte & 0x3f));
+        size = 1;
+        count++;
+    }
+    text = std::move(out);
+    return count;
+}
+
+static json parse_text(loader &l, const container &c)
+{
+    try {
+        return json::parse(c.text, c.text + c.text_size);
+    } catch (const json::exception &) {
+        std::string text;
+        size_t      numbers = replace_no_numbers(c, text), letters = replace_latin1(text);
+        if (!numbers && !letters) throw;
+        json root = json::parse(text);
+        if (numbers)
+            take_note(l, cost::NUMBERS, 0, "JSON",
+                      std::to_string(numbers) +
+                          " numbers are NaN or infinite, which JSON has not: what needs one of them is left out",
+                      "export it again without them");
+        if (letters)
+            take_note(l, cost::NUMBERS, 1, "JSON", std::to_string(letters) + " bytes are no UTF-8: taken as Latin-1",
+                      "save it as UTF-8");
+        return root;
+    }
+}
+
+/* Some languages write every number with a fraction: 24.0 counts as 24, where an integer is expected, too. */
+static void take_whole_numbers(json &value)
+{
+    if (value.is_structured())
+        for (json &item : value) take_whole_numbers(item);
+    if (!value.is_number_float()) return;
+    double number = value.get<double>();
+    if (number < 9e15 && number == std::floor(number) && !std::signbit(number)) value = (uint64_t)number;
+}
+
 json parse_json(loader &l, const container &c)
 {
     text_counts counts = count_text(c);
     if (counts.deepest > JSON_DEPTH_MAX) l.broken("", "its JSON is nested too deeply");
     l.need(JSON_VALUE_BYTES * counts.values + JSON_TEXT_BYTES * c.text_size,
            "JSON of " + std::to_string(counts.values) + " values in " + std::to_string(c.text_size) + " bytes");
-    return json::parse(c.text, c.text + c.text_size);
+    json root = parse_text(l, c);
+    take_whole_numbers(root);
+    return root;
 }
 
-void check_json(loader &l, const json &root)
+void check_json(loader &l, json &root)
 {
     if (!root.is_object()) l.broken("", "its JSON is not an object");
+    refuse_tileset(l, root);
     check_version(l, root);
     check_shape(l, "glTF", root, root_shape);
-    check_required_extensions(l, root);
-    check_list(l, root, "scenes", "scene", scene_shape);
-    check_list(l, root, "nodes", "node", node_shape);
-    check_list(l, root, "meshes", "mesh", mesh_shape);
-    check_list(l, root, "materials", "material", material_shape);
-    check_list(l, root, "accessors", "accessor", accessor_shape);
-    check_list(l, root, "bufferViews", "bufferView", buffer_view_shape);
-    check_list(l, root, "buffers", "buffer", buffer_shape);
-    check_list(l, root, "skins", "skin", skin_shape);
-    check_nodes(l, root);
-    check_accessor_members(l, root);
-    check_primitives(l, root);
+    check_extensions(l, root);
+    check_lists(l, root);
 }
 
 } // namespace gltf

@@ -36,6 +36,7 @@ static void check_compressed_view(loader &l, const std::string &where, size_t le
         l.broken(where, "%zu elements of %zu bytes, in a bufferView of %zu bytes", c.count, c.stride, length);
 
     if (c.buffer >= l.buffers.size()) l.broken(where, "buffer %zu does not exist", c.buffer);
+    if (!l.buffers[c.buffer].data && l.buffers[c.buffer].fault) throw l.buffers[c.buffer].fault;
     if (!l.buffers[c.buffer].data) l.broken(where, "buffer %zu holds nothing but a fallback", c.buffer);
     check_in_buffer(l, where, c.length, c.offset, c.buffer);
     if (length / RATIO_MAX > c.length) l.broken(where, "%zu bytes cannot hold %zu", c.length, length);
@@ -71,7 +72,7 @@ void decode_view(loader &l, size_t index)
     const compressed_view &c     = v.compressed;
     std::string            where = label("bufferView", index) + " " + c.extension;
     const unsigned char   *from  = l.buffers[c.buffer].data + c.offset;
-    if (v.length > l.decoded_left) l.unsupported(where, "compressed bufferViews would hold more than %zu bytes", DECODED_MAX);
+    if (v.length > l.decoded_left) l.refused(where, "compressed bufferViews would hold more than %zu bytes", DECODED_MAX);
     if (c.filter == "COLOR") l.unsupported(where, "filter COLOR is not read");
     if (c.mode == "ATTRIBUTES" && from[0] == 0xa1) l.unsupported(where, "version 1 of the vertex codec is not read");
 

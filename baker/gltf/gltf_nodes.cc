@@ -39,14 +39,22 @@ bool is_mirrored(const transform &t)
     return volume_scale(t) < 0;
 }
 
-static transform node_transform(loader &l, size_t index)
+/* A matrix by rows, as some exporters write it, has the translation where the last row should be. */
+static bool is_by_rows(const std::vector<double> &m)
+{
+    return m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1 && (m[3] != 0 || m[7] != 0 || m[11] != 0);
+}
+
+transform node_transform(loader &l, size_t index)
 {
     const tinygltf::Node      &node  = l.model.nodes[index];
     const std::vector<double> &m     = node.matrix;
     std::string                where = label("node", index, node.name);
+    if (l.nodes[index].fault) throw l.nodes[index].fault;
     if (!m.empty()) {
         if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-6)
-            l.broken(where, "the last row of its matrix is not 0, 0, 0, 1");
+            l.broken(where, "the last row of its matrix is not 0, 0, 0, 1%s",
+                     is_by_rows(m) ? " (it seems to be written by rows, not by columns)" : "");
         return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
     }
 
@@ -55,21 +63,51 @@ static transform node_transform(loader &l, size_t index)
     std::copy(node.translation.begin(), node.translation.end(), translation);
     std::copy(node.rotation.begin(), node.rotation.end(), rotation);
     std::copy(node.scale.begin(), node.scale.end(), scale);
-    if (!trs_transform(translation, rotation, scale, t)) l.broken(where, "its rotation is not a unit quaternion");
+    if (trs_transform(translation, rotation, scale, t)) return t;
+    if (rotation[0] != 0 || rotation[1] != 0 || rotation[2] != 0 || rotation[3] != 0)
+        l.broken(where, "its rotation is not a unit quaternion");
+    /* by the formula every viewer uses, zeros turn nothing */
+    take_note(l, cost::TREE, index, where, "its rotation is 0, 0, 0, 0, not a unit quaternion: taken as none", "export it again");
+    rotation[3] = 1;
+    trs_transform(translation, rotation, scale, t);
     return t;
 }
 
-/* Nodes form a forest: every child exists and has one parent, and every node hangs from a root. */
+/* Children that do not exist, and those that are listed twice, are taken out. */
+static void mend_children(loader &l, size_t index)
+{
+    auto            &children = l.model.nodes[index].children;
+    std::set<int>    seen;
+    std::vector<int> kept;
+    std::string      where = label("node", index, l.model.nodes[index].name);
+    for (int child : children) {
+        bool        exists = (size_t)child < l.model.nodes.size();
+        std::string what   = "child " + std::to_string(child);
+        if (exists && seen.insert(child).second)
+            kept.push_back(child);
+        else if (exists)
+            take_note(l, cost::TREE, index, where, what + " is listed twice: it is placed once", "export it again");
+        else
+            take_fault(l, cost::TREE, index, where, {VXS_E_SCENE, where + ": " + what + " does not exist: ignored", false},
+                       "export it again");
+    }
+    children = kept;
+}
+
+/* Nodes form a forest: every node has one parent at most, and hangs from a root. Which of two parents is meant cannot be known. */
 std::vector<int> check_tree(loader &l)
 {
     const auto      &nodes = l.model.nodes;
     std::vector<int> parent(nodes.size(), -1), open;
-    for (size_t i = 0; i < nodes.size(); i++)
+    for (size_t i = 0; i < nodes.size(); i++) {
+        mend_children(l, i);
         for (int child : nodes[i].children) {
-            if ((size_t)child >= nodes.size()) l.broken("", "node %zu: child %d does not exist", i, child);
-            if (parent[child] >= 0) l.broken("", "node %d has two parents, node %d and node %zu", child, parent[child], i);
+            if (parent[child] >= 0)
+                l.refused("", "%s has two parents, node %d and %s: a node may be a child of one; make a copy of it for the other",
+                          label("node", nodes, (size_t)child).c_str(), parent[child], label("node", i).c_str());
             parent[child] = (int)i;
         }
+    }
 
     std::vector<char> reached(nodes.size(), 0);
     for (size_t i = 0; i < nodes.size(); i++)
@@ -81,41 +119,59 @@ std::vector<int> check_tree(loader &l)
         open.insert(open.end(), nodes[at].children.begin(), nodes[at].children.end());
     }
     for (size_t i = 0; i < nodes.size(); i++)
-        if (!reached[i]) l.broken("", "node %zu is in a loop of nodes", i);
+        if (!reached[i])
+            l.refused("", "%s is in a loop of nodes, each a child of the one before: take it out of the children of one of them",
+                      label("node", nodes, i).c_str());
     return parent;
 }
 
+/* What a node of the scene refers to and is not there is left out of it. Lights are judged where they are placed. */
 void check_references(loader &l)
 {
-    const tinygltf::Model &model = l.model;
-    for (size_t i = 0; i < model.nodes.size(); i++) {
-        const tinygltf::Node &node  = model.nodes[i];
-        auto                  use   = node.extensions.find("KHR_lights_punctual");
-        int                   light = use == node.extensions.end() ? -1 : use->second.Get("light").GetNumberAsInt();
+    tinygltf::Model &model = l.model;
+    for (size_t i : l.order) {
+        tinygltf::Node &node = model.nodes[i];
         struct {
             const char *kind;
-            int         index;
+            int        *index;
             size_t      count;
-        } references[] = {{"mesh", node.mesh, model.meshes.size()},
-                          {"skin", node.skin, model.skins.size()},
-                          {"camera", node.camera, l.camera_count},
-                          {"light", light, l.lights.size()}};
-        for (const auto &reference : references)
-            if (reference.index >= 0 && (size_t)reference.index >= reference.count)
-                l.broken(label("node", model.nodes, i), "%s %d does not exist, the file has %zu", reference.kind, reference.index,
-                         reference.count);
+        } references[] = {{"mesh", &node.mesh, model.meshes.size()},
+                          {"skin", &node.skin, l.skins.size()},
+                          {"camera", &node.camera, l.camera_count}};
+        for (const auto &reference : references) {
+            if (*reference.index < 0 || (size_t)*reference.index < reference.count) continue;
+            std::string where = label("node", model.nodes, i), text = reference.kind;
+            text += " " + std::to_string(*reference.index) + " does not exist, the file has " + std::to_string(reference.count);
+            take_fault(l, cost::REFERENCE, 16 * i + (size_t)(&reference - references), where,
+                       {VXS_E_SCENE, where + ": " + text, false}, "export it again");
+            *reference.index = -1;
+        }
     }
+}
+
+/* The scene that is meant where none is asked for. */
+static int default_scene(loader &l)
+{
+    const auto &scenes = l.model.scenes;
+    int         named  = l.model.defaultScene;
+    std::string count  = std::to_string(scenes.size()),
+                first  = scenes.empty() ? "all nodes without a parent are taken" : label("scene", scenes, 0) + " is taken";
+    if (named >= 0 && (size_t)named < scenes.size()) return named;
+    if (named >= 0)
+        take_fault(l, cost::TREE, SIZE_MAX, "glTF",
+                   {VXS_E_SCENE,
+                    "its default scene " + std::to_string(named) + " does not exist, the file has " + count + ": " + first, false},
+                   "set it, or choose with --scene");
+    else if (scenes.size() > 1)
+        take_note(l, cost::TREE, SIZE_MAX, "glTF", "it has " + count + " scenes, and says of none that it is the default: " + first,
+                  "set 'scene', or choose with --scene");
+    return scenes.empty() ? -1 : 0;
 }
 
 int choose_scene(loader &l, const char *which)
 {
     const auto &scenes = l.model.scenes;
-    if (!which) {
-        int chosen = l.model.defaultScene >= 0 ? l.model.defaultScene : scenes.empty() ? -1 : 0;
-        if (chosen >= 0 && (size_t)chosen >= scenes.size())
-            l.broken("", "its default scene %d does not exist, the file has %zu", chosen, scenes.size());
-        return chosen;
-    }
+    if (!which) return default_scene(l);
     for (size_t i = 0; i < scenes.size(); i++)
         if (*which && scenes[i].name == which) return (int)i;
 
@@ -128,23 +184,86 @@ int choose_scene(loader &l, const char *which)
     l.error(VXS_E_ARGUMENT, "no scene '%s'; the file has %zu%s", which, scenes.size(), known.c_str());
 }
 
-void choose_roots(loader &l, int chosen, const std::vector<int> &parent)
+/* Whether a node is anywhere else than what it hangs from. */
+static bool is_moved(loader &l, size_t node)
+{
+    transform t   = {};
+    failure   f   = fault_of([&] { t = node_transform(l, node); });
+    double    off = std::fabs(t.axis[0].x - 1) + std::fabs(t.axis[1].y - 1) + std::fabs(t.axis[2].z - 1);
+    for (double n :
+         {t.axis[0].y, t.axis[0].z, t.axis[1].x, t.axis[1].z, t.axis[2].x, t.axis[2].y, t.origin.x, t.origin.y, t.origin.z})
+        off += std::fabs(n);
+    return f || off > 0;
+}
+
+/* Which nodes are below one that a scene lists. */
+static std::vector<char> find_covered(const loader &l, const std::vector<int> &parent, const std::vector<char> &listed)
+{
+    std::vector<char> covered(parent.size(), 0);
+    std::vector<int>  open;
+    for (size_t i = 0; i < parent.size(); i++)
+        if (parent[i] < 0) open.push_back((int)i);
+    while (!open.empty()) {
+        int at = open.back();
+        open.pop_back();
+        for (int child : l.model.nodes[at].children) {
+            covered[child] = covered[at] || listed[at];
+            open.push_back(child);
+        }
+    }
+    return covered;
+}
+
+/* A scene lists its roots. One that is listed and hangs from another that is, is meant to be there once; one whose parent is not in the scene is
+ * a root.
+ * parent  [out] that of a root is -1 */
+void choose_roots(loader &l, int chosen, std::vector<int> &parent)
 {
     for (size_t i = 0; chosen < 0 && i < parent.size(); i++)
         if (parent[i] < 0) l.roots.push_back(i);
     if (chosen < 0) return;
+    auto broken = l.faults[SCENES].find((size_t)chosen);
+    if (broken != l.faults[SCENES].end()) throw broken->second;
 
-    std::string   where = label("scene", (size_t)chosen);
-    std::set<int> seen;
+    const auto       &nodes = l.model.nodes;
+    std::string       where = label("scene", (size_t)chosen);
+    std::vector<char> listed(parent.size(), 0), taken(parent.size(), 0);
+    for (int node : l.model.scenes[chosen].nodes)
+        if ((size_t)node < parent.size()) listed[node] = 1;
+    std::vector<char> covered = find_covered(l, parent, listed);
     for (int node : l.model.scenes[chosen].nodes) {
-        if ((size_t)node >= parent.size()) l.broken(where, "node %d does not exist", node);
-        if (parent[node] >= 0) l.broken(where, "node %d is not a root, its parent is node %d", node, parent[node]);
-        if (!seen.insert(node).second) l.broken("", "%s lists node %d twice", where.c_str(), node);
+        bool exists = (size_t)node < parent.size();
+        if (exists && !taken[node] && !covered[node] && parent[node] < 0) {
+            taken[node] = 1;
+            l.roots.push_back((size_t)node);
+            continue;
+        }
+        std::string name   = label("node", (size_t)node, exists ? nodes[node].name : ""), why,
+                    remedy = "list the roots alone in the scene's nodes";
+        uint64_t id        = (uint64_t)node + ((uint64_t)1 << 32);
+        if (!exists) {
+            take_fault(l, cost::TREE, id, where, {VXS_E_SCENE, where + ": " + name + " does not exist: ignored", false}, remedy);
+            continue;
+        }
+        if (taken[node])
+            why = " is listed twice: it is placed once";
+        else if (covered[node])
+            why = " is listed, and is a child of " + label("node", nodes, (size_t)parent[node]) +
+                  ", too: it is placed once, under its parent";
+        else
+            why = " is not a root, its parent is " + label("node", nodes, (size_t)parent[node]) +
+                  ", which is not in the scene: it is taken as a root" +
+                  (is_moved(l, (size_t)parent[node]) ? ", and its parent's transform is not applied" : "");
+        take_note(l, cost::TREE, id, where, name + why, remedy);
+        if (taken[node] || covered[node]) continue;
+        parent[node] = -1;
+        taken[node]  = 1;
         l.roots.push_back((size_t)node);
     }
 }
 
-/* Parents come before children, children in the file's order; no recursion, for trees may be deep. */
+/* Parents come before children, children in the file's order; no recursion, for trees may be deep. A node that cannot be placed costs those
+ * below it, too. */
 void place_nodes(loader &l, const std::vector<int> &parent)
 {
     std::vector<size_t> open(l.roots.rbegin(), l.roots.rend());
@@ -153,8 +272,15 @@ void place_nodes(loader &l, const std::vector<int> &parent)
         size_t at = open.back();
         open.pop_back();
         transform &t = l.ws_from_node[at];
-        t            = node_transform(l, at);
-        if (parent[at] >= 0) t = multiply(l.ws_from_node[parent[at]], t);
+        if (failure f = fault_of([&] { t = node_transform(l, at); })) {
+            take_fault(l, cost::NODE, at, label("node", l.model.nodes, at), f, "export it again");
+            continue;
+        }
+        if (parent[at] >= 0) {
+            t = multiply(l.ws_from_node[parent[at]], t);
+            l.nodes[at].hidden |= l.nodes[parent[at]].hidden;
+        }
+        l.nodes[at].in_scene = true;
         l.order.push_back(at);
         const auto &children = l.model.nodes[at].children;
         open.insert(open.end(), children.rbegin(), children.rend());

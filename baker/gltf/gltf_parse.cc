@@ -12,11 +12,11 @@ namespace gltf
 {
 
 /* The indices of all primitives, mesh by mesh, taken out of the JSON: tinygltf insists that they have a bufferView. */
-static std::vector<int> take_indices(json &root)
+static std::vector<int> take_indices(json &model)
 {
     std::vector<int> indices;
-    for (size_t i = 0; i < items(root, "meshes").size(); i++)
-        for (json &primitive : root["meshes"][i]["primitives"]) {
+    for (size_t i = 0; i < items(model, "meshes").size(); i++)
+        for (json &primitive : model["meshes"][i]["primitives"]) {
             indices.push_back(primitive.value("indices", -1));
             primitive.erase("indices");
         }
@@ -25,12 +25,10 @@ static std::vector<int> take_indices(json &root)
 
 static void load_model(loader &l, json &root)
 {
-    std::vector<int> indices = take_indices(root);
-    json             part    = json::object();
-    for (const char *name : {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "skins"})
-        if (root.contains(name)) part[name] = std::move(root[name]);
-    std::string text = part.dump(), error, warning;
-    part             = json();
+    json             part    = take_model(root);
+    std::vector<int> indices = take_indices(part);
+    std::string      text    = part.dump(), error, warning;
+    part                     = json();
 
     tinygltf::TinyGLTF gltf;
     bool               ok   = gltf.LoadASCIIFromString(&l.model, &error, &warning, text.data(), (unsigned)text.size(), "");
@@ -51,6 +49,7 @@ void parse(loader &l)
     read_buffers(l, root, c);
     read_buffer_views(l, root);
     read_lights(l, root);
+    read_skins(l, root);
     read_materials(l, root);
     read_flags(l, root);
     l.camera_count = items(root, "cameras").size();

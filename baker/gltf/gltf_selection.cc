@@ -153,10 +153,10 @@ void select_casters(loader &l, const std::vector<int> &parent)
     for (const pattern &p : patterns)
         if (!p.used) refuse(l, p, all);
 
-    l.exclusions.push_back({EXCLUDED_BY_INCLUDE, nullptr, 0});
-    for (size_t i = 0; i < exclude.count; i++) l.exclusions.push_back({EXCLUDED_BY_EXCLUDE, exclude.items[i], 0});
-    l.exclusions.push_back({EXCLUDED_BY_EXTRAS, nullptr, 0});
-    l.exclusions.push_back({EXCLUDED_AS_SKINNED, nullptr, 0});
+    l.exclusions.push_back({EXCLUDED_BY_INCLUDE, nullptr, 0, 0});
+    for (size_t i = 0; i < exclude.count; i++) l.exclusions.push_back({EXCLUDED_BY_EXCLUDE, exclude.items[i], 0, 0});
+    for (exclusion_rule rule : {EXCLUDED_BY_EXTRAS, EXCLUDED_AS_SKINNED, EXCLUDED_AS_HIDDEN, EXCLUDED_AS_BLEND})
+        l.exclusions.push_back({rule, nullptr, 0, 0});
 }
 
 size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p)
@@ -166,6 +166,7 @@ size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p)
     const mark           &a = l.marks[NODE][node], &b = l.marks[MESH][n.mesh];
     const mark           &c        = p.material >= 0 ? l.marks[MATERIAL][p.material] : nothing;
     size_t                excluded = std::min({a.excluded, b.excluded, c.excluded}), excludes = l.choice->exclude.count;
+    if (l.nodes[node].hidden) return 3 + excludes;
     if (l.choice->include.count && !a.included && !b.included && !c.included) return 0;
     if (excluded < excludes) return 1 + excluded;
     if (a.flagged || b.flagged || c.flagged) return 1 + excludes;
@@ -173,18 +174,27 @@ size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p)
     return CASTS;
 }
 
-void finish_selection(loader &l)
+void warn_about_skinned(loader &l)
 {
-    std::vector<scene_exclusion> kept;
-    for (const scene_exclusion &e : l.exclusions)
-        if (e.triangles || e.rule == EXCLUDED_BY_EXCLUDE) kept.push_back(e);
-    l.s->exclusions      = copied(kept);
-    l.s->exclusion_count = kept.size();
+    size_t triangles = l.exclusions[2 + l.choice->exclude.count].triangles;
     if (l.skinned_excluded && !l.choice->skinned_given)
         warn(l.m,
-             "skinned meshes cast no shadow, for a bake knows no pose: %zu with %zu triangles are left out; --skinned rest takes "
-             "them as they are stored, --skinned exclude says that this is meant",
-             l.skinned_excluded, l.exclusions.back().triangles);
+             "skinned meshes cast no shadow, for they move: %zu with %zu triangles are left out; --skinned rest takes "
+             "them in the pose that the file has, --skinned exclude says that this is meant",
+             l.skinned_excluded, triangles);
+}
+
+void finish_exclusions(loader &l)
+{
+    std::vector<scene_exclusion> kept;
+    size_t                       hidden = 0;
+    for (size_t node : l.order) hidden += l.nodes[node].hidden;
+    for (scene_exclusion e : l.exclusions) {
+        if (e.rule == EXCLUDED_AS_HIDDEN) e.nodes = hidden;
+        if (e.triangles || e.nodes || e.rule == EXCLUDED_BY_EXCLUDE) kept.push_back(e);
+    }
+    l.s->exclusions      = copied(kept);
+    l.s->exclusion_count = kept.size();
 }
 
 } // namespace gltf

@@ -27,7 +27,8 @@ bool makes_smoke(const tinygltf::Primitive &p)
 /* The corners of its lines, or its points. */
 static size_t end_count(const loader &l, const tinygltf::Primitive &p)
 {
-    return l.accessors[p.indices >= 0 ? p.indices : attribute(p.attributes, "POSITION")].count;
+    size_t accessor = (size_t)(p.indices >= 0 ? p.indices : attribute(p.attributes, "POSITION"));
+    return accessor < l.accessors.size() ? l.accessors[accessor].count : 0;
 }
 
 size_t capsule_count(const loader &l, const tinygltf::Primitive &p)
@@ -44,7 +45,7 @@ size_t capsule_count(const loader &l, const tinygltf::Primitive &p)
 void check_smoke(loader &l, const std::string &primitive, const tinygltf::Primitive &p)
 {
     for (const char *name : {RADIUS, EXTINCTION}) {
-        const elements &e     = l.accessors[attribute(p.attributes, name)];
+        const elements &e     = sound_accessor(l, primitive, name, attribute(p.attributes, name));
         std::string     where = primitive + ", " + e.label;
         if (e.type != TINYGLTF_TYPE_SCALAR) l.broken(where, "%s is not a scalar", name);
         if (e.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) l.broken(where, "%s is of 32-bit integers", name);
@@ -58,7 +59,7 @@ struct cloud {
     const tinygltf::Primitive *primitive;
     const elements            *positions, *radii, *extinctions;
     const elements            *indices; /* NULL: 0, 1, 2, ... */
-    size_t                     capsules;
+    size_t                     capsules, index; /* index: of the primitive in its mesh */
     float                      albedo[3];
 };
 
@@ -110,46 +111,63 @@ static void add_capsule(loader &l, const cloud &c, const transform &ws_from_node
                                  (float)extinction};
 }
 
-static cloud find_cloud(loader &l, const tinygltf::Primitive &p)
+static cloud find_cloud(loader &l, const tinygltf::Primitive &p, size_t index)
 {
     static const float grey = 0.9f;
-    cloud              c    = {&p, nullptr, nullptr, nullptr, nullptr, capsule_count(l, p), {grey, grey, grey}};
+    cloud              c    = {&p, nullptr, nullptr, nullptr, nullptr, capsule_count(l, p), index, {grey, grey, grey}};
     c.positions             = &use_accessor(l, attribute(p.attributes, "POSITION"));
     c.radii                 = &use_accessor(l, attribute(p.attributes, RADIUS));
     c.extinctions           = &use_accessor(l, attribute(p.attributes, EXTINCTION));
     if (p.indices >= 0) c.indices = &use_accessor(l, p.indices);
-    if (c.indices) check_index_values(l, *c.indices, c.positions->count);
+    if (c.indices) check_index_values(l, *c.indices, c.positions->count, true);
     if (p.material >= 0) memcpy(c.albedo, l.materials[p.material].colour, sizeof c.albedo);
     return c;
+}
+
+/* Whether a node's primitive is smoke, as far as is known. */
+static bool is_cloud(const loader &l, size_t node, size_t index)
+{
+    size_t                     mesh = (size_t)l.model.nodes[node].mesh;
+    const tinygltf::Primitive &p    = l.model.meshes[mesh].primitives[index];
+    return !primitive_fault(l, mesh, index) && makes_smoke(p) && capsule_count(l, p) && exclusion_of(l, node, p) == CASTS;
+}
+
+static void place_cloud(loader &l, size_t node, const cloud &c, const transform &ws_from_instance)
+{
+    double larger = std::cbrt(std::fabs(volume_scale(ws_from_instance)));
+    for (size_t i = 0; i < c.capsules; i++) {
+        failure f = fault_of([&] { add_capsule(l, c, ws_from_instance, larger, i); });
+        if (f) lose_primitive(l, cost::CAPSULES, node, c.index, f, 1);
+    }
 }
 
 /* Instances of a node's mesh. */
 static void place_clouds(loader &l, size_t node)
 {
-    size_t instances = count_instances(l, node);
-    for (const tinygltf::Primitive &p : l.model.meshes[l.model.nodes[node].mesh].primitives) {
-        if (!instances || !makes_smoke(p) || !capsule_count(l, p) || exclusion_of(l, node, p) != CASTS) continue;
-        cloud c = find_cloud(l, p);
-        for (size_t n = 0; n < instances; n++) {
-            transform ws_from_instance = instance_transform(l, node, n);
-            double    larger           = std::cbrt(std::fabs(volume_scale(ws_from_instance)));
-            for (size_t i = 0; i < c.capsules; i++) add_capsule(l, c, ws_from_instance, larger, i);
-        }
+    const auto &primitives = l.model.meshes[l.model.nodes[node].mesh].primitives;
+    for (size_t i = 0; i < primitives.size(); i++) {
+        size_t instances = is_cloud(l, node, i) ? usable_instances(l, node) : 0;
+        if (!instances) continue;
+        cloud   c = {};
+        failure f = fault_of([&] { c = find_cloud(l, primitives[i], i); });
+        if (f) lose_primitive(l, cost::SMOKE, node, i, f, instances * capsule_count(l, primitives[i]));
+        for (size_t n = 0; n < instances && !f; n++) place_cloud(l, node, c, instance_transform(l, node, n));
     }
 }
 
-static size_t count_capsules(loader &l)
+size_t count_capsules(loader &l)
 {
     size_t total = 0;
     for (size_t node : l.order) {
         if (l.model.nodes[node].mesh < 0) continue;
-        size_t instances = count_instances(l, node);
-        for (const tinygltf::Primitive &p : l.model.meshes[l.model.nodes[node].mesh].primitives) {
-            if (!makes_smoke(p) || exclusion_of(l, node, p) != CASTS) continue;
-            size_t capsules = capsule_count(l, p);
-            if (capsules && instances > (SMOKE_CAPSULES_MAX - total) / capsules)
-                l.unsupported("", "more than %u capsules of smoke in the scene, with those of %s", SMOKE_CAPSULES_MAX,
-                              label("node", l.model.nodes, node).c_str());
+        size_t      instances  = count_instances(l, node);
+        const auto &primitives = l.model.meshes[l.model.nodes[node].mesh].primitives;
+        for (size_t i = 0; i < primitives.size(); i++) {
+            if (!is_cloud(l, node, i)) continue;
+            size_t capsules = capsule_count(l, primitives[i]);
+            if (instances > (SMOKE_CAPSULES_MAX - total) / capsules)
+                l.refused("", "more than %u capsules of smoke in the scene, with those of %s", SMOKE_CAPSULES_MAX,
+                          label("node", l.model.nodes, node).c_str());
             total += instances * capsules;
         }
     }

@@ -7,6 +7,8 @@
 
 #include "baker/base/array.h"
 
+#include <utility>
+
 namespace gltf
 {
 
@@ -18,20 +20,28 @@ vec3 position(const elements &e, size_t index)
     return {p[0], p[1], p[2]};
 }
 
+/* Where an element is before its node, or its joints, place it. */
+static vec3 morphed(const placement &p, uint32_t index)
+{
+    vec3 v = position(*p.positions, index);
+    for (const morph &m : p.targets) {
+        vec3 d = position(*m.positions, index);
+        v      = {v.x + m.weight * d.x, v.y + m.weight * d.y, v.z + m.weight * d.z};
+    }
+    return v;
+}
+
 /* The scene's vertex for an accessor's element; UINT32_MAX when it has no finite position. */
-static inline uint32_t vertex_of(loader &l, const placement &p, uint32_t index)
+static inline uint32_t vertex_of(loader &l, placement &p, uint32_t index)
 {
     loader::slot &slot = l.slots[index];
     if (slot.generation == l.generation) return slot.vertex;
 
     scene *s = l.s;
     if (!array_reserve(&s->positions_ws, &l.vertex_capacity, s->vertex_count + 1, 3 * sizeof(double))) throw std::bad_alloc();
-    vec3 v = position(*p.positions, index);
-    for (const morph &m : p.targets) {
-        vec3 d = position(*m.positions, index);
-        v      = {v.x + m.weight * d.x, v.y + m.weight * d.y, v.z + m.weight * d.z};
-    }
-    v = apply(p.ws_from_node, v);
+    bool off = false;
+    vec3 v   = apply(p.skin ? skin_transform(p, index, off) : p.ws_from_node, morphed(p, index));
+    p.off_count += off;
     if (!finite(v)) return UINT32_MAX;
     memcpy(s->positions_ws + 3 * s->vertex_count, &v, sizeof v);
     slot = {l.generation, (uint32_t)s->vertex_count++};
@@ -41,21 +51,22 @@ static inline uint32_t vertex_of(loader &l, const placement &p, uint32_t index)
 /* Corners of triangle t (3.7.2.1). */
 void triangle_elements(const placement &p, size_t t, uint32_t element[3])
 {
+    bool   off       = false;
     size_t corner[3] = {3 * t, 3 * t + 1, 3 * t + 2};
     if (p.primitive->mode == TINYGLTF_MODE_TRIANGLE_STRIP) corner[0] = t, corner[1] = t + 1 + t % 2, corner[2] = t + 2 - t % 2;
     if (p.primitive->mode == TINYGLTF_MODE_TRIANGLE_FAN) corner[0] = t + 1, corner[1] = t + 2, corner[2] = 0;
-    if (p.mirrored) std::swap(corner[1], corner[2]);
     for (int i = 0; i < 3; i++) element[i] = p.indices ? p.indices->index(corner[i]) : (uint32_t)corner[i];
+    if (p.skin ? is_mirrored(skin_transform(p, element[0], off)) : p.mirrored) std::swap(element[1], element[2]);
 }
 
 /* Which accessor has the value that is not finite; when none has, the place is too far away. */
-[[noreturn]] static void explain_bad_vertex(loader &l, const placement &p, uint32_t vertex, size_t node)
+static failure bad_vertex(const placement &p, uint32_t vertex)
 {
     const elements *bad = finite(position(*p.positions, vertex)) ? nullptr : p.positions;
     for (const morph &target : p.targets)
         if (!bad && !finite(position(*target.positions, vertex))) bad = target.positions;
-    if (bad) l.broken(bad->label, "position %u is not finite", vertex);
-    l.broken(label("node", l.model.nodes, node), "a vertex of its mesh is not finite once placed");
+    if (bad) return {VXS_E_SCENE, bad->label + ": position " + std::to_string(vertex) + " is not finite", false};
+    return {VXS_E_SCENE, "vertex " + std::to_string(vertex) + " is not finite once placed", false};
 }
 
 static void find_geometry(loader &l, const std::string &where, placement &p)
@@ -66,94 +77,137 @@ static void find_geometry(loader &l, const std::string &where, placement &p)
         p.positions = &p.draco->attributes.at("POSITION");
         p.indices   = &p.draco->indices;
     } else {
-        p.positions = &use_accessor(l, attribute(primitive.attributes, "POSITION"));
-        if (primitive.indices >= 0) p.indices = &use_accessor(l, primitive.indices);
+        p.positions = &use_accessor(l, (size_t)attribute(primitive.attributes, "POSITION"));
+        if (primitive.indices >= 0) p.indices = &use_accessor(l, (size_t)primitive.indices);
     }
-    if (p.indices) check_index_values(l, *p.indices, p.positions->count);
+    if (p.indices) check_index_values(l, *p.indices, p.positions->count, primitive.mode != TINYGLTF_MODE_TRIANGLES);
 }
 
-/* The weights of a node's morph targets (3.7.2.2) are its own, else the mesh's, else none. */
+static const elements &target_positions(loader &l, const std::string &where, const placement &p, int accessor)
+{
+    const elements &target = sound_accessor(l, where, "morph target POSITION", accessor);
+    if (target.type != TINYGLTF_TYPE_VEC3 || target.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+        l.broken(where, "a morph target's POSITION is not a VEC3 of floats, or of 8 or 16 bits");
+    if (target.count != p.positions->count)
+        l.broken(where, "a morph target of %zu vertices, expected %zu", target.count, p.positions->count);
+    return use_accessor(l, (size_t)accessor);
+}
+
+/* The weights of a node's morph targets (3.7.2.2) are its own, else the mesh's, else none; those of no target mean nothing. */
 static void find_targets(loader &l, const tinygltf::Node &node, const std::string &where, placement &p)
 {
     const std::vector<double> &weights = node.weights.empty() ? l.model.meshes[node.mesh].weights : node.weights;
-    check_weights(l, label("mesh", l.model.meshes, node.mesh), weights, *p.primitive);
-    for (size_t i = 0; i < weights.size(); i++) {
-        int accessor = attribute(p.primitive->targets[i], "POSITION");
-        if (weights[i] == 0 || accessor < 0) continue;
-        const elements &target = use_accessor(l, accessor);
-        if (target.count != p.positions->count)
-            l.broken(where, "a morph target of %zu vertices, expected %zu", target.count, p.positions->count);
-        p.targets.push_back({weights[i], &target});
+    const auto                &targets = p.primitive->targets;
+    if (!weights.empty() && weights.size() != targets.size())
+        take_note(l, cost::MORPH, (uint64_t)1 << 63 | (uint64_t)node.mesh << 32 | p.index, where,
+                  std::to_string(weights.size()) + " weights for " + std::to_string(targets.size()) +
+                      " morph targets: the rest of them means nothing, or is 0",
+                  "export it again");
+    for (size_t i = 0; i < std::min(weights.size(), targets.size()); i++) {
+        int accessor = attribute(targets[i], "POSITION");
+        if (weights[i] != 0 && accessor >= 0) p.targets.push_back({weights[i], &target_positions(l, where, p, accessor)});
     }
 }
 
-static void apply_material(loader &l, const std::string &where, placement &p)
+static void apply_material(loader &l, const std::string &where, size_t node, size_t instances, placement &p)
 {
     if (!p.material) return;
     bool holes = p.material->surface == material::WITH_HOLES;
-    p.flags    = (uint8_t)((p.material->double_sided ? TRIANGLE_DOUBLE_SIDED : 0) | (holes ? TRIANGLE_ALPHA_MASK : 0));
-    if (p.material->masked) warn_about_colors(l, where, p);
-    if (holes) find_uvs(l, where, p);
+    if (p.material->mode != alpha_mode::SOLID) warn_about_colors(l, where, node, p);
+    if (holes)
+        if (failure f = caught([&] { find_uvs(l, where, p); })) {
+            holes = false;
+            lose_primitive(l, cost::MASK, node, p.index, {f.code, f.text, false}, instances * p.triangles);
+        }
+    p.flags = (uint8_t)((p.material->double_sided ? TRIANGLE_DOUBLE_SIDED : 0) | (holes ? TRIANGLE_ALPHA_MASK : 0));
+}
+
+/* One primitive of a node. Returns false where its material has no surface anywhere. */
+static bool find_placement(loader &l, size_t node, size_t instances, placement &p)
+{
+    const tinygltf::Node &n     = l.model.nodes[node];
+    std::string           where = primitive_label(l, (size_t)n.mesh, p.index);
+    p.primitive                 = &l.model.meshes[n.mesh].primitives[p.index];
+    p.triangles                 = triangle_count(l, *p.primitive);
+    find_geometry(l, where, p);
+    find_targets(l, n, where, p);
+    if (n.skin >= 0) find_skin(l, where, n, p);
+    if (p.primitive->material >= 0) {
+        material &m = use_material(l, (size_t)p.primitive->material);
+        p.material  = &m;
+        if (m.used_by.empty()) m.used_by = " (" + label("node", l.model.nodes, node) + ", " + where + ")";
+        (m.surface == material::NOWHERE ? m.left_out : m.triangles) += instances * p.triangles;
+        if (m.surface == material::NOWHERE) return false;
+    }
+    apply_material(l, where, node, instances, p);
+    return true;
 }
 
 /* What one node places, each time. */
 static std::vector<placement> find_placements(loader &l, size_t index, size_t instances)
 {
-    const tinygltf::Node  &node = l.model.nodes[index];
     std::vector<placement> placements;
-    const auto            &primitives = l.model.meshes[node.mesh].primitives;
+    size_t                 mesh       = (size_t)l.model.nodes[index].mesh;
+    const auto            &primitives = l.model.meshes[mesh].primitives;
     for (size_t i = 0; i < primitives.size(); i++) {
-        if (!makes_triangles(primitives[i]) || !triangle_count(l, primitives[i])) continue;
+        if (primitive_fault(l, mesh, i) || !makes_triangles(primitives[i]) || !triangle_count(l, primitives[i])) continue;
         if (exclusion_of(l, index, primitives[i]) != CASTS) continue;
         placement p = {};
-        p.primitive = &primitives[i];
-        p.triangles = triangle_count(l, primitives[i]);
-
-        std::string where = primitive_label(l, node.mesh, i);
-        if (primitives[i].material >= 0) {
-            material &m = use_material(l, primitives[i].material);
-            p.material  = &m;
-            if (m.surface == material::NOWHERE) {
-                m.left_out += instances * p.triangles;
-                continue;
-            }
-        }
-        find_geometry(l, where, p);
-        find_targets(l, node, where, p);
-        apply_material(l, where, p);
-        placements.push_back(p);
+        p.index     = i;
+        bool    has = false;
+        failure f   = fault_of([&] { has = find_placement(l, index, instances, p); });
+        if (f) lose_primitive(l, cost::PRIMITIVE, index, i, f, instances * triangle_count(l, primitives[i]));
+        if (has) placements.push_back(p);
     }
     return placements;
 }
 
-/* Primitives that follow each other over one accessor share its vertices; `last` is what the slots hold. */
-static void place_primitive(loader &l, size_t node, const placement &p, const elements *&last)
+/* The next triangle of the scene.
+ * why  [out] where it has no place, and nothing is there yet
+ * Returns false where it has none. */
+static bool place_triangle(loader &l, placement &p, size_t t, failure &why)
 {
-    scene *s = l.s;
-    if (p.positions != last || !p.targets.empty()) l.generation++;
-    last = p.targets.empty() ? p.positions : nullptr;
+    scene   *s = l.s;
+    uint32_t element[3], *out = s->indices + 3 * s->triangle_count;
+    triangle_elements(p, t, element);
+    for (int i = 0; i < 3; i++) {
+        if ((out[i] = vertex_of(l, p, element[i])) < UINT32_MAX) continue;
+        if (!why) why = bad_vertex(p, element[i]);
+        return false;
+    }
+    if (p.uvs && !append_mask_triangle(l, p, element)) {
+        if (!why)
+            why = {VXS_E_SCENE, p.uvs->label + ": a texture coordinate of triangle " + std::to_string(t) + " is not finite", false};
+        return false;
+    }
+    s->triangle_flags[s->triangle_count++] = p.flags;
+    return true;
+}
+
+/* Primitives that follow each other over one accessor share its vertices; `last` is what the slots hold. */
+static void place_primitive(loader &l, size_t node, placement &p, const elements *&last)
+{
+    bool    own_places = !p.targets.empty() || p.skin;
+    failure why;
+    size_t  first = l.s->triangle_count, mesh = (size_t)l.model.nodes[node].mesh;
+    if (p.positions != last || own_places) l.generation++;
+    last = own_places ? nullptr : p.positions;
     if (l.slots.size() < p.positions->count) l.slots.resize(p.positions->count);
 
-    begin_part(l, node, *p.primitive, p.ws_from_node.origin);
-    uint32_t *out = s->indices + 3 * s->triangle_count;
-    for (size_t t = 0; t < p.triangles; t++, out += 3) {
-        uint32_t element[3];
-        triangle_elements(p, t, element);
-        for (int i = 0; i < 3; i++) {
-            out[i] = vertex_of(l, p, element[i]);
-            if (out[i] == UINT32_MAX) explain_bad_vertex(l, p, element[i], node);
-        }
-    }
-    memset(s->triangle_flags + s->triangle_count, p.flags, p.triangles);
-    if (p.uvs) append_mask_triangles(l, p, s->triangle_count);
-    size_t first = s->triangle_count;
-    s->triangle_count += p.triangles;
-    if (l.choice->areas && p.material) append_area(l, p, first);
+    begin_part(l, node, *p.primitive, p.skin ? p.skin->ws_from_bind[0].origin : p.ws_from_node.origin);
+    for (size_t t = 0; t < p.triangles; t++) place_triangle(l, p, t, why);
+    size_t placed = l.s->triangle_count - first;
+    if (placed < p.triangles) lose_primitive(l, cost::TRIANGLES, node, p.index, why, p.triangles - placed);
+    if (l.choice->areas && p.material) append_area(l, p, first, placed);
+    if (p.off_count)
+        take_note(l, cost::SKIN, (uint64_t)mesh << 32 | p.index, primitive_label(l, mesh, p.index),
+                  "weights of joints do not sum to 1: taken as shares of their sum", "export it again",
+                  std::exchange(p.off_count, 0));
 }
 
 static void place_node(loader &l, size_t node)
 {
-    size_t                 instances  = count_instances(l, node);
+    size_t                 instances  = usable_instances(l, node);
     std::vector<placement> placements = instances ? find_placements(l, node, instances) : std::vector<placement>();
     for (size_t i = 0; i < instances && !placements.empty(); i++) {
         transform       ws_from_instance = instance_transform(l, node, i);
@@ -182,6 +236,7 @@ void place_meshes(loader &l, size_t triangles)
         if (l.model.nodes[node].mesh >= 0) place_node(l, node);
     place_masks(l);
     finish_parts(l);
+    finish_exclusions(l);
     if (!l.s->vertex_count) return;
     double *fitted = (double *)realloc(l.s->positions_ws, 3 * l.s->vertex_count * sizeof(double));
     if (fitted) l.s->positions_ws = fitted;

@@ -19,42 +19,43 @@ static std::string formatted(const char *format, va_list args)
     return text;
 }
 
-[[noreturn]] static void give_up(const loader &l, vxs_result code, const std::string &where, const std::string &text)
+[[noreturn]] static void give_up(vxs_result code, const std::string &where, const std::string &text, bool whole)
 {
-    throw failure{fail(l.m, code, "'%s': %s%s%s", l.path, where.c_str(), where.empty() ? "" : ": ", text.c_str())};
+    throw failure{code, where.empty() ? text : where + ": " + text, whole};
 }
 
 void loader::error(vxs_result code, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(*this, code, "", formatted(format, args));
+    give_up(code, "", formatted(format, args), false);
 }
 
 void loader::broken(const std::string &where, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(*this, VXS_E_SCENE, where, formatted(format, args));
+    give_up(VXS_E_SCENE, where, formatted(format, args), false);
 }
 
 void loader::unsupported(const std::string &where, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    give_up(*this, VXS_E_UNSUPPORTED, where, formatted(format, args));
+    give_up(VXS_E_UNSUPPORTED, where, formatted(format, args), false);
+}
+
+void loader::refused(const std::string &where, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    give_up(VXS_E_UNSUPPORTED, where, formatted(format, args), true);
 }
 
 void loader::need(uint64_t size_bytes, const std::string &what)
 {
     vxs_result r = memory_check(size_bytes, m, "'%s': %s: this needs", path, what.c_str());
-    if (r != VXS_OK) throw failure{r};
-}
-
-std::string label(const char *kind, size_t index, const std::string &name)
-{
-    std::string text = std::string(kind) + " " + std::to_string(index);
-    return name.empty() ? text : text + " '" + name + "'";
+    if (r != VXS_OK) throw failure{r, "", true};
 }
 
 std::string one_line(std::string text)
@@ -67,12 +68,19 @@ std::string one_line(std::string text)
     return text.empty() ? "cannot be parsed" : text;
 }
 
-/* What stops the work is said before the triangles, which may be many more than the file's. */
-static void check_before_triangles(loader &l, const scene_check *check)
+static void require_no_error(const loader &l, vxs_result r)
 {
-    vxs_result r = check ? check->check(check->user, l.s, l.m) : VXS_OK;
     if (r == VXS_OK) r = message_check(l.m);
-    if (r != VXS_OK) throw failure{r};
+    if (r != VXS_OK) throw failure{r, "", true};
+}
+
+/* What stops the work is said before the triangles, which may be many more than the file's. */
+static void check_before_triangles(loader &l, size_t triangles, const scene_check *check)
+{
+    require_geometry(l, triangles, count_capsules(l));
+    say_notes(l);
+    require_no_error(l, VXS_OK);
+    require_no_error(l, check ? check->check(check->user, l.s, l.m) : VXS_OK);
 }
 
 static void load(loader &l, const scene_check *check)
@@ -80,13 +88,13 @@ static void load(loader &l, const scene_check *check)
     parse(l);
     check_accessors(l);
     check_model_meshes(l);
-    check_references(l);
     std::vector<int> parent = check_tree(l);
-    check_buffers(l);
+    l.file_parent           = parent;
     check_all_indices(l);
     int chosen = choose_scene(l, l.choice->name);
     choose_roots(l, chosen, parent);
     place_nodes(l, parent);
+    check_references(l);
     select_casters(l, parent);
     place_lights(l);
     place_cameras(l);
@@ -95,9 +103,12 @@ static void load(loader &l, const scene_check *check)
     l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[chosen].name.c_str());
     if (!l.s->name) throw std::bad_alloc();
     size_t triangles = measure(l);
-    check_before_triangles(l, check);
+    check_before_triangles(l, triangles, check);
     place_smoke(l);
     place_meshes(l, triangles);
+    require_geometry(l, l.s->triangle_count, l.s->smoke.count);
+    say_notes(l);
+    require_no_error(l, VXS_OK);
 }
 
 } // namespace gltf
@@ -117,7 +128,7 @@ static vxs_result guarded(scene *s, const char *path, const scene_choice *choice
         l.s            = s;
         work(l);
     } catch (const gltf::failure &f) {
-        r = f.code;
+        r = f.text.empty() ? f.code : fail(m, f.code, "'%s': %s", path, f.text.c_str());
     } catch (const std::bad_alloc &) {
         r = fail(m, VXS_E_MEMORY, "'%s': out of memory", path);
     } catch (const std::length_error &) {
@@ -159,7 +170,7 @@ extern "C" vxs_result scene_check_files_gltf(const char *path, message *m)
 extern "C" vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m)
 {
     return guarded(s, name, nullptr, m, [bytes, size_bytes](gltf::loader &l) {
-        if (size_bytes >= gltf::FILE_BYTES_MAX) l.unsupported("", "is 4 GiB or larger");
+        if (size_bytes >= gltf::FILE_BYTES_MAX) l.refused("", "is 4 GiB or larger, and a glTF file is less");
         l.file.assign((const unsigned char *)bytes, (const unsigned char *)bytes + size_bytes);
         gltf::load(l, nullptr);
     });

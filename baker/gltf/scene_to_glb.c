@@ -106,11 +106,14 @@ static int add_image(glb_scene *out, const alpha_image *image)
     return 1;
 }
 
+/* With its colour, unless that is white at an intensity of 1, as what says nothing is: what is dark stays so. */
 static int add_light(glb_scene *out, const scene_light *light)
 {
-    char *name = strdup(light->name);
-    if (name) out->lights[out->light_count++] = (scene_light){.name = name, .shape = light->shape};
-    return name != NULL;
+    scene_light   copy = {.name = strdup(light->name), .shape = light->shape, .dark = light->dark};
+    const double *c    = light->colour;
+    if (c[0] != 1 || c[1] != 1 || c[2] != 1) memcpy(copy.colour, c, sizeof copy.colour);
+    if (copy.name) out->lights[out->light_count++] = copy;
+    return copy.name != NULL;
 }
 
 /* ---- smoke ---- */

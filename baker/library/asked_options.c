@@ -3,6 +3,7 @@
 #include "baker/library/asked_options.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,11 +20,11 @@ static const double TEXEL_MIN_METRES = 1e-9, TEXEL_MAX_METRES = 1e9;
 /* A program may be older than the library, when it says less; or newer, when what this library does not know has to be 0. */
 static vxs_result take_known(vxs_bake_options *known, const vxs_bake_options *options, message *m)
 {
-    const size_t least = sizeof *known; /* of the first version */
+    const size_t least = offsetof(vxs_bake_options, blend); /* of the first version */
     *known             = (vxs_bake_options){0};
     if (!options || options->struct_bytes < least || options->struct_bytes > 64 * sizeof *known)
         return fail(m, VXS_E_ARGUMENT, "options: expected what vxs_bake_defaults returns, with what is to be changed");
-    memcpy(known, options, sizeof *known);
+    memcpy(known, options, options->struct_bytes < sizeof *known ? least : sizeof *known);
     const unsigned char *bytes = (const unsigned char *)options;
     for (size_t n = sizeof *known; n < options->struct_bytes; n++)
         if (bytes[n]) return fail(m, VXS_E_ARGUMENT, "options: some are of a later version than this library");
@@ -41,6 +42,7 @@ static vxs_result check_choices(const vxs_bake_options *a, message *m)
 {
     vxs_result r = check_choice("closed", a->closed, VXS_BAKE_CLOSED_OFF, m);
     if (r == VXS_OK) r = check_choice("skinned", a->skinned, VXS_BAKE_SKINNED_REST, m);
+    if (r == VXS_OK) r = check_choice("blend", a->blend, VXS_BAKE_BLEND_EXCLUDE, m);
     if (r == VXS_OK) r = check_choice("exit", a->exit, VXS_BAKE_EXIT_BACK, m);
     if (r == VXS_OK) r = check_choice("coding", a->coding, VXS_BAKE_DAG, m);
     if (r == VXS_OK) r = check_choice("pack", a->pack, VXS_BAKE_PACK_FAST, m);
@@ -189,6 +191,9 @@ static void translate(asked_options *a)
     o->scene.name                     = asked->scene_name;
     o->scene.skinned                  = asked->skinned == VXS_BAKE_SKINNED_REST ? SKINNED_REST : SKINNED_EXCLUDE;
     o->scene.skinned_given            = o->scene.skinned != SKINNED_EXCLUDE;
+    o->scene.blend                    = (int)asked->blend; /* the same words in the same order */
+    o->scene.blend_given              = o->scene.blend != BLEND_MASK;
+    o->scene.allow_outside            = asked->allow_outside != 0;
     o->resolution   = asked->texel_metres != 0 ? 0 : asked->resolution ? asked->resolution : RESOLUTION_DEFAULT_PX;
     o->texel_metres = asked->texel_metres;
     o->region_given = asked->has_region != 0;

@@ -15,7 +15,11 @@
     {"--include", OPTION_TEXTS, &(choice).include, 0, 0, NULL, "PATTERN",                                                          \
      "only these cast, less what --exclude names; repeat for more (default all)", NULL},                                                         \
     {"--skinned", OPTION_CHOICE, &(choice).skinned, 0, 0, SKINNED_CHOICES, NULL,                                                   \
-     "skinned meshes: left out, or baked as they are stored (default exclude)", &(choice).skinned_given}
+     "skinned meshes: left out, or in the pose that the file has (default exclude)", &(choice).skinned_given},                     \
+    {"--blend", OPTION_CHOICE, &(choice).blend, 0, 0, BLEND_CHOICES, NULL,                                                         \
+     "materials of alphaMode BLEND: walls where alpha is 0.5 or more; walls; nothing (default mask)", &(choice).blend_given},      \
+    {"--allow-outside", OPTION_SWITCH, &(choice).allow_outside, 0, 0, NULL, NULL,                                                  \
+     "read buffers and images that lie outside of the scene's folder", NULL}
 /* clang-format on */
 
 #endif

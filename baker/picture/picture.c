@@ -355,9 +355,9 @@ vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t
     box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     vxs_result r    = VXS_OK;
     double     size = fmax(box_diagonal(&b), 1e-9);
-    v.suns          = malloc(light_count * sizeof *v.suns);
-    v.lamps         = malloc(light_count * sizeof *v.lamps);
-    v.fog_lights    = malloc(light_count * sizeof *v.fog_lights);
+    v.suns          = malloc((light_count + 1) * sizeof *v.suns);
+    v.lamps         = malloc((light_count + 1) * sizeof *v.lamps);
+    v.fog_lights    = malloc((light_count + 1) * sizeof *v.fog_lights);
     if (!v.suns || !v.lamps || !v.fog_lights) {
         r = fail(m, VXS_E_MEMORY, "out of memory for %u lights", light_count);
         goto done;

@@ -128,13 +128,19 @@ static vxs_gl_function lookup(const char *name, void *user)
     return (vxs_gl_function)((const gl_context *)user)->lookup(name);
 }
 
-/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone without width. */
+/* What the scene says of a light; where it has none of its name, and of what it does not say, that is white, and an inner cone without width. What is
+ * dark there, or hidden, shines with nothing. */
 static scene_light described(const scene *s, const vxs_light *light)
 {
-    scene_light found = {0};
-    for (size_t n = 0; n < s->light_count; n++)
-        if (!strcmp(s->lights[n].name, light->name)) found = s->lights[n];
-    for (int n = 0, said = vec3_dot(found.colour, found.colour) > 0; n < 3 && !said; n++) found.colour[n] = 1;
+    scene_light found = {.colour = {1, 1, 1}};
+    for (size_t n = 0; n < s->lost_light_count; n++)
+        if (!strcmp(s->lost_lights[n].name, light->name)) memset(found.colour, 0, sizeof found.colour);
+    for (size_t n = 0; n < s->light_count; n++) {
+        if (strcmp(s->lights[n].name, light->name) != 0) continue;
+        found    = s->lights[n];
+        int said = found.dark || vec3_dot(found.colour, found.colour) > 0;
+        for (int k = 0; k < 3 && !said; k++) found.colour[k] = 1;
+    }
     return found;
 }
 
@@ -154,9 +160,10 @@ static vxs_result put_colours(renderer *r, const scene *s, const vxs_baked_light
         memcpy(r->colours[n], light.colour, sizeof light.colour);
         r->shines[n].cos_inner = cos(light.inner_rad);
         rows[n][3]             = (float)r->shines[n].cos_inner;
-        r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;
+        r->day |= lights[n]->light.kind == VXS_LIGHT_KIND_DIRECTIONAL && vec3_dot(light.colour, light.colour) > 0;
         for (int k = 0; k < 3; k++) most = fmax(most, r->colours[n][k]);
     }
+    if (!(most > 0)) most = 1; /* all are dark */
     r->scale = 1 / most;
     for (uint32_t n = 0; n < r->light_count; n++)
         for (int k = 0; k < 3; k++) {

@@ -115,13 +115,19 @@ static void decide_memory(decision_list *l, const bake_plan *plan, const bake_op
 static void decide_lights(decision_list *l, const bake_plan *plan, const bake_report *report)
 {
     char   choice[64];
-    size_t nothing = plan->light_count - plan->baked_count;
+    size_t nothing = plan->light_count - plan->baked_count, unasked = 0;
     snprintf(choice, sizeof choice, "%zu baked", plan->baked_count);
+    for (size_t n = 0; n < report->left_out_count; n++) unasked += !strcmp(report->left_out[n].why, "not asked for");
+    size_t others = report->left_out_count - nothing - unasked;
     if (!report->left_out_count)
         decide(l, "lights", choice, "none is left out");
-    else
+    else if (!others)
         decide(l, "lights", choice, "%zu left out: %zu that nobody asked for, %zu that reach no caster", report->left_out_count,
-               report->left_out_count - nothing, nothing);
+               unasked, nothing);
+    else
+        decide(l, "lights", choice,
+               "%zu left out: %zu that nobody asked for, %zu that reach no caster, %zu that are dark, hidden or faulty",
+               report->left_out_count, unasked, nothing, others);
 }
 
 /* What was decided, and why. */

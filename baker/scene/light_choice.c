@@ -31,13 +31,28 @@ static const chosen_light *find(const light_choice *lights, const char *name)
     return NULL;
 }
 
-/* "lamp (spot), moon (directional)" */
+/* " (node 3 'Lamp')", what the file calls the node of a light; "" where it came from no file. A name that is the light's is not said again. */
+static const char *node_text(char text[128], const char *light_name, uint32_t node, const char *node_name)
+{
+    char shown[65];
+    int  named = node_name && node_name[0] && strcmp(node_name, light_name) != 0;
+    text[0]    = '\0';
+    if (named)
+        snprintf(text, 128, "node %u '%s'", node, shorten(shown, sizeof shown - 1, node_name));
+    else if (node_name)
+        snprintf(text, 128, "node %u", node);
+    return text;
+}
+
+/* "lamp (spot, node 3 'Kitchen'), noon (directional)" */
 static const char *list_lights(const light_choice *lights, char text[LIST_BYTES])
 {
     text[0] = '\0';
     for (size_t i = 0; i < lights->count; i++) {
-        char item[LIST_BYTES];
-        snprintf(item, sizeof item, "%s (%s)", lights->lights[i].name, light_kind_name(lights->lights[i].shape.kind));
+        const chosen_light *l = &lights->lights[i];
+        char                item[LIST_BYTES], node[128] = "";
+        if (l->light) node_text(node, l->name, l->light->node, l->light->node_name);
+        snprintf(item, sizeof item, "%s (%s%s%s)", l->name, light_kind_name(l->shape.kind), node[0] ? ", " : "", node);
         list_item(text, item);
     }
     return text;
@@ -62,7 +77,7 @@ static int is_utf8(const char *text)
 static vxs_result add_all(const scene *s, const named_list *suns, light_choice *all, message *m)
 {
     for (size_t i = 0; i < s->light_count; i++)
-        if (!named_find(suns, s->lights[i].name)) add(all, (chosen_light){s->lights[i].name, s->lights[i].shape, 0});
+        if (!named_find(suns, s->lights[i].name)) add(all, (chosen_light){s->lights[i].name, s->lights[i].shape, 0, &s->lights[i]});
     for (const named_value *sun = suns->items; sun < suns->items + suns->count; sun++) {
         light_shape   shape  = {.kind = LIGHT_DIRECTIONAL};
         const double *v      = sun->numbers;
@@ -73,23 +88,57 @@ static vxs_result add_all(const scene *s, const named_list *suns, light_choice *
             return fail(m, VXS_E_ARGUMENT, "--sun %s: the name has %zu bytes, expected 1 to %d", sun->name, length,
                         VXS_LIGHT_NAME_BYTES - 1);
         if (!is_utf8(sun->name)) return fail(m, VXS_E_ARGUMENT, "--sun %s: expected a name in UTF-8", sun->name);
-        add(all, (chosen_light){sun->name, shape, 1});
+        add(all, (chosen_light){sun->name, shape, 1, NULL});
     }
     return VXS_OK;
 }
 
-static vxs_result add_named(const light_choice *all, const char *name, light_choice *chosen, message *m)
+/* A light by the name of its node.   count  [out] how many there are */
+static const chosen_light *find_by_node(const light_choice *lights, const char *name, size_t *count)
 {
+    const chosen_light *found = NULL;
+    *count                    = 0;
+    for (const chosen_light *l = lights->lights; l < lights->lights + lights->count; l++) {
+        if (!l->light || !l->light->node_name || strcmp(l->light->node_name, name) != 0) continue;
+        found = l;
+        ++*count;
+    }
+    return found;
+}
+
+static vxs_result fail_if_lost(const scene *s, const char *name, message *m)
+{
+    for (const lost_light *l = s->lost_lights; l < s->lost_lights + s->lost_light_count; l++) {
+        char node[128];
+        if (strcmp(l->name, name) != 0 && strcmp(l->node_name, name) != 0) continue;
+        node_text(node, l->name, l->node, l->node_name);
+        if (l->why) return fail(m, VXS_E_ARGUMENT, "--light %s: the light of %s cannot be baked: %s", name, node, l->why);
+        return fail(m, VXS_E_ARGUMENT,
+                    "--light %s: the light of %s is hidden (KHR_node_visibility); make its node visible in the scene", name, node);
+    }
+    return VXS_OK;
+}
+
+static vxs_result add_named(const scene *s, const light_choice *all, const char *name, light_choice *chosen, message *m)
+{
+    size_t              count = 0;
     const chosen_light *light = find(all, name);
     char                known[LIST_BYTES], meant[64];
     size_t              matched = 0;
-    if (find(chosen, name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
+    vxs_result          r;
+    if (!light && (r = fail_if_lost(s, name, m)) != VXS_OK) return r;
+    if (!light) light = find_by_node(all, name, &count);
+    if (count > 1)
+        return fail(m, VXS_E_ARGUMENT, "--light %s: %zu nodes of that name have lights; there are %s", name, count,
+                    list_lights(all, known));
+    if (light && find(chosen, light->name)) return fail(m, VXS_E_ARGUMENT, "--light %s: given twice", name);
     if (light) {
         add(chosen, *light);
         return VXS_OK;
     }
     for (size_t i = 0; i < all->count; i++) {
-        if (!light_name_matches(name, i, all->lights[i].name)) continue;
+        const chosen_light *l = &all->lights[i];
+        if (!light_name_matches(name, i, l->name) && !(l->light && l->light->node_name && light_name_matches(name, i, l->light->node_name))) continue;
         matched++;
         if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i]);
     }
@@ -99,16 +148,88 @@ static vxs_result add_named(const light_choice *all, const char *name, light_cho
                 meant_light(all, name, meant));
 }
 
-static vxs_result choose(const light_choice *all, const text_list *names, const named_list *suns, light_choice *chosen, message *m)
+/* ---- what is not baked though nobody chose ---- */
+
+enum { SHOWN = 3 };
+
+static int is_dark(const scene_light *l)
 {
+    return l && l->dark;
+}
+
+void warn_about_lost_lights(const scene *s, message *m)
+{
+    size_t lost = 0;
+    for (const lost_light *l = s->lost_lights; l < s->lost_lights + s->lost_light_count; l++) {
+        char node[128];
+        if (l->why && ++lost <= SHOWN)
+            warn(m, "light '%s' (%s) is left out: %s", l->name, node_text(node, l->name, l->node, l->node_name), l->why);
+    }
+    if (lost > SHOWN) warn(m, "%zu more lights are left out for such faults; see to those above, and run again", lost - SHOWN);
+}
+
+static void warn_about_dark_lights(const scene *s, message *m)
+{
+    size_t dark = 0;
+    for (const scene_light *l = s->lights; l < s->lights + s->light_count; l++) {
+        char node[128];
+        if (is_dark(l) && ++dark <= SHOWN)
+            warn(m, "light '%s' (%s) is left out: %s; set it in the scene, or --light bakes it all the same", l->name,
+                 node_text(node, l->name, l->node, l->node_name), l->dark);
+    }
+    if (dark > SHOWN)
+        warn(m, "%zu more lights are left out because they are dark; set their intensities, or name them with --light",
+             dark - SHOWN);
+}
+
+/* Of lights that are chosen: what of them is not read as it is written. */
+static void warn_about_odd_lights(const light_choice *chosen, message *m)
+{
+    size_t odd = 0;
+    for (const chosen_light *l = chosen->lights; l < chosen->lights + chosen->count; l++) {
+        char node[128];
+        if (!l->light || (!l->light->odd && !l->light->dark) || ++odd > SHOWN) continue;
+        node_text(node, l->name, l->light->node, l->light->node_name);
+        if (l->light->odd) warn(m, "light '%s' (%s): %s", l->name, node, l->light->odd);
+        if (l->light->dark)
+            warn(m, "light '%s' (%s): %s, and pictures do not show it; set it in the scene", l->name, node, l->light->dark);
+    }
+    if (odd > SHOWN) warn(m, "%zu more lights like that; see to those above, and run again", odd - SHOWN);
+}
+
+static vxs_result fail_without_light(const scene *s, message *m)
+{
+    const lost_light *first = s->lost_lights;
+    while (first < s->lost_lights + s->lost_light_count && !first->why) first++;
+    if (first < s->lost_lights + s->lost_light_count)
+        return fail(m, VXS_E_NO_LIGHT, "the scene has no light that can be baked; '%s': %s; --sun X,Y,Z gives one", first->name,
+                    first->why);
+    if (s->light_count)
+        return fail(m, VXS_E_NO_LIGHT, "the scene has no light that shines; '%s': %s; --sun X,Y,Z gives one", s->lights[0].name,
+                    s->lights[0].dark);
+    if (s->lost_light_count)
+        return fail(m, VXS_E_NO_LIGHT, "all lights of the scene are hidden (KHR_node_visibility): --sun X,Y,Z gives one");
+    return fail(m, VXS_E_NO_LIGHT, "the scene has no light%s: --sun X,Y,Z gives one",
+                s->shining_count ? ", and materials that shine are none" : "");
+}
+
+static vxs_result choose(const scene *s, const light_choice *all, const text_list *names, const named_list *suns,
+                         light_choice *chosen, message *m)
+{
+    int by_name = names->count || suns->count;
     for (size_t i = 0; i < names->count; i++) {
-        vxs_result r = add_named(all, names->items[i], chosen, m);
+        vxs_result r = add_named(s, all, names->items[i], chosen, m);
         if (r != VXS_OK) return r;
     }
     for (size_t i = all->count - suns->count; i < all->count; i++)
         if (!find(chosen, all->lights[i].name)) add(chosen, all->lights[i]);
-    for (size_t i = 0; i < all->count && !names->count && !suns->count; i++) add(chosen, all->lights[i]);
-    return chosen->count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "the scene has no light: --sun X,Y,Z gives one");
+    for (size_t i = 0; i < all->count && !by_name; i++)
+        if (!is_dark(all->lights[i].light)) add(chosen, all->lights[i]);
+    if (!chosen->count) return fail_without_light(s, m);
+    if (!by_name) warn_about_lost_lights(s, m);
+    if (!by_name) warn_about_dark_lights(s, m);
+    warn_about_odd_lights(chosen, m);
+    return VXS_OK;
 }
 
 vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m)
@@ -119,7 +240,7 @@ vxs_result lights_choose(const scene *s, const text_list *names, const named_lis
     vxs_result r      = VXS_OK;
     if (!all.lights || !chosen->lights) r = fail(m, VXS_E_MEMORY, "out of memory for the choice of lights");
     if (r == VXS_OK) r = add_all(s, suns, &all, m);
-    if (r == VXS_OK) r = choose(&all, names, suns, chosen, m);
+    if (r == VXS_OK) r = choose(s, &all, names, suns, chosen, m);
     if (r != VXS_OK) light_choice_free(chosen);
     light_choice_free(&all);
     return r;

@@ -12,7 +12,8 @@
 typedef struct chosen_light {
     const char *name; /* the scene's, or that of --sun; borrowed */
     light_shape shape;
-    int         is_option; /* nonzero: --sun gives it, not the scene */
+    int                is_option; /* nonzero: --sun gives it, not the scene */
+    const scene_light *light;     /* the scene's; NULL: --sun gives it */
 } chosen_light;
 
 typedef struct light_choice {
@@ -24,16 +25,20 @@ typedef struct light_choice {
 int light_name_matches(const char *pattern, size_t number, const char *name);
 
 /* Choose lights.
- *   neither option         all lights of the scene, in its order
- *   --light NAME ...       those, in the order given. Where no light has that name, it is a pattern, and stands for all that it names, in the
- *                          scene's order, but for those that are there already
+ *   neither option         all lights of the scene that shine, in its order; those that do not, or cannot be baked, are warned of
+ *   --light NAME ...       those, in the order given, by their names or by those of their nodes; what cannot be baked is an error. Where no light
+ *                          and no node has that name, it is a pattern, and stands for all that it names, in the scene's order, but for those that
+ *                          are there already
  *   --sun NAME=X,Y,Z ...   suns, each in place of the scene's own light of that name; last, or where --light NAME asks for one
  * names   the values of --light
  * suns    those of --sun, all with a name: the way sunlight travels, of any length but zero
  * chosen  [out] zeroed on failure; released with light_choice_free; borrows names from s and suns
- * Returns VXS_OK, VXS_E_NO_LIGHT (neither option, and no light), VXS_E_ARGUMENT (unknown name, name given twice,
- * sun of length zero, or whose name is none that a file can hold), VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_NO_LIGHT (neither option, and no light that shines), VXS_E_ARGUMENT (unknown name, name given twice, a light that
+ * cannot be baked, sun of length zero, or whose name is none that a file can hold), VXS_E_MEMORY. */
 vxs_result lights_choose(const scene *s, const text_list *names, const named_list *suns, light_choice *chosen, message *m);
+
+/* Warn of lights of the file that cannot be baked, as lights_choose does where all are meant. */
+void warn_about_lost_lights(const scene *s, message *m);
 
 /* The same as a question to a scene before a triangle is placed. */
 typedef struct light_question {

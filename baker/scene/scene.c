@@ -9,10 +9,23 @@
 
 #include "baker/base/vec3.h"
 
+void scene_light_free(scene_light *l)
+{
+    free(l->name);
+    free(l->node_name);
+    free(l->odd);
+}
+
 void scene_free(scene *s)
 {
-    for (size_t i = 0; i < s->light_count; i++) free(s->lights[i].name);
+    for (size_t i = 0; i < s->light_count; i++) scene_light_free(&s->lights[i]);
     free(s->lights);
+    for (size_t i = 0; i < s->lost_light_count; i++) {
+        free(s->lost_lights[i].name);
+        free(s->lost_lights[i].node_name);
+        free(s->lost_lights[i].why);
+    }
+    free(s->lost_lights);
     for (size_t i = 0; i < s->image_count; i++) free(s->images[i].alpha);
     free(s->images);
     for (size_t i = 0; i < s->area_count; i++) free(s->areas[i].texture);
@@ -43,6 +56,8 @@ const char *exclusion_text(char text[128], const scene_exclusion *e)
     case EXCLUDED_BY_EXCLUDE: snprintf(text, 128, "--exclude %s", e->pattern); return one_line(text);
     case EXCLUDED_BY_EXTRAS: return strcpy(text, "vxs_cast_shadow is false in their extras");
     case EXCLUDED_AS_SKINNED: return strcpy(text, "skinned, which --skinned rest includes");
+    case EXCLUDED_AS_HIDDEN: snprintf(text, 128, "hidden by KHR_node_visibility, %zu nodes", e->nodes); return text;
+    case EXCLUDED_AS_BLEND: return strcpy(text, "their materials let light through (--blend)");
     }
     return strcpy(text, "unknown");
 }

@@ -28,9 +28,21 @@ typedef struct light_shape {
 typedef struct scene_light {
     char       *name; /* owned, never NULL; unique in the scene */
     light_shape shape;
-    double colour[3]; /* linear, times intensity: lux of a directional light, candela of others; for pictures. 0: nobody said */
+    double      colour
+        [3]; /* linear, times intensity: lux of a directional light, candela of others; for pictures. 0: nobody said, or it is dark */
     double inner_rad; /* spot: up to this angle from its direction it is at its full strength, [0, outer_rad]; for pictures */
+    char       *node_name; /* owned; of the node that places it, "" where that has none; NULL: it came from no file */
+    uint32_t    node;      /* the file's number of that node */
+    char       *odd;       /* owned; what of it is not read as it is written, and what to do; NULL: nothing */
+    const char *dark;      /* why it shines with nothing; NULL: it shines */
 } scene_light;
+
+/* A light of the file that cannot be baked, or is hidden with its node. */
+typedef struct lost_light {
+    char    *name, *node_name; /* owned, as a light's */
+    uint32_t node;
+    char    *why; /* owned: what is wrong, and what to do; NULL: it is hidden (KHR_node_visibility) */
+} lost_light;
 
 /* per triangle */
 enum {
@@ -111,13 +123,21 @@ typedef struct part_span {
 } part_span;
 
 /* Why triangles do not cast; the order is the order in which the rules are asked. */
-typedef enum exclusion_rule { EXCLUDED_BY_INCLUDE, EXCLUDED_BY_EXCLUDE, EXCLUDED_BY_EXTRAS, EXCLUDED_AS_SKINNED } exclusion_rule;
-#define EXCLUSION_RULES "include|exclude|extras|skinned" /* their words, in that order */
+typedef enum exclusion_rule {
+    EXCLUDED_BY_INCLUDE,
+    EXCLUDED_BY_EXCLUDE,
+    EXCLUDED_BY_EXTRAS,
+    EXCLUDED_AS_SKINNED,
+    EXCLUDED_AS_HIDDEN, /* KHR_node_visibility; asked first */
+    EXCLUDED_AS_BLEND   /* their material lets light through */
+} exclusion_rule;
+#define EXCLUSION_RULES "include|exclude|extras|skinned|hidden|blend" /* their words, in that order */
 
 typedef struct scene_exclusion {
     exclusion_rule rule;
     const char    *pattern;   /* of EXCLUDED_BY_EXCLUDE: the choice's; else NULL */
     size_t         triangles; /* that this is the first rule to exclude */
+    size_t         nodes;     /* of EXCLUDED_AS_HIDDEN: that are hidden, with those below them */
 } scene_exclusion;
 
 typedef struct scene {
@@ -148,9 +168,12 @@ typedef struct scene {
 
     size_t       light_count;
     scene_light *lights;
+    size_t       lost_light_count;
+    lost_light  *lost_lights; /* in the file's order, as lights are */
 
     size_t material_count;
     float (*material_colours)[3]; /* [material_count] linear base colours, for pictures; textures are not read, and count as grey */
+    size_t shining_count;         /* materials that shine, which are no lights */
 
     size_t      area_count; /* of a choice with `areas` */
     scene_area *areas;      /* in the order of their triangles */
@@ -168,6 +191,11 @@ typedef struct scene {
 typedef enum skinned_mode { SKINNED_EXCLUDE, SKINNED_REST } skinned_mode;
 #define SKINNED_CHOICES "exclude|rest" /* their words, in that order */
 
+/* What is baked of materials of alphaMode BLEND: a wall where alpha is 0.5 or more; a wall; nothing, nor of KHR_materials_transmission.
+ * Where alpha is 0 everywhere it is nothing, where it is 1 everywhere a wall. */
+typedef enum blend_choice { BLEND_MASK, BLEND_OPAQUE, BLEND_EXCLUDE } blend_choice;
+#define BLEND_CHOICES "mask|opaque|exclude" /* their words, in that order */
+
 /* Which scene of a file, and what of it casts. A pattern names nodes, meshes or materials of the scene by their names, with the wildcards of
  * a shell, or by their numbers ("#12"): one kind after "node:", "mesh:" or "material:", else all three. A node stands for all below
  * it. What an exclude names does not cast; with an include, nor does what none names. */
@@ -175,7 +203,9 @@ typedef struct scene_choice {
     const char *name; /* of the scene, or its index; NULL: the file's default scene, else scene 0, else all root nodes */
     text_list   exclude, include;
     int         skinned, skinned_given; /* skinned_mode; when it was asked for, that is no reason for a warning */
+    int         blend, blend_given;     /* blend_choice; the same */
     int         areas;                  /* 1: what shines is read, too, with its pictures */
+    int         allow_outside;          /* 1: buffers and images may lie outside of the scene's folder */
 } scene_choice;
 
 /* Read a .gltf or .glb file with tinygltf (glTF 2.0): node hierarchy, sparse accessors, strips and fans, lights of
@@ -207,6 +237,9 @@ vxs_result scene_check_files_gltf(const char *path, message *m);
 vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes, const char *name, message *m);
 
 void scene_free(scene *s);
+
+/* What a light owns. */
+void scene_light_free(scene_light *l);
 
 /* The part that a triangle belongs to. `part` is that of a triangle before, 0 at first. */
 static inline uint32_t scene_part_at(const scene *s, uint32_t part, size_t triangle)

@@ -174,7 +174,7 @@ def test_sun_takes_the_place_of_the_scenes_own(bake, scene):
 
 
 @pytest.mark.parametrize("options, status, says", [
-    (("--light", "nobody"), 2, "noon (directional), lamp (spot)"),
+    (("--light", "nobody"), 2, "noon (directional, node 1), lamp (spot, node 2)"),
     (("--light", "noon", "--light", "noon"), 2, "twice"),
     (("--sun", "0,0,0"), 2, "not zero"),
     (("--sun", "1,2"), 2, "3 numbers"),

@@ -94,9 +94,9 @@ def test_suns_stand_in_the_report(bake):
     (("--sun", "noon="), "expected 3 numbers"),
     (("--sun", "noon=0,0,0"), "--sun noon=0,0,0: expected a direction"),
     (("--sun", "x" * 64 + "=0,-1,0"), "the name has 64 bytes, expected 1 to 63"),
-    (("--sun", "noon=0,-1,0", "--light", "dusk"), "--light dusk: no such light; there are sun (directional), spot (spot), lamp (point), "
+    (("--sun", "noon=0,-1,0", "--light", "dusk"), "--light dusk: no such light; there are sun (directional, node 1), spot (spot, node 2), lamp (point, node 3), "
      "noon (directional)\n"),
-    (("--light", "Sun"), "--light Sun: no such light; there are sun (directional), spot (spot), lamp (point): did you mean 'sun'?\n"),
+    (("--light", "Sun"), "--light Sun: no such light; there are sun (directional, node 1), spot (spot, node 2), lamp (point, node 3): did you mean 'sun'?\n"),
 ])
 def test_wrong_suns(vxs, fails, folder, options, says):
     fails(says, *options)
@@ -158,10 +158,10 @@ def test_sizes_stand_in_the_report(bake):
     (("--texel", "sun=0"), "--texel sun=0: expected a number from"),
     (("--texel", "sun=0.00001"), "at least --texel sun="),
     (("--texel", "0.00001", "--light", "spot"), "at least --texel spot="),
-    (("--resolution", "son=64"), "--resolution son=64: no light of that name is baked, but sun (directional), spot (spot), lamp (point): "
+    (("--resolution", "son=64"), "--resolution son=64: no light of that name is baked, but sun (directional, node 1), spot (spot, node 2), lamp (point, node 3): "
      "did you mean 'sun'?"),
     (("--texel", "son=0.5"), "--texel son=0.5: no light of that name is baked"),
-    (("--light", "lamp", "--resolution", "sun=64"), "--resolution sun=64: no light of that name is baked, but lamp (point)"),
+    (("--light", "lamp", "--resolution", "sun=64"), "--resolution sun=64: no light of that name is baked, but lamp (point, node 3)"),
 ])
 def test_wrong_sizes(fails, options, says):
     fails(says, *options)

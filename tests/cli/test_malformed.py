@@ -1,4 +1,5 @@
-# Every malformed file has a pinned end: refused with one line that names the fault, or accepted because the fault is none to a baker.
+# Every malformed file has a pinned end: refused with one line that names the fault, or accepted because the fault is none to a baker, or costs a
+# part of the scene alone. Where nothing is left to bake, the fault is the error.
 # The files are other people's (see their README) and not part of this repository.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
@@ -12,12 +13,10 @@ SECONDS = 5
 
 # file: what its line says. All end with status 3.
 REFUSED = {
-    "assimp__Cube_gltf/Cube.gltf": "bufferView 2: 432 bytes at byte 504 do not fit in buffer 0 of 514 bytes",
     "assimp__IndexOutOfRange_gltf/IndexOutOfRange.gltf": "accessor 0: index 0 is 255",
     "assimp__NoScene.gltf": "its default scene 0 does not exist",
     "assimp__RecursiveNodes.gltf": "node 0 is in a loop of nodes",
-    "assimp__badArray_gltf/badArray.gltf": "mesh 0: 'primitives' is not an array of objects",
-    "assimp__badString_gltf/badString.gltf": "scene 0: 'name' is not a string",
+    "assimp__badArray_gltf/badArray.gltf": "mesh 0 'Mesh': 'primitives' is not an array of objects",
     "cgltf__BadBasisU.gltf": "parse error at line 1, column 53",
     "gltf1__BoxTextured.glb": "GLB version 1",
     "gltf1__BoxTextured.gltf": "asset.version is 1.0",
@@ -25,7 +24,7 @@ REFUSED = {
     "gltf1__BoxTextured_4ebefa.gltf": "asset.version is 1.0",
     "gltf1__Cesium_Air.glb": "GLB version 1",
     "gltf1__Cube_v1.gltf": "asset.version is 1.0",
-    "magnum_gltf__animation-invalid-buffer-notfound.gltf": "cannot read buffer 1, ",
+    "magnum_gltf__animation-invalid-buffer-notfound.gltf": "buffer 1: '/nonexistent1.bin' is not in the scene's folder: --allow-outside reads it",
     "magnum_gltf__animation_missing_target_node_gltf/animation-missing-target-node.gltf": "bufferView 0: byteLength is 0",
     "magnum_gltf__buffer-invalid-short-size-embedded.glb": "buffer 0: the GLB chunk ends after 12 bytes",
     "magnum_gltf__buffer-invalid-short-size-embedded.gltf": "buffer 0: its data URI ends after 12 bytes",
@@ -35,7 +34,6 @@ REFUSED = {
     "magnum_gltf__image-basis-embedded.glb": "requires the extension GOOGLE_texture_basis",
     "magnum_gltf__image-basis-embedded.gltf": "requires the extension GOOGLE_texture_basis",
     "magnum_gltf__image_invalid_gltf/image-invalid.gltf": "bufferView 0: byteLength is 0",
-    "magnum_gltf__light-invalid.gltf": "light 10: 'type' is missing",
     "magnum_gltf__material-invalid-ktx.gltf": "requires the extension KHR_texture_ktx",
     "magnum_gltf__mesh-invalid-empty-primitives.gltf": "mesh 0 primitive 0: 'attributes' is missing",
     "magnum_gltf__mesh-invalid-morph-target.gltf": "mesh 0 primitive 0: 'attributes' is missing",
@@ -44,19 +42,15 @@ REFUSED = {
     "magnum_gltf__mesh-invalid-texcoord-flip-attribute-accessor-invalid-component-type.gltf": "accessor 0: 'componentType' is missing",
     "magnum_gltf__mesh-invalid-texcoord-flip-attribute-accessor-missing-component-type.gltf": "accessor 0: 'componentType' is missing",
     "magnum_gltf__mesh-invalid-texcoord-flip-attribute.gltf": "mesh 0 primitive 0: 'attributes' is missing",
-    "magnum_gltf__mesh-invalid.gltf": "accessor 28: 'bufferView' is not an integer from 0 to 2147483647",
+    "magnum_gltf__mesh-invalid.gltf": "accessor 16: unknown type 'EEE'",
     "magnum_gltf__mesh-multiple-primitives.gltf": "bufferView 0: byteLength is 0",
-    "magnum_gltf__mesh_buffers_gltf/mesh-buffers.gltf": "mesh 16 primitive 0: 'attributes' is missing",
+    "magnum_gltf__mesh_buffers_gltf/mesh-buffers.gltf": "mesh 16 'Index accessor with no buffer view' primitive 0: 'attributes' is missing",
     "magnum_gltf__mesh_custom_attributes_gltf/mesh-custom-attributes.gltf": "accessor 5: unknown componentType 5124",
-    "magnum_gltf__mesh_primitives_types_gltf/mesh-primitives-types.gltf": "1 '1': POSITION is not of floats, and KHR_mesh_quantization is not used",
-    "magnum_gltf__mesh_unsupported_vertex_formats_gltf/mesh-unsupported-vertex-formats.gltf": "4: byte 25 of its buffer is not a multiple of its components' 4 bytes",
-    "magnum_gltf__scene-invalid-child-not-root.gltf": "scene 0: node 1 is not a root, its parent is node 0",
     "magnum_gltf__scene-invalid-children-property.gltf": "node 1: 'children' is not an array of indices",
-    "magnum_gltf__scene-invalid-cycle.gltf": "node 0 is in a loop of nodes",
+    "magnum_gltf__scene-invalid-cycle.gltf": "node 0 'child is self' is in a loop of nodes",
     "magnum_gltf__scene-invalid-multiple-parents.gltf": "node 2 has two parents, node 0 and node 1",
     "magnum_gltf__scene-invalid-node-oob.gltf": "scene 0: node 7 does not exist",
-    "magnum_gltf__scene-invalid.gltf": "node 10: 'mesh' is not an integer from 0 to 2147483647",
-    "magnum_gltf__scene-transformation.gltf": "node 0 has both a matrix and translation, rotation or scale",
+    "magnum_gltf__scene-invalid.gltf": "node 10 '10': 'mesh' is not an integer from 0 to 2147483647",
     "magnum_gltf__skin-invalid.gltf": "skin 9: 'joints' is missing",
     "magnum_gltf__texture-invalid-ktx-extension-source-property.gltf": "requires the extension KHR_texture_ktx",
     "magnum_gltf__texture-invalid-ktx-layer-then-no-layer.gltf": "requires the extension KHR_texture_ktx",
@@ -67,23 +61,14 @@ REFUSED = {
     "magnum_gltf__version-unsupported.gltf": "asset.version is 3.0",
     "magnum_tinygltf__buffer_invalid_no_uri_glb/buffer-invalid-no-uri.glb": "buffer 1 has neither a uri nor a GLB chunk",
     "magnum_tinygltf__buffer_invalid_no_uri_gltf/buffer-invalid-no-uri.gltf": "buffer 1 has neither a uri nor a GLB chunk",
-    "magnum_tinygltf__light-invalid-missing-spot.gltf": "light 0: a spot light without a 'spot' object",
-    "magnum_tinygltf__light-invalid.gltf": "light 0 'unknown type': unknown type 'what'",
-    "magnum_tinygltf__mesh-invalid-accessor-oob.gltf": "index out of range' primitive 0: TEXCOORD_0 accessor 2 does not exist",
-    "magnum_tinygltf__mesh-invalid.gltf": "bufferView 3: 40 bytes at byte 20 do not fit in buffer 1 of 59 bytes",
-    "magnum_tinygltf__scene-invalid.gltf": "light 1: unknown type 'ambient'",
+    "magnum_tinygltf__mesh-invalid.gltf": "accessor 12: unknown componentType 5130",
+    "magnum_tinygltf__scene-invalid.gltf": "node 10: child 11 does not exist",
     "magnum_tinygltf__skin-invalid-no-joints.gltf": "skin 0: 'joints' is missing",
     "magnum_tinygltf__skin-invalid.gltf": "3: 2 elements at byte 68 do not fit in bufferView 0 of 192 bytes",
     "missing__Sponza.gltf": "cannot read buffer 0, ",
-    "tinygltf__invalid-primitive-indices.gltf": "bufferView 0: buffer 0 does not exist",
+    "tinygltf__invalid-primitive-indices.gltf": "accessor 0: bufferView 1 does not exist",
     "tinygltf__invalid_buffer_index_gltf/invalid-buffer-index.gltf": "bufferView 1: buffer 1 does not exist",
     "tinygltf__issue-416.gltf": "asset.version: expected a text like \"2.0\"",
-    "val_KHR_lights_punctual__empty_light_object.gltf": "light 0: 'type' is missing",
-    "val_KHR_lights_punctual__empty_object.gltf": "KHR_lights_punctual: 'lights' is missing",
-    "val_KHR_lights_punctual__empty_object_2638cb.gltf": "node 0 KHR_lights_punctual: 'light' is missing",
-    "val_KHR_lights_punctual__spot_light_without_spot_object.gltf": "light 0: a spot light without a 'spot' object",
-    "val_KHR_lights_punctual__unresolved_light_empty_root_array.gltf": "node 0: light 0 does not exist",
-    "val_KHR_lights_punctual__unresolved_light_no_root_ext.gltf": "node 0: light 0 does not exist",
     "val_accessor__byteoffset_no_bufferview.gltf": "accessor 0: a byteOffset without a bufferView",
     "val_accessor__empty_object.gltf": "accessor 0: 'componentType' is missing",
     "val_accessor__invalid_sparse_count_and_stride.gltf": "accessor 0: sparse count 2 exceeds its 1 elements",
@@ -92,17 +77,12 @@ REFUSED = {
     "val_asset__empty_array.gltf": "asset.version: expected a text like \"2.0\"",
     "val_asset__min_version_invalid.gltf": "asset.minVersion is 2.1",
     "val_buffer__empty_object.gltf": "buffer 0: 'byteLength' is missing",
-    "val_buffer__invalid_uri_data.glb": "buffer 0: 'data:' is not a base64 data URI of a buffer",
-    "val_buffer__invalid_uri_data.gltf": "is not a base64 data URI of a buffer",
-    "val_buffer__invalid_uri_data_mime.gltf": "is not a base64 data URI of a buffer",
+    "val_buffer__invalid_uri_data.glb": "buffer 0: 'data:,...' is not a data URI",
     "val_buffer__no_bin_chunk.glb": "buffer 0 has neither a uri nor a GLB chunk",
     "val_buffer__not_found.gltf": "cannot read buffer 0, ",
     "val_buffer__zero_bytelength.gltf": "buffer 0: byteLength is 0",
     "val_buffer_view__empty_object.gltf": "bufferView 0: 'buffer' is missing",
-    "val_buffer_view__invalid_stride_multiple.gltf": "bufferView 0: byteStride is 5",
-    "val_buffer_view__invalid_stride_wrong_target.gltf": "bufferView 0: a byteStride, but its target is indices",
     "val_buffer_view__zero_bytelength.gltf": "bufferView 0: byteLength is 0",
-    "val_camera__infinite_znear.gltf": "number overflow parsing '1e309'",
     "val_glb__empty_file.glb": "the file is empty",
     "val_glb__empty_json_object.glb": "not glTF 2.0: 'asset' is missing",
     "val_glb__invalid_magic.glb": "parse error at line 1, column 1",
@@ -111,30 +91,25 @@ REFUSED = {
     "val_glb__only_bin_chunk.glb": "the first GLB chunk is not JSON",
     "val_glb__truncated_chunk_data.glb": "GLB header promises 48 bytes",
     "val_glb__two_bin_chunks.glb": "the first GLB chunk is not JSON",
-    "val_glb__two_empty_json_chunks.glb": "chunk of 0 bytes in a file of 28: it must fit and be a multiple of 4",
-    "val_glb__unaligned_chunk.glb": "chunk of 27 bytes in a file of 47: it must fit and be a multiple of 4",
+    "val_glb__two_empty_json_chunks.glb": "chunk of 0 bytes in a file of 28: it must be there, and fit",
     "val_glb__zero_chunk_header.glb": "the first GLB chunk is not JSON",
     "val_image__buffer_view_bytestride.gltf": "buffer 0 has neither a uri nor a GLB chunk",
     "val_image__missing_mime_type_buffer_view.gltf": "buffer 0 has neither a uri nor a GLB chunk",
     "val_json__invalid_syntax.gltf": "parse error at line 1, column 2",
     "val_mesh__accessor_unaligned.gltf": "buffer 0 has neither a uri nor a GLB chunk",
     "val_mesh__accessor_without_bytestride.gltf": "buffer 0 has neither a uri nor a GLB chunk",
-    "val_mesh__indices_bytestride.gltf": "mesh 0 primitive 0, accessor 1: indices with a byteStride",
-    "val_mesh__morph_weights_wrong_count.gltf": "mesh 0 primitive 0: 2 weights for 1 morph targets",
+    "val_mesh__indices_bytestride.gltf": "buffer 0 has neither a uri nor a GLB chunk",
     "val_mesh__unresolved_indices.gltf": "mesh 0 primitive 0: indices accessor 1 does not exist",
-    "val_mesh__unresolved_morph_positions.gltf": "mesh 0 primitive 0 target 0: POSITION accessor 2 does not exist",
     "val_mesh_data__index_buffer_oob_gltf/index_buffer_oob.gltf": "accessor 0: index 5 is 5",
     "val_mesh_data__joints_no_weights.gltf": "bufferView 0: 32 bytes at byte 0 do not fit in buffer 0 of 16 bytes",
     "val_node__matrix_indecomposable.gltf": "node 0: the last row of its matrix is not 0, 0, 0, 1",
     "val_node__node_loop.gltf": "node 0 is in a loop of nodes",
     "val_node__node_parent_override.gltf": "node 2 has two parents, node 0 and node 1",
-    "val_node__node_weights_invalid.gltf": "mesh 0: 2 weights for 1 morph targets",
     "val_node__unresolved_child_node.gltf": "node 0: child 1 does not exist",
     "val_node__unresolved_skin.gltf": "node 0: skin 0 does not exist",
     "val_root__extensions_non_objects.gltf": "glTF: 'extensions' is not an object of objects",
     "val_root__invalid_array_elements.gltf": "glTF: 'materials' is not an array of objects",
     "val_root__undefined_used_extensions.gltf": "requires the extension KHR_extension",
-    "val_scene__non_root_node.gltf": "scene 0: node 1 is not a root, its parent is node 0",
     "val_scene__unresolved_default_scene.gltf": "its default scene 0 does not exist",
     "val_skin__buffer_view_bytestride.gltf": "buffer 0 has neither a uri nor a GLB chunk",
 }
@@ -142,6 +117,41 @@ REFUSED = {
 # Why a fault does not matter, and the files that have it. No node of theirs places a triangle, so that there is nothing to bake and the
 # status is 5; of those with a status of their own, something is left to bake.
 ACCEPTED = {
+    "lights are judged when they are baked, and cost themselves alone": [
+        "magnum_gltf__light-invalid.gltf",
+        "magnum_tinygltf__light-invalid-missing-spot.gltf",
+        "magnum_tinygltf__light-invalid.gltf",
+        "val_KHR_lights_punctual__empty_light_object.gltf",
+        "val_KHR_lights_punctual__empty_object.gltf",
+        "val_KHR_lights_punctual__empty_object_2638cb.gltf",
+        "val_KHR_lights_punctual__spot_light_without_spot_object.gltf",
+        "val_KHR_lights_punctual__unresolved_light_empty_root_array.gltf",
+        "val_KHR_lights_punctual__unresolved_light_no_root_ext.gltf",
+    ],
+    "what has one reading is read so, with a warning: a child that is listed as a root, a matrix beside what it is made of, weights of no target": [
+        "magnum_gltf__scene-invalid-child-not-root.gltf",
+        "magnum_gltf__scene-transformation.gltf",
+        "val_mesh__morph_weights_wrong_count.gltf",
+        "val_node__node_weights_invalid.gltf",
+        "val_scene__non_root_node.gltf",
+    ],
+    "types, strides and alignments are what they say, whatever is allowed": [
+        "val_glb__unaligned_chunk.glb",
+        "magnum_gltf__mesh_primitives_types_gltf/mesh-primitives-types.gltf",
+        "magnum_gltf__mesh_unsupported_vertex_formats_gltf/mesh-unsupported-vertex-formats.gltf",
+        "val_buffer_view__invalid_stride_multiple.gltf",
+        "val_buffer_view__invalid_stride_wrong_target.gltf",
+    ],
+    "a name that is no text is none": [
+        "assimp__badString_gltf/badString.gltf",
+    ],
+    "data URIs hold what they hold, by any media type": [
+        "val_buffer__invalid_uri_data.gltf",
+        "val_buffer__invalid_uri_data_mime.gltf",
+    ],
+    "a number that JSON has not costs what needs it": [
+        "val_camera__infinite_znear.gltf",
+    ],
     "min and max are not read: what positions are decides": [
         "assimp__BoxBadNormals.glb",
         "magnum_tinygltf__mesh_skin_attributes_gltf/mesh-skin-attributes.gltf",
@@ -155,6 +165,8 @@ ACCEPTED = {
         "val_accessor_data__invalid_elements_float_gltf/invalid_elements_float.gltf",
     ],
     "normals, tangents, joints, colours and texture coordinates are not read, nor are attributes of other names": [
+        "assimp__Cube_gltf/Cube.gltf",
+        "magnum_tinygltf__mesh-invalid-accessor-oob.gltf",
         "magnum_gltf__mesh-embedded.glb",
         "magnum_gltf__mesh-embedded.gltf",
         "magnum_gltf__mesh_gltf/mesh.gltf",
@@ -171,6 +183,9 @@ ACCEPTED = {
         "magnum_gltf__camera-invalid.gltf",
         "val_camera__empty_objects.gltf",
         "val_camera__orthographic_z.gltf",
+    ],
+    "morph targets of weight 0 are not read": [
+        "val_mesh__unresolved_morph_positions.gltf",
     ],
     "animations are not played": [
         "magnum_gltf__animation_splines_sharing_gltf/animation-splines-sharing.gltf",
@@ -232,7 +247,8 @@ ACCEPTED = {
         "val_root__duplicate_extension_entry.gltf",
     ],
 }
-BAKED = {"assimp__BoxBadNormals.glb", "assimp__badNumber_gltf/badNumber.gltf"}
+BAKED = {"assimp__BoxBadNormals.glb", "assimp__Cube_gltf/Cube.gltf", "assimp__badNumber_gltf/badNumber.gltf", "assimp__badString_gltf/badString.gltf"}
+FLAT = {"val_node__node_weights_invalid.gltf"}  # what is left has no area
 
 
 @pytest.fixture(scope="module")
@@ -276,4 +292,5 @@ def test_accepted(bake, name):
     if name in BAKED:
         assert status == 0 and not lines
     else:
-        assert status == 5 and lines == ["vxs: error: nothing casts a shadow: the scene has no triangles"]
+        left = "each of the scene's 1 triangles collapses to a line or a point" if name in FLAT else "the scene has no triangles"
+        assert status == 5 and lines == [f"vxs: error: nothing casts a shadow: {left}"]

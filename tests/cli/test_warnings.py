@@ -209,7 +209,7 @@ def far_away(folder, lights=()):
 @pytest.mark.parametrize("lights, options, status, says", [
     ((), (), 5, "the scene has no light: --sun X,Y,Z gives one"),
     ((), ("--light", "nobody"), 2, "the scene has no lights"),
-    ((("sun", "directional", NOON),), ("--light", "nobody"), 2, "no such light; there are sun (directional)"),
+    ((("sun", "directional", NOON),), ("--light", "nobody"), 2, "no such light; there are sun (directional, node 1)"),
     ((), ("--sun", "0,0,0"), 2, "expected a direction, not zero"),
     ((("sun", "directional", (0, 1, 0)),), ("--strict",), 1, "travels upward"),
 ])

@@ -115,7 +115,7 @@ static void test_options_out_of_range(void **state)
     memset(long_name, 'n', 64);
     long_name[64] = 0;
     REFUSED(o.struct_bytes = 0, "vxs_bake_defaults");
-    REFUSED(o.struct_bytes -= 1, "vxs_bake_defaults");
+    REFUSED(o.struct_bytes = offsetof(vxs_bake_options, blend) - 1, "vxs_bake_defaults"); /* less than the first version had */
     REFUSED(o.struct_bytes = SIZE_MAX, "vxs_bake_defaults");
     refused(NULL, VXS_E_ARGUMENT, "vxs_bake_defaults");
     REFUSED(o.arrays = NULL, "one of scene_path, arrays and scene");
@@ -143,6 +143,7 @@ static void test_options_out_of_range(void **state)
     REFUSED(o.coding = 2, "coding 2");
     REFUSED(o.pack = 2, "pack 2");
     REFUSED(o.skinned = 2, "skinned 2");
+    REFUSED(o.blend = 3, "blend 3");
     REFUSED(o.coding = VXS_BAKE_DAG; o.pack = VXS_BAKE_PACK_FAST, "pack");
     REFUSED(o.has_region = 1, "region_ws");
     REFUSED(o.has_region = 1; o.region_ws[3] = o.region_ws[4] = 1; o.region_ws[5] = NAN, "axis z");
@@ -308,6 +309,64 @@ static void test_budgets_that_are_none(void **state)
     assert_string_equal(vxs_bake_job_error(job), "");
     vxs_bake_job_close(job);
     vxs_bake_job_close(NULL);
+}
+
+static void count_blend(void *user, const char *warning)
+{
+    assert_true(warning[0] && !strchr(warning, '\n'));
+    *(int *)user += strstr(warning, "alphaMode BLEND") != NULL;
+}
+
+/* Options of a file's scene that the first version of the struct had not: a card of BLEND beside a wall, and a buffer out of the folder. */
+static void test_options_of_files(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"%s\"}],\"bufferViews\":[{\"buffer\":0,"
+        "\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
+        "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"alphaMode\":\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.7]"
+        "}}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}]}";
+    char folder[] = "/tmp/vxs_bake_XXXXXX", path[64], error[VXS_BAKE_ERROR_BYTES];
+    int  warnings = 0;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/s.gltf", folder);
+    for (int outside = 0; outside < 2; outside++) {
+        FILE *f = fopen(path, "w");
+        assert_non_null(f);
+        fprintf(f, text, outside ? "../none/x.bin" : "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAA");
+        assert_int_equal(fclose(f), 0);
+        vxs_bake_options o = vxs_bake_defaults();
+        vxs_bake_bytes   file;
+        vxs_bake_sun     sun = {NULL, {0.1, -0.2, -1}};
+        o.scene_path         = path;
+        o.suns               = &sun;
+        o.sun_count          = 1;
+        o.resolution         = 64;
+        o.warning            = count_blend;
+        o.user               = &warnings;
+        if (outside) {
+            refused(&o, VXS_E_READ, "is not in the scene's folder");
+            o.allow_outside = 1;
+            refused(&o, VXS_E_READ, "No such file or directory");
+            continue;
+        }
+        file = baked(&o);
+        vxs_bake_bytes_free(&file);
+        assert_int_equal(warnings, 1);
+        o.blend = VXS_BAKE_BLEND_OPAQUE; /* which was meant */
+        file    = baked(&o);
+        vxs_bake_bytes_free(&file);
+        assert_int_equal(warnings, 1);
+        o.blend = VXS_BAKE_BLEND_EXCLUDE;
+        assert_int_equal(vxs_bake(&o, &file, error), VXS_E_NO_CASTER);
+        o.struct_bytes = offsetof(vxs_bake_options, blend); /* of a program that is older: the default */
+        file           = baked(&o);
+        vxs_bake_bytes_free(&file);
+        assert_int_equal(warnings, 2);
+    }
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0);
 }
 
 /* A scene that is open serves bakes of any sun, with the bytes of bakes that read it themselves. */
@@ -600,6 +659,7 @@ int main(void)
         cmocka_unit_test(test_nothing_runs_between_steps),
         cmocka_unit_test(test_budgets_that_are_none),
         cmocka_unit_test(test_open_scene),
+        cmocka_unit_test(test_options_of_files),
         cmocka_unit_test_setup_teardown(test_given_up_by_the_callback, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_given_up_from_another_thread, enter_folder, leave_folder),
         cmocka_unit_test(test_given_up_before),

@@ -194,8 +194,13 @@ static void test_what_is_refused(void **state)
     for (size_t n = 0; n < sizeof rows / sizeof *rows; n++) {
         char primitive[256];
         snprintf(primitive, sizeof primitive, "'attributes':{%s},'mode':0", rows[n].attributes);
-        must_fail(load_placed("", primitive), VXS_E_SCENE, rows[n].words);
-        assert_true(!s.smoke.list && !s.smoke.count);
+        if (n < 4) must_fail(load_placed("", primitive), VXS_E_SCENE, rows[n].words);
+        if (n < 4) assert_true(!s.smoke.list && !s.smoke.count);
+        if (n < 4) continue;
+        must(load_placed("", primitive)); /* a bad value costs its capsule */
+        assert_true(s.smoke.count == 2 || s.smoke.count == 3);
+        must_warn(rows[n].words);
+        must_warn(": 1 capsules of smoke left out; mend it, or --exclude mesh:#0 bakes without it");
     }
     must_fail(load_placed(",'scale':[1e13,1e13,1e13]", SMOKE "'mode':0"), VXS_E_SCENE, "once placed");
 }

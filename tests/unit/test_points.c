@@ -264,7 +264,9 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
     assert_int_equal(lights_choose(s, &list, suns, &chosen, &m), expected);
     if (expected != VXS_OK) {
         assert_null(chosen.lights);
-        return strcpy(text, m.error);
+        strcpy(text, m.error);
+        message_free(&m);
+        return text;
     }
 
     text[0] = '\0';
@@ -275,6 +277,7 @@ static const char *choose(const scene *s, const char **names, size_t name_count,
         assert_true(chosen.lights[i].shape.direction_ws[2] == (suns->count ? -1 : 0)); /* and is made a unit vector */
     }
     light_choice_free(&chosen);
+    message_free(&m);
     return text;
 }
 
@@ -298,6 +301,92 @@ static void several_suns_are_chosen(void **state)
     assert_string_equal(choose(&lit_scene, (const char *[]){"son"}, 1, &two_suns, VXS_E_ARGUMENT),
                         "--light son: no such light; there are lamp (spot), moon (directional), noon (directional), "
                         "sun (directional): did you mean 'sun'?");
+}
+
+/* Lights by the names of their nodes; those that do not shine, and those that cannot be baked. */
+static void faulty_lights_are_left_out(void **state)
+{
+    (void)state;
+    scene_light lights[] = {
+        {.name = "Spot", .shape = {.kind = LIGHT_SPOT}, .node_name = "kitchen", .node = 3},
+        {.name = "Spot#2", .shape = {.kind = LIGHT_SPOT}, .node_name = "hall", .node = 4, .odd = "range is 0; set it"},
+        {.name = "off", .shape = {.kind = LIGHT_POINT}, .node_name = "", .node = 5, .dark = "its intensity is 0"},
+        {.name = "a", .shape = {.kind = LIGHT_POINT}, .node_name = "twin", .node = 6},
+        {.name = "b", .shape = {.kind = LIGHT_POINT}, .node_name = "twin", .node = 7}};
+    lost_light lost[] = {{"bad", "shed", 8, "unknown type 'area'; mend it"}, {"hidden", "attic", 9, NULL}};
+    scene      s      = {.light_count = 5, .lights = lights, .lost_light_count = 2, .lost_lights = lost};
+    assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_OK), "Spot Spot#2 a b");
+    assert_string_equal(choose(&s, (const char *[]){"hall", "kitchen"}, 2, &no_suns, VXS_OK), "Spot#2 Spot");
+    assert_string_equal(choose(&s, (const char *[]){"off"}, 1, &no_suns, VXS_OK), "off");
+    assert_string_equal(choose(&s, (const char *[]){"hall", "Spot#2"}, 2, &no_suns, VXS_E_ARGUMENT), "--light Spot#2: given twice");
+    assert_string_equal(choose(&s, (const char *[]){"bad"}, 1, &no_suns, VXS_E_ARGUMENT),
+                        "--light bad: the light of node 8 'shed' cannot be baked: unknown type 'area'; mend it");
+    assert_non_null(strstr(choose(&s, (const char *[]){"shed"}, 1, &no_suns, VXS_E_ARGUMENT), "cannot be baked"));
+    assert_non_null(strstr(choose(&s, (const char *[]){"attic"}, 1, &no_suns, VXS_E_ARGUMENT),
+                           "node 9 'attic' is hidden (KHR_node_visibility)"));
+    assert_non_null(strstr(choose(&s, (const char *[]){"twin"}, 1, &no_suns, VXS_E_ARGUMENT),
+                           "--light twin: 2 nodes of that name have lights"));
+    assert_string_equal(
+        choose(&s, (const char *[]){"x"}, 1, &no_suns, VXS_E_ARGUMENT),
+        "--light x: no such light; there are Spot (spot, node 3 'kitchen'), Spot#2 (spot, node 4 'hall'), off (point, node 5), "
+        "a (point, node 6 'twin'), b (point, node 7 'twin')");
+    s.lights      = lights + 2;
+    s.light_count = 1;
+    assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_E_NO_LIGHT),
+                        "the scene has no light that can be baked; 'bad': unknown type 'area'; mend it; --sun X,Y,Z gives one");
+    s.lost_light_count = 0;
+    assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_E_NO_LIGHT),
+                        "the scene has no light that shines; 'off': its intensity is 0; --sun X,Y,Z gives one");
+    s.light_count      = 0;
+    s.lost_lights      = lost + 1;
+    s.lost_light_count = 1;
+    assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_E_NO_LIGHT),
+                        "all lights of the scene are hidden (KHR_node_visibility): --sun X,Y,Z gives one");
+    s.lost_light_count = 0;
+    s.shining_count    = 1;
+    assert_string_equal(choose(&s, NULL, 0, &no_suns, VXS_E_NO_LIGHT),
+                        "the scene has no light, and materials that shine are none: --sun X,Y,Z gives one");
+}
+
+/* Said where all lights are meant, or where a light is chosen; a few lines whatever there is. */
+static void faulty_lights_are_warned_of(void **state)
+{
+    (void)state;
+    enum { LIGHTS = 100 };
+    static scene_light lights[LIGHTS];
+    static lost_light  lost[LIGHTS];
+    static char        names[LIGHTS][8];
+    for (uint32_t n = 0; n < LIGHTS; n++) {
+        snprintf(names[n], sizeof names[n], "l%u", n);
+        lights[n] = (scene_light){.name      = names[n],
+                                  .shape     = {.kind = LIGHT_POINT},
+                                  .node_name = names[n],
+                                  .dark      = n ? "its intensity is 0" : NULL,
+                                  .odd       = n ? NULL : "odd; mend it"};
+        lost[n]   = (lost_light){names[n], names[n], n, "faulty; mend it"};
+    }
+    scene        s = {.light_count = LIGHTS, .lights = lights, .lost_light_count = LIGHTS, .lost_lights = lost};
+    message      m = {0};
+    light_choice chosen;
+    assert_int_equal(lights_choose(&s, &(text_list){0}, &no_suns, &chosen, &m), VXS_OK);
+    assert_int_equal(chosen.count, 1);
+    light_choice_free(&chosen);
+    assert_int_equal(m.warning_count, 9);
+    assert_string_equal(m.warnings[0], "light 'l0' (node 0) is left out: faulty; mend it");
+    assert_string_equal(m.warnings[3], "97 more lights are left out for such faults; see to those above, and run again");
+    assert_string_equal(
+        m.warnings[4],
+        "light 'l1' (node 0) is left out: its intensity is 0; set it in the scene, or --light bakes it all the same");
+    assert_string_equal(m.warnings[7],
+                        "96 more lights are left out because they are dark; set their intensities, or name them with --light");
+    assert_string_equal(m.warnings[8], "light 'l0' (node 0): odd; mend it");
+    message_free(&m);
+    memset(&m, 0, sizeof m);
+    assert_int_equal(lights_choose(&s, &(text_list){.items = (const char *[]){"l7"}, .count = 1}, &no_suns, &chosen, &m), VXS_OK);
+    light_choice_free(&chosen);
+    assert_int_equal(m.warning_count, 1);
+    assert_string_equal(m.warnings[0], "light 'l7' (node 0): its intensity is 0, and pictures do not show it; set it in the scene");
+    message_free(&m);
 }
 
 /* The error for a sun of this name, or "". */
@@ -403,6 +492,8 @@ int main(void)
         cmocka_unit_test(unreadable_files_are_errors),
         cmocka_unit_test(lights_are_chosen),
         cmocka_unit_test(several_suns_are_chosen),
+        cmocka_unit_test(faulty_lights_are_left_out),
+        cmocka_unit_test(faulty_lights_are_warned_of),
         cmocka_unit_test(names_of_suns_are_those_of_the_format),
         cmocka_unit_test(wrong_choices_are_explained),
         cmocka_unit_test(values_are_of_chosen_lights),

@@ -49,12 +49,12 @@ static alpha_image   images[2]    = {{3, 2, alpha[0]}, {2, 3, alpha[1]}};
 static alpha_mask    masks[MASKS] = {
        {0, 0.5f, WRAP_REPEAT, WRAP_REPEAT, 0}, {1, 0.3f, WRAP_CLAMP, WRAP_MIRROR, 0}, {1, 0.7f, WRAP_REPEAT, WRAP_REPEAT, 1}};
 static holed_triangle holed_triangles[TRIANGLES];
-static scene_light    lights[]  = {{"a sun", {LIGHT_DIRECTIONAL, {0}, {0, -0.6, 0.8}, 0, INFINITY}, {0}, 0},
-                                   {"a lamp whose name is longer than the names of the meshes that vxs scene makes",
-                                    {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5},
-                                    {0},
-                                    0},
-                                   {"\xc3\xa9", {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}, {0}, 0}};
+static scene_light    lights[] = {
+       {.name = "a sun", .shape = {LIGHT_DIRECTIONAL, {0}, {0, -0.6, 0.8}, 0, INFINITY}, .colour = {1, 1, 1}},
+       {.name   = "a lamp whose name is longer than the names of the meshes that vxs scene makes",
+        .shape  = {LIGHT_SPOT, {1e7, 0.1, -3}, {0, 0, 1}, 0.7, 12.5},
+        .colour = {20, 5, 0}},
+       {.name = "\xc3\xa9", .shape = {LIGHT_POINT, {1, 2, 3}, {0}, 0, INFINITY}, .dark = "its intensity is 0"}};
 static double         cameras[] = {1, 2.1, 3, -4, 5, 6};
 
 static scene sample_scene(void)
@@ -159,6 +159,8 @@ static void test_lights_and_cameras(void **state)
     for (size_t i = 0; i < 3; i++) {
         const light_shape *p = &s.lights[i].shape, *q = &r.lights[i].shape;
         assert_string_equal(r.lights[i].name, s.lights[i].name);
+        assert_true(!r.lights[i].dark == !s.lights[i].dark);
+        for (int k = 0; k < 3; k++) assert_true(fabs(r.lights[i].colour[k] - s.lights[i].colour[k]) < 1e-9);
         assert_int_equal(p->kind, q->kind);
         for (int axis = 0; axis < 3; axis++) {
             if (p->kind != LIGHT_DIRECTIONAL) assert_true(p->position_ws[axis] == q->position_ws[axis]);
