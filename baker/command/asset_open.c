@@ -12,6 +12,7 @@
 #include "baker/base/parallel.h"
 #include "baker/files/input_file.h"
 #include "baker/scene/light_choice.h"
+#include "formats/vxs_format.h"
 #include "formats/vxs_memory.h"
 
 /* of a file, where no limit is given */
@@ -23,12 +24,18 @@ void keep_first_finding(void *user, int number, const char *text, int section, u
     if (!f->number) *f = (first_finding){number, section, offset, text};
 }
 
+static int may_be_asset(const uint8_t *bytes, size_t size_bytes)
+{
+    return size_bytes >= VXS_MAGIC_BYTES && !memcmp(bytes, VXS_MAGIC, VXS_MAGIC_BYTES);
+}
+
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m)
 {
     vxs_read_desc rest = *desc;
     uint8_t      *bytes;
     size_t        size_bytes;
-    vxs_result    r = input_read(&bytes, &size_bytes, path, desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX, m);
+    vxs_result    r = input_read_if(&bytes, &size_bytes, path, desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX,
+                                    may_be_asset, m);
     uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
     rest.memory_limit_bytes = limit - size_bytes;
     *asset                  = NULL;

@@ -29,6 +29,12 @@ int is_read_once(const char *path);
  * Returns VXS_OK; VXS_E_READ; VXS_E_MEMORY. One line in m says which. */
 vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, message *m);
 
+/* Whether an input may be what is wanted, by its first bytes, as many as have come and 1024 at least where it has them. */
+typedef int input_look(const uint8_t *bytes, size_t size_bytes);
+
+/* The same; of an input that cannot be what is wanted, by `look`, the beginning alone: it may be endless, or larger than any memory. */
+vxs_result input_read_if(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, input_look *look, message *m);
+
 #ifdef __cplusplus
 }
 #endif

@@ -7,10 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "baker/files/foreign_file.h"
 #include "baker/kept/part_file.h"
 #include "formats/vxs_format.h"
 
-enum { LOOKED_AT = 4096 };
+enum { LOOKED_AT = FOREIGN_LOOKED_AT };
 
 static int begins(const char *bytes, size_t size, const char *with, size_t with_size)
 {
@@ -42,20 +43,35 @@ static file_kind kind_of_bytes(char bytes[LOOKED_AT + 1], size_t size)
     if (begins(bytes, size, png, sizeof png - 1) || begins(bytes, size, "#?", 2)) return FILE_PICTURE;
     if (begins(bytes, size, PART_MAGIC, sizeof PART_MAGIC - 1)) return FILE_PART;
     bytes[size] = '\0';
-    return kind_of_text(bytes);
+    return size > 1 && bytes[0] == '{' && !bytes[1] ? FILE_UNKNOWN : kind_of_text(bytes); /* else it is two bytes a letter */
+}
+
+/* The beginning of a regular file. A pipe is not even opened: its writer would see its reader leave.
+ * Returns how many bytes there are, 0 of anything else. */
+static size_t read_beginning(char bytes[LOOKED_AT + 1], const char *path, struct stat *status)
+{
+    if (stat(path, status) || !S_ISREG(status->st_mode)) return 0;
+    int     file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    ssize_t size = file < 0 ? 0 : read(file, bytes, LOOKED_AT);
+    if (file >= 0) close(file);
+    return size > 0 ? (size_t)size : 0;
 }
 
 file_kind file_kind_of(const char *path)
 {
     struct stat status;
     char        bytes[LOOKED_AT + 1];
-    if (stat(path, &status)) return FILE_UNKNOWN;
-    if (S_ISDIR(status.st_mode)) return FILE_FOLDER;
-    if (!S_ISREG(status.st_mode)) return FILE_UNKNOWN; /* not even opened: a pipe's writer would see its reader leave */
-    int     file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    ssize_t size = file < 0 ? 0 : read(file, bytes, LOOKED_AT);
-    if (file >= 0) close(file);
-    return size > 0 ? kind_of_bytes(bytes, (size_t)size) : FILE_UNKNOWN;
+    size_t      size = read_beginning(bytes, path, &status);
+    if (size) return kind_of_bytes(bytes, size);
+    return !stat(path, &status) && S_ISDIR(status.st_mode) ? FILE_FOLDER : FILE_UNKNOWN;
+}
+
+const char *file_kind_foreign(char *text, const char *path)
+{
+    struct stat status;
+    char        bytes[LOOKED_AT + 1];
+    size_t      size = read_beginning(bytes, path, &status);
+    return size ? foreign_file_text(text, bytes, size, (uint64_t)status.st_size) : NULL;
 }
 
 const char *file_kind_text(file_kind kind)

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/output_file.h"
 #include "baker/options/options.h"
@@ -45,7 +46,14 @@ static const char *swapped_with(const command_line *c, const option *o, file_kin
 
 static vxs_result check_kind(const command_line *c, const option *o, const char *path, message *m)
 {
-    file_kind found = file_kind_of(path), expected = (file_kind)o->min;
+    char        foreign[FOREIGN_BYTES];
+    file_kind   found = file_kind_of(path), expected = (file_kind)o->min;
+    const char *text = found == FILE_UNKNOWN && expected != FILE_UNKNOWN ? file_kind_foreign(foreign, path) : NULL;
+    if (text && expected == FILE_PICTURE && strstr(text, " picture")) text = NULL; /* of a kind that its reader names better */
+    if (text && is_operand(o))
+        return fail(m, VXS_E_READ, "'%s' is %s, expected %s: usage is vxs %s %s", path, text, file_kind_text(expected), c->name,
+                    c->synopsis);
+    if (text) return fail(m, VXS_E_READ, "%s %s: is %s, expected %s", o->name, path, text, file_kind_text(expected));
     if (file_kind_may_be(found, expected)) return VXS_OK;
     const char *swapped = is_operand(o) ? swapped_with(c, o, found) : NULL;
     if (swapped)

@@ -239,11 +239,17 @@ static vxs_result read_numbers(const nrrd *n, smoke_grid *g, double factor)
     return VXS_OK;
 }
 
+/* Readable as far as it goes: a grid that is not NRRD says so by its beginning. */
+static int may_be_nrrd(const uint8_t *bytes, size_t size_bytes)
+{
+    return size_bytes >= 7 && !memcmp(bytes, "NRRD000", 7);
+}
+
 vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, uint64_t limit_bytes, message *m)
 {
     uint8_t   *bytes;
     nrrd       n = {.name = input_name(path), .m = m};
-    vxs_result r = input_read(&bytes, &n.size_bytes, path, limit_bytes, m);
+    vxs_result r = input_read_if(&bytes, &n.size_bytes, path, limit_bytes, may_be_nrrd, m);
     n.bytes      = bytes;
     if (r == VXS_OK) r = read_header(&n);
     if (r == VXS_OK) r = check_header(&n);

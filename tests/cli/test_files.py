@@ -1,11 +1,15 @@
-# Files as people have them: scenes with hidden nodes, lights that do not shine, materials that let light through; in every
+# Files as people have them: other kinds, too large or endless ones, scenes with hidden nodes, lights that do not shine, materials that let light through; in every
 # command that reads a scene. Faults of parts of a scene are in tests/unit/test_scene_gltf.c and test_gltf_masks.c.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import base64
+import gzip
 import json
 import os
 import pathlib
 import struct
+import subprocess
+import time
+import zipfile
 import zlib
 
 import pytest
@@ -29,6 +33,91 @@ def scene(tmp_path_factory):
 
 def words(line, **names):
     return [word.format(**names) if isinstance(word, str) else word for word in line]
+
+
+# --- other kinds --------------------------------------------------------------------------------------------------------------
+
+
+def zipped(folder, name):
+    with zipfile.ZipFile(folder / "z", "w") as archive:
+        archive.writestr(name, "x" * 100)
+    return (folder / "z").read_bytes()
+
+
+def tile(magic, header, *lengths, more=b""):
+    return magic + struct.pack("<2I", 1, 999) + struct.pack(f"<{len(lengths)}I", *lengths) + more + bytes(header)
+
+
+def foreign(folder):
+    """Beginnings of files: what they hold, and what is said of them."""
+    export = "(export it as glTF, .glb)"
+    text = '{"asset": {"version": "2.0"}}'
+    return {
+        "lfs": (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", "a Git LFS pointer, which stands for the file (git lfs pull fetches it)"),
+        "fbx": (b"Kaydara FBX Binary  \0\x1a\0", f"FBX {export}"), "fbx_text": (b"; FBX 7.4.0 project file\n", f"FBX {export}"),
+        "obj": (b"# Blender 3.4\n\nmtllib a.mtl\no Cube\nv 1 1 1\n", f"OBJ {export}"), "stl": (b"solid x\nfacet normal 0 0 1\n", f"STL {export}"),
+        "stl_binary": (bytes(80) + struct.pack("<I", 2) + b"\1" * 100, f"STL {export}"), "ply": (b"ply\nformat ascii 1.0\n", f"PLY {export}"),
+        "dae": (b'<?xml version="1.0"?>\n<COLLADA xmlns="x">', f"COLLADA {export}"), "xml": (b'<?xml version="1.0"?>\n<svg/>', f"XML {export}"),
+        "usda": (b"#usda 1.0\n", f"USD {export}"), "usdc": (b"PXR-USDC\0\0", f"USD {export}"), "usdz": (zipped(folder, "scene.usdc"), f"USDZ {export}"),
+        "blend": (b"BLENDER-v304", f"a Blender file {export}"), "zip": (zipped(folder, "scene.gltf"), "a ZIP archive (unpack it)"),
+        "gz": (gzip.compress(text.encode()), "compressed with gzip (decompress it, or give <(zcat FILE))"),
+        "zst": (b"\x28\xb5\x2f\xfd\0", "compressed with zstd (decompress it, or give <(zstdcat FILE)"),
+        "b3dm": (tile(b"b3dm", 40, 20, 0, 24, 0), "b3dm of 3D Tiles (its glTF begins at byte 72: tail -c +73 FILE > scene.glb)"),
+        "i3dm": (tile(b"i3dm", 40, 20, 4, 24, 0, 1), "i3dm of 3D Tiles (its glTF begins at byte 80: tail -c +81 FILE"),
+        "cmpt": (tile(b"cmpt", 40, 2), "a composite of 3D Tiles (its first tile begins at byte 16"), "pnts": (tile(b"pnts", 40, 0, 0, 0, 0), "pnts of 3D Tiles, points"),
+        "tscn": (b'[gd_scene load_steps=2 format=3]\n', f"a Godot scene {export}"),
+        "html": (b"\n<!DOCTYPE HTML>\n<html>", "an HTML page (what was to be fetched is behind it, or the address is wrong)"),
+        "utf16": (text.encode("utf-16"), "text in UTF-16 (iconv -f UTF-16 -t UTF-8 makes it UTF-8)"), "utf16le": (text.encode("utf-16-le"), "text in UTF-16"),
+        "zeros": (bytes(5000), "nothing but zeros"), "jpeg": (b"\xff\xd8\xff\xe0\0\x10JFIF", "a JPEG picture"),
+    }
+
+
+def test_files_of_other_kinds_are_named(vxs, vxs_path, tmp_path):
+    for name, (data, says) in foreign(tmp_path).items():
+        path = tmp_path / name
+        path.write_bytes(data)
+        text = vxs("plan", path, "--sun", "0,-1,0", status=3).stderr
+        assert text.startswith(f"vxs: error: '{path}' is {says}") and ", expected a glTF scene: usage is vxs plan SCENE" in text and text.count("\n") == 1
+        piped = subprocess.run([vxs_path, "plan", "-", "--sun", "0,-1,0"], input=data, capture_output=True)
+        assert piped.returncode == 3 and piped.stderr.decode().startswith(f"vxs: error: 'standard input': is {says}")
+        if name != "zeros":
+            assert f"'{path}' is {says}" in vxs("info", path, status=3).stderr
+
+
+def test_scenes_of_other_versions_are_named(vxs, tmp_path):
+    for name, data, says in [("v1.glb", b"glTF" + struct.pack("<4I", 1, 20, 0, 0), "GLB version 1, expected 2: binary glTF 1.0 is another format; convert it"),
+                             ("v1.gltf", b'{"asset": {"version": "1.0"}}', "asset.version is 1.0, expected 2.0: glTF 1.0 is another format; convert it"),
+                             ("tileset.json", b'{"asset": {"version": "1.1"}, "geometricError": 9, "root": {}}', "is a tileset of 3D Tiles: give the glTF files")]:
+        (tmp_path / name).write_bytes(data)
+        assert f"'{tmp_path / name}': {says}" in vxs("plan", tmp_path / name, "--sun", "0,-1,0", status=3).stderr
+
+
+def test_what_is_too_large_is_not_read(vxs, vxs_path, scene, tmp_path):
+    """20 GB, of zeros and of what may be JSON, and devices without end: within a second, and little memory."""
+    begun = time.monotonic()
+    for start, says in [(b"", "nothing but zeros"), (b'{"asset":', "is 4 GiB or larger"), (b"glTF\2\0\0\0\x20\0\0\0", "is 4 GiB or larger")]:
+        with open(tmp_path / "huge.glb", "wb") as file:
+            file.write(start)
+            file.truncate(20 << 30)
+        assert says in vxs("plan", tmp_path / "huge.glb", "--sun", "0,-1,0", status=3).stderr
+        asset = tmp_path / "a.vxs"
+        if not asset.exists():
+            vxs("bake", scene, "-o", asset, *SMALL)
+        assert says in vxs("render", scene, asset, "-o", tmp_path / "a.png", "--moving", tmp_path / "huge.glb", status=3).stderr
+    assert "nothing but zeros" in vxs("plan", "/dev/zero", "--sun", "0,-1,0", status=3).stderr
+    assert "expected a grid in NRRD" in vxs("bake", scene, "-o", asset, "--smoke", "/dev/zero", status=3).stderr
+    assert "not a valid .vxs file" in vxs("info", "/dev/zero", status=3).stderr
+    assert "neither a Radiance picture" in vxs("render", scene, asset, "-o", tmp_path / "a.png", "--sky", "/dev/zero", status=3).stderr
+    endless = subprocess.run(f"yes v 1 2 3 | '{vxs_path}' plan - --sun 0,-1,0", shell=True, capture_output=True, text=True, timeout=60)
+    assert endless.returncode == 3 and "is OBJ" in endless.stderr
+    assert time.monotonic() - begun < 20
+
+
+def test_a_pipe_ends_where_its_glb_does(vxs, vxs_path, tmp_path):
+    vxs("scene", "room", "--triangles", 1000, "-o", tmp_path / "room.glb")
+    line = f"(cat '{tmp_path}/room.glb'; cat /dev/zero) | '{vxs_path}' plan - --sun 0,-1,0 --resolution 64 --baseline off"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
 
 
 # --- what a scene hides ---------------------------------------------------------------------------------------------------------
