@@ -103,6 +103,7 @@ static void load(loader &l, const scene_check *check)
     l.s->name = strdup(chosen < 0 ? "" : l.model.scenes[chosen].name.c_str());
     if (!l.s->name) throw std::bad_alloc();
     size_t triangles = measure(l);
+    look_at_traps(l, chosen, triangles);
     check_before_triangles(l, triangles, check);
     place_smoke(l);
     place_meshes(l, triangles);

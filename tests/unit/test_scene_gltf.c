@@ -598,6 +598,55 @@ static void test_broken_skins_cost_their_primitive(void **state)
     choose(NULL, NULL);
 }
 
+/* ---- what is hardly meant ---- */
+
+static void test_traps_are_said(void **state)
+{
+    (void)state;
+#define MESH "'meshes':[{'name':'house','primitives':[{'attributes':{'POSITION':0},'indices':1,'material':0}]}]"
+    static const struct {
+        const char *rest, *words;
+    } rows[] = {
+        {"'extensionsUsed':['KHR_materials_unlit'],'nodes':[{'mesh':0,'extensions':{'MSFT_lod':{'ids':[1]}}},{'name':'low','mesh':"
+         "0,'scale':[2,2,2]}],",
+         "node 1 'low': by MSFT_lod a level of detail of another node"},
+        {"'nodes':[{'name':'flat','mesh':0,'scale':[0,0,0]},{'mesh':0}],",
+         "node 0 'flat': has a scale of 0, or a node above it has: its mesh casts nothing, 2 tri"},
+        {"'nodes':[{'mesh':0},{'name':'copy','mesh':0}],",
+         "node 1 'copy': shows a mesh that another node shows at the same place: it is there twice, 2 triangles; "},
+        {"'nodes':[{'name':'fan','children':[1]},{'mesh':0}],'animations':[{'channels':[{'target':{'node':0,'path':'rotation'}}]}]"
+         ",",
+         "node 1: moved by animations, and its shadow is baked where it stands in the file, 2 triangles; --exclude node:#1 bakes "
+         "without it"},
+        {"'nodes':[{'mesh':0},{'name':'lost','mesh':0,'scale':[2,2,2]}],'scenes':[{'nodes':[0]}],",
+         "node 1 'lost': in no scene of the file, and so not baked; "},
+        {"'nodes':[{},{'mesh':0}],'scene':0,'scenes':[{'nodes':[0]},{'name':'yard','nodes':[1]}],",
+         "scene 0: no mesh of it casts, and scene 1 'yard' has meshes; choose with --scene"},
+    };
+    static const char *const sound[] = {
+        "'nodes':[{'mesh':0,'scale':[1,1,0]}],",
+        "'nodes':[{'mesh':0},{'mesh':0,'translation':[0,0,1e-9]}],",
+        "'nodes':[{'mesh':0}],'animations':[{'channels':[{'target':{'node':0,'path':'weights'}},{'target':{'path':'pointer'}},3]},"
+        "7],",
+    };
+    char rest[1024];
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        snprintf(rest, sizeof rest, "%s'materials':[{}]," MESH, rows[i].rest);
+        must(load_square(rest, NULL));
+        assert_int_equal(m.warning_count, 1);
+        must_warn(rows[i].words);
+    }
+    for (size_t i = 0; i < sizeof sound / sizeof *sound; i++) {
+        snprintf(rest, sizeof rest, "%s'materials':[{}]," MESH, sound[i]);
+        must(load_square(rest, NULL));
+        if (m.warning_count) fail_msg("row %zu: '%s'", i, m.warnings[0]);
+    }
+    must(load_square("'nodes':[{'mesh':0}],'materials':[{'name':'common/Clip'}]," MESH, NULL));
+    must_warn("material 0 'common/Clip': by its name invisible, as level editors have it, and it casts a shadow, 2 triangles; ");
+    must(load_square("'nodes':[{'mesh':0}],'materials':[{'emissiveFactor':[1,1,1]}]," MESH, NULL));
+    assert_int_equal(s.shining_count, 1);
+}
+
 /* ---- lights, cameras, scenes ---- */
 
 static void test_lights_follow_their_nodes(void **state)
@@ -1515,6 +1564,7 @@ int main(void)
         cmocka_unit_test(test_skinned_meshes_are_left_out),
         cmocka_unit_test(test_skinned_meshes_stand_by_their_joints),
         cmocka_unit_test(test_broken_skins_cost_their_primitive),
+        cmocka_unit_test(test_traps_are_said),
         cmocka_unit_test(test_lights_follow_their_nodes),
         cmocka_unit_test(test_lights_have_names_of_nodes),
         cmocka_unit_test(test_bad_lights_cost_themselves),
