@@ -15,6 +15,8 @@
 
 #include <cmocka.h>
 
+static const double origin[3];
+
 static scene written_and_read(const scene *s)
 {
     char        path[] = "/tmp/test_scene_to_glb-XXXXXX.glb";
@@ -25,7 +27,7 @@ static scene written_and_read(const scene *s)
     int         file = mkstemps(path, 4);
     assert_true(file >= 0);
     close(file);
-    assert_int_equal(glb_from_scene(&glb, s, &m), VXS_OK);
+    assert_int_equal(glb_from_scene(&glb, s, origin, &m), VXS_OK);
     assert_int_equal(output_file_open(&out, path, &m), VXS_OK);
     assert_int_equal(glb_write(&glb, &out, &m), VXS_OK);
     assert_int_equal(output_file_commit(&out, &m), VXS_OK);
@@ -181,10 +183,10 @@ static void test_nothing_and_too_far(void **state)
     message m = {0};
     assert_int_equal(r.triangle_count + r.light_count + r.camera_count, 0);
     scene_free(&r);
-    assert_int_equal(glb_round_positions(&far, &m), VXS_OK);
+    assert_int_equal(glb_round_positions(&far, origin, &m), VXS_OK);
     assert_true(positions[3] == (float)(0.1 * 9 - 7) && positions[3] != 0.1 * 9 - 7);
     positions[4] = 1e39;
-    assert_int_equal(glb_round_positions(&far, &m), VXS_E_SCENE);
+    assert_int_equal(glb_round_positions(&far, origin, &m), VXS_E_SCENE);
     assert_non_null(strstr(m.error, "1e+39"));
     assert_true(isfinite(positions[4]));
     message_free(&m);
