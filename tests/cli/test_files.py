@@ -338,8 +338,8 @@ CRATES = "0 .2 0\n1.5 .2 0\n"
 
 
 @pytest.mark.parametrize("name, options, points, lit, says", [
-    ("node_visibility/used", (), CRATES, "1 1", None),
-    ("node_visibility/required", (), CRATES, "1 1", None),
+    ("node_visibility/used", (), CRATES, "1 1", "lies in one plane"),
+    ("node_visibility/required", (), CRATES, "1 1", "lies in one plane"),
     ("scene_lists_child/parent_outside", ("--sun", "0,-1,0"), CRATES, "0 1", "node 1 'crate' is not a root"),
     ("scene_lists_child/all_listed", ("--sun", "0,-1,0"), CRATES, "1 0", "node 1 'crate' is listed, and is a child of node 0 'group', too"),
     ("one_bad_light/range0_point", ("--light", "good"), CRATES, "0 1", None),

@@ -316,7 +316,7 @@ def test_patterns_that_name_no_light(vxs, many):
     scene, asset = many
     known = "sun, lamp1, lamp2, lamp10, lamp*, desk lamp"
     for pattern in ("lump*", "LAMP*", "#6", ""):
-        assert f"--light {pattern}: no such light; there are sun (directional), lamp1 (spot)" in vxs("plan", scene, "--light", pattern, status=2).stderr
+        assert f"--light {pattern}: no such light; there are sun (directional, node 1), lamp1 (spot, node 2)" in vxs("plan", scene, "--light", pattern, status=2).stderr
         for budget in ((), ("--budget", "4M")):
             said = vxs("query", asset, "--light", pattern, *budget, input=UNDER, status=2).stderr
             assert f"--light {pattern}: '{asset}' has no light of that name; it has {known}" in said
