@@ -49,6 +49,7 @@ static int check_entry(checked_resident *r, uint32_t at, uint32_t map, uint32_t 
 {
     uint32_t name = r->words[at], bounds = r->words[at + 1], page = name >> 16, offset = name & 0xffff;
     if (name >= top_uniform) return is_depth(name) && !bounds;
+    if (bounds >> 24 < (bounds >> 16 & 0xff)) return 0; /* lookups and depths would not agree on what lies between */
     if (page == r->pages) {
         if (offset || r->pages == r->sizes->page_count) return 0;
         r->page_first[r->pages++] = r->met;

@@ -43,7 +43,7 @@ static int code_range(resident_walk *r, uint32_t at, uint32_t like)
     int32_t least = base << fine >> coarse;
     least += code_signed(&r->w.c, &r->odds->least, (int32_t)(source >> 16 & 255) - least);
     int32_t greatest = least + code_signed(&r->w.c, &r->odds->range, (int32_t)(source >> 24) - least);
-    if (least < 0 || least > 255 || greatest < 0 || greatest > 255) return 0;
+    if (least < 0 || greatest < least || greatest > 255) return 0;
     words[at + 1] = (uint32_t)base | (uint32_t)least << 16 | (uint32_t)greatest << 24;
     r->last.base  = base << fine;
     return 1;

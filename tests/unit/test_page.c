@@ -338,6 +338,7 @@ static void check_tops(const vxs_resident *o, const vxs_resident_sizes *sizes, c
                     continue;
                 }
                 assert_true(page_index < sizes->page_count);
+                assert_in_range(o->words[at + 1] >> 24, o->words[at + 1] >> 16 & 255, 255); /* max, from min on */
                 for (uint32_t n = o->page_first[page_index]; n < o->page_first[page_index + 1]; n++)
                     met |= o->nodes[n].offset == (entry & 0xffff);
                 assert_true(met);
@@ -421,6 +422,40 @@ static void damaged_resident_parts_do_no_harm(void **state)
     }
 }
 
+/* Depths below min are lit, those above max shadowed: where min is above max, both are so. The coder does not write such an entry, and the
+ * bytes of one, made by a coder without that rule, are refused. */
+static void min_is_not_above_max(void **state)
+{
+    (void)state;
+    enum { BASE = 0x10, BYTES = 28 };
+    static const struct {
+        uint32_t min, max;
+        uint8_t  bytes[BYTES];
+    } entries[] = {
+        {32, 32, {11, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0x77, 0x81, 0x29, 0x25, 0, 0xa4, 0x40, 0, 0x80, 0x20, 6, 0}},
+        {33, 32, {11, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0x77, 0x91, 0x29, 5, 0, 0xa4, 0x20, 4, 0x88, 0x20, 0x60, 0}},
+        {255, 0, {11, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0x77, 0xc1, 0x29, 0, 5, 0xa4, 0x38, 0x40, 8, 0x20, 0x70, 3}},
+    };
+    const light_sample l = {.levels = 8, .map_count = 1, .word_count = 11};
+    for (size_t n = 0; n < sizeof entries / sizeof *entries; n++) {
+        uint32_t           min = entries[n].min, max = entries[n].max;
+        uint32_t           words[] = {1, 11, 9, 0, 0, 0, 0, 0, 0, 0, BASE | min << 16 | max << 24};
+        const vxs_common   nothing = {0};
+        vxs_resident       o;
+        vxs_resident_sizes sizes;
+        vxs_bytes          bytes = {0};
+        vxs_result         made  = vxs_resident_encode(&bytes, words, l.word_count, l.levels, l.map_count, &nothing);
+        assert_int_equal(made, min > max ? VXS_E_ARGUMENT : VXS_OK);
+        if (made == VXS_OK) assert_int_equal(bytes.size_bytes, BYTES);
+        if (made == VXS_OK) assert_memory_equal(bytes.data, entries[n].bytes, BYTES);
+        for (int plain = 0; plain < 2; plain++) {
+            assert_int_equal(resident_decode(&o, &sizes, &l, entries[n].bytes, BYTES, plain), min > max ? VXS_E_CORRUPT : VXS_OK);
+            resident_free(&o);
+        }
+        free(bytes.data);
+    }
+}
+
 /* samples for others ----------------------------------------------------------------------------------------------------------- */
 
 static int write_numbers(FILE *to, const void *numbers, size_t count)
@@ -480,6 +515,7 @@ int main(void)
         cmocka_unit_test(nodes_must_be_where_the_top_says),
         cmocka_unit_test(resident_parts_come_back),
         cmocka_unit_test(damaged_resident_parts_do_no_harm),
+        cmocka_unit_test(min_is_not_above_max),
     };
     return cmocka_run_group_tests(tests, make_scratch, free_scratch);
 }

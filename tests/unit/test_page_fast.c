@@ -662,6 +662,29 @@ static void resident_words_are_taken_where_the_coder_takes_them(void **state)
     assert_true(taken > 6 * seeds && refused > 6 * seeds);
 }
 
+/* A min above its max, in every entry that names a node, new or met before. */
+static void min_is_not_above_max(void **state)
+{
+    (void)state;
+    uint32_t changed = 0;
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        case_make(&rc, seed, 8, seed % 2 ? 15 : 9, 1);
+        uint32_t *words = rc.light.words, head = 8 + rc.light.page_count, cells = seed % 2 ? 256 : 0;
+        for (uint32_t at = head + cells; at < words[1]; at += 2) {
+            uint32_t before = words[at + 1], max = before >> 24;
+            if (words[at] & 0x80000000u || max == 255) continue;
+            words[at + 1] = (before & 0xff00ffff) | (max + 1) << 16;
+            assert_int_equal(case_unpack_words(&rc), VXS_E_CORRUPT);
+            words[at + 1] = (before & 0xff00ffff) | max << 16;
+            assert_int_equal(case_unpack_words(&rc), VXS_OK);
+            words[at + 1] = before;
+            if (++changed % 40 == 0) break;
+        }
+        case_free(&rc);
+    }
+    assert_true(changed > 40);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -681,6 +704,7 @@ int main(void)
         cmocka_unit_test(resident_parts_come_back),
         cmocka_unit_test(prefixes_of_resident_parts_are_refused),
         cmocka_unit_test(resident_words_are_taken_where_the_coder_takes_them),
+        cmocka_unit_test(min_is_not_above_max),
     };
     return cmocka_run_group_tests(tests, make_zstd, free_zstd);
 }
