@@ -205,7 +205,7 @@ static int decode_resident(blocks_reader *b)
     b->light.packing   = b->baked->packing;
     b->light.levels    = b->baked->light.levels;
     b->light.map_count = vxs_light_map_count(&b->baked->light);
-    return vxs_read_resident(&b->light, vxs_stored_bytes(b->r, b->resident_section),
+    return vxs_read_resident(&b->light, &b->sizes, vxs_stored_bytes(b->r, b->resident_section),
                              b->r->out.sections[b->resident_section].stored_bytes, &b->tools[0]);
 }
 

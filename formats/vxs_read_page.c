@@ -26,8 +26,17 @@ int vxs_check_page_table(const uint8_t *table, uint64_t section_bytes, const vxs
     return words != word_count ? 406 : 0;
 }
 
-int vxs_read_resident(vxs_paged_light *light, const uint8_t *bytes, uint64_t size_bytes, const vxs_page_tools *tools)
+static int same_sizes(const vxs_resident_sizes *a, const vxs_resident_sizes *b)
 {
+    return a->word_count == b->word_count && a->page_count == b->page_count && a->node_count == b->node_count &&
+           a->pattern_count == b->pattern_count;
+}
+
+int vxs_read_resident(vxs_paged_light *light, const vxs_resident_sizes *sizes, const uint8_t *bytes, uint64_t size_bytes,
+                      const vxs_page_tools *tools)
+{
+    vxs_resident_sizes now;
+    if (vxs_resident_sizes_of(&now, bytes, size_bytes) != VXS_OK || !same_sizes(&now, sizes)) return 501;
     vxs_result r = light->packing == VXS_PACKING_FAST
                        ? vxs_resident_unpack(&light->resident, &light->marks, light->levels, light->map_count, bytes, size_bytes,
                                              light->inflated, tools->zstd)

@@ -43,10 +43,11 @@ static inline const uint8_t *vxs_page_entry(const uint8_t *table, uint32_t page)
 int vxs_check_page_table(const uint8_t *table, uint64_t section_bytes, const vxs_resident_sizes *sizes, uint32_t word_count);
 
 /* Decode the resident part. Its words say that no page is there.
- * light  its arrays are of the sizes that vxs_resident_sizes_of says; resident.patterns of one that is packed small, marks and inflated
- *        of one that is fast
- * Returns 0, or the number of a finding: 501. Threads: any, each with tools of its own. */
-int vxs_read_resident(vxs_paged_light *light, const uint8_t *bytes, uint64_t size_bytes, const vxs_page_tools *tools);
+ * light  its arrays are of these sizes; resident.patterns of one that is packed small, marks and inflated of one that is fast
+ * sizes  what vxs_resident_sizes_of said when room was made. The bytes may come from a second read, and may say something else
+ * Returns 0, or the number of a finding: 501, also for bytes of other sizes. Threads: any, each with tools of its own. */
+int vxs_read_resident(vxs_paged_light *light, const vxs_resident_sizes *sizes, const uint8_t *bytes, uint64_t size_bytes,
+                      const vxs_page_tools *tools);
 
 /* Check and decode a page.
  * words  [page->word_count] out; what they hold after an error means nothing

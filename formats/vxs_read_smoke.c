@@ -157,7 +157,8 @@ void vxs_read_smoke_words(vxs_reader *r, const vxs_baked_smoke *measured, uint32
     smoke_reader    s;
     vxs_baked_smoke now;
     if (open_section(&s, r, (int)measured->section, &now)) {
-        if (now.word_count == measured->word_count)
+        if (now.word_count == measured->word_count && now.side_px == measured->side_px && now.tile_count == measured->tile_count &&
+            now.node_count == measured->node_count)
             decode(&s, words);
         else
             vxs_found(r, 601, s.section, 0); /* other bytes than a moment ago */

@@ -191,7 +191,7 @@ static int fill_blocks(opening *o, stream_light *light, const light_plan *plan)
     if (!(paged->resident.page_first = vxs_take(r, sizes->page_count + (uint64_t)1, 4, section))) return 0;
     if (paged->packing == VXS_PACKING_FAST && !(paged->inflated = vxs_take(r, vxs_resident_inflated_bytes(sizes), 1, section)))
         return 0;
-    int wrong = vxs_read_resident(paged, bytes, r->out.sections[section].stored_bytes, &o->s->tools[0].decode);
+    int wrong = vxs_read_resident(paged, sizes, bytes, r->out.sections[section].stored_bytes, &o->s->tools[0].decode);
     if (wrong) return vxs_found(r, wrong, section, 0), 0;
     if (!fill_pages(o, light, plan)) return 0;
     measure_pages(o->s, light, &baked->light);

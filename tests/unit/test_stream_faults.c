@@ -19,6 +19,8 @@
 #include <cmocka.h>
 
 #include "format_parts.h"
+#include "formats/vxs_resident_layout.h"
+#include "smoke_curves.h"
 #include "stream_sample.h"
 
 enum { ENOUGH = 64 << 20, ALL_ATTEMPTS = 8 << (VXS_STREAM_ATTEMPTS + 1) };
@@ -216,6 +218,146 @@ static void test_no_reads(void **state)
     vxs_stream_close(stream);
 }
 
+/* A file that is written over while it is opened, or a source that lies: one read of open gives other bytes than the file has, or all from
+ * that one on do. */
+typedef struct fickle_reading {
+    const vxs_bytes *file, *other;
+    uint32_t         calls, at;
+    int              to_end; /* 1: every read from number `at` on, 0: that one alone */
+    uint32_t         word, value;
+    int              lied; /* 1: a read of no section, whose hash would tell, gave other bytes */
+    enum { FROM_OTHER_FILE, OTHER_WORD, ALL_ONES, FLIPPED } change;
+} fickle_reading;
+
+static vxs_stream_answer read_fickly(void *user, uint64_t offset, uint32_t size_bytes, void *buffer, vxs_stream_request *request)
+{
+    fickle_reading *f = user;
+    (void)request;
+    memcpy(buffer, f->file->data + offset, size_bytes);
+    f->calls++;
+    if (f->calls != f->at && !(f->to_end && f->calls > f->at)) return VXS_STREAM_READ;
+    if (f->change == FROM_OTHER_FILE && offset < f->other->size_bytes)
+        memcpy(buffer, f->other->data + offset,
+               size_bytes < f->other->size_bytes - offset ? size_bytes : f->other->size_bytes - offset);
+    if (f->change == OTHER_WORD && 4 * (uint64_t)f->word + 4 <= size_bytes) memcpy((char *)buffer + 4 * f->word, &f->value, 4);
+    if (f->change == ALL_ONES) memset(buffer, 0xff, size_bytes);
+    if (f->change == FLIPPED && size_bytes) ((uint8_t *)buffer)[f->value % size_bytes] ^= (uint8_t)(1u << f->word % 8);
+    f->lied |= size_bytes == RESIDENT_HEAD_BYTES && memcmp(buffer, f->file->data + offset, size_bytes) != 0;
+    return VXS_STREAM_READ;
+}
+
+/* Open it within a budget: a clear error, or lookups that are what the file says where they are full. Returns whether it was opened. */
+static int open_fickly(const stream_sample *s, fickle_reading *f, uint64_t budget_bytes)
+{
+    vxs_stream_desc desc = stream_desc_of(s, budget_bytes);
+    vxs_stream     *stream;
+    stream_tally    tally = {0};
+    rng             r     = {f->at};
+    desc.bytes            = NULL;
+    desc.read             = read_fickly;
+    desc.read_user        = f;
+    f->calls              = 0;
+    vxs_result result     = vxs_stream_open(&stream, &desc);
+    if (result != VXS_OK) {
+        assert_true(result >= VXS_E_NOT_VXS && result <= VXS_E_CORRUPT ? 1 : result == VXS_E_MEMORY);
+        assert_null(stream);
+        return 0;
+    }
+    for (int frame = 0; frame < 4; frame++) vxs_stream_frame(stream, &stream_all, 1, NULL);
+    for (uint32_t n = 0; n < vxs_stream_light_count(stream); n++) {
+        const vxs_baked_light *light = vxs_stream_light(stream, n), *full = vxs_asset_light(s->full, n);
+        const vxs_baked_smoke *smoke = vxs_stream_smoke(stream, n), *smoke_full = vxs_asset_smoke(s->full, n);
+        assert_int_equal(smoke ? smoke->side_px : 0, smoke_full ? smoke_full->side_px : 0);
+        for (int k = 0; k < 4; k++) {
+            double point[3];
+            stream_random_point(&full->light, &r, point);
+            assert_true(vxs_smoke_lookup(&light->light, smoke, point) == vxs_smoke_lookup(&full->light, smoke_full, point));
+        }
+        stream_check_light(s, light, n, &r, 4, &tally);
+    }
+    vxs_stream_close(stream);
+    return 1;
+}
+
+/* A file with all that open reads: both packings, a DAG, smoke, in which the same things lie at the same places for every seed. */
+static void fickle_sample_init(stream_sample *s, uint64_t seed, uint32_t levels)
+{
+    static curve_maps curves;
+    vxs_smoke_view    smoke[3] = {{0}};
+    vxs_contents      contents;
+    vxs_bytes         plain = {0};
+    block_words       w     = stream_words_of(levels, 1, MAPS_NOISE, seed);
+    rng               r     = {seed};
+    dag_sample        dag;
+    dag_sample_init(&dag, &r, 4, 10);
+    vxs_write_light lights[3] = {stream_light_of(&w, levels, VXS_LIGHT_KIND_DIRECTIONAL, 0, VXS_PACKING_SMALL, "sun"),
+                                 stream_light_of(&w, levels, VXS_LIGHT_KIND_DIRECTIONAL, 0, VXS_PACKING_FAST, "fast"),
+                                 dag_sample_light(&dag, "moon")};
+    vxs_write_desc  desc      = {.lights = lights, .light_count = 3, .zstd_level = 1, .metadata = "{}"};
+    assert_int_equal(vxs_write(&plain, &desc), VXS_OK);
+    random_curves(&curves, &r, 1);
+    smoke[0] = curves_view(&curves, -3, 0.016F);
+    smoke[2] = curves_view(&curves, -1, 0.016F);
+    smoke[2].levels = 3; /* of the first tiles */
+    *s = (stream_sample){0};
+    assert_int_equal(vxs_read(&contents, plain.data, plain.size_bytes, NULL), VXS_OK);
+    assert_int_equal(vxs_write_smoke(&s->file, plain.data, plain.size_bytes, &contents, smoke, 1), VXS_OK);
+    vxs_contents_free(&contents);
+    free(plain.data);
+    block_words_free(&w);
+    dag_sample_free(&dag);
+    stream_sample_open(s);
+}
+
+enum { FICKLE_WORDS = 8, FICKLE_VALUES = 11, FICKLE_CHANGES = FICKLE_WORDS * FICKLE_VALUES + 12 };
+
+/* Kind `n` of change of a read. */
+static fickle_reading fickle_change(const stream_sample *file, const stream_sample *other, uint32_t read, uint32_t n)
+{
+    static const uint32_t values[FICKLE_VALUES] = {0,       1,       5,         100,        1000,      20000,
+                                                   1 << 16, 1 << 20, 0x3ffffff, 0x7fffffff, UINT32_MAX};
+    fickle_reading        f                     = {.file = &file->file, .other = &other->file, .at = read};
+    if (n < FICKLE_WORDS * FICKLE_VALUES) {
+        f.change = OTHER_WORD;
+        f.word   = n / FICKLE_VALUES;
+        f.value  = values[n % FICKLE_VALUES];
+        return f;
+    }
+    n -= FICKLE_WORDS * FICKLE_VALUES;
+    f.change = n < 2 ? FROM_OTHER_FILE : n < 4 ? ALL_ONES : FLIPPED;
+    f.to_end = n < 4 && n % 2;
+    f.word   = n;
+    f.value  = read * 7919 + n * 104729;
+    return f;
+}
+
+/* Nothing that was made for what one read said is filled by what another says, whichever of open's reads it is. The budget is the least
+ * one at times, so that what goes beyond its room goes beyond the block, which a sanitizer sees. */
+static void test_two_reads_that_differ(void **state)
+{
+    (void)state;
+    stream_sample file, other;
+    uint32_t      opened = 0, refused = 0;
+    fickle_sample_init(&file, 1, 9);
+    fickle_sample_init(&other, 2, 9);
+    const uint64_t budgets[] = {stream_least_budget(stream_desc_of(&file, 0)), ENOUGH};
+    fickle_reading none      = {.file = &file.file, .other = &other.file};
+    assert_true(open_fickly(&file, &none, ENOUGH));
+    uint32_t reads = none.calls;
+    assert_in_range(reads, 12, 60);
+    for (uint32_t read = 1; read <= reads; read++)
+        for (uint32_t n = 0; n < FICKLE_CHANGES; n++) {
+            fickle_reading f       = fickle_change(&file, &other, read, n);
+            int            is_open = open_fickly(&file, &f, budgets[(n + read) % 2]);
+            if (is_open && f.lied) fail_msg("read %u, change %u: sizes of a first read are those of another", read, n);
+            is_open ? opened++ : refused++;
+        }
+    assert_in_range(opened, 50, UINT32_MAX);
+    assert_in_range(refused, 500, UINT32_MAX);
+    stream_sample_free(&file);
+    stream_sample_free(&other);
+}
+
 /* corrupt bytes --------------------------------------------------------------------------------------------------------------------- */
 
 /* The section of a light's pages, and the place of a page's bytes in the file. */
@@ -369,6 +511,7 @@ int main(void)
         cmocka_unit_test(test_failing_reads_of_open),
         cmocka_unit_test(test_failing_reads),
         cmocka_unit_test(test_no_reads),
+        cmocka_unit_test(test_two_reads_that_differ),
         cmocka_unit_test(test_corrupt_pages),
         cmocka_unit_test(test_pages_of_strangers),
         cmocka_unit_test(test_every_byte),
