@@ -12,7 +12,7 @@ enum { VXS_DESC_BYTES_MAX = 4096 };
 
 /* A caller's description as this library knows it: what a program that was built with older headers does not have is zero, which is every
  * field's default.
- * to     [size] zeroed
+ * to     [size] zeroed; its struct_size becomes `size`, unless `from` is NULL
  * first  size that it had when it was released first, which is meant where struct_size is 0
  * from   NULL: all defaults
  * Returns VXS_OK; VXS_E_ARGUMENT for a struct_size below the first, or that nobody set, and for fields this library does not know that are
@@ -27,6 +27,7 @@ static inline vxs_result vxs_desc_take(void *to, size_t size, size_t first, cons
     for (size_t n = size; n < given; n++)
         if (((const unsigned char *)from)[n]) return VXS_E_ARGUMENT;
     memcpy(to, from, given < size ? given : size);
+    memcpy(to, &size, sizeof size); /* its own: it may be taken again, and what is behind it in memory is no part of it */
     return VXS_OK;
 }
 

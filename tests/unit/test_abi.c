@@ -3,6 +3,7 @@
  * struct_size. test_install.py looks at the names.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/vxs_desc.h"
@@ -111,6 +112,7 @@ static void fields_that_a_program_does_not_have_are_zero(void **state)
         assert_int_equal(vxs_desc_take(&to, sizeof to, FIRST, from), VXS_OK);
         assert_int_equal(to.second, 2);
         assert_int_equal(to.third, n < 2 ? 0 : 3);
+        assert_int_equal(to.struct_size, sizeof to);
     }
     growing to = {0}, none = {FIRST - 1, 1, 2, 3};
     assert_int_equal(vxs_desc_take(&to, sizeof to, FIRST, NULL), VXS_OK);
@@ -157,6 +159,42 @@ static void readers_look_at_the_size(void **state)
     assert_int_equal(found, 2);
 }
 
+/* A program that was built with newer headers, of which it uses nothing new: it works, whatever lies in memory behind the library's copies. */
+static void newer_descriptions_open_assets(void **state)
+{
+    (void)state;
+    static const char path[] = "tests/golden/smallest.vxs";
+    static uint8_t    bytes[4096];
+    FILE             *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t size = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    union {
+        vxs_read_desc   read;
+        vxs_stream_desc stream;
+        uint8_t         newer[VXS_DESC_BYTES_MAX];
+    } u;
+    for (size_t given = sizeof u.read; given <= sizeof u; given += 8) {
+        vxs_asset   *asset;
+        vxs_contents contents;
+        memset(&u, 0, sizeof u);
+        u.read.struct_size = given;
+        assert_int_equal(vxs_asset_open(&asset, bytes, size, &u.read), VXS_OK);
+        vxs_asset_close(asset);
+        assert_int_equal(vxs_asset_open_file(&asset, path, &u.read), VXS_OK);
+        vxs_asset_close(asset);
+        assert_int_equal(vxs_read(&contents, bytes, size, &u.read), VXS_OK);
+        vxs_contents_free(&contents);
+    }
+    for (size_t given = sizeof u.stream; given <= sizeof u; given += 8) {
+        vxs_stream *stream;
+        memset(&u, 0, sizeof u);
+        u.stream = (vxs_stream_desc){.struct_size = given, .path = path, .budget_bytes = 1 << 20};
+        assert_int_equal(vxs_stream_open(&stream, &u.stream), VXS_OK);
+        vxs_stream_close(stream);
+    }
+}
+
 static void the_library_says_its_version(void **state)
 {
     (void)state;
@@ -174,6 +212,7 @@ int main(void)
         cmocka_unit_test(fields_that_a_program_does_not_have_are_zero),
         cmocka_unit_test(what_a_newer_program_asks_for_is_refused),
         cmocka_unit_test(readers_look_at_the_size),
+        cmocka_unit_test(newer_descriptions_open_assets),
         cmocka_unit_test(the_library_says_its_version),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
