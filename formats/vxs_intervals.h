@@ -466,7 +466,7 @@ VXS_INLINE vxs_i32 vxs_walk_through_tile(VXS_LIGHT light, VXS_WALK w)
     vxs_i32  k_last = k, state;
     if (way != 0) {
         k_last = vxs_walk_depth(light, w, VXS_FIELD(w, p)[2] + VXS_FIELD(w, d)[2] * last);
-        k_last = way * (k_last - k) > 0 ? k_last : k;
+        k_last = (way > 0 ? k_last > k : k_last < k) ? k_last : k;
     }
     vxs_i32 nearest = vxs_walk_in_map(light, way > 0 ? k : k_last), farthest = vxs_walk_in_map(light, way > 0 ? k_last : k);
     if (farthest < VXS_FIELD(w, least))

@@ -420,6 +420,32 @@ static void test_extremes(void **state)
     blocks_sample_free(&s);
 }
 
+/* A map so thin that a ray passes all of it between two numbers: its depth goes from one clamped end to the other. */
+static void test_steep_depths(void **state)
+{
+    (void)state;
+    static vxs_interval list[INTERVALS_MAX];
+    blocks_sample       s;
+    rng                 r = {93};
+    blocks_sample_init(&s, &r, 5, 6, 6);
+    for (int n = 0; n < 1600; n++) {
+        static const double steep[] = {1e154, -1e154, 1e60, -1e30};
+        vxs_baked_light     l       = blocks_light(s.words, 5, n % 2);
+        vxs_ray             ray     = random_ray(&r, &l.light);
+        l.light.ls_from_ws[9]       = steep[n / 2 % 4];
+        l.light.ls_from_ws[11]      = 0;
+        ray.origin_ws[1] -= 4 - 2 * unit(&r); /* about where the map is */
+        size_t count = intervals_of(&l, &ray, 99, list);
+        for (int k = 0; k < 40; k++) {
+            double  t     = ray.t_begin + unit(&r) * (ray.t_end - ray.t_begin);
+            int32_t found = interval_at(list, count, t)->state, wanted = state_at(&l, &ray, t);
+            if (found != wanted && !rounding_decides(&l, &ray, t, 1e-12, found))
+                fail_msg("ray %d, at %.17g: %d, expected %d", n, t, found, wanted);
+        }
+    }
+    blocks_sample_free(&s);
+}
+
 /* Without pages intervals are as lookups are without them, and those that are not coarse are as they are with them. */
 static void test_missing_pages(void **state)
 {
@@ -455,7 +481,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_blocks),      cmocka_unit_test(test_dags),     cmocka_unit_test(test_far_away),
-        cmocka_unit_test(test_without_end), cmocka_unit_test(test_extremes), cmocka_unit_test(test_missing_pages),
+        cmocka_unit_test(test_without_end), cmocka_unit_test(test_extremes), cmocka_unit_test(test_steep_depths),
+        cmocka_unit_test(test_missing_pages),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
