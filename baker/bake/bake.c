@@ -17,6 +17,7 @@
 #include "baker/bake/scene_warnings.h"
 #include "baker/base/memory.h"
 #include "baker/files/output_file.h"
+#include "baker/files/run_files.h"
 #include "baker/measure/clock.h"
 #include "baker/scene/light_warnings.h"
 
@@ -250,6 +251,11 @@ vxs_result bake_check_outputs(const bake_options *o, message *m)
 {
     vxs_result r = o->output_path ? output_file_check(o->output_path, m) : VXS_OK;
     return r == VXS_OK && o->page_path ? output_file_check(o->page_path, m) : r;
+}
+
+vxs_result bake_add_folder(const bake_options *o, const char *option, message *m)
+{
+    return o->resume_path ? run_files_add_folder(option, o->resume_path, SQUARE_STORE_NAMES, m) : VXS_OK;
 }
 
 /* A scene, and the lights of it that are baked. One that is there already is not read again. */

@@ -17,6 +17,10 @@ typedef struct bake_observer {
  * Returns what output_file_check returns. */
 vxs_result bake_check_outputs(const bake_options *o, message *m);
 
+/* Declare the folder of --resume, where there is one (run_files.h).
+ * option  what messages call it */
+vxs_result bake_add_folder(const bake_options *o, const char *option, message *m);
+
 /* Bake a scene. The output is complete under its name, or untouched; VXS_E_INTERRUPTED when the run is given up before.
  * observer  NULL: nobody looks
  * report    [out] zero it first; released with bake_report_free, whatever is returned.

@@ -21,6 +21,9 @@ uint64_t memory_held_bytes(void);
  * address space. UINT64_MAX where nothing is known. */
 uint64_t memory_available_bytes(void);
 
+/* 1 when so many bytes may be taken beside what is held: m->memory_bytes allows it, and there are so many. */
+int memory_allows(uint64_t bytes, const message *m);
+
 /* VXS_OK when so many bytes may be taken beside what is held, of m->memory_bytes; VXS_E_MEMORY with a line that begins with the format's text and says how much is
  * needed, and how much there is: the text says what it is for, with its counts. */
 vxs_result memory_check(uint64_t bytes, message *m, const char *format, ...) MESSAGE_PRINTF;

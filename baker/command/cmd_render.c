@@ -180,9 +180,8 @@ static vxs_result check_steps(const render_command *c, const subject *s, message
 
 static vxs_result load_sky(render_command *c, subject *s, message *m)
 {
-    vxs_result r   = c->passes_folder ? render_passes_check_input(c->passes_folder, c->sky_path, "--sky", m) : VXS_OK;
     c->options.sky = &s->sky;
-    return r == VXS_OK ? sky_map_read(&s->sky, c->sky_path, m) : r;
+    return sky_map_read(&s->sky, c->sky_path, m);
 }
 
 /* Whether an asset's smoke is that of the scene's capsules, too. */
@@ -589,7 +588,7 @@ int cmd_render(int argc, char **argv)
          "stream FILE.vxs: hold no more of it than this, 4M or plain bytes (default all of the file)", &c.budget_given},
         {"--upload", OPTION_BYTES, &o->upload_bytes, 0, 0, NULL, "BYTES",
          "of a stream's pages, in each frame of a path at most (default 1M)", &c.upload_given},
-        {"--passes", OPTION_TEXT, &c.passes_folder, 0, 0, NULL, "FOLDER",
+        {"--passes", OPTION_FOLDER, &c.passes_folder, 0, 0, RENDER_PASSES_NAMES, "FOLDER",
          "also depth, normals, light, lights of each pixel, each light's shadow, what rays say, and of a stream what is there, as "
          "PNG",
          NULL},

@@ -14,6 +14,7 @@
 #include "baker/base/text.h"
 #include "baker/files/input_file.h"
 #include "baker/files/replaced_file.h"
+#include "baker/files/run_files.h"
 #include "baker/files/temporary_files.h"
 
 /* enough for the files of earlier runs that were killed and had the same process number */
@@ -176,6 +177,8 @@ vxs_result output_file_open(output_file *f, const char *path, message *m)
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a folder, expected a file name", path);
     else if (!exists && !lstat(path, &link) && S_ISLNK(link.st_mode)) /* what is no link has come meanwhile */
         r = fail(m, VXS_E_WRITE, "%s: cannot write: it is a link that leads to no file: %s", path, strerror(error));
+    else if (exists && (r = run_files_check_write(path, m)) != VXS_OK)
+        ; /* whatever its name is here, the run reads it */
     else if (exists && is_written_directly(&status))
         r = open_directly(f, path, m);
     else

@@ -45,8 +45,8 @@ typedef struct output_file {
 
 /* Start writing `path`. A new file gets the permissions that umask leaves of 0666.
  * f  [out] zeroed on failure; otherwise ends with output_file_commit or output_file_abort.
- * Returns VXS_OK; VXS_E_WRITE when the path is empty, a folder or a link to nothing, no file can be made beside it, or what is there may
- * not be replaced; VXS_E_STRICT; VXS_E_MEMORY.
+ * Returns VXS_OK; VXS_E_ARGUMENT when it is a file that this run reads (run_files.h); VXS_E_WRITE when the path is empty, a folder or a link
+ * to nothing, no file can be made beside it, or what is there may not be replaced; VXS_E_STRICT; VXS_E_MEMORY.
  * One line in m says which. */
 vxs_result output_file_open(output_file *f, const char *path, message *m);
 

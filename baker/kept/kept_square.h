@@ -17,10 +17,16 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
-enum { KEPT_HEAD_BYTES = 40, KEPT_TRAILER_BYTES = 8 };
+enum { KEPT_MAGIC_BYTES = 8, KEPT_HEAD_BYTES = 40, KEPT_TRAILER_BYTES = 8 };
 
 /* Append a record. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result kept_square_write(const column_key *key, const vxs_bytes *record, vxs_bytes *out);
+
+/* Whether bytes begin as a record in a file does, of whatever square and version.   head  [KEPT_MAGIC_BYTES] */
+int kept_square_begins(const uint8_t *head);
+
+/* Whether a file may be a square's, by its first bytes and its size.   head  [KEPT_HEAD_BYTES] */
+int kept_square_may_be(const uint8_t *head, uint64_t file_bytes, const column_key *key);
 
 /* Take the record out of bytes, which become it: what was around it is gone.
  * Returns VXS_OK; VXS_E_CORRUPT: it is another square's, or none. */

@@ -15,14 +15,13 @@
 #include <unistd.h>
 
 #include "baker/base/array.h"
+#include "baker/base/memory.h"
+#include "baker/base/text.h"
 #include "baker/files/output_file.h"
 #include "baker/kept/kept_square.h"
 
 #define EXTENSION ".square"
 enum { KEY_DIGITS = 32, NAME_BYTES = KEY_DIGITS + sizeof EXTENSION };
-
-/* More than a square can come to be: who says so is no square. */
-static const uint64_t FILE_LIMIT_BYTES = (uint64_t)4 << 30;
 
 static void name_of(char name[NAME_BYTES], const column_key *key)
 {
@@ -81,11 +80,11 @@ static int open_regular(const square_store *s, const char *name, uint64_t *size_
     return -1;
 }
 
-static int read_whole(int file, vxs_bytes *bytes)
+/* Exactly so many bytes. */
+static int read_bytes(int file, uint8_t *to, size_t size_bytes)
 {
-    size_t at = 0;
-    while (at < bytes->size_bytes) {
-        ssize_t n = read(file, bytes->data + at, bytes->size_bytes - at);
+    for (size_t at = 0; at < size_bytes;) {
+        ssize_t n = read(file, to + at, size_bytes - at);
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return 0;
         at += (size_t)n;
@@ -93,28 +92,41 @@ static int read_whole(int file, vxs_bytes *bytes)
     return 1;
 }
 
+typedef enum finding { FOUND, DAMAGED, TOO_LARGE } finding;
+
+/* A square's file of so many bytes. No room is made before its head says that it is the square's, and as large as it is. */
+static finding read_file(int file, uint64_t size_bytes, const column_key *key, vxs_bytes *record, const message *m)
+{
+    uint8_t head[KEPT_HEAD_BYTES];
+    if (!read_bytes(file, head, sizeof head) || !kept_square_may_be(head, size_bytes, key)) return DAMAGED;
+    if (size_bytes >= SIZE_MAX || !memory_allows(size_bytes, m)) return TOO_LARGE;
+    *record = (vxs_bytes){malloc(size_bytes + 1), size_bytes, size_bytes + 1};
+    if (!record->data) return TOO_LARGE;
+    memcpy(record->data, head, sizeof head);
+    if (!read_bytes(file, record->data + sizeof head, size_bytes - sizeof head)) return DAMAGED;
+    return kept_square_read(record, key) == VXS_OK ? FOUND : DAMAGED;
+}
+
 vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, message *m)
 {
-    char     name[NAME_BYTES];
+    char     name[NAME_BYTES], text[32];
     uint64_t size = 0;
     name_of(name, key);
     *found   = 0;
     *record  = (vxs_bytes){0};
     int file = open_regular(s, name, &size);
     if (file < 0) return VXS_OK;
-    if (size <= FILE_LIMIT_BYTES) {
-        *record = (vxs_bytes){malloc(size + 1), size, size + 1};
-        if (!record->data) {
-            close(file);
-            return out_of_memory(m);
-        }
-        *found = read_whole(file, record) && kept_square_read(record, key) == VXS_OK;
-    }
+    finding what = read_file(file, size, key, record, m);
     close(file);
+    *found = what == FOUND;
     if (*found) return square_store_use(s, key, m);
     free(record->data);
     *record = (vxs_bytes){0};
-    if (s->is_sound) WARN(s, m, "%s/%s is not what was kept: it is made again, as are any others of that kind", s->folder, name);
+    if (s->is_sound && what == DAMAGED)
+        WARN(s, m, "%s/%s is not what was kept: it is made again, as are any others of that kind", s->folder, name);
+    if (s->is_sound && what == TOO_LARGE)
+        WARN(s, m, "%s/%s has %s, for which there is no memory: it is made again, as are any others of that kind", s->folder, name,
+             size_text(text, size));
     s->is_sound = 0;
     return message_check(m);
 }
@@ -141,7 +153,7 @@ static vxs_result write_file(const square_store *s, const char *name, const vxs_
 vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_bytes *record, message *m)
 {
     char      name[NAME_BYTES];
-    message   why   = {.temporary = m->temporary};
+    message   why   = {.files = m->files, .temporary = m->temporary};
     vxs_bytes bytes = {0};
     if (s->is_full) return VXS_OK;
     name_of(name, key);
@@ -173,31 +185,39 @@ static int key_of(const char *name, column_key *key)
     return sscanf(name, "%16" SCNx64 "%16" SCNx64, &key->high, &key->low) == 2;
 }
 
-/* What a run left that ended before a name was given; nobody else is at work. */
+/* What a run left that ended before a name was given: ".vxs-PID-N.tmp". Nobody else is at work. */
 static int is_left_over(const char *name)
 {
-    size_t length = strlen(name);
-    return !strncmp(name, ".vxs-", 5) && length > 9 && !strcmp(name + length - 4, ".tmp");
+    static const char digits[] = "0123456789";
+    if (strncmp(name, ".vxs-", 5) != 0) return 0;
+    size_t pid = strspn(name += 5, digits), n = pid && name[pid] == '-' ? strspn(name + pid + 1, digits) : 0;
+    return n && !strcmp(name + pid + 1 + n, ".tmp");
 }
 
+/* Whether a file is one of the folder's own that this run has not used: by its name, and a square by how it begins, too. */
 static int is_unused(const square_store *s, const char *name)
 {
     column_key key;
-    if (is_left_over(name)) return 1;
-    return key_of(name, &key) && !(s->used_count && bsearch(&key, s->used, s->used_count, sizeof key, by_key));
+    uint64_t   size;
+    uint8_t    head[KEPT_MAGIC_BYTES];
+    int        is_square = key_of(name, &key);
+    if (!is_square && !is_left_over(name)) return 0;
+    if (is_square && s->used_count && bsearch(&key, s->used, s->used_count, sizeof key, by_key)) return 0;
+    int file = open_regular(s, name, &size);
+    int mine = file >= 0 && (!is_square || (read_bytes(file, head, sizeof head) && kept_square_begins(head)));
+    if (file >= 0) close(file);
+    return mine;
 }
 
 void square_store_clean(square_store *s)
 {
-    struct stat status;
     if (s->used_count) qsort(s->used, s->used_count, sizeof *s->used, by_key);
     if (flock(s->descriptor, LOCK_EX | LOCK_NB)) return;
     int  descriptor = dup(s->descriptor);
     DIR *folder     = descriptor < 0 ? NULL : fdopendir(descriptor);
     if (!folder && descriptor >= 0) close(descriptor);
     for (struct dirent *d; folder && (d = readdir(folder));)
-        if (is_unused(s, d->d_name) && !fstatat(s->descriptor, d->d_name, &status, AT_SYMLINK_NOFOLLOW) && S_ISREG(status.st_mode))
-            unlinkat(s->descriptor, d->d_name, 0);
+        if (is_unused(s, d->d_name)) unlinkat(s->descriptor, d->d_name, 0);
     if (folder) closedir(folder);
 }
 

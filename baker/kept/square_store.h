@@ -13,6 +13,9 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_file.h"
 
+/* Names of what is written into the folder, and removed from it (run_files_add_folder). */
+#define SQUARE_STORE_NAMES "*.square|.vxs-*.tmp"
+
 typedef struct square_store {
     char *folder;
     int   descriptor; /* of the folder: a lock that is shared */
@@ -29,7 +32,7 @@ typedef struct square_store {
  * Returns VXS_OK; VXS_E_WRITE: it is no folder, or cannot be made or read; VXS_E_MEMORY. */
 vxs_result square_store_open(square_store *s, const char *folder, message *m);
 
-/* Look for a square.
+/* Look for a square. One that is damaged, or for which there is no memory (m->memory_bytes), is not found; that is warned of once.
  * record  [out] where *found is 1; released with free(record->data)
  * Returns VXS_OK, VXS_E_MEMORY, VXS_E_STRICT. */
 vxs_result square_store_find(square_store *s, const column_key *key, vxs_bytes *record, int *found, message *m);
@@ -41,7 +44,7 @@ vxs_result square_store_keep(square_store *s, const column_key *key, const vxs_b
 /* A square of this run that another process has found or kept. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result square_store_use(square_store *s, const column_key *key, message *m);
 
-/* Remove what this run has not used. What is no file of a square stays. */
+/* Remove what this run has not used. What is no file of a square stays, whatever its name. */
 void square_store_clean(square_store *s);
 
 /* Accepts a zeroed object. */

@@ -48,6 +48,7 @@ static vxs_result check_output(bake_run *run)
     bake_options           *o     = &run->options.o;
     vxs_result              r     = VXS_OK;
     if (asked->output_path) r = run_files_add_output("output_path", asked->output_path, &run->m);
+    if (r == VXS_OK) r = bake_add_folder(o, "resume_path", &run->m);
     if (r == VXS_OK && asked->scene_path) r = run_files_check_input(asked->scene_path, "scene_path", &run->m);
     return r == VXS_OK && !o->if_changed ? bake_check_outputs(o, &run->m) : r;
 }

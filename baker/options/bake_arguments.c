@@ -11,6 +11,7 @@
 #include "baker/base/parallel.h"
 #include "baker/files/input_file.h"
 #include "baker/kept/part_file.h"
+#include "baker/kept/square_store.h"
 #include "baker/options/scene_rows.h"
 
 static vxs_result check_map_sizes(bake_options *o, message *m)
@@ -161,7 +162,7 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "where the asset goes; - is standard output", NULL},
         {"--if-changed", OPTION_SWITCH, &a->o.if_changed, 0, 0, NULL, NULL,
          "do nothing when OUT.vxs is sound, and was baked from the same scene, lights and options by this version", NULL},
-        {"--resume", OPTION_TEXT, &a->o.resume_path, 0, 0, NULL, "DIR",
+        {"--resume", OPTION_FOLDER, &a->o.resume_path, 0, 0, SQUARE_STORE_NAMES, "DIR",
          "keep finished squares of the maps in this folder, and take from there what is finished: after a kill, or a change of the "
          "scene",
          NULL},

@@ -111,6 +111,10 @@ vxs_result options_check_files(const command_line *c, message *m)
     vxs_result    r = VXS_OK;
     for (const option *o = c->options; o < end && r == VXS_OK; o++)
         if (output_of(o)) r = run_files_add_output(o->name, output_of(o), m);
+    for (const option *o = c->options; o < end && r == VXS_OK; o++) {
+        const char *folder = o->kind == OPTION_FOLDER ? *(const char **)o->target : NULL;
+        if (folder) r = run_files_add_folder(o->name, folder, o->choices, m);
+    }
     for (const option *o = c->options; o < end && r == VXS_OK; o++)
         for (size_t n = 0; input_of(o, n) && r == VXS_OK; n++) r = check_input(o, input_of(o, n), &piped, m);
     for (const option *o = c->options; o < end && r == VXS_OK; o++)

@@ -28,6 +28,7 @@ typedef enum option_kind {
     OPTION_INPUTS, /* text_list, repeated: files that are read, of the kind that min is */
     OPTION_OUTPUT, /* const char *, borrowed from argv: a file that is written, - is standard output; min 1: must be given;
                       max OUTPUT_CHECKED_BY_COMMAND: whether it can be written is not found out before the command runs */
+    OPTION_FOLDER, /* const char *, borrowed from argv: a folder into which files are written that have the names in choices */
     OPTION_HELP,   /* int: index of a format in `choices`; its value stands behind '=' alone, and is the first when there is none */
     OPTION_GROUP   /* no option: what follows stands in help under this heading, `help`; the other fields are 0 */
 } option_kind;
@@ -48,7 +49,7 @@ typedef struct option {
     void       *target; /* holds the default on entry */
     double      min, max;
     const char *choices; /* OPTION_CHOICE: "auto|peel|back"; of a named one the name of a value that has none, or NULL;
-                            OPTION_OUTPUT: the extensions for what is written, ".html|.htm" */
+                            OPTION_OUTPUT: the extensions for what is written, ".html|.htm"; OPTION_FOLDER: patterns of names, "lit-*.png|sky.png" */
     const char *
         value; /* name of the value in help: "N", "OUT.vxs"; NULL for operands, switches and choices. A file's ends as the file does */
     const char *help;  /* what, unit; in the end "(default X)" where it has one */

@@ -186,6 +186,7 @@ static vxs_result set_option(const option *o, const char *value, message *m)
     case OPTION_SWITCH: *(int *)o->target = 1; break;
     case OPTION_TEXT:
     case OPTION_INPUT:
+    case OPTION_FOLDER:
     case OPTION_OUTPUT: *(const char **)o->target = value; break;
     case OPTION_VECTOR: return set_vector(o, value, o->target, m);
     case OPTION_TEXTS:

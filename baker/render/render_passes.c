@@ -3,7 +3,6 @@
 #include "baker/render/render_passes.h"
 
 #include <ctype.h>
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +15,7 @@
 #include "baker/base/vec3.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
+#include "baker/files/run_files.h"
 #include "baker/truth/baked_light.h"
 #include "baker/truth/truth_filter.h"
 
@@ -59,7 +59,8 @@ static vxs_result write_pixels(const passes *p, const char *name, const uint8_t 
     if ((size_t)snprintf(path, sizeof path, "%s/%s.png", p->folder, name) >= sizeof path)
         return fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
     uint8_t   *png = png_encode(rgb, width, height, 3, &size);
-    vxs_result r   = png ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
+    vxs_result r   = png ? run_files_check_write_in_folder("--passes", path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
+    if (r == VXS_OK) r = output_file_open(&out, path, m);
     if (r == VXS_OK) r = output_file_write(&out, png, size, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);
     output_file_abort(&out);
@@ -350,25 +351,4 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     free(p.reached);
     free(p.rgb);
     return r;
-}
-
-static int is_png(const char *name)
-{
-    size_t length = strlen(name);
-    return length > 4 && !strcmp(name + length - 4, ".png");
-}
-
-vxs_result render_passes_check_input(const char *folder, const char *path, const char *what, message *m)
-{
-    struct stat input, there;
-    DIR        *open   = !stat(path, &input) && S_ISREG(input.st_mode) ? opendir(folder) : NULL;
-    vxs_result  result = VXS_OK;
-    for (struct dirent *entry; open && result == VXS_OK && (entry = readdir(open));) {
-        if (!is_png(entry->d_name) || fstatat(dirfd(open), entry->d_name, &there, 0)) continue;
-        if (there.st_dev == input.st_dev && there.st_ino == input.st_ino)
-            result = fail(m, VXS_E_ARGUMENT, "--passes %s: %s of it is the input itself, %s: expected another folder", folder,
-                          entry->d_name, what);
-    }
-    if (open) closedir(open);
-    return result;
 }

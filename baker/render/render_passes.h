@@ -13,6 +13,11 @@ typedef struct truth_difference {
     uint64_t too_dark, too_light; /* by more than half */
 } truth_difference;
 
+/* All that render_passes writes into its folder (run_files_add_folder). */
+#define RENDER_PASSES_NAMES                                                                                                        \
+    "depth.png|normal.png|albedo.png|light.png|lights.png|smoke.png|smoke-*.png|area.png|sky.png|airlight.png|transmittance.png|"  \
+    "shadow-grid.png|light-mesh.png|lit-*.png|resident.png|truth.png|difference.png"
+
 /* Write the last frame's passes into a folder, which is made where it is not there, a sample a pixel:
  *
  *     depth.png, normal.png, albedo.png
@@ -36,13 +41,8 @@ typedef struct truth_difference {
  * streamed  whether lights are a stream's
  * t       NULL: no truth
  * lights  as renderer_create was given them
- * Returns VXS_OK, VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
+ * Returns VXS_OK, VXS_E_ARGUMENT (a picture would go where the run reads, or to another output), VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count, int streamed,
                          const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m);
-
-/* Ask before an input is read: none of a folder's pictures, over which passes may be written, is it.
- * what  says who reads it: "--sky"
- * Returns VXS_OK or VXS_E_ARGUMENT. */
-vxs_result render_passes_check_input(const char *folder, const char *path, const char *what, message *m);
 
 #endif

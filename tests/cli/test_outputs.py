@@ -146,6 +146,86 @@ def test_devices_are_any_number_of_files(vxs, files):
     vxs(*arguments("bake", {"-o": "/dev/null", "--report": "/dev/null", "--json": "/dev/null"}))
 
 
+# --- folders into which files are written ------------------------------------------------------------------------------------------------
+
+DRAW = ("render", "level.gltf", "a.vxs", "--width", "16", "--height", "16", "--fog", "0.05", "--quiet")
+
+
+def test_passes_are_no_inputs(vxs, files):
+    """Neither by a link in the folder, nor by a link to the folder, whatever a picture is called; what is no picture of it may lie there."""
+    (files / "path.txt").write_text("0 2 5 0 0 0\n5 2 0 0 0 0\n")
+    (files / "p").mkdir()
+    (files / "here").symlink_to("p")
+    shutil.copy("level.gltf", "moving.gltf")
+    for name, input in (("depth", "level.gltf"), ("lit-0-sun", "level data.bin"), ("albedo", "a.vxs"), ("light", "path.txt"), ("normal", "moving.gltf"),
+                        ("airlight", "unread.bin"), ("lights", "wall.png")):
+        for folder in ("p", "./p/", "here"):
+            link = files / "p" / f"{name}.png"
+            link.symlink_to(f"../{input}")
+            before = state(files)
+            done = vxs(*DRAW, "-o", "x.png", "--passes", folder, "--moving", "moving.gltf", "--path", "path.txt", "--frames", "1", status=2)
+            assert one_error_line(done) and f"--passes {folder}: {name}.png of it is the input itself, " in done.stderr
+            assert state(files) == before
+            link.unlink()
+    (files / "p" / "other.png").symlink_to("../path.txt")
+    vxs(*DRAW, "-o", "x.png", "--passes", "p", "--path", "path.txt", "--frames", "1")
+    assert (files / "path.txt").read_text().startswith("0 2 5 0 0 0\n")
+
+
+def test_passes_are_no_other_outputs(vxs, files):
+    """Every picture that passes write is one that no other output may be, there or not; nor are two of them one file."""
+    vxs(*DRAW, "-o", "x.png", "--passes", "p")
+    pictures = sorted(path.name for path in (files / "p").iterdir())
+    assert {"depth.png", "lit-0-sun.png", "airlight.png"} <= set(pictures)
+    for exists in (True, False):
+        if not exists:
+            shutil.rmtree("p")
+            (files / "p").mkdir()
+        before = state(files / "p"), state(files)
+        for name in pictures:
+            done = vxs(*DRAW, "-o", f"p/{name}", "--passes", "p", status=2)
+            assert one_error_line(done) and f"-o p/{name}: is a file that --passes p may write, too: expected another name" in done.stderr
+        for option, name in (("--json", "light.png"), ("--plot", "depth.png"), ("--csv", "normal.png")):
+            assert "may write, too" in vxs(*DRAW, "-o", "y.png", option, f"p/{name}", "--orbit", "--passes", "p", status=2).stderr
+        assert (state(files / "p"), state(files)) == before
+    (files / "p" / "depth.png").symlink_to("../x.png")
+    assert "-o x.png and depth.png of --passes p are one file" in vxs(*DRAW, "-o", "x.png", "--passes", "p", status=2).stderr
+    (files / "p" / "light.png").symlink_to("depth.png")
+    assert "of it are one file: expected two" in vxs(*DRAW, "-o", "y.png", "--passes", "p", status=2).stderr
+    (files / "p" / "light.png").unlink()
+    vxs(*DRAW, "-o", "p/picture.png", "--passes", "p")  # depth.png leads to another file, which is none of this run's
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_a_folder_is_no_output(vxs, files, exists):
+    for line in ((*DRAW, "-o", "x.png", "--passes", "./x.png"), (*DRAW, "-o", "y.png", "--json", "x.png", "--orbit", "--passes", "x.png"),
+                 ("bake", "level.gltf", *SMALL[:2], "-o", "x.png", "--resume", "x.png"),
+                 ("bake", "level.gltf", *SMALL[:2], "-o", "z.vxs", "--json", "x.png", "--resume", "x.png")):
+        if exists:
+            (files / "x.png").mkdir(exist_ok=True)
+        before = state(files)
+        done = vxs(*line, status=2)
+        assert one_error_line(done) and ("are one file: expected two names" in done.stderr or "is the extension of other files" in done.stderr)
+        assert state(files) == before
+
+
+def test_squares_are_neither_inputs_nor_outputs(vxs, files):
+    bake = ("bake", "level.gltf", "--resolution", "64", "--quiet", "--resume", "q")
+    vxs(*bake, "-o", "a.vxs")
+    square, = (path.name for path in (files / "q").iterdir())
+    kept = (files / "q" / square).read_bytes()
+    for name in (square, "0" * 32 + ".square", ".vxs-1-1.tmp"):
+        done = vxs(*bake, "-o", f"q/{name}", "--force", status=2)
+        assert one_error_line(done) and f"-o q/{name}: is a file that --resume q may write, too" in done.stderr
+    for name in ("0" * 32 + ".square", ".vxs-1-1.tmp"):
+        for input in ("level.gltf", "level data.bin"):
+            os.link(input, f"q/{name}")
+            done = vxs(*bake, "-o", "b.vxs", status=2)
+            assert one_error_line(done) and f"--resume q: {name} of it is the input itself, " in done.stderr
+            (files / "q" / name).unlink()
+    assert (files / "q" / square).read_bytes() == kept and not (files / "b.vxs").exists()
+
+
 # --- what is replaced -----------------------------------------------------------------------------------------------------------------
 
 

@@ -200,7 +200,7 @@ def test_what_is_not_used_is_removed(vxs, city, tmp_path):
     options = (*SPARSE, "--resume", kept)
     vxs("bake", scene, "-o", out, *options, "--resolution", "2048")
     first = set(os.listdir(kept))
-    others = {"notes.txt", "0123.square", "folder", ".hidden"}
+    others = {"notes.txt", "0123.square", "folder", ".hidden", "0" * 32 + ".square", ".vxs-mine.tmp"}
     for name in others - {"folder"}:
         (kept / name).write_text("mine")
     (kept / "folder").mkdir()
@@ -246,6 +246,24 @@ def test_damaged_squares_are_made_again(vxs, city, tmp_path):
     before = out.read_bytes()
     assert "--strict" in vxs("bake", scene, "-o", out, *options, "--strict", status=1).stderr
     assert out.read_bytes() == before
+
+
+def test_squares_that_are_far_too_large(vxs_path, city, tmp_path):
+    """Files of 3 GiB that hold nothing: told by their heads, or by the memory that there is, and made again within 100 MiB."""
+    scene, want = city
+    out, kept = tmp_path / "out.vxs", tmp_path / "kept"
+    line = [vxs_path, "bake", scene, "-o", out, *SPARSE, "--resolution", "2048", "--quiet", "--resume", kept]
+    subprocess.run(line, check=True)
+    name = min(os.listdir(kept))
+    data = (kept / name).read_bytes()
+    head = data[:32] + (3 * 2**30 - 48).to_bytes(8, "little")
+    for first, says in ((data[:40], "is not what was kept"), (b"", "is not what was kept"), (head, "has 3072.0 MiB, for which there is no memory")):
+        (kept / name).write_bytes(first)
+        os.truncate(kept / name, 3 * 2**30)
+        done = subprocess.run(line + ["--memory", "100M"], stderr=subprocess.PIPE, text=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30)))
+        assert (done.returncode, done.stderr.count("\n")) == (0, 1) and says in done.stderr, done
+        assert out.read_bytes() == want(*SPARSE, "--resolution", "2048") and (kept / name).read_bytes() == data
 
 
 def test_what_is_no_file_is_not_followed(vxs, city, tmp_path):

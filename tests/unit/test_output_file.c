@@ -1,6 +1,7 @@
 /* A file appears complete or not at all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/files/output_file.h"
+#include "baker/files/run_files.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -272,6 +273,37 @@ static void test_links_lead_to_files(void **state)
     check_refused("a", (message){0}, VXS_E_WRITE, "a: cannot write: it is a link that leads to no file: Too many levels");
 }
 
+/* What a run reads it does not write, by whatever name; other files it does, and what no run knows of, too. */
+static void test_inputs_are_not_written(void **state)
+{
+    (void)state;
+    run_files   files = {0};
+    message     m     = {.files = &files, .force = 1};
+    output_file out   = {0};
+    write_file("a", "read");
+    write_file("b", "old");
+    assert_int_equal(symlink("a", "link"), 0);
+    assert_int_equal(link("a", "hard"), 0);
+    assert_int_equal(run_files_check_input("a", "SCENE", &m), VXS_OK);
+    for (int n = 0; n < 4; n++) {
+        static const char *const names[] = {"a", "./a", "link", "hard"};
+        m.error[0]                       = 0;
+        assert_int_equal(output_file_open(&out, names[n], &m), VXS_E_ARGUMENT);
+        assert_non_null(strstr(m.error, "is the input itself, SCENE"));
+        assert_int_equal(output_file_check(names[n], &m), VXS_E_ARGUMENT);
+    }
+    m.error[0] = 0;
+    assert_int_equal(output_file_open(&out, "b", &m), VXS_OK);
+    assert_int_equal(output_file_write(&out, "new", 3, &m), VXS_OK);
+    assert_int_equal(output_file_commit(&out, &m), VXS_OK);
+    check_content("a", "read");
+    check_content("b", "new");
+    run_files_free(&files);
+    unlink("link");
+    unlink("hard");
+    message_free(&m);
+}
+
 static void test_a_folder_is_no_file(void **state)
 {
     (void)state;
@@ -293,6 +325,7 @@ int main(void)
         IN_FOLDER(test_a_folder_is_no_file),     IN_FOLDER(test_read_only_files_are_left_alone),
         IN_FOLDER(test_modes_are_kept),          IN_FOLDER(test_hard_links_are_not_parted),
         IN_FOLDER(test_links_lead_to_files),
+        IN_FOLDER(test_inputs_are_not_written),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
