@@ -58,11 +58,9 @@ static int unknown_command(const char *name)
                                 nearest_text(meant, &near), near.word ? "" : ":"));
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
-    message m = {0};
-    process_begin();
-
+    message     m    = {0};
     const char *name = argc >= 2 ? argv[1] : "";
     if (argc < 2) return no_command();
     if (!strcmp(name, "help") && argc > 3)
@@ -82,4 +80,9 @@ int main(int argc, char **argv)
     for (int n = 0; n < COMMAND_COUNT; n++)
         if (!strcmp(name, commands[n].name)) return commands[n].run(argc - 1, argv + 1);
     return unknown_command(name);
+}
+
+int main(int argc, char **argv)
+{
+    return process_run(run, argc, argv);
 }

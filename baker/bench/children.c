@@ -53,20 +53,21 @@ vxs_result children_begin(children *c, message *m)
         return fail(m, VXS_E_WRITE, "cannot make a folder for temporary files in %s: %s", parent, strerror(failed));
     }
     c->folder = folder;
+    c->names  = folder ? opendir(folder) : NULL; /* now, as it takes memory, which there may be none of in the end */
     c->asset  = folder ? path_in(folder, "asset.vxs") : NULL;
     c->report = folder ? path_in(folder, "report.json") : NULL;
     c->errors = folder ? path_in(folder, "errors.txt") : NULL;
-    return c->asset && c->report && c->errors ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
+    return c->names && c->asset && c->report && c->errors ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory");
 }
 
 void children_end(children *c)
 {
-    DIR *folder = c->folder ? opendir(c->folder) : NULL;
-    if (folder) {
-        for (struct dirent *entry; (entry = readdir(folder));) unlinkat(dirfd(folder), entry->d_name, 0);
-        closedir(folder);
-        rmdir(c->folder);
+    if (c->names) {
+        rewinddir(c->names);
+        for (struct dirent *entry; (entry = readdir(c->names));) unlinkat(dirfd(c->names), entry->d_name, 0);
+        closedir(c->names);
     }
+    if (c->folder) rmdir(c->folder);
     free(c->folder);
     free(c->asset);
     free(c->report);

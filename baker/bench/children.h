@@ -9,6 +9,7 @@
 #ifndef CHILDREN_H
 #define CHILDREN_H
 
+#include <dirent.h>
 #include <signal.h>
 
 #include "baker/base/message.h"
@@ -17,6 +18,7 @@ typedef struct children {
     sigset_t held, before;            /* SIGCHLD and signals that end a run, but those that are ignored; what was blocked before */
     int      caught;                  /* the signal that stopped a child; 0: none */
     char    *folder;                  /* owned, as the paths are */
+    DIR     *names;                   /* what is in it; open */
     char    *asset, *report, *errors; /* in the folder: what a child writes, and its standard error */
 } children;
 

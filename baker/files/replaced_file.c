@@ -55,12 +55,10 @@ vxs_result replaced_file_keep(const char *path, const struct stat *old, int desc
 {
     struct stat now;
     vxs_result  r     = VXS_OK;
-    mode_t      kept  = 07777;
+    mode_t      kept  = 0777; /* as whom it would run is said of the old bytes, and no system lets that stay when a file is written */
     int         error = fstat(descriptor, &now) ? errno : 0;
-    if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid)) {
-        r    = not_kept(path, "owner and group", errno, m);
-        kept = 0777; /* whose user it would run as is another */
-    }
+    if (!error && (now.st_uid != old->st_uid || now.st_gid != old->st_gid) && fchown(descriptor, old->st_uid, old->st_gid))
+        r = not_kept(path, "owner and group", errno, m);
     int lost = keep_attributes(path, descriptor);
     if (lost && r == VXS_OK) r = not_kept(path, "attributes", lost, m);
 

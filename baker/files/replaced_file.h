@@ -15,7 +15,8 @@
 vxs_result replaced_file_check(const char *path, const struct stat *old, message *m);
 
 /* Give a new file what the old one at `path` has: owner and group, access list, attributes user.*, and permissions. What the system
- * itself gives to files (security.*) is left to it.
+ * itself gives to files (security.*) is left to it. Permissions are to read, write and execute: set-user-ID, set-group-ID and sticky bits go, as
+ * they do when a file is written in place.
  * Returns VXS_OK, VXS_E_WRITE, VXS_E_STRICT. */
 vxs_result replaced_file_keep(const char *path, const struct stat *old, int descriptor, message *m);
 

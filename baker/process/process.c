@@ -6,7 +6,9 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
+#include <pthread.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "baker/base/message.h"
@@ -63,8 +65,67 @@ static void catch_signals(void)
     }
 }
 
+/* stacks -------------------------------------------------------------------------------------------------------------------------- */
+
+enum { STACK_LEAST = 1 << 20, STACK_BYTES = 8 << 20 }; /* what a run needs, and what systems give */
+
+/* Threads, those of libraries too, get stacks as large as the limit of the process says, which may be far too small. */
+static void give_threads_stacks(void)
+{
+#ifdef __GLIBC__
+    pthread_attr_t attributes;
+    size_t         size;
+    if (pthread_getattr_default_np(&attributes)) return;
+    if (!pthread_attr_getstacksize(&attributes, &size) && size < STACK_LEAST && !pthread_attr_setstacksize(&attributes, STACK_BYTES))
+        pthread_setattr_default_np(&attributes);
+    pthread_attr_destroy(&attributes);
+#endif
+}
+
+/* Whether the stack of the first thread may grow as far as a run needs: its limit is raised where that is allowed. */
+static int has_stack(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_STACK, &limit) || limit.rlim_cur >= STACK_LEAST) return 1;
+    limit.rlim_cur = limit.rlim_max < STACK_BYTES ? limit.rlim_max : STACK_BYTES;
+    return !setrlimit(RLIMIT_STACK, &limit) && limit.rlim_cur >= STACK_LEAST;
+}
+
+typedef struct started {
+    int (*run)(int argc, char **argv);
+    int    argc, status;
+    char **argv;
+} started;
+
+static void *run_started(void *user)
+{
+    started *s = user;
+    s->status  = s->run(s->argc, s->argv);
+    return NULL;
+}
+
+int process_run(int (*run)(int argc, char **argv), int argc, char **argv)
+{
+    started        s = {run, argc, 0, argv};
+    pthread_attr_t attributes;
+    pthread_t      thread;
+    process_begin();
+    if (has_stack() || pthread_attr_init(&attributes)) return run(argc, argv);
+    int failed = pthread_attr_setstacksize(&attributes, STACK_BYTES) || pthread_create(&thread, &attributes, run_started, &s);
+    pthread_attr_destroy(&attributes);
+    if (failed) return run(argc, argv);
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, NULL); /* signals are the other thread's */
+    pthread_join(thread, NULL);
+    return s.status;
+}
+
+/* --------------------------------------------------------------------------------------------------------------------------------- */
+
 void process_begin(void)
 {
+    give_threads_stacks();
     fill_standard_descriptors();
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);

@@ -108,7 +108,7 @@ static vxs_result check_embree(RTCDevice device, message *m)
     enum RTCError error = rtcGetDeviceError(device);
     if (error == RTC_ERROR_NONE) return VXS_OK;
     if (error == RTC_ERROR_OUT_OF_MEMORY) return fail(m, VXS_E_MEMORY, "out of memory while building the scene for ray tracing");
-    return fail(m, VXS_E_UNSUPPORTED, "Embree cannot trace rays here%s (error %d)",
+    return fail(m, VXS_E_PROGRAM, "Embree cannot trace rays here%s (error %d)",
                 error == RTC_ERROR_UNSUPPORTED_CPU ? ": it does not know this processor" : "", (int)error);
 }
 
@@ -138,8 +138,7 @@ static vxs_result build_scene(truth *t, uint32_t threads, message *m)
 
     snprintf(config, sizeof config, "threads=%u,set_affinity=0", (unsigned)threads);
     t->device = rtcNewDevice(config);
-    if (!t->device)
-        return check_embree(NULL, m) != VXS_OK ? VXS_E_UNSUPPORTED : fail(m, VXS_E_UNSUPPORTED, "Embree does not start");
+    if (!t->device) return (r = check_embree(NULL, m)) != VXS_OK ? r : fail(m, VXS_E_PROGRAM, "Embree does not start");
 
     geometry = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     t->scene = rtcNewScene(t->device);

@@ -319,6 +319,18 @@ def test_every_failing_allocation_of_a_reader(faulty, asset, tmp_path, command, 
             assert done.stdout == whole, n
 
 
+def test_failing_allocation_of_embree(vxs, faulty, scene, asset, tmp_path):
+    """It says of some that they failed, of others that something did: none is the fault of the scene."""
+    (tmp_path / "a.vxs").write_bytes(asset)
+    command, options = ("truth", scene, "--like", tmp_path / "a.vxs", "--threads", 1), {"FAULT_FROM": "libembree"}
+    calls, failed = faulty.calls("alloc", *command, **options), 0
+    for n in range(1, calls + 1, 1 if EVERY_ALLOCATION else 3):
+        done = faulty(f"alloc:{n}:{errno.ENOMEM}", *command, **options)
+        assert not done.returncode or (done.returncode == 6 and one_error_line(done)), (n, done)
+        failed += done.returncode == 6
+    assert failed >= calls / 6
+
+
 @pytest.mark.slow
 def test_failing_allocation_of_bench(vxs, faulty, scene, tmp_path, monkeypatch):
     """In itself, and in the bake that it starts. When the measurements are written, only the tables may be missing."""
@@ -335,6 +347,8 @@ def test_failing_allocation_of_bench(vxs, faulty, scene, tmp_path, monkeypatch):
         assert not done.returncode or (done.returncode == 6 and one_error_line(done) and b"out of memory" in done.stderr), (n, done)
         assert list(temporary.iterdir()) == [] and (not new.exists() or json.loads(new.read_text())["cells"])
         failed += done.returncode == 6
+        done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bench, FAULT_EVERY="1")
+        assert done.returncode and list(temporary.iterdir()) == [], (n, done)
     assert failed >= 20
 
 

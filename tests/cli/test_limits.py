@@ -201,6 +201,21 @@ def test_memory_of_a_deep_pile(outside, tmp_path):
     assert done.returncode == 0 and done.peak < 110 * MIB, done
 
 
+@pytest.mark.parametrize("threads", [1, 4])
+def test_a_small_stack(vxs_path, tmp_path, threads):
+    """ulimit -s 64: commands and their threads, those of Mesa and Embree, too, have stacks that are large enough."""
+    def run(*arguments):
+        done = subprocess.run([vxs_path, *map(str, arguments)], capture_output=True, text=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_STACK, (65536, 65536)))
+        assert done.returncode == 0 and not done.stderr, done
+    scene, out = tmp_path / "a.glb", tmp_path / "a.vxs"
+    run("scene", "city", "--triangles", 1000, "--blocks", 1, "-o", scene)
+    run("bake", scene, "-o", out, "--resolution", 256, "--threads", threads)
+    run("bake", scene, "-o", out, "--resolution", 256, "--threads", threads, "--maps", "gl")
+    run("compare", scene, out, "--points", 1000, "--threads", threads)
+    run("render", scene, out, "-o", tmp_path / "a.png", "--width", 32, "--height", 32, "--fog", 0.01, "--threads", threads)
+
+
 # --- assets ---------------------------------------------------------------------------------------------------------------------------
 
 

@@ -2,7 +2,7 @@
 //
 //   FAULT=CALL:N:WHAT       the N-th call of CALL, counted from 1, does WHAT. N 0: none
 //       CALL  alloc (malloc, calloc, realloc, aligned_alloc, operator new, and what allocates inside: strdup, asprintf, realpath,
-//             fopen, fdopen), open, read, write, close, link, rename, fsync, thread
+//             fopen, fdopen, opendir), open, read, write, close, link, rename, fsync, thread
 //       WHAT  a number: fail with that errno (alloc: without memory);  short: read half of what is asked for;  kill: SIGKILL;
 //             interrupt: SIGINT
 //   FAULT_EVERY=1           every call from the N-th on, not that one alone
@@ -14,6 +14,7 @@
 // Calls of other libraries do not count, so that Mesa or a loader may fail or not as it likes, nor do calls before main. Streams that
 // the program opens are backed by read and write here, since libc's own calls cannot be stood before.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <execinfo.h>
@@ -261,6 +262,16 @@ char *realpath(const char *path, char *to)
 {
     NEXT(realpath);
     return fails("alloc", CALLER) ? nullptr : real(path, to);
+}
+DIR *opendir(const char *path)
+{
+    NEXT(opendir);
+    return fails("alloc", CALLER) ? nullptr : real(path);
+}
+DIR *fdopendir(int folder)
+{
+    NEXT(fdopendir);
+    return fails("alloc", CALLER) ? nullptr : real(folder);
 }
 
 static int open_faulty(const char *path, int flags, mode_t mode, const void *caller)
