@@ -59,6 +59,12 @@ char *one_line(char *text)
     return text;
 }
 
+const char *plain_text(char text[PLAIN_BYTES], const char *whole)
+{
+    snprintf(text, PLAIN_BYTES, "%s", whole);
+    return one_line(text);
+}
+
 static int is_within_letter(char c)
 {
     return (c & 0xc0) == 0x80;

@@ -48,6 +48,12 @@ size_t utf8_letter(const char *text, uint32_t *code);
  * turn the text round, and each byte that is no UTF-8, becomes '?'. Messages and progress lines do so themselves. Returns text. */
 char *one_line(char *text);
 
+/* A copy of a text that is fit to print as one_line makes it, cut to what a path may have: what a report prints of files and their names.
+ * text  [PLAIN_BYTES] out
+ * Returns text. */
+enum { PLAIN_BYTES = PATH_MAX };
+const char *plain_text(char text[PLAIN_BYTES], const char *whole);
+
 /* A text with what is more than `bytes`, at least 3, left out of its middle: "SM_Wal...te_04". No letter of UTF-8 is cut in two.
  * text  [bytes + 1] out
  * Returns text. */

@@ -70,8 +70,8 @@ static const char *smoke_text(char text[48], const vxs_baked_smoke *smoke)
 static void print_info(FILE *to, const char *path, const vxs_asset *asset, const json_t *made, uint64_t file_bytes)
 {
     const vxs_contents *c = vxs_asset_contents(asset);
-    char                a[32], b[48];
-    fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", path, c->version, size_text(a, file_bytes), c->light_count,
+    char                a[32], b[48], plain[PLAIN_BYTES];
+    fprintf(to, "%s: .vxs version %u, %s, %u light%s\n", plain_text(plain, path), c->version, size_text(a, file_bytes), c->light_count,
             c->light_count == 1 ? "" : "s");
     if (made) provenance_print(to, made);
     if (!made && c->metadata)

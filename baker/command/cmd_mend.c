@@ -64,7 +64,8 @@ static void print_report(FILE *to, const mend_command *c, const scene *s, int ve
 {
     const repair_report *r    = &c->report;
     size_t               rows = c->all || (verbose && r->count <= ROWS) ? r->count : verbose ? ROWS : 0;
-    fprintf(to, "scene        %s\n", c->path);
+    char                 plain[PLAIN_BYTES];
+    fprintf(to, "scene        %s\n", plain_text(plain, c->path));
     for (size_t i = 0; i < rows; i++) {
         const repaired_component *k = &r->components[i];
         char                      from[PART_TEXT_BYTES];
@@ -79,7 +80,7 @@ static void print_report(FILE *to, const mend_command *c, const scene *s, int ve
             r->closed_after);
     fprintf(to, "solids       %zu with %zu triangles were solids, %zu with %zu are now\n", c->solids[0], c->triangles[0],
             c->solids[1], c->triangles[1]);
-    fprintf(to, "wrote        %s\n", c->output_path);
+    fprintf(to, "wrote        %s\n", plain_text(plain, c->output_path));
 }
 
 /* as JSON -------------------------------------------------------------------------------------------------------------- */

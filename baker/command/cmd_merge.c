@@ -19,10 +19,10 @@ typedef struct merge_command {
 
 static void print_report(FILE *to, const merge_command *c, const merge_report *r)
 {
-    char size[32], memory[32];
+    char size[32], memory[32], plain[PLAIN_BYTES];
     fprintf(to, "parts        %u, %llu squares of %u lights\n", r->parts, (unsigned long long)r->squares, r->lights.light_count);
-    fprintf(to, "file         %s: %s\n", is_standard_output(c->o.output_path) ? "standard output" : c->o.output_path,
-            size_text(size, r->lights.file_bytes));
+    fprintf(to, "file         %s: %s\n",
+            is_standard_output(c->o.output_path) ? "standard output" : plain_text(plain, c->o.output_path), size_text(size, r->lights.file_bytes));
     fprintf(to, "time         %.2f s; memory %s\n", r->lights.total_seconds, size_text(memory, r->lights.peak_bytes));
 }
 

@@ -21,20 +21,21 @@ static void collect(void *user, int number, const char *text, int section, uint6
 static void print_findings(const char *path, json_t *findings, const message *m)
 {
     FILE   *to = report_stream(m, 0);
-    char    word[COLORED_BYTES];
+    char    word[COLORED_BYTES], plain[PLAIN_BYTES];
     size_t  n;
     json_t *f;
     if (!to) return;
+    plain_text(plain, path);
     json_array_foreach(findings, n, f)
     {
         json_t *section = json_object_get(f, "section");
         char    where[32];
         snprintf(where, sizeof where, section ? "section %d" : "header", section ? (int)json_integer_value(section) : 0);
-        fprintf(to, "%s: %s %d: %s (%s, byte %lld)\n", path, colored(word, m->color, to, COLOR_RED, "finding"),
+        fprintf(to, "%s: %s %d: %s (%s, byte %lld)\n", plain, colored(word, m->color, to, COLOR_RED, "finding"),
                 (int)json_integer_value(json_object_get(f, "number")), json_string_value(json_object_get(f, "text")), where,
                 (long long)json_integer_value(json_object_get(f, "offset_bytes")));
     }
-    if (!json_array_size(findings)) fprintf(to, "%s: %s\n", path, colored(word, m->color, to, COLOR_GREEN, "valid"));
+    if (!json_array_size(findings)) fprintf(to, "%s: %s\n", plain, colored(word, m->color, to, COLOR_GREEN, "valid"));
 }
 
 typedef struct validate_command {

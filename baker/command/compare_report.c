@@ -161,8 +161,8 @@ static void print_time(FILE *to, const compare_report *r, const compare_result *
 static void print_light(FILE *to, const compare_report *r, const vxs_light *l, const compare_result *result)
 {
     int  wrong = 0;
-    char text[LIGHT_TEXT_BYTES];
-    fprintf(to, "light %s: %s\n", l->name, light_text(text, l));
+    char text[LIGHT_TEXT_BYTES], plain[PLAIN_BYTES];
+    fprintf(to, "light %s: %s\n", plain_text(plain, l->name), light_text(text, l));
     fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s %9s %9s %11s\n", "points", "checked", "outside", "in solids", "wrong", "leaks",
             "shadows", "boundary", "surface", "unexplained");
     for (int kind = 0; kind < kind_count(r); kind++) {
@@ -221,9 +221,9 @@ static void print_other_scene(FILE *to, const compared_asset *a)
 
 static void print_asset_head(FILE *to, const compared_asset *a)
 {
-    char     file[32], memory[32];
+    char     file[32], memory[32], plain[PLAIN_BYTES];
     uint32_t all = vxs_asset_light_count(a->asset);
-    fprintf(to, "asset        %s: ", input_name(a->path));
+    fprintf(to, "asset        %s: ", plain_text(plain, input_name(a->path)));
     if (a->light_count < all) fprintf(to, "%u of ", a->light_count);
     fprintf(to, "%u light%s, a file of %s, %s in memory\n", all, all > 1 ? "s" : "", size_text(file, a->file_bytes),
             size_text(memory, a->memory_bytes));
@@ -290,7 +290,7 @@ static int filter_column(const compare_report *r, uint32_t f)
 /* A row an asset, its name last: names may be long. */
 static void print_table(FILE *to, const compare_report *r, const message *m)
 {
-    char text[64], word[COLORED_BYTES];
+    char text[64], word[COLORED_BYTES], plain[PLAIN_BYTES];
     fprintf(to, "%-12s %11s %11s %9s %9s", "texels", "file", "memory", "bake", "lookup");
     for (int kind = 0; kind < kind_count(r); kind++) {
         snprintf(text, sizeof text, "wrong %s", kind_names[kind]);
@@ -320,7 +320,7 @@ static void print_table(FILE *to, const compare_report *r, const message *m)
                 length += snprintf(text + length, sizeof text - (size_t)length, "%s%.4f", kind ? "/" : "", rmse_of_all(a, f, kind));
             fprintf(to, "  %*s", filter_column(r, f), text);
         }
-        fprintf(to, "  %s%s%s\n", input_name(a->path), compare_asset_passes(r, a) ? "" : "; ",
+        fprintf(to, "  %s%s%s\n", plain_text(plain, input_name(a->path)), compare_asset_passes(r, a) ? "" : "; ",
                 compare_asset_passes(r, a) ? "" : colored(word, m->color, to, COLOR_RED, "FAILED"));
         if (!m->verbose) print_other_scene(to, a);
     }
@@ -328,7 +328,8 @@ static void print_table(FILE *to, const compare_report *r, const message *m)
 
 void compare_print(FILE *to, const compare_report *r, const message *m)
 {
-    fprintf(to, "scene        %s\n", input_name(r->scene_path));
+    char plain[PLAIN_BYTES];
+    fprintf(to, "scene        %s\n", plain_text(plain, input_name(r->scene_path)));
     if (r->options.camera && m->verbose) {
         const camera_pose *c = r->options.camera;
         uint32_t           width_px, height_px;

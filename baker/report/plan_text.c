@@ -267,7 +267,8 @@ void plan_print_savings(FILE *to, const bake_plan *plan, uint64_t file_bytes)
 void plan_print(FILE *to, const bake_options *o, const bake_report *report)
 {
     const bake_plan *plan = report->plan;
-    fprintf(to, "scene        %s\n", o->scene_path);
+    char             plain[PLAIN_BYTES];
+    fprintf(to, "scene        %s\n", plain_text(plain, o->scene_path));
     report_print_casters(to, report);
     plan_print_decisions(to, plan, o, report);
     for (size_t n = 0; n < plan->light_count; n++) print_light(to, o, &plan->lights[n]);

@@ -94,8 +94,8 @@ static void print_light(FILE *to, const light_report *l)
 
 void report_print(FILE *to, const bake_options *o, const bake_report *r)
 {
-    char a[32], b[32], c[32];
-    fprintf(to, "scene        %s\n", o->scene_path);
+    char a[32], b[32], c[32], plain[PLAIN_BYTES];
+    fprintf(to, "scene        %s\n", plain_text(plain, o->scene_path));
     report_print_casters(to, r);
     plan_print_decisions(to, r->plan, o, r);
     for (uint32_t n = 0; n < r->light_count; n++) print_light(to, &r->lights[n]);
@@ -117,7 +117,7 @@ void report_print(FILE *to, const bake_options *o, const bake_report *r)
     fprintf(to, "drawn by     %s%s%s\n", r->renderer, r->cpu_class[0] ? ", processors of class " : "", r->cpu_class);
     if (o->points) fprintf(to, "points       %u, %s\n", o->points, size_text(a, r->points_bytes));
     plan_print_savings(to, r->plan, r->file_bytes);
-    fprintf(to, "wrote        %s, %s\n", o->output_path, size_text(a, r->file_bytes));
+    fprintf(to, "wrote        %s, %s\n", plain_text(plain, o->output_path), size_text(a, r->file_bytes));
 }
 
 /* for machines ---------------------------------------------------------------------------------------------------------------- */

@@ -37,8 +37,9 @@ static void print_scene(FILE *to, const bake_options *o, const bake_report *r)
 {
     const casters *c     = &r->casters;
     double         share = c->triangle_count ? 100 * (double)c->solid_triangle_count / (double)casters_whole_count(c) : 0;
-    fprintf(to, "scene        %s: %zu triangles, %.3g %% of them in solids\n", input_name(o->scene_path), casters_whole_count(c),
-            share);
+    char           plain[PLAIN_BYTES];
+    fprintf(to, "scene        %s: %zu triangles, %.3g %% of them in solids\n", plain_text(plain, input_name(o->scene_path)),
+            casters_whole_count(c), share);
     if (r->capsule_count) fprintf(to, "smoke        %u capsules of points and lines\n", r->capsule_count);
 }
 
@@ -95,7 +96,7 @@ static const char *ratio_text(char text[32], double ratio)
 /* What the file is worth: how much more plain depth maps of 16 bits take. */
 static void print_file(FILE *to, const bake_options *o, const bake_report *r)
 {
-    char   size[32], ratio[32];
+    char   size[32], ratio[32], plain[PLAIN_BYTES];
     double maps = 0, zstd_maps = 0;
     int    is_known = 1;
     for (uint32_t n = 0; n < r->light_count; n++) {
@@ -106,7 +107,7 @@ static void print_file(FILE *to, const bake_options *o, const bake_report *r)
         is_known &= l->depth_zstd19_ratio > 0;
     }
     fprintf(to, "file         %s: %s; depth maps are %s times that",
-            strcmp(o->output_path, "-") ? o->output_path : "standard output", size_text(size, r->file_bytes),
+            strcmp(o->output_path, "-") ? plain_text(plain, o->output_path) : "standard output", size_text(size, r->file_bytes),
             ratio_text(ratio, maps / (double)r->file_bytes));
     if (is_known) fprintf(to, ", %s with zstd", ratio_text(ratio, zstd_maps / (double)r->file_bytes));
     fprintf(to, "\n");

@@ -9,10 +9,10 @@
 
 void unchanged_print(FILE *to, const bake_options *o, const bake_report *r)
 {
-    char size[32], warnings[64] = "";
+    char size[32], warnings[64] = "", plain[PLAIN_BYTES];
     if (r->warning_count) snprintf(warnings, sizeof warnings, "; warnings of its bake: %zu", r->warning_count);
-    fprintf(to, "up to date   %s, %s: baked from this scene, these lights and options by vxs " VXS_VERSION "%s\n", o->output_path,
-            size_text(size, r->file_bytes), warnings);
+    fprintf(to, "up to date   %s, %s: baked from this scene, these lights and options by vxs " VXS_VERSION "%s\n",
+            plain_text(plain, o->output_path), size_text(size, r->file_bytes), warnings);
 }
 
 vxs_result unchanged_write_json(const char *path, const bake_options *o, const bake_report *r, message *m)

@@ -361,3 +361,36 @@ def test_a_pipe_of_too_much_json(shell):
     """A limit of size holds for what has no size."""
     done = shell("head -c 300000000 /dev/zero | tr '\\0' ' ' | vxs report - -o x")
     assert done.returncode == 3 and "larger than 256 MiB" in done.stderr
+
+
+# --- names from files ---------------------------------------------------------------------------------------------------------------------
+
+
+def test_no_name_speaks_to_the_terminal(vxs_path, tmp_path):
+    """Names of lights, nodes, meshes, materials, images, scenes and files, in what every command prints: no control character but the end of a
+    line, and no line that a name makes up."""
+    name = "a\nvxs: error: fake\x1b[31m\x1b]0;t\x07\r\u009b2J\x7f\x08"
+    scene, asset, picture = (tmp_path / f"{name}.{kind}" for kind in ("gltf", "vxs", "png"))
+    small_scene.write(scene, lights=[(f"{name}{n}", *light[1:]) for n, light in enumerate(small_scene.EACH_KIND)], open_faces=True)
+    gltf = json.loads(scene.read_text())
+    for things in ("nodes", "meshes", "materials", "scenes"):
+        gltf[things][0]["name"] = name
+    gltf["images"] = [{"uri": f"x{name}.png", "name": name}]
+    gltf["cameras"] = [{"type": "perspective", "name": name, "perspective": {"yfov": 1, "znear": 0.1}}]
+    gltf["extensionsUsed"].append(f"EXT_{name}")
+    scene.write_text(json.dumps(gltf))
+    draw = ("render", scene, asset, "-o", picture, "--width", 16, "--height", 16)
+    for status, *line in ((0, "plan", scene, "--verbose"), (0, "bake", scene, "-o", asset, *SMALL), (0, "bake", scene, "-o", asset, *SMALL, "--verbose"),
+                          (0, "bake", scene, "-o", asset, *SMALL, "--if-changed"), (0, "info", asset), (0, "validate", asset), (0, "query", asset),
+                          (0, "truth", scene, "--like", asset), (0, "compare", scene, asset, "--points", 10, "--verbose"),
+                          (0, "compare", scene, asset, asset, "--points", 10), (0, "health", scene, "--verbose"),
+                          (0, "mend", scene, "-o", tmp_path / f"{name}.glb", "--verbose"), (0, *draw, "--fog", 0.01, "--passes", tmp_path / f"p{name}"),
+                          (0, *draw, "--verbose"), (0, "bake", scene, "-o", tmp_path / f"{name}.part", "--part", "1/1", "--resume", tmp_path / f"r{name}", *SMALL),
+                          (0, "merge", tmp_path / f"{name}.part", "-o", asset), (0, "bench", scene, "-o", tmp_path / "b.json", "--resolution", 16, "--runs", 1, "--points", 1),
+                          (0, "report", tmp_path / "b.json", "-o", tmp_path / f"{name}.html"), (2, "query", asset, "--light", f"{name}x"),
+                          (3, "info", f"{asset}x"), (2, "bake", scene, "-o", asset, f"--{name}"), (5, "plan", scene, "--exclude", name),
+                          (3, *draw, "--sky", scene)):
+        done = subprocess.run([vxs_path, *map(str, line)], input=b"0 1 0\n", capture_output=True, timeout=60)
+        said = (done.stdout + done.stderr).decode()
+        assert done.returncode == status, (line, said)
+        assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f]", said) and "\nvxs: error: fake" not in said, (line, said)
