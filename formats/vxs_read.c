@@ -78,7 +78,7 @@ static int zeros(const uint8_t *p, size_t count)
     return 1;
 }
 
-static int check_header(vxs_reader *r)
+int vxs_read_header(vxs_reader *r)
 {
     const uint8_t *h = r->bytes;
     if (r->size < VXS_MAGIC_BYTES || memcmp(h, VXS_MAGIC, VXS_MAGIC_BYTES)) return vxs_found(r, r->size ? 102 : 101, HEADER, 0), 0;
@@ -95,11 +95,17 @@ static int check_header(vxs_reader *r)
     uint32_t count = vxs_load32(h + VXS_HEADER_SECTION_COUNT);
     if (count < 1 || count > VXS_SECTIONS_MAX || VXS_HEADER_BYTES + (uint64_t)count * VXS_ENTRY_BYTES > r->size)
         return vxs_found(r, 108, HEADER, VXS_HEADER_SECTION_COUNT), 0;
-    if (XXH64(h + VXS_HEADER_BYTES, (size_t)count * VXS_ENTRY_BYTES, 0) != vxs_load64(h + VXS_HEADER_DIRECTORY_HASH))
-        return vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
     r->out.version       = version;
     r->out.section_count = count;
     return 1;
+}
+
+static int check_directory_hash(vxs_reader *r)
+{
+    size_t size = (size_t)r->out.section_count * VXS_ENTRY_BYTES;
+    if (XXH64(r->bytes + VXS_HEADER_BYTES, size, 0) == vxs_load64(r->bytes + VXS_HEADER_DIRECTORY_HASH)) return 1;
+    vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH);
+    return 0;
 }
 
 static int has_blocks(const vxs_reader *r)
@@ -365,7 +371,7 @@ int vxs_read_metadata(vxs_reader *r)
 
 int vxs_read_head(vxs_reader *r)
 {
-    return check_header(r) && check_directory(r);
+    return vxs_read_header(r) && check_directory_hash(r) && check_directory(r);
 }
 
 int vxs_read_light_table(vxs_reader *r)

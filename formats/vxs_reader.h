@@ -26,6 +26,9 @@ struct vxs_reader {
     vxs_baked_points points;
 };
 
+/* Check the header: of r->bytes the first VXS_HEADER_BYTES are looked at, or all where r->size is less. 0: a finding. */
+int vxs_read_header(vxs_reader *r);
+
 /* Check header and directory, and the hashes of sections that are in memory. 0: a finding. */
 int vxs_read_head(vxs_reader *r);
 

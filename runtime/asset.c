@@ -34,6 +34,17 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     return VXS_OK;
 }
 
+/* Whether a file is one of as many bytes as it says, before all of it is read: by its first bytes. */
+static vxs_result check_header(const os_file *file, const vxs_read_desc *desc)
+{
+    uint8_t    header[VXS_HEADER_BYTES] = {0};
+    vxs_reader r                        = {.bytes = header, .size = file->size_bytes, .desc = *desc};
+    uint64_t   size                     = file->size_bytes < sizeof header ? file->size_bytes : sizeof header;
+    if (!os_file_read(file, 0, size, header)) return VXS_E_READ;
+    vxs_read_header(&r);
+    return r.result;
+}
+
 vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc)
 {
     os_file file;
@@ -47,6 +58,7 @@ vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_re
     vxs_allocator memory = vxs_allocator_of(&rest);
     uint8_t      *bytes  = NULL;
     uint64_t      size = file.size_bytes, limit = vxs_memory_limit_of(&rest, size);
+    if ((r = check_header(&file, &rest)) != VXS_OK) goto done;
     r = VXS_E_MEMORY;
     if (size >= limit || size > SIZE_MAX) goto done;
     rest.memory_limit_bytes = limit - size;

@@ -39,7 +39,8 @@ typedef struct vxs_asset vxs_asset;
  * VXS_E_ARGUMENT for a struct_size that no version had, or no path. */
 vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
-/* The same for a file, whose bytes count towards the memory limit while it is read. Also returns VXS_E_READ (no such file, a folder, a
+/* The same for a file, whose bytes count towards the memory limit while it is read; its header is looked at before anything is taken for the
+ * rest. Also returns VXS_E_READ (no such file, a folder, a
  * pipe, an error while reading): errno says why. path is UTF-8. */
 vxs_result vxs_asset_open_file(vxs_asset **asset, const char *path, const vxs_read_desc *desc);
 

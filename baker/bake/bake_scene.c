@@ -22,10 +22,9 @@ vxs_result bake_scene_read(bake_scene *s, const bake_options *o, const scene_che
 
 vxs_result bake_scene_read_smoke(bake_scene *s, const bake_options *o, bake_context *ctx)
 {
-    const uint64_t limit = (uint64_t)16 << 30;
     if (!o->smoke_path) return VXS_OK;
     watch_say(ctx->watch, "reading %s", o->smoke_path);
-    return nrrd_read(&s->smoke, o->smoke_path, o->smoke_factor, o->memory_bytes ? o->memory_bytes : limit, ctx->message);
+    return nrrd_read(&s->smoke, o->smoke_path, o->smoke_factor, ctx->message);
 }
 
 smoke_source bake_scene_smoke(const bake_scene *s, const bake_options *o)

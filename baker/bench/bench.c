@@ -188,6 +188,15 @@ static vxs_result run_rounds(bench_work *w, message *m)
 
 /* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
 
+/* A GLB, or text that may be glTF; of what is neither, its first bytes are enough for the bake that says so. */
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
+{
+    size_t at = size_bytes >= 3 && !memcmp(first, "\xef\xbb\xbf", 3) ? 3 : 0;
+    (void)user;
+    while (at < size_bytes && strchr(" \t\r\n", first[at]) && first[at]) at++;
+    return (at < size_bytes && first[at] == '{') || (size_bytes >= 4 && !memcmp(first, "glTF", 4)) ? UINT64_MAX : 0;
+}
+
 /* Each run reads its scene again, which a pipe gives once: a copy in memory.
  * kept  [out] its descriptor; -1: the scene is a file, or cannot be had, which its bake will say */
 static vxs_result keep_pipe(int *kept, const char *path, message *m)
@@ -198,7 +207,7 @@ static vxs_result keep_pipe(int *kept, const char *path, message *m)
     vxs_result  r;
     *kept = -1;
     if (!is_standard_input(path) && (stat(path, &status) || !S_ISFIFO(status.st_mode))) return VXS_OK;
-    if ((r = input_read(&bytes, &size_bytes, path, UINT32_MAX, m)) != VXS_OK) return r;
+    if ((r = input_read(&bytes, &size_bytes, path, UINT32_MAX, &(input_head){wanted_bytes, NULL}, m)) != VXS_OK) return r;
     *kept = memfd_create("scene", MFD_CLOEXEC);
     for (ssize_t n = 1; *kept >= 0 && n > 0 && done < size_bytes; done += (size_t)(n > 0 ? n : 0))
         n = write(*kept, bytes + done, size_bytes - done);

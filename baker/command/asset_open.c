@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "baker/bake/provenance.h"
 #include "baker/base/array.h"
@@ -12,7 +13,7 @@
 #include "baker/base/parallel.h"
 #include "baker/files/input_file.h"
 #include "baker/scene/light_choice.h"
-#include "formats/vxs_format.h"
+#include "formats/vxs_bytes.h"
 #include "formats/vxs_memory.h"
 
 /* of a file, where no limit is given */
@@ -24,9 +25,14 @@ void keep_first_finding(void *user, int number, const char *text, int section, u
     if (!f->number) *f = (first_finding){number, section, offset, text};
 }
 
-static int may_be_asset(const uint8_t *bytes, size_t size_bytes)
+/* As many bytes as a header says whose hash holds; one that does not is all that has to be read to say so. */
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
-    return size_bytes >= VXS_MAGIC_BYTES && !memcmp(bytes, VXS_MAGIC, VXS_MAGIC_BYTES);
+    (void)user;
+    if (size_bytes < VXS_HEADER_BYTES || memcmp(first, VXS_MAGIC, VXS_MAGIC_BYTES) != 0) return 0;
+    uint32_t version = vxs_load32(first + VXS_HEADER_VERSION);
+    int      known   = version >= 1 && version <= VXS_FORMAT_VERSION;
+    return known && XXH64(first, VXS_HEADER_HASH, 0) == vxs_load64(first + VXS_HEADER_HASH) ? vxs_load64(first + VXS_HEADER_FILE_BYTES) : 0;
 }
 
 vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *desc, message *m)
@@ -34,9 +40,9 @@ vxs_result asset_read(vxs_asset **asset, const char *path, const vxs_read_desc *
     vxs_read_desc rest = *desc;
     uint8_t      *bytes;
     size_t        size_bytes;
-    vxs_result    r = input_read_if(&bytes, &size_bytes, path, desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX,
-                                    may_be_asset, m);
-    uint64_t      limit     = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
+    uint64_t      most  = desc->memory_limit_bytes ? desc->memory_limit_bytes - 1 : READ_MAX;
+    vxs_result    r     = input_read(&bytes, &size_bytes, path, most, &(input_head){wanted_bytes, NULL}, m);
+    uint64_t      limit = vxs_memory_limit_of(desc, size_bytes); /* more than the file in any case */
     rest.memory_limit_bytes = limit - size_bytes;
     *asset                  = NULL;
     if (r == VXS_OK) r = vxs_asset_open(asset, bytes, size_bytes, &rest);
@@ -102,22 +108,13 @@ static vxs_result add_patterns(text_list *list, const json_t *patterns, message 
     return VXS_OK;
 }
 
-/* What was baked with an option was meant so. */
-static void take_word(const json_t *options, const char *key, const char *choices, int *value, int *given)
-{
-    const char *word  = json_string_value(json_object_get(options, key));
-    int         index = word ? choice_index(choices, word) : -1;
-    if (index < 0) return;
-    *value = index;
-    *given = 1;
-}
-
 vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message *m)
 {
+    if (choice->exclude.count || choice->include.count || choice->skinned_given) return VXS_OK;
     const json_t *options = json_object_get(made, "options");
-    if (choice->exclude.count || choice->include.count || choice->skinned_given || choice->blend_given) return VXS_OK;
-    take_word(options, "skinned", SKINNED_CHOICES, &choice->skinned, &choice->skinned_given);
-    take_word(options, "blend", BLEND_CHOICES, &choice->blend, &choice->blend_given);
+    const char   *skinned = json_string_value(json_object_get(options, "skinned"));
+    int           index   = skinned ? choice_index(SKINNED_CHOICES, skinned) : -1;
+    if (index >= 0) choice->skinned = index;
     vxs_result r = add_patterns(&choice->exclude, json_object_get(options, "exclude"), m);
     return r == VXS_OK ? add_patterns(&choice->include, json_object_get(options, "include"), m) : r;
 }

@@ -9,9 +9,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "baker/base/memory.h"
 #include "baker/base/text.h"
 
-enum { READ_AT_FIRST = 65536, LOOKED_AT = 1024 };
+enum { READ_AT_FIRST = 65536 };
 
 int is_standard_input(const char *path)
 {
@@ -41,54 +42,83 @@ static size_t known_bytes(int descriptor)
     return !fstat(descriptor, &status) && S_ISREG(status.st_mode) && status.st_size > 0 ? (size_t)status.st_size : 0;
 }
 
-/* Room is made for what is known to come and for a byte more, which shows that no more does; or for twice as much as there is. What is looked at
- * first has its room alone. */
-static vxs_result read_all(int descriptor, uint8_t **bytes, size_t *size_bytes, uint64_t limit_bytes, input_look *look)
+/* An input while it is read. */
+typedef struct input {
+    const char *name;
+    int         descriptor;
+    uint8_t    *bytes;
+    size_t      size_bytes, room;
+    uint64_t    known_bytes, wanted_bytes; /* a regular file has; what the first bytes say */
+    message    *m;
+} input;
+
+/* Room for so many bytes, asked for before it is taken. */
+static vxs_result make_room(input *in, size_t room)
 {
-    size_t known = known_bytes(descriptor), room = 0;
-    for (;;) {
-        if (*size_bytes > limit_bytes || (known > limit_bytes && !look)) return VXS_E_UNSUPPORTED;
-        if (*size_bytes == room) {
-            room = room ? 2 * room : known && !look ? known + 1 : READ_AT_FIRST;
-            if (known > room && !look) room = known + 1;
-            if (room > limit_bytes) room = (size_t)limit_bytes + 1;
-            void *larger = realloc(*bytes, room);
-            if (!larger) return VXS_E_MEMORY;
-            *bytes = larger;
+    vxs_result r = memory_check(room, in->m, "'%s': reading it needs", in->name);
+    if (r != VXS_OK) return r;
+    void *larger = realloc(in->bytes, room);
+    if (!larger) return fail(in->m, VXS_E_MEMORY, "out of memory while reading '%s'", in->name);
+    in->bytes = larger;
+    in->room  = room;
+    return VXS_OK;
+}
+
+/* Read until there are so many bytes, or no more come. */
+static vxs_result read_up_to(input *in, uint64_t size_bytes)
+{
+    while (in->size_bytes < size_bytes) {
+        if (in->size_bytes == in->room) {
+            uint64_t   known = in->known_bytes < in->wanted_bytes ? in->known_bytes : 0; /* a byte more shows that no more comes */
+            uint64_t   room  = known >= in->room ? known + 1 : 2 * (uint64_t)in->room;
+            vxs_result r     = make_room(in, (size_t)(room < size_bytes ? room : size_bytes));
+            if (r != VXS_OK) return r;
         }
-        ssize_t n = read(descriptor, *bytes + *size_bytes, room - *size_bytes);
-        if (n < 0 && errno != EINTR) return VXS_E_READ;
-        if (n > 0) *size_bytes += (size_t)n;
-        if (look && (n == 0 || *size_bytes >= LOOKED_AT)) {
-            if (!look(*bytes, *size_bytes)) return VXS_OK;
-            look = NULL;
-        }
+        size_t  most = size_bytes < in->room ? (size_t)size_bytes : in->room;
+        ssize_t n    = read(in->descriptor, in->bytes + in->size_bytes, most - in->size_bytes);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0)
+            return fail(in->m, errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", in->name, strerror(errno));
         if (n == 0) return VXS_OK;
+        in->size_bytes += (size_t)n;
     }
+    return VXS_OK;
 }
 
-vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, message *m)
+/* The first bytes, and then all others that are wanted. */
+static vxs_result read_all(input *in, uint64_t limit_bytes, const input_head *head)
 {
-    return input_read_if(bytes, size_bytes, path, limit_bytes, NULL, m);
+    char       text[32];
+    vxs_result r = make_room(in, READ_AT_FIRST);
+    if (r == VXS_OK) r = read_up_to(in, READ_AT_FIRST);
+    if (r != VXS_OK) return r;
+    if (head) in->wanted_bytes = head->wanted(head->user, in->bytes, in->size_bytes);
+    if (!in->wanted_bytes) return VXS_OK;
+    uint64_t expected     = in->known_bytes && in->known_bytes < in->wanted_bytes ? in->known_bytes : in->wanted_bytes;
+    int      is_too_large = expected > limit_bytes && expected < UINT64_MAX;
+    uint64_t most         = in->wanted_bytes < limit_bytes ? in->wanted_bytes : limit_bytes;
+    if (!is_too_large) r = read_up_to(in, most + 1);
+    if (r != VXS_OK || (!is_too_large && in->size_bytes <= limit_bytes)) return r;
+    return fail(in->m, VXS_E_MEMORY, "'%s' is larger than %s, the most that is read", in->name, size_text(text, limit_bytes));
 }
 
-vxs_result input_read_if(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, input_look *look, message *m)
+vxs_result input_read(uint8_t **bytes, size_t *size_bytes, const char *path, uint64_t limit_bytes, const input_head *head,
+                      message *m)
 {
-    char size[32];
-    int  descriptor = input_open(path);
-    *bytes          = NULL;
-    *size_bytes     = 0;
-    vxs_result r    = descriptor < 0 ? VXS_E_READ : read_all(descriptor, bytes, size_bytes, limit_bytes, look);
-    if (r == VXS_E_READ && errno == ENOMEM) r = VXS_E_MEMORY;
-    if (r == VXS_E_READ) fail(m, r, "cannot read '%s': %s", input_name(path), strerror(errno));
-    if (r == VXS_E_UNSUPPORTED) {
-        r = VXS_E_MEMORY;
-        fail(m, r, "'%s' is larger than %s, the most that is read", input_name(path), size_text(size, limit_bytes));
+    input in    = {.name = input_name(path), .descriptor = input_open(path), .wanted_bytes = UINT64_MAX, .m = m};
+    *bytes      = NULL;
+    *size_bytes = 0;
+    if (limit_bytes >= SIZE_MAX - 1) limit_bytes = SIZE_MAX - 2;
+    if (in.descriptor < 0)
+        return fail(m, errno == ENOMEM ? VXS_E_MEMORY : VXS_E_READ, "cannot read '%s': %s", in.name, strerror(errno));
+    in.known_bytes = known_bytes(in.descriptor);
+    vxs_result r   = read_all(&in, limit_bytes, head);
+    close(in.descriptor);
+    if (r != VXS_OK) {
+        free(in.bytes);
+        return r;
     }
-    if (r == VXS_E_MEMORY) fail(m, r, "out of memory while reading '%s'", input_name(path));
-    if (descriptor >= 0) close(descriptor);
-    if (r == VXS_OK) return r;
-    free(*bytes);
-    *bytes = NULL;
-    return r;
+    *bytes      = in.bytes;
+    *size_bytes = in.size_bytes;
+    return VXS_OK;
 }

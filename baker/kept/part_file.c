@@ -123,6 +123,12 @@ static vxs_result read_at(const part_reader *p, uint64_t at, uint64_t size_bytes
     return VXS_OK;
 }
 
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
+{
+    (void)user;
+    return size_bytes >= MAGIC_BYTES && !memcmp(first, PART_MAGIC, MAGIC_BYTES) ? UINT64_MAX : 0;
+}
+
 /* A file stays where it is; what else comes once is taken whole. */
 static vxs_result open_source(part_reader *p, message *m)
 {
@@ -135,7 +141,7 @@ static vxs_result open_source(part_reader *p, message *m)
     }
     if (p->file >= 0) close(p->file);
     p->file       = -1;
-    vxs_result r  = input_read(&p->whole.data, &p->whole.size_bytes, p->path, LIMIT_BYTES, m);
+    vxs_result r  = input_read(&p->whole.data, &p->whole.size_bytes, p->path, LIMIT_BYTES, &(input_head){wanted_bytes, NULL}, m);
     p->size_bytes = p->whole.size_bytes;
     return r;
 }

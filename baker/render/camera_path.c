@@ -49,12 +49,18 @@ static vxs_result read_keys(camera_path *path, char *text, const char *name, dou
     return path->count > 1 ? VXS_OK : fail(m, VXS_E_READ, "'%s' has %zu keys: a path needs two", name, path->count);
 }
 
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
+{
+    (void)user;
+    return memchr(first, 0, size_bytes) ? 0 : UINT64_MAX; /* no text */
+}
+
 vxs_result camera_path_read(camera_path *path, const char *file, double fov_degrees, message *m)
 {
     uint8_t *bytes  = NULL;
     size_t   size   = 0;
     *path           = (camera_path){0};
-    vxs_result r    = input_read(&bytes, &size, file, FILE_BYTES_MAX, m);
+    vxs_result r    = input_read(&bytes, &size, file, FILE_BYTES_MAX, &(input_head){wanted_bytes, NULL}, m);
     char      *text = r == VXS_OK ? malloc(size + 1) : NULL;
     if (text) {
         memcpy(text, bytes, size);

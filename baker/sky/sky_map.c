@@ -46,18 +46,20 @@ static vxs_result read_picture(sky_map *map, const sky_file *file, message *m)
     return r;
 }
 
-static int may_be_picture(const uint8_t *bytes, size_t size)
+/* Pictures that are read begin as such. */
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
-    sky_file file = {NULL, bytes, bytes + size};
-    return sky_is_radiance(&file) || sky_is_png(&file);
+    sky_file file = {user, first, first + size_bytes};
+    return sky_is_radiance(&file) || sky_is_png(&file) ? UINT64_MAX : 0;
 }
 
 vxs_result sky_map_read(sky_map *map, const char *path, message *m)
 {
     uint8_t *bytes = NULL;
     size_t   size  = 0;
-    *map           = (sky_map){0};
-    vxs_result r   = input_read_if(&bytes, &size, path, FILE_BYTES_MAX, may_be_picture, m);
+    *map            = (sky_map){0};
+    input_head head = {wanted_bytes, (void *)input_name(path)};
+    vxs_result r    = input_read(&bytes, &size, path, FILE_BYTES_MAX, &head, m);
     if (r == VXS_OK) r = read_picture(map, &(sky_file){input_name(path), bytes, bytes + size}, m);
     if (r != VXS_OK) sky_map_free(map);
     free(bytes);

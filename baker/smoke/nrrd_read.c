@@ -14,6 +14,8 @@
 
 enum { LINE_BYTES = 1024, SIZE_MOST = 1 << 14 };
 
+static const uint64_t FILE_BYTES_MAX = (uint64_t)16 << 30;
+
 /* A file while it is read. */
 typedef struct nrrd {
     const char    *name; /* for messages */
@@ -23,6 +25,7 @@ typedef struct nrrd {
     uint32_t       size[3];
     double         axes[3][3], origin[3];
     int            has_axes, has_spacings, is_raw, is_little;
+    vxs_result     result; /* of the header */
     message       *m;
 } nrrd;
 
@@ -190,6 +193,12 @@ static vxs_result read_header(nrrd *n)
     return r;
 }
 
+/* Bytes of all numbers. */
+static uint64_t number_bytes_of(const nrrd *n)
+{
+    return (uint64_t)n->size[0] * n->size[1] * n->size[2] * n->number_bytes;
+}
+
 static vxs_result check_header(const nrrd *n)
 {
     const char *missing = !n->number_bytes                       ? "type"
@@ -202,10 +211,27 @@ static vxs_result check_header(const nrrd *n)
     if (missing) return fail(n->m, VXS_E_SCENE, "'%s': the field '%s' of NRRD is missing", n->name, missing);
     if (n->has_axes && n->has_spacings)
         return fail(n->m, VXS_E_SCENE, "'%s': 'space directions' and 'spacings': expected one of them", n->name);
-    uint64_t wanted = (uint64_t)n->size[0] * n->size[1] * n->size[2] * n->number_bytes, there = n->size_bytes - n->at;
+    return VXS_OK;
+}
+
+/* What the header says that the file has; 0: it is none, and the message says why. */
+static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
+{
+    nrrd *n       = user;
+    n->bytes      = first;
+    n->size_bytes = size_bytes;
+    n->result     = read_header(n);
+    if (n->result == VXS_OK) n->result = check_header(n);
+    return n->result == VXS_OK ? n->at + number_bytes_of(n) : 0;
+}
+
+static vxs_result check_size(const nrrd *n)
+{
+    uint64_t wanted = number_bytes_of(n), there = n->size_bytes - n->at;
     if (there == wanted) return VXS_OK;
-    return fail(n->m, VXS_E_SCENE, "'%s': %llu bytes of numbers: expected %llu, for %u x %u x %u", n->name,
-                (unsigned long long)there, (unsigned long long)wanted, n->size[0], n->size[1], n->size[2]);
+    return fail(n->m, VXS_E_SCENE, "'%s': %s%llu bytes of numbers: expected %llu, for %u x %u x %u", n->name,
+                there > wanted ? "more than " : "", (unsigned long long)(there > wanted ? wanted : there), (unsigned long long)wanted,
+                n->size[0], n->size[1], n->size[2]);
 }
 
 /* numbers ---------------------------------------------------------------------------------------------------------------------- */
@@ -239,20 +265,14 @@ static vxs_result read_numbers(const nrrd *n, smoke_grid *g, double factor)
     return VXS_OK;
 }
 
-/* Readable as far as it goes: a grid that is not NRRD says so by its beginning. */
-static int may_be_nrrd(const uint8_t *bytes, size_t size_bytes)
-{
-    return size_bytes >= 7 && !memcmp(bytes, "NRRD000", 7);
-}
-
-vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, uint64_t limit_bytes, message *m)
+vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, message *m)
 {
     uint8_t   *bytes;
     nrrd       n = {.name = input_name(path), .m = m};
-    vxs_result r = input_read_if(&bytes, &n.size_bytes, path, limit_bytes, may_be_nrrd, m);
+    vxs_result r = input_read(&bytes, &n.size_bytes, path, FILE_BYTES_MAX, &(input_head){wanted_bytes, &n}, m);
     n.bytes      = bytes;
-    if (r == VXS_OK) r = read_header(&n);
-    if (r == VXS_OK) r = check_header(&n);
+    if (r == VXS_OK) r = n.result;
+    if (r == VXS_OK) r = check_size(&n);
     if (r == VXS_OK) r = read_numbers(&n, g, factor);
     if (r == VXS_OK && !smoke_grid_place(g, n.axes, n.origin))
         r = fail(m, VXS_E_SCENE, "'%s': axes that lie in a plane, or lead beyond 1e9 m: expected three of any directions", n.name);

@@ -21,11 +21,12 @@
 #include "baker/base/message.h"
 #include "baker/smoke/smoke_grid.h"
 
-/* factor       on all numbers, which then are extinction per metre
- * limit_bytes  of the file; a larger one is VXS_E_MEMORY
- * g            [out] zeroed; released with smoke_grid_free whatever is returned
+/* The header, of 64 KiB at most, is looked at first: it says how many numbers there are, and no more are read. Memory is counted by
+ * m->memory_bytes.
+ * factor  on all numbers, which then are extinction per metre
+ * g       [out] zeroed; released with smoke_grid_free whatever is returned
  * Returns VXS_OK; VXS_E_READ; VXS_E_UNSUPPORTED: what NRRD has and this reader has not; VXS_E_SCENE: it is none, or has a number
  * that is no extinction; VXS_E_MEMORY. */
-vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, uint64_t limit_bytes, message *m);
+vxs_result nrrd_read(smoke_grid *g, const char *path, double factor, message *m);
 
 #endif

@@ -125,7 +125,7 @@ int main(int argc, char **argv)
     smoke_grid                  plume      = {0};
     uint8_t                    *bytes;
     size_t                      size_bytes;
-    if (argc != 2 || input_read(&bytes, &size_bytes, argv[1], SIZE_MAX, &m) != VXS_OK || !make_plume(&plume)) {
+    if (argc != 2 || input_read(&bytes, &size_bytes, argv[1], SIZE_MAX, NULL, &m) != VXS_OK || !make_plume(&plume)) {
         fprintf(stderr, "usage: baked_smoke FILE.vxs, whose first light is a sun\n%s\n", m.error);
         return 1;
     }

@@ -216,6 +216,46 @@ def test_a_small_stack(vxs_path, tmp_path, threads):
     run("render", scene, out, "-o", tmp_path / "a.png", "--width", 32, "--height", 32, "--fog", 0.01, "--threads", threads)
 
 
+def test_first_bytes_tell(outside, vxs, tmp_path):
+    """What is far too large, or has no end, and is not what was asked for: nothing of it is read but its beginning."""
+    scene = small_scene.write(tmp_path / "s.gltf")
+    asset, huge, longer = tmp_path / "a.vxs", tmp_path / "huge", tmp_path / "longer.vxs"
+    vxs("bake", scene, "-o", asset, "--resolution", 16)
+    huge.touch()
+    longer.write_bytes(asset.read_bytes())
+    for path in (huge, longer):
+        os.truncate(path, 20 << 30)
+    draw = ("render", scene, asset, "-o", tmp_path / "a.png")
+    for status, says, *command in (
+            (3, "begins with 'NRRD000'", "bake", scene, "-o", tmp_path / "b.vxs", "--smoke"), (3, "finding 102", "info"),
+            (3, "neither a Radiance picture", *draw, "--sky"), (3, "is no text", *draw, "--path"), (3, "is no part of a bake", "merge", "-o", tmp_path / "b.vxs"),
+            (3, "not JSON", "report", "-o", tmp_path / "b.html"), (3, "parse error", "bench", "-o", tmp_path / "b.json"),
+            (3, "not JSON", "compare", scene, asset, "--points", 10, "--bake-report")):
+        files = ("/dev/stdin",) if command[0] == "bench" else (huge, "/dev/zero", "/dev/stdin")
+        for path in files:
+            with subprocess.Popen(["cat", "/dev/zero"], stdout=subprocess.PIPE) as endless:
+                done = outside(*command, path, stdin=endless.stdout)
+                endless.kill()
+            assert done.returncode == status and says in done.stderr and done.stderr.count("\n") == 1 and done.peak < 32 * MIB, (command, path, done)
+    assert "finding 107" in outside("info", longer).stderr
+    for path in (huge, longer):  # an output that is no asset is none that is current
+        done = outside("bake", scene, "-o", path, "--resolution", 16, "--if-changed", "--quiet")
+        assert done.returncode == 0 and done.peak < 32 * MIB and path.stat().st_size < 20000
+
+
+def test_smoke_is_read_within_the_memory(outside, tmp_path):
+    """By what its header says, of a file and of a pipe, and no further."""
+    scene, grid = small_scene.write(tmp_path / "s.gltf"), tmp_path / "a.nrrd"
+    for size, memory, says in ((512, "64M", "--memory allows 64.0 MiB"), (4096, "1T", "larger than 16384.0 MiB")):
+        with grid.open("wb") as file:
+            file.write(b"NRRD0004\ntype: float\ndimension: 3\nsizes: %d %d %d\nencoding: raw\nendian: little\nspacings: 1 1 1\n\n" % (size, size, size))
+            file.truncate(file.tell() + 4 * size ** 3)
+        with grid.open("rb") as given:
+            for path, stdin in ((grid, None), ("-", given)):
+                done = outside("bake", scene, "-o", tmp_path / "a.vxs", "--smoke", path, "--memory", memory, stdin=stdin)
+                assert refused(done) and says in done.stderr and done.peak < 100 * MIB, done
+
+
 # --- assets ---------------------------------------------------------------------------------------------------------------------------
 
 

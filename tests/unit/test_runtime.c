@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include "alloc_fail.h"
@@ -107,6 +108,27 @@ static void test_open_file(void **state)
     assert_int_equal(vxs_asset_open_file(&asset, empty, NULL), VXS_E_TRUNCATED);
     assert_null(asset);
     unlink(empty);
+}
+
+/* Files of a terabyte, of which no disk has more than some blocks: what they are is said by their first bytes, and nothing is taken for them. */
+static void test_a_file_is_told_by_its_head(void **state)
+{
+    const fixture *f      = *state;
+    char           name[] = "/tmp/vxs-large-XXXXXX";
+    int            file   = mkstemp(name);
+    assert_true(file >= 0);
+    for (int with_head = 0; with_head < 2; with_head++) {
+        alloc_fail    memory    = {0};
+        vxs_allocator allocator = alloc_fail_allocator(&memory);
+        vxs_read_desc desc      = {.allocator = &allocator};
+        vxs_asset    *asset;
+        if (with_head) assert_int_equal(pwrite(file, f->file.data, f->file.size_bytes, 0), f->file.size_bytes);
+        if (ftruncate(file, (off_t)1 << 40)) break; /* where no file may be so large */
+        assert_int_equal(vxs_asset_open_file(&asset, name, &desc), with_head ? VXS_E_CORRUPT : VXS_E_NOT_VXS);
+        assert_int_equal(memory.calls, 0);
+    }
+    close(file);
+    unlink(name);
 }
 
 static void test_open_refuses_bad_bytes(void **state)
@@ -726,6 +748,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_asset),
         cmocka_unit_test(test_open_file),
+        cmocka_unit_test(test_a_file_is_told_by_its_head),
         cmocka_unit_test(test_open_refuses_bad_bytes),
         cmocka_unit_test(test_failing_allocations),
         cmocka_unit_test(test_memory_limit_counts_the_file),
