@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/render/lamp_pass.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,11 +15,15 @@ const char *const area_gather_names[] = {"each", "ninths", "quarter"};
 
 static const double pi = 3.14159265358979324;
 
+/* Points in one place on the average of a file of which one in each place is drawn. */
+enum { CROWD = 4 };
+
 /* Of all triangles, by area; where each casts shadows of each lamp; of those that move. What such casting may be of points times lamps. */
 enum { POINTS = 1 << 18, WHOLE_POINTS = 1 << 16, MOVING_POINTS = 1 << 15, WHOLE_MOST = WHOLE_POINTS * VXS_AREA_LAMPS };
 
-/* Lamps are many, and each has its curves of smoke. */
-enum { SMOKE_SIDE_MOST = 64 };
+/* Lamps are many, and each has its curves of smoke. All capsules may cover all texels of all lamps: so many times in all, which takes a minute or two on
+ * two processors, and no more. */
+enum { SMOKE_SIDE_MOST = 64, SMOKE_SIDE_LEAST = 8, SMOKE_COVERED_MOST = 1 << 30 };
 
 struct lamp_pass {
     lamp_pass_options options;
@@ -69,6 +74,43 @@ static void put_moving(lamp_pass *p, const double moved_ws[3])
     p->has_moved = 1;
 }
 
+/* How many bits of coordinates tell points apart that are a quarter as far from each other as they are wide, or farther. */
+static uint32_t bits_that_count(const vxs_baked_points *points)
+{
+    double   units = 0.25 * sqrt(points->square_metres) / points->step_metres;
+    uint32_t none  = 0;
+    while (none < 16 && units >= 2) units /= 2, none++;
+    return none;
+}
+
+static int in_one_cell(const uint16_t *a, const uint16_t *b, uint32_t shift)
+{
+    return a[0] >> shift == b[0] >> shift && a[1] >> shift == b[1] >> shift && a[2] >> shift == b[2] >> shift;
+}
+
+/* Points of a file are as far from each other as each is wide, but where surfaces lie on each other. What a point covers of shadow maps is the work, so one
+ * that has millions of them in one place, and says that each is wide, would take minutes: where nearly all lie in each other, one of each place is
+ * drawn, which covers the same. In the order of their codes those of a place come one behind the other.
+ * points  [baked->count] out
+ * Returns how many there are. */
+static uint32_t unpack(const vxs_baked_points *baked, const double middle_ws[3], vxs_area_point *points, message *m)
+{
+    uint32_t shift = bits_that_count(baked), places = 1, kept = 0;
+    for (uint32_t n = 1; n < baked->count; n++) {
+        const uint16_t *c = baked->coordinates + 3 * (size_t)n;
+        places += !in_one_cell(c - 3, c, shift);
+    }
+    vxs_points_unpack(baked, middle_ws, points->place);
+    if (places >= baked->count / CROWD) return baked->count;
+    for (uint32_t n = 0; n < baked->count; n++) {
+        const uint16_t *c = baked->coordinates + 3 * (size_t)n;
+        if (!n || !in_one_cell(c - 3, c, shift)) points[kept++] = points[n];
+    }
+    warn(m, "%u of %u points of the file lie within a quarter of their width of others: %u are drawn", baked->count - kept, baked->count,
+         kept);
+    return kept;
+}
+
 static vxs_result put_points(lamp_pass *p, message *m)
 {
     static const double     nowhere[3] = {0};
@@ -77,7 +119,7 @@ static vxs_result put_points(lamp_pass *p, message *m)
     vxs_area_point         *points     = malloc(most * sizeof *points);
     vxs_result r = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
     p->points    = most;
-    if (r == VXS_OK && baked) vxs_points_unpack(baked, p->options.middle_ws, points->place);
+    if (r == VXS_OK && baked) p->points = unpack(baked, p->options.middle_ws, points, m);
     if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, points, most, &p->points, m);
     GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
     p->gl->GenBuffers(1, &p->buffer);
@@ -103,13 +145,25 @@ static vxs_result make(lamp_pass *p, message *m)
     return put_points(p, m);
 }
 
+static uint32_t choose_smoke_side(const lamp_pass_options *o, message *m)
+{
+    uint32_t side  = o->smoke_side < SMOKE_SIDE_MOST ? o->smoke_side : SMOKE_SIDE_MOST, asked = side;
+    double   count = o->smoke ? o->smoke->count : 0;
+    while (side > SMOKE_SIDE_LEAST && count * o->lamps * side * side > SMOKE_COVERED_MOST) side /= 2;
+    if (side < asked)
+        warn(m, "smoke: %u capsules are many for %u virtual lights: each has %u x %u curves of smoke in place of %u x %u; --area below %u "
+                "leaves more",
+             o->smoke->count, o->lamps, side, side, asked, asked, o->lamps);
+    return side;
+}
+
 vxs_result lamp_pass_create(lamp_pass **out, const lamp_pass_options *o, const gl_context *gl, vxs_volumes *volumes, message *m)
 {
     lamp_pass *p = calloc(1, sizeof *p);
     *out         = NULL;
     if (!p) return fail(m, VXS_E_MEMORY, "out of memory for area lights");
     p->options = *o;
-    if (o->smoke_side > SMOKE_SIDE_MOST) p->options.smoke_side = SMOKE_SIDE_MOST;
+    p->options.smoke_side = choose_smoke_side(o, m);
     p->gl        = gl;
     p->volumes   = volumes;
     vxs_result r = make(p, m);

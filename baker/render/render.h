@@ -48,7 +48,8 @@ typedef struct render_options {
         *baked_smoke; /* [lights] what smoke leaves of each; NULL: it loses nothing; NULL: no light loses any */
 
     smoke_mode smoke;
-    uint32_t   smoke_side; /* texels of a map of it */
+    uint32_t   smoke_side; /* texels of a map of it, */
+    int        smoke_side_is_asked; /* 0: fewer, where they would take too long */
 
     const vxs_stream *stream;       /* whose lights these are, all of them; it outlives the renderer. NULL: of an asset */
     uint64_t          upload_bytes; /* of its pages, in each frame but the first at most */

@@ -273,6 +273,7 @@ static vxs_result make_smoke(renderer *r, const scene *s, const vxs_baked_light 
                                        .lights      = lights,
                                        .light_count = r->light_count,
                                        .side_px     = r->options.smoke_side,
+                                       .is_asked    = r->options.smoke_side_is_asked,
                                        .width       = r->width,
                                        .height      = r->height};
     vxs_result               result = smoke_pass_create(&r->smoke, &o, r->gl, fog_pass_volumes(r->fog), m);

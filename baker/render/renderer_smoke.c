@@ -25,6 +25,9 @@ enum {
 };
 enum { CAPSULES, CORNERS, PLACES, LEFT, BUFFERS };
 
+/* Samples that take a minute to be drawn over on two processors. */
+static const double COVERED_MOST = 2e9;
+
 struct smoke_cloud {
     const scene_smoke *smoke;
     smoke_quads        quads;
@@ -84,7 +87,9 @@ void renderer_free_cloud(renderer *r)
 
 static void upload(const renderer *r, smoke_cloud *c)
 {
-    smoke_eye eye     = {.seen = r->seen, .pixel_metres = 2 * sqrt(vec3_dot(r->seen.up, r->seen.up)) / r->height};
+    smoke_eye eye     = {.seen         = r->seen,
+                         .pixel_metres = 2 * sqrt(vec3_dot(r->seen.up, r->seen.up)) / r->height,
+                         .all_px       = (double)r->width * r->height};
     size_t    corners = SMOKE_CORNERS * (size_t)c->quads.count;
     for (int n = 0; n < 3; n++) eye.at_ws[n] = r->camera.eye_ws[n];
     smoke_quads_make(&c->quads, c->smoke, &eye);
@@ -144,6 +149,9 @@ vxs_result renderer_draw_cloud(renderer *r, message *m)
     const double      eye[3] = {0};
     float             matrix[16];
     upload(r, c);
+    if (c->quads.covered_px > COVERED_MOST)
+        warn(m, "smoke: %u capsules cover the picture %.0f times, which takes long to draw: a smaller picture, or --samples 1, takes less",
+             c->quads.count, c->quads.covered_px / ((double)r->width * r->height));
     vxs_result result = light_corners(r, c);
     if (result != VXS_OK) return fail(m, result, "smoke cannot be drawn: %s", vxs_result_text(result));
     set_uniforms(r);

@@ -13,6 +13,9 @@
 /* Lists have room for so many segments at first; where they ask for more, and no more than the most, they get it. */
 enum { SEGMENTS = 1 << 20, SEGMENTS_MOST = 1 << 22, BINDING = 7, UNIT = 7 };
 
+/* That a map is made of, which takes 10 s on two processors. Many times more would be a minute and more, of a file of some kilobytes. */
+enum { SEGMENTS_MADE = 1 << 26, SIDE_LEAST = 16 };
+
 struct smoke_pass {
     smoke_pass_options     options;
     const gl_context      *gl;
@@ -144,38 +147,75 @@ void smoke_pass_destroy(smoke_pass *p)
 
 /* maps ------------------------------------------------------------------------------------------------------------------------- */
 
-/* How wide a texel of the light's map is where a capsule is. */
-static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c)
+/* How wide a texel of the light's map of side_px texels a side is where a capsule is. */
+static double texel_at(const smoke_pass *p, const vxs_light *light, const light_shape *shape, const vxs_capsule *c, uint32_t side_px)
 {
-    double middle_ws[3], way[3], texel = ldexp(light->texel_metres, (int)light->levels) / p->options.side_px;
+    double middle_ws[3], way[3], texel = ldexp(light->texel_metres, (int)light->levels) / side_px;
     if (shape->kind == LIGHT_DIRECTIONAL) return texel;
     ball_of(p->options.smoke, c, middle_ws);
     vec3_sub(middle_ws, shape->position_ws, way);
     return texel * sqrt(vec3_dot(way, way));
 }
 
+/* How many texels of a map all capsules cover, each at most all of it: about as many segments are put into its lists. */
+static double covered_texels(const smoke_pass *p, const vxs_light *light, uint32_t side_px)
+{
+    const scene_smoke *smoke = p->options.smoke;
+    light_shape        shape = baked_light_shape(light);
+    double             all = (double)vxs_light_map_count(light) * side_px * side_px, sum = 0;
+    for (uint32_t n = 0; n < smoke->count; n++) {
+        const vxs_capsule *c = &smoke->list[n];
+        double middle_ws[3], axis[3], radius = ball_of(smoke, c, middle_ws), texel = texel_at(p, light, &shape, c, side_px);
+        if (!(shape.kind == LIGHT_DIRECTIONAL ? is_in_prism(light, middle_ws, radius) : light_reaches_ball(&shape, middle_ws, radius)))
+            continue;
+        for (int k = 0; k < 3; k++) axis[k] = (double)c->end[k] - (double)c->begin[k];
+        double wide = 2 * (double)c->radius_metres / texel + 1;
+        sum += fmin(wide * (wide + sqrt(vec3_dot(axis, axis)) / texel), all);
+    }
+    return sum;
+}
+
+/* The side of a light's map: as many texels as are asked for; or fewer, where smoke covers it so many times that it would take minutes. */
+static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, message *m)
+{
+    uint32_t asked = p->options.side_px, side = asked;
+    double   covered = covered_texels(p, light, asked);
+    if (!(covered > SEGMENTS_MADE)) return side;
+    if (!p->options.is_asked) side = (uint32_t)(asked * sqrt(SEGMENTS_MADE / covered));
+    if (side < SIDE_LEAST) side = SIDE_LEAST;
+    if (side < asked)
+        warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s: it has %u x %u curves in place of %u x %u, unless "
+                "--smoke-side asks for more",
+             p->options.smoke->count, covered, light->name, side, side, asked, asked);
+    else
+        warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s, which takes long: --smoke-side below %u takes less",
+             p->options.smoke->count, covered, light->name, asked);
+    return side;
+}
+
 /* As the light sees them: from the eye, and none thinner than a texel. */
-static void place_capsules(smoke_pass *p, const vxs_light *light, const double eye_ws[3])
+static void place_capsules(smoke_pass *p, const vxs_light *light, uint32_t side_px, const double eye_ws[3])
 {
     const scene_smoke *smoke = p->options.smoke;
     light_shape        shape = baked_light_shape(light);
     for (uint32_t n = 0; n < smoke->count; n++) {
         const vxs_capsule *from = &smoke->list[n];
-        vxs_capsule        c    = smoke_widened(*from, 0.5 * texel_at(p, light, &shape, from));
+        vxs_capsule        c    = smoke_widened(*from, 0.5 * texel_at(p, light, &shape, from, side_px));
         smoke_from_eye(smoke, &c, eye_ws);
         p->capsules[n] = c;
     }
 }
 
-static vxs_result build(smoke_pass *p, uint32_t light, uint32_t segments, vxs_transmittance_map **map)
+static vxs_result build(smoke_pass *p, uint32_t light, uint32_t side_px, uint32_t segments, vxs_transmittance_map **map)
 {
     const vxs_capsules     capsules = {.list = p->capsules, .count = p->options.smoke->count};
-    vxs_transmittance_desc desc = {.baked = light, .side_px = p->options.side_px, .capsules = capsules.count, .segments = segments};
+    vxs_transmittance_desc desc = {.baked = light, .side_px = side_px, .capsules = capsules.count, .segments = segments};
     vxs_result             result = vxs_transmittance_map_create(map, p->volumes, &desc);
     return result == VXS_OK ? vxs_transmittance_map_build(*map, &capsules, NULL) : result;
 }
 
-static void warn_about_room(const smoke_pass *p, uint32_t light, const vxs_transmittance_counts *counts, message *m)
+static void warn_about_room(const smoke_pass *p, uint32_t light, uint32_t side_px, const vxs_transmittance_counts *counts,
+                            message *m)
 {
     const char *name = p->options.lights[light]->light.name;
     if (counts->merged)
@@ -183,13 +223,13 @@ static void warn_about_room(const smoke_pass *p, uint32_t light, const vxs_trans
              "smoke: %u of %u segments in the map of light %s have no room, and are merged: it is right behind the smoke, and "
              "coarse in it; "
              "--smoke-side below %u takes fewer",
-             counts->merged, counts->segments, name, p->options.side_px);
+             counts->merged, counts->segments, name, side_px);
     if (counts->cut_texels)
         warn(m,
              "smoke: OpenGL ended the lists of %u texels in the map of light %s before their end: there it is too light; "
              "--smoke-side above "
              "%u spreads them over more",
-             counts->cut_texels, name, p->options.side_px);
+             counts->cut_texels, name, side_px);
 }
 
 /* Once more where lists were too short, and can be longer. */
@@ -197,20 +237,21 @@ static vxs_result make_map(smoke_pass *p, uint32_t light, const double eye_ws[3]
 {
     vxs_transmittance_map  **map    = &p->maps[p->used];
     vxs_transmittance_counts counts = {0};
+    const vxs_light         *of   = &p->options.lights[light]->light;
+    uint32_t                 side = choose_side(p, of, m);
     vxs_result               result;
-    place_capsules(p, &p->options.lights[light]->light, eye_ws);
-    result = build(p, light, SEGMENTS, map);
+    place_capsules(p, of, side, eye_ws);
+    result = build(p, light, side, SEGMENTS, map);
     if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
     if (counts.merged) {
         uint32_t room = counts.segments < SEGMENTS_MOST ? counts.segments : SEGMENTS_MOST;
         vxs_transmittance_map_destroy(*map);
-        result = build(p, light, room, map);
+        result = build(p, light, side, room, map);
         if (result == VXS_OK) counts = vxs_transmittance_map_counts(*map);
     }
     if (result != VXS_OK)
-        return fail(m, result, "a map of smoke of %u x %u curves is more than OpenGL has room for", p->options.side_px,
-                    p->options.side_px);
-    warn_about_room(p, light, &counts, m);
+        return fail(m, result, "a map of smoke of %u x %u curves is more than OpenGL has room for", side, side);
+    warn_about_room(p, light, side, &counts, m);
     p->lights[light]   = (smoke_light_plan){.segments = counts.segments, .merged = counts.merged, .cut_texels = counts.cut_texels};
     p->layer_of[light] = (int32_t)p->used++;
     return VXS_OK;

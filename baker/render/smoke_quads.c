@@ -104,6 +104,8 @@ static void set_corners(smoke_quads *q, uint32_t n, const vxs_capsule *c, const 
     quad_plane p;
     int        is_near = !find_plane(c, &p);
     quad_plane drawn   = is_near ? whole_picture(eye) : p;
+    double     pixel   = eye->pixel_metres * sqrt(vec3_dot(p.middle, p.middle));
+    q->covered_px += is_near ? eye->all_px : fmin(eye->all_px, 4 * p.half_u * p.half_v / (pixel * pixel));
     for (int corner = 0; corner < SMOKE_CORNERS; corner++) {
         float *at    = q->corners[SMOKE_CORNERS * (size_t)n + (size_t)corner],
               *asked = q->places[SMOKE_CORNERS * (size_t)n + (size_t)corner];
@@ -120,6 +122,7 @@ static void set_corners(smoke_quads *q, uint32_t n, const vxs_capsule *c, const 
 void smoke_quads_make(smoke_quads *q, const scene_smoke *smoke, const smoke_eye *eye)
 {
     sort(q, smoke, eye->at_ws);
+    q->covered_px = 0;
     for (uint32_t n = 0; n < q->count; n++) {
         uint32_t       from = q->order[n].capsule;
         drawn_capsule *to   = &q->capsules[n];

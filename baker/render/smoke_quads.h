@@ -21,6 +21,7 @@ typedef struct smoke_quads {
     float (*corners)[4];      /* [4 * count] of quads, in the order of a strip; a fourth number that is not read, as in places */
     float (*places)[4];       /* [4 * count] between a capsule's middle and the corners: there its light is asked */
     struct quad_order *order; /* [count] */
+    double             covered_px; /* samples of the picture that quads cover, nearly; of each of them all of it at most */
 } smoke_quads;
 
 /* What looks at them. */
@@ -28,6 +29,7 @@ typedef struct smoke_eye {
     double      at_ws[3];
     camera_view seen;
     double      pixel_metres; /* how wide a sample is at 1 m; no capsule is drawn thinner than that */
+    double      all_px;       /* samples of the picture */
 } smoke_eye;
 
 /* Room for the capsules of a scene.   q  [out]   Returns VXS_OK, VXS_E_MEMORY. */

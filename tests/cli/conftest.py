@@ -95,6 +95,15 @@ def scenes():
     return path
 
 
+@pytest.fixture(scope="session")
+def cases():
+    """Inputs on which vxs was wrong: VXS_CASES, or ../shared/cases beside the checkout."""
+    path = pathlib.Path(os.environ.get("VXS_CASES", ROOT.parent / "shared" / "cases"))
+    if not path.is_dir():
+        pytest.skip(f"no shared cases at {path}: set VXS_CASES")
+    return path
+
+
 def open_terminal():
     """Both sides of a terminal, as file descriptors."""
     try:

@@ -4,10 +4,12 @@ import base64
 import json
 import math
 import struct
+import time
 
 import jsonschema
 import pytest
 
+import damage
 import small_scene
 from conftest import ROOT
 from png import read_png
@@ -139,6 +141,49 @@ def test_points_of_the_asset(vxs, lit, tmp_path):
     there, here = (sum(linear(byte) for row in read_png((tmp_path / name / "area.png").read_bytes())[2] for byte in row) for name in ("scene", "asset"))
     assert here == pytest.approx(there, rel=0.02)
     assert "--points is of a whole asset" in vxs("bake", folder / "level.gltf", "-o", tmp_path / "a.part", "--part", "1/2", "--points", 9, status=2).stderr
+
+
+def forge_points(path, to, times=1, count=None):
+    """A copy of an asset each of whose points is there so many times; or that has so many in one place."""
+    asset = damage.Asset(path)
+    content = asset.contents["PNTS", damage.NONE, 0]
+    head, found = content[:40], struct.unpack_from("<I", content, 40)[0]
+    planes = [content[44 + k * found:44 + (k + 1) * found] for k in range(6)]
+    spread = [bytes(b for byte in plane for b in (byte, *bytes(times - 1))) for plane in planes] if count is None else [bytes(count)] * 6
+    asset.contents["PNTS", damage.NONE, 0] = head + struct.pack("<I", len(spread[0])) + b"".join(spread)
+    return asset.write(to)
+
+
+def test_points_in_one_place(vxs, lit, tmp_path):
+    """A file of a few kilobytes may hold millions of points in one place, each as wide as a room: of each place one is drawn. True files are as they are."""
+    folder = lit(*CAMERA, "--area", 1)[2]
+    true = tmp_path / "true.vxs"
+    vxs("bake", folder / "level.gltf", "-o", true, "--resolution", 64, "--baseline", "off", "--points", 500)
+
+    def draw(asset):
+        started = time.monotonic()
+        done = vxs("render", folder / "level.gltf", asset, "-o", tmp_path / "out.png", "--width", 32, "--height", 24, *CAMERA, "--area", 8, "--json", tmp_path / "r.json")
+        return (tmp_path / "out.png").read_bytes(), json.loads((tmp_path / "r.json").read_text())["area"]["points"], done.stderr, time.monotonic() - started
+
+    picture, points, said, _ = draw(true)
+    assert points == 500 and not said
+    assert draw(forge_points(true, tmp_path / "twice.vxs", times=2))[1:3] == (1000, "")
+    again, points, said, _ = draw(forge_points(true, tmp_path / "often.vxs", times=8))
+    assert 490 <= points <= 500 and said == (f"vxs: warning: {4000 - points} of 4000 points of the file lie within a quarter of their width of others: "
+                                             f"{points} are drawn\n")
+    was, now = ([linear(c) for row in pixels for c in row] for pixels in (read_png(picture)[2], read_png(again)[2]))
+    assert sum(abs(a - b) for a, b in zip(was, now)) < 0.01 * sum(was)
+    many = forge_points(true, tmp_path / "many.vxs", count=1 << 22)
+    _, points, said, seconds = draw(many)
+    assert many.stat().st_size < 20000 and points == 1 and "4194303 of 4194304 points" in said and seconds < 30
+
+
+def test_points_of_strangers(vxs, cases, tmp_path):
+    folder = cases / "hostile" / "07-points-that-hang-render"
+    for options in ((), ("--area", 256), ("--sky", folder / "sky.hdr", "--area", 4)):
+        started = time.monotonic()
+        vxs("render", folder / "rs.glb", folder / "pts.vxs", "-o", tmp_path / "o.png", "--width", 64, "--height", 36, *options)
+        assert time.monotonic() - started < 60
 
 
 def test_what_moves_casts(lit, tmp_path):

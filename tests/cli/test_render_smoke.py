@@ -5,6 +5,7 @@ import json
 import math
 import os
 import struct
+import subprocess
 
 import jsonschema
 import pytest
@@ -225,3 +226,22 @@ def test_wrong_options(vxs, level):
                            (["--draw", "rays", "--smoke", "on"], "--draw rays goes without --smoke")):
         done = vxs("render", *scene, *options, status=2)
         assert words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_smoke_that_covers_everything(vxs_path, level, tmp_path):
+    """Thousands of balls over all of a map and of the picture: the map gets fewer curves, or it is said that it takes long, before the work."""
+    add_balls(level / "clear.gltf", [((0.01 * (n % 50), 3, 0.01 * (n // 50)), 40, 0.0001) for n in range(3000)], tmp_path / "thick.gltf")
+
+    def first_warning(*options):
+        with subprocess.Popen([vxs_path, "render", tmp_path / "thick.gltf", level / "level.vxs", "-o", tmp_path / "out.png", "--quiet", "--light", "noon",
+                               *map(str, options)], stderr=subprocess.PIPE, text=True) as run:
+            line = run.stderr.readline()
+            run.kill()
+        return line
+
+    assert first_warning("--width", 16, "--height", 16) == ("vxs: warning: smoke: 3000 capsules cover 1.97e+08 texels of the map of light noon: it has "
+                                                            "149 x 149 curves in place of 256 x 256, unless --smoke-side asks for more\n")
+    assert first_warning("--width", 16, "--height", 16, "--smoke-side", 300) == (
+        "vxs: warning: smoke: 3000 capsules cover 2.7e+08 texels of the map of light noon, which takes long: --smoke-side below 300 takes less\n")
+    assert first_warning("--width", 1024, "--height", 768, "--samples", 1, "--smoke-side", 16) == (
+        "vxs: warning: smoke: 3000 capsules cover the picture 3000 times, which takes long to draw: a smaller picture, or --samples 1, takes less\n")
