@@ -59,8 +59,11 @@ python         := /usr/bin/python3
 
 # --- flags ----------------------------------------------------------------------------------------------------------------
 
-opt.debug   := -Og -g
-opt.release := -O3 -g1
+# what is delivered is hardened as Debian's packages are (dpkg-buildflags with hardening=+bindnow)
+hardened    := -fstack-protector-strong $(if $(findstring FORTIFY_SOURCE,$(CPPFLAGS) $(CFLAGS) $(CXXFLAGS)),,-D_FORTIFY_SOURCE=2)
+link.release := -Wl,-z,relro -Wl,-z,now
+opt.debug   := -Og -g -DXXH_NO_INLINE_HINTS=1
+opt.release := -O3 -g1 $(hardened)
 opt.asan    := -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 opt.tsan    := -O1 -g1 -fsanitize=thread
 opt.fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
@@ -75,7 +78,7 @@ flags       := -I. -Iformats -Iruntime -Iruntime/gl -MMD -MP -ffp-contract=off -
 cflags      := -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(flags)
 pic         := -fPIC -fno-semantic-interposition
 # under sanitizers programs are large, and gold, where there is one, links them in a third of the time
-linker       = $(if $(filter asan,$(config)),$(if $(shell command -v ld.gold),-fuse-ld=gold))
+linker       = $(link.$(config)) $(if $(filter asan,$(config)),$(if $(shell command -v ld.gold),-fuse-ld=gold))
 cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
 bake.pc      := libzstd libxxhash jansson libpng libwebp

@@ -21,17 +21,17 @@ volumes.pic.o := $(volumes.c:%=$B/pic/%.o) $B/pic/runtime/volumes/texts.c.o
 
 $B/libvxs.so: $(pic.o) $B/libvxs.map
 	@echo "  link $@"
-	$Q$(CC) $(opt) -shared -Wl,-soname,libvxs.so.$(major) -Wl,--version-script=$B/libvxs.map -Wl,-Bsymbolic-functions -o $@ \
+	$Q$(CC) $(opt) $(linker) -shared -Wl,-soname,libvxs.so.$(major) -Wl,--version-script=$B/libvxs.map -Wl,-Bsymbolic-functions -o $@ \
 	    $(pic.o) $(shell $(PKG_CONFIG) --libs libzstd libxxhash) -lm $(LDFLAGS)
 
 $B/libvxs_gl.so: $(gl.pic.o) $B/libvxs.so $B/libvxs_gl.map
 	@echo "  link $@"
-	$Q$(CC) $(opt) -shared -Wl,-soname,libvxs_gl.so.$(major) -Wl,--version-script=$B/libvxs_gl.map -Wl,-Bsymbolic-functions -o $@ \
+	$Q$(CC) $(opt) $(linker) -shared -Wl,-soname,libvxs_gl.so.$(major) -Wl,--version-script=$B/libvxs_gl.map -Wl,-Bsymbolic-functions -o $@ \
 	    $(gl.pic.o) $B/libvxs.so -lm $(LDFLAGS)
 
 $B/libvxs_volumes.so: $(volumes.pic.o) $B/libvxs_gl.so $B/libvxs.so $B/libvxs_volumes.map
 	@echo "  link $@"
-	$Q$(CC) $(opt) -shared -Wl,-soname,libvxs_volumes.so.$(major) -Wl,--version-script=$B/libvxs_volumes.map -Wl,-Bsymbolic-functions -o $@ \
+	$Q$(CC) $(opt) $(linker) -shared -Wl,-soname,libvxs_volumes.so.$(major) -Wl,--version-script=$B/libvxs_volumes.map -Wl,-Bsymbolic-functions -o $@ \
 	    $(volumes.pic.o) $B/libvxs_gl.so $B/libvxs.so -lm $(LDFLAGS)
 
 define compile_pic
@@ -68,7 +68,7 @@ $B/libvxs_bake.a: $B/vxs_bake.o
 
 $B/libvxs_bake.so: $B/vxs_bake.o $B/libvxs_bake.map
 	@echo "  link $@"
-	$Q$(CXX) $(opt) -pthread -shared -Wl,-soname,libvxs_bake.so.$(major) -Wl,--version-script=$B/libvxs_bake.map -o $@ $< \
+	$Q$(CXX) $(opt) $(linker) -pthread -shared -Wl,-soname,libvxs_bake.so.$(major) -Wl,--version-script=$B/libvxs_bake.map -o $@ $< \
 	    $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) $(LDFLAGS)
 
 $B/libvxs_bake.map: baker/vxs_bake.h

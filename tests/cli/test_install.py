@@ -405,6 +405,22 @@ def test_packages_hold_what_is_installed(packages, unpacked):
 
 
 @pytest.mark.slow
+def test_packages_are_hardened(packages, unpacked):
+    """As Debian's are: stacks are guarded, calls of the C library know how much room there is, and no address of a function can be written over."""
+    files = [unpacked / "usr/bin/vxs", *unpacked.glob(f"usr/lib/*/libvxs*.so.{VERSION}")]
+    assert len(files) == 5
+    for path in files:
+        segments, dynamic = (subprocess.run(["readelf", "-W", flag, path], capture_output=True, text=True, check=True).stdout for flag in ("-l", "-d"))
+        imported = nm(path, "-D", "-u")
+        assert "GNU_RELRO" in segments and re.search(r"FLAGS.*BIND_NOW", dynamic), path
+        assert re.search(r"GNU_STACK.* RW ", segments), path
+        assert "__stack_chk_fail" in {name.split("@")[0] for name in imported}, path
+        if path.name != f"libvxs.so.{VERSION}":  # which prints nothing, and copies only what the compiler can see to fit
+            assert any(re.match(r"__\w+_chk(@|$)", name) for name in imported), path
+    assert "DYN (Position-Independent" in subprocess.run(["readelf", "-h", files[0]], capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.slow
 def test_packages_work(build, unpacked, tmp_path):
     """The command bakes, and a program is built and run with the library, each as it was unpacked."""
     small_scene.write(tmp_path / "scene.gltf")
