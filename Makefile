@@ -16,7 +16,8 @@
 #   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
 #                       sources or columns (tests/exact/sparse.py)
 #   make check-cracks   look for light between sheets that meet, in 100 million columns of each source of maps: a minute
-#   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something
+#   make fuzz           build the fuzzers with clang: build/fuzz/tests/fuzz/fuzz_*, which run until they find something. seconds=60: run each of them,
+#                       and fuzz-commands, for so long, with a line for each; seed=2 tries other inputs, only=fuzz_answers runs one
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
 #   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
@@ -142,7 +143,9 @@ shader    := $(patsubst %,$B/%.o,formats/vxs_lookup.h formats/vxs_lookup_blocks.
 # fuzz_NAME.c or .cc, with a loop around it: libFuzzer's, and mutate_NAME.c where there is one; or a replay of the corpus
 fuzz.c    := $(wildcard tests/fuzz/fuzz_*.c tests/fuzz/fuzz_*.cc)
 fuzz      := $(addprefix $B/,$(basename $(fuzz.c)))
-fuzz.loop  = $(if $(filter fuzz,$(config)),$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%)),tests/fuzz/replay.c)
+# programs whose bytes are .vxs files have the changes and the corpus of fuzz_vxs (tests/fuzz/corpus/NAME is a link to it)
+fuzz.vxs  := tests/fuzz/fuzz_vxs.c tests/fuzz/fuzz_answers.c tests/fuzz/fuzz_shaders.c
+fuzz.loop  = $(if $(filter fuzz,$(config)),$(if $(filter $(fuzz.vxs),$1),tests/fuzz/mutate_vxs.c,$(wildcard $(1:tests/fuzz/fuzz_%=tests/fuzz/mutate_%))),tests/fuzz/replay.c)
 test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(fuzz.c) $(foreach f,$(fuzz.c),$(call fuzz.loop,$f))) $(exact.o) $(rival.o) $(volumes_bench.o) $(reference.o) $B/tests/unit/blocks_scalar.c.o $B/tests/unit/lookup_many_scalar.c.o
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
@@ -183,17 +186,24 @@ $B/vxs $(mpi) $(unit) $(helper):
 	$Q$(CXX) $(opt) $(linker) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 $(foreach f,$(fuzz.c),$(eval $B/$(basename $f): $(patsubst %,$B/%.o,$f $(call fuzz.loop,$f))))
-$(filter-out %/fuzz_vxs,$(fuzz)): $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a # fuzz_vxs stands on the runtime alone
+$(filter-out %/fuzz_vxs %/fuzz_answers,$(fuzz)): $B/baker.a $B/libvxs_volumes.a $B/libvxs_gl.a # those two stand on the runtime alone
 $(fuzz): $B/libvxs.a
+$B/tests/fuzz/fuzz_shaders: test_libs := -lOSMesa
+$(fuzz):
+	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 	@echo "  link $@"
-	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(libs) $(LDFLAGS)
 
 fuzzers: $(fuzz)
 fuzz:
 	@command -v clang >/dev/null || { echo "make fuzz needs clang with its run-time library; Debian: clang libclang-rt-dev" >&2; exit 1; }
 	@$(MAKE) config=fuzz fuzzers
-fuzz-commands: $B/vxs
+ifdef seconds
+	@$(if $(only),,$(MAKE) config=release build/release/vxs)
+	@$(python) tests/fuzz/run.py $(or $(only:%=build/fuzz/tests/fuzz/%),$(patsubst $B/%,build/fuzz/%,$(fuzz)) --vxs build/release/vxs) \
+	    --seconds $(seconds) --seed $(or $(seed),1)
+endif
 	@$(python) tests/fuzz/command_lines.py --vxs $< --seconds $(or $(seconds),60) --seed $(or $(seed),1)
+fuzz-commands: $B/vxs
 
 $B/libvxs.a: $(runtime.o)
 $B/libvxs_gl.a: $(gl.o)
@@ -214,7 +224,7 @@ $B/runtime/gl/texts.c $B/runtime/volumes/texts.c: $B/runtime/%/texts.c: Makefile
 $B/runtime/%/texts.c.o: $B/runtime/%/texts.c
 	$(compile)
 
-$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math -Wno-maybe-uninitialized # the first for its exact predicates, the second is wrong about it
+$(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += -frounding-math $(if $(filter fuzz,$(config)),,-Wno-maybe-uninitialized) # the first for its exact predicates, the second is wrong about it
 # CGAL is templates, for which a compiler takes long: not optimised under sanitizers. Its filling of holes is without triangulations in a plane,
 # which are off unless asked for, and with the sanitizer of addresses alone; so is tinygltf, which one file has in it
 $(patsubst %,$B/%.o,$(wildcard baker/casters/*.cc baker/mend/*.cc)): cxxflags += $(if $(filter asan,$(config)),-O0)

@@ -1,10 +1,11 @@
 /* What a fuzz program is: one function, called with bytes that come from anywhere.
  *
- *     make fuzz        build/fuzz/tests/fuzz/fuzz_NAME: libFuzzer's loop around it, with clang and its sanitizers
+ *     make fuzz        build/fuzz/tests/fuzz/fuzz_NAME: libFuzzer's loop around it, with clang and its sanitizers; with seconds=N, run each (run.py)
  *     make check-unit  build/CONFIG/tests/fuzz/fuzz_NAME: each file of tests/fuzz/corpus/NAME once (replay.c)
  *
  * It returns when the bytes are refused or used up, and ends the process when something is wrong.
- * mutate_NAME.c, where there is one, changes bytes in ways that libFuzzer would hardly find; it is no part of a replay.
+ * mutate_NAME.c, where there is one, changes bytes in ways that libFuzzer would hardly find; it is no part of a replay. Programs for .vxs files share
+ * mutate_vxs.c and the corpus vxs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef FUZZ_H
 #define FUZZ_H

@@ -1,12 +1,11 @@
 /* Any bytes as a .vxs file: opened within a memory limit, checked to the last finding, and, when the reader takes them, looked up in
  * every light at points within, around and far outside its volume. A good file is opened again with too little memory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 #include "formats/vxs_findings.h"
 #include "fuzz.h"
+#include "fuzz_places.h"
 #include "runtime/vxs_stream.h"
 #include "tests/unit/alloc_fail.h"
 
@@ -67,60 +66,6 @@ static void open_without_memory(const uint8_t *data, size_t size, const alloc_fa
 }
 
 /* looking up ------------------------------------------------------------------------------------------------------------------- */
-
-static uint64_t next_random(uint64_t *state)
-{
-    uint64_t x = *state += 0x9e3779b97f4a7c15u;
-    x          = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x          = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
-/* Where the light's matrix takes a point to `ls`; it may be far away, or not finite. */
-static void unproject(const double *m, const double ls[3], double ws[3])
-{
-    double b[3] = {ls[0] - m[3], ls[1] - m[7], ls[2] - m[11]};
-    double det  = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
-    for (int c = 0; c < 3; c++) {
-        double a[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
-        for (int row = 0; row < 3; row++) a[3 * row + c] = b[row];
-        ws[c] =
-            (a[0] * (a[4] * a[8] - a[5] * a[7]) - a[1] * (a[3] * a[8] - a[5] * a[6]) + a[2] * (a[3] * a[7] - a[4] * a[6])) / det;
-    }
-}
-
-/* Borders of a map of `side` voxels first, then anywhere in it and around it. */
-static double coordinate(uint64_t *random, double side)
-{
-    const double border[] = {0, nextafter(0, -1), side, nextafter(side, 0), side - 0.5, side / 2, -1, side + 1, 0.5, 8};
-    uint64_t     choice   = next_random(random) % 24;
-    if (choice < sizeof border / sizeof *border) return border[choice];
-    return ((double)(next_random(random) >> 11) * 0x1p-53 * 1.25 - 0.125) * side;
-}
-
-/* What ls_from_ws should make of a point: texels and voxels, or metres about a light that has a place. */
-static void point_ls(const vxs_light *l, uint64_t *random, double ls[3])
-{
-    double side = (double)(1u << l->levels);
-    for (int axis = 0; axis < 3; axis++) ls[axis] = coordinate(random, side);
-    if (l->kind == VXS_LIGHT_KIND_DIRECTIONAL) return;
-    double z    = l->near_metres * exp((ls[2] + 0.5) * l->voxel_metres);
-    double p[3] = {(ls[0] - side / 2) * l->texel_metres * z, (ls[1] - side / 2) * l->texel_metres * z, z};
-    int    turn = (int)(next_random(random) % 6); /* the map's axis is any of the cube's */
-    for (int axis = 0; axis < 3; axis++) ls[axis] = p[(axis + turn) % 3] * (turn < 3 ? 1 : -1);
-}
-
-/* A point to look up: mostly about the map, at times anywhere that a double can name. Never NaN or infinite. */
-static void point_ws(const vxs_light *l, uint64_t *random, double ws[3])
-{
-    static const double far[] = {0, 1, -1, 1e-300, 1e9, -1e9, 1e38, -1e38, DBL_MAX, -DBL_MAX, DBL_MIN};
-    double              ls[3];
-    point_ls(l, random, ls);
-    unproject(l->ls_from_ws, ls, ws);
-    int anywhere = next_random(random) % 16 == 0;
-    for (int axis = 0; axis < 3; axis++)
-        if (anywhere || !isfinite(ws[axis])) ws[axis] = far[next_random(random) % (sizeof far / sizeof *far)];
-}
 
 static void check_lit(float lit, int filter_px)
 {

@@ -1,5 +1,6 @@
-/* Changes to planes of pages: a page is decoded, a number of a plane becomes another, and it is coded again: a good page, with planes that no
- * bake makes. What breaks a rule cannot be coded, and stays as it was.
+/* Changes to words of lights: a page is decoded, a number of a plane or any other word becomes another, and it is coded again: a good page,
+ * with planes that no bake makes. Words of the resident part change in the same way: entries of tops, and patterns that pages share. What breaks
+ * a rule cannot be coded, and stays as it was.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef MUTATE_PAGE_H
 #define MUTATE_PAGE_H
@@ -72,9 +73,32 @@ static void find_planes(plane_places *p, const uint32_t *words, const vxs_page_n
     }
 }
 
-/* Code a page of a light again, with one number of a plane changed: `place` of them becomes `number`.
+/* One half or one byte of words[first .. first + count - 1], which `place` says, becomes another, or more or less by one. */
+static void change_some_word(uint32_t *words, uint32_t first, uint32_t count, uint32_t place, uint32_t number)
+{
+    uint32_t *word = words + first + place % count, low = 8 * (place >> 16 & 3), mask = number & 0x10000 ? 0xffu << low : 0xffffu << (low & 16);
+    uint32_t  one = mask & -mask, more = *word + (number & 2 ? one : -one);
+    *word         = (*word & ~mask) | ((number & 1 ? more : number * one) & mask);
+}
+
+/* Code the resident part of a light again, with one of its words changed.
  * out  what it is coded to; of no bytes when it cannot be */
-static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, const uint8_t *bytes, size_t size, uint32_t place,
+static void change_resident(vxs_bytes *out, light_pages *l, uint32_t levels, uint32_t map_count, uint32_t place, uint32_t number)
+{
+    vxs_resident *r     = &l->resident;
+    uint32_t      first = RESIDENT_WORDS + l->sizes.page_count, count = l->sizes.word_count - first, kept = 0, at = 0;
+    *out = (vxs_bytes){0};
+    if (!count) return;
+    at   = first + place % count;
+    kept = r->words[at];
+    change_some_word(r->words, first, count, place, number);
+    (void)vxs_resident_encode(out, r->words, l->sizes.word_count, levels, map_count, &r->common);
+    r->words[at] = kept;
+}
+
+/* Code a page of a light again, with one number of a plane changed: `place` of them becomes `number`; or, any: with any of its words changed.
+ * out  what it is coded to; of no bytes when it cannot be */
+static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, const uint8_t *bytes, size_t size, int any, uint32_t place,
                          uint32_t number)
 {
     const vxs_resident  *r     = &l->resident;
@@ -86,11 +110,12 @@ static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, co
     *out = (vxs_bytes){0};
     if (vxs_page_decode(words, bytes, size, nodes, node_count, &r->common, l->scratch) == VXS_OK) {
         find_planes(&places, words, nodes, node_count);
-        if (places.count) {
-            uint32_t half = places.half[place % places.count];
+        uint32_t half = places.count ? places.half[place % places.count] : 0;
+        if (any)
+            change_some_word(words, 0, count, place, number);
+        else if (places.count)
             words[half / 2] ^= ((get_half(words, half) ^ number) & 0xffff) << 16 * (half & 1);
-            (void)vxs_page_encode(out, words, count, nodes, node_count, &r->common);
-        }
+        if (any || places.count) (void)vxs_page_encode(out, words, count, nodes, node_count, &r->common);
     }
     free(words);
 }

@@ -284,21 +284,36 @@ static int find_page(const part *pages, uint32_t page_count, uint32_t page, size
     return *size <= pages->size - *at;
 }
 
-/* A number of a plane of some page. */
+/* A number of a plane of some page, or another of its words. */
 static void change_a_plane(const light_pages *l, part *pages)
 {
-    uint32_t page   = random_below(l->sizes.page_count),
-             number = random_below(2) ? numbers[random_below(NUMBERS)] : random_below(1 << 16);
+    if (!l->sizes.page_count) return;
+    uint32_t  page = random_below(l->sizes.page_count), number = random_below(2) ? numbers[random_below(NUMBERS)] : random_below(1 << 20);
     size_t    at, size;
     vxs_bytes coded;
     if (!find_page(pages, l->sizes.page_count, page, &at, &size)) return;
-    change_plane(&coded, l, page, pages->content + at, size, random_below(1 << 16), number);
+    change_plane(&coded, l, page, pages->content + at, size, (int)random_below(2), random_below(1 << 30), number);
     if (coded.size_bytes && pages->size - size + coded.size_bytes <= CONTENT_MAX) {
         uint8_t *entry = pages->content + VXS_PAGES_PREFIX_BYTES + (size_t)page * VXS_PAGE_BYTES;
         memmove(pages->content + at + coded.size_bytes, pages->content + at + size, pages->size - at - size);
         memcpy(pages->content + at, coded.data, coded.size_bytes);
         vxs_store32(entry + VXS_PAGE_STORED_BYTES, (uint32_t)coded.size_bytes);
         pages->size += coded.size_bytes - size;
+    }
+    free(coded.data);
+}
+
+/* Some word of a resident part: an entry of a top, or a pattern that pages share. */
+static void change_a_top(light_pages *l, uint32_t levels, uint32_t map_count, part *resident)
+{
+    vxs_bytes coded = {0};
+    for (int tries = 8; tries && !coded.size_bytes; tries--) {
+        free(coded.data);
+        change_resident(&coded, l, levels, map_count, random_below(1 << 30), random_below(1 << 20));
+    }
+    if (coded.size_bytes && coded.size_bytes <= CONTENT_MAX) {
+        memcpy(resident->content, coded.data, coded.size_bytes);
+        resident->size = coded.size_bytes;
     }
     free(coded.data);
 }
@@ -366,8 +381,11 @@ static void change_planes(parts *p)
     part          *resident = find_part(p, VXS_KIND_RESIDENT, light, 0), *pages = find_part(p, VXS_KIND_PAGES, light, 0);
     light_pages    l;
     if (!resident || !pages) return;
-    if (light_pages_read(&l, levels, cube ? VXS_CUBE_FACES : 1, resident->content, resident->size) && l.sizes.page_count)
+    uint32_t map_count = cube ? VXS_CUBE_FACES : 1;
+    if (light_pages_read(&l, levels, map_count, resident->content, resident->size)) {
         for (uint32_t n = 1 + random_below(4); n; n--) change_a_plane(&l, pages);
+        if (random_below(2)) change_a_top(&l, levels, map_count, resident);
+    }
     light_pages_free(&l);
 }
 
