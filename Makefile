@@ -7,10 +7,11 @@
 #   make check-fast     the same without what is slow: under a minute on two processors, once all is built
 #   make check-unit     the same, unit tests only; config=asan runs them under the address and undefined sanitizers
 #   make check-asan     the same under those sanitizers, without programs that read no bytes of files and take long there
+#   make check-sanitizers  all unit programs and the corpora of all fuzzers under those sanitizers and under that of threads, and bakes with 2 and 8
+#                       threads under that: some hours
 #   make check-repeats  every test with all its random inputs, of which the others take a part, and tests marked long, and unit programs that check
 #                       leaves out (long.unit): half an hour; before an issue is resolved
 #   make check-exact    every voxel of maps twice as fine, and ten times as many columns of fine ones: some minutes
-#   make check-tsan     unit tests and bakes with 2 and 8 threads under the thread sanitizer
 #   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
 #   make check-faults   kill bakes and ranks 50 times each, flip every bit, and bake large maps with too little memory: some minutes
 #   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
@@ -150,7 +151,7 @@ test.o    := $(patsubst $B/%,$B/%.c.o,$(unit) $(helper)) $(patsubst %,$B/%.o,$(f
 objects    = $(if $(mpi),$(mpi.o),$B/baker/mpi/desk.c.o) $B/baker/main.c.o $(baker.o) $(library.o) $(runtime.o) $(gl.o) $(volumes.o) $(pic.o) $(gl.pic.o) $(volumes.pic.o) $(test.o)
 
 .DELETE_ON_ERROR:
-.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-tsan bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
+.PHONY: all unit fuzz fuzzers fuzz-commands demo check check-fast check-unit check-asan check-repeats check-exact check-memory check-faults check-sparse check-cracks check-sanitizers bench bench-bias bench-flight bench-large bench-lights bench-volumes bench-smoke packages format clean
 all: $B/vxs $(mpi) $B/libvxs.a $B/libvxs.so $B/libvxs_gl.a $B/libvxs_gl.so $B/libvxs_volumes.a $B/libvxs_volumes.so $B/libvxs_bake.a $B/libvxs_bake.so
 unit: $(unit) $(helper) $(fuzz)
 
@@ -190,8 +191,8 @@ $(filter-out %/fuzz_vxs %/fuzz_answers,$(fuzz)): $B/baker.a $B/libvxs_volumes.a 
 $(fuzz): $B/libvxs.a
 $B/tests/fuzz/fuzz_shaders: test_libs := -lOSMesa
 $(fuzz):
-	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 	@echo "  link $@"
+	$Q$(CXX) $(opt) $(linker) $(if $(filter fuzz,$(config)),-fsanitize=fuzzer) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(test_libs) $(libs) $(LDFLAGS)
 
 fuzzers: $(fuzz)
 fuzz:
@@ -202,8 +203,8 @@ ifdef seconds
 	@$(python) tests/fuzz/run.py $(or $(only:%=build/fuzz/tests/fuzz/%),$(patsubst $B/%,build/fuzz/%,$(fuzz)) --vxs build/release/vxs) \
 	    --seconds $(seconds) --seed $(or $(seed),1)
 endif
-	@$(python) tests/fuzz/command_lines.py --vxs $< --seconds $(or $(seconds),60) --seed $(or $(seed),1)
 fuzz-commands: $B/vxs
+	@$(python) tests/fuzz/command_lines.py --vxs $< --seconds $(or $(seconds),60) --seed $(or $(seed),1)
 
 $B/libvxs.a: $(runtime.o)
 $B/libvxs_gl.a: $(gl.o)
@@ -271,14 +272,14 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-tsan bench deb packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects) $(gltf.gch): | packages # nothing is compiled before the headers are there
 endif
 
 # `make demo` compiles no tests, and needs none of their packages
-tested = $(filter check check-fast check-unit check-asan check-repeats check-tsan bench packages,$(MAKECMDGOALS))
+tested = $(filter check check-fast check-unit check-asan check-repeats check-sanitizers bench packages,$(MAKECMDGOALS))
 needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb))
 packages:
 ifneq ($(packages),skip)
@@ -328,9 +329,10 @@ check-sparse: $B/vxs $B/tests/exact/exact $B/tests/bench/sources
 	@$(python) tests/exact/sparse.py --build $B $(if $(part),--part $(part))
 check-cracks: $B/tests/bench/cracks
 	@$<
-check-tsan: packages
-	@$(MAKE) config=tsan packages=skip all check-unit
-	@VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py
+check-sanitizers: packages
+	@bad=0; $(MAKE) config=asan packages=skip check-unit || bad=1; \
+	$(MAKE) config=tsan packages=skip build/tsan/vxs check-unit || bad=1; \
+	VXS=build/tsan/vxs $(python) -m pytest -q -p no:cacheprovider tests/cli/test_threads.py || bad=1; exit $$bad
 
 bench: all $(helper)
 	@$(python) tests/bench/bench.py --build $B --json $(BENCH_JSON)
