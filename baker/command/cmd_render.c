@@ -578,7 +578,7 @@ int cmd_render(int argc, char **argv)
         {"--smoke", OPTION_CHOICE, &o->smoke, 0, 0, SMOKE_CHOICES, NULL,
          "points and lines of the scene that are smoke dim light, and are drawn (default on)", &c.smoke_given},
         {"--smoke-side", OPTION_U32, &o->smoke_side, SMOKE_SIDE_MIN, SMOKE_SIDE_MAX, NULL, "PX",
-         "curves a side of a light's map of smoke, 16 to 2048 (default 256, fewer where smoke is very thick)", &c.smoke_side_given},
+         "curves a side of a light's map of smoke, 16 to 2048; fewer where smoke is very thick (default 256)", &c.smoke_side_given},
         {"--moving", OPTION_INPUT, &c.moving_path, FILE_SCENE, 0, NULL, "SCENE",
          "another scene that is not baked: it is drawn, and casts shadows by depth maps", NULL},
         {"--moving-by", OPTION_VECTOR, o->moving_by_ws, 0, 3, NULL, "X,Y,Z",
