@@ -377,6 +377,8 @@ def test_no_name_speaks_to_the_terminal(vxs_path, tmp_path):
         gltf[things][0]["name"] = name
     gltf["images"] = [{"uri": f"x{name}.png", "name": name}]
     gltf["cameras"] = [{"type": "perspective", "name": name, "perspective": {"yfov": 1, "znear": 0.1}}]
+    gltf["nodes"].append({"camera": 0, "name": name})
+    gltf["scenes"][0]["nodes"].append(len(gltf["nodes"]) - 1)
     gltf["extensionsUsed"].append(f"EXT_{name}")
     scene.write_text(json.dumps(gltf))
     draw = ("render", scene, asset, "-o", picture, "--width", 16, "--height", 16)
@@ -389,7 +391,8 @@ def test_no_name_speaks_to_the_terminal(vxs_path, tmp_path):
                           (0, "merge", tmp_path / f"{name}.part", "-o", asset), (0, "bench", scene, "-o", tmp_path / "b.json", "--resolution", 16, "--runs", 1, "--points", 1),
                           (0, "report", tmp_path / "b.json", "-o", tmp_path / f"{name}.html"), (2, "query", asset, "--light", f"{name}x"),
                           (3, "info", f"{asset}x"), (2, "bake", scene, "-o", asset, f"--{name}"), (5, "plan", scene, "--exclude", name),
-                          (3, *draw, "--sky", scene)):
+                          (3, *draw, "--sky", scene), (0, *draw, "--camera", name), (2, *draw, "--camera", f"{name}x"),
+                          (0, "scene", "city", "-o", tmp_path / f"{name}.glb", "--triangles", 1000, "--blocks", 1)):
         done = subprocess.run([vxs_path, *map(str, line)], input=b"0 1 0\n", capture_output=True, timeout=60)
         said = (done.stdout + done.stderr).decode()
         assert done.returncode == status, (line, said)
