@@ -51,8 +51,9 @@ static void check_content(const char *path, const char *wanted)
     char  content[64] = {0};
     FILE *file        = fopen(path, "rb");
     assert_non_null(file);
-    fread(content, 1, sizeof content - 1, file);
+    size_t size = fread(content, 1, sizeof content - 1, file);
     fclose(file);
+    assert_int_equal(size, strlen(wanted));
     assert_string_equal(content, wanted);
 }
 
