@@ -7,7 +7,7 @@
 
 /* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
  * library have. */
-enum { TEXTS = VXS_GL_TEXTS + 37, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 38, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -32,6 +32,7 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     names,
                                     vxs_volumes_text_vxs_depths_h,
                                     vxs_volumes_text_vxs_intervals_h,
+                                    vxs_volumes_text_vxs_air_light_h,
                                     vxs_volumes_text_vxs_air_ray_h,
                                     vxs_volumes_text_vxs_air_h,
                                     vxs_volumes_text_vxs_air_path_h,

@@ -167,7 +167,7 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_mesh_frag_glsl[], vxs_volumes_text_mesh_whole_glsl[], vxs_volumes_text_mesh_quads_glsl[],
     vxs_volumes_text_mesh_split_glsl[], vxs_volumes_text_mesh_meet_glsl[], vxs_volumes_text_mesh_list_glsl[],
     vxs_volumes_text_vxs_mesh_quads_h[], vxs_volumes_text_vxs_light_mesh_h[], vxs_volumes_text_vxs_air_h[],
-    vxs_volumes_text_vxs_air_ray_h[], vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[],
+    vxs_volumes_text_vxs_air_light_h[], vxs_volumes_text_vxs_air_ray_h[], vxs_volumes_text_vxs_air_path_h[], vxs_volumes_text_vxs_epipolar_h[],
     vxs_volumes_text_vxs_shadow_grid_h[], vxs_volumes_text_grid_glsl[], vxs_volumes_text_grid_fill_glsl[],
     vxs_volumes_text_grid_light_glsl[], vxs_volumes_text_voxelize_glsl[], vxs_volumes_text_or_scan_glsl[],
     vxs_volumes_text_vxs_curve_h[], vxs_volumes_text_curves_glsl[], vxs_volumes_text_transmittance_glsl[],

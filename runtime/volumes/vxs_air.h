@@ -18,10 +18,11 @@
  *                          p / r^2 dx = sqrt((h^2 + d^2) / (h^2 + k^2 d^2)) / (2 pi h (1 - g)) db
  *
  *                      which is smooth and near to constant however sharp the phase is, and so is quadrature in b. No exponent is positive,
- *                      and nothing is a difference of what is nearly equal.
+ *                      and nothing is a difference of what is nearly equal. A lamp's range is a factor 1 - (r / range)^4 of each node.
  *
- * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Below the level top of fog, of a lamp
- * above it, light's way through the fog may get shorter along the ray: the segment is cut by what light loses from its bright end on.
+ * The segment is cut where the detour has cost 1, 5, 21... units of optical depth, and ends at 24. Of a lamp with a range it is also cut at a third of the
+ * range: what the range takes lies behind, where b hardly changes. Below the level top of fog, of a lamp above it, light's way through the fog may get
+ * shorter along the ray: the segment is cut by what light loses from its bright end on.
  * Relative error, of 10^5 random rays of any optical depth from 1e-6 to 1e4 and g from -0.99 to 0.99: docs/volumes.md.
  * Source: [Sun 2005] for airlight by angles; [Billeter 2010] for the sum over lit segments. The variable b is ours.
  * SPDX-License-Identifier: MIT */
@@ -150,13 +151,21 @@ VXS_FN void vxs_air_add_node(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
     rim          = rim * VXS_FIELD(ray, rim_scale) + VXS_FIELD(ray, rim_offset);
     rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
     rim *= VXS_FIELD(ray, is_face) != 0 ? VXS_REAL(1.0) : rim;
+    rim *= vxs_air_window(0.5 * detour * (1.0 + square), VXS_FIELD(ray, per_range));
     weight *= rim * sqrt((1.0 + square) / (k * k + square));
     sum[0] += weight * exp(-VXS_FIELD(medium, extinction)[0] * way);
     sum[1] += weight * exp(-VXS_FIELD(medium, extinction)[1] * way);
     sum[2] += weight * exp(-VXS_FIELD(medium, extinction)[2] * way);
 }
 
-/* As many nodes as it changes: by what is lost, by b, and by d / (d + h), where b says little because k is great.
+/* How far from the lamp a detour leads, in ranges. */
+VXS_FN vxs_real vxs_air_part_of_range(VXS_AIR_RAY ray, vxs_real detour)
+{
+    vxs_real h = VXS_FIELD(ray, beside);
+    return 0.5 * (detour + h * (h / detour)) * VXS_FIELD(ray, per_range);
+}
+
+/* As many nodes as it changes: by what is lost, by b, by d / (d + h), where b says little because k is great, and by the range.
  * depth  optical, of the part, of the densest channel;   from  metres into the fog of its begin, which count below a level top */
 VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS_AIR_PART part, vxs_real depth, vxs_real from,
                              VXS_INOUT vxs_real3 sum)
@@ -164,6 +173,11 @@ VXS_FN void vxs_air_add_part(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real k, VXS
     vxs_real wide = VXS_FIELD(part, wide), h = VXS_FIELD(ray, beside), begin = h + VXS_FIELD(part, detour);
     vxs_real turn   = (h / begin) * (VXS_FIELD(part, more) / (begin + VXS_FIELD(part, more)));
     vxs_real change = depth + (wide > turn ? wide : turn) * (1.0 + VXS_FIELD(ray, rim_scale));
+    if (VXS_FIELD(ray, per_range) > 0.0) {
+        vxs_real first = vxs_air_part_of_range(ray, VXS_FIELD(part, detour));
+        vxs_real last  = vxs_air_part_of_range(ray, VXS_FIELD(part, detour) + VXS_FIELD(part, more));
+        change += vxs_abs(last * last * last * last - first * first * first * first);
+    }
     vxs_i32  pairs  = change < 0.1 ? 1 : change < 0.7 ? 2 : 4;
     for (vxs_i32 n = 0; n < pairs; n++) {
         vxs_real offset = 0.5 * vxs_air_offset(pairs, n), weight = 0.5 * vxs_air_weight(pairs, n) * wide;
@@ -183,24 +197,36 @@ VXS_FN void vxs_air_extremes(VXS_MEDIUM medium, VXS_OUT vxs_real2 extinction)
     }
 }
 
+/* Where the integrand changes its form, by detours: at the lamp, where phase and distance do, and where a third of its range is reached and left.
+ * Sorted but for the last two.   Detours that are not on any ray are 0. */
+VXS_FN void vxs_air_cuts(VXS_AIR_RAY ray, vxs_real k, VXS_OUT vxs_real4 cuts)
+{
+    vxs_real h = VXS_FIELD(ray, beside), sharp = h / sqrt(k), part = 3.0 * h * VXS_FIELD(ray, per_range);
+    cuts[0] = sharp < h ? sharp : h;
+    cuts[1] = sharp < h ? h : sharp;
+    cuts[2] = cuts[3] = VXS_REAL(0.0);
+    if (!(part > 0.0 && part < 1.0)) return;
+    cuts[2] = (1.0 + sqrt(1.0 - part * part)) * (h / part);
+    cuts[3] = h * (h / cuts[2]);
+}
+
 /* Add the airlight of [begin, begin + length), but for what does not depend on it: of a lamp in the fog. */
 VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_INOUT vxs_real3 sum)
 {
-    vxs_real     h = VXS_FIELD(ray, beside), k = vxs_air_sharpness(medium);
+    vxs_real     k = vxs_air_sharpness(medium);
     vxs_real2    dense;
+    vxs_real4    cuts;
     vxs_air_part whole  = vxs_air_part_between(ray, k, begin, length);
-    vxs_real     detour = whole.detour, rest = whole.more;
+    vxs_real     detour = whole.detour, rest = whole.more, depth = VXS_REAL(1.0);
     vxs_air_extremes(medium, dense);
+    vxs_air_cuts(ray, k, cuts);
     if (rest * dense[0] > VXS_AIR_DEPTH_MAX) rest = VXS_AIR_DEPTH_MAX / dense[0];
-    vxs_real depth = VXS_REAL(1.0), sharp = h / sqrt(k), cut = sharp < h ? sharp : h, next = sharp < h ? h : sharp;
     for (vxs_i32 n = 1; rest > 0.0 && n <= VXS_AIR_PARTS; n++) {
         vxs_real more = rest;
         if (n < VXS_AIR_PARTS) {
             if (more * dense[1] > 1.5 * depth) more = depth / dense[1];
-            if (detour < cut && detour + more > cut)
-                more = cut - detour;
-            else if (detour < next && detour + more > next)
-                more = next - detour;
+            for (vxs_i32 i = 0; i < 4; i++)
+                if (detour < cuts[i] && detour + more > cuts[i]) more = cuts[i] - detour;
         }
         vxs_air_part part = vxs_air_part_of(ray, k, detour, more);
         vxs_air_add_part(medium, ray, k, VXS_REF(part), dense[1] * more, VXS_REAL(0.0), sum);
@@ -214,10 +240,12 @@ VXS_FN void vxs_air_add_in_fog(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begi
  * below the lamp, or as near, and so that light's way changes by about so many metres. */
 VXS_FN vxs_real vxs_air_step_below(VXS_AIR_RAY ray, vxs_real k, vxs_real from, vxs_real turn, vxs_real rest, vxs_real change)
 {
-    vxs_real h = VXS_FIELD(ray, beside), rises = VXS_FIELD(ray, up) * turn, more = rest;
-    vxs_real height = VXS_FIELD(ray, above) + vxs_air_below_at(ray, from);
-    for (vxs_i32 n = 0; n < 2; n++) {
-        vxs_real place = vxs_air_place_of(ray, n == 0 ? h : h / sqrt(k)) - VXS_FIELD(ray, in_fog), ahead = turn * (place - from);
+    vxs_real  rises = VXS_FIELD(ray, up) * turn, more = rest, height = VXS_FIELD(ray, above) + vxs_air_below_at(ray, from);
+    vxs_real4 cuts;
+    vxs_air_cuts(ray, k, cuts);
+    for (vxs_i32 n = 0; n < 4; n++) {
+        if (!(cuts[n] > 0.0)) continue;
+        vxs_real ahead = turn * (vxs_air_place_of(ray, cuts[n]) - VXS_FIELD(ray, in_fog) - from);
         if (ahead > 1e-5 * rest && ahead < more) more = ahead;
     }
     vxs_real way = vxs_air_way_at(ray, from), least = -1e-5 * rises * rest;
@@ -309,7 +337,8 @@ VXS_FN void vxs_air_finish(VXS_MEDIUM medium, VXS_AIR_RAY ray, VXS_INOUT vxs_rea
     sum[2] *= scale * VXS_FIELD(medium, scattering)[2];
 }
 
-/* begin, length  of the part of the ray, >= 0, finite; of a spot light's, what lies in its cone counts
+/* begin, length  of the part of the ray, >= 0, finite; within the lamp's range (vxs_air_in_range), if it has one; of a spot light's, what lies in
+ *                its cone counts
  * airlight       [out] */
 VXS_FN void vxs_air_lamp(VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length, VXS_OUT vxs_real3 airlight)
 {

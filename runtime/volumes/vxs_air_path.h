@@ -17,26 +17,11 @@
 #endif
 
 #ifdef VXS_C
-typedef struct vxs_air_light vxs_air_light;
-typedef struct vxs_air_path  vxs_air_path;
-#define VXS_AIR_LIGHT const vxs_air_light *
-#define VXS_AIR_PATH  const vxs_air_path *
+typedef struct vxs_air_path vxs_air_path;
+#define VXS_AIR_PATH const vxs_air_path *
 #else
-#define VXS_AIR_LIGHT vxs_air_light
-#define VXS_AIR_PATH  vxs_air_path
+#define VXS_AIR_PATH vxs_air_path
 #endif
-
-#define VXS_AIR_EVERYWHERE 1e30 /* the top of fog that has none */
-
-struct vxs_air_light {
-    vxs_u32   kind;          /* VXS_LIGHT_KIND_* */
-    vxs_real3 place;         /* of a lamp, metres; of the sun the way to it, of length 1 */
-    vxs_real3 axis;          /* of a spot light: where it shines, of length 1 */
-    vxs_real  cos_inner;     /* of its cone: where it is dimmer, and where it ends (vxs_air_ray_of_spot) */
-    vxs_real  cos_outer;     /* > 0 */
-    vxs_real  radius_metres; /* of a lamp, > 0 */
-    vxs_real  range_metres;  /* of a lamp; 0: it has none */
-};
 
 struct vxs_air_path {
     vxs_real    begin, end; /* metres along the ray; end <= begin: nothing */
@@ -94,8 +79,10 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
         vxs_air_in_cone(VXS_REF(path.passed), VXS_FIELD(light, cos_outer), part);
     }
     if (has_top != 0) vxs_air_below_top(VXS_REF(path.passed), to_light[1], direction[1], top - eye[1], in_fog[0]);
-    if (VXS_FIELD(light, range_metres) > 0.0)
+    if (VXS_FIELD(light, range_metres) > 0.0) {
+        path.passed.per_range = 1.0 / VXS_FIELD(light, range_metres);
         vxs_air_in_range(path.passed.along, path.passed.beside * path.passed.beside, VXS_FIELD(light, range_metres), part);
+    }
     path.begin = part[0];
     path.end   = part[1] > part[0] ? part[1] : part[0];
     return path;
@@ -130,6 +117,7 @@ VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT
         rim          = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
         rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
         rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
+        rim *= vxs_air_window(r, VXS_FIELD(path, passed).per_range);
         way      = vxs_air_way(VXS_REF_OF(path, passed), x - VXS_FIELD(path, passed).in_fog, r);
         strength = rim * vxs_air_phase(g, -y / r) / (r * r);
     }

@@ -1,7 +1,5 @@
-/* An eye ray in a homogeneous medium, and how it passes a lamp: one text for C99, C++, GLSL and HLSL, that stands on vxs_space.h.
+/* An eye ray in a homogeneous medium, and how it passes a lamp: one text for C99, C++, GLSL and HLSL, that stands on vxs_air_light.h.
  *
- *     vxs_air_phase       the phase function: Henyey and Greenstein
- *     vxs_air_left        what the medium leaves of what is behind it
  *     vxs_air_ray_of      how an eye ray passes a lamp
  *     vxs_air_in_cone     the part of the ray in a spot light's cone; vxs_air_before_face: before a face that shines to one side
  *     vxs_air_in_fog      the part of the ray below the level top of ground fog
@@ -20,34 +18,18 @@
 #ifndef VXS_AIR_RAY_H
 #define VXS_AIR_RAY_H
 
-#ifndef VXS_SPACE_H /* a shader that cannot include has it already */
-#include "vxs_space.h"
+#ifndef VXS_AIR_LIGHT_H /* a shader that cannot include has it already */
+#include "vxs_air_light.h"
 #endif
 
 #ifdef VXS_C
-typedef struct vxs_medium  vxs_medium;
 typedef struct vxs_air_ray vxs_air_ray;
-typedef vxs_real           vxs_real2[2];
-#define VXS_MEDIUM        const vxs_medium *
 #define VXS_AIR_RAY       const vxs_air_ray *
 #define VXS_AIR_RAY_INOUT vxs_air_ray *
 #else
-#ifdef VXS_HLSL
-#define vxs_real2 float2
-#else
-#define vxs_real2 vec2
-#endif
-#define VXS_MEDIUM        vxs_medium
 #define VXS_AIR_RAY       vxs_air_ray
 #define VXS_AIR_RAY_INOUT inout vxs_air_ray
 #endif
-
-/* What fills the air. */
-struct vxs_medium {
-    vxs_real3 scattering; /* of light that goes a metre, how much turns; >= 0, finite */
-    vxs_real3 extinction; /* how much turns or is absorbed; >= scattering, finite */
-    vxs_real  anisotropy; /* g of the phase function, -0.99 (back to where it came from) to 0.99 (on the same way) */
-};
 
 /* How an eye ray passes a lamp. */
 struct vxs_air_ray {
@@ -66,27 +48,9 @@ struct vxs_air_ray {
     vxs_real above;  /* the lamp, above the top; 0: it is below, and all of its light's way in the fog */
     vxs_real below;  /* the ray below the top where it comes into the fog */
     vxs_real up;     /* the ray's direction along the vertical */
+
+    vxs_real per_range; /* 1 over the lamp's range; 0: it has none */
 };
-
-#define VXS_AIR_PI 3.14159265358979324
-
-VXS_FN vxs_real vxs_air_dot(const vxs_real3 a, const vxs_real3 b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* cosine  between the ways of light before and behind */
-VXS_FN vxs_real vxs_air_phase(vxs_real g, vxs_real cosine)
-{
-    vxs_real wide = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cosine);
-    return (1.0 - g * g) / (4.0 * VXS_AIR_PI * wide * sqrt(wide));
-}
-
-/* metres  through the medium;   left  [out] of what is behind it */
-VXS_FN void vxs_air_left(VXS_MEDIUM medium, vxs_real metres, VXS_OUT vxs_real3 left)
-{
-    for (vxs_i32 n = 0; n < 3; n++) left[n] = exp(-VXS_FIELD(medium, extinction)[n] * metres);
-}
 
 /* to_lamp       from the eye, metres;   direction  of the ray, of length 1
  * radius_metres of the lamp, > 0: airlight has no bound where a ray meets a light that is a point */
@@ -104,7 +68,7 @@ VXS_FN vxs_air_ray vxs_air_ray_of(const vxs_real3 to_lamp, const vxs_real3 direc
     ray.rim_scale                 = VXS_REAL(0.0);
     ray.rim_offset                = VXS_REAL(1.0);
     ray.is_face                   = 0;
-    ray.in_fog = ray.above = ray.below = ray.up = VXS_REAL(0.0);
+    ray.in_fog = ray.above = ray.below = ray.up = ray.per_range = VXS_REAL(0.0);
     return ray;
 }
 
@@ -116,7 +80,7 @@ VXS_FN vxs_air_ray vxs_air_ray_of_spot(const vxs_real3 to_lamp, const vxs_real3 
     ray.facing      = vxs_air_dot(axis, direction);
     ray.before      = ray.along * ray.facing - vxs_air_dot(axis, to_lamp);
     ray.cos_outer   = cos_outer;
-    ray.cos_inner   = cos_inner > cos_outer + 1e-3 ? cos_inner : cos_outer + 1e-3;
+    ray.cos_inner   = cos_inner > cos_outer + VXS_AIR_RIM_LEAST ? cos_inner : cos_outer + VXS_AIR_RIM_LEAST;
     ray.rim_scale   = 1.0 / (ray.cos_inner - cos_outer);
     ray.rim_offset  = -cos_outer * ray.rim_scale;
     return ray;

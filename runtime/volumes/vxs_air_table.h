@@ -120,7 +120,8 @@ VXS_FN vxs_i32 vxs_air_table_add(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR
     return 1;
 }
 
-/* As vxs_air_lamp, of which lamps above a level top of the fog are asked.   table  of the medium's anisotropy */
+/* As vxs_air_lamp, which is asked of lamps above a level top of the fog, and of lamps with a range: tails know nothing of either.
+ * table  of the medium's anisotropy */
 VXS_FN void vxs_air_table_lamp(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real begin, vxs_real length,
                                VXS_OUT vxs_real3 airlight)
 {
@@ -129,13 +130,13 @@ VXS_FN void vxs_air_table_lamp(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_R
     part[1]     = length;
     airlight[0] = airlight[1] = airlight[2] = VXS_REAL(0.0);
     vxs_air_add_rims(medium, ray, part, airlight);
-    if (part[1] > 0.0 && (VXS_FIELD(ray, above) > 0.0 ||
+    if (part[1] > 0.0 && (VXS_FIELD(ray, above) > 0.0 || VXS_FIELD(ray, per_range) > 0.0 ||
                           vxs_air_table_add(table, medium, ray, part[0], part[1], VXS_REAL(VXS_AIR_TABLE_MOST), airlight) == 0))
         vxs_air_add(medium, ray, part[0], part[1], airlight);
     vxs_air_finish(medium, ray, airlight);
 }
 
-/* The airlight of [0, metres), of a point light that is not above a level top of the fog, to an error relative to that of the whole ray and not to its own: for sums of such
+/* The airlight of [0, metres), of a point light without a range that is not above a level top of the fog, to an error relative to that of the whole ray and not to its own: for sums of such
  * terms, as light meshes are. No quadrature, and no branch. */
 VXS_FN void vxs_air_table_until(VXS_AIR_TABLE table, VXS_MEDIUM medium, VXS_AIR_RAY ray, vxs_real metres,
                                 VXS_OUT vxs_real3 airlight)
@@ -166,7 +167,7 @@ VXS_FN vxs_real vxs_air_table_u(vxs_real k, vxs_real x, vxs_real detour)
 VXS_FN vxs_real vxs_air_table_tail(vxs_real k, vxs_real u, vxs_real from)
 {
     vxs_medium  medium = {{0.0, 0.0, 0.0}, {u, 0.0, 0.0}, 0.0};
-    vxs_air_ray ray    = {-from, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 1.0, 0, 0.0, 0.0, 0.0, 0.0};
+    vxs_air_ray ray    = {-from, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 1.0, 0, 0.0, 0.0, 0.0, 0.0, 0.0};
     vxs_real    at = from, far = 1e12 * (1.0 + 1.0 / k), least = k > 1.0 ? 1.0 / k : 1.0, sum[3] = {0.0, 0.0, 0.0};
     while (at < far && u * (at - from) < 40.0) {
         vxs_real more = least + at;

@@ -9,6 +9,7 @@
 
 #include "random_lamp.h"
 #include "read_text.h"
+#include "runtime/volumes/vxs_air_path.h"
 #include "runtime/volumes/vxs_air_table.h"
 #include "tests/volumes/airlight.h"
 
@@ -26,6 +27,7 @@ typedef struct question {
     float scattering[3], anisotropy;
     float extinction[3], cos_inner;
     float cos_outer, has_top, top, in_fog; /* top: from the eye's height, along y; in_fog: where the ray comes into the fog */
+    float range, unused[3];                /* 0: none */
 } question;
 
 static inline air_passing passing_of(const question *q)
@@ -38,6 +40,7 @@ static inline air_passing passing_of(const question *q)
     }
     air_passing p = air_passing_of(w, l, q->radius, q->cos_inner > 0 ? axis : NULL, q->cos_inner, q->cos_outer);
     p.has_top     = q->has_top > 0;
+    p.range       = q->range;
     p.up          = w[1];
     p.top         = q->in_fog > 0 ? p.up * (double)q->in_fog : (double)q->top; /* as the rounded place has it */
     p.lamp        = p.top + l[1] - (double)q->top;
@@ -66,6 +69,7 @@ static inline void ask_c(const question *q, vxs_medium *medium, vxs_air_ray *ray
     *ray               = q->cos_inner > 0 ? vxs_air_ray_of_spot(to_lamp, direction, q->radius, axis, q->cos_inner, q->cos_outer)
                                           : vxs_air_ray_of(to_lamp, direction, q->radius);
     if (q->has_top > 0) vxs_air_below_top(ray, to_lamp[1], direction[1], q->top, q->in_fog);
+    if (q->range > 0) ray->per_range = 1 / (double)q->range;
 }
 
 /* Any ray: the lamp before the eye, behind it, at it, on the ray; short and endless pieces; thin air and ink.
@@ -125,22 +129,50 @@ static inline question random_question_below(rng *r, double least_beside, int sp
     }
 }
 
+/* What of a question is in a range that ends somewhere in its segment, or behind it. */
+static inline question in_some_range(rng *r, question q)
+{
+    air_passing p = passing_of(&q);
+    for (;;) {
+        double y = (double)q.begin + uniform(r, 0, (double)q.length) - p.along, range = hypot(p.beside, y), part[2];
+        if (rng_below(r, 2)) range *= spread(r, 1, 30);
+        part[0] = (double)q.begin;
+        part[1] = (double)q.begin + (double)q.length;
+        vxs_air_in_range(p.along, p.beside * p.beside, range, part);
+        question found = q;
+        found.range    = (float)range;
+        found.begin    = fmaxf((float)part[0], q.begin);
+        found.length   = (float)((part[1] - (double)found.begin) * (1 - 1e-6));
+        if (found.length > 0) return found;
+    }
+}
+
+static inline question random_question_in_range(rng *r, double least_beside, int spots)
+{
+    return in_some_range(r, random_question(r, least_beside, spots));
+}
+
+static inline question random_question_below_in_range(rng *r, double least_beside, int spots)
+{
+    return in_some_range(r, random_question_below(r, least_beside, spots));
+}
+
 typedef struct errors {
     double   most, sum;
     uint32_t count, large; /* channels; those with an error of 1e-3 and more */
 } errors;
 
-/* Errors of what a spot light adds count relative to a hundredth of what a point light would, where that is more: a ray that grazes
- * its cone sees nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
+/* Errors of what a spot light adds, or a lamp with a range, count relative to a hundredth of what a point light without one would, where that is more: a
+ * ray that grazes its cone sees nothing, and at the end of its range there is nothing. Channels do not count of which fog leaves less than 1e-8 before the segment begins. */
 static inline void count_errors(errors *e, const question *q, const double found[3])
 {
     double      wanted[3], all[3] = {0};
     question    point   = *q;
     air_passing passing = passing_of(q);
     double      way     = fmin(air_way_of(&passing, (double)q->begin), air_way_of(&passing, (double)q->begin + (double)q->length));
-    point.cos_inner     = 0;
+    point.cos_inner = point.range = 0;
     reference(q, wanted);
-    if (q->cos_inner > 0) reference(&point, all);
+    if (q->cos_inner > 0 || q->range > 0) reference(&point, all);
     for (int i = 0; i < 3; i++) {
         assert_true(isfinite(found[i]) && found[i] >= 0);
         if (q->scattering[i] == 0) assert_true(found[i] == 0);
@@ -166,7 +198,7 @@ static inline void check_errors(const errors *e, double most, double mean, doubl
 }
 
 /* A point of gl_points.h asks for one channel of a question. */
-static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scattering, extinction, rest; };\n"
+static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scattering, extinction, rest, more; };\n"
                                    "layout(std430, binding = 0) readonly buffer asked { question questions[]; };\n"
                                    "flat in int vertex;\n"
                                    "out float answer;\n"
@@ -177,6 +209,7 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
                                    "    if (q.extinction.w > 0.0) ray = vxs_air_ray_of_spot(q.lamp.xyz, q.way.xyz, q.lamp.w,\n"
                                    "                                        q.axis.xyz, q.extinction.w, q.rest.x);\n"
                                    "    if (q.rest.y > 0.0) vxs_air_below_top(ray, q.lamp.y, q.way.y, q.rest.z, q.rest.w);\n"
+                                   "    if (q.more.x > 0.0) ray.per_range = 1.0 / q.more.x;\n"
                                    "    vec3 airlight;\n"
                                    "    ask_lamp(medium, ray, q.way.w, q.axis.w, airlight);\n"
                                    "    answer = airlight[vertex % 3];\n"
@@ -185,8 +218,9 @@ static const char air_ask_text[] = "struct question { vec4 lamp, way, axis, scat
 /* ask_lamp  text that defines this function, as vxs_air_lamp */
 static inline void use_air(drawing *d, const char *ask_lamp)
 {
-    const char *paths[] = {"formats/vxs_lookup.h",          "formats/vxs_lookup_blocks.h", "formats/vxs_space.h",
-                           "runtime/volumes/vxs_air_ray.h", "runtime/volumes/vxs_air.h",   "runtime/volumes/vxs_air_table.h"};
+    const char *paths[] = {"formats/vxs_lookup.h",           "formats/vxs_lookup_blocks.h",     "formats/vxs_space.h",
+                           "runtime/volumes/vxs_air_light.h", "runtime/volumes/vxs_air_ray.h", "runtime/volumes/vxs_air.h",
+                           "runtime/volumes/vxs_air_table.h"};
     enum { PATHS = sizeof paths / sizeof *paths };
     char       *texts[PATHS];
     const char *all[PATHS + 3] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};

@@ -53,6 +53,19 @@ static void test_spots(void **state)
     check_errors(&e, 1e-2, 1e-4, 0.01, repeats(1500, 100000));
 }
 
+/* Lamps whose range ends in the segment, or behind it. */
+static void test_ranges(void **state)
+{
+    (void)state;
+    errors points = errors_in_c(random_question_in_range, 0, 2000), spots = errors_in_c(random_question_in_range, 1, 600);
+    errors points_below = errors_in_c(random_question_below_in_range, 0, 600),
+           spots_below  = errors_in_c(random_question_below_in_range, 1, 300);
+    check_errors(&points, 1e-3 * repeats(5, 60), 1e-4, 0.02, repeats(2000, 100000));
+    check_errors(&spots, 1e-2, 1e-4, 0.01, repeats(600, 100000));
+    check_errors(&points_below, 1e-3 * repeats(5, 60), 5e-5, 0.01, repeats(900, 100000));
+    check_errors(&spots_below, 1e-2, 1e-4, 0.01, repeats(400, 80000));
+}
+
 /* Faces, which shine to one side: the part of the ray before them, and airlight there. */
 static void test_faces(void **state)
 {
@@ -190,6 +203,54 @@ static void test_cones(void **state)
     assert_true(inside > 20000);
 }
 
+/* Airlight of a metre is what reaches the place, times what turns there and is left on the way to the eye; where no path is, nothing reaches a place in the fog. */
+static void test_reaches(void **state)
+{
+    (void)state;
+    rng      r = {9};
+    uint32_t on = 0, off = 0, above = 0;
+    for (uint32_t n = 0; n < repeats(20000, 400000); n++) {
+        vxs_air_light light  = {.kind = 1 + rng_below(&r, 3), .cos_outer = uniform(&r, 0, 1), .radius_metres = 1e-9};
+        vxs_medium    medium = {.anisotropy = uniform(&r, -0.9, 0.9)};
+        double eye[3], way[3], at[3], to_light[3], reaches[3], air[3], in_fog[2], metres = 100, x = uniform(&r, 0, 100), facing = 0;
+        double top = rng_below(&r, 2) ? uniform(&r, -20, 20) : VXS_AIR_EVERYWHERE;
+        light.cos_inner = uniform(&r, light.cos_outer, 1);
+        if (light.kind != VXS_LIGHT_KIND_DIRECTIONAL && rng_below(&r, 2)) light.range_metres = uniform(&r, 1, 80);
+        random_direction(&r, way);
+        random_direction(&r, light.axis);
+        random_direction(&r, light.place);
+        for (int i = 0; i < 3; i++) {
+            eye[i] = uniform(&r, -20, 20);
+            at[i]  = eye[i] + x * way[i];
+            if (light.kind != VXS_LIGHT_KIND_DIRECTIONAL) light.place[i] = uniform(&r, -20, 20);
+            medium.extinction[i] = uniform(&r, 0, 0.1);
+            medium.scattering[i] = medium.extinction[i] * rng_unit(&r);
+        }
+        vxs_air_path path = vxs_air_path_of(&light, eye, way, metres, top, in_fog);
+        vxs_air_reaches(&medium, &light, at, top, to_light, reaches);
+        if (fabs(x - path.begin) < 1e-6 || fabs(x - path.end) < 1e-6 || fabs(x - in_fog[0]) < 1e-6 || fabs(x - in_fog[1]) < 1e-6) continue;
+        if (x < path.begin || x > path.end) {
+            if (x < in_fog[0] || x > in_fog[1]) continue;
+            for (int i = 0; i < 3; i++) assert_true(reaches[i] < 1e-12);
+            off++;
+            continue;
+        }
+        for (int i = 0; i < 3; i++) facing += to_light[i] * way[i];
+        vxs_air_at(&medium, &path, x, air);
+        for (int i = 0; i < 3; i++) {
+            double wanted = medium.scattering[i] * vxs_air_phase(medium.anisotropy, facing) * reaches[i] * exp(-medium.extinction[i] * (x - in_fog[0]));
+            assert_true(fabs(air[i] - wanted) <= 1e-9 * wanted + 1e-15);
+        }
+        above += top < VXS_AIR_EVERYWHERE && light.kind != VXS_LIGHT_KIND_DIRECTIONAL && light.place[1] > top;
+        on++;
+    }
+    assert_true(on > 5000 && off > 1000 && above > 300);
+    /* glTF's window and rim */
+    assert_true(vxs_air_window(2, 0.5) == 0 && vxs_air_window(3, 0.5) == 0 && vxs_air_window(9, 0) == 1);
+    assert_true(fabs(vxs_air_window(1, 0.5) - 15 / 16.0) < 1e-15);
+    assert_true(fabs(vxs_air_rim(0.75, 1, 0.5) - 0.25) < 1e-15 && vxs_air_rim(0.4, 1, 0.5) == 0);
+}
+
 /* The lamp's distance from the ray is a difference in a shader: it is no less than a thousandth of the distance here. */
 static errors errors_in_shader(const drawing *d, random_maker *random, int spots, uint32_t least)
 {
@@ -218,20 +279,25 @@ static void test_shader(void **state)
     errors points = errors_in_shader(&d, random_question, 0, QUERIES / 3), spots = errors_in_shader(&d, random_question, 1, 1500);
     errors points_below = errors_in_shader(&d, random_question_below, 0, 1000),
            spots_below  = errors_in_shader(&d, random_question_below, 1, 400);
+    errors points_in_range = errors_in_shader(&d, random_question_in_range, 0, 1500),
+           spots_in_range  = errors_in_shader(&d, random_question_in_range, 1, 400);
     check_errors(&points, 1e-2, 2e-4, 0.03, 6000);
     check_errors(&spots, 1.1, 1e-3, 0.025, repeats(1500, 6000)); /* one that runs along the side of a cone ends anywhere */
     check_errors(&points_below, 1e-2, 1e-4, 0.015, repeats(1500, 6000));
     check_errors(&spots_below, 1.1, 1e-3, 0.025, repeats(600, 6000));
+    check_errors(&points_in_range, 1e-2, 2e-4, 0.03, repeats(2500, 6000));
+    check_errors(&spots_in_range, 1.1, 1e-3, 0.025, repeats(500, 6000));
     gl_context_destroy(d.gl);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),          cmocka_unit_test(test_faces),
+        cmocka_unit_test(test_points),          cmocka_unit_test(test_faces), cmocka_unit_test(test_ranges),
         cmocka_unit_test(test_spots),           cmocka_unit_test(test_points_below_top),
         cmocka_unit_test(test_spots_below_top), cmocka_unit_test(test_sun),
         cmocka_unit_test(test_phase),           cmocka_unit_test(test_cones),
+        cmocka_unit_test(test_reaches),
         cmocka_unit_test(test_shader),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

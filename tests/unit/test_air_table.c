@@ -131,6 +131,25 @@ static void test_until(void **state)
     assert_true(most < 1e-3 * repeats(1, 4));
 }
 
+/* A lamp with a range is the quadrature's: tails go on to infinity. */
+static void test_ranges(void **state)
+{
+    (void)state;
+    rng           r     = {17};
+    vxs_air_table table = {values_of(0), SIDE};
+    for (int n = 0; n < 1000; n++) {
+        question    q = random_question_in_range(&r, 1e-6, n % 2);
+        double      by_table[3], found[3];
+        vxs_medium  medium;
+        vxs_air_ray ray;
+        q.anisotropy = (float)phases[0];
+        ask_c(&q, &medium, &ray);
+        vxs_air_table_lamp(&table, &medium, &ray, q.begin, q.length, by_table);
+        vxs_air_lamp(&medium, &ray, q.begin, q.length, found);
+        assert_memory_equal(by_table, found, sizeof found);
+    }
+}
+
 /* The formula is that of the tails: what is left over has no slope to speak of. */
 static void test_table_is_smooth(void **state)
 {
@@ -193,6 +212,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_points),          cmocka_unit_test(test_spots), cmocka_unit_test(test_who_is_asked),
         cmocka_unit_test(test_table_is_smooth), cmocka_unit_test(test_until), cmocka_unit_test(test_shader),
+        cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -345,13 +345,16 @@ static void test_shader(void **state)
     static float        answers[QUERIES];
     rng                 r       = {7};
     drawing             d       = drawing_make();
-    char               *texts[] = {read_text("formats/vxs_lookup.h"),      read_text("formats/vxs_lookup_blocks.h"),
-                                   read_text("formats/vxs_space.h"),       read_text("runtime/volumes/vxs_air_ray.h"),
-                                   read_text("runtime/volumes/vxs_air.h"), read_text("runtime/volumes/vxs_epipolar.h")};
-    const char         *all[]   = {
-                  "#version 430\n#define vxs_word(dag, i) 0u\n", texts[0], texts[1], texts[2], texts[3], texts[4], texts[5], ask_text};
+    enum { TEXTS = 7 };
+    char       *texts[]    = {read_text("formats/vxs_lookup.h"),            read_text("formats/vxs_lookup_blocks.h"),
+                              read_text("formats/vxs_space.h"),             read_text("runtime/volumes/vxs_air_light.h"),
+                              read_text("runtime/volumes/vxs_air_ray.h"),   read_text("runtime/volumes/vxs_air.h"),
+                              read_text("runtime/volumes/vxs_epipolar.h")};
+    const char *all[TEXTS + 2] = {"#version 430\n#define vxs_word(dag, i) 0u\n"};
+    memcpy(all + 1, texts, sizeof texts);
+    all[TEXTS + 1] = ask_text;
     use_texts(&d, "vxs_epipolar.h", "#version 430", all, sizeof all / sizeof *all);
-    for (int n = 0; n < 6; n++) free(texts[n]);
+    for (int n = 0; n < TEXTS; n++) free(texts[n]);
     for (int n = 0; n < ASKED; n++) {
         vxs_epipolar_view view;
         double            to_light[3], place[3], angles[3], margin;

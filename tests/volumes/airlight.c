@@ -52,6 +52,7 @@ static double lamp_at(double s, void *user)
     if (p->is_spot) rim = ((p->before + y * p->facing) / r - p->cos_outer) / fmax(1e-3, p->cos_inner - p->cos_outer);
     rim = fmin(fmax(rim, 0), 1);
     if (!p->is_face) rim *= rim;
+    if (p->range > 0) rim *= fmax(1 - pow(r / p->range, 4), 0);
     return rim * phase_of(n->g, less) * exp(-n->extinction * air_way_of(p, p->along + y)) / (r * r);
 }
 
@@ -97,6 +98,12 @@ double air_of_lamp(const air_passing *p, double g, double extinction, double beg
     for (double part = 0.25; p->has_top && part > 1e-12; part /= 4) {
         ends[count++] = length * part;
         ends[count++] = length - length * part;
+    }
+    for (double part = 0.25; part < 1.01; part += 0.25) { /* of the range */
+        double half = p->range * p->range * part * part - p->beside * p->beside;
+        if (!(half > 0)) continue;
+        ends[count++] = nearest - sqrt(half);
+        ends[count++] = nearest + sqrt(half);
     }
     if (p->is_spot) /* the ends of its rim */
         for (int k = 1; k < 128; k++) ends[count++] = length * k / 128;

@@ -1,6 +1,6 @@
 /* Airlight as it is said, by adaptive quadrature in double: what runtime/volumes is held against. It shares no line with it.
  *
- * Of lamps the integrand phase(cosine) * exp(-extinction * way) / r^2 is asked place by place along a ray, in pieces between places
+ * Of lamps the integrand phase(cosine) * exp(-extinction * way) / r^2, times what their cone and range leave, is asked place by place along a ray, in pieces between places
  * where it may change fast, the way being what lies in fog of the ways from the lamp to there and on to the eye; of the sun phase * exp(-extinction * way). Metres; for an intensity or irradiance
  * and a scattering of 1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -13,6 +13,7 @@ typedef struct air_passing {
     double facing, before;       /* cosine between ray and axis; metres along the axis from the lamp to that place */
     double cos_inner, cos_outer; /* of a spot light */
     int    is_spot;
+    double range;   /* 0: none; nothing is lit behind it, and before it 1 - (r / range)^4 of what would be */
     int    is_face; /* 1: what a spot light squares is as it is, such as the cosine of a face (1 and 0 for the cosines) */
 
     int    has_top;       /* 1: the fog has a level top, and what is asked of is below it; air_passing_of says 0 */

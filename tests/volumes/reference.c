@@ -65,6 +65,7 @@ void reference_airlight(const vxs_medium *medium, double top, const reference_li
         p.passing.top     = top - ray->eye[1];
         p.passing.lamp    = to_lamp[1];
         p.passing.up      = ray->direction[1];
+        p.passing.range   = light->range_metres;
         keep_range(light, to_lamp, p.passing.along, part);
     }
     if (!(part[1] > part[0])) return;
