@@ -122,29 +122,29 @@ VXS_FN vxs_real vxs_air_place_of(VXS_AIR_RAY ray, vxs_real detour)
     return VXS_FIELD(ray, along) + 0.5 * (detour - h * (h / detour));
 }
 
-/* Where facing * y + before >= cosine * r, y = x - along: between the roots of a quadratic, or beyond one of them.
+/* Where facing * y + before >= cosine * r, y = x - along: between the roots of a quadratic, or beyond one of them. A ray that is parallel to a side
+ * of the cone has one root: a = 0, and the other one is infinitely far away.
  * cosine    of the angle between the axis of a spot light and its cone, >= 0
  * interval  [in, out] its part in the cone; end < begin: there is none */
 VXS_FN void vxs_air_in_cone(VXS_AIR_RAY ray, vxs_real cosine, VXS_INOUT vxs_real2 interval)
 {
     vxs_real c = cosine, f = VXS_FIELD(ray, facing), b = VXS_FIELD(ray, before), h = VXS_FIELD(ray, beside);
-    vxs_real a = (f - c) * (f + c), square = b * b + a * h * h;
-    if (square < 0.0) {
+    vxs_real a = (f - c) * (f + c), square = b * b + a * h * h, along = VXS_FIELD(ray, along);
+    vxs_real half_sum = square > 0.0 ? -(f * b + (f * b < 0.0 ? -c : c) * sqrt(square)) : -f * b;
+    vxs_i32  ahead = f > 0.0 ? 1 : 0, is_near = ahead != 0 ? (b >= 0.0 ? 1 : 0) : (b > 0.0 ? 1 : 0);
+    /* half_sum / a is the root that is farther from 0; the nearer one is a product over half_sum */
+    vxs_real near = half_sum != 0.0 ? (b - c * h) * ((b + c * h) / half_sum) : VXS_REAL(0.0), far = a != 0.0 ? half_sum / a : near;
+    vxs_i32  none = a < 0.0 ? (square > 0.0 && f * (near + far) + 2.0 * b >= 0.0 ? 0 : 1) : (a > 0.0 || b > 0.0 ? 0 : 1);
+    if (none != 0)
         interval[1] = interval[0] - 1.0;
-        return;
+    else if (a < 0.0) {
+        if (along + (near < far ? near : far) > interval[0]) interval[0] = along + (near < far ? near : far);
+        if (along + (near < far ? far : near) < interval[1]) interval[1] = along + (near < far ? far : near);
+    } else if (f != 0.0) { /* from one of them on, the ray stays in the cone, or up to one of them */
+        vxs_real end = along + (is_near != 0 ? near : far);
+        if (ahead != 0 && end > interval[0]) interval[0] = end;
+        if (ahead == 0 && end < interval[1]) interval[1] = end;
     }
-    vxs_real half_sum =
-        -(f * b + (f * b < 0.0 ? -c : c) * sqrt(square)); /* roots half_sum / a and the other coefficient / half_sum */
-    vxs_real first = half_sum / a, second = (b - c * h) * (b + c * h) / half_sum;
-    vxs_real low = first < second ? first : second, high = first < second ? second : first, along = VXS_FIELD(ray, along);
-    if (a > 0.0) { /* from one of them on, the ray stays in the cone */
-        if (f > 0.0 && along + high > interval[0]) interval[0] = along + high;
-        if (f <= 0.0 && along + low < interval[1]) interval[1] = along + low;
-    } else if (a < 0.0 && f * (low + high) + 2.0 * b >= 0.0) {
-        if (along + low > interval[0]) interval[0] = along + low;
-        if (along + high < interval[1]) interval[1] = along + high;
-    } else
-        interval[1] = interval[0] - 1.0;
 }
 
 /* fog with a level top ------------------------------------------------------------------------------------------------------------ */

@@ -203,6 +203,69 @@ static void test_cones(void **state)
     assert_true(inside > 20000);
 }
 
+/* One interval of a ray in a cone, by places.   Returns how many places are in the cone */
+static uint32_t check_cone(const double to_lamp[3], const double direction[3], const double axis[3], double cosine)
+{
+    enum { PLACES = 400 };
+    vxs_air_ray ray      = vxs_air_ray_of_spot(to_lamp, direction, 1e-9, axis, 1, cosine);
+    double      part[2]  = {0, 100};
+    uint32_t    inside   = 0;
+    vxs_air_in_cone(&ray, cosine, part);
+    assert_true(part[0] == part[0] && part[1] == part[1]);
+    for (int k = 0; k < PLACES; k++) {
+        double x = k % 2 ? 100.0 * k / PLACES : pow(10, -6 + 8.0 * k / PLACES), way[3], dot = 0, square = 0;
+        for (int i = 0; i < 3; i++) {
+            way[i] = direction[i] * x - to_lamp[i];
+            dot += way[i] * axis[i];
+            square += way[i] * way[i];
+        }
+        double margin = dot - cosine * sqrt(square);
+        if (fabs(margin) < 1e-7 * (1 + sqrt(square)) * (1 + cosine)) continue; /* on the side itself */
+        if ((margin > 0) != (x >= part[0] && x <= part[1]))
+            fail_msg("at %g of a ray (%g %g %g) the lamp at (%g %g %g), cosine %g: margin %g, part [%g, %g]", x, direction[0], direction[1],
+                     direction[2], to_lamp[0], to_lamp[1], to_lamp[2], cosine, margin, part[0], part[1]);
+        inside += margin > 0;
+    }
+    return inside;
+}
+
+/* Rays that are parallel to a side of the cone to the last bit, and turned a little; through its tip, along its axis, along its side, and inside. */
+static void test_rays_along_cones(void **state)
+{
+    (void)state;
+    static const double turns[] = {0, 1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6, 1e-3};
+    static const double axis[3] = {0, -1, 0};
+    static const double lamps[][3] = {{-1, 5, 0}, {1, 5, 0}, {-3, 2, 0}, {-3, 2, 1}, {3, -2, 0}, {0, 5, 0}, {0, 1, 0}, {0, -4, 0}, {5, 0, 0}, {0, 0, 2}, {0, 0, 0}};
+    uint32_t parallel = 0, inside = 0;
+    double   most = 0;
+    for (int angle = 0; angle <= 90; angle += 5)
+        for (size_t t = 0; t < sizeof turns / sizeof *turns; t++)
+            for (size_t l = 0; l < sizeof lamps / sizeof *lamps; l++)
+                for (int back = -1; back <= 1; back += 2) {
+                    double cosine = angle == 90 ? 0 : cos(angle * M_PI / 180), side = sin(angle * M_PI / 180);
+                    double direction[3] = {back * side + turns[t], -back * cosine, 0}, size = 0, found[3];
+                    for (int i = 0; i < 3; i++) size += direction[i] * direction[i];
+                    for (int i = 0; i < 3 && turns[t] != 0; i++) direction[i] /= sqrt(size);
+                    parallel += fabs(direction[1]) == cosine;
+                    inside += check_cone(lamps[l], direction, axis, cosine);
+                    check_cone(lamps[l], direction, (const double[]){0, 1, 0}, cosine);
+                    if (angle == 0 || lamps[l][0] * lamps[l][0] + lamps[l][2] * lamps[l][2] == 0) continue;
+                    /* and what that part scatters */
+                    vxs_medium  medium = {{0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, 0.2};
+                    double      inner  = cosine + 0.3 * (1 - cosine);
+                    vxs_air_ray ray    = vxs_air_ray_of_spot(lamps[l], direction, 1e-2, axis, inner, cosine);
+                    air_passing p      = air_passing_of(direction, lamps[l], 1e-2, axis, inner, cosine), all = p;
+                    all.is_spot        = 0;
+                    vxs_air_lamp(&medium, &ray, 0, 50, found);
+                    double wanted = 0.1 * air_of_lamp(&p, 0.2, 0.1, 0, 50), scale = fmax(wanted, 0.001 * air_of_lamp(&all, 0.2, 0.1, 0, 50));
+                    assert_true(isfinite(found[0]));
+                    most = fmax(most, fabs(found[0] - wanted) / scale);
+                }
+    print_message("%u rays of cosines that are equal, %u places in cones; airlight off by %.1e at most\n", parallel, inside, most);
+    assert_true(parallel > 200 && inside > 10000);
+    assert_true(most < 5e-3);
+}
+
 /* Airlight of a metre is what reaches the place, times what turns there and is left on the way to the eye; where no path is, nothing reaches a place in the fog. */
 static void test_reaches(void **state)
 {
@@ -297,7 +360,7 @@ int main(void)
         cmocka_unit_test(test_spots),           cmocka_unit_test(test_points_below_top),
         cmocka_unit_test(test_spots_below_top), cmocka_unit_test(test_sun),
         cmocka_unit_test(test_phase),           cmocka_unit_test(test_cones),
-        cmocka_unit_test(test_reaches),
+        cmocka_unit_test(test_rays_along_cones), cmocka_unit_test(test_reaches),
         cmocka_unit_test(test_shader),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
