@@ -80,6 +80,7 @@ struct vxs_walk {
     vxs_i32   state;       /* and what that is; with VXS_SPAN_COARSE */
     vxs_i32   outside;     /* the state of what is outside: VXS_SPAN_OUTSIDE, unless the caller says otherwise */
     vxs_i32   steps;       /* that are left */
+    vxs_i32   pause;       /* with fewer left than this the walk ends at t, as if t_end was there; 0: it does not. Of a walk that has begun, the caller may set it */
     vxs_i32   map;
     vxs_int3  voxel, way; /* and which way each coordinate goes */
 
@@ -688,6 +689,7 @@ VXS_FN vxs_walk vxs_walk_of(VXS_LIGHT light, const vxs_real3 origin_ws, const vx
     w.end                 = t_end;
     w.state               = VXS_SPAN_NONE;
     w.steps               = VXS_WALK_STEPS * vxs_walk_side(light);
+    w.pause               = 0;
     w.outside             = VXS_SPAN_OUTSIDE;
     w.map                 = -1;
     w.in_tile             = 0;
@@ -702,13 +704,14 @@ VXS_INLINE vxs_i32 vxs_walk_next_of(VXS_WORDS words, VXS_LIGHT light, VXS_WALK w
     vxs_span s;
     s.begin = s.end = VXS_FIELD(w, begin);
     s.state         = VXS_SPAN_NONE;
-    while (found == 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end)) {
+    while (found == 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end) && VXS_FIELD(w, steps) >= VXS_FIELD(w, pause)) {
         vxs_real from = VXS_FIELD(w, t);
         if (VXS_FIELD(w, in_tile) == 0) {
             vxs_i32 next = vxs_walk_step(words, light, w);
             found        = vxs_walk_passed(w, from, next, only, VXS_REF(s));
         }
-        while (found == 0 && VXS_FIELD(w, in_tile) != 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end)) {
+        while (found == 0 && VXS_FIELD(w, in_tile) != 0 && VXS_FIELD(w, t) < VXS_FIELD(w, end) &&
+               VXS_FIELD(w, steps) >= VXS_FIELD(w, pause)) {
             from         = VXS_FIELD(w, t);
             vxs_i32 next = vxs_walk_through_texel(words, light, w);
             found        = vxs_walk_passed(w, from, next, only, VXS_REF(s));

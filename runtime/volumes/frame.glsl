@@ -5,7 +5,7 @@ layout(std140, binding = VXS_AT_FRAME) uniform vxs_frame_block {
     vec4                eye_far;        /* where eye rays begin; where they end that meet nothing, metres */
     vec4                sizes;          /* of the view: wide, high; empty depth; the fog's top */
     vec4                scattering;     /* and anisotropy */
-    vec4                extinction;
+    vec4                extinction;     /* and 2 */
     vec4                ambient;
     vec4                colour;         /* of the light, and its radius */
     vec4                place;          /* of a lamp; of the sun the way to it; and the inner cone's cosine */
@@ -26,6 +26,14 @@ layout(binding = VXS_AT_DEPTHS) uniform highp sampler2D vxs_depths;
 layout(binding = VXS_AT_MAP) uniform highp sampler2DArray vxs_map; /* of the light */
 layout(binding = VXS_AT_MESH) uniform highp usamplerBuffer vxs_mesh; /* corners, then places; or as mesh_quads.glsl has it */
 layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_airlight;
+
+/* Whether a driver has ended the loops of this invocation, so that none goes round twice any more: llvmpipe does so after 65535 rounds of all of them. */
+bool vxs_is_cut()
+{
+    int rounds = 0;
+    while (rounds < int(vxs_frame.extinction.w)) rounds++;
+    return rounds < 2;
+}
 
 /* The pixel of an invocation of 8 x 8 a group.   Returns whether it is drawn */
 #ifdef VXS_COMPUTE

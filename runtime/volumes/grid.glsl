@@ -24,7 +24,7 @@ layout(std430, binding = VXS_AT_GRID) VXS_GRID_ACCESS buffer vxs_grid_buffer {
     vec4  phi;
     ivec4 size; /* columns, rows, bits; runs of the lookup */
     ivec4 eye;  /* whether the light reaches it, as for vxs_grid_airlight; 1: rays lie between two rows */
-    ivec4 reserved;
+    uvec4 cut;  /* invocations of a voxelizer whose loops a driver ended */
     uint  words[];
 } vxs_grid;
 

@@ -13,7 +13,8 @@ typedef struct grid_head {
     float   alpha[2], theta[2];
     float   phi[4];
     int32_t columns, rows, bits, runs;
-    int32_t eye_lit, between_rows, reserved[6];
+    int32_t  eye_lit, between_rows, reserved[2];
+    uint32_t cut[4]; /* the first: invocations of the voxelizer that a driver ended early */
 } grid_head;
 enum { HEAD_TEXELS = sizeof(grid_head) / 16 };
 

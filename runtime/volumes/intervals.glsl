@@ -1,25 +1,36 @@
-/* A ray for each pixel, and where the asset says exactly that it is lit: no steps, but a closed form of each lit part. */
+/* A ray for each pixel, and where the asset says exactly that it is lit: no steps, but a closed form of each lit part.
+ *
+ * In pieces (knobs.x) a ray takes so many steps of its walk in a dispatch, before a driver ends its loops, and alpha says where it goes on: 0 where it is at
+ * its end. */
+#define VXS_INTERVALS_WHOLE 0.0
+#define VXS_INTERVALS_FIRST 1.0
+#define VXS_INTERVALS_STEPS 512
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
+layout(std430, binding = VXS_AT_GRID) restrict buffer vxs_cut_buffer { uint rays; } vxs_cut;
 
 void main()
 {
     ivec2 pixel;
     if (!vxs_pixel(pixel)) return;
+    bool  in_pieces = vxs_frame.knobs.x != VXS_INTERVALS_WHOLE, goes_on = vxs_frame.knobs.x > VXS_INTERVALS_FIRST;
+    vec4  before = imageLoad(airlight, pixel);
+    if (goes_on && before.a == 0.0) return;
     float        metres;
     vec3         direction = vxs_eye_ray(pixel, metres), sum = vec3(0.0), air;
     vxs_medium   medium = vxs_frame_medium();
     vxs_air_path path = vxs_eye_path(direction, metres);
-    /* behind VXS_AIR_DEPTH_MAX units of optical depth nothing is seen */
-    float        thin = min(medium.extinction.x, min(medium.extinction.y, medium.extinction.z));
-    if (thin * (path.end - path.begin) > VXS_AIR_DEPTH_MAX) path.end = path.begin + VXS_AIR_DEPTH_MAX / thin;
-    if (!(path.end > path.begin)) return;
-    vxs_walk     w = vxs_walk_of(vxs_frame.light, vxs_frame.eye_far.xyz, direction, path.begin, path.end);
+    float        begin = goes_on ? before.a : path.begin;
+    path.end = vxs_air_seen_to(medium, path, VXS_AIR_DEPTH_MAX);
+    if (!(path.end > begin)) return;
+    vxs_walk     w = vxs_walk_of(vxs_frame.light, vxs_frame.eye_far.xyz, direction, begin, path.end);
     vxs_span     span;
+    if (in_pieces) w.pause = w.steps - VXS_INTERVALS_STEPS;
     if (path.kind == VXS_LIGHT_KIND_DIRECTIONAL) w.outside = VXS_SPAN_LIT; /* where its map ends, the sun shines on */
     while (vxs_walk_next_lit(vxs_frame.light.dag, vxs_frame.light, w, span) != 0) {
         vxs_air_lit(medium, path, span.begin, span.end, air);
         sum += air;
     }
-    imageStore(airlight, pixel, imageLoad(airlight, pixel) + vec4(sum * vxs_frame.colour.rgb, 0.0));
+    if (w.t < w.end) atomicAdd(vxs_cut.rays, 1u);
+    imageStore(airlight, pixel, vec4(before.rgb + sum * vxs_frame.colour.rgb, in_pieces ? (w.t < w.end ? w.t : 0.0) : before.a));
 }

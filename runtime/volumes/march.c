@@ -3,13 +3,26 @@
 #include "transmittance_map.h"
 #include "volumes_state.h"
 
+/* Steps of a dispatch. llvmpipe ends all loops of an invocation after 65535 rounds, of which a step, with a lookup in a DAG and four curves of smoke, may take
+ * 100. */
+enum { STEPS_AT_ONCE = 512 };
+
+static void add_steps(vxs_volumes *v, gl_name program, const vxs_light_map *map, uint32_t steps)
+{
+    for (uint32_t first = 0; first < steps; first += STEPS_AT_ONCE) {
+        v->frame.first = first;
+        v->frame.end   = steps - first < STEPS_AT_ONCE ? steps : first + STEPS_AT_ONCE;
+        vxs_volumes_add(v, program, map ? vxs_light_map_texture(map) : 0);
+    }
+}
+
 /* In smoke. */
-static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map)
+static void march_dimmed(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map, uint32_t steps)
 {
     storage_kept kept = vxs_volumes_keep_storage(v);
     vxs_transmittance_set_reader(light->smoke, (vxs_curve_lookup)light->smoke_lookup);
     vxs_volumes_use_storage(v, light->smoke->buffer, 0);
-    vxs_volumes_add(v, v->curves[map ? PROGRAM_SMOKE_MARCH_MAP : PROGRAM_SMOKE_MARCH_ASSET], map ? vxs_light_map_texture(map) : 0);
+    add_steps(v, v->curves[map ? PROGRAM_SMOKE_MARCH_MAP : PROGRAM_SMOKE_MARCH_ASSET], map, steps);
     vxs_volumes_put_back_storage(v, &kept);
 }
 
@@ -26,16 +39,49 @@ vxs_result vxs_volumes_march(vxs_volumes *v, const vxs_volumes_light *light, con
     v->frame.knobs[1] = (float)which;
     v->frame.knobs[3] = light->constants ? 0 : (float)(light->baked + 1); /* whose baked smoke dims it */
     if (light->smoke)
-        march_dimmed(v, light, map);
+        march_dimmed(v, light, map, steps);
     else
-        vxs_volumes_add(v, v->programs[map ? PROGRAM_MARCH_MAP : PROGRAM_MARCH_ASSET], map ? vxs_light_map_texture(map) : 0);
+        add_steps(v, v->programs[map ? PROGRAM_MARCH_MAP : PROGRAM_MARCH_ASSET], map, steps);
+    return VXS_OK;
+}
+
+/* As intervals.glsl has them, which knows no more pieces than two. */
+enum { INTERVALS_WHOLE, INTERVALS_FIRST, INTERVALS_NEXT, PIECES_MAX = 65536 };
+
+static void add_intervals(vxs_volumes *v, int piece)
+{
+    static const uint32_t none = 0;
+    v->frame.knobs[0]          = (float)piece;
+    if (piece != INTERVALS_WHOLE) v->api.NamedBufferSubData(v->cut_buffer, 0, sizeof none, &none);
+    vxs_volumes_add(v, v->programs[PROGRAM_INTERVALS], 0);
+}
+
+static vxs_result intervals(vxs_volumes *v, const vxs_volumes_light *light, int in_pieces)
+{
+    if (light->constants || light->smoke) return VXS_E_ARGUMENT;
+    vxs_result result = vxs_volumes_set_light(v, light, NULL);
+    if (result != VXS_OK) return result;
+    storage_kept kept = vxs_volumes_keep_storage(v);
+    vxs_volumes_use_storage(v, v->cut_buffer, 0);
+    add_intervals(v, in_pieces ? INTERVALS_FIRST : INTERVALS_WHOLE);
+    for (uint32_t n = 0; in_pieces && n < PIECES_MAX && vxs_volumes_cut(v); n++) add_intervals(v, INTERVALS_NEXT);
+    vxs_volumes_put_back_storage(v, &kept);
     return VXS_OK;
 }
 
 vxs_result vxs_volumes_intervals(vxs_volumes *v, const vxs_volumes_light *light)
 {
-    if (light->constants || light->smoke) return VXS_E_ARGUMENT;
-    vxs_result result = vxs_volumes_set_light(v, light, NULL);
-    if (result == VXS_OK) vxs_volumes_add(v, v->programs[PROGRAM_INTERVALS], 0);
-    return result;
+    return intervals(v, light, 0);
+}
+
+vxs_result vxs_volumes_intervals_in_pieces(vxs_volumes *v, const vxs_volumes_light *light)
+{
+    return intervals(v, light, 1);
+}
+
+uint32_t vxs_volumes_cut(const vxs_volumes *v)
+{
+    uint32_t rays = 0;
+    v->api.GetNamedBufferSubData(v->cut_buffer, 0, sizeof rays, &rays);
+    return rays;
 }

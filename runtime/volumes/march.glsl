@@ -1,5 +1,8 @@
 /* A ray for each pixel, and at the middle of each step how much of the light reaches it: all or none by the light's map, or of the
- * asset, and what smoke leaves. */
+ * asset, and what smoke leaves. map.z, map.w: the first step that is added up, and the end: march.c makes pieces of many steps, because drivers end all loops
+ * of an invocation after 65535 rounds. The ray ends where nothing is left of its light. */
+#define VXS_MARCH_DEPTH 12.0 /* units of optical depth: e^-12 */
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2D airlight;
 
@@ -25,16 +28,16 @@ float left(vec3 at)
     return some;
 }
 
-/* Equal steps of metres: what a metre scatters at the middle, times the step. */
+/* Equal steps of metres: what a metre of the step scatters, times the step. */
 vec3 march_even(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
     float step = (path.end - path.begin) / float(steps);
-    for (int n = 0; n < steps; n++) {
+    for (int n = int(vxs_frame.map.z); n < int(vxs_frame.map.w); n++) {
         float x = path.begin + (float(n) + 0.5) * step;
         float part = left(vxs_frame.eye_far.xyz + x * direction);
         if (part == 0.0) continue;
-        vxs_air_at(medium, path, x, air);
+        vxs_air_step(medium, path, x, step, air);
         sum += air * (part * step);
     }
     return sum;
@@ -47,7 +50,7 @@ vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps
     vxs_air_ray  ray = path.passed;
     float        k = vxs_air_sharpness(medium);
     vxs_air_part part = vxs_air_part_between(ray, k, path.begin, path.end - path.begin);
-    for (int n = 0; n < steps; n++) {
+    for (int n = int(vxs_frame.map.z); n < int(vxs_frame.map.w); n++) {
         float more = vxs_air_more_at(part, (float(n) + 0.5) / float(steps));
         float some = left(vxs_frame.eye_far.xyz + (path.begin + vxs_air_metres_of(ray, part, more)) * direction);
         if (some > 0.0) vxs_air_add_node(medium, ray, k, part, path.begin - ray.in_fog, more, some * part.wide / float(steps), sum);
@@ -59,11 +62,15 @@ vec3 march_angle(vxs_medium medium, vxs_air_path path, vec3 direction, int steps
 vec3 march_sun(vxs_medium medium, vxs_air_path path, vec3 direction, int steps)
 {
     vec3  sum = vec3(0.0), air;
-    float thinnest = min(medium.extinction.r, min(medium.extinction.g, medium.extinction.b)), begin = path.begin;
-    float turn = max(path.slope, 0.0) * thinnest, gone = 1.0 - exp(-turn * (path.end - path.begin));
-    for (int n = 0; n < steps; n++) {
-        float share = float(n + 1) / float(steps), end = path.begin + share * (path.end - path.begin);
-        if (gone > 1e-3) end = n + 1 == steps ? path.end : path.begin - log(1.0 - share * gone) / turn;
+    float thinnest = min(medium.extinction.r, min(medium.extinction.g, medium.extinction.b));
+    float turn = max(path.slope, 0.0) * thinnest, gone = 1.0 - exp(-turn * (path.end - path.begin)), begin = path.begin;
+    for (int n = int(vxs_frame.map.z); n <= int(vxs_frame.map.w); n++) {
+        float share = float(n) / float(steps), end = path.begin + share * (path.end - path.begin);
+        if (gone > 1e-3) end = n == steps ? path.end : path.begin - log(1.0 - share * gone) / turn;
+        if (n == int(vxs_frame.map.z)) { /* where the first one begins */
+            begin = end;
+            continue;
+        }
         float part = left(vxs_frame.eye_far.xyz + 0.5 * (begin + end) * direction);
         if (part > 0.0) {
             vxs_air_lit(medium, path, begin, end, air);
@@ -83,6 +90,7 @@ void main()
     vxs_medium   medium = vxs_frame_medium();
     vxs_air_path path = vxs_eye_path(direction, metres);
     int          steps = int(vxs_frame.knobs.x);
+    path.end = vxs_air_seen_to(medium, path, VXS_MARCH_DEPTH);
     if (!(path.end > path.begin)) return;
     if (vxs_frame.knobs.y == 0.0)
         sum = march_even(medium, path, direction, steps);

@@ -99,14 +99,16 @@ static double metres_in_fog(const frame_block *f, double distance)
     return high > (double)f->top_metres ? fmax((double)f->top_metres - low, 0) : distance;
 }
 
-/* Where a lamp's airlight is more than `least` is within so many metres.   way  through the fog */
-static double metres_of(const frame_block *f, double least, double way)
+/* A lamp's airlight along a ray that passes it at a distance of 1 m, at most; at others it is over the distance. */
+static double most_at_a_metre(const frame_block *f)
 {
     const double pi = 3.14159265358979324;
-    double       g = fabs((double)f->anisotropy), phase = (1 + g) / (4 * pi * (1 - g) * (1 - g)), most = 0;
+    double       g = fabs((double)f->anisotropy), phase = (1 + g) / (4 * pi * (1 - g) * (1 - g)), most = 0, square = 0;
+    for (int n = 0; n < 3; n++) square += ((double)f->place[n] - (double)f->eye[n]) * ((double)f->place[n] - (double)f->eye[n]);
     for (int n = 0; n < 3; n++)
-        most = fmax(most, (double)f->colour[n] * (double)f->scattering[n] * exp(-(double)f->extinction[n] * way));
-    return least > 0 ? pi * phase * most / least : INFINITY;
+        most = fmax(most, (double)f->colour[n] * (double)f->scattering[n] *
+                              exp(-(double)f->extinction[n] * metres_in_fog(f, sqrt(square))));
+    return pi * phase * most;
 }
 
 /* The sun's airlight, at most. */
@@ -140,11 +142,18 @@ static int is_light_clear(const frame_block *f)
     return lit.middle[1] + (double)f->eye[1] - lit.radius > (double)f->top_metres;
 }
 
+double vxs_volumes_find_most(const vxs_volumes *v)
+{
+    const frame_block *f = &v->frame;
+    return f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL ? most_of_sun(f) : most_at_a_metre(f) / (double)f->radius_metres;
+}
+
 vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
 {
     const frame_block *f    = &v->frame;
     uint32_t           wide = (uint32_t)f->wide_px, high = (uint32_t)f->high_px, across[2] = {0, wide}, up[2] = {0, high};
     double             least = (double)v->least;
+    double             at_a_metre;
     projection         p;
     int                is_seen = projection_of(f, &p);
     *pixels                    = (vxs_pixels){0, 0, wide, high};
@@ -152,8 +161,8 @@ vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels)
     if (f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL) return most_of_sun(f) > least || least == 0 ? VXS_REACH_SEEN : VXS_REACH_FAINT;
     sphere lit = sphere_of_range(f), bright = {{0}, 0};
     for (int n = 0; n < 3; n++) bright.middle[n] = (double)f->place[n] - (double)f->eye[n];
-    double distance = sqrt(dot(bright.middle, bright.middle));
-    bright.radius   = metres_of(f, least, metres_in_fog(f, distance));
+    at_a_metre    = most_at_a_metre(f);
+    bright.radius = least > 0 ? at_a_metre / least : INFINITY;
     if (bright.radius < (double)f->radius_metres) return VXS_REACH_FAINT;
     if (!is_seen) return VXS_REACH_SEEN;
     const sphere *both[2] = {&lit, &bright};

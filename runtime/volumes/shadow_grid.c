@@ -79,6 +79,13 @@ unsigned vxs_shadow_grid_buffer(const vxs_shadow_grid *grid)
     return grid->buffer;
 }
 
+uint32_t vxs_shadow_grid_cut(const vxs_shadow_grid *grid)
+{
+    grid_head head;
+    grid->volumes->api.GetNamedBufferSubData(grid->buffer, 0, sizeof head, &head);
+    return head.cut[0];
+}
+
 static vxs_epipolar space_of(const frame_block *f)
 {
     int               is_sun = f->light.kind == VXS_LIGHT_KIND_DIRECTIONAL;

@@ -188,6 +188,13 @@ static void clear(const vxs_transmittance_map *map)
                                  (gl_bytes)(texels_of(map) * RECORD_BYTES), GL_FORMAT_RGBA_INTEGER, GL_TYPE_UNSIGNED_INT, record);
 }
 
+/* So that a workgroup of 64 goes no more than 16384 times round its texels. */
+static uint32_t capture_parts(const vxs_transmittance_map *map)
+{
+    enum { TEXELS = 64 * 16384 };
+    return (uint32_t)(((uint64_t)map->side_px * map->side_px + TEXELS - 1) / TEXELS);
+}
+
 void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsules *capsules, const vxs_light_map *opaque)
 {
     const vxs_volumes *v     = map->volumes;
@@ -197,7 +204,8 @@ void vxs_transmittance_capture(const vxs_transmittance_map *map, const vxs_capsu
     vxs_transmittance_set(map, opaque, count);
     clear(map);
     vxs_volumes_use_storage(v, map->buffer, capsules->list ? map->capsules : capsules->buffer);
-    if (map->segment_room && count) dispatch(v, map->capture, opaque, across, (count + across - 1) / across, 1);
+    if (map->segment_room && count)
+        dispatch(v, map->capture, opaque, across, (count + across - 1) / across, map->layers * capture_parts(map));
 }
 
 static int is_of_its_light(const vxs_transmittance_map *map, const vxs_light_map *opaque)

@@ -18,7 +18,8 @@ void main()
     bool      is_one = all(lessThan(texel.xy, ivec2(vxs_frame.counts.w)));
     float     opaque = is_one ? vxs_opaque_depth(texel) : VXS_NO_END;
     vxs_curve curve = vxs_curve_empty();
-    for (uint first = 0u; first < count; first += 64u) {
+    uint first = 0u, bits = 0u;
+    for (; first < count; first += 64u) {
         if (own < 2u) seen[own] = 0u;
         barrier();
         if (first + own < count) {
@@ -29,7 +30,7 @@ void main()
         }
         barrier();
         for (uint half_of_them = 0u; half_of_them < 2u; half_of_them++)
-            for (uint bits = is_one ? seen[half_of_them] : 0u; bits != 0u; bits &= bits - 1u) {
+            for (bits = is_one ? seen[half_of_them] : 0u; bits != 0u; bits &= bits - 1u) {
                 uint        n = 32u * half_of_them + uint(findLSB(bits));
                 vxs_capsule c = vxs_capsule(begins[n].xyz, begins[n].w, ends[n].xyz, ends[n].w);
                 vec3        segment;
@@ -37,6 +38,7 @@ void main()
             }
         barrier();
     }
+    if (is_one && (first < count || bits != 0u)) atomicAdd(vxs_curves.cut, 1u); /* a driver ended the loops */
     vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
     if (is_one) vxs_curve_store(vxs_curve_texel(texel), curve);
 }

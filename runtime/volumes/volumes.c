@@ -72,10 +72,11 @@ static vxs_result make(vxs_volumes *v, const vxs_volumes_desc *desc)
     v->airlight = vxs_volumes_texture(v, GL_FORMAT_RGBA32F, v->width_px, v->height_px, 0);
     v->api.CreateBuffers(1, &v->frame_buffer);
     v->api.NamedBufferStorage(v->frame_buffer, sizeof v->frame, NULL, GL_STORAGE_DYNAMIC);
+    v->cut_buffer = vxs_volumes_buffer(v, sizeof(uint32_t));
     v->api.CreateVertexArrays(1, &v->vertex_array);
     v->api.CreateFramebuffers(1, &v->target);
     v->api.NamedFramebufferTexture(v->target, GL_ATTACHMENT_COLOUR, v->airlight, 0);
-    if (!v->airlight || v->api.GetError() != GL_ERROR_NONE) return VXS_E_MEMORY;
+    if (!v->airlight || !v->cut_buffer || v->api.GetError() != GL_ERROR_NONE) return VXS_E_MEMORY;
     return make_programs(v) ? VXS_OK : VXS_E_GL;
 }
 
@@ -112,6 +113,7 @@ void vxs_volumes_destroy(vxs_volumes *v)
     vxs_allocator memory = v->memory;
     if (v->airlight) v->api.DeleteTextures(1, &v->airlight);
     if (v->frame_buffer) v->api.DeleteBuffers(1, &v->frame_buffer);
+    if (v->cut_buffer) v->api.DeleteBuffers(1, &v->cut_buffer);
     if (v->vertex_array) v->api.DeleteVertexArrays(1, &v->vertex_array);
     if (v->target) v->api.DeleteFramebuffers(1, &v->target);
     for (int n = 0; n < VOLUMES_PROGRAMS; n++)
@@ -160,15 +162,17 @@ vxs_result vxs_volumes_begin(vxs_volumes *v, const vxs_volumes_frame *f)
                                      .high_px     = (float)f->view.height_px,
                                      .empty_depth = f->view.empty_depth,
                                      .top_metres  = f->top_metres < (float)VXS_AIR_EVERYWHERE ? f->top_metres : 1e38F,
-                                     .anisotropy  = f->anisotropy};
+                                     .anisotropy  = f->anisotropy,
+                                     .two         = 2};
     v->depth_texture = f->depth_texture;
-    v->least         = f->least;
+    v->least = v->frame_least = f->least;
     memcpy(to->point_from_depth, f->view.point_from_depth, sizeof to->point_from_depth);
     memcpy(to->eye, f->eye, sizeof to->eye);
     memcpy(to->scattering, f->scattering, sizeof to->scattering);
     memcpy(to->extinction, f->extinction, sizeof to->extinction);
     memcpy(to->ambient, f->ambient, sizeof to->ambient);
     v->api.ClearTexImage(v->airlight, 0, GL_FORMAT_RGBA, GL_TYPE_FLOAT, NULL);
+    v->api.ClearNamedBufferSubData(v->cut_buffer, GL_FORMAT_R32UI, 0, sizeof(uint32_t), GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);
     return VXS_OK;
 }
 
@@ -185,6 +189,7 @@ vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light,
     if (!is_sun && !(light->radius_metres > 0 && isfinite(light->radius_metres))) return VXS_E_ARGUMENT;
     memcpy(to->colour, light->colour, sizeof to->colour);
     to->radius_metres = light->radius_metres;
+    v->least          = light->least > 0 ? light->least : v->frame_least;
     to->cos_inner     = light->cos_inner > c->cos_outer ? light->cos_inner : c->cos_outer;
     const float *z = c->ls_from_ws + 8, length = sqrtf(z[0] * z[0] + z[1] * z[1] + z[2] * z[2]);
     for (int n = 0; n < 3; n++) {
@@ -196,6 +201,11 @@ vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light,
     to->map_side_px = map ? map->side_px : 0;
     to->map_layers  = map ? map->layers : 0;
     return VXS_OK;
+}
+
+float vxs_volumes_most(vxs_volumes *v, const vxs_volumes_light *light)
+{
+    return vxs_volumes_set_light(v, light, NULL) == VXS_OK ? (float)vxs_volumes_find_most(v) : 0;
 }
 
 vxs_reach vxs_volumes_reach(vxs_volumes *v, const vxs_volumes_light *light, vxs_pixels *pixels)

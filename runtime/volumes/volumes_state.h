@@ -12,7 +12,7 @@ typedef struct frame_block {
     float               eye[3], far_metres;
     float               wide_px, high_px, empty_depth, top_metres;
     float               scattering[3], anisotropy;
-    float               extinction[3], reserved_0;
+    float               extinction[3], two; /* a number that a compiler of shaders does not know */
     float               ambient[3], reserved_1;
     float               colour[3], radius_metres;
     float               place[3], cos_inner;
@@ -70,9 +70,10 @@ struct vxs_volumes {
     vxs_gl     *shadows;
     uint32_t    width_px, height_px, first_unit, first_storage;
     gl_name     airlight, frame_buffer, vertex_array, target; /* target: to draw into airlight */
+    gl_name     cut_buffer;                                   /* how many rays of the frame were cut short */
     gl_name     programs[VOLUMES_PROGRAMS], curves[CURVES_PROGRAMS], maps[NODES_KINDS][NODES_PROGRAMS];
     frame_block frame;
-    float       least;         /* as vxs_volumes_frame has it */
+    float       frame_least, least; /* as vxs_volumes_frame has it; and that of the light */
     gl_name     depth_texture; /* of the frame; 0: none has begun */
 };
 
@@ -149,6 +150,9 @@ void        vxs_volumes_put_back_raster(const vxs_volumes *v, const raster_kept 
 
 /* The light of what follows, for shaders.   map  NULL: none.   Returns VXS_OK; VXS_E_ARGUMENT without a frame or such a light. */
 vxs_result vxs_volumes_set_light(vxs_volumes *v, const vxs_volumes_light *light, const vxs_light_map *map);
+
+/* The most airlight of it that a ray can have. */
+double vxs_volumes_find_most(const vxs_volumes *v);
 
 /* Which of the frame's pixels may see that light.   Returns why there are none */
 vxs_reach vxs_volumes_find_reach(const vxs_volumes *v, vxs_pixels *pixels);

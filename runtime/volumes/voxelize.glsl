@@ -308,4 +308,5 @@ void main()
         for (uint k = 0u; k < 3u; k++) read[k] = corners[3u * n + k];
         voxelize(space, size, of_grid < 0 ? of_grid + size.rows : of_grid >= size.rows ? of_grid - size.rows : of_grid, read);
     }
+    if (vxs_is_cut()) atomicAdd(vxs_grid.cut.x, 1u);
 }

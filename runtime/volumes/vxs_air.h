@@ -358,6 +358,13 @@ VXS_FN vxs_real vxs_air_mean_left(vxs_real x)
     return (1.0 - exp(-x)) / x;
 }
 
+/* The mean of exp(-dense * way) where a way changes by `change` about a middle. */
+VXS_FN vxs_real vxs_air_mean_about(vxs_real dense, vxs_real way, vxs_real change)
+{
+    vxs_real nearer = way - 0.5 * change; /* no exponent is positive */
+    return exp(-dense * (nearer > 0.0 ? nearer : VXS_REAL(0.0))) * vxs_air_mean_left(dense * change);
+}
+
 /* The light that reaches x and turns there has gone way + slope * (x - begin) through the medium until it meets the eye. Without a top of
  * the fog, way = begin and slope = 1: what it went before is in the sun's colour. Below a top, for a ray that is in fog from `in` on and a sun
  * that stands at to_sun, of length 1, way = begin - in + (top - height at begin) / to_sun.y, slope = 1 - up / to_sun.y.

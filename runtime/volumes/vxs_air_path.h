@@ -2,9 +2,10 @@
  * stands on vxs_air.h.
  *
  *     vxs_air_path_of    the part of the ray that scatters the light: in fog, in the cone, in range
+ *     vxs_air_seen_to    where it ends, as far as anything is left of its light
  *     vxs_air_lit        airlight of what is lit of it between two places
- *     vxs_air_at         airlight of a metre at a place: the integrand, for marches
- *     vxs_air_place_at   where equal steps of an angle lead, for marches
+ *     vxs_air_at         airlight of a metre at a place: the integrand
+ *     vxs_air_step       airlight of a metre in the mean of a step, for marches
  *
  * Numbers are those of vxs_air.h. A technique for shadows in fog says which parts of the path are lit; this is all that it has to know of
  * media and lights.
@@ -88,6 +89,29 @@ VXS_FN vxs_air_path vxs_air_path_of(VXS_AIR_LIGHT light, const vxs_real3 eye, co
     return path;
 }
 
+/* Where all channels have lost so many units of optical depth more than at the begin: marches and walks need not go farther.
+ * depth    e^-depth of the path's airlight may be left out
+ * Returns its end where that comes first */
+VXS_FN vxs_real vxs_air_seen_to(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real depth)
+{
+    vxs_real  begin = VXS_FIELD(path, begin), end = VXS_FIELD(path, end), more;
+    vxs_real2 dense;
+    vxs_air_extremes(medium, dense);
+    if (!(dense[0] * (end - begin) > 0.0)) return end;
+    more = depth / dense[0];
+    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL)
+        return VXS_FIELD(path, slope) * (end - begin) > more ? begin + more / VXS_FIELD(path, slope) : end;
+    if (VXS_FIELD(path, passed).above > 0.0) { /* by the eye's part of the way alone: the lamp's may get shorter */
+        vxs_real fog = VXS_FIELD(path, passed).in_fog, way = vxs_air_way_at(VXS_REF_OF(path, passed), begin - fog);
+        vxs_real behind = vxs_air_way_at(VXS_REF_OF(path, passed), end - fog);
+        vxs_real seen   = fog + (way < behind ? way : behind) + more;
+        return seen < end ? seen : end;
+    }
+    vxs_real detour = vxs_air_detour(VXS_REF_OF(path, passed), begin - VXS_FIELD(path, passed).along) + more;
+    vxs_real seen   = vxs_air_place_of(VXS_REF_OF(path, passed), detour);
+    return seen < end ? seen : end;
+}
+
 /* Airlight of [begin, end], of which the path's part counts; all of it is lit.
  * airlight  [out] for an intensity or irradiance of 1; finite, >= 0 */
 VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vxs_real end, VXS_OUT vxs_real3 airlight)
@@ -104,26 +128,45 @@ VXS_FN void vxs_air_lit(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real begin, vx
         vxs_air_lamp(medium, VXS_REF_OF(path, passed), first, last - first, airlight);
 }
 
+/* What a metre at x on the path scatters toward the eye, before anything is lost on the way.
+ * way  [out] through the medium, of light that turns there: how long, and by how much that changes in a metre */
+VXS_FN vxs_real vxs_air_strength_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real2 way)
+{
+    vxs_real g = VXS_FIELD(medium, anisotropy);
+    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
+        way[1] = VXS_FIELD(path, slope);
+        way[0] = VXS_FIELD(path, way) + way[1] * (x - VXS_FIELD(path, begin));
+        return vxs_air_phase(g, VXS_FIELD(path, cosine));
+    }
+    vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
+    vxs_real metres = x - VXS_FIELD(path, passed).in_fog, rim = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
+    rim             = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
+    rim             = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
+    rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
+    rim *= vxs_air_window(r, VXS_FIELD(path, passed).per_range);
+    way[0] = vxs_air_way(VXS_REF_OF(path, passed), metres, r);
+    way[1] = vxs_air_way_rate(VXS_REF_OF(path, passed), metres, r, y / r);
+    return rim * vxs_air_phase(g, -y / r) / (r * r);
+}
+
 /* Airlight of a metre at x, on the path. */
 VXS_FN void vxs_air_at(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, VXS_OUT vxs_real3 airlight)
 {
-    vxs_real g = VXS_FIELD(medium, anisotropy), way, strength;
-    if (VXS_FIELD(path, kind) == VXS_LIGHT_KIND_DIRECTIONAL) {
-        way      = VXS_FIELD(path, way) + VXS_FIELD(path, slope) * (x - VXS_FIELD(path, begin));
-        strength = vxs_air_phase(g, VXS_FIELD(path, cosine));
-    } else {
-        vxs_real h = VXS_FIELD(path, passed).beside, y = x - VXS_FIELD(path, passed).along, r = sqrt(h * h + y * y);
-        vxs_real rim = (VXS_FIELD(path, passed).before + y * VXS_FIELD(path, passed).facing) / r;
-        rim          = rim * VXS_FIELD(path, passed).rim_scale + VXS_FIELD(path, passed).rim_offset;
-        rim          = rim < 0.0 ? VXS_REAL(0.0) : rim > 1.0 ? VXS_REAL(1.0) : rim;
-        rim *= VXS_FIELD(path, passed).is_face != 0 ? VXS_REAL(1.0) : rim;
-        rim *= vxs_air_window(r, VXS_FIELD(path, passed).per_range);
-        way      = vxs_air_way(VXS_REF_OF(path, passed), x - VXS_FIELD(path, passed).in_fog, r);
-        strength = rim * vxs_air_phase(g, -y / r) / (r * r);
-    }
-    if (way < 0.0) way = VXS_REAL(0.0);
+    vxs_real2 way;
+    vxs_real  strength = vxs_air_strength_at(medium, path, x, way);
+    if (way[0] < 0.0) way[0] = VXS_REAL(0.0);
     for (vxs_i32 n = 0; n < 3; n++)
-        airlight[n] = VXS_FIELD(medium, scattering)[n] * strength * exp(-VXS_FIELD(medium, extinction)[n] * way);
+        airlight[n] = VXS_FIELD(medium, scattering)[n] * strength * exp(-VXS_FIELD(medium, extinction)[n] * way[0]);
+}
+
+/* The same in the mean of a step of so many metres about x: what the medium leaves is averaged, so that thick fog takes no more of a long step than of
+ * short ones. */
+VXS_FN void vxs_air_step(VXS_MEDIUM medium, VXS_AIR_PATH path, vxs_real x, vxs_real metres, VXS_OUT vxs_real3 airlight)
+{
+    vxs_real2 way;
+    vxs_real  strength = vxs_air_strength_at(medium, path, x, way), change = vxs_abs(way[1]) * metres;
+    for (vxs_i32 n = 0; n < 3; n++)
+        airlight[n] = VXS_FIELD(medium, scattering)[n] * strength * vxs_air_mean_about(VXS_FIELD(medium, extinction)[n], way[0], change);
 }
 
 #endif

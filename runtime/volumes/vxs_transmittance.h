@@ -103,7 +103,7 @@ typedef struct vxs_transmittance_counts {
                             comes through there */
 } vxs_transmittance_counts;
 
-/* Of the last build; without lists all 0. Waits for the graphics processor. */
+/* Of the last build; without lists only cut_texels. Waits for the graphics processor. */
 vxs_transmittance_counts vxs_transmittance_map_counts(const vxs_transmittance_map *map);
 
 /* The buffer: 16 bytes of counts; from there on, as vxs_curve.h stores them, the curves of all texels, row by row, layer by layer. Valid until

@@ -65,7 +65,8 @@ typedef struct vxs_volumes_frame {
     vxs_view view;       /* of vxs_gl.h; filter_px is not used */
     float    eye[3];     /* where all eye rays begin */
     float    far_metres; /* where a ray ends that meets nothing, > 0 */
-    float    least; /* airlight that is not worth a pass: lights, and pixels, that have no more of any are left out. 0: none are */
+    float    least; /* airlight that is not worth a pass: a light is left out that has no more of it, and pixels that have no more of a light. 0: nothing is.
+                       It bounds what is left out of one light; vxs_volumes_light has another for each, so that a caller bounds the sum of all */
     unsigned depth_texture; /* GL_TEXTURE_2D of view.width_px x view.height_px depths or R32F; level 0 is read */
 } vxs_volumes_frame;
 
@@ -85,6 +86,8 @@ typedef struct vxs_volumes_light {
      * VXS_E_ARGUMENT. NULL: nothing does */
     const struct vxs_transmittance_map *smoke;
     uint32_t                            smoke_lookup; /* as vxs_curve_lookup has it */
+
+    float least; /* airlight of this light that is not worth a pass; 0: the frame's */
 } vxs_volumes_light;
 
 /* Why a light is left out of a frame. */
@@ -105,6 +108,10 @@ typedef struct vxs_pixels {
  * pixels  [out]
  * Returns VXS_REACH_BESIDE also for what the techniques refuse. */
 vxs_reach vxs_volumes_reach(vxs_volumes *volumes, const vxs_volumes_light *light, vxs_pixels *pixels);
+
+/* The most airlight of a light that any ray of the frame can have in any channel, whatever is in shadow. Lights of which this adds up to no more than a bound
+ * may be left out together.   Returns 0 for what the techniques refuse */
+float vxs_volumes_most(vxs_volumes *volumes, const vxs_volumes_light *light);
 
 /* Airlight, linear: RGBA32F, of the size of create, of which the view's corner is used; rows as those of the depths. Alpha is not used. Valid until
  * vxs_volumes_destroy. */
@@ -226,11 +233,25 @@ typedef struct vxs_casters {
 vxs_result vxs_volumes_grid_cast(vxs_volumes *volumes, const vxs_volumes_light *light, const vxs_light_map *map,
                                  vxs_shadow_grid *grid, uint32_t runs, const vxs_casters *casters, uint32_t count);
 
+/* Invocations of the last vxs_volumes_grid_cast that a driver ended early: shadows of some triangles are missing, or where models are closed
+ * (VXS_VOXELS_SOLID) wrong. llvmpipe ends all loops of an invocation after 65535 rounds, which 64 triangles may take that fill the view of a grid of 512
+ * bits and columns: give them as VXS_VOXELS_RAYS, or in parts, to a smaller grid. 0 with other drivers.   Waits for the graphics processor. */
+uint32_t vxs_shadow_grid_cut(const vxs_shadow_grid *grid);
+
 /* exact intervals ----------------------------------------------------------------------------------------------------------------- */
 
 /* Add a baked light's airlight by the parts of each ray that it reaches, exactly to the voxel (vxs_intervals.h): the limit of marches of the
  * asset. Where pages are missing, by the coarse answer. Returns VXS_OK, or VXS_E_ARGUMENT, as of a light that is not baked. */
 vxs_result vxs_volumes_intervals(vxs_volumes *volumes, const vxs_volumes_light *light);
+
+/* Rays of vxs_volumes_intervals that a driver ended early, in the frame that has begun: behind the place where it did so they have no airlight. llvmpipe,
+ * which draws without a graphics card, ends all loops of an invocation after 65535 rounds; a ray that grazes more than some ten thousand texels takes more.
+ * 0 with other drivers.   Waits for the graphics processor. */
+uint32_t vxs_volumes_cut(const vxs_volumes *volumes);
+
+/* The same as vxs_volumes_intervals in as many dispatches as its longest ray takes, none of which a driver ends early. It waits for the graphics processor
+ * behind each of them, so that it is for llvmpipe, and for pictures; and alpha of the airlight is 0 behind it. */
+vxs_result vxs_volumes_intervals_in_pieces(vxs_volumes *volumes, const vxs_volumes_light *light);
 
 /* polygonal light volumes --------------------------------------------------------------------------------------------------------- */
 

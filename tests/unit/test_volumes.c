@@ -52,17 +52,22 @@ typedef struct seen {
     double            metres[PIXELS], wanted[3 * PIXELS];
 } seen;
 
-static void see(const volumes_scene *s, int camera, int light, double top, seen *v)
+static void see_in(const volumes_scene *s, int camera, int light, const vxs_medium *medium, double top, seen *v)
 {
     volumes_camera    c = camera_at(eyes[camera], looks[camera], 0.8);
     vxs_volumes_light l = scene_light(light);
-    v->frame            = scene_frame(s, &c, &haze, top, 30, v->metres);
+    v->frame            = scene_frame(s, &c, medium, top, 30, v->metres);
     memset(v->wanted, 0, sizeof v->wanted);
     for (uint32_t n = 0; n < PIXELS; n++) {
         double direction[3];
         camera_ray(s, &c, n % WIDE, n / WIDE, direction);
-        scene_airlight(s, &l, &haze, top, c.eye, direction, v->metres[n], v->wanted + 3 * (size_t)n);
+        scene_airlight(s, &l, medium, top, c.eye, direction, v->metres[n], v->wanted + 3 * (size_t)n);
     }
+}
+
+static void see(const volumes_scene *s, int camera, int light, double top, seen *v)
+{
+    see_in(s, camera, light, &haze, top, v);
 }
 
 static vxs_light_map *filled_map(const volumes_scene *s, int light, uint32_t side_px, int moves)
@@ -160,6 +165,98 @@ static void test_marches(void **state)
         vxs_light_map_destroy(map);
     }
     assert_int_equal(s.gl->GetError(), GL_NO_ERROR);
+    scene_close(&s);
+}
+
+/* In fog of which a ray sees a thirtieth or less, and in fog of which one channel is thin and another thick, a march of few steps loses nothing. */
+static void test_marches_in_dense_fog(void **state)
+{
+    (void)state;
+    static const vxs_medium media[] = {{{0.9, 0.9, 0.9}, {1, 1, 1}, 0.3}, {{9, 9, 9}, {10, 10, 10}, 0}, {{0.02, 0.5, 4}, {0.02, 1, 5}, 0.5}};
+    volumes_scene s;
+    static seen   v;
+    float         pixels[4 * PIXELS];
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    for (int light = 0; light < SCENE_LIGHTS; light++) {
+        vxs_volumes_light l = scene_light(light);
+        for (size_t k = 0; k < sizeof media / sizeof *media; k++) {
+            double top = k == 1 && light != SCENE_POINT ? 3 : VXS_AIR_EVERYWHERE; /* lamps above it, too */
+            see_in(&s, light == SCENE_SUN ? 0 : 2, light, &media[k], top, &v);
+            for (int which = VXS_STEPS_EVEN; which <= VXS_STEPS_ANGLE; which++) {
+                double mean;
+                assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+                assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, 32, (vxs_steps)which), VXS_OK);
+                scene_read(&s, pixels);
+                double error = error_of(pixels, v.wanted, &mean);
+                if (getenv("VXS_VERBOSE"))
+                    print_message("light %d, medium %zu, %s: brighter by %.4f, error %.4f\n", light, k, which ? "angle" : "even", mean, error);
+                assert_true(fabs(mean) < 0.03 && error < 0.03);
+            }
+        }
+    }
+    scene_close(&s);
+}
+
+/* A march of more steps than a driver's loops have rounds for is that of fewer. */
+static void test_many_steps(void **state)
+{
+    (void)state;
+    volumes_scene s;
+    static seen   v;
+    static float  pixels[2][4 * PIXELS];
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    for (int light = 0; light < SCENE_LIGHTS; light += 2) {
+        vxs_volumes_light l = scene_light(light);
+        double            some[3 * PIXELS], mean;
+        see(&s, 1, light, VXS_AIR_EVERYWHERE, &v);
+        for (int n = 0; n < 2; n++) {
+            assert_int_equal(vxs_volumes_begin(s.volumes, &v.frame), VXS_OK);
+            assert_int_equal(vxs_volumes_march(s.volumes, &l, NULL, n ? 16000 : 700, VXS_STEPS_ANGLE), VXS_OK);
+            scene_read(&s, pixels[n]);
+        }
+        for (int n = 0; n < 3 * PIXELS; n++) some[n] = (double)pixels[0][4 * (n / 3) + n % 3];
+        assert_true(error_of(pixels[1], some, &mean) < 2e-3);
+        assert_true(error_of(pixels[1], v.wanted, &mean) < 1e-3);
+    }
+    scene_close(&s);
+}
+
+/* Rays that graze the ground through thousands of texels: intervals in pieces are exact, those of a dispatch are the same where no driver ended them, and rays
+ * that one ended are counted. */
+static void test_intervals_in_pieces(void **state)
+{
+    (void)state;
+    enum { FINE = 4096 };
+    static const double eye[3] = {-9.5, 0.001, 0.4}, to[3] = {9, 0, 0.1};
+    volumes_scene s;
+    static float  whole[4 * PIXELS], pieces[4 * PIXELS];
+    static double metres[PIXELS], wanted[3 * PIXELS];
+    scene_open(&s, FINE, WIDE, HIGH);
+    volumes_camera    c     = camera_at(eye, to, 0.002);
+    vxs_volumes_frame frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
+    for (int light = 0; light < SCENE_LIGHTS; light++) {
+        vxs_volumes_light l = scene_light(light);
+        double            mean;
+        memset(wanted, 0, sizeof wanted);
+        for (uint32_t n = 0; n < PIXELS; n++) {
+            double direction[3];
+            camera_ray(&s, &c, n % WIDE, n / WIDE, direction);
+            scene_airlight(&s, &l, &haze, VXS_AIR_EVERYWHERE, c.eye, direction, metres[n], wanted + 3 * (size_t)n);
+        }
+        assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+        assert_int_equal(vxs_volumes_intervals(s.volumes, &l), VXS_OK);
+        uint32_t cut = vxs_volumes_cut(s.volumes), short_of = 0;
+        scene_read(&s, whole);
+        assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+        assert_int_equal(vxs_volumes_intervals_in_pieces(s.volumes, &l), VXS_OK);
+        assert_int_equal(vxs_volumes_cut(s.volumes), 0);
+        scene_read(&s, pieces);
+        double error = error_of(pieces, wanted, &mean);
+        for (int n = 0; n < PIXELS; n++) short_of += whole[4 * n] < 0.999F * pieces[4 * n];
+        if (getenv("VXS_VERBOSE")) print_message("light %d: error %.1e, %u rays cut, %u short of light\n", light, error, cut, short_of);
+        assert_true(error < 1e-4);
+        assert_true(short_of <= cut);
+    }
     scene_close(&s);
 }
 
@@ -738,7 +835,7 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_light_maps),      cmocka_unit_test(test_marches),   cmocka_unit_test(test_joined),
+        cmocka_unit_test(test_light_maps),      cmocka_unit_test(test_marches), cmocka_unit_test(test_marches_in_dense_fog), cmocka_unit_test(test_many_steps), cmocka_unit_test(test_intervals_in_pieces),   cmocka_unit_test(test_joined),
         cmocka_unit_test(test_joined_airlight), cmocka_unit_test(test_composite), cmocka_unit_test(test_state),
         cmocka_unit_test(test_any_numbers),     cmocka_unit_test(test_reach),     cmocka_unit_test(test_misuse),
     };

@@ -44,6 +44,8 @@ vxs_result rival_faces_march(rival_faces *f, const vxs_area_lamp *lamp, uint32_t
     memcpy(f->v->frame.axis, lamp->normal, sizeof lamp->normal);
     f->v->frame.knobs[0] = (float)steps;
     f->v->frame.knobs[1] = VXS_STEPS_ANGLE;
+    f->v->frame.first    = 0;
+    f->v->frame.end      = steps;
     vxs_volumes_add(f->v, f->march, vxs_light_map_texture(map));
     return VXS_OK;
 }
