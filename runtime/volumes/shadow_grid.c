@@ -9,6 +9,12 @@
 
 enum { COLUMNS = 512, ROWS = 2048, BITS = 512, SIDE_MAX = 16384, RUNS = 16, RUNS_SHARP = 32 };
 
+/* In a lamp airlight is that of a ray which passes it at its radius, and comes from metres that are seen there under angles which are small from near the lamp:
+ * the grid of an eye that is nearer than a part of the radius is that of one which is moved out to there, on its light ray. What shadows the one shadows the
+ * other. An eye that is as good as at the lamp sees along light rays: all that it sees is lit. */
+#define EYE_NEAREST 0.25
+#define EYE_IN_LAMP 1e-3
+
 struct vxs_shadow_grid {
     vxs_volumes  *volumes;
     vxs_grid_size size;
@@ -96,7 +102,10 @@ static vxs_epipolar space_of(const frame_block *f)
         axis[n]     = (double)f->axis[n];
     }
     if (is_sun) return vxs_epipolar_of_sun(to_light, &view);
-    double range = (double)f->light.range_metres, away = sqrt(vxs_air_dot(to_light, to_light));
+    double range = (double)f->light.range_metres, away = sqrt(vxs_air_dot(to_light, to_light)), radius = (double)f->radius_metres;
+    double out = away > EYE_IN_LAMP * radius ? fmax(EYE_NEAREST * radius / away, 1) : 1;
+    for (int n = 0; n < 3; n++) to_light[n] *= out;
+    away *= out;
     if (range > 0 && away + range < view.far_metres) view.far_metres = away + range;
     vxs_epipolar space = vxs_epipolar_of_lamp(to_light, &view);
     if (f->light.kind != VXS_LIGHT_KIND_POINT) vxs_epipolar_in_cone(&space, axis, (double)f->light.cos_outer, space.phi);
@@ -109,7 +118,7 @@ static void put_head(const vxs_shadow_grid *grid, const vxs_epipolar *space, uin
     const vxs_volumes *v    = grid->volumes;
     grid_head          head = vxs_grid_head_of(space, &grid->size, runs);
     head.between_rows       = grid->between_rows;
-    head.eye_lit            = head.away > 0 && head.away <= v->frame.radius_metres ? 2 : 1;
+    head.eye_lit            = head.away > 0 && head.away <= (float)EYE_IN_LAMP * v->frame.radius_metres ? 2 : 1;
     v->api.NamedBufferSubData(grid->buffer, 0, sizeof head, &head);
     v->api.ClearNamedBufferSubData(grid->buffer, GL_FORMAT_R32UI, sizeof head, (gl_bytes)(bytes_of(&grid->size) - sizeof head),
                                    GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, NULL);

@@ -238,8 +238,8 @@ VXS_FN void vxs_grid_airlight_of(VXS_GRID_WORDS words, VXS_EPIPOLAR space, VXS_G
         vxs_epipolar_turn_of(space, vxs_grid_place(VXS_FIELD(space, phi), 0.5 * (bit + next), bits), turned);
         vxs_real x = vxs_epipolar_distance(space, ray, turned, end), weight = next - bit;
         x = x > begin ? x : begin;
-        if (away > 0.0) { /* a bit is as long as the lamp's square distance */
-            vxs_real y = x - VXS_FIELD(path, passed).along, h = VXS_FIELD(path, passed).beside;
+        if (away > 0.0) { /* a bit is as long as the lamp's square distance, in its radius, too */
+            vxs_real y = x - away * VXS_FIELD(ray, cosine), h = away * VXS_FIELD(ray, sine);
             weight *= h * h + y * y;
         }
         if (part > 0.0) part *= vxs_grid_left(x);

@@ -336,11 +336,54 @@ static void test_any_numbers(void **state)
     scene_close(&s);
 }
 
+/* An eye in a lamp, or nearly, sees the shadows of its light: by the radius of a lamp that is carried, and of a large one. */
+static void test_eye_in_lamp(void **state)
+{
+    (void)state;
+    static const double offsets[][3] = {{0, 0, 0}, {1e-6, 0, 0}, {0.03, -0.05, 0.02}, {0.095, 0, 0}, {0.2, 0, 0.2}}, to[3] = {9, 1.5, 3};
+    volumes_scene       s;
+    static double       metres[PIXELS], wanted[3 * PIXELS];
+    static float        pixels[4 * PIXELS];
+    scene_open(&s, RESOLUTION, WIDE, HIGH);
+    vxs_shadow_grid *grid = make_grid(&s, 256, 512, 256, 0);
+    for (int light = SCENE_SPOT; light < SCENE_LIGHTS; light++)
+        for (size_t n = 0; n < sizeof offsets / sizeof *offsets; n++)
+            for (int large = 0; large < 2; large++) {
+                vxs_volumes_light l      = scene_light(light);
+                double            eye[3], look[3];
+                vxs_air_light     air;
+                l.radius_metres = large ? 0.5F : 0.1F;
+                air             = scene_air_light(&s, &l);
+                for (int i = 0; i < 3; i++) {
+                    eye[i]  = air.place[i] + offsets[n][i];
+                    look[i] = light == SCENE_SPOT ? eye[i] + air.axis[i] + 0.01 * to[i] : to[i];
+                }
+                volumes_camera    c     = camera_at(eye, look, 0.8);
+                vxs_volumes_frame frame = scene_frame(&s, &c, &haze, VXS_AIR_EVERYWHERE, 30, metres);
+                memset(wanted, 0, sizeof wanted);
+                for (uint32_t k = 0; k < PIXELS; k++) {
+                    double direction[3];
+                    camera_ray(&s, &c, k % WIDE, k / WIDE, direction);
+                    scene_airlight(&s, &l, &haze, VXS_AIR_EVERYWHERE, eye, direction, metres[k], wanted + 3 * (size_t)k);
+                }
+                assert_int_equal(vxs_volumes_begin(s.volumes, &frame), VXS_OK);
+                assert_int_equal(vxs_volumes_grid(s.volumes, &l, NULL, grid, 0), VXS_OK);
+                scene_read(&s, pixels);
+                double error = error_of(pixels, wanted, PIXELS);
+                if (getenv("VXS_VERBOSE"))
+                    print_message("light %d, %g m beside it, radius %g: RMS %.5f\n", light, sqrt(dot(offsets[n], offsets[n])),
+                                  (double)l.radius_metres, error);
+                assert_true(error < 8e-3);
+            }
+    vxs_shadow_grid_destroy(grid);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scans),       cmocka_unit_test(test_words), cmocka_unit_test(test_bounded_sun),
-        cmocka_unit_test(test_converges),   cmocka_unit_test(test_state), cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_converges),   cmocka_unit_test(test_state), cmocka_unit_test(test_eye_in_lamp), cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_any_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
