@@ -14,6 +14,12 @@
  * processor fills it, for each light of each frame. */
 enum { MAP_SIDE = 1024, MESH_SIDE = 1024, GRID_SIDE = 512, GRID_SIDE_SOFTWARE = 256 };
 
+/* A light, and the most airlight that any ray has of it. */
+typedef struct faint_light {
+    uint32_t light;
+    float    most;
+} faint_light;
+
 struct fog_pass {
     fog_pass_options  options;
     const gl_context *gl;
@@ -24,6 +30,7 @@ struct fog_pass {
     vxs_light_map   **maps;   /* [lights] of those that have seen something move; else NULL */
     uint32_t          meshes_made;
     fog_light_plan   *lights; /* [lights] of the last frame */
+    faint_light      *faint;  /* [lights] */
     uint32_t          last;   /* light that was drawn then; UINT32_MAX: none */
 };
 
@@ -61,7 +68,8 @@ vxs_result fog_pass_create(fog_pass **out, const fog_pass_options *o, const gl_c
     p->lights         = calloc(vxs_gl_light_count(shadows), sizeof *p->lights);
     p->meshes         = calloc(vxs_gl_light_count(shadows), sizeof *p->meshes);
     p->maps           = calloc(vxs_gl_light_count(shadows), sizeof *p->maps);
-    vxs_result result = p->lights && p->meshes && p->maps ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
+    p->faint          = calloc(vxs_gl_light_count(shadows), sizeof *p->faint);
+    vxs_result result = p->lights && p->meshes && p->maps && p->faint ? vxs_volumes_create(&p->volumes, &desc) : VXS_E_MEMORY;
     if (result != VXS_OK)
         fail(m, result, "OpenGL cannot draw fog of %u x %u samples: %s", o->width, o->height, vxs_result_text(result));
     else if (o->by == FOG_BY_GRID)
@@ -80,6 +88,7 @@ void fog_pass_destroy(fog_pass *p)
     for (uint32_t n = 0; p->maps && n < vxs_gl_light_count(p->shadows); n++) vxs_light_map_destroy(p->maps[n]);
     vxs_shadow_grid_destroy(p->grid);
     vxs_volumes_destroy(p->volumes);
+    free(p->faint);
     free(p->maps);
     free(p->meshes);
     free(p->lights);
@@ -177,20 +186,48 @@ static vxs_result draw_light(fog_pass *p, const vxs_volumes_light *light, const 
         if (!p->meshes[n]) result = make_mesh(p, n, m);
         return result == VXS_OK ? vxs_volumes_mesh(p->volumes, light, p->meshes[n]) : result;
     }
-    return vxs_volumes_intervals(p->volumes, light);
+    return vxs_volumes_intervals_in_pieces(p->volumes, light);
 }
 
-/* What is left out costs no call, and no mesh. */
-static vxs_result add_light(fog_pass *p, uint32_t n, const fog_shine *shine, const moving_pass *moving, const smoke_pass *smoke,
-                            double exposure, fog_plan *plan, message *m)
+static vxs_volumes_light light_of(const fog_pass *p, uint32_t n, const fog_shine *shine, double exposure)
+{
+    const double      radius = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
+    vxs_volumes_light light  = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
+    for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
+    return light;
+}
+
+static int fainter(const void *a, const void *b)
+{
+    const faint_light *p = a, *q = b;
+    if (p->most != q->most) return p->most < q->most ? -1 : 1;
+    return p->light < q->light ? -1 : 1;
+}
+
+/* Of all lights, from the faintest on: those that together have no more than half of what may be left out are; pixels of each of the others may miss an equal part
+ * of the rest.   least  [out] of each, as vxs_volumes_light has it */
+static void choose_faint(fog_pass *p, const fog_shine *shines, double exposure, float *least)
+{
+    uint32_t count = vxs_gl_light_count(p->shadows), faint = 0;
+    double   sum = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
+        p->faint[n]             = (faint_light){n, vxs_volumes_most(p->volumes, &light)};
+    }
+    qsort(p->faint, count, sizeof *p->faint, fainter);
+    while (faint < count && sum + (double)p->faint[faint].most <= 0.5 * FOG_FAINTEST) sum += (double)p->faint[faint++].most;
+    for (uint32_t n = 0; n < count; n++)
+        least[p->faint[n].light] = n < faint ? fmaxf(1.001F * p->faint[n].most, 1e-30F) : (float)(0.5 * FOG_FAINTEST / (count - faint));
+}
+
+/* What is left out costs no call, and no mesh.   light  which it is */
+static vxs_result add_light(fog_pass *p, vxs_volumes_light light, const moving_pass *moving, const smoke_pass *smoke, fog_plan *plan,
+                            message *m)
 {
     vxs_moving_casters casters[MOVING_FACES];
-    uint32_t           caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
-    vxs_result         result       = VXS_OK;
-    const double       radius       = 5e-4 * p->options.size_metres; /* airlight has no bound where a ray meets a point */
-    vxs_volumes_light  light        = {.baked = n, .cos_inner = (float)shine->cos_inner, .radius_metres = (float)radius};
-    for (int k = 0; k < 3; k++) light.colour[k] = (float)(exposure * shine->colour[k]);
-    p->lights[n] = plan_light(p, &light);
+    uint32_t           n = light.baked, caster_count = moving ? moving_pass_casters(moving, n, casters) : 0;
+    vxs_result         result = VXS_OK;
+    p->lights[n]              = plan_light(p, &light);
     plan->lights[p->lights[n].fate]++;
     if (p->lights[n].fate != FOG_DRAWN) return VXS_OK;
     p->last     = n;
@@ -215,11 +252,18 @@ vxs_result fog_pass_begin(fog_pass *p, const vxs_view *view, unsigned depths, co
 vxs_result fog_pass_draw(fog_pass *p, const fog_shine *shines, const moving_pass *moving, const smoke_pass *smoke, double exposure,
                          fog_plan *plan, message *m)
 {
-    vxs_result result = VXS_OK;
+    uint32_t   count  = vxs_gl_light_count(p->shadows);
+    float     *least  = malloc((count + 1) * sizeof *least);
+    vxs_result result = least ? VXS_OK : VXS_E_MEMORY;
     *plan             = (fog_plan){0};
     p->last           = UINT32_MAX;
-    for (uint32_t n = 0; n < vxs_gl_light_count(p->shadows) && result == VXS_OK; n++)
-        result = add_light(p, n, &shines[n], moving, smoke, exposure, plan, m);
+    if (least) choose_faint(p, shines, exposure, least);
+    for (uint32_t n = 0; n < count && result == VXS_OK; n++) {
+        vxs_volumes_light light = light_of(p, n, &shines[n], exposure);
+        light.least             = least[n];
+        result                  = add_light(p, light, moving, smoke, plan, m);
+    }
+    free(least);
     if (result != VXS_OK) return fail(m, result, "fog cannot be drawn: %s", vxs_result_text(result));
     plan->meshes_made = p->meshes_made;
     vxs_volumes_composite(p->volumes);

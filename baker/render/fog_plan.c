@@ -15,7 +15,7 @@ static void fate_text(char text[64], fog_fate fate)
 {
     static const char *const texts[FOG_FATES] = {[FOG_OUT_OF_VIEW] = "out of view", [FOG_CLEAR] = "not in the fog"};
     if (fate == FOG_FAINT)
-        snprintf(text, 64, "too faint (less than 1/%.0f of white)", 1 / FOG_FAINTEST);
+        snprintf(text, 64, "too faint (together less than 1/%.0f of white)", 1 / FOG_FAINTEST);
     else
         snprintf(text, 64, "%s", texts[fate]);
 }

@@ -14,14 +14,15 @@ typedef enum fog_by { FOG_BY_MARCH, FOG_BY_ANGLES, FOG_BY_INTERVALS, FOG_BY_MESH
 #define FOG_BY_CHOICES "march|angles|intervals|mesh|grid" /* their words, in that order */
 extern const char *const fog_by_names[];
 
-/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps in black, where they are finest: 1 / (2 * 255 * 12.92). */
+/* Airlight that is not worth a pass, where 1 is white: half of one of a screen's 255 steps in black, where they are finest: 1 / (2 * 255 * 12.92). It bounds the
+ * sum of all that is left out in a pixel: half of it lights as a whole, half pixels of others. */
 #define FOG_FAINTEST (1.0 / 6600)
 
 /* What becomes of a light in a frame. */
 typedef enum fog_fate {
     FOG_DRAWN,
-    FOG_FAINT,       /* left out: less than FOG_FAINTEST, wherever one looks */
-    FOG_OUT_OF_VIEW, /* less than that in any pixel */
+    FOG_FAINT,       /* left out: with all others that are, less than half of FOG_FAINTEST, wherever one looks */
+    FOG_OUT_OF_VIEW, /* likewise in each pixel of the view */
     FOG_CLEAR,       /* the light, or all that is seen, is above the fog's top; or the sun is below the horizon */
     FOG_FATES
 } fog_fate;

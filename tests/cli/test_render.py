@@ -189,10 +189,10 @@ def test_transmittance(level, render):
 def test_plan_of_fog(level, render):
     """Lights that have no airlight to speak of, none in view, or none in the fog are left out, counted, and told of with the reason: when it is so, and only then."""
     here, up, away = ("--eye", "1,6,9", "--target", "0,1,0"), ("--eye", "1,6,9", "--target", "1,9,0"), ("--eye", "30,3,0", "--target", "60,3,0")
-    words = {"faint": "too faint (less than 1/6600 of white)", "out_of_view": "out of view", "clear": "not in the fog"}
+    words = {"faint": "too faint (together less than 1/6600 of white)", "out_of_view": "out of view", "clear": "not in the fog"}
     for drawn, faint, out, clear, options in ((3, 0, 0, 0, (*here, "--fog", 0.05)),
                                               (0, 3, 0, 0, (*here, "--fog", 1e-9)),
-                                              (1, 0, 2, 0, (*away, "--fog", 0.0005)),
+                                              (1, 0, 2, 0, (*away, "--fog", 0.00008)),
                                               (3, 0, 0, 0, (*here, "--fog", 0.05, "--fog-top", 3)),
                                               (0, 0, 0, 3, (*up, "--fog", 0.05, "--fog-top", 3))):
         told = report(level, render, "all", *options)
@@ -215,7 +215,7 @@ def test_plan_of_fog(level, render):
 
 def test_plan_of_meshes(level, render):
     """A mesh is made once, of a light that is drawn; the picture is the same as if all were."""
-    away = "--eye", "30,3,0", "--target", "60,3,0", "--fog", 0.0005, "--fog-by", "mesh"
+    away = "--eye", "30,3,0", "--target", "60,3,0", "--fog", 0.00008, "--fog-by", "mesh"
     left_out = [saving["what"] for saving in report(level, render, "all", *away)["fog"]["left_out"]]
     picture = (level / "out.png").read_bytes()
     assert left_out == ["adaptive pass", "2 of 3 meshes"]
