@@ -52,7 +52,7 @@ Q          := $(if $(V),,@)
 
 packages.build := g++ gcc make pkg-config libosmesa6-dev libegl-dev libgl-dev libcgal-dev libtinygltf-dev \
                   nlohmann-json3-dev libzstd-dev libxxhash-dev libembree-dev libjansson-dev \
-                  libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libjs-chart.js
+                  libdraco-dev libmeshoptimizer-dev libpng-dev libwebp-dev libopenexr-dev libjs-chart.js
 packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools zlib1g-dev gnuplot-nox chromium \
                   groff-base zsh fish cmake
 packages.deb   := dpkg-dev
@@ -85,7 +85,7 @@ cxxflags    := -std=c++17 -Wall -Wextra $(if $(werror),-Werror) $(flags)
 # looked up when the first link needs it: before, pkg-config itself may not be there
 bake.pc      := libzstd libxxhash jansson libpng libwebp
 bake.libs    := -ldraco -lmeshoptimizer -lgmp -lmpfr -lm
-libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) -lembree3 -ldl)$(libs)
+libs         = $(eval libs := $(shell $(PKG_CONFIG) --libs $(bake.pc)) $(bake.libs) -lOpenEXRCore -lembree3 -ldl)$(libs)
 
 # --- what is built --------------------------------------------------------------------------------------------------------
 

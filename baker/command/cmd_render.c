@@ -11,6 +11,7 @@
 #include "baker/command/commands.h"
 #include "baker/command/scene_camera.h"
 #include "baker/command/written_text.h"
+#include "baker/files/exr_encode.h"
 #include "baker/files/json_file.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
@@ -51,12 +52,12 @@ typedef struct render_command {
     draw_mode      draw;
     fog_choice     fog;
     const char    *camera_name; /* of the scene's own; NULL: none */
-    const char    *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
+    const char    *linear_path, *passes_folder, *path_file, *json_path, *csv_path, *plot_path, *moving_path, *sky_path;
     uint32_t       frames;
     uint64_t       budget_bytes;
     int            budget_given, upload_given;
-    int            orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given,
-        smoke_given, smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
+    int orbits, samples_given, cull_given, stops_given, frames_given, moving_by_given, area_given, gather_given, smoke_given,
+        smoke_side_given, sky_light_given, sky_turn_given, width_given, height_given, fov_given;
 } render_command;
 
 /* What is drawn. */
@@ -74,26 +75,26 @@ typedef struct subject {
 /* The first option that is given and means nothing without OpenGL, or without a path; NULL: there is none. */
 static const char *needs_gl(const render_command *c)
 {
-    return c->samples_given     ? "--samples"
-           : c->budget_given    ? "--budget"
-           : c->cull_given      ? "--cull"
-           : c->fog.by_given    ? "--fog-by"
-           : c->fog.steps_given ? "--fog-steps"
-           : c->fog.grid_given  ? "--fog-grid"
-           : c->area_given      ? "--area"
-           : c->gather_given    ? "--area-gather"
-           : c->sky_path        ? "--sky"
-           : c->stops_given     ? "--exposure"
-           : c->smoke_given     ? "--smoke"
+    return c->samples_given      ? "--samples"
+           : c->budget_given     ? "--budget"
+           : c->cull_given       ? "--cull"
+           : c->fog.by_given     ? "--fog-by"
+           : c->fog.steps_given  ? "--fog-steps"
+           : c->fog.grid_given   ? "--fog-grid"
+           : c->area_given       ? "--area"
+           : c->gather_given     ? "--area-gather"
+           : c->sky_path         ? "--sky"
+           : c->stops_given      ? "--exposure"
+           : c->smoke_given      ? "--smoke"
            : c->smoke_side_given ? "--smoke-side"
-           : c->moving_path     ? "--moving"
-           : c->passes_folder   ? "--passes"
-           : c->path_file       ? "--path"
-           : c->orbits          ? "--orbit"
-           : c->json_path       ? "--json"
-           : c->csv_path        ? "--csv"
-           : c->plot_path       ? "--plot"
-                                : NULL;
+           : c->moving_path      ? "--moving"
+           : c->passes_folder    ? "--passes"
+           : c->path_file        ? "--path"
+           : c->orbits           ? "--orbit"
+           : c->json_path        ? "--json"
+           : c->csv_path         ? "--csv"
+           : c->plot_path        ? "--plot"
+                                 : NULL;
 }
 
 static vxs_result check_samples(const render_options *o, message *m)
@@ -120,7 +121,11 @@ static vxs_result check_options(const render_command *c, message *m)
     if (c->sky_path && !o->area_lamps) return fail(m, VXS_E_ARGUMENT, "--sky needs virtual lights: --area 1 or more");
     if (!c->sky_path && (c->sky_light_given || c->sky_turn_given))
         return fail(m, VXS_E_ARGUMENT, "%s needs --sky", c->sky_light_given ? "--sky-light" : "--sky-turn");
-    const char *other = c->camera.eye_given ? "--eye" : c->path_file ? "--path" : c->orbits ? "--orbit" : c->fov_given ? "--fov" : NULL;
+    const char *other = c->camera.eye_given ? "--eye"
+                        : c->path_file      ? "--path"
+                        : c->orbits         ? "--orbit"
+                        : c->fov_given      ? "--fov"
+                                            : NULL;
     if (c->camera_name && other) return fail(m, VXS_E_ARGUMENT, "--camera and %s exclude each other", other);
     if (c->path_file && c->orbits) return fail(m, VXS_E_ARGUMENT, "--path and --orbit exclude each other");
     if (c->path_file && c->camera.eye_given) return fail(m, VXS_E_ARGUMENT, "--path and --eye exclude each other");
@@ -204,7 +209,8 @@ static vxs_result place_camera(render_command *c, subject *s, message *m)
     vxs_result r = scene_camera_find(&view, &s->scene, c->camera_name, c->scene_path, m);
     if (r != VXS_OK) return r;
     if (view->kind == VIEW_ORTHOGRAPHIC && o->fog)
-        return fail(m, VXS_E_ARGUMENT, "--fog is of the way to an eye, and the orthographic camera '%s' has none: expected a perspective one",
+        return fail(m, VXS_E_ARGUMENT,
+                    "--fog is of the way to an eye, and the orthographic camera '%s' has none: expected a perspective one",
                     view->name);
     scene_camera_size(view, c->width_given, c->height_given, SIDE_MAX_PX, &o->width_px, &o->height_px);
     c->camera.camera = scene_camera_pose(view, &s->box);
@@ -273,22 +279,29 @@ static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint
     return r == VXS_OK ? truth_create(t, casting, threads, m) : r;
 }
 
-static vxs_result draw_by_rays(const render_command *c, const subject *s, uint8_t *rgb, message *m)
+/* A picture as it is drawn. */
+typedef struct pixels {
+    uint8_t *rgb;    /* [3 * width * height] as renderer_draw has them */
+    float   *linear; /* likewise, as renderer_read_linear has them; NULL: they are not asked for */
+    double   white;  /* as renderer_white has it; 0: nobody knows */
+} pixels;
+
+static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)
 {
-    picture_options o       = {.width_px  = c->options.width_px,
-                               .height_px = c->options.height_px,
-                               .filter_px = c->options.filter_px,
-                               .threads   = c->options.threads,
-                               .fog       = c->options.fog,
-                               .camera    = c->camera.camera};
-    casters         casting = {0};
-    truth          *t       = NULL;
-    vxs_result      r       = make_truth(&t, &casting, s, o.threads, m);
+    picture_options        o       = {.width_px  = c->options.width_px,
+                                      .height_px = c->options.height_px,
+                                      .filter_px = c->options.filter_px,
+                                      .threads   = c->options.threads,
+                                      .fog       = c->options.fog,
+                                      .camera    = c->camera.camera};
+    casters                casting = {0};
+    truth                 *t       = NULL;
+    vxs_result             r       = make_truth(&t, &casting, s, o.threads, m);
     const vxs_baked_light *lights[VXS_LIGHTS_MAX];
     uint32_t               count = 0;
     for (uint32_t n = 0; n < s->light_count; n++)
         if (!dark_text(&s->scene, s->lights[n]->light.name)) lights[count++] = s->lights[n];
-    if (r == VXS_OK) r = picture_render(rgb, &o, t, &casting, lights, count, m);
+    if (r == VXS_OK) r = picture_render(to->rgb, to->linear, &o, t, &casting, lights, count, m);
     truth_destroy(t);
     casters_free(&casting);
     return r;
@@ -335,8 +348,13 @@ static vxs_result write_passes(const render_command *c, const subject *s, render
     truth     *t       = NULL;
     vxs_result r       = make_truth(&t, &casting, s, c->options.threads, m);
     if (r == VXS_OK)
-        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count, c->budget_given, t, c->options.filter_px,
-                          c->options.threads, difference, m);
+        r = render_passes(drawn, c->passes_folder, s->lights, s->light_count,
+                          &(passes_options){.streamed  = c->budget_given,
+                                            .is_linear = c->linear_path != NULL,
+                                            .truth     = t,
+                                            .filter_px = c->options.filter_px,
+                                            .threads   = c->options.threads},
+                          difference, m);
     truth_destroy(t);
     casters_free(&casting);
     return r;
@@ -420,23 +438,24 @@ static void print_moving(FILE *to, const moving_plan *plan)
 /* Where the report goes; NULL: nowhere. */
 static FILE *report_of(const render_command *c, const message *m)
 {
-    const char *outs[] = {c->out, c->json_path, c->csv_path, c->plot_path};
+    const char *outs[] = {c->out, c->linear_path, c->json_path, c->csv_path, c->plot_path};
     int         taken  = 0;
-    for (int n = 0; n < 4; n++) taken |= outs[n] && is_standard_output(outs[n]);
+    for (int n = 0; n < 5; n++) taken |= outs[n] && is_standard_output(outs[n]);
     return report_stream(m, taken);
 }
 
 static void print_written(const render_command *c, const message *m)
 {
     FILE *to = report_of(c, m);
-    char  pixels[48];
+    char  size[48];
     if (!to) return;
-    snprintf(pixels, sizeof pixels, "%u x %u pixels", c->options.width_px, c->options.height_px);
+    snprintf(size, sizeof size, "%u x %u pixels", c->options.width_px, c->options.height_px);
     written_print(to, c->passes_folder, "passes, as pictures");
     written_print(to, c->json_path, "times of frames as JSON");
     written_print(to, c->csv_path, "times of frames as a table");
     written_print(to, c->plot_path, "times of frames as a plot");
-    written_print(to, c->out, pixels);
+    written_print(to, c->linear_path, "the picture as linear floats");
+    written_print(to, c->out, size);
 }
 
 /* Of the picture's frame: which lights see what moves, which smoke dims, which area lights are drawn, and which lights its fog is drawn of. */
@@ -448,15 +467,15 @@ static void print_plan(const render_command *c, const subject *s, const renderer
     if (!to) return;
     if (c->options.moving) print_moving(to, &last->frame.moving);
     if (renderer_smoke_lights(drawn))
-        smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn), s->lights,
-                         s->light_count, m->verbose);
+        smoke_plan_print(to, &last->frame.smoke, s->scene.smoke.count, c->options.smoke_side, renderer_smoke_lights(drawn),
+                         s->lights, s->light_count, m->verbose);
     if (find_area_words(c, s, drawn, &areas)) area_plan_print(to, &last->frame.area, &areas, m->verbose);
     if (c->sky_path) sky_plan_print(to, &sky, m->verbose);
     if (c->options.fog)
         fog_plan_print(to, &last->frame.fog, c->options.fog_by, renderer_fog_lights(drawn), s->lights, s->light_count, m->verbose);
 }
 
-static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, message *m)
+static vxs_result draw_by_gl(const render_command *c, subject *s, pixels *to, message *m)
 {
     renderer        *drawn      = NULL;
     camera_path      path       = {0};
@@ -464,7 +483,9 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, 
     uint32_t         count      = c->path_file || c->orbits ? c->frames : 1;
     drawn_frame     *frames     = calloc(count, sizeof *frames);
     vxs_result       r          = frames ? choose_path(c, &path, m) : fail(m, VXS_E_MEMORY, "out of memory for %u frames", count);
-    if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, rgb, m);
+    if (r == VXS_OK) r = draw_frames(c, s, &drawn, &path, frames, count, to->rgb, m);
+    if (r == VXS_OK && to->linear) r = renderer_read_linear(drawn, to->linear, m);
+    if (r == VXS_OK) to->white = renderer_white(drawn);
     if (r == VXS_OK && c->passes_folder) r = write_passes(c, s, drawn, &difference, m);
     if (r == VXS_OK) r = write_reports(c, s, drawn, frames, count, &difference, m);
     if (r == VXS_OK) print_plan(c, s, drawn, &frames[count - 1], m);
@@ -474,35 +495,51 @@ static vxs_result draw_by_gl(const render_command *c, subject *s, uint8_t *rgb, 
     return r;
 }
 
+static vxs_result write_linear(const render_command *c, const pixels *p, message *m)
+{
+    output_file out  = {0};
+    size_t      size = 0;
+    uint8_t    *exr  = exr_encode(p->linear, c->options.width_px, c->options.height_px, "RGB", (float)p->white, &size);
+    vxs_result  r    = exr ? output_file_open(&out, c->linear_path, m) : VXS_E_MEMORY;
+    if (r == VXS_OK) r = output_file_write(&out, exr, size, m);
+    if (r == VXS_OK) r = output_file_commit(&out, m);
+    output_file_abort(&out);
+    free(exr);
+    return r;
+}
+
 static vxs_result draw(const render_command *c, subject *s, output_file *out, message *m)
 {
     uint32_t   width = c->options.width_px, height = c->options.height_px;
-    uint8_t   *rgb = malloc((size_t)3 * width * height), *png = NULL;
-    size_t     size_bytes = 0;
-    vxs_result r          = VXS_E_MEMORY;
-    if (rgb) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, rgb, m) : draw_by_gl(c, s, rgb, m);
-    if (r == VXS_OK && !(png = png_encode(rgb, width, height, 3, &size_bytes))) r = VXS_E_MEMORY;
+    size_t     count = (size_t)3 * width * height, size_bytes = 0;
+    uint8_t   *png = NULL;
+    pixels     p   = {.rgb = malloc(count), .linear = c->linear_path ? malloc(count * sizeof(float)) : NULL};
+    vxs_result r   = VXS_E_MEMORY;
+    if (p.rgb && (p.linear || !c->linear_path)) r = c->draw == DRAW_RAYS ? draw_by_rays(c, s, &p, m) : draw_by_gl(c, s, &p, m);
+    if (r == VXS_OK && p.linear) r = write_linear(c, &p, m);
+    if (r == VXS_OK && !(png = png_encode(p.rgb, width, height, 3, &size_bytes))) r = VXS_E_MEMORY;
     if (r == VXS_OK) r = output_file_write(out, png, size_bytes, m);
     free(png);
-    free(rgb);
+    free(p.rgb);
+    free(p.linear);
     if (r != VXS_E_MEMORY) return r;
     return fail(m, r, "out of memory for a picture of %u x %u pixels", width, height); /* the first message stays */
 }
 
 static vxs_result run(void *command, message *m)
 {
-    render_command *c      = command;
-    subject        *s      = calloc(1, sizeof *s);
-    output_file     out    = {0};
-    vxs_result      r      = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    fog_medium      medium = fog_of(&c->fog);
-    c->options.filter_px   = filter_px_of(&c->filter);
-    c->options.fog         = c->fog.given ? &medium : NULL;
-    c->options.fog_by      = c->fog.by;
-    c->options.fog_steps   = c->fog.steps;
-    c->options.fog_grid    = c->fog.grid;
+    render_command *c              = command;
+    subject        *s              = calloc(1, sizeof *s);
+    output_file     out            = {0};
+    vxs_result      r              = s ? check_options(c, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
+    fog_medium      medium         = fog_of(&c->fog);
+    c->options.filter_px           = filter_px_of(&c->filter);
+    c->options.fog                 = c->fog.given ? &medium : NULL;
+    c->options.fog_by              = c->fog.by;
+    c->options.fog_steps           = c->fog.steps;
+    c->options.fog_grid            = c->fog.grid;
     c->options.smoke_side_is_asked = c->smoke_side_given;
-    c->choice.areas        = c->draw == DRAW_GL && c->options.area_lamps;
+    c->choice.areas                = c->draw == DRAW_GL && c->options.area_lamps;
     if (r == VXS_OK) r = load(c, s, m);
     if (r == VXS_OK) r = output_file_open(&out, c->out, m);
     if (r == VXS_OK) r = draw(c, s, &out, m);
@@ -541,6 +578,8 @@ int cmd_render(int argc, char **argv)
         {"SCENE", OPTION_INPUT, &c.scene_path, FILE_SCENE, 0, NULL, NULL, "a glTF 2.0 scene, .gltf or .glb", NULL},
         {"FILE.vxs", OPTION_INPUT, &c.asset_path, FILE_ASSET, 0, NULL, NULL, "what vxs bake wrote", NULL},
         {"-o", OPTION_OUTPUT, &c.out, 1, 0, ".png", "OUT.png", "where the picture goes; - is standard output", NULL},
+        {"--linear", OPTION_OUTPUT, &c.linear_path, 0, 0, ".exr", "FILE.exr",
+         "also the picture as linear floats, as OpenEXR, and with --passes each pass; - is standard output", NULL},
         {"--draw", OPTION_CHOICE, &c.draw, 0, 0, "gl|rays", NULL,
          "with OpenGL, as a game would, or all but shadows by rays, with light from the sky (default gl)", NULL},
         {"--width", OPTION_U32, &o->width_px, SIDE_MIN_PX, SIDE_MAX_PX, NULL, "PX", "16 to 8192 (default 1280)", &c.width_given},
@@ -553,9 +592,12 @@ int cmd_render(int argc, char **argv)
          &c.camera.eye_given},
         {"--target", OPTION_VECTOR, camera->target_ws, 0, 3, NULL, "X,Y,Z", "where to look; goes with --eye",
          &c.camera.target_given},
-        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)", &c.fov_given},
+        {"--fov", OPTION_F64, &camera->fov_degrees, 1, 170, NULL, "DEGREES", "from top to bottom, 1 to 170 (default 35)",
+         &c.fov_given},
         {"--camera", OPTION_TEXT, &c.camera_name, 0, 0, NULL, "NAME",
-         "a camera of the scene, by its name, a pattern, or its number from 0; without --width or --height the picture has its shape", NULL},
+         "a camera of the scene, by its name, a pattern, or its number from 0; without --width or --height the picture has its "
+         "shape",
+         NULL},
         {"--light", OPTION_TEXTS, &c.light_names, 0, 0, NULL, "NAME",
          "a light that shines, or all that a pattern names; repeat for more (default all of the file)", NULL},
         FILTER_ROWS(c.filter, "K x K box filter, K odd, 1 to 17 texels (default 5)"),
@@ -567,7 +609,8 @@ int cmd_render(int argc, char **argv)
         {"--area-gather", OPTION_CHOICE, &o->area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,
          "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &c.gather_given},
         {"--sky", OPTION_INPUT, &c.sky_path, FILE_PICTURE, 0, NULL, "FILE",
-         "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr or "
+         "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr "
+         "or "
          "PNG, twice as wide as high",
          NULL},
         {"--sky-light", OPTION_F64, &o->sky_light, 1e-9, 1e9, NULL, "FACTOR",

@@ -82,7 +82,7 @@ static const char *other_extension(const option *output, char lower[16])
 
 static int is_known(const char *extension)
 {
-    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png", extension) >= 0; /* what vxs reads or writes */
+    return choice_index(".vxs|.part|.gltf|.glb|.json|.html|.htm|.png|.exr", extension) >= 0; /* what vxs reads or writes */
 }
 
 static vxs_result check_extension(const option *output, message *m)

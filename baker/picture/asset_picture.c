@@ -43,7 +43,7 @@ vxs_result asset_picture(uint8_t *rgb, uint32_t width_px, uint32_t height_px, co
     o.camera.fov_degrees = FOV_DEGREES;
     b                    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     camera_frame_lit(&o.camera, &b, lights, count, (double)width_px / height_px);
-    r = picture_render(rgb, &o, t, c, lights, count, m);
+    r = picture_render(rgb, NULL, &o, t, c, lights, count, m);
 done:
     truth_destroy(t);
     vxs_asset_close(asset);

@@ -22,6 +22,7 @@
 #include "baker/base/parallel.h"
 #include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "baker/files/png_encode.h"
 #include "baker/truth/baked_light.h"
 #include "runtime/vxs.h"
 
@@ -55,6 +56,7 @@ typedef struct view {
     uint32_t                sun_count, lamp_count;
     double                  day; /* of the sky's light: 1, or night */
     uint8_t                *rgb;
+    float                  *linear; /* NULL: not asked for */
     camera_view             seen;
     double                  near_metres; /* haze begins */
     double                  haze_metres; /* it takes 1 - 1/e in so much */
@@ -299,16 +301,15 @@ static void trace(const view *v, const double direction[3], int sample, rng *r, 
 /* pixels ---------------------------------------------------------------------------------------------- */
 
 /* A soft shoulder, so that sunlit walls keep their drawing, then the sRGB curve. */
-static uint8_t encode(double linear)
+static double curve(double x)
 {
-    double x = 0.80 * linear;
-    x        = x < 0.6 ? x : 0.6 + 0.4 * (1 - exp(-(x - 0.6) / 0.4));
-    x        = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-    return (uint8_t)(255 * fmin(fmax(x, 0), 1) + 0.5);
+    x = x < 0.6 ? x : 0.6 + 0.4 * (1 - exp(-(x - 0.6) / 0.4));
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
-static void render_pixel(const view *v, size_t index, uint8_t rgb[3])
+static void render_pixel(const view *v, size_t index)
 {
+    const double           shown  = 0.80;
     const picture_options *o      = v->options;
     double                 sum[3] = {0};
     for (int n = 0; n < SIDE_SAMPLES * SIDE_SAMPLES; n++) {
@@ -320,14 +321,18 @@ static void render_pixel(const view *v, size_t index, uint8_t rgb[3])
         trace(v, direction, n, &r, colour);
         for (int i = 0; i < 3; i++) sum[i] += colour[i] / (SIDE_SAMPLES * SIDE_SAMPLES);
     }
-    for (int i = 0; i < 3; i++) rgb[i] = encode(sum[i]);
+    for (size_t i = 0; i < 3; i++) {
+        double light          = shown * sum[i];
+        v->rgb[3 * index + i] = png_dithered(curve(light), (uint32_t)(index % o->width_px), (uint32_t)(index / o->width_px));
+        if (v->linear) v->linear[3 * index + i] = (float)light;
+    }
 }
 
 static void render_pixels(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const view *v = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) render_pixel(v, n, v->rgb + 3 * n);
+    for (size_t n = begin; n < end; n++) render_pixel(v, n);
 }
 
 /* As bright as what they shine on says: a matt surface sends back 1 / pi of what reaches it to each direction. */
@@ -348,13 +353,14 @@ static void light_fog(view *v)
     }
 }
 
-vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
+vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m)
 {
     view       v    = make_view(o, t, c, rgb);
     box        b    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
     vxs_result r    = VXS_OK;
     double     size = fmax(box_diagonal(&b), 1e-9);
+    v.linear        = linear;
     v.suns          = malloc((light_count + 1) * sizeof *v.suns);
     v.lamps         = malloc((light_count + 1) * sizeof *v.lamps);
     v.fog_lights    = malloc((light_count + 1) * sizeof *v.fog_lights);

@@ -21,9 +21,10 @@ typedef struct picture_options {
 /* Render: shadows from the lights' lookups, all else (what is seen, light from the sky) by rays. Where no light is directional it is
  * night, and the light of spot and point lights is seen in the air too.
  * rgb     [out] [3 * width * height] sRGB, top row first.   The same at any thread count.
+ * linear  [out] as many floats, before a screen's shoulder and curve; NULL: they are not asked for
  * lights  [light_count]
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result picture_render(uint8_t *rgb, const picture_options *o, const truth *t, const casters *c,
+vxs_result picture_render(uint8_t *rgb, float *linear, const picture_options *o, const truth *t, const casters *c,
                           const vxs_baked_light *const *lights, uint32_t light_count, message *m);
 
 #endif

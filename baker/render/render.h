@@ -105,6 +105,13 @@ void renderer_destroy(renderer *r);
  * Returns VXS_OK, VXS_E_GL, VXS_E_MEMORY. */
 vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, render_frame *frame, message *m);
 
+/* The picture that was drawn last as linear light, as exposed, without a screen's shoulder and curve: the mean of samples.
+ * rgb  [out] [3 * width_px * height_px] top row first */
+vxs_result renderer_read_linear(renderer *r, float *rgb, message *m);
+
+/* What is 1 there, in cd/m2, where lights of the scene are in candela and lux. Of what is not lit by them, such as the sky that pictures have, it says nothing. */
+double renderer_white(const renderer *r);
+
 /* Of the frame that was drawn last, at all samples: [width, height] samples a side as renderer_size says, top row first. */
 void renderer_size(const renderer *r, uint32_t *width, uint32_t *height);
 

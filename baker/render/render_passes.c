@@ -13,6 +13,7 @@
 #include "baker/base/memory.h"
 #include "baker/base/parallel.h"
 #include "baker/base/vec3.h"
+#include "baker/files/exr_encode.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
 #include "baker/files/run_files.h"
@@ -24,6 +25,7 @@ typedef struct passes {
     const char  *folder;
     const truth *truth;
     uint32_t     width, height, threads;
+    int          is_linear;                          /* floats are written, too */
     int          filter_px;                          /* as for vxs_lookup */
     size_t       count;                              /* samples */
     float       *depths, *normals, *albedos, *light; /* of renderer_read */
@@ -51,26 +53,46 @@ static void set_grey(uint8_t rgb[3], double share)
 
 static const uint8_t nothing[3] = {255, 0, 255};
 
-static vxs_result write_pixels(const passes *p, const char *name, const uint8_t *rgb, uint32_t width, uint32_t height, message *m)
+/* bytes  [size] of the picture, which are freed; NULL: there was no memory for them */
+static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, message *m)
 {
     char        path[4096];
-    output_file out  = {0};
-    size_t      size = 0;
-    if ((size_t)snprintf(path, sizeof path, "%s/%s.png", p->folder, name) >= sizeof path)
-        return fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
-    uint8_t   *png = png_encode(rgb, width, height, 3, &size);
-    vxs_result r   = png ? run_files_check_write_in_folder("--passes", path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
+    output_file out = {0};
+    vxs_result  r   = VXS_OK;
+    if ((size_t)snprintf(path, sizeof path, "%s/%s%s", p->folder, name, extension) >= sizeof path)
+        r = fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
+    if (r == VXS_OK)
+        r = bytes ? run_files_check_write_in_folder("--passes", path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
     if (r == VXS_OK) r = output_file_open(&out, path, m);
-    if (r == VXS_OK) r = output_file_write(&out, png, size, m);
+    if (r == VXS_OK) r = output_file_write(&out, bytes, size, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);
     output_file_abort(&out);
-    free(png);
+    free(bytes);
     return r;
 }
 
-static vxs_result write_picture(const passes *p, const char *name, message *m)
+static vxs_result write_pixels(const passes *p, const char *name, const uint8_t *rgb, uint32_t width, uint32_t height, message *m)
 {
-    return write_pixels(p, name, p->rgb, p->width, p->height, m);
+    size_t   size = 0;
+    uint8_t *png  = png_encode(rgb, width, height, 3, &size);
+    return write_file(p, name, ".png", png, size, m);
+}
+
+/* The floats that a pass is drawn from, where they are asked for.   channels  as exr_encode has them; NULL: there are no floats */
+static vxs_result write_floats(const passes *p, const char *name, const float *floats, uint32_t width, uint32_t height,
+                               const char *channels, message *m)
+{
+    size_t size = 0;
+    if (!p->is_linear || !channels) return VXS_OK;
+    uint8_t *exr = exr_encode(floats, width, height, channels, 0, &size);
+    return write_file(p, name, ".exr", exr, size, m);
+}
+
+/* What is in p->rgb, and the floats of it. */
+static vxs_result write_pass(const passes *p, const char *name, const float *floats, const char *channels, message *m)
+{
+    vxs_result r = write_pixels(p, name, p->rgb, p->width, p->height, m);
+    return r == VXS_OK ? write_floats(p, name, floats, p->width, p->height, channels, m) : r;
 }
 
 /* surfaces and light -------------------------------------------------------------------------------------------------------------- */
@@ -85,28 +107,31 @@ static vxs_result write_depth(passes *p, message *m)
     for (size_t n = 0; n < p->count; n++)
         set_grey(p->rgb + 3 * n,
                  p->depths[n] > 0 && far > near ? 1 - 0.9 * (log((double)p->depths[n] / near) / log((double)far / near)) : 0);
-    return write_picture(p, "depth", m);
+    return write_pass(p, "depth", p->depths, "Z", m);
 }
 
 static vxs_result write_normal(passes *p, message *m)
 {
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(0.5 + 0.5 * (double)p->normals[n]) : 0;
-    return write_picture(p, "normal", m);
+    return write_pass(p, "normal", p->normals, "XYZ", m);
 }
 
 static vxs_result write_albedo(passes *p, message *m)
 {
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = p->depths[n / 3] > 0 ? byte_of(curve((double)p->albedos[n])) : 0;
-    return write_picture(p, "albedo", m);
+    return write_pass(p, "albedo", p->albedos, "RGB", m);
 }
 
 static vxs_result write_light(passes *p, message *m)
 {
     double exposure = renderer_exposure(p->renderer);
     for (size_t n = 0; n < p->count; n++)
-        for (int k = 0; k < 3; k++)
-            p->rgb[3 * n + (size_t)k] = byte_of(curve(fmin(1, exposure * (double)p->light[4 * n + (size_t)k])));
-    return write_picture(p, "light", m);
+        for (size_t k = 0; k < 3; k++) {
+            float *light      = &p->light[4 * n + k];
+            *light            = (float)(exposure * (double)*light);
+            p->rgb[3 * n + k] = byte_of(curve(fmin(1, (double)*light)));
+        }
+    return write_pass(p, "light", p->light, "RGB.", m);
 }
 
 /* Linear light that the renderer gives back, times a factor. */
@@ -115,9 +140,13 @@ static vxs_result write_linear(passes *p, const char *name, vxs_result (*read)(r
 {
     float     *light = malloc(3 * p->count * sizeof *light);
     vxs_result r     = light ? read(p->renderer, light, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) p->rgb[n] = byte_of(curve(fmin(1, factor * (double)light[n])));
+    for (size_t n = 0; n < 3 * p->count && r == VXS_OK; n++) {
+        light[n]  = (float)(factor * (double)light[n]);
+        p->rgb[n] = byte_of(curve(fmin(1, (double)light[n])));
+    }
+    if (r == VXS_OK) r = write_pass(p, name, light, "RGB", m);
     free(light);
-    return r == VXS_OK ? write_picture(p, name, m) : r;
+    return r;
 }
 
 static vxs_result write_transmittance(passes *p, message *m)
@@ -126,8 +155,9 @@ static vxs_result write_transmittance(passes *p, message *m)
     if (!left) return fail(m, VXS_E_MEMORY, "out of memory for a picture");
     renderer_fog_left(p->renderer, p->depths, left);
     for (size_t n = 0; n < 3 * p->count; n++) p->rgb[n] = byte_of((double)left[n]);
+    vxs_result r = write_pass(p, "transmittance", left, "RGB", m);
     free(left);
-    return write_picture(p, "transmittance", m);
+    return r;
 }
 
 static vxs_result write_shadow_grid(const passes *p, message *m)
@@ -137,8 +167,9 @@ static vxs_result write_shadow_grid(const passes *p, message *m)
     float     *dark  = malloc(count * sizeof *dark);
     uint8_t   *rgb   = malloc(3 * count);
     vxs_result r = dark && rgb ? renderer_read_grid(p->renderer, dark, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
-    for (size_t n = 0; n < count && r == VXS_OK; n++) set_grey(rgb + 3 * n, 1 - (double)dark[n]);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) set_grey(rgb + 3 * n, (double)(dark[n] = 1 - dark[n])); /* lit */
     if (r == VXS_OK) r = write_pixels(p, "shadow-grid", rgb, side, 2 * side, m);
+    if (r == VXS_OK) r = write_floats(p, "shadow-grid", dark, side, 2 * side, "Y", m);
     free(dark);
     free(rgb);
     return r;
@@ -154,7 +185,7 @@ static vxs_result write_light_mesh(const passes *p, message *m)
         p->rgb[n]  = byte_of(curve(dim - expm1(-(double)mesh[n])));
     }
     free(mesh);
-    return r == VXS_OK ? write_picture(p, "light-mesh", m) : r;
+    return r == VXS_OK ? write_pass(p, "light-mesh", NULL, NULL, m) : r;
 }
 
 /* Blue, green, yellow, red. */
@@ -173,7 +204,7 @@ static vxs_result write_lights(passes *p, message *m)
         memset(p->rgb + 3 * n, 0, 3);
         if (p->light[4 * n + 3] > 0) set_heat(p->rgb + 3 * n, (double)(p->light[4 * n + 3] / most));
     }
-    return write_picture(p, "lights", m);
+    return write_pass(p, "lights", p->light, "...Y", m);
 }
 
 static vxs_result write_resident(passes *p, message *m)
@@ -185,7 +216,7 @@ static vxs_result write_resident(passes *p, message *m)
         set_grey(p->rgb + 3 * n, p->lit[n] == RENDER_NOT_ASKED ? 0.25 : 0);
         for (size_t k = 0; k < 3 && share >= 0; k++) p->rgb[3 * n + k] = byte_of(share * full_rgb[k] + (1 - share) * coarse_rgb[k]);
     }
-    return r == VXS_OK ? write_picture(p, "resident", m) : r;
+    return r == VXS_OK ? write_pass(p, "resident", p->lit, "Y", m) : r;
 }
 
 /* each light ---------------------------------------------------------------------------------------------------------------------- */
@@ -224,14 +255,15 @@ static void trace_samples(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t n = begin; n < end; n++) trace_sample(user, n);
 }
 
-/* A picture of a light: what is in p->rgb. */
-static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, message *m)
+/* The same of a light. */
+static vxs_result write_of_light(const passes *p, const char *what, uint32_t number, const vxs_light *light, const float *floats,
+                                 message *m)
 {
     char name[VXS_LIGHT_NAME_BYTES + 32];
     snprintf(name, sizeof name, "%s-%u-%s", what, number, light->name);
     for (char *c = name; *c; c++)
         if (!isalnum((unsigned char)*c) && !strchr("-_.", *c)) *c = '_';
-    return write_picture(p, name, m);
+    return write_pass(p, name, floats, "Y", m);
 }
 
 /* Nothing where the light reaches no sample: of hundreds most do not. */
@@ -244,7 +276,7 @@ static vxs_result write_lit(passes *p, uint32_t number, const vxs_light *light, 
         set_grey(p->rgb + 3 * n, (double)p->lit[n]);
         if (!(p->lit[n] >= 0)) memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
     }
-    return write_of_light(p, "lit", number, light, m);
+    return write_of_light(p, "lit", number, light, p->lit, m);
 }
 
 static vxs_result write_lights_each(passes *p, const vxs_baked_light *const *lights, uint32_t light_count, message *m)
@@ -265,7 +297,7 @@ static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, u
     float     *left = malloc(p->count * sizeof *left);
     vxs_result r    = left ? renderer_read_through(p->renderer, left, m) : fail(m, VXS_E_MEMORY, "out of memory for a picture");
     for (size_t i = 0; i < p->count && r == VXS_OK; i++) set_grey(p->rgb + 3 * i, (double)left[i]);
-    if (r == VXS_OK) r = write_picture(p, "smoke", m);
+    if (r == VXS_OK) r = write_pass(p, "smoke", left, "Y", m);
     for (uint32_t n = 0; n < light_count && r == VXS_OK; n++) {
         if (renderer_smoke_lights(p->renderer)[n].fate != SMOKE_DIMS) continue;
         r = renderer_read_smoke(p->renderer, n, left, m);
@@ -273,7 +305,7 @@ static vxs_result write_smoke(passes *p, const vxs_baked_light *const *lights, u
             set_grey(p->rgb + 3 * i, (double)left[i]);
             if (!(p->depths[i] > 0)) memcpy(p->rgb + 3 * i, nothing, sizeof nothing);
         }
-        if (r == VXS_OK) r = write_of_light(p, "smoke", n, &lights[n]->light, m);
+        if (r == VXS_OK) r = write_of_light(p, "smoke", n, &lights[n]->light, left, m);
     }
     free(left);
     return r;
@@ -285,11 +317,13 @@ static vxs_result write_truth(passes *p, truth_difference *d, message *m)
     *d         = (truth_difference){0};
     for (size_t n = 0; n < p->count; n++) {
         memcpy(p->rgb + 3 * n, nothing, sizeof nothing);
-        if (p->reached[n] > 0) set_grey(p->rgb + 3 * n, (double)(p->true_sum[n] / p->reached[n]));
+        p->lit[n] = p->reached[n] > 0 ? p->true_sum[n] / p->reached[n] : -1;
+        if (p->reached[n] > 0) set_grey(p->rgb + 3 * n, (double)p->lit[n]);
     }
-    vxs_result r = write_picture(p, "truth", m);
+    vxs_result r = write_pass(p, "truth", p->lit, "Y", m);
     for (size_t n = 0; n < p->count; n++) {
         double difference = p->reached[n] > 0 ? (double)((p->sum[n] - p->true_sum[n]) / p->reached[n]) : 0;
+        p->lit[n]         = (float)difference;
         p->rgb[3 * n]     = byte_of(0.5 - 0.5 * difference);
         p->rgb[3 * n + 2] = byte_of(0.5 + 0.5 * difference);
         p->rgb[3 * n + 1] = byte_of(0.5 - 0.5 * fabs(difference));
@@ -299,7 +333,7 @@ static vxs_result write_truth(passes *p, truth_difference *d, message *m)
         sum += fabs(difference);
     }
     d->mean = d->asked ? sum / (double)d->asked : 0;
-    return r == VXS_OK ? write_picture(p, "difference", m) : r;
+    return r == VXS_OK ? write_pass(p, "difference", p->lit, "Y", m) : r;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------------------------- */
@@ -318,9 +352,15 @@ static vxs_result take(passes *p, message *m)
 }
 
 vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
-                         int streamed, const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m)
+                         const passes_options *o, truth_difference *difference, message *m)
 {
-    passes p = {.renderer = drawn, .folder = folder, .truth = t, .filter_px = filter_px, .threads = threads};
+    const truth *t = o->truth;
+    passes       p = {.renderer  = drawn,
+                      .folder    = folder,
+                      .truth     = t,
+                      .is_linear = o->is_linear,
+                      .filter_px = o->filter_px,
+                      .threads   = o->threads};
     if (mkdir(folder, 0777) && errno != EEXIST)
         return fail(m, VXS_E_WRITE, "--passes %s: the folder cannot be made: %s", folder, strerror(errno));
     renderer_size(drawn, &p.width, &p.height);
@@ -338,7 +378,7 @@ vxs_result render_passes(renderer *drawn, const char *folder, const vxs_baked_li
     if (r == VXS_OK && renderer_fog_grid(drawn)) r = write_shadow_grid(&p, m);
     if (r == VXS_OK && renderer_has_mesh(drawn)) r = write_light_mesh(&p, m);
     if (r == VXS_OK && renderer_smoke_lights(drawn)) r = write_smoke(&p, lights, light_count, m);
-    if (r == VXS_OK && streamed) r = write_resident(&p, m);
+    if (r == VXS_OK && o->streamed) r = write_resident(&p, m);
     if (r == VXS_OK) r = write_lights_each(&p, lights, light_count, m);
     if (r == VXS_OK && t) r = write_truth(&p, difference, m);
     free(p.depths);

@@ -15,8 +15,18 @@ typedef struct truth_difference {
 
 /* All that render_passes writes into its folder (run_files_add_folder). */
 #define RENDER_PASSES_NAMES                                                                                                        \
-    "depth.png|normal.png|albedo.png|light.png|lights.png|smoke.png|smoke-*.png|area.png|sky.png|airlight.png|transmittance.png|"  \
-    "shadow-grid.png|light-mesh.png|lit-*.png|resident.png|truth.png|difference.png"
+    "depth.png|normal.png|albedo.png|light.png|lights.png|smoke.png|smoke-*.png|area.png|sky.png|airlight.png|"                    \
+    "transmittance.png|shadow-grid.png|light-mesh.png|lit-*.png|resident.png|truth.png|difference.png|depth.exr|"                  \
+    "normal.exr|albedo.exr|light.exr|lights.exr|smoke.exr|smoke-*.exr|area.exr|sky.exr|airlight.exr|"                              \
+    "transmittance.exr|shadow-grid.exr|lit-*.exr|resident.exr|truth.exr|difference.exr"
+
+typedef struct passes_options {
+    int          streamed;  /* lights are a stream's */
+    int          is_linear; /* each pass is also written as floats, NAME.exr beside NAME.png */
+    const truth *truth;     /* NULL: none */
+    int          filter_px; /* as for vxs_lookup */
+    uint32_t     threads;
+} passes_options;
 
 /* Write the last frame's passes into a folder, which is made where it is not there, a sample a pixel:
  *
@@ -38,11 +48,11 @@ typedef struct truth_difference {
  *     truth.png        mean lit fraction of lights that reach, by K x K rays for the taps of a lookup
  *     difference.png   the same by lookups, less truth: grey where equal, red where too dark, blue where too light
  *
- * streamed  whether lights are a stream's
- * t       NULL: no truth
+ * Floats are linear, top row first, -1 where PNGs are magenta: depth (metres along the axis, 0: nothing) as Z, normals as XYZ, colours and light as RGB,
+ * as exposed, fractions and counts as Y. light-mesh is a drawing and has none.
  * lights  as renderer_create was given them
  * Returns VXS_OK, VXS_E_ARGUMENT (a picture would go where the run reads, or to another output), VXS_E_WRITE, VXS_E_GL, VXS_E_MEMORY. */
-vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count, int streamed,
-                         const truth *t, int filter_px, uint32_t threads, truth_difference *difference, message *m);
+vxs_result render_passes(renderer *r, const char *folder, const vxs_baked_light *const *lights, uint32_t light_count,
+                         const passes_options *o, truth_difference *difference, message *m);
 
 #endif

@@ -101,10 +101,11 @@ GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colou
 
 static vxs_result make_targets(renderer *r, message *m)
 {
-    static const GLenum formats[TARGETS] = {GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8, GL_RGBA32F, GL_RGBA8, GL_RGBA32F};
+    static const GLenum formats[TARGETS] = {GL_DEPTH_COMPONENT32F, GL_RGBA32F, GL_RGBA8,  GL_RGBA32F,
+                                             GL_RGBA32F,            GL_RGBA32F, GL_RGBA32F};
     const gl_context   *gl               = r->gl;
     for (int n = 0; n < TARGETS; n++) {
-        int small = n == SCREEN;
+        int small = n == SCREEN || n == LINEAR;
         if (n == PICTURE && !r->fog) continue;
         gl->CreateTextures(GL_TEXTURE_2D, 1, &r->target[n]);
         gl->TextureStorage2D(r->target[n], 1, formats[n], (GLsizei)(small ? r->options.width_px : r->width),
@@ -114,7 +115,7 @@ static vxs_result make_targets(renderer *r, message *m)
     }
     r->surface_frame = renderer_frame_of(gl, r->target[DEPTHS], &r->target[NORMALS], 2);
     r->light_frame   = renderer_frame_of(gl, 0, &r->target[LIGHTS], 1);
-    r->screen_frame  = renderer_frame_of(gl, 0, &r->target[SCREEN], 1);
+    r->screen_frame  = renderer_frame_of(gl, 0, &r->target[SCREEN], 2);
     if (r->fog) r->picture_frame = renderer_frame_of(gl, 0, &r->target[PICTURE], 1);
     gl->GenVertexArrays(1, &r->empty_array);
     if (gl->GetError() == GL_NO_ERROR) return VXS_OK;

@@ -380,7 +380,7 @@ vxs_result renderer_draw(renderer *r, const camera_pose *camera, uint8_t *rgb, r
     if (result == VXS_OK) result = count_lights(r, frame, m);
     if (result != VXS_OK) return result;
     if (!r->options.stream) frame->full_pixels = frame->surface_pixels;
-    if (rgb) renderer_read_target(r, SCREEN, GL_RGB, GL_UNSIGNED_BYTE, 3, rgb);
+    if (rgb && (result = renderer_read_screen(r, rgb, m)) != VXS_OK) return result;
     GLenum error = r->gl->GetError();
     return error == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL says error 0x%x of a frame", error);
 }

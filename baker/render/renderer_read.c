@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "baker/base/vec3.h"
+#include "baker/files/png_encode.h"
 #include "baker/render/renderer_state.h"
 
 /* Rows of a picture from the bottom up, turned over. */
@@ -22,8 +23,8 @@ static void turn_over(void *pixels, size_t row_bytes, uint32_t height)
 
 void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out)
 {
-    uint32_t width  = target == SCREEN ? r->options.width_px : r->width,
-             height = target == SCREEN ? r->options.height_px : r->height;
+    int      small = target == SCREEN || target == LINEAR;
+    uint32_t width = small ? r->options.width_px : r->width, height = small ? r->options.height_px : r->height;
     r->gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
     r->gl->GetTextureImage(r->target[target], 0, format, type, (GLsizei)(width * height * pixel_bytes), out);
     turn_over(out, width * pixel_bytes, height);
@@ -33,6 +34,24 @@ void renderer_size(const renderer *r, uint32_t *width, uint32_t *height)
 {
     *width  = r->width;
     *height = r->height;
+}
+
+vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m)
+{
+    uint32_t width = r->options.width_px, height = r->options.height_px;
+    float   *screen = malloc(3 * sizeof *screen * width * height);
+    if (!screen) return fail(m, VXS_E_MEMORY, "out of memory for a picture of %u x %u pixels", width, height);
+    renderer_read_target(r, SCREEN, GL_RGB, GL_FLOAT, 3 * sizeof *screen, screen);
+    for (uint32_t n = 0; n < width * height; n++)
+        for (size_t k = 0; k < 3; k++) rgb[3 * (size_t)n + k] = png_dithered((double)screen[3 * (size_t)n + k], n % width, n / width);
+    free(screen);
+    return VXS_OK;
+}
+
+vxs_result renderer_read_linear(renderer *r, float *rgb, message *m)
+{
+    renderer_read_target(r, LINEAR, GL_RGB, GL_FLOAT, 3 * sizeof *rgb, rgb);
+    return r->gl->GetError() == GL_NO_ERROR ? VXS_OK : fail(m, VXS_E_GL, "OpenGL cannot give back a picture");
 }
 
 vxs_result renderer_read(renderer *r, float *depths, float *normals, float *albedos, float *light, message *m)
@@ -123,6 +142,11 @@ void renderer_fog_left(const renderer *r, const float *depths, float *left)
 double renderer_exposure(const renderer *r)
 {
     return r->exposure;
+}
+
+double renderer_white(const renderer *r)
+{
+    return 1 / (3.14159265358979324 * r->scale * r->exposure);
 }
 
 const double *renderer_light_colour(const renderer *r, uint32_t n)

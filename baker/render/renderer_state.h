@@ -9,7 +9,7 @@
 #include "runtime/gl/vxs_gl.h"
 
 /* Pictures that are drawn to. */
-enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, PICTURE, TARGETS };
+enum { DEPTHS, NORMALS, ALBEDOS, LIGHTS, SCREEN, LINEAR, PICTURE, TARGETS }; /* SCREEN and LINEAR of the picture, others of samples */
 
 typedef struct smoke_cloud smoke_cloud;
 
@@ -84,6 +84,9 @@ enum { SHOW_LIGHT = 0, SHOW_LIT = 1, SHOW_FULL = 2 };
 
 /* Ask all lights again of the last frame's surfaces, into target LIGHTS.   light  of SHOW_LIT */
 void renderer_shade(const renderer *r, int show, uint32_t light);
+
+/* What a screen shows of the last frame, in its 8 bits.   rgb  [out] as renderer_draw has it */
+vxs_result renderer_read_screen(const renderer *r, uint8_t *rgb, message *m);
 
 /* A target's pixels, top row first.   out  [width * height] of pixel_bytes each */
 void renderer_read_target(const renderer *r, int target, GLenum format, GLenum type, size_t pixel_bytes, void *out);

@@ -1,5 +1,5 @@
-/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples. In fog it
- * is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE, and between them there is the fog. */
+/* From light to what a screen shows: exposure, light from the sky, a soft shoulder, the sRGB curve, the mean of samples x samples; and the mean of what is linear,
+ * without shoulder and curve. In fog it is done in two parts, TO_PICTURE, which is linear, and FROM_PICTURE, and between them there is the fog. */
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
@@ -9,6 +9,9 @@ uniform mat4 point_from_depth;
 uniform vec4 sizes; /* width, height of the light, exposure, day: 1, or what is left of the sky at night */
 uniform int samples;
 layout(location = 0) out vec4 colour_out;
+#ifndef TO_PICTURE
+layout(location = 1) out vec4 linear_out;
+#endif
 
 const vec3 zenith = vec3(0.20, 0.40, 0.86), horizon = vec3(0.70, 0.81, 0.95), below = vec3(0.56, 0.61, 0.68), ground = vec3(0.30, 0.28, 0.25);
 
@@ -39,13 +42,15 @@ void main()
 {
 #ifdef TO_PICTURE
     colour_out = vec4(shown(ivec2(gl_FragCoord.xy)), 0.0); /* alpha: how much smoke hides */
-    return;
-#endif
-    vec3 sum = vec3(0.0);
+#else
+    vec3 sum = vec3(0.0), light = vec3(0.0);
     for (int y = 0; y < samples; y++)
         for (int x = 0; x < samples; x++) {
             vec3 c = shown(ivec2(gl_FragCoord.xy) * samples + ivec2(x, y));
             sum += vec3(curve(c.r), curve(c.g), curve(c.b));
+            light += c;
         }
     colour_out = vec4(sum / float(samples * samples), 1.0);
+    linear_out = vec4(light / float(samples * samples), 1.0);
+#endif
 }
