@@ -120,7 +120,7 @@ endif
 cgal      := $(wildcard baker/mend/*.cc baker/casters/*.cc)
 baker.o   := $(filter-out $(unsanitized:%=$B/%.o),$(baker.o)) $(unsanitized:%=build/release/%.o)
 # files that go into the command as they are; baker/base/embedded.h names their bytes
-embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl) runtime/volumes/capsule.glsl) $B/baker/report/chart.min.js.o
+embedded  := $(patsubst %,$B/%.o,$(wildcard baker/report/*.html baker/report/*.js baker/options/completion.* baker/render/*.glsl) $(addprefix runtime/volumes/,capsule.glsl vxs_air_light.h)) $B/baker/report/chart.min.js.o
 baker.o   += $(embedded)
 # what check-asan leaves to `make check-unit config=asan`: programs that read no bytes of files, take 4 s or more there to draw (llvmpipe's code,
 # mostly), to trace rays or to bake, and call functions that others call, too; but for compare, generate, and one function that volumes calls

@@ -45,6 +45,13 @@ void fog_add_airlight(const fog_medium *f, const fog_light *lights, uint32_t lig
     }
 }
 
+void fog_reaches(const fog_medium *f, const fog_light *light, const double place_ws[3], double to_light[3], double reaches[3])
+{
+    vxs_medium    medium = fog_air_medium(f);
+    vxs_air_light air    = fog_air_light(light);
+    vxs_air_reaches(&medium, &air, place_ws, f->top_ws, to_light, reaches);
+}
+
 void fog_left(const fog_medium *f, const double eye_ws[3], const double direction[3], double metres, double left[3])
 {
     vxs_medium medium    = fog_air_medium(f);

@@ -8,7 +8,7 @@
 
 typedef struct fog_light {
     const vxs_baked_light *light;
-    light_shape            shape;
+    light_shape            shape;         /* its range is where its light ends, in the air and on surfaces */
     double                 colour[3];     /* suns: irradiance; lamps: intensity, times square metres */
     double                 cos_inner;     /* of spot lights */
     double                 radius_metres; /* of lamps, > 0 */

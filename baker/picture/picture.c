@@ -8,7 +8,8 @@
  *     haze      mixed over all, by distance behind the nearest corner of the scene
  *     air       before all, what haze scatters of lamps' light: single lookups at some places along the ray
  *     fog       in the place of both, where it is asked for: what it leaves of all, and what it scatters of suns' and lamps' light along
- *               exactly those parts of the ray that are lit (fog.h)
+ *               exactly those parts of the ray that are lit (fog.h). Then lights reach surfaces by the law of light in the air, too: by the square of
+ *               the distance, and dimmed on their way
  *
  * Colours are linear until the end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -248,6 +249,22 @@ static double air_light(const view *v, const double direction[3], double metres,
     return sum;
 }
 
+/* Of suns and lamps, in fog. */
+static void light_in_fog(const view *v, const double point_ws[3], const double normal[3], double out[3])
+{
+    memset(out, 0, 3 * sizeof *out);
+    for (uint32_t n = 0; n < v->sun_count + v->lamp_count; n++) {
+        const fog_light *l = &v->fog_lights[n];
+        double           to_light[3], reaches[3];
+        fog_reaches(v->options->fog, l, point_ws, to_light, reaches);
+        double facing = vec3_dot(normal, to_light);
+        if (facing <= 0 || !(reaches[0] + reaches[1] + reaches[2] > 0)) continue;
+        double lit = (double)vxs_lookup(l->light, point_ws, normal, v->options->filter_px);
+        if (lit < 0) lit = l->shape.kind == LIGHT_DIRECTIONAL;
+        for (int i = 0; i < 3; i++) out[i] += facing * lit * reaches[i] * l->colour[i] / pi;
+    }
+}
+
 /* What comes back along one ray from the eye, up to where it meets something. */
 static int trace_surface(const view *v, const double direction[3], int sample, rng *r, double *distance, double out[3])
 {
@@ -264,9 +281,15 @@ static int trace_surface(const view *v, const double direction[3], int sample, r
     vec3_mad(v->options->camera.eye_ws, *distance, direction, point);
     truth_lift(v->truth, point, normal, lifted);
 
-    double sky[3], sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
+    double sky[3], light[3];
+    if (v->options->fog)
+        light_in_fog(v, point, normal, light);
+    else {
+        double sun = sun_light(v, point, normal), lamps = lamp_light(v, point, normal);
+        for (int i = 0; i < 3; i++) light[i] = sun * sun_colour[i] + lamps * lamp_colour[i];
+    }
     sky_light(v, lifted, normal, sample, r, sky);
-    for (int i = 0; i < 3; i++) out[i] = albedo[i] * (sun * sun_colour[i] + lamps * lamp_colour[i] + 0.42 * v->day * sky[i]);
+    for (int i = 0; i < 3; i++) out[i] = albedo[i] * (light[i] + 0.42 * v->day * sky[i]);
     if (!v->options->fog) mix(out, haze, 1 - exp(-fmax(*distance - v->near_metres, 0) / v->haze_metres), out);
     return 1;
 }
@@ -348,7 +371,8 @@ static void light_fog(view *v)
         const lamp *l   = &v->lamps[n];
         fog_light  *out = &v->fog_lights[count++];
         *out            = (fog_light){.light = l->light, .shape = l->shape, .radius_metres = 0.03 * l->usual_metres};
-        out->cos_inner  = cos(0.9 * l->shape.outer_rad);
+        out->cos_inner      = cos(0.9 * l->shape.outer_rad);
+        out->shape.range_m  = l->reach_metres;
         for (int i = 0; i < 3; i++) out->colour[i] = pi * lamp_colour[i] * 2 * l->usual_metres * l->usual_metres;
     }
 }

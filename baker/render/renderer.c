@@ -14,6 +14,7 @@ EMBEDDED(surface_frag_glsl)
 EMBEDDED(screen_vert_glsl)
 EMBEDDED(moving_glsl)
 EMBEDDED(smoke_glsl)
+EMBEDDED(vxs_air_light_h)
 EMBEDDED(shine_glsl)
 EMBEDDED(shade_frag_glsl)
 EMBEDDED(tone_frag_glsl)
@@ -22,7 +23,7 @@ static const double pi = 3.14159265358979324;
 
 /* programs ------------------------------------------------------------------------------------------------------------------------ */
 
-enum { PARTS_MOST = VXS_GL_TEXTS + 5 };
+enum { PARTS_MOST = VXS_GL_TEXTS + 6 };
 
 static void add_shader(const gl_context *gl, GLuint program, GLenum kind, const text_part *parts, int count)
 {
@@ -58,13 +59,14 @@ vxs_result renderer_program(const gl_context *gl, GLuint *program, embedded vert
 vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fragment, message *m)
 {
     const char *texts[VXS_GL_TEXTS];
-    char        knows[96];
+    char        knows[128];
     text_part   none = {"", 0}, parts[PARTS_MOST];
-    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n%s%s%s", r->options.filter_px,
+    snprintf(knows, sizeof knows, "#define FILTER_PX %d\n#define LIGHTS_AT_ONCE %uu\n%s%s%s", r->options.filter_px, LIGHTS_AT_ONCE,
              r->options.stream ? "#define STREAMED\n" : "", r->moving ? "#define MOVING\n" : "", r->smoke ? "#define SMOKE\n" : "");
     const text_part own[] = {{knows, -1},
                              r->moving ? part_of(moving_glsl) : none,
                              r->smoke ? part_of(smoke_glsl) : none,
+                             part_of(vxs_air_light_h),
                              part_of(shine_glsl),
                              part_of(fragment)};
     vxs_gl_texts(r->shadows, texts);

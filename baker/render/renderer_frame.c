@@ -17,6 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runtime/volumes/vxs_air_light.h" /* first: box.h has a type of a name that its functions have */
+
 #include "baker/base/vec3.h"
 #include "baker/measure/clock.h"
 #include "baker/render/renderer_state.h"
@@ -92,7 +94,7 @@ static void draw_surfaces(const renderer *r)
 }
 
 /* textures  of targets, from the first on, that the program reads */
-static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
+static void begin_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
 {
     const gl_context *gl = r->gl;
     gl->BindFramebuffer(GL_FRAMEBUFFER, frame);
@@ -100,9 +102,14 @@ static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint 
     for (GLuint n = 0; n < textures; n++) gl->BindTextureUnit(n, r->target[n]);
     gl->ProgramUniformMatrix4fv(program, gl->GetUniformLocation(program, "point_from_depth"), 1, GL_FALSE,
                                 r->view.point_from_depth);
-    gl->UseProgram(program);
-    gl->BindVertexArray(r->empty_array);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+static void draw_screen(const renderer *r, GLuint frame, GLuint program, GLuint textures, uint32_t width, uint32_t height)
+{
+    begin_screen(r, frame, program, textures, width, height);
+    r->gl->UseProgram(program);
+    r->gl->BindVertexArray(r->empty_array);
+    r->gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void renderer_bind_lights(const renderer *r)
@@ -113,15 +120,46 @@ void renderer_bind_lights(const renderer *r)
     r->gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, COLOURS_BINDING, r->colour_buffer);
 }
 
+/* Of the fog that dims lights on their way. Places count from the eye. */
+static void set_fog(const renderer *r, GLuint program)
+{
+    const fog_medium *f      = r->is_clear ? NULL : r->options.fog;
+    float             fog[4] = {0, 0, 0, (float)VXS_AIR_EVERYWHERE};
+    for (int n = 0; n < 3 && f; n++) fog[n] = (float)f->extinction[n];
+    if (f && f->top_ws < INFINITY) fog[3] = (float)(f->top_ws - r->camera.eye_ws[1]);
+    r->gl->ProgramUniform4f(program, r->gl->GetUniformLocation(program, "fog"), fog[0], fog[1], fog[2], fog[3]);
+}
+
+void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4])
+{
+    const gl_context *gl       = r->gl;
+    const float       black[4] = {0};
+    GLint             v[4]     = {values[0], values[1], values[2], values[3]};
+    gl->ClearBufferfv(GL_COLOR, 0, black);
+    gl->Enable(GL_BLEND);
+    gl->BlendEquation(GL_FUNC_ADD);
+    gl->BlendFunc(GL_ONE, GL_ONE);
+    gl->UseProgram(program);
+    gl->BindVertexArray(r->empty_array);
+    set_fog(r, program);
+    for (uint32_t first = 0; first < r->light_count; first += LIGHTS_AT_ONCE) {
+        v[element] = (GLint)first;
+        gl->ProgramUniform4i(program, gl->GetUniformLocation(program, uniform), v[0], v[1], v[2], v[3]);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    gl->Disable(GL_BLEND);
+}
+
 void renderer_shade(const renderer *r, int show, uint32_t light)
 {
-    const gl_context *gl = r->gl;
-    GLuint            p  = r->shade_program;
+    const gl_context *gl       = r->gl;
+    GLuint            p        = r->shade_program;
+    const GLint       asked[4] = {show, (GLint)light, renderer_culls(r), 0};
     gl->ProgramUniform4f(p, gl->GetUniformLocation(p, "sizes"), (float)r->width, (float)r->height, 0, 0);
-    gl->ProgramUniform3i(p, gl->GetUniformLocation(p, "asked"), show, (GLint)light, renderer_culls(r));
     gl->BindTextureUnit(LIGHTS, 0); /* what is drawn to */
     renderer_bind_lights(r);
-    draw_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
+    begin_screen(r, r->light_frame, p, LIGHTS, r->width, r->height);
+    renderer_add_lights(r, p, "asked", 3, asked);
 }
 
 double renderer_day(const renderer *r)
@@ -309,65 +347,76 @@ static double finished(const gl_context *gl)
     return clock_seconds();
 }
 
+static void stage_ends(const renderer *r, render_frame *frame, int stage, double *since)
+{
+    double now = finished(r->gl);
+    frame->seconds[stage] += now - *since;
+    *since = now;
+}
+
+/* All that surfaces get. */
+static vxs_result light_surfaces(const renderer *r, render_frame *frame, double *since, message *m)
+{
+    vxs_result result = VXS_OK;
+    renderer_shade(r, SHOW_LIGHT, 0);
+    stage_ends(r, frame, RENDER_SHADE, since);
+    if (r->areas) {
+        result = light_by_areas(r, &frame->area, m);
+        stage_ends(r, frame, RENDER_AREA, since);
+    }
+    if (result == VXS_OK && r->sky) {
+        result = light_by_sky(r, m);
+        stage_ends(r, frame, RENDER_SKY, since);
+    }
+    return result;
+}
+
+/* Exposure is that of clear air: fog does not make a picture brighter. Airlight of areas and of the sky is exposed, so that they are drawn again. */
+static vxs_result light_exposed(renderer *r, render_frame *frame, double *since, message *m)
+{
+    int is_first      = r->exposure <= 0;
+    r->is_clear       = is_first;
+    vxs_result result = light_surfaces(r, frame, since, m);
+    r->is_clear       = 0;
+    if (result != VXS_OK || !is_first) return result;
+    result = choose_exposure(r, m);
+    *since = finished(r->gl);
+    return result == VXS_OK && (r->options.fog || r->areas || r->sky) ? light_surfaces(r, frame, since, m) : result;
+}
+
 static vxs_result draw_frame(renderer *r, render_frame *frame, message *m)
 {
-    double since = finished(r->gl), now;
-#define STAGE_ENDS(stage)                                                                                                          \
-    now = finished(r->gl);                                                                                                         \
-    frame->seconds[stage] += now - since;                                                                                          \
-    since = now;
+    double since = finished(r->gl);
     if (r->options.stream) upload(r, frame);
-    STAGE_ENDS(RENDER_UPLOAD)
+    stage_ends(r, frame, RENDER_UPLOAD, &since);
     if (r->moving) cast_moving(r, &frame->moving);
-    STAGE_ENDS(RENDER_MOVING)
+    stage_ends(r, frame, RENDER_MOVING, &since);
     vxs_gl_origin(r->shadows, r->camera.eye_ws);
     draw_surfaces(r);
-    STAGE_ENDS(RENDER_SURFACES)
+    stage_ends(r, frame, RENDER_SURFACES, &since);
     if (renderer_culls(r) && vxs_gl_cull(r->shadows, &r->view, r->target[DEPTHS], r->options.tile_lights) != VXS_OK)
         return fail(m, VXS_E_GL, "OpenGL cannot make lists of lights for %u x %u samples", r->width, r->height);
-    STAGE_ENDS(RENDER_CULL)
+    stage_ends(r, frame, RENDER_CULL, &since);
     if (r->smoke) {
         vxs_result result = dim_lights(r, &frame->smoke, m);
         if (result != VXS_OK) return result;
-        STAGE_ENDS(RENDER_SMOKE)
+        stage_ends(r, frame, RENDER_SMOKE, &since);
     }
     if (r->options.stream) {
         vxs_result result = count_full(r, frame, m);
         if (result != VXS_OK) return result;
         since = finished(r->gl);
     }
-    renderer_shade(r, SHOW_LIGHT, 0);
-    STAGE_ENDS(RENDER_SHADE)
-    if (r->areas) {
-        vxs_result result = light_by_areas(r, &frame->area, m);
-        if (result != VXS_OK) return result;
-        STAGE_ENDS(RENDER_AREA)
+    vxs_result result = light_exposed(r, frame, &since, m);
+    if (result == VXS_OK && r->fog) result = fog(r, &frame->fog, m);
+    stage_ends(r, frame, RENDER_FOG, &since);
+    if (result == VXS_OK && r->smoke) {
+        result = renderer_draw_cloud(r, m);
+        stage_ends(r, frame, RENDER_SMOKE, &since);
     }
-    if (r->sky) {
-        vxs_result result = light_by_sky(r, m);
-        if (result != VXS_OK) return result;
-        STAGE_ENDS(RENDER_SKY)
-    }
-    if (r->exposure <= 0) {
-        vxs_result result = choose_exposure(r, m);
-        if (result == VXS_OK && r->areas) result = draw_areas(r, r->exposure, &frame->area, m); /* airlight is exposed */
-        if (result == VXS_OK && r->sky) result = draw_sky(r, r->exposure, m);
-        if (result != VXS_OK) return result;
-        since = finished(r->gl);
-    }
-    if (r->fog) {
-        vxs_result result = fog(r, &frame->fog, m);
-        if (result != VXS_OK) return result;
-    }
-    STAGE_ENDS(RENDER_FOG)
-    if (r->smoke) {
-        vxs_result result = renderer_draw_cloud(r, m);
-        if (result != VXS_OK) return result;
-        STAGE_ENDS(RENDER_SMOKE)
-    }
+    if (result != VXS_OK) return result;
     tone(r);
-    STAGE_ENDS(RENDER_TONE)
-#undef STAGE_ENDS
+    stage_ends(r, frame, RENDER_TONE, &since);
     return VXS_OK;
 }
 

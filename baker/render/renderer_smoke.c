@@ -104,15 +104,12 @@ static vxs_result light_corners(const renderer *r, smoke_cloud *c)
     uint32_t          corners = SMOKE_CORNERS * c->quads.count;
     vxs_result        result  = smoke_pass_ask(r->smoke, c->buffers[PLACES], corners, c->buffers[LEFT]);
     if (result != VXS_OK) return result;
-    gl->ProgramUniform4i(c->light_program, gl->GetUniformLocation(c->light_program, "sizes"), ROW, (GLint)corners, 0, 0);
     renderer_bind_lights(r);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, CAPSULES_BINDING, c->buffers[PLACES]);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, LEFT_BINDING, c->buffers[LEFT]);
     gl->BindFramebuffer(GL_FRAMEBUFFER, c->lights_frame);
     gl->Viewport(0, 0, ROW, (GLsizei)c->rows);
-    gl->UseProgram(c->light_program);
-    gl->BindVertexArray(r->empty_array);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    renderer_add_lights(r, c->light_program, "sizes", 2, (const GLint[4]){ROW, (GLint)corners, 0, 0});
     return VXS_OK;
 }
 

@@ -35,6 +35,7 @@ struct renderer {
     uint64_t    uploaded_bytes; /* up to and with the last frame */
     GLuint      target[TARGETS], surface_frame, light_frame, screen_frame, picture_frame;
     double      exposure; /* 0: not yet chosen */
+    int         is_clear; /* fog does not dim lights now: exposure is chosen */
     camera_pose camera;   /* of the last frame */
     camera_view seen;
     vxs_view    view;
@@ -61,6 +62,14 @@ vxs_result renderer_lit_program(const renderer *r, GLuint *program, embedded fra
 
 /* For such programs. */
 void renderer_bind_lights(const renderer *r);
+
+/* Lights that such a pass adds up. llvmpipe ends all loops of a fragment shader after 65535 rounds, which four groups of pixels share: so a light may take 512
+ * of them for each. A lookup of 17 x 17 texels in a city takes less than 135. */
+#define LIGHTS_AT_ONCE 32U
+
+/* Draw a full-screen triangle for each LIGHTS_AT_ONCE lights into the framebuffer that is bound, and add up what they send.
+ * uniform, element  of the program: an ivec4, and which of its components is the first light;   values  of the others */
+void renderer_add_lights(const renderer *r, GLuint program, const char *uniform, int element, const GLint values[4]);
 
 /* A framebuffer.   depth  0: none */
 GLuint renderer_frame_of(const gl_context *gl, GLuint depth, const GLuint *colours, GLsizei count);

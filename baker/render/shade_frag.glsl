@@ -1,5 +1,5 @@
-/* Behind the texts of vxs_gl.h, shine.glsl, and FILTER_PX, the filter of lookups, which a compiler then knows: the light of a pixel, each light's K x K PCF times lambert; spot and point lights by the inverse square, and
- * ending at their range and cones as KHR_lights_punctual has it. */
+/* Behind the texts of vxs_gl.h, shine.glsl, and FILTER_PX, the filter of lookups, which a compiler then knows: the light of a pixel, each light's K x K PCF times lambert and what
+ * reaches the pixel (shine.glsl). */
 #define SHOW_LIGHT   0 /* direct light, and how many lights were asked */
 #define SHOW_LIT     1 /* lit fraction of one light, or VXS_OUTSIDE */
 #define SHOW_FULL    2 /* lookups, and how many of them are answered in full; where STREAMED */
@@ -9,7 +9,7 @@ layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D albedos;
 uniform mat4 point_from_depth;
 uniform vec4 sizes;   /* width, height */
-uniform ivec3 asked;  /* SHOW_, light of SHOW_LIT, 1: lights of the pixel's tile, 0: all */
+uniform ivec4 asked;  /* SHOW_, light of SHOW_LIT, 1: lights of the pixel's tile, 0: all; the first light of LIGHTS_AT_ONCE that are added up */
 layout(location = 0) out vec4 light_out;
 
 void main()
@@ -22,15 +22,17 @@ void main()
     vec3 at     = there.xyz / there.w, normal = texelFetch(normals, pixel, 0).xyz, sum = vec3(0.0);
     bool one    = asked.x == SHOW_LIT, listed = asked.z != 0 && !one;
     uint tile   = listed ? vxs_tile_of(pixel) : 0u, count = one ? 1u : listed ? vxs_tile_light_count(tile) : vxs_light_count();
+    uint first  = uint(asked.w), end = min(count, first + LIGHTS_AT_ONCE);
 #ifdef STREAMED
     vec2 lookups = vec2(0.0);
 #endif
-    for (uint i = 0u; i < count; i++) { /* with one call of vxs_lit: it is inlined, and compilers take long */
+    for (uint i = first; i < end; i++) { /* with one call of vxs_lit: it is inlined, and compilers take long */
         uint                n = one ? uint(asked.y) : listed ? vxs_tile_light(tile, i) : i;
         vxs_light_constants l = vxs_light_at(n);
         vec3                to_light;
-        float               power = strength(l, colours[n].a, at, to_light) * dot(normal, to_light);
-        if (power <= 0.0 && !one) continue;
+        vec3                power = strength(l, colours[n].a, at, to_light);
+        power *= dot(normal, to_light);
+        if (!one && !(max(power.r, max(power.g, power.b)) > 0.0)) continue;
 #ifdef STREAMED
         if (asked.x == SHOW_FULL) {
             lookups += vec2(1.0, float(vxs_lit_is_full(l.dag, l, at, normal, FILTER_PX)));
@@ -58,5 +60,5 @@ void main()
         return;
     }
 #endif
-    light_out = vec4(sum, float(count));
+    light_out = vec4(sum, float(max(end, first) - first));
 }

@@ -2,18 +2,19 @@
  * and shine.glsl. */
 layout(std430, binding = 5) readonly restrict buffer places_block { vec4 places[]; };
 layout(std430, binding = 8) readonly restrict buffer left_block { float left[]; }; /* of each layer, and in it of each place */
-uniform ivec4 sizes; /* pixels across, places */
+uniform ivec4 sizes; /* pixels across, places; the first light of LIGHTS_AT_ONCE that are added up */
 layout(location = 0) out vec4 light_out;
 
 void main()
 {
     int  place = int(gl_FragCoord.y) * sizes.x + int(gl_FragCoord.x);
     vec3 at = place < sizes.y ? places[place].xyz : vec3(0.0), sum = vec3(0.0);
-    for (uint n = 0u; n < vxs_light_count() && place < sizes.y; n++) {
+    uint end = min(vxs_light_count(), uint(sizes.z) + LIGHTS_AT_ONCE);
+    for (uint n = uint(sizes.z); n < end && place < sizes.y; n++) {
         vxs_light_constants l = vxs_light_at(n);
         vec3                to_light;
-        float               power = strength(l, colours[n].a, at, to_light);
-        if (power <= 0.0) continue;
+        vec3                power = strength(l, colours[n].a, at, to_light);
+        if (!(max(power.r, max(power.g, power.b)) > 0.0)) continue;
         float lit = vxs_lit(l.dag, l, at, vec3(0.0), 1);
         if (lit < 0.0) lit = l.kind == VXS_LIGHT_KIND_DIRECTIONAL ? 1.0 : 0.0;
 #ifdef MOVING

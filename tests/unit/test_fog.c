@@ -26,7 +26,7 @@ static double phase_of(double g, double cosine)
 /* Of one channel, what a place of the ray scatters toward the eye in a metre, were it lit. */
 static double scattered_at(const fog_medium *f, const fog_light *l, const double eye[3], const double w[3], double x, double from)
 {
-    double p[3], way[3], dot = 0, square = 0, along = 0, strength = 1, behind, sigma = f->extinction[0];
+    double p[3], way[3], dot = 0, square = 0, along = 0, strength = 1, behind = 1, sigma = f->extinction[0];
     for (int i = 0; i < 3; i++) {
         p[i]   = eye[i] + x * w[i];
         way[i] = p[i] - l->shape.position_ws[i];
@@ -42,8 +42,9 @@ static double scattered_at(const fog_medium *f, const fog_light *l, const double
         return f->scattering[0] * phase_of(f->anisotropy, cosine) * exp(-sigma * (x - from + behind));
     }
     double r = sqrt(square), outer = cos(l->shape.outer_rad);
+    if (l->shape.range_m < INFINITY) behind = fmax(1 - pow(r / l->shape.range_m, 4), 0);
     if (l->shape.kind == LIGHT_SPOT) strength = fmin(fmax((along / r - outer) / (l->cos_inner - outer), 0), 1);
-    return f->scattering[0] * phase_of(f->anisotropy, -dot / r) * exp(-sigma * (x + r)) / square * strength * strength;
+    return f->scattering[0] * phase_of(f->anisotropy, -dot / r) * exp(-sigma * (x + r)) / square * strength * strength * behind;
 }
 
 /* By single lookups.   all  [out] were there no shadows */
