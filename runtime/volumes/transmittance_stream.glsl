@@ -19,6 +19,7 @@ void main()
     float     opaque = is_one ? vxs_opaque_depth(texel) : VXS_NO_END;
     vxs_curve curve = vxs_curve_empty();
     uint first = 0u, bits = 0u;
+    vxs_curve_insertion pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, 0.0, 0.0, 1.0); /* none */
     for (; first < count; first += 64u) {
         if (own < 2u) seen[own] = 0u;
         barrier();
@@ -29,16 +30,23 @@ void main()
             if (in_tile(c)) atomicOr(seen[own >> 5], 1u << (own & 31u));
         }
         barrier();
-        for (uint half_of_them = 0u; half_of_them < 2u; half_of_them++)
-            for (bits = is_one ? seen[half_of_them] : 0u; bits != 0u; bits &= bits - 1u) {
-                uint        n = 32u * half_of_them + uint(findLSB(bits));
-                vxs_capsule c = vxs_capsule(begins[n].xyz, begins[n].w, ends[n].xyz, ends[n].w);
-                vec3        segment;
-                if (vxs_capsule_segment(c, texel, opaque, segment)) vxs_curve_insert(curve, VXS_CURVE_MOST, segment.x, segment.y, segment.z);
+        for (uint half_of_them = 0u; half_of_them < 2u; half_of_them++) {
+            bits = is_one ? seen[half_of_them] : 0u;
+            while (bits != 0u || pieces.next <= pieces.last) {
+                if (pieces.next > pieces.last) {
+                    uint        n = 32u * half_of_them + uint(findLSB(bits));
+                    vxs_capsule c = vxs_capsule(begins[n].xyz, begins[n].w, ends[n].xyz, ends[n].w);
+                    vec3        segment;
+                    bool        is_met = vxs_capsule_segment(c, texel, opaque, segment);
+                    pieces = vxs_curve_insertion_of(curve, VXS_CURVE_MOST, segment.x, segment.y, is_met ? segment.z : 1.0);
+                    bits &= bits - 1u;
+                }
+                vxs_curve_insert_next(curve, VXS_CURVE_MOST, pieces);
             }
+        }
         barrier();
     }
-    if (is_one && (first < count || bits != 0u)) atomicAdd(vxs_curves.cut, 1u); /* a driver ended the loops */
+    if (is_one && (first < count || bits != 0u || pieces.next <= pieces.last)) atomicAdd(vxs_curves.cut, 1u); /* a driver ended the loops */
     vxs_curve_insert(curve, VXS_CURVE_MOST, opaque, opaque, 0.0);
     if (is_one) vxs_curve_store(vxs_curve_texel(texel), curve);
 }

@@ -244,9 +244,9 @@ int main(void)
 {
     vxs_curve curve = vxs_curve_empty();
     const float stored[8] = {1, 1, 2, 0.5f, 1e30f, 0.5f, 1e30f, 0.5f};
-    vxs_curve_insert(&curve, 4, 1, 2, 0.5);
+    vxs_curve_insert(&curve, 4, 1, 2, 0.875);
     vxs_curve_pad(&curve, 4);
-    if (curve.count != 2 || curve.left[3] != 0.5 || vxs_curve_at(&curve, 1.5, 0) != 0.75) return 1;
+    if (curve.count != 2 || curve.left[3] != 0.875 || vxs_curve_at(&curve, 1.5, 0) != 0.9375) return 1;
     return vxs_curve_read(stored, 0, 4, 1.5, 0) == 0.75 && vxs_curve_read(stored, 0, 4, 9, 1) == 0.5 ? 0 : 2;
 }
 """
