@@ -57,9 +57,12 @@ static void print_smoke(FILE *to, const smoke_counts *s)
 {
     char a[32], b[32];
     if (!s->curves) return;
-    fprintf(to, "  smoke      %u x %u texels a map; %zu with a curve, of %.1f nodes, within %.2g; %s in memory, %s on disk\n",
+    fprintf(to, "  smoke      %u x %u texels a map; %zu with a curve, of %.1f nodes, within %.2g of its own ray; %s in memory, %s on disk\n",
             s->side_px, s->side_px, s->curves, (double)s->nodes / (double)s->curves, s->largest_error,
             size_text(a, s->memory_bytes), size_text(b, s->stored_bytes));
+    if (s->lookups.places)
+        fprintf(to, "             lookups between rays: RMS error %.2g, %.2g at most, at %u random lit places\n", s->lookups.rms,
+                s->lookups.largest, s->lookups.places);
 }
 
 static void print_light(FILE *to, const light_report *l)
@@ -151,9 +154,10 @@ static json_t *coded_json(const light_report *l)
 
 static json_t *smoke_json(const smoke_counts *s)
 {
-    return json_pack("{s:i, s:I, s:I, s:I, s:f, s:I, s:I}", "side_px", (int)s->side_px, "texels", (json_int_t)s->texels, "curves",
-                     (json_int_t)s->curves, "nodes", (json_int_t)s->nodes, "largest_error", s->largest_error, "memory_bytes",
-                     (json_int_t)s->memory_bytes, "stored_bytes", (json_int_t)s->stored_bytes);
+    return json_pack("{s:i, s:I, s:I, s:I, s:f, s:{s:i, s:f, s:f}, s:I, s:I}", "side_px", (int)s->side_px, "texels",
+                     (json_int_t)s->texels, "curves", (json_int_t)s->curves, "nodes", (json_int_t)s->nodes, "largest_error",
+                     s->largest_error, "lookups", "places", (int)s->lookups.places, "rms_error", s->lookups.rms, "largest_error",
+                     s->lookups.largest, "memory_bytes", (json_int_t)s->memory_bytes, "stored_bytes", (json_int_t)s->stored_bytes);
 }
 
 static json_t *light_json(const light_report *l)

@@ -125,15 +125,18 @@ static void print_smoke(FILE *to, const bake_options *o, const bake_report *r)
         sum.curves += s->curves;
         sum.nodes += s->nodes;
         sum.stored_bytes += s->stored_bytes;
-        sum.largest_error = fmax(sum.largest_error, s->largest_error);
+        sum.largest_error   = fmax(sum.largest_error, s->largest_error);
+        sum.lookups.rms     = fmax(sum.lookups.rms, s->lookups.rms);
+        sum.lookups.largest = fmax(sum.lookups.largest, s->lookups.largest);
     }
     if (!bakes_smoke(o)) return;
     fprintf(to, "smoke        ");
     if (!lights)
         fprintf(to, "it dims no light: the file has none\n");
     else
-        fprintf(to, "of %u light%s: %zu curves of %.1f nodes, within %.2g; %s of the file\n", lights, lights == 1 ? "" : "s",
-                sum.curves, (double)sum.nodes / (double)sum.curves, sum.largest_error, size_text(size, sum.stored_bytes));
+        fprintf(to, "of %u light%s: %zu curves of %.1f nodes, within %.2g of their own rays; lookups between rays: RMS error %.2g, %.2g at most; %s of the file\n",
+                lights, lights == 1 ? "" : "s", sum.curves, (double)sum.nodes / (double)sum.curves, sum.largest_error, sum.lookups.rms,
+                sum.lookups.largest, size_text(size, sum.stored_bytes));
 }
 
 static void print_time(FILE *to, const bake_options *o, const bake_report *r)

@@ -49,6 +49,7 @@ static void count_maps(smoke_counts *counts, const smoke_map *maps, uint32_t lig
                                    .curves        = maps[n].curve_count,
                                    .nodes         = maps[n].node_count,
                                    .largest_error = maps[n].largest_error,
+                                   .lookups       = maps[n].lookups,
                                    .memory_bytes  = maps[n].word_count * 4};
 }
 

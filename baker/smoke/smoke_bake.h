@@ -7,10 +7,11 @@
 
 /* What became of a light's smoke; all 0 where it loses no light. */
 typedef struct smoke_counts {
-    uint32_t side_px;
-    size_t   texels, curves, nodes; /* of its maps; curves: texels where light is lost */
-    double   largest_error;         /* of a curve's transmittance, against the integral along its ray */
-    uint64_t memory_bytes, stored_bytes;
+    uint32_t      side_px;
+    size_t        texels, curves, nodes; /* of its maps; curves: texels where light is lost */
+    double        largest_error;         /* of a curve's transmittance, against the integral along its ray */
+    smoke_lookups lookups;               /* between rays; 0 places: none was found that the light reaches */
+    uint64_t      memory_bytes, stored_bytes;
 } smoke_counts;
 
 /* Add smoke to a file.

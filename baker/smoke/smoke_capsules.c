@@ -194,13 +194,14 @@ static int by_depth(const void *a, const void *b)
     return (p->loss < q->loss) - (p->loss > q->loss);
 }
 
-/* Pieces short enough for a line. */
+/* Pieces short enough for a line, as far as light is left; what is behind that is the last one. */
 static int add_even(smoke_path *path, double begin, double end, double thick)
 {
-    int parts = (int)fmin(ceil(thick / SMOKE_PIECE), 256);
-    for (int n = 0; n < parts; n++) {
-        double a = begin + (end - begin) * n / parts, b = n + 1 < parts ? begin + (end - begin) * (n + 1) / parts : end;
-        if (b > a && !smoke_path_add(path, a, b, thick / parts)) return 0;
+    double parts = ceil(thick / SMOKE_PIECE);
+    int    count = (int)fmin(parts, SMOKE_PARTS_MOST);
+    for (int n = 0; n < count; n++) {
+        double a = begin + (end - begin) * n / parts, b = n + 1 < count ? begin + (end - begin) * (n + 1) / parts : end;
+        if (b > a && !smoke_path_add(path, a, b, thick * (n + 1 < count ? 1 : parts - n) / parts)) return 0;
     }
     return 1;
 }

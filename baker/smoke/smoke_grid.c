@@ -131,23 +131,43 @@ static double extinction_along(const march *m, double depth)
     return extinction_at(m->grid, at);
 }
 
-/* Optical depth between two planes of samples, by Simpson's rule. */
-static double piece_thick(const march *m, double begin, double end)
+/* Optical depth between two planes of samples, by Simpson's rule.
+ * bow  [out] how far a line in optical depth is off in between, where extinction changes evenly */
+static double piece_thick(const march *m, double begin, double end, double *bow)
 {
-    double middle = 0.5 * (begin + end);
-    return (end - begin) / 6 * m->metres *
-           (extinction_along(m, begin) + 4 * extinction_along(m, middle) + extinction_along(m, end));
+    double a = extinction_along(m, begin), middle = extinction_along(m, 0.5 * (begin + end)), b = extinction_along(m, end);
+    *bow = (end - begin) / 8 * m->metres * fabs(b - a);
+    return (end - begin) / 6 * m->metres * (a + 4 * middle + b);
+}
+
+/* Of what is so thick that equal parts are too many, or too coarse: as much at a time as is thin enough, until no light is left.
+ * 0: no memory. */
+static int add_dense(const march *m, double begin, double end, smoke_path *path)
+{
+    double step = (end - begin) / SMOKE_PARTS_MOST;
+    for (double a = begin; a < end && !(path->count && path->thick[path->count - 1] > SMOKE_OPAQUE);) {
+        double b = a + step < end ? a + step : end, bow, thick = piece_thick(m, a, b, &bow);
+        if ((thick > SMOKE_PIECE || bow > SMOKE_BOW) && a + step / 2 > a) {
+            step /= 2;
+            continue;
+        }
+        if (!(b > a)) b = nextafter(a, end);
+        if (thick > 0 && !smoke_path_add(path, a, b, thick)) return 0;
+        a = b;
+        step *= 2;
+    }
+    return 1;
 }
 
 /* 0: no memory. */
 static int add_piece(const march *m, double begin, double end, smoke_path *path)
 {
-    double thick = piece_thick(m, begin, end);
+    double bow, thick = piece_thick(m, begin, end, &bow), parts = fmax(ceil(thick / SMOKE_PIECE), ceil(sqrt(bow / SMOKE_BOW)));
     if (!(thick > 0)) return 1;
-    int parts = (int)fmin(ceil(thick / SMOKE_PIECE), 256);
-    for (int n = 0; n < parts; n++) {
+    if (parts > SMOKE_PARTS_MOST) return add_dense(m, begin, end, path);
+    for (int n = 0; n < (int)parts; n++) {
         double a = begin + (end - begin) * n / parts, b = n + 1 < parts ? begin + (end - begin) * (n + 1) / parts : end;
-        if (parts > 1) thick = piece_thick(m, a, b);
+        if (parts > 1) thick = piece_thick(m, a, b, &bow);
         if (b > a && thick > 0 && !smoke_path_add(path, a, b, thick)) return 0;
     }
     return 1;

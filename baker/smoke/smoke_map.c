@@ -9,11 +9,15 @@
 #include "baker/base/integer.h"
 #include "baker/base/memory.h"
 #include "baker/base/parallel.h"
+#include "baker/base/random.h"
 #include "baker/base/vec3.h"
+#include "formats/vxs_smoke.h"
 #include "formats/vxs_space.h"
+#include "runtime/vxs.h"
 #include "runtime/vxs_query.h"
 
 enum { TILE_PX = SMOKE_TILE_PX, TILE_TEXELS = TILE_PX * TILE_PX, ENDS_PX_MOST = 2 * TILE_PX + 2 };
+enum { PLACES_ASKED = 1000 };
 enum { SIDE_LEAST = 64, SIDE_MOST = 1024, SIDE_OF_CAPSULES = 256 }; /* where nobody says */
 
 /* What a worker has for itself. */
@@ -167,11 +171,13 @@ static double end_of(const maker *k, const tile *t, uint32_t x, uint32_t y)
 
 /* curves ----------------------------------------------------------------------------------------------------------------------- */
 
-/* The path of a texel's ray.   Returns 0 without memory */
-static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
+/* The path of a ray, whatever is opaque.
+ * x, y  texels from the tile's first, within half a texel about the tile
+ * Returns 0 without memory */
+static int find_ray_path(const maker *k, const tile *t, double x, double y, tools *w)
 {
     double from[3], way[3];
-    ray_of(k, t->map, t->x + (double)x, t->y + (double)y, from, way);
+    ray_of(k, t->map, t->x + x, t->y + y, from, way);
     double range = k->baked->light.range_metres, begin = is_sun(&k->baked->light) ? -INFINITY : 0;
     double end       = range > 0 ? range / sqrt(vec3_dot(way, way)) : INFINITY;
     w->of_grid.count = w->of_capsules.count = 0;
@@ -182,22 +188,33 @@ static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
                                   &w->changes, &w->of_capsules))
             return 0;
     }
-    if (!smoke_path_sum(&w->of_grid, &w->of_capsules, &w->path)) return 0;
+    return smoke_path_sum(&w->of_grid, &w->of_capsules, &w->path);
+}
+
+/* The path of a texel's ray, as far as light may be asked for.   Returns 0 without memory */
+static int find_path(const maker *k, tile *t, uint32_t x, uint32_t y, tools *w)
+{
+    if (!find_ray_path(k, t, x, y, w)) return 0;
     if (!w->path.count) return 1;
     if (!t->has_ends && find_ends(k, t) != VXS_OK) return 0;
     smoke_path_cut(&w->path, end_of(k, t, x, y));
     return 1;
 }
 
+static tile tile_of(const maker *k, size_t number)
+{
+    size_t in_map = (size_t)k->tiles_across * k->tiles_across;
+    return (tile){.number = number,
+                  .map    = (int32_t)(number / in_map),
+                  .x      = (int32_t)(number % k->tiles_across) * TILE_PX,
+                  .y      = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
+}
+
 static void make_tile(maker *k, size_t number, uint32_t worker)
 {
-    size_t   in_map = (size_t)k->tiles_across * k->tiles_across;
     tools   *w      = &k->tools[worker];
     uint8_t *counts = k->counts + number * TILE_TEXELS;
-    tile     t      = {.number = number,
-                       .map    = (int32_t)(number / in_map),
-                       .x      = (int32_t)(number % k->tiles_across) * TILE_PX,
-                       .y      = (int32_t)(number % in_map / k->tiles_across) * TILE_PX};
+    tile     t      = tile_of(k, number);
     uint32_t nodes[TILE_TEXELS * VXS_SMOKE_NODES_MAX], count = 0;
     for (uint32_t n = 0; n < TILE_TEXELS; n++) {
         if (!find_path(k, &t, n % TILE_PX, n / TILE_PX, w)) goto failed;
@@ -283,6 +300,79 @@ static int put_together(maker *k, smoke_map *map)
     return 1;
 }
 
+/* lookups ---------------------------------------------------------------------------------------------------------------------- */
+
+/* Words that lookups read, as formats/vxs_smoke.h has them.   Returns NULL without memory; freed by the caller */
+static uint32_t *words_of(const maker *k, const smoke_map *map)
+{
+    uint32_t       *words = calloc(map->word_count, sizeof *words), at = 3 + (uint32_t)tile_count(k);
+    const float     units[2] = {map->view.first_metres, map->view.step_metres};
+    const uint32_t *nodes    = map->nodes;
+    if (!words) return NULL;
+    words[0] = map->view.levels;
+    memcpy(words + 1, units, sizeof units);
+    for (size_t number = 0; number < tile_count(k); number++) {
+        const uint8_t *counts = map->counts + number * TILE_TEXELS;
+        uint32_t       sum    = 0;
+        for (uint32_t n = 0; n < TILE_TEXELS; n++) {
+            sum += counts[n];
+            if (sum) words[at + n / 2] |= sum << (n % 2 * 16);
+        }
+        if (!sum) continue;
+        words[3 + number] = at;
+        memcpy(words + at + TILE_TEXELS / 2, nodes, sum * sizeof *nodes);
+        nodes += sum;
+        at += TILE_TEXELS / 2 + sum;
+    }
+    return words;
+}
+
+/* How far a lookup is off at a random place within half a texel of a curve, which the light reaches; in the smoke, or behind it.
+ * off  [out] NAN: no such place was found.   Returns 0 without memory */
+static int try_lookup(const maker *k, const uint32_t *words, size_t texel, rng *r, double *off)
+{
+    const vxs_light *light = &k->baked->light;
+    const tile       t     = tile_of(k, texel / TILE_TEXELS);
+    double           x = texel % TILE_PX + rng_unit(r) - 0.5, y = texel % TILE_TEXELS / TILE_PX + rng_unit(r) - 0.5;
+    double           scale = ldexp(1, (int)(light->levels - k->levels)), part = fmin(2 * rng_unit(r), 1), from[3], way[3], ws[3];
+    smoke_path      *path  = &k->tools->path;
+    *off                   = NAN;
+    if (!find_ray_path(k, &t, x, y, k->tools)) return 0;
+    if (!path->count) return 1;
+    int32_t first = vxs_first_shadow(k->baked, t.map, (int32_t)((t.x + x + 0.5) * scale), (int32_t)((t.y + y + 0.5) * scale), NULL);
+    double  last  = path->depth[path->count - 1], end = first < 0 ? last : fmin(last, metres_of(light, first - 0.01));
+    double  depth = path->depth[0] + part * (end - path->depth[0]);
+    ray_of(k, t.map, t.x + x, t.y + y, from, way);
+    vec3_mad(from, depth, way, ws);
+    if (end > path->depth[0] && vxs_lookup(k->baked, ws, NULL, 1) == 1)
+        *off = fabs(vxs_smoke_left(words, light, ws) - exp(-smoke_path_thick(path, depth)));
+    return 1;
+}
+
+/* Ask at places that are spread over all curves.   Returns 0 without memory */
+static int measure_lookups(maker *k, smoke_map *map)
+{
+    rng       r      = {1};
+    size_t    curves = 0, asked = 0;
+    double    square = 0;
+    uint32_t *words  = map->node_count ? words_of(k, map) : NULL;
+    int       done   = words || !map->node_count;
+    for (size_t n = 0; n < map->texel_count && map->node_count && done; n++) {
+        if (!map->counts[n]) continue;
+        for (curves++; asked < PLACES_ASKED && asked * map->curve_count < curves * PLACES_ASKED && done; asked++) {
+            double off;
+            done = try_lookup(k, words, n, &r, &off);
+            if (!done || isnan(off)) continue;
+            square += off * off;
+            map->lookups.largest = fmax(map->lookups.largest, off);
+            map->lookups.places++;
+        }
+    }
+    if (map->lookups.places) map->lookups.rms = sqrt(square / map->lookups.places);
+    free(words);
+    return done;
+}
+
 void smoke_map_free(smoke_map *map)
 {
     free(map->counts);
@@ -306,7 +396,7 @@ vxs_result smoke_map_make(smoke_map *map, const smoke_source *source, const vxs_
     int done = take_memory(&k);
     if (done) parallel_for(ctx->threads, tile_count(&k), 4, make_tiles, &k);
     for (uint32_t n = 0; n < k.workers && done; n++) done = !k.failed[n];
-    done = done && put_together(&k, map);
+    done = done && put_together(&k, map) && measure_lookups(&k, map);
     give_memory_back(&k);
     return done ? context_check(ctx)
                 : fail(ctx->message, VXS_E_MEMORY, "out of memory for the smoke of light '%s'", baked->light.name);

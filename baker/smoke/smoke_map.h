@@ -25,6 +25,13 @@ typedef struct smoke_settings {
     double   error;   /* of transmittance: a curve has no more nodes than it needs for this; 0 to 1 */
 } smoke_settings;
 
+/* How far lookups, which weigh the curves of four rays, are from the integral along the ray to the place itself: measured at random
+ * places within half a texel of a curve that the light reaches, half of them in the smoke, half where light or smoke ends. */
+typedef struct smoke_lookups {
+    uint32_t places; /* 1000, or fewer where light does not reach them */
+    double   rms, largest;
+} smoke_lookups;
+
 /* Zero it; released with smoke_map_free. */
 typedef struct smoke_map {
     vxs_smoke_view view; /* of what is owned below; counts NULL: the smoke loses none of the light */
@@ -33,6 +40,7 @@ typedef struct smoke_map {
     size_t         texel_count, curve_count, node_count;
     size_t         word_count;    /* in memory (formats/vxs.md section 15) */
     double         largest_error; /* of a curve, before a lookup weighs it */
+    smoke_lookups  lookups;
 } smoke_map;
 
 /* Accepts a zeroed object. */

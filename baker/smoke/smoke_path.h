@@ -20,8 +20,11 @@ typedef struct smoke_path {
 /* Nothing that is thicker lets a 65535th of the light through. */
 #define SMOKE_OPAQUE 12.0
 
-/* What takes more than this, optical depth, is added in several pieces, between which a line is near enough. */
-#define SMOKE_PIECE 0.05
+/* What takes more than this, optical depth, is added in several pieces, between which a line is near enough; and what bends, too: such
+ * that a line is off by no more. So many equal pieces are as opaque as can be. */
+#define SMOKE_PIECE      0.05
+#define SMOKE_BOW        0.001
+#define SMOKE_PARTS_MOST 256
 
 void smoke_path_free(smoke_path *p);
 

@@ -88,6 +88,43 @@ def test_white(draw, level):
     assert asked > 500
 
 
+def way(x, y):
+    """From the eye of CAMERA along the axis by 1, to what a sample is seen at."""
+    eye, target = (7, 6, 9), (0, 2, 0)
+    ahead = [b - a for a, b in zip(eye, target)]
+    ahead = [c / math.hypot(*ahead) for c in ahead]
+    right = [-ahead[2] / math.hypot(ahead[0], ahead[2]), 0, ahead[0] / math.hypot(ahead[0], ahead[2])]
+    up = [right[1] * ahead[2] - right[2] * ahead[1], right[2] * ahead[0] - right[0] * ahead[2], right[0] * ahead[1] - right[1] * ahead[0]]
+    high = math.tan(math.radians(25))
+    across, rise = (2 * (x + 0.5) / 64 - 1) * high * 64 / 48, (1 - 2 * (y + 0.5) / 48) * high
+    return eye, [a + across * r + rise * u for a, r, u in zip(ahead, right, up)]
+
+
+@pytest.mark.parametrize("light, top", [("lamp", None), ("lamp", 2.5), ("noon", None), ("noon", 2.5)])
+def test_fog_dims_surfaces(draw, level, light, top):
+    """What of a light's way to a surface lies in fog dims it, and exposure stays: a lamp's from the lamp or the fog's top, a sun's from the top."""
+    dense, lights = 0.15, []
+    for fog in ((), ("--fog", dense, *(("--fog-top", top) if top else ()))):
+        draw("--samples", 1, "--light", light, "--passes", level / "dim", *fog)
+        lights.append(read_exr((level / "dim" / "light.exr").read_bytes())[2]["G"])
+    depth, asked, least = read_exr((level / "dim" / "depth.exr").read_bytes())[2]["Z"], 0, 1
+    for y in range(48):
+        for x in range(64):
+            if not lights[0][y][x] > 0:
+                continue
+            eye, along = way(x, y)
+            place = [e + depth[y][x] * a for e, a in zip(eye, along)]
+            below = max((top or 1e9) - place[1], 0)
+            if light == "noon":
+                metres = below / (1 / math.sqrt(0.2 ** 2 + 1 + 0.1 ** 2)) if top else 0
+            else:
+                metres = math.dist(place, (0, 6, 0)) * min(1, below / (6 - place[1]) if place[1] < 6 else 1)
+            assert lights[1][y][x] / lights[0][y][x] == pytest.approx(math.exp(-dense * metres), rel=2e-3), (x, y)
+            least = min(least, math.exp(-dense * metres))
+            asked += 1
+    assert asked > 400 and (least < 0.7 or light == "noon" and not top)
+
+
 def test_passes(draw, level):
     """Each pass that has floats has them beside its PNG, which shows them."""
     draw("--samples", 1, "--fog", 0.05, "--fog-by", "grid", "--passes", level / "all")

@@ -152,6 +152,62 @@ static int random_lit_place(rng *r, const vxs_baked_light *baked, double ws[3])
     return vxs_lookup(baked, ws, NULL, 1) == 1;
 }
 
+static double voxel_of(const vxs_light *light, double metres)
+{
+    return light->kind == VXS_LIGHT_KIND_DIRECTIONAL ? metres / light->voxel_metres : log(metres / light->near_metres) / light->voxel_metres;
+}
+
+/* Depths, metres along a map's axis, between which the ray through a place of the map loses light, as far as the light comes.   Returns 0: nowhere */
+static int depths_with_smoke(const vxs_baked_light *baked, const vxs_baked_smoke *smoke, int map, const double at[2], double depths[2])
+{
+    enum { DEPTHS = 100 };
+    const vxs_light *light = &baked->light;
+    double           left[DEPTHS + 1];
+    float            units[2];
+    int32_t          shadow = vxs_first_shadow(baked, map, (int32_t)at[0], (int32_t)at[1], NULL);
+    int              first = 0, last = 0;
+    memcpy(units, smoke->words + 1, sizeof units);
+    for (int n = 0; n <= DEPTHS; n++) {
+        double depth = (double)units[0] + 65535.0 * (double)units[1] * n / DEPTHS, voxel = depth > 0 || !light->near_metres ? voxel_of(light, depth) : -1e9, ws[3];
+        if (shadow >= 0 && voxel > shadow) break;
+        vxs_point(light, map, (const double[3]){at[0], at[1], voxel}, ws);
+        left[n] = exp(-thick_to(light, ws));
+        if (left[n] > 1 - 1e-9) first = n;
+        last = n;
+    }
+    while (last > first && left[last - 1] < left[last] + 1e-7) last--;
+    for (int n = 0; n < 2; n++) depths[n] = (double)units[0] + 65535.0 * (double)units[1] * (n ? last : first) / DEPTHS;
+    return last > first;
+}
+
+/* What a bake says of lookups between rays, against places of our own: half of them in the smoke, half where it or the light ends. */
+static void check_lookups(const smoke_lookups *told, const vxs_baked_light *baked, const vxs_baked_smoke *smoke)
+{
+    const vxs_light *light = &baked->light;
+    double           texel = ldexp(1, (int)light->levels) / SIDE, square = 0, most = 0;
+    uint32_t         asked = 0;
+    rng              r     = {17};
+    for (int tries = 0; asked < repeats(300, 3000) && tries < 400000; tries++) {
+        int            map = (int)rng_below(&r, (uint32_t)map_count(light)), x = (int)rng_below(&r, SIDE), y = (int)rng_below(&r, SIDE);
+        uint32_t       tile = smoke->words[3 + TILES * map + y / 8 * (SIDE / 8) + x / 8];
+        const uint16_t *ends = (const uint16_t *)(smoke->words + tile) + x % 8 + 8 * (y % 8);
+        double          at[3] = {(x + uniform(&r, 0, 1)) * texel, (y + uniform(&r, 0, 1)) * texel}, depths[2], ws[3];
+        if (!tile || *ends == (x % 8 + y % 8 ? ends[-1] : 0) || !depths_with_smoke(baked, smoke, map, at, depths)) continue;
+        at[2] = voxel_of(light, depths[0] + fmin(uniform(&r, 0, 2), 1) * (depths[1] - depths[0]));
+        vxs_point(light, map, at, ws);
+        if (vxs_lookup(baked, ws, NULL, 1) != 1) continue;
+        double off = fabs((double)vxs_smoke_lookup(light, smoke, ws) - exp(-thick_to(light, ws)));
+        square += off * off;
+        most = fmax(most, off);
+        asked++;
+    }
+    print_message("  between rays: an RMS of %.4f, %.4f at most at %u places; the bake says %.4f, %.4f at %u\n", sqrt(square / asked), most, asked,
+                  told->rms, told->largest, told->places);
+    assert_true(asked >= repeats(300, 3000) && told->places > 300);
+    double apart = source.capsules ? 1.7 : 1.3; /* few places beside hard edges make most of it */
+    assert_true(told->rms > sqrt(square / asked) / apart && told->rms < sqrt(square / asked) * apart && told->largest > most / 1.7);
+}
+
 /* rms  that lookups may differ from the ray to the place itself, which lies between those of texels: little in a grid, much beside
  * hard edges */
 static void ask_places(double rms)
@@ -183,6 +239,7 @@ static void ask_places(double rms)
         assert_in_range(dimmed, 60, asked);
         assert_true(counts[light].largest_error < 0.03);
         assert_true(sqrt(square / asked) < rms && most < 8 * rms);
+        check_lookups(&counts[light].lookups, baked, vxs_asset_smoke(asset, light));
     }
     vxs_asset_close(asset);
 }
@@ -278,6 +335,7 @@ static void test_threads_make_no_difference(void **state)
         assert_int_equal(x->word_count, y->word_count);
         assert_memory_equal(x->words, y->words, x->word_count * sizeof *x->words);
         assert_true(one[n].largest_error == many[n].largest_error && one[n].memory_bytes == 4 * x->word_count);
+        assert_memory_equal(&one[n].lookups, &many[n].lookups, sizeof one[n].lookups);
     }
     vxs_asset_close(a);
     vxs_asset_close(b);
