@@ -82,6 +82,16 @@ static void halton(uint32_t seed, area_site *sites, uint32_t count)
     }
 }
 
+/* Hammersley's points, which are more even than Halton's where it is known how many there are. */
+static void hammersley(uint32_t seed, area_site *sites, uint32_t count)
+{
+    double shift[2] = {seed ? vxs_area_random(seed, 0) : 0, seed ? vxs_area_random(seed, 1) : 0};
+    for (uint32_t n = 0; n < count; n++) {
+        sites[n].u = fraction((n + 0.5) / count + shift[0]);
+        sites[n].v = fraction(vxs_area_radical_inverse(n, 2) + 0.5 / count + shift[1]);
+    }
+}
+
 /* Of so many cells, those in a row of the picture: they are as square as they can be. */
 static uint32_t cells_across(const area_picture *p, uint32_t count)
 {
@@ -147,8 +157,10 @@ static void by_importance(const area_picture *p, double all, area_site *sites, u
 
 void vxs_area_sites(const area_picture *p, vxs_area_places places, uint32_t seed, area_site *sites, uint32_t count)
 {
-    if (places == VXS_AREA_HALTON || places == VXS_AREA_IMPORTANCE)
+    if (places == VXS_AREA_HALTON)
         halton(seed, sites, count);
+    else if (places == VXS_AREA_IMPORTANCE)
+        hammersley(seed, sites, count);
     else
         in_cells(p, places == VXS_AREA_JITTERED, seed, sites, count);
     for (uint32_t n = 0; n < count; n++)

@@ -49,14 +49,14 @@ typedef struct vxs_area_rectangle {
 /* How its places are chosen. */
 typedef enum vxs_area_places {
     VXS_AREA_HALTON, /* points of Halton's sequence, of bases 2 and 3: any part of it is even, so that lamps may be added one by one */
-    VXS_AREA_IMPORTANCE, /* the same points, moved to where the texture is bright: all lamps have one luminance, and none is where it is black */
+    VXS_AREA_IMPORTANCE, /* points of Hammersley's set, moved to where the texture is bright: all lamps have one luminance, and none is where it is black */
     VXS_AREA_REGULAR,  /* the middles of equal cells, as square as `count` lets them be */
     VXS_AREA_JITTERED, /* a place at random in each of these cells */
 } vxs_area_places;
 
 /* Lamps of a rectangle. By importance all have one luminance, in the colour of their texel; else each has the light of all that is nearer to it than to others, by
  * 64 x 64 pieces, so that no bright place is missed; without a texture all are alike. Their sum is the rectangle's light, by importance in luminance.
- * seed   of what is at random; of Halton's points a shift of all, round the edges. 0: none
+ * seed   of what is at random; of Halton's and Hammersley's points a shift of all, round the edges. 0: none
  * lamps  [out] [count]
  * count  1 to VXS_AREA_LAMPS
  * Returns VXS_OK; VXS_E_ARGUMENT for numbers that are none, a rectangle without area, or a texture without texels.

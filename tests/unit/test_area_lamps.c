@@ -178,7 +178,7 @@ static void test_evenness(void **state)
     }
     at_random = star_discrepancy(lamps, COUNT);
     print_message("at random: %.3f\n", at_random);
-    assert_true(found[VXS_AREA_HALTON] < 0.06 && found[VXS_AREA_IMPORTANCE] == found[VXS_AREA_HALTON]);
+    assert_true(found[VXS_AREA_HALTON] < 0.06 && found[VXS_AREA_IMPORTANCE] < 0.9 * found[VXS_AREA_HALTON]);
     assert_true(found[VXS_AREA_HALTON] < found[VXS_AREA_JITTERED] && found[VXS_AREA_JITTERED] < at_random);
     assert_true(found[VXS_AREA_HALTON] < found[VXS_AREA_REGULAR]);
 }
