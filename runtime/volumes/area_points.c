@@ -38,26 +38,125 @@ static int longest_side(const float *positions, const uint32_t *corner)
     return side;
 }
 
-/* The place t, [0, 1), of Sierpinski's curve through a triangle: equal parts of it are in equal parts of the area, each in one piece. So places that are
- * evenly spaced along it are so on the triangle, and any few that follow each other are neighbours. */
-static vxs_area_point point_on(const float *positions, const uint32_t *corner, double t, double area)
+enum { BEGIN, END, BESIDE, CORNERS }; /* of a part of a triangle */
+
+/* A part of a triangle, where its corners are between the first corner, the second and the third: Sierpinski's curve runs from its begin to its end. */
+typedef struct part {
+    double at[CORNERS][2];
+    double area;
+} part;
+
+static const double whole[CORNERS][2] = {{0, 0}, {1, 0}, {0, 1}};
+
+/* Where a point is in its part of the curve: about the middle of that part's triangle. In the middle of the curve it would be at a corner, where as many as four
+ * parts meet, and of a square with a power of two of points four would be in one place. */
+static const double in_its_part = 1.0 / 3;
+
+/* Make a part one of its halves. */
+static void halve(part *p, int is_behind)
 {
-    enum { HALVINGS = 26, BEGIN = 0, END = 1, BESIDE = 2 }; /* as a float has it; corners of what is left */
-    double         at[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-    vxs_area_point point    = {.square_metres = (float)area};
+    double middle[2] = {0.5 * (p->at[BEGIN][0] + p->at[END][0]), 0.5 * (p->at[BEGIN][1] + p->at[END][1])};
+    memcpy(p->at[is_behind ? BEGIN : END], p->at[BESIDE], sizeof *p->at);
+    memcpy(p->at[BESIDE], middle, sizeof *p->at);
+    p->area *= 0.5;
+}
+
+static void place_of(const float *const v[CORNERS], const double at[2], double place[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double a = (double)v[0][i], b = (double)v[1][i], c = (double)v[2][i];
+        place[i] = a + at[0] * (b - a) + at[1] * (c - a);
+    }
+}
+
+/* The place t, [0, 1), of Sierpinski's curve through a part of a triangle: equal parts of it are in equal parts of the area, each in one piece. So places that
+ * are evenly spaced along it are so on the triangle, and any few that follow each other are neighbours. */
+static vxs_area_point point_on(const float *const v[CORNERS], part p, double t, double area)
+{
+    enum { HALVINGS = 26 }; /* as a float has it */
+    vxs_area_point point = {.square_metres = (float)area};
+    double         place[3];
     for (int n = 0; n < HALVINGS; n++) {
-        double middle[2] = {0.5 * (at[BEGIN][0] + at[END][0]), 0.5 * (at[BEGIN][1] + at[END][1])};
-        int    is_behind = t >= 0.5;
-        memcpy(at[is_behind ? BEGIN : END], at[BESIDE], sizeof *at);
-        memcpy(at[BESIDE], middle, sizeof *at);
+        int is_behind = t >= 0.5;
+        halve(&p, is_behind);
         t = 2 * t - is_behind;
     }
-    for (int i = 0; i < 3; i++) {
-        double a = (double)positions[3 * (size_t)corner[0] + i], b = (double)positions[3 * (size_t)corner[1] + i],
-               c       = (double)positions[3 * (size_t)corner[2] + i];
-        point.place[i] = (float)(a + at[BEGIN][0] * (b - a) + at[BEGIN][1] * (c - a));
-    }
+    place_of(v, p.at[BEGIN], place);
+    for (int i = 0; i < 3; i++) point.place[i] = (float)place[i];
     return point;
+}
+
+/* scattering by what lamps see ---------------------------------------------------------------------------------------------------- */
+
+/* Of all points so many lie by area alone. */
+static const double by_area = 0.25;
+
+typedef struct scattering {
+    const vxs_area_lamp *lamps;
+    uint32_t             lamp_count, count, next; /* points, and which comes next */
+    vxs_area_point      *points;
+    double               area, seen, before; /* of all triangles: area, and what lamps see of it; how much of both is behind */
+} scattering;
+
+/* What lamps send to a square metre that faces them.   nearest  [out] metres to one of them, its radius at least */
+static double seen_at(const scattering *s, const double place[3], double *nearest)
+{
+    double sum = 0;
+    *nearest   = INFINITY;
+    for (uint32_t n = 0; n < s->lamp_count; n++) {
+        const vxs_area_lamp *lamp = &s->lamps[n];
+        double               way[3], square = 0, along = 0, radius = (double)lamp->radius_metres;
+        for (int i = 0; i < 3; i++) {
+            way[i] = place[i] - (double)lamp->place[i];
+            square += way[i] * way[i];
+            along += way[i] * (double)lamp->normal[i];
+        }
+        double metres = fmax(sqrt(square), radius),
+               bright = (double)lamp->colour[0] + (double)lamp->colour[1] + (double)lamp->colour[2];
+        int has_side  = lamp->normal[0] != 0 || lamp->normal[1] != 0 || lamp->normal[2] != 0;
+        *nearest      = fmin(*nearest, metres);
+        sum += bright * (has_side ? fmax(along, 0) / metres : 1) / (metres * metres);
+    }
+    return sum;
+}
+
+/* Points of a part, where as many of them are as wide as what lamps see of it; without room for them what they see is summed. */
+static void scatter_part(scattering *s, const float *const v[CORNERS], const part *p, int halvings)
+{
+    double places[CORNERS][3], middle[3], nearest, longest = 0;
+    for (int n = 0; n < CORNERS; n++) place_of(v, p->at[n], places[n]);
+    for (int i = 0; i < 3; i++) {
+        middle[i] = (places[BEGIN][i] + places[END][i] + places[BESIDE][i]) / 3;
+        longest += (places[END][i] - places[BEGIN][i]) * (places[END][i] - places[BEGIN][i]);
+    }
+    double seen = seen_at(s, middle, &nearest);
+    if (longest > 0.25 * nearest * nearest && halvings > 0) {
+        for (int behind = 0; behind < 2; behind++) {
+            part half = *p;
+            halve(&half, behind);
+            scatter_part(s, v, &half, halvings - 1);
+        }
+        return;
+    }
+    if (!s->points) {
+        s->seen += seen * p->area;
+        return;
+    }
+    double density = by_area / s->area + (1 - by_area) * seen / s->seen, here = density * p->area;
+    for (; s->next < s->count && s->next + in_its_part < (s->before + here) * s->count; s->next++)
+        s->points[s->next] =
+            point_on(v, *p, fmax(((s->next + in_its_part) / s->count - s->before) / here, 0), 1 / (density * s->count));
+    s->before += here;
+}
+
+/* A whole triangle.   v  [out] its corners, the longest side between the first two */
+static part part_of(const float *positions, const uint32_t *corner, const float *v[CORNERS])
+{
+    part p     = {.area = area_of_corners(positions, corner)};
+    int  first = longest_side(positions, corner);
+    memcpy(p.at, whole, sizeof whole);
+    for (int n = 0; n < CORNERS; n++) v[n] = positions + 3 * (size_t)corner[(first + n) % 3];
+    return p;
 }
 
 double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_t triangle_count, vxs_area_point *points,
@@ -68,13 +167,30 @@ double vxs_area_scatter(const float *positions, const uint32_t *corners, uint32_
     for (uint32_t t = 0; t < triangle_count; t++) all += area_of_corners(positions, corners + 3 * (size_t)t);
     if (!(all > 0) || !isfinite(all)) return 0;
     for (uint32_t t = 0; t < triangle_count; t++) {
-        const uint32_t *given     = corners + 3 * (size_t)t;
-        int             first     = longest_side(positions, given);
-        const uint32_t  corner[3] = {given[first], given[(first + 1) % 3], given[(first + 2) % 3]};
-        double          here      = area_of_corners(positions, corner);
-        for (; n < count && (n + 0.5) * all < (before + here) * count; n++)
-            points[n] = point_on(positions, corner, ((n + 0.5) * all / count - before) / here, all / count);
-        before += here;
+        const float *v[CORNERS];
+        part         p = part_of(positions, corners + 3 * (size_t)t, v);
+        for (; n < count && (n + in_its_part) * all < (before + p.area) * count; n++)
+            points[n] = point_on(v, p, ((n + in_its_part) * all / count - before) / p.area, all / count);
+        before += p.area;
     }
     return all;
+}
+
+double vxs_area_scatter_for(const float *positions, const uint32_t *corners, uint32_t triangle_count, const vxs_area_lamp *lamps,
+                            uint32_t lamp_count, vxs_area_point *points, uint32_t count)
+{
+    enum { HALVINGS = 24 };
+    scattering s = {.lamps = lamps, .lamp_count = lamp_count, .count = count};
+    for (uint32_t t = 0; t < triangle_count; t++) s.area += area_of_corners(positions, corners + 3 * (size_t)t);
+    if (!(s.area > 0) || !isfinite(s.area)) return 0;
+    for (int turn = 0; turn < 2; turn++) {
+        s.points = turn ? points : NULL;
+        for (uint32_t t = 0; t < triangle_count; t++) {
+            const float *v[CORNERS];
+            part         p = part_of(positions, corners + 3 * (size_t)t, v);
+            if (p.area > 0) scatter_part(&s, v, &p, HALVINGS);
+        }
+        if (!(s.seen > 0) || !isfinite(s.seen)) return vxs_area_scatter(positions, corners, triangle_count, points, count);
+    }
+    return s.area;
 }

@@ -273,7 +273,7 @@ static void test_scatter(void **state)
         cross(a, b, normal);
         area = sqrt(dot(normal, normal)) / 2;
         sum += area;
-        uint32_t end = (uint32_t)fmin(COUNT, floor(sum / all * COUNT + 0.5)), first = n;
+        uint32_t end = (uint32_t)fmin(COUNT, floor(sum / all * COUNT + 2.0 / 3)), first = n;
         for (; n < end; n++) {
             double from[3], u[3], v[3];
             for (int i = 0; i < 3; i++) from[i] = (double)points[n].place[i] - p[0][i];
@@ -292,6 +292,64 @@ static void test_scatter(void **state)
     assert_int_equal(n, COUNT);
     assert_true(fabs(all / sum - 1) < 1e-9 && fabs((double)points[7].square_metres * COUNT / all - 1) < 1e-5);
     assert_true(vxs_area_scatter(positions, corners, 0, points, 1) == 0);
+}
+
+/* A power of two of points on a square are all apart: none is nearer to another than half of what they are in the mean. */
+static void test_points_of_a_square(void **state)
+{
+    (void)state;
+    enum { COUNT = 1024 };
+    static const float    positions[12] = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
+    static const uint32_t corners[6]    = {0, 1, 2, 0, 2, 3};
+    static vxs_area_point points[COUNT];
+    double                nearest = 1;
+    assert_true(vxs_area_scatter(positions, corners, 2, points, COUNT) > 0);
+    for (int n = 0; n < COUNT; n++)
+        for (int k = 0; k < n; k++)
+            nearest = fmin(nearest, hypot((double)points[n].place[0] - (double)points[k].place[0],
+                                          (double)points[n].place[2] - (double)points[k].place[2]));
+    print_message("points of a square: %.2f of their mean distance apart\n", nearest * sqrt(COUNT));
+    assert_true(nearest * sqrt(COUNT) > 0.5);
+}
+
+/* A floor below a lamp, in rings about it: each has a quarter of what it has of the area, and three of what it has of the lamp's light; points stand for all of it. */
+static void test_scatter_for(void **state)
+{
+    (void)state;
+    enum { COUNT = 40000, RINGS = 5 };
+    static const float    positions[12] = {-50, 0, -50, 50, 0, -50, 50, 0, 50, -50, 0, 50};
+    static const uint32_t corners[6]    = {0, 1, 2, 0, 2, 3};
+    static const double   ends[]        = {0, 1, 2, 5, 12, 40};
+    static vxs_area_point points[COUNT];
+    const vxs_area_lamp   bulb = {{5, 2, -3}, {0, -1, 0}, {1, 1, 1}, 0.1F, 0};
+    double                sum = 0, in_rings[RINGS] = {0}, area[RINGS] = {0}, all = 0;
+    assert_true(fabs(vxs_area_scatter_for(positions, corners, 2, &bulb, 1, points, COUNT) / 1e4 - 1) < 1e-6);
+    for (int n = 0; n < COUNT; n++) {
+        double from = hypot((double)points[n].place[0] - 5, (double)points[n].place[2] + 3);
+        sum += (double)points[n].square_metres;
+        for (int k = 0; k < RINGS; k++) {
+            if (from < ends[k] || from >= ends[k + 1]) continue;
+            in_rings[k]++;
+            area[k] += (double)points[n].square_metres;
+        }
+    }
+    for (int n = 0; n < 1000 * 1000; n++) /* the floor's part of the light, by pieces of 0.1 x 0.1 m */
+        all += 0.01 * 2 / pow(4 + pow(n % 1000 * 0.1 - 49.95 - 5, 2) + pow(n / 1000 * 0.1 - 49.95 + 3, 2), 1.5);
+    assert_true(fabs(sum / 1e4 - 1) < 0.01);
+    for (int k = 0; k < RINGS; k++) { /* of a disc the integral of height / metres^3 has a closed form */
+        double square[2] = {ends[k] * ends[k], ends[k + 1] * ends[k + 1]}, here = M_PI * (square[1] - square[0]),
+               seen   = 2 * M_PI * 2 * (1 / sqrt(4 + square[0]) - 1 / sqrt(4 + square[1])),
+               wanted = COUNT * (0.25 * here / 1e4 + 0.75 * seen / all);
+        print_message("to %g m: %.0f points of %.0f, %.3f of the area\n", ends[k + 1], in_rings[k], wanted, area[k] / here);
+        assert_true(fabs(in_rings[k] / wanted - 1) < 0.05 && fabs(area[k] / here - 1) < 0.05);
+    }
+    vxs_area_lamp dark = bulb; /* without light points are by area alone */
+    memset(dark.colour, 0, sizeof dark.colour);
+    static vxs_area_point alike[COUNT];
+    vxs_area_scatter_for(positions, corners, 2, &dark, 1, points, COUNT);
+    vxs_area_scatter(positions, corners, 2, alike, COUNT);
+    assert_memory_equal(points, alike, sizeof alike);
+    assert_true(vxs_area_scatter_for(positions, corners, 0, &bulb, 1, points, 1) == 0);
 }
 
 static void test_misuse(void **state)
@@ -316,8 +374,14 @@ static void test_misuse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sums),     cmocka_unit_test(test_importance), cmocka_unit_test(test_shares),
-        cmocka_unit_test(test_evenness), cmocka_unit_test(test_variance),   cmocka_unit_test(test_scatter),
+        cmocka_unit_test(test_sums),
+        cmocka_unit_test(test_importance),
+        cmocka_unit_test(test_shares),
+        cmocka_unit_test(test_evenness),
+        cmocka_unit_test(test_variance),
+        cmocka_unit_test(test_scatter),
+        cmocka_unit_test(test_points_of_a_square),
+        cmocka_unit_test(test_scatter_for),
         cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
