@@ -55,23 +55,6 @@ vec2 vxs_area_far_texel(uint lamp, vec3 way, int side)
     return 0.5 * float(side) * (1.0 + way.xy / vxs_area.lamps[lamp].place.w);
 }
 
-/* How wide a texel is where shadow begins so deep, in metres: of a map, or of a coarser level of it.
- * at  in texels, of which there are so many a side */
-float vxs_area_texel_metres(uint lamp, vec2 at, uint side, float depth)
-{
-    vec2 from = 2.0 * at / float(side) - 1.0;
-    if (vxs_area.lamps[lamp].normal.w == vxs_area_far) return 2.0 * vxs_area.lamps[lamp].place.w / float(side);
-    return 4.0 * depth / (float(side) * (1.0 + dot(from, from)));
-}
-
-/* A depth in a map. Its last bits are no more than rounding: they say from how many levels coarser what is between points there may be filled. */
-const uint vxs_area_reach = 7u;
-
-uint vxs_area_word(float depth, uint reach)
-{
-    return (floatBitsToUint(depth) & ~vxs_area_reach) | reach;
-}
-
 /* The first word of level n of a lamp's imperfect shadow map, whose levels lie one behind the other.   maps  the first word of all maps */
 uint vxs_area_level(uint maps, uint lamp, uint side, uint n)
 {

@@ -6,9 +6,6 @@
 
 enum { RUNS = 8, GROUP = 8 };
 
-/* Surfaces are moved toward the lamp and the eye: columns and bits, of [IVSV13] 5. */
-static const float column_bias = -2.25F, bit_bias = -1;
-
 static uint32_t groups(uint32_t count, uint32_t each)
 {
     return (count + each - 1) / each;
@@ -56,17 +53,24 @@ static void fill(const vxs_area_light *light)
     vxs_or_scan_run(&light->scan, light->buffer, sizeof light->lamps / 16, (uint32_t)light->size.columns, rows * light->count);
 }
 
+/* Make a lamp's light map the frame's. All pixels of the view may see it: a lamp of an area has no range. */
+static void set_map(const vxs_area_light *light, uint32_t lamp, const vxs_light_map *map)
+{
+    vxs_volumes      *v   = light->volumes;
+    vxs_volumes_light of  = {.constants = vxs_light_map_constants(map), .radius_metres = light->lamps[lamp].radius_metres};
+    vxs_pixels        all = v->frame.pixels;
+    vxs_volumes_set_light(v, &of, map);
+    v->frame.pixels = all;
+}
+
 /* By light maps, one after the other, each through a grid of its own. */
 static void fill_exactly(vxs_area_light *light, const vxs_light_map *const *maps, uint32_t runs)
 {
-    vxs_volumes *v     = light->volumes;
-    gl_bytes     bytes = 4 * (gl_bytes)vxs_grid_words(&light->size);
+    const vxs_volumes *v     = light->volumes;
+    gl_bytes           bytes = 4 * (gl_bytes)vxs_grid_words(&light->size);
     for (uint32_t n = 0; n < light->count; n++) {
-        const area_lamp  *lamp = &light->lamps[n];
-        vxs_volumes_light of   = {.constants = vxs_light_map_constants(maps[n]), .radius_metres = lamp->radius_metres};
-        vxs_pixels        all  = v->frame.pixels;
-        vxs_volumes_set_light(v, &of, maps[n]);
-        v->frame.pixels = all;
+        const area_lamp *lamp = &light->lamps[n];
+        set_map(light, n, maps[n]);
         vxs_shadow_grid_make(light->exact, vxs_light_map_texture(maps[n]), runs);
         gl_name from = vxs_shadow_grid_buffer(light->exact);
         v->api.CopyNamedBufferSubData(from, light->buffer, 0, (gl_bytes)(n * sizeof *lamp), sizeof lamp->grid);
@@ -75,25 +79,48 @@ static void fill_exactly(vxs_area_light *light, const vxs_light_map *const *maps
     }
 }
 
-static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
+/* Run a program of two, for light that smoke does not dim, and for light that it does, on so many pixels.   map  a texture; 0: none */
+static void gather_by(const vxs_area_light *light, const area_program programs[2], gl_name map, unsigned normal_texture,
+                      uint32_t wide, uint32_t high)
 {
-    vxs_volumes *v       = light->volumes;
-    uint32_t     each    = look->gather == VXS_AREA_QUARTER ? 2 : 1;
-    v->frame.map_side_px = groups((uint32_t)v->frame.wide_px, each);
-    v->frame.map_layers  = groups((uint32_t)v->frame.high_px, each);
-    v->frame.knobs[0]    = (float)runs;
-    v->frame.knobs[1]    = column_bias;
-    v->frame.knobs[2]    = bit_bias;
-    int dims             = light->smoke == AREA_DIMMED;
-    vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
+    const vxs_volumes *v    = light->volumes;
+    int                dims = light->smoke == AREA_DIMMED;
     vxs_volumes_use_storage(v, light->buffer, 0);
     if (dims) vxs_area_light_use_curves(light);
-    volumes_kept kept =
-        vxs_volumes_use(v, light->programs[dims ? AREA_GATHER_SMOKE : AREA_GATHER], 0, light->gathered, GL_FORMAT_RGBA32F);
+    volumes_kept kept = vxs_volumes_use(v, light->programs[programs[dims]], map, light->gathered, GL_FORMAT_RGBA32F);
     v->api.ActiveTexture(GL_UNIT_0 + v->first_unit + UNIT_OTHER);
-    v->api.BindTexture(GL_TARGET_TEXTURE_2D, look->normal_texture);
-    v->api.DispatchCompute(groups(v->frame.map_side_px, GROUP), groups(v->frame.map_layers, GROUP), 1);
+    v->api.BindTexture(GL_TARGET_TEXTURE_2D, normal_texture);
+    v->api.DispatchCompute(groups(wide, GROUP), groups(high, GROUP), 1);
     vxs_volumes_put_back(v, &kept);
+}
+
+/* Nothing in the air scatters light: grids are not needed. */
+static int is_clear(const frame_block *f)
+{
+    return f->scattering[0] == 0 && f->scattering[1] == 0 && f->scattering[2] == 0;
+}
+
+static void gather(const vxs_area_light *light, const vxs_area_look *look, uint32_t runs)
+{
+    static const area_program all[2] = {AREA_GATHER, AREA_GATHER_SMOKE}, exact[2] = {AREA_EXACT, AREA_EXACT_SMOKE};
+    vxs_volumes              *v    = light->volumes;
+    uint32_t                  each = look->gather == VXS_AREA_QUARTER ? 2 : 1, wide = groups((uint32_t)v->frame.wide_px, each),
+             high        = groups((uint32_t)v->frame.high_px, each);
+    v->frame.map_side_px = wide;
+    v->frame.map_layers  = high;
+    v->frame.first       = light->side_px;
+    v->frame.end         = vxs_area_light_maps(light);
+    v->frame.knobs[0]    = (float)runs;
+    v->frame.knobs[1]    = !is_clear(&v->frame);
+    v->frame.knobs[2]    = look->normal_texture && !look->maps;
+    vxs_area_light_count(light, light->count, look->gather, !look->is_sharp, light->curves.side_px);
+    gather_by(light, all, 0, look->normal_texture, wide, high);
+    for (uint32_t n = 0; n < light->count && look->normal_texture && look->maps; n++) {
+        set_map(light, n, look->maps[n]);
+        v->frame.pixels = (vxs_pixels){0, 0, wide, high};
+        vxs_area_light_count(light, n, look->gather, 0, light->curves.side_px);
+        gather_by(light, exact, vxs_light_map_texture(look->maps[n]), look->normal_texture, wide, high);
+    }
 }
 
 void vxs_area_light_show(const vxs_area_light *light, vxs_area_gather gather, uint32_t layer, gl_name image, int is_added)
@@ -121,10 +148,12 @@ vxs_result vxs_volumes_area(vxs_volumes *v, vxs_area_light *light, const vxs_are
     v->frame.pixels   = (vxs_pixels){0, 0, (uint32_t)v->frame.wide_px, (uint32_t)v->frame.high_px};
     storage_kept kept = vxs_volumes_keep_storage(v);
     put_heads(light, look->maps, runs);
-    if (look->maps)
-        fill_exactly(light, look->maps, runs);
-    else
-        fill(light);
+    if (!is_clear(&v->frame)) {
+        if (look->maps)
+            fill_exactly(light, look->maps, runs);
+        else
+            fill(light);
+    }
     gather(light, look, runs);
     vxs_area_light_show(light, look->gather, 0, v->airlight, 1);
     if (look->normal_texture) vxs_area_light_show(light, look->gather, 1, light->irradiance, 0);

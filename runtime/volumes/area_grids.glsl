@@ -2,10 +2,13 @@
  * lamp. counts: lamps, the side of a map, the first word of all maps. */
 layout(local_size_x = 32, local_size_y = 4) in;
 
-float texel_of(uint lamp, vec2 at, int side)
+/* Where shadow begins at a place of a map, in texels. */
+float depth_at(uint lamp, vec2 at, int side)
 {
     ivec2 texel = clamp(ivec2(at), ivec2(0), ivec2(side - 1));
-    return uintBitsToFloat(vxs_area.words[vxs_area_level(vxs_frame.counts.z, lamp, uint(side), 0u) + uint(texel.y * side + texel.x)]);
+    vxs_area_surface s = vxs_area_surface_of(lamp, vxs_area.words[vxs_area_map_word(vxs_frame.counts.z, lamp, side, texel)]);
+    if (!(s.depth < VXS_NO_END)) return VXS_NO_END;
+    return vxs_area_beside(lamp, s, vxs_area_middle(texel, side), at * (2.0 / float(side)) - 1.0).depth;
 }
 
 /* Metres along a light ray; VXS_NO_END: light does not end, or never begins.   from  the lamp, of which it begins there; of one that is far away any place on it */
@@ -18,12 +21,12 @@ float shadow_begins(uint lamp, vec3 from, vec3 direction)
     if (is_far) {
         float depth = way.z + vxs_area.lamps[lamp].place.w, ends;
         if (any(lessThan(at, vec2(0.0))) || any(greaterThanEqual(at, vec2(side)))) return VXS_NO_END;
-        ends = texel_of(lamp, at, side);
+        ends = depth_at(lamp, at, side);
         return ends < VXS_NO_END ? ends - depth : VXS_NO_END;
     }
     if (!(way.z > 0.0)) return VXS_NO_END;
     vxs_area_texel(way, side, at);
-    return texel_of(lamp, at, side);
+    return depth_at(lamp, at, side);
 }
 
 int eye_lit(uint lamp)

@@ -4,65 +4,79 @@ layout(local_size_x = 256) in;
 
 const float steepest = 4.0; /* of one surface: how much farther it goes away from a texel to the next than these are apart */
 
-float depth_at(uint n)
-{
-    return uintBitsToFloat(vxs_area.words[n]);
-}
-
 /* How far away a surface may be that has a depth in a texel of a level with so many a side. */
-float end_of_surface(uint lamp, uint side, ivec2 texel, float depth)
+float end_of_surface(uint lamp, int side, ivec2 texel, float depth)
 {
-    return depth + steepest * vxs_area_texel_metres(lamp, vec2(texel) + 0.5, side, depth);
+    return depth + steepest * vxs_area_texel_metres(lamp, vxs_area_middle(texel, side), side, depth);
 }
 
-/* The mean of those of four texels, 2 by 2 of a finer level, that are of the nearest surface, as a word; VXS_NO_END: there is none.   first  of the four */
-uint mean_of(uint lamp, uint side, ivec2 texel, uint first)
+/* Of four texels, 2 by 2 of a finer level, the mean of those that are of the nearest surface, each as it is in the middle of all of them; as a word.
+ * side, texel  of the coarser level;   finer  the first word of the finer one */
+uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
 {
-    uint  words[4] = uint[4](vxs_area.words[first], vxs_area.words[first + 1u], vxs_area.words[first + 2u * side], vxs_area.words[first + 2u * side + 1u]);
-    uint  nearest = min(min(words[0], words[1]), min(words[2], words[3]));
-    float depth = uintBitsToFloat(nearest), end = end_of_surface(lamp, side, texel, depth), sum = 0.0, count = 0.0;
-    if (!(depth < VXS_NO_END)) return nearest;
+    uint first = finer + uint(4 * texel.y * side + 2 * texel.x), below = first + 2u * uint(side);
+    uint words[4] = uint[4](vxs_area.words[first], vxs_area.words[first + 1u], vxs_area.words[below], vxs_area.words[below + 1u]);
+    uint nearest = min(min(words[0], words[1]), min(words[2], words[3]));
+    if (nearest == vxs_area_none) return nearest;
+    vxs_area_surface mean = vxs_area_surface(0.0, vec2(0.0), nearest & vxs_area_reach);
+    float end = end_of_surface(lamp, side, texel, vxs_area_surface_of(lamp, nearest).depth), count = 0.0;
     for (int n = 0; n < 4; n++) {
-        if (uintBitsToFloat(words[n]) > end) continue;
-        sum += uintBitsToFloat(words[n]);
+        vxs_area_surface s = vxs_area_surface_of(lamp, words[n]);
+        if (s.depth > end) continue;
+        s = vxs_area_beside(lamp, s, vxs_area_middle(2 * texel + ivec2(n & 1, n >> 1), 2 * side), vxs_area_middle(texel, side));
+        mean.depth += s.depth;
+        mean.slope += s.slope;
         count += 1.0;
     }
-    return vxs_area_word(sum / count, nearest & vxs_area_reach);
+    mean.depth /= count;
+    mean.slope /= count;
+    return vxs_area_word(lamp, mean);
 }
 
 /* The farthest depth of a texel of a level and of those on its four sides; VXS_NO_END: it is at the border of what casts shadows, which would grow. */
-float farthest_about(uint level, int side, ivec2 texel)
+float farthest_about(uint lamp, uint level, int side, ivec2 texel)
 {
     const ivec2 sides[5] = ivec2[5](ivec2(0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1));
     float farthest = 0.0;
     for (int n = 0; n < 5; n++) {
         ivec2 at = clamp(texel + sides[n], ivec2(0), ivec2(side - 1));
-        farthest = max(farthest, depth_at(level + uint(at.y * side + at.x)));
+        farthest = max(farthest, vxs_area_surface_of(lamp, vxs_area.words[level + uint(at.y * side + at.x)]).depth);
     }
     return farthest;
+}
+
+/* Fill gaps in the four texels of a finer level that are in a texel: nothing is seen there, or what is behind a surface that goes on about them.
+ * number, level, finer  of the coarser level: how many it is above the map, its first word, and that of the finer one */
+void fill(uint lamp, int side, ivec2 texel, uint number, uint level, uint finer)
+{
+    uint word = vxs_area.words[level + uint(texel.y * side + texel.x)];
+    if (word == vxs_area_none || (word & vxs_area_reach) < number) return;
+    vxs_area_surface s = vxs_area_surface_of(lamp, word);
+    float end = end_of_surface(lamp, side, texel, s.depth), farthest = 0.0;
+    for (int n = 0; n < 4; n++) {
+        ivec2 there = 2 * texel + ivec2(n & 1, n >> 1);
+        uint  at = finer + uint(there.y * 2 * side + there.x);
+        if (!(vxs_area_surface_of(lamp, vxs_area.words[at]).depth >= end)) continue;
+        if (farthest == 0.0) farthest = farthest_about(lamp, level, side, texel);
+        if (!(farthest < VXS_NO_END && farthest <= end)) return;
+        vxs_area.words[at] = vxs_area_word(lamp, vxs_area_beside(lamp, s, vxs_area_middle(texel, side), vxs_area_middle(there, 2 * side)));
+    }
 }
 
 void main()
 {
     uint lamp = gl_WorkGroupID.x, side = vxs_frame.counts.z, maps = vxs_frame.counts.w, levels = vxs_frame.counts.y;
-    for (uint level = 1u; level <= levels; level++) {
-        uint part = side >> level, from = vxs_area_level(maps, lamp, side, level - 1u), to = vxs_area_level(maps, lamp, side, level);
-        for (uint n = gl_LocalInvocationID.x; n < part * part; n += 256u)
-            vxs_area.words[to + n] = mean_of(lamp, part, ivec2(n % part, n / part), from + 4u * part * (n / part) + 2u * (n % part));
-        memoryBarrierBuffer();
-        barrier();
-    }
-    for (uint level = levels; level > 0u; level--) {
-        int  part = int(side >> level), finer = 2 * part;
-        uint from = vxs_area_level(maps, lamp, side, level), to = vxs_area_level(maps, lamp, side, level - 1u);
-        for (int n = int(gl_LocalInvocationID.x); n < finer * finer; n += 256) {
-            ivec2 block = ivec2(n % finer, n / finer) / 2;
-            uint  word = vxs_area.words[from + uint(block.y * part + block.x)];
-            if ((word & vxs_area_reach) < level) continue;
-            float depth = depth_at(to + uint(n)), farthest = farthest_about(from, part, block);
-            float end = depth < VXS_NO_END ? end_of_surface(lamp, uint(part), block, uintBitsToFloat(word)) : depth;
-            /* nothing is seen there, or what is behind a surface that goes on about it */
-            if (depth >= end && farthest < VXS_NO_END && farthest <= end) vxs_area.words[to + uint(n)] = word;
+    for (uint turn = 0u; turn < 2u * levels; turn++) { /* to coarser levels, and back */
+        bool is_back = turn >= levels;
+        uint number = is_back ? 2u * levels - turn : turn + 1u;
+        uint level = vxs_area_level(maps, lamp, side, number), finer = vxs_area_level(maps, lamp, side, number - 1u);
+        int  part = int(side >> number), shift = findMSB(part);
+        for (int n = int(gl_LocalInvocationID.x); n < part * part; n += 256) {
+            ivec2 texel = ivec2(n & (part - 1), n >> shift);
+            if (is_back)
+                fill(lamp, part, texel, number, level, finer);
+            else
+                vxs_area.words[level + uint(n)] = mean_of(lamp, part, texel, finer);
         }
         memoryBarrierBuffer();
         barrier();

@@ -9,12 +9,12 @@ _Static_assert(sizeof(area_lamp) == 192, "a lamp is twelve texels");
 
 enum { LAMPS = VXS_AREA_LAMPS, SIDE = 128, SIDE_MOST = 256, FILL_LEVELS = 5 };
 
-/* How wide a point is drawn, with half a texel of the coarsest level from which gaps between points are filled; and such a texel at most; of what it stands for. */
-#define POINT_WIDE 1.55F
+/* How wide a point is drawn, and a texel at most of the coarsest level from which gaps between points are filled; of what it stands for. */
+#define POINT_WIDE 1.5F
 #define GAP_WIDE   2.0F
 
-/* Fewer are drawn only where all are in the maps of all lamps. */
-#define POINTS_DRAWN (1U << 18)
+/* How far apart points are drawn where they are dense, in texels. */
+#define POINTS_APART 0.5F
 
 static uint32_t words_of_map(uint32_t side)
 {
@@ -33,12 +33,12 @@ static uint64_t bytes_of(const vxs_area_light *light)
 
 static int make_programs(vxs_area_light *light, int takes_maps)
 {
-    const char *const names[AREA_CLEAR_PROGRAMS] = {AREA_USES, AREA_USES, AREA_USES, takes_maps ? AREA_TAKES_MAPS : AREA_GATHERS,
-                                                    ""};
+    const char *const names[AREA_CLEAR_PROGRAMS] = {
+        AREA_USES, AREA_USES, AREA_USES, takes_maps ? AREA_TAKES_MAPS : AREA_GATHERS, "", AREA_TAKES_MAPS};
     const char *const texts[AREA_CLEAR_PROGRAMS] = {vxs_volumes_text_area_splat_glsl, vxs_volumes_text_area_holes_glsl,
                                                     vxs_volumes_text_area_grids_glsl, vxs_volumes_text_area_gather_glsl,
-                                                    vxs_volumes_text_area_show_glsl};
-    for (int n = 0; n < AREA_CLEAR_PROGRAMS; n++)
+                                                    vxs_volumes_text_area_show_glsl,  vxs_volumes_text_area_exact_glsl};
+    for (int n = 0; n < AREA_CLEAR_PROGRAMS - !takes_maps; n++)
         if (!(light->programs[n] = vxs_volumes_compute(light->volumes, names[n], texts[n]))) return 0;
     return 1;
 }
@@ -192,19 +192,11 @@ void vxs_area_light_count(const vxs_area_light *light, uint32_t a, uint32_t b, u
 
 static void clear(const vxs_area_light *light)
 {
-    static const float no_end = 1e30F;
-    gl_bytes           first  = (gl_bytes)(sizeof light->lamps + 4 * (size_t)vxs_area_light_maps(light));
-    light->volumes->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32F, first,
-                                                (gl_bytes)light->count * 4 * (gl_bytes)words_of_map(light->side_px), GL_FORMAT_RED,
-                                                GL_TYPE_FLOAT, &no_end);
-}
-
-/* Of how many points in a row each lamp has one. */
-static uint32_t points_to_share(const vxs_area_light *light, const vxs_area_casters *casters)
-{
-    uint64_t all = (uint64_t)casters->count * light->count, share = (all + POINTS_DRAWN - 1) / POINTS_DRAWN;
-    if (casters->is_whole) return 1;
-    return share < light->count ? (uint32_t)share : light->count;
+    static const uint32_t none  = UINT32_MAX;
+    gl_bytes              first = (gl_bytes)(sizeof light->lamps + 4 * (size_t)vxs_area_light_maps(light));
+    light->volumes->api.ClearNamedBufferSubData(light->buffer, GL_FORMAT_R32UI, first,
+                                                (gl_bytes)light->count * 4 * (gl_bytes)words_of_map(light->side_px),
+                                                GL_FORMAT_RED_INTEGER, GL_TYPE_UNSIGNED_INT, &none);
 }
 
 static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
@@ -215,7 +207,8 @@ static void splat(const vxs_area_light *light, const vxs_area_casters *casters)
     v->frame.knobs[0] = (float)light->side_px;
     v->frame.knobs[1] = POINT_WIDE;
     v->frame.knobs[2] = GAP_WIDE;
-    vxs_area_light_count(light, light->count, casters->count, points_to_share(light, casters), vxs_area_light_maps(light));
+    v->frame.knobs[3] = POINTS_APART;
+    vxs_area_light_count(light, light->count, casters->count, casters->is_whole != 0, vxs_area_light_maps(light));
     vxs_volumes_use_storage(v, light->buffer, casters->buffer);
     vxs_volumes_run(v, light->programs[AREA_SPLAT], 0, 0, across, (groups + across - 1) / across);
 }

@@ -8,11 +8,12 @@ enum { SIDE = 64, NODES = 4 };
 
 static int make_programs(vxs_area_light *light, int takes_maps)
 {
-    const char *const uses[2]  = {AREA_READS, takes_maps ? AREA_TAKES_MAPS : AREA_GATHERS};
-    const char *const texts[2] = {vxs_volumes_text_transmittance_stream_glsl, vxs_volumes_text_area_gather_glsl};
+    const char *const uses[3]  = {AREA_READS, takes_maps ? AREA_TAKES_MAPS : AREA_GATHERS, AREA_TAKES_MAPS};
+    const char *const texts[3] = {vxs_volumes_text_transmittance_stream_glsl, vxs_volumes_text_area_gather_glsl,
+                                  vxs_volumes_text_area_exact_glsl};
     char              curves[TRANSMITTANCE_NAMES], names[sizeof AREA_TAKES_MAPS + TRANSMITTANCE_NAMES];
     vxs_transmittance_names(&light->curves, curves);
-    for (int n = 0; n < 2; n++) {
+    for (int n = 0; n < (takes_maps ? 3 : 2); n++) {
         snprintf(names, sizeof names, "%s%s", uses[n], curves);
         if (!(light->programs[AREA_CURVES + n] = vxs_volumes_compute(light->volumes, names, texts[n]))) return 0;
     }

@@ -1,7 +1,44 @@
-/* Points of what casts shadows, into imperfect shadow maps: of so many in a row each lamp has one. counts: lamps, points, how many in a row, the first word of
- * all maps; knobs: the side of a map, and how wide a point is drawn, and how wide texels are from which gaps may be filled, of what it stands for. */
+/* Points of what casts shadows, into imperfect shadow maps. A workgroup has 64 points that follow each other, and draws as many of them into a lamp's map as that
+ * can show. counts: lamps, points, 1 to draw each point, the first word of all maps; knobs: the side of a map; of what a point stands for, how wide it is
+ * drawn, and how wide texels are from which gaps may be filled; how far apart points are drawn, in texels. */
 layout(local_size_x = 64) in;
 layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_area_points { vec4 points[]; };
+
+const uint group_size = 64u;
+
+/* Normal of the plane through points [first, first + count), by least squares; 0: they are in a row, or on no plane.
+ * off  how far from it they may be, RMS, metres */
+vec3 plane_of(uint first, uint count, vec3 at, float off)
+{
+    vec3 sum = vec3(0.0), squares = vec3(0.0), products = vec3(0.0);
+    for (uint n = first; n < first + count; n++) {
+        vec3 from = points[n].xyz - at;
+        sum += from;
+        squares += from * from;
+        products += from.yzx * from.zxy;
+    }
+    vec3 mean = sum / float(count), along = squares / float(count) - mean * mean, both = products / float(count) - mean.yzx * mean.zxy;
+    /* of their covariance the adjugate, whose columns are along the normal: the longest of them */
+    vec3  minors = along.yzx * along.zxy - both * both, rest = both.yzx * both.zxy - both * along, normal = vec3(minors.x, rest.z, rest.y);
+    float size = dot(along, vec3(1.0));
+    if (minors.y > minors.x) normal = vec3(rest.z, minors.y, rest.x);
+    if (minors.z > max(minors.x, minors.y)) normal = vec3(rest.y, rest.x, minors.z);
+    if (!(dot(minors, vec3(1.0)) > 0.01 * size * size && dot(normal, normal) > 0.0)) return vec3(0.0);
+    normal *= inversesqrt(dot(normal, normal));
+    return dot(normal * normal, along) + 2.0 * dot(normal.yzx * normal.zxy, both) <= off * off ? normal : vec3(0.0);
+}
+
+/* The normal of the surface that a point is on, by points about it, behind it or before it; 0: none of these are on a plane.
+ * first, count  points that follow each other, this one among them */
+vec3 normal_of(uint n, uint first, uint count)
+{
+    const uint some = 9u;
+    const uint before[3] = uint[3](4u, 0u, 8u);
+    vec3 normal = vec3(0.0);
+    for (int k = 0; k < 3 && count >= some && normal == vec3(0.0); k++)
+        normal = plane_of(min(n - min(n - first, before[k]), first + count - some), some, points[n].xyz, 0.1 * sqrt(points[n].w));
+    return normal;
+}
 
 /* Where a point is in a lamp's map, and how deep there: of a lamp that is far away, in metres from one side of the sphere about all that casts.
  * wide  [out] metres of a texel there
@@ -17,32 +54,103 @@ float depth_of(uint lamp, vec3 way, int side, out vec2 at, out float wide)
     return metres;
 }
 
-/* The texels whose middles are in a square as wide as what the point stands for, or the one it is in, of the lamp's own map. */
-void splat(uint lamp, vec4 point, float shared_by)
+/* How wide a disc is along x and y of the map, for one that is 1 wide across the light.   normal  of the disc, in the lamp's frame */
+vec2 foreshortened(uint lamp, vec3 normal, vec2 at)
 {
-    const float most = 32.0;
-    int  side = int(vxs_frame.knobs.x);
-    uint texels = vxs_area_level(vxs_frame.counts.w, lamp, uint(side), 0u);
-    vec3 way = vxs_area_way(lamp, point.xyz - vxs_area.lamps[lamp].place.xyz);
-    vec2 at;
-    float texel, metres = depth_of(lamp, way, side, at, texel);
-    if (!(metres > 0.0)) return;
-    float wide = sqrt(point.w * shared_by) / texel;
+    float square = dot(at, at);
+    vec3  right = vec3(1.0, 0.0, 0.0), up = vec3(0.0, 1.0, 0.0);
+    if (vxs_area.lamps[lamp].normal.w != vxs_area_far) {
+        right = vec3(1.0 + square - 2.0 * at.x * at.x, -2.0 * at.x * at.y, -2.0 * at.x) / (1.0 + square);
+        up    = vec3(-2.0 * at.x * at.y, 1.0 + square - 2.0 * at.y * at.y, -2.0 * at.y) / (1.0 + square);
+    }
+    vec2 along = vec2(dot(normal, right), dot(normal, up));
+    return sqrt(max(1.0 - along * along, vec2(0.0)));
+}
+
+/* The texels whose middles are in what a point stands for: in a disc of its surface, as deep as that is there; where no surface is known, in a square across the
+ * light. Something narrower than texels are apart is in as many of them as its part of the map.
+ * normal  of the surface; 0: it is not known;   stands_for  how many points */
+void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
+{
+    const float most = 32.0, radius_of_1 = 0.564; /* texels across; of a disc as large as a square of 1 */
+    int   side = int(vxs_frame.knobs.x);
+    bool  is_flat = normal != vec3(0.0);
+    vec3  way = vxs_area_way(lamp, point.xyz - vxs_area.lamps[lamp].place.xyz), turned = vxs_area_way(lamp, normal);
+    vec2  at;
+    float texel, depth = depth_of(lamp, way, side, at, texel);
+    if (!(depth > 0.0)) return;
+    float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_frame.knobs.y * wide, most), radius = radius_of_1 * across * texel;
     uint  reach = uint(log2(clamp(vxs_frame.knobs.z * wide, 2.0, most)));
-    float across = clamp(vxs_frame.knobs.y * wide - 0.5 * float(1u << reach), 1.0, most); /* the wider, the less wide gaps are filled */
-    uint  word = vxs_area_word(metres, reach);
-    ivec2 first = max(ivec2(ceil(at - 0.5 * across - 0.5)), ivec2(0)), last = min(ivec2(floor(at + 0.5 * across - 0.5)), ivec2(side - 1));
+    vec2  half_wide = vec2(0.5 * across);
+    if (is_flat) /* what is nearer of it looks wider */
+        half_wide = min((1.0 + min(radius / depth, 1.0)) * radius / texel * foreshortened(lamp, turned, at * (2.0 / float(side)) - 1.0), vec2(0.5 * most));
+    ivec2 first = max(ivec2(ceil(at - half_wide - 0.5)), ivec2(0)), last = min(ivec2(floor(at + half_wide - 0.5)), ivec2(side - 1));
     for (int y = first.y; y <= last.y; y++)
-        for (int x = first.x; x <= last.x; x++) atomicMin(vxs_area.words[texels + uint(y * side + x)], word);
+        for (int x = first.x; x <= last.x; x++) {
+            vxs_area_surface s = vxs_area_surface(depth, vec2(0.0), reach);
+            if (is_flat) {
+                vec2 middle = vxs_area_middle(ivec2(x, y), side);
+                s = vxs_area_plane(lamp, turned, way, middle);
+                s.reach = reach;
+                vec3 off = vxs_area_place_of(lamp, middle, s.depth) - way;
+                if (!(s.depth > 0.0 && dot(off, off) <= radius * radius)) continue;
+            }
+            atomicMin(vxs_area.words[vxs_area_map_word(vxs_frame.counts.w, lamp, side, ivec2(x, y))], vxs_area_word(lamp, s));
+        }
+}
+
+/* How many points of a group a lamp's map can show, as far apart as the frame says, by what of them is nearest to the lamp: group_size at most.
+ * ball  about the points, and its radius;   square_metres  the most that one stands for
+ * Returns 0 where all of them are behind the lamp. */
+float count_of(uint lamp, vec4 ball, float square_metres)
+{
+    float side = vxs_frame.knobs.x, radius = vxs_area.lamps[lamp].place.w, texel = 2.0 * radius / side, cosine = 1.0;
+    if (vxs_area.lamps[lamp].normal.w != vxs_area_far) {
+        vec3  way = ball.xyz - vxs_area.lamps[lamp].place.xyz;
+        float metres = length(way), before = dot(way, vxs_area.lamps[lamp].normal.xyz) + ball.w;
+        if (!(before > 0.0)) return 0.0;
+        cosine = clamp(before / max(metres, 1e-20), 0.1, 1.0); /* to where a lamp shines less, fewer */
+        texel  = 4.0 / side * max(metres - ball.w, radius);
+    }
+    texel *= vxs_frame.knobs.w;
+    return min(float(group_size) * cosine * square_metres / (texel * texel), float(group_size));
+}
+
+/* A ball about most of a group's points: of eight each the last one, and as wide again as these are apart.   square_metres  [out] the most that one stands for */
+vec4 ball_about(uint first, uint count, out float square_metres)
+{
+    vec3 low = points[first].xyz, high = low;
+    square_metres = 0.0;
+    for (uint n = 7u; n < count + 7u; n += 8u) {
+        vec4 some = points[first + min(n, count - 1u)];
+        low  = min(low, some.xyz);
+        high = max(high, some.xyz);
+        square_metres = max(square_metres, some.w);
+    }
+    return vec4(0.5 * (low + high), 0.5 * length(high - low) + 2.0 * sqrt(square_metres));
 }
 
 void main()
 {
     uvec4 counts = vxs_frame.counts;
-    uint  n = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationID.x;
-    if (n >= counts.y) return;
-    for (uint first = 0u; first < counts.x; first += counts.z) {
-        uint lamp = first + (n + vxs_area_hash(n / counts.z + first)) % counts.z;
-        if (lamp < counts.x) splat(lamp, points[n], float(counts.z));
+    uint  group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, first = group * group_size, at_once = 1u; /* lamps */
+    if (first >= counts.y) return;
+    uint  here = min(counts.y - first, group_size);
+    float square_metres;
+    vec4  ball = ball_about(first, here, square_metres);
+    while (at_once < min(counts.x, group_size)) at_once *= 2u;
+    for (uint lamp = gl_LocalInvocationID.x % at_once; lamp < counts.x; lamp += at_once) {
+        uint  turn = vxs_area_hash(group * 256u + lamp), drawn = group_size;
+        float shown = float(group_size);
+        if (counts.z == 0u && here == group_size) {
+            shown = count_of(lamp, ball, square_metres);
+            drawn = uint(ceil(shown));
+            if (shown > 1.0) shown = float(drawn);
+            if (shown <= float(turn >> 8) / 16777216.0) drawn = 0u; /* of a group that is less than a point to the map, at random */
+        }
+        for (uint rank = gl_LocalInvocationID.x / at_once; rank < drawn; rank += group_size / at_once) {
+            uint n = first + ((bitfieldReverse(rank) >> 26) + turn) % group_size; /* evenly spread */
+            if (n < first + here) splat(lamp, points[n], normal_of(n, first, here), float(group_size) / shown);
+        }
     }
 }

@@ -14,7 +14,7 @@ enum { AREA_BITS = 128 };
 typedef struct area_lamp {
     grid_head grid;
     float     place[3], radius_metres;
-    float     normal[3], kind; /* AREA_ALL_SIDES and so on */
+    float     normal[3], kind;  /* AREA_ALL_SIDES and so on */
     float     colour[3], baked; /* number of the light whose baked smoke dims it, and 1; 0: none does */
     float     across[4];
 } area_lamp;
@@ -34,9 +34,11 @@ typedef enum area_program {
     AREA_GRIDS,
     AREA_GATHER,
     AREA_SHOW,
+    AREA_EXACT, /* 0 where no light maps are taken */
     AREA_CLEAR_PROGRAMS,
     AREA_CURVES = AREA_CLEAR_PROGRAMS, /* this and the next: 0 where no smoke is taken */
     AREA_GATHER_SMOKE,
+    AREA_EXACT_SMOKE,
     AREA_PROGRAMS
 } area_program;
 

@@ -7,7 +7,7 @@
 
 /* A program begins with what vxs_gl gives all of them, in the language of OpenGL 4.5 whatever that of the caller's own, and what all in this
  * library have. */
-enum { TEXTS = VXS_GL_TEXTS + 38, LOG_BYTES = 1024 };
+enum { TEXTS = VXS_GL_TEXTS + 40, LOG_BYTES = 1024 };
 
 static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_size, const char *names, const char *body,
                      const char *texts[TEXTS])
@@ -43,6 +43,7 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     vxs_volumes_text_vxs_epipolar_h,
                                     vxs_volumes_text_grid_glsl,
                                     vxs_volumes_text_area_glsl,
+                                    vxs_volumes_text_area_map_glsl,
                                     vxs_volumes_text_vxs_shadow_grid_h,
                                     "#ifdef VXS_USES_AREA\n",
                                     vxs_volumes_text_vxs_area_grid_h,
@@ -60,6 +61,7 @@ static void texts_of(const vxs_volumes *v, gl_enum kind, char *own, size_t own_s
                                     "#endif\n",
                                     vxs_volumes_text_transmittance_lists_glsl,
                                     "#endif\n",
+                                    vxs_volumes_text_area_surface_glsl,
                                     vxs_volumes_text_mesh_glsl,
                                     "#ifdef VXS_USES_QUADS\n",
                                     vxs_volumes_text_mesh_quads_glsl,

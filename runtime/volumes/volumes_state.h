@@ -180,6 +180,7 @@ extern const char vxs_volumes_text_frame_glsl[], vxs_volumes_text_first_shadow_g
     vxs_volumes_text_transmittance_places_glsl[], vxs_volumes_text_transmittance_lists_glsl[],
     vxs_volumes_text_transmittance_segments_glsl[], vxs_volumes_text_vxs_area_grid_h[], vxs_volumes_text_area_glsl[],
     vxs_volumes_text_area_splat_glsl[], vxs_volumes_text_area_holes_glsl[], vxs_volumes_text_area_grids_glsl[],
+    vxs_volumes_text_area_map_glsl[], vxs_volumes_text_area_surface_glsl[], vxs_volumes_text_area_exact_glsl[],
     vxs_volumes_text_area_gather_glsl[], vxs_volumes_text_area_show_glsl[], vxs_volumes_text_area_curves_glsl[],
     vxs_volumes_text_transmittance_light_glsl[];
 

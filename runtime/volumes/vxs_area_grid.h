@@ -3,11 +3,10 @@
  *     vxs_area_hash     an integer that looks random
  *     vxs_area_texel    a direction to a place in a lamp's imperfect shadow map
  *     vxs_area_path     an eye ray in the light of a lamp
- *     vxs_grid_lit      how lit a place is, between two rows and two bits of its grid
  *
- * An imperfect shadow map has the half of all directions that a lamp shines to, as a paraboloid mirror shows them: a disc in a square. A texel is how far
- * from the lamp shadow begins, in metres.
- * Source: [IVSV13] 3, and its appendix for the interpolation by bits; [Ritschel 2008] for imperfect shadow maps.
+ * An imperfect shadow map has the half of all directions that a lamp shines to, as a paraboloid mirror shows them: a disc in a square. A texel says how far
+ * from the lamp shadow begins.
+ * Source: [IVSV13] 3; [Ritschel 2008] for imperfect shadow maps.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_AREA_GRID_H
 #define VXS_AREA_GRID_H
@@ -53,29 +52,6 @@ VXS_FN vxs_air_path vxs_area_path(VXS_AIR_LIGHT light, vxs_i32 is_face, const vx
     path.begin = part[0];
     path.end   = part[1] > part[0] ? part[1] : part[0];
     return path;
-}
-
-/* How lit a place is between two bits of a row, [0, 1]: both of one word, or of two. */
-VXS_FN vxs_real vxs_grid_lit_between(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, vxs_i32 row, vxs_i32 bit,
-                                     vxs_i32 next, vxs_real part)
-{
-    vxs_u32 here = vxs_grid_word(words, vxs_grid_word_of(size, column, row, bit)), there = here;
-    if ((next >> 5) != (bit >> 5)) there = vxs_grid_word(words, vxs_grid_word_of(size, column, row, next));
-    vxs_real dark = VXS_REAL((here >> (bit & 31)) & 1u), then = VXS_REAL((there >> (next & 31)) & 1u);
-    return 1.0 - dark - part * (then - dark);
-}
-
-/* How lit a place is, [0, 1], between the middles of two bits and two rows. None of an eye ray's bits goes on in another ray's: beyond the first and the
- * last there is nothing to change. Along columns visibility changes once, and lies between no two.
- * bits  how many lie before it */
-VXS_FN vxs_real vxs_grid_lit(VXS_GRID_WORDS words, VXS_GRID_SIZE size, vxs_i32 column, VXS_GRID_ROWS rows, vxs_real bits)
-{
-    vxs_i32  count = VXS_FIELD(size, bits);
-    vxs_real at = bits - 0.5, floored = floor(at), part = at - floored;
-    vxs_i32  bit = vxs_grid_voxel(floored, count), next = at < 0.0 ? 0 : bit + 1 < count ? bit + 1 : bit;
-    vxs_real lit = vxs_grid_lit_between(words, size, column, VXS_FIELD(rows, row), bit, next, part);
-    if (!(VXS_FIELD(rows, part) > 0.0)) return lit;
-    return lit + VXS_FIELD(rows, part) * (vxs_grid_lit_between(words, size, column, VXS_FIELD(rows, next), bit, next, part) - lit);
 }
 
 #endif

@@ -141,14 +141,16 @@ vxs_result vxs_area_light_anchor(vxs_area_light *light, const float place[3]);
 typedef struct vxs_area_casters {
     unsigned buffer; /* of vxs_area_point, one behind the other; not read where count is 0 */
     uint32_t count;
-    uint32_t
-        is_whole; /* 1: each point casts shadows of each lamp; 0: of so many in a row each lamp has one, chosen at random, that stands for all of them: as many as
-                     there are lamps, or fewer, until 2^18 are drawn. Neighbours should follow each other, as vxs_area_scatter and a file have them */
+    uint32_t is_whole; /* 1: each point is drawn into the map of each lamp; 0: of 64 points in a row, as many as the map can show, chosen anew for each
+                          lamp, so that a map costs about the same for any number of points. Neighbours should follow each other, as vxs_area_scatter
+                          and a file have them */
 } vxs_area_casters;
 
-/* Imperfect shadow maps of all lamps: points about as wide as what they stand for, and gaps between them filled from coarser levels, whether nothing is seen
- * through them or something farther. Again, when lamps or casters have moved; between frames they stay.
- * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides. */
+/* Imperfect shadow maps of all lamps. A point is a disc of the surface that it lies on, a little wider than what it stands for; that surface is found by the points
+ * before and behind it in the buffer, and where these lie on no plane it is a square across the light. Gaps between points are filled from coarser levels,
+ * whether nothing is seen through them or something farther. Again, when lamps or casters have moved; between frames the maps stay.
+ * Returns VXS_OK; VXS_E_ARGUMENT without lamps or a buffer, or where a lamp shines to all sides.
+ * Cost: a look at each 64 points for each lamp, and about 4 * side_px^2 points drawn into each map at most where all that is seen is dense. */
 vxs_result vxs_area_light_cast(vxs_area_light *light, const vxs_area_casters *casters);
 
 /* How much smoke leaves of each lamp's light, on surfaces and in the air: curves as in vxs_transmittance.h, of the half of all directions that it shines to, or of the sphere

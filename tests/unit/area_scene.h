@@ -220,6 +220,40 @@ static inline void read_buffer(size_t start, size_t size, void *data)
     get(light->buffer, (GLintptr)start, (GLsizeiptr)size, data);
 }
 
+static inline size_t map_at(uint32_t number, uint32_t side)
+{
+    return sizeof light->lamps + 4 * (vxs_area_light_maps(light) + (size_t)number * ((4 * side * side - 1) / 3));
+}
+
+/* A word of a lamp's imperfect shadow map, as area_map.glsl has them: 15 bits of a float of the depth in radii of the lamp; a level surface. 1e30: nothing is there. */
+static inline uint32_t map_word(const area_lamp *of, float depth)
+{
+    float    part = depth / of->radius_metres + (of->kind == AREA_FAR);
+    uint32_t bits;
+    memcpy(&bits, &part, sizeof bits);
+    return depth < 1e30F ? (bits - 0x3f800000U + 0x1000U) >> 13 << 17 : UINT32_MAX;
+}
+
+static inline float map_depth(const area_lamp *of, uint32_t word)
+{
+    uint32_t bits = (word >> 17 << 13) + 0x3f800000U;
+    float    part;
+    memcpy(&part, &bits, sizeof part);
+    return word == UINT32_MAX ? 1e30F : (part - (of->kind == AREA_FAR)) * of->radius_metres;
+}
+
+/* The depths of a lamp's imperfect shadow map; 1e30: nothing is there.
+ * side  of a map;   depths  [out] [side * side] */
+static inline void read_map(uint32_t number, uint32_t side, float *depths)
+{
+    read_buffer(map_at(number, side), 4UL * side * side, depths);
+    for (uint32_t n = 0; n < side * side; n++) {
+        uint32_t word;
+        memcpy(&word, &depths[n], sizeof word);
+        depths[n] = map_depth(&light->lamps[number], word);
+    }
+}
+
 static inline double relative_rms(const float *pixels, const double *wanted, uint32_t step)
 {
     double wrong = 0, size = 0;

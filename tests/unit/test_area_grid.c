@@ -1,4 +1,4 @@
-/* runtime/volumes/vxs_area_grid.h: lookups between bits and rows, and places in imperfect shadow maps.
+/* runtime/volumes/vxs_area_grid.h: lookups between rows, and places in imperfect shadow maps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
 
@@ -13,36 +13,6 @@
 #include <cmocka.h>
 
 #include "runtime/volumes/vxs_area_grid.h"
-
-/* What lies between two bits and two rows, against the four taps of it, at all places between all bits. */
-static void test_lit_between_bits(void **state)
-{
-    (void)state;
-    enum { BITS = 128, C = 3, R = 4 };
-    uint32_t      words[4 * C * R];
-    vxs_grid_size size = {C, R, BITS};
-    rng           r    = {4};
-    for (int n = 0; n < 4 * C * R; n++) words[n] = rng_u32(&r);
-    for (int bit = 0; bit < BITS; bit++)
-        for (int row = 0; row < R; row++)
-            for (int k = 0; k < 8; k++) {
-                double of_row = k < 4 ? 0 : uniform(&r, 0, 1), of_bit = k % 2 ? uniform(&r, 0, 1) : 0.5 * (k / 2 % 2), taps[2][2];
-                vxs_grid_rows rows   = {row, (row + 1) % R, of_row};
-                int           column = k % C;
-                for (int a = 0; a < 2; a++)
-                    for (int b = 0; b < 2; b++) {
-                        int      at = bit + b < BITS ? bit + b : BITS - 1, texel = ((row + a) % R * C + column) * 4;
-                        uint32_t word = words[texel + at / 32];
-                        taps[a][b]    = word >> at % 32 & 1 ? 0 : 1;
-                    }
-                double wanted = (1 - of_row) * ((1 - of_bit) * taps[0][0] + of_bit * taps[0][1]) +
-                                of_row * ((1 - of_bit) * taps[1][0] + of_bit * taps[1][1]);
-                assert_true(fabs(vxs_grid_lit(words, &size, column, &rows, bit + 0.5 + of_bit) - wanted) < 1e-12);
-            }
-    vxs_grid_rows first = {1, 1, 0}; /* before the first bit, and before all */
-    double        lit   = words[4 * C] & 1 ? 0 : 1;
-    assert_true(vxs_grid_lit(words, &size, 0, &first, 0.1) == lit && vxs_grid_lit(words, &size, 0, &first, -7) == lit);
-}
 
 /* Rows on both sides of a place: across the seam where theta is all the way round, and not where it ends. */
 static void test_rows(void **state)
@@ -90,7 +60,6 @@ static void test_texels(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lit_between_bits),
         cmocka_unit_test(test_rows),
         cmocka_unit_test(test_texels),
     };

@@ -1,0 +1,22 @@
+/* Light on surfaces of one lamp, by its light map, which is the frame's: added to what was gathered. counts: the lamp, which (vxs_area_gather), unused,
+ * the side of curves of smoke; pixels: how many are gathered across and up. */
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(rgba32f, binding = VXS_AT_IMAGE) uniform restrict image2DArray gathered; /* air; surfaces */
+
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    uint  lamp = vxs_frame.counts.x;
+    bool  ninths = vxs_frame.counts.y == 1u;
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, vxs_frame.pixels.zw))) return;
+    if (ninths && lamp % 9u != uint(at.x % 3 + 3 * (at.y % 3))) return;
+    vxs_area_pixel p = vxs_area_pixel_of(vxs_frame.counts.y == 2u ? 2 * at : at);
+    vec3 irradiance = p.normal != vec3(0.0) ? vxs_area_irradiance(p, lamp) : vec3(0.0);
+    if (irradiance == vec3(0.0)) return;
+    irradiance *= vxs_area_lit_exactly(p, lamp);
+#ifdef VXS_GRID_DIMS
+    irradiance *= vxs_area_left(lamp, p.eye + p.metres * p.direction);
+#endif
+    vec4 before = imageLoad(gathered, ivec3(at, 1));
+    imageStore(gathered, ivec3(at, 1), before + vec4(vxs_area.lamps[lamp].colour.rgb * irradiance * (ninths ? 9.0 : 1.0), 0.0));
+}

@@ -1,0 +1,107 @@
+/* Light of a lamp on the surface that a pixel shows: what it sends there, and how much of that its shadow map lets through. A place is held against the map in the
+ * middles of four texels: what the map has there is before the surface if it is nearer to the lamp than the surface's plane is there, and than the place
+ * itself is. So a plane never shades itself, however it lies, and light does not leak under what stands on it. */
+#ifdef VXS_AREA_GATHERS
+layout(binding = VXS_AT_OTHER) uniform highp sampler2D vxs_normals;
+
+/* How much nearer it has to be: parts of the depth, and of a texel's width. Depths of maps are rounded to 2^-11 of them. */
+const float vxs_area_slack = 0.005, vxs_area_texel_slack = 0.1;
+
+#ifdef VXS_GRID_DIMS
+float vxs_area_left(uint lamp, vec3 at)
+{
+    float left = 1.0;
+#ifdef VXS_USES_CURVES
+    left = vxs_area_curves_left(lamp, at);
+#endif
+#ifdef VXS_AREA_BAKED
+    float baked = vxs_area.lamps[lamp].colour.w;
+    if (baked > 0.0) left *= vxs_smoke_left_by(uint(baked) - 1u, at);
+#endif
+    return left;
+}
+#endif
+
+struct vxs_area_pixel {
+    vec3       eye, direction, normal; /* normal 0: there is no surface */
+    float      metres;
+    vxs_medium medium;
+};
+
+vxs_area_pixel vxs_area_pixel_of(ivec2 pixel)
+{
+    vxs_area_pixel p;
+    p.eye       = vxs_frame.eye_far.xyz;
+    p.direction = vxs_eye_ray(pixel, p.metres);
+    p.normal    = texelFetch(vxs_normals, pixel, 0).xyz;
+    p.medium    = vxs_frame_medium();
+    return p;
+}
+
+/* Of light from far away, which fog dims below its level top alone, as vxs_air_path_of has it. */
+vec3 vxs_area_far_irradiance(vxs_area_pixel p, vec3 to_light)
+{
+    float top = vxs_frame.sizes.w, below = max(top - p.eye.y - p.metres * p.direction.y, 0.0), cosine = max(dot(p.normal, to_light), 0.0);
+    if (!(top < VXS_AIR_EVERYWHERE) || below == 0.0) return vec3(cosine);
+    return to_light.y > 0.0 ? exp(-p.medium.extinction * (below / to_light.y)) * cosine : vec3(0.0);
+}
+
+/* Of what shines from the lamp to a surface, how much reaches it, nothing between them. */
+vec3 vxs_area_irradiance(vxs_area_pixel p, uint n)
+{
+    if (vxs_area.lamps[n].normal.w == vxs_area_far) return vxs_area_far_irradiance(p, -vxs_area.lamps[n].normal.xyz);
+    vec3  to_lamp = vxs_area.lamps[n].place.xyz - p.eye - p.metres * p.direction;
+    float square = max(dot(to_lamp, to_lamp), 1e-20), metres = sqrt(square), radius = vxs_area.lamps[n].place.w;
+    float cosine = max(dot(p.normal, to_lamp) / metres, 0.0);
+    if (vxs_area.lamps[n].normal.w != 0.0) cosine *= max(-dot(vxs_area.lamps[n].normal.xyz, to_lamp) / metres, 0.0);
+    return exp(-p.medium.extinction * metres) * (cosine / max(square, radius * radius));
+}
+
+/* How much of it does, by the lamp's imperfect shadow map. */
+float vxs_area_lit(vxs_area_pixel p, uint n)
+{
+    int   side = int(vxs_frame.map.z);
+    bool  is_far = vxs_area.lamps[n].normal.w == vxs_area_far;
+    vec3  way = vxs_area_way(n, p.eye + p.metres * p.direction - vxs_area.lamps[n].place.xyz), normal = vxs_area_way(n, p.normal);
+    float radius = vxs_area.lamps[n].place.w, depth = is_far ? way.z + radius : length(way), texel = 2.0 * radius / float(side), lit = 0.0;
+    vec2  at = vxs_area_far_texel(n, way, side);
+    if (!is_far) {
+        if (!(depth > radius && way.z > 0.0)) return 1.0;
+        texel = depth * vxs_area_texel(way, side, at);
+    }
+    vec2  from = floor(at - 0.5), part = at - 0.5 - from;
+    float slack = vxs_area_slack * depth + vxs_area_texel_slack * texel;
+    for (int k = 0; k < 4; k++) {
+        ivec2 step = ivec2(k & 1, k >> 1), there = clamp(ivec2(from) + step, ivec2(0), ivec2(side - 1));
+        vec2  near = abs(1.0 - vec2(step) - part);
+        float plane = vxs_area_plane(n, normal, way, vxs_area_middle(there, side)).depth, ends = plane > 0.0 ? min(plane, depth) : depth;
+        if (!(vxs_area_surface_of(n, vxs_area.words[vxs_area_map_word(vxs_frame.map.w, n, side, there)]).depth < ends - slack)) lit += near.x * near.y;
+    }
+    return lit;
+}
+
+/* The same by its light map, which is the frame's; texels of that have what is nearest in all of them, rounded toward the lamp to a voxel. */
+float vxs_area_lit_exactly(vxs_area_pixel p, uint n)
+{
+    vec3  ls, from_ls, turned, normal;
+    ivec3 texel;
+    float side = float(vxs_frame.map.x), texel_wide = float(1u << vxs_frame.light.levels) * vxs_frame.light.texel_metres / side, depth, lit = 0.0;
+    vec3  place = p.eye + p.metres * p.direction, to_lamp = vxs_area.lamps[n].place.xyz - place;
+    if (dot(to_lamp, to_lamp) <= vxs_area.lamps[n].place.w * vxs_area.lamps[n].place.w) return 1.0;
+    vxs_ls_from_ws(vxs_frame.light, place, 1.0, ls);
+    vxs_ls_from_ws(vxs_frame.light, p.normal, 0.0, from_ls);
+    if (!vxs_map_texel(ls, texel, depth)) return 1.0;
+    vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, texel.z), ls, turned);
+    vxs_face_from_ls(vxs_face_of_map(vxs_frame.light, texel.z), from_ls, normal);
+    vec2  at = turned.xy / (turned.z * texel_wide) + 0.5 * side, from = floor(at - 0.5), part = at - 0.5 - from;
+    float height = dot(normal, turned), slack = (vxs_area_slack + 2.0 * vxs_frame.light.voxel_metres) * depth;
+    for (int k = 0; k < 4; k++) {
+        ivec2 step = ivec2(k & 1, k >> 1), there = clamp(ivec2(from) + step, ivec2(0), ivec2(side) - 1);
+        vec2  near = abs(1.0 - vec2(step) - part), middle = (vec2(there) + 0.5 - 0.5 * side) * texel_wide;
+        float toward = dot(normal, vec3(middle, 1.0)) - 0.5 * texel_wide * (abs(normal.x) + abs(normal.y));
+        float ends = height < 0.0 && toward < 0.0 ? min(height / toward, depth) : depth;
+        if (!(texelFetch(vxs_map, ivec3(there, texel.z), 0).r < ends - slack)) lit += near.x * near.y;
+    }
+    return lit;
+}
+#endif
