@@ -12,6 +12,8 @@
 EMBEDDED(glow_vert_glsl)
 EMBEDDED(glow_frag_glsl)
 
+enum { DENSE = 16 }; /* lamps that say where points of shadows are densest */
+
 struct area_pass {
     area_pass_options options;
     const gl_context *gl;
@@ -40,11 +42,37 @@ static void put_texture(area_pass *p, uint32_t n)
     gl->TextureParameteri(p->textures[n], GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
+static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, double exposure)
+{
+    vxs_area_rectangle r = {.texture = a->texture, .wide_px = a->wide_px, .high_px = a->high_px};
+    for (int n = 0; n < 3; n++) {
+        r.corner[n]   = (float)(a->corner_ws[n] - p->options.lit.middle_ws[n]);
+        r.across[n]   = (float)a->across_ws[n];
+        r.up[n]       = (float)a->up_ws[n];
+        r.radiance[n] = (float)(exposure * p->options.scale * (double)a->radiance[n]);
+    }
+    return r;
+}
+
+/* Lamps of all parallelograms that have a share of them.   lamps  [out] as many as there are shares, `count` */
+static vxs_result place_lamps(const area_pass *p, double exposure, vxs_area_lamp *lamps, uint32_t *count)
+{
+    vxs_result result = VXS_OK;
+    *count            = 0;
+    for (uint32_t n = 0; n < p->count && result == VXS_OK; n++) {
+        vxs_area_rectangle r = rectangle_of(p, &p->options.lit.scene->areas[n], exposure);
+        if (p->shares[n].lamps) result = vxs_area_sample(&r, VXS_AREA_IMPORTANCE, 0, lamps + *count, p->shares[n].lamps);
+        *count += p->shares[n].lamps;
+    }
+    return result;
+}
+
 static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
 {
-    text_part    glow = part_of(glow_frag_glsl);
-    const scene *s    = p->options.lit.scene;
-    vxs_result   r;
+    text_part     glow = part_of(glow_frag_glsl);
+    const scene  *s    = p->options.lit.scene;
+    vxs_area_lamp dense[DENSE];
+    vxs_result    r;
     p->powers   = calloc(p->count, sizeof *p->powers);
     p->shares   = calloc(p->count, sizeof *p->shares);
     p->next     = calloc(p->count, sizeof *p->next);
@@ -52,7 +80,12 @@ static vxs_result make(area_pass *p, vxs_volumes *volumes, message *m)
     if (!p->powers || !p->shares || !p->next || !p->textures)
         return fail(m, VXS_E_MEMORY, "out of memory for %u area lights", p->count);
     for (uint32_t n = 0; n < p->count; n++) p->powers[n] = area_power(&s->areas[n]);
-    if ((r = lamp_pass_create(&p->lamps, &p->options.lit, p->gl, volumes, m)) != VXS_OK) return r;
+    lamp_pass_options lit = p->options.lit;
+    area_plan         plan;
+    area_plan_share(p->powers, p->shares, p->count, DENSE, &plan);
+    if (place_lamps(p, 1, dense, &lit.dense_count) != VXS_OK) lit.dense_count = 0; /* a frame says why */
+    lit.dense = dense;
+    if ((r = lamp_pass_create(&p->lamps, &lit, p->gl, volumes, m)) != VXS_OK) return r;
     if ((r = renderer_program(p->gl, &p->glow_program, glow_vert_glsl, &glow, 1, m)) != VXS_OK) return r;
     for (uint32_t n = 0; n < p->count; n++) put_texture(p, n);
     return VXS_OK;
@@ -89,18 +122,6 @@ void area_pass_destroy(area_pass *p)
 
 /* a frame ------------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_area_rectangle rectangle_of(const area_pass *p, const scene_area *a, double exposure)
-{
-    vxs_area_rectangle r = {.texture = a->texture, .wide_px = a->wide_px, .high_px = a->high_px};
-    for (int n = 0; n < 3; n++) {
-        r.corner[n]   = (float)(a->corner_ws[n] - p->options.lit.middle_ws[n]);
-        r.across[n]   = (float)a->across_ws[n];
-        r.up[n]       = (float)a->up_ws[n];
-        r.radiance[n] = (float)(exposure * p->options.scale * (double)a->radiance[n]);
-    }
-    return r;
-}
-
 /* Whether some of a capsule is before a light that is drawn. */
 static int is_shone_on(const void *pass, const vxs_capsule *c)
 {
@@ -123,13 +144,8 @@ static int is_shone_on(const void *pass, const vxs_capsule *c)
 static vxs_result cast(area_pass *p, double exposure)
 {
     vxs_area_lamp lamps[VXS_AREA_LAMPS];
-    uint32_t      count  = 0;
-    vxs_result    result = VXS_OK;
-    for (uint32_t n = 0; n < p->count && result == VXS_OK; n++) {
-        vxs_area_rectangle r = rectangle_of(p, &p->options.lit.scene->areas[n], exposure);
-        if (p->shares[n].lamps) result = vxs_area_sample(&r, VXS_AREA_IMPORTANCE, 0, lamps + count, p->shares[n].lamps);
-        count += p->shares[n].lamps;
-    }
+    uint32_t      count;
+    vxs_result    result = place_lamps(p, exposure, lamps, &count);
     if (result == VXS_OK) result = lamp_pass_set(p->lamps, lamps, count, is_shone_on, p);
     p->exposure = result == VXS_OK ? exposure : 0;
     return result;

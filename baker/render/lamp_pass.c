@@ -18,8 +18,8 @@ static const double pi = 3.14159265358979324;
 /* Points in one place on the average of a file of which one in each place is drawn. */
 enum { CROWD = 4 };
 
-/* Of all triangles, by area; where each casts shadows of each lamp; of those that move. What such casting may be of points times lamps. */
-enum { POINTS = 1 << 18, WHOLE_POINTS = 1 << 16, MOVING_POINTS = 1 << 15, WHOLE_MOST = WHOLE_POINTS * VXS_AREA_LAMPS };
+/* Of all triangles; of those that move. */
+enum { POINTS = 1 << 18, MOVING_POINTS = 1 << 15 };
 
 /* Lamps are many, and each has its curves of smoke. All capsules may cover all texels of all lamps: so many times in all, which takes a minute or two on
  * two processors, and no more. */
@@ -41,13 +41,18 @@ struct lamp_pass {
 
 /* what is made once --------------------------------------------------------------------------------------------------------------- */
 
-/* Over a scene's triangles.   found  [out] how many: none, where they have no area */
-static vxs_result scatter(const lamp_pass *p, const scene *s, vxs_area_point *points, uint32_t count, uint32_t *found, message *m)
+/* Over a scene's triangles.
+ * lamps  how many there are where points are densest, as in the options;   found  [out] how many points: none, where triangles have no area */
+static vxs_result scatter(const lamp_pass *p, const scene *s, uint32_t lamps, vxs_area_point *points, uint32_t count,
+                          uint32_t *found, message *m)
 {
-    float *positions = malloc(3 * s->vertex_count * sizeof *positions);
+    uint32_t triangles = (uint32_t)s->triangle_count;
+    float   *positions = malloc(3 * s->vertex_count * sizeof *positions);
     if (!positions) return fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", count);
     for (size_t n = 0; n < 3 * s->vertex_count; n++) positions[n] = (float)(s->positions_ws[n] - p->options.middle_ws[n % 3]);
-    *found = vxs_area_scatter(positions, s->indices, (uint32_t)s->triangle_count, points, count) > 0 ? count : 0;
+    double area = lamps ? vxs_area_scatter_for(positions, s->indices, triangles, p->options.dense, lamps, points, count)
+                        : vxs_area_scatter(positions, s->indices, triangles, points, count);
+    *found      = area > 0 ? count : 0;
     free(positions);
     return VXS_OK;
 }
@@ -58,7 +63,7 @@ static vxs_result scatter_moving(lamp_pass *p, message *m)
     p->moving = malloc(MOVING_POINTS * sizeof *p->moving);
     p->moved  = malloc(MOVING_POINTS * sizeof *p->moved);
     if (!p->moving || !p->moved) return fail(m, VXS_E_MEMORY, "out of memory for %d points of shadows", MOVING_POINTS);
-    return scatter(p, p->options.moving, p->moving, MOVING_POINTS, &p->moving_points, m);
+    return scatter(p, p->options.moving, 0, p->moving, MOVING_POINTS, &p->moving_points, m);
 }
 
 /* Where they are now, behind those that stand. */
@@ -115,12 +120,12 @@ static vxs_result put_points(lamp_pass *p, message *m)
 {
     static const double     nowhere[3] = {0};
     const vxs_baked_points *baked      = p->options.points;
-    uint32_t                most       = baked ? baked->count : p->options.is_whole ? WHOLE_POINTS : POINTS;
+    uint32_t                most       = baked ? baked->count : POINTS;
     vxs_area_point         *points     = malloc(most * sizeof *points);
     vxs_result r = points ? scatter_moving(p, m) : fail(m, VXS_E_MEMORY, "out of memory for %u points of shadows", most);
     p->points    = most;
     if (r == VXS_OK && baked) p->points = unpack(baked, p->options.middle_ws, points, m);
-    if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, points, most, &p->points, m);
+    if (r == VXS_OK && !baked) r = scatter(p, p->options.scene, p->options.dense_count, points, most, &p->points, m);
     GLsizeiptr size = sizeof *points, still = r == VXS_OK ? p->points * size : 0;
     p->gl->GenBuffers(1, &p->buffer);
     p->gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, p->buffer);
@@ -212,12 +217,11 @@ static vxs_result dim(lamp_pass *p, int (*is_shone_on)(const void *user, const v
 vxs_result lamp_pass_set(lamp_pass *p, const vxs_area_lamp *lamps, uint32_t count,
                          int (*is_shone_on)(const void *user, const vxs_capsule *c), const void *user)
 {
-    uint32_t   is_whole = p->options.is_whole && (uint64_t)p->points * count <= WHOLE_MOST;
-    vxs_result r        = vxs_area_light_set(p->light, lamps, count);
-    int        stay     = vxs_area_light_is_cast(p->light);
+    vxs_result r    = vxs_area_light_set(p->light, lamps, count);
+    int        stay = vxs_area_light_is_cast(p->light);
     if (r == VXS_OK && !stay) r = dim(p, is_shone_on, user);
     if (r == VXS_OK && (p->has_moved || !stay))
-        r = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, is_whole});
+        r = vxs_area_light_cast(p->light, &(vxs_area_casters){p->buffer, p->points + p->moving_points, 0});
     p->has_moved = 0;
     return r;
 }

@@ -234,7 +234,7 @@ static vxs_result make_fog(renderer *r, message *m)
     return fog_pass_create(&r->fog, &fog, r->gl, r->shadows, m);
 }
 
-static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s, int is_whole)
+static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s)
 {
     return (lamp_pass_options){.scene      = s,
                                .points     = r->options.area_points,
@@ -243,20 +243,19 @@ static lamp_pass_options lit_by_lamps(const renderer *r, const scene *s, int is_
                                .smoke_side = r->options.smoke_side,
                                .middle_ws  = r->mesh.middle_ws,
                                .lamps      = r->options.area_lamps,
-                               .gather     = r->options.area_gather,
-                               .is_whole   = is_whole};
+                               .gather     = r->options.area_gather};
 }
 
 /* As what a matt surface sends back to each direction is counted pi times, so is what shines. */
 static vxs_result make_areas(renderer *r, const scene *s, message *m)
 {
-    area_pass_options o = {.lit = lit_by_lamps(r, s, 0), .scale = pi * r->scale};
+    area_pass_options o = {.lit = lit_by_lamps(r, s), .scale = pi * r->scale};
     return area_pass_create(&r->areas, &o, r->gl, fog_pass_volumes(r->fog), m);
 }
 
 static vxs_result make_sky(renderer *r, const scene *s, message *m)
 {
-    sky_pass_options o = {.lit           = lit_by_lamps(r, s, 1),
+    sky_pass_options o = {.lit           = lit_by_lamps(r, s),
                           .radius_metres = 0.5 * r->mesh.size_metres,
                           .map           = r->options.sky,
                           .scale         = pi * r->scale * r->options.sky_light,
