@@ -97,7 +97,7 @@ def test_light_of_a_quad(lit, tmp_path):
             wanted = irradiance([SLOPE * (2 * x + 1 - SIZE[0]), 0, SLOPE * (2 * y + 1 - SIZE[1])])
             for n in range(3):
                 here, both = linear(area[y][3 * x + n]), linear(light[y][3 * x + n])
-                assert here / (both - here) == pytest.approx(RADIANCE[n] * wanted / math.sqrt(0.5), rel=0.1), (x, y, n)
+                assert here / (both - here) == pytest.approx(RADIANCE[n] * wanted / math.sqrt(0.5), rel=0.05), (x, y, n)
 
 
 def test_it_is_seen(lit):
