@@ -18,7 +18,7 @@ uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
     uint words[4] = uint[4](vxs_area.words[first], vxs_area.words[first + 1u], vxs_area.words[below], vxs_area.words[below + 1u]);
     uint nearest = min(min(words[0], words[1]), min(words[2], words[3]));
     if (nearest == vxs_area_none) return nearest;
-    vxs_area_surface mean = vxs_area_surface(0.0, vec2(0.0), nearest & vxs_area_reach);
+    vxs_area_surface mean = vxs_area_surface(0.0, vec2(0.0), nearest & vxs_area_reach, true);
     float end = end_of_surface(lamp, side, texel, vxs_area_surface_of(lamp, nearest).depth), count = 0.0;
     for (int n = 0; n < 4; n++) {
         vxs_area_surface s = vxs_area_surface_of(lamp, words[n]);
@@ -26,6 +26,7 @@ uint mean_of(uint lamp, int side, ivec2 texel, uint finer)
         s = vxs_area_beside(lamp, s, vxs_area_middle(2 * texel + ivec2(n & 1, n >> 1), 2 * side), vxs_area_middle(texel, side));
         mean.depth += s.depth;
         mean.slope += s.slope;
+        mean.is_plane = mean.is_plane && s.is_plane;
         count += 1.0;
     }
     mean.depth /= count;

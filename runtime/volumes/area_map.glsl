@@ -1,5 +1,5 @@
-/* Texels of imperfect shadow maps: each is a small plane, so that what lies between the middles of texels, and in gaps beside them, is as deep as the
- * surface is there. Places of a map reach from -1 to 1 both ways. */
+/* Texels of imperfect shadow maps: each is a small plane, where the surface is known, so that what lies between the middles of texels, and in gaps beside them, is
+ * as deep as the surface is there. Places of a map reach from -1 to 1 both ways. */
 #ifdef VXS_USES_AREA
 const float vxs_area_steepest = 8.0;         /* slopes that a texel can have */
 const uint  vxs_area_none     = 0xffffffffu; /* the word of a texel in which there is nothing */
@@ -9,6 +9,7 @@ struct vxs_area_surface {
     float depth; /* where shadow begins, metres from the lamp; of a lamp that is far away, from the side of the sphere that its light comes from */
     vec2  slope; /* how many metres deeper that is for each metre across, along x and y of the map */
     uint  reach; /* from how many levels coarser gaps beside it may be filled */
+    bool  is_plane; /* else the depth alone is known, of something about as wide as a texel of the coarsest of these levels */
 };
 
 /* The middle of a texel of a map with so many a side. */
@@ -37,7 +38,7 @@ vec3 vxs_area_place_of(uint lamp, vec2 at, float depth)
  * Returns a depth of 0 and less where it is not seen. */
 vxs_area_surface vxs_area_plane(uint lamp, vec3 normal, vec3 way, vec2 at)
 {
-    vxs_area_surface found = vxs_area_surface(0.0, vec2(0.0), 0u);
+    vxs_area_surface found = vxs_area_surface(0.0, vec2(0.0), 0u, true);
     float square = dot(at, at), radius = vxs_area.lamps[lamp].place.w;
     if (vxs_area.lamps[lamp].normal.w == vxs_area_far) {
         if (normal.z == 0.0) return found;
@@ -57,6 +58,7 @@ vxs_area_surface vxs_area_plane(uint lamp, vec3 normal, vec3 way, vec2 at)
  * at  the middle of the texel */
 vxs_area_surface vxs_area_beside(uint lamp, vxs_area_surface s, vec2 at, vec2 other)
 {
+    if (!s.is_plane) return s;
     if (vxs_area.lamps[lamp].normal.w == vxs_area_far) {
         s.depth += vxs_area.lamps[lamp].place.w * dot(s.slope, other - at);
         return s;
@@ -73,12 +75,14 @@ vxs_area_surface vxs_area_beside(uint lamp, vxs_area_surface s, vec2 at, vec2 ot
 }
 
 /* A texel in a word, of which the nearer is the less: 15 bits of a float of the depth in radii of the lamp, which is 1 and more; of each slope its sign and 6 bits
- * of its square root; 3 bits of the reach, 6 and less. */
+ * of its square root, or -0 along x where no plane is known; 3 bits of the reach, 6 and less. */
 uint vxs_area_word(uint lamp, vxs_area_surface s)
 {
     float part = s.depth / vxs_area.lamps[lamp].place.w + (vxs_area.lamps[lamp].normal.w == vxs_area_far ? 1.0 : 0.0);
     uint  depth = (floatBitsToUint(clamp(part, 1.0, 4e9)) - 0x3f800000u + 0x1000u) >> 13;
-    uvec2 slope = uvec2(sqrt(min(abs(s.slope) / vxs_area_steepest, 1.0)) * 63.0 + 0.5) | uvec2(lessThan(s.slope, vec2(0.0))) << 6;
+    uvec2 slope = uvec2(sqrt(min(abs(s.slope) / vxs_area_steepest, 1.0)) * 63.0 + 0.5);
+    slope |= uvec2(greaterThan(slope, uvec2(0u))) * uvec2(lessThan(s.slope, vec2(0.0))) << 6;
+    if (!s.is_plane) slope = uvec2(64u, 0u);
     return min(depth, 0x7fffu) << 17 | slope.x << 10 | slope.y << 3 | s.reach;
 }
 
@@ -88,7 +92,7 @@ vxs_area_surface vxs_area_surface_of(uint lamp, uint word)
     float part = uintBitsToFloat((word >> 17 << 13) + 0x3f800000u) - (vxs_area.lamps[lamp].normal.w == vxs_area_far ? 1.0 : 0.0);
     uvec2 code = uvec2(word >> 10, word >> 3);
     vec2  root = vec2(code & 63u) / 63.0, slope = root * root * vxs_area_steepest * (1.0 - 2.0 * vec2(code >> 6 & 1u));
-    return vxs_area_surface(word == vxs_area_none ? VXS_NO_END : part * vxs_area.lamps[lamp].place.w, slope, word & vxs_area_reach);
+    return vxs_area_surface(word == vxs_area_none ? VXS_NO_END : part * vxs_area.lamps[lamp].place.w, slope, word & vxs_area_reach, (code.x & 127u) != 64u);
 }
 
 /* The word of a texel of a lamp's map.   maps  the first word of all maps */

@@ -6,13 +6,13 @@ layout(std430, binding = VXS_AT_GRID + 1) readonly buffer vxs_area_points { vec4
 
 const uint group_size = 64u;
 
-/* Normal of the plane through points [first, first + count), by least squares; 0: they are in a row, or on no plane.
- * off  how far from it they may be, RMS, metres */
-vec3 plane_of(uint first, uint count, vec3 at, float off)
+/* Normal of the plane through points [first, first + count), by least squares; 0: they are in a row, or far apart, or on no plane.
+ * point  one of them;   off  how far they may be from the plane, RMS, in the width of what the point stands for */
+vec3 plane_of(uint first, uint count, vec4 point, float off)
 {
     vec3 sum = vec3(0.0), squares = vec3(0.0), products = vec3(0.0);
     for (uint n = first; n < first + count; n++) {
-        vec3 from = points[n].xyz - at;
+        vec3 from = points[n].xyz - point.xyz;
         sum += from;
         squares += from * from;
         products += from.yzx * from.zxy;
@@ -20,15 +20,17 @@ vec3 plane_of(uint first, uint count, vec3 at, float off)
     vec3 mean = sum / float(count), along = squares / float(count) - mean * mean, both = products / float(count) - mean.yzx * mean.zxy;
     /* of their covariance the adjugate, whose columns are along the normal: the longest of them */
     vec3  minors = along.yzx * along.zxy - both * both, rest = both.yzx * both.zxy - both * along, normal = vec3(minors.x, rest.z, rest.y);
-    float size = dot(along, vec3(1.0));
+    float size = dot(along, vec3(1.0)), flat_size = dot(minors, vec3(1.0));
     if (minors.y > minors.x) normal = vec3(rest.z, minors.y, rest.x);
     if (minors.z > max(minors.x, minors.y)) normal = vec3(rest.y, rest.x, minors.z);
-    if (!(dot(minors, vec3(1.0)) > 0.01 * size * size && dot(normal, normal) > 0.0)) return vec3(0.0);
+    /* along a row of triangles points may be on a plane that is not their surface's */
+    if (!(flat_size > 0.05 * size * size && size < 0.5 * float(count) * point.w && dot(normal, normal) > 0.0)) return vec3(0.0);
     normal *= inversesqrt(dot(normal, normal));
-    return dot(normal * normal, along) + 2.0 * dot(normal.yzx * normal.zxy, both) <= off * off ? normal : vec3(0.0);
+    float square = dot(normal * normal, along) + 2.0 * dot(normal.yzx * normal.zxy, both);
+    return square <= off * off * point.w ? normal : vec3(0.0);
 }
 
-/* The normal of the surface that a point is on, by points about it, behind it or before it; 0: none of these are on a plane.
+/* The normal of the surface that a point is on, by points about it; near an edge of what is flat, by points behind it or before it. 0: these are on no plane.
  * first, count  points that follow each other, this one among them */
 vec3 normal_of(uint n, uint first, uint count)
 {
@@ -36,7 +38,7 @@ vec3 normal_of(uint n, uint first, uint count)
     const uint before[3] = uint[3](4u, 0u, 8u);
     vec3 normal = vec3(0.0);
     for (int k = 0; k < 3 && count >= some && normal == vec3(0.0); k++)
-        normal = plane_of(min(n - min(n - first, before[k]), first + count - some), some, points[n].xyz, 0.1 * sqrt(points[n].w));
+        normal = plane_of(min(n - min(n - first, before[k]), first + count - some), some, points[n], k == 0 ? 0.1 : 0.05);
     return normal;
 }
 
@@ -79,15 +81,17 @@ void splat(uint lamp, vec4 point, vec3 normal, float stands_for)
     vec2  at;
     float texel, depth = depth_of(lamp, way, side, at, texel);
     if (!(depth > 0.0)) return;
-    float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_frame.knobs.y * wide, most), radius = radius_of_1 * across * texel;
+    float wide = sqrt(point.w * stands_for) / texel, across = min(vxs_frame.knobs.y * wide, most);
     uint  reach = uint(log2(clamp(vxs_frame.knobs.z * wide, 2.0, most)));
+    if (!is_flat) across = max(across - 0.5 * float(1u << reach), min(across, 1.0)); /* so that it reaches no farther from its surface than it must */
+    float radius = radius_of_1 * across * texel;
     vec2  half_wide = vec2(0.5 * across);
     if (is_flat) /* what is nearer of it looks wider */
         half_wide = min((1.0 + min(radius / depth, 1.0)) * radius / texel * foreshortened(lamp, turned, at * (2.0 / float(side)) - 1.0), vec2(0.5 * most));
     ivec2 first = max(ivec2(ceil(at - half_wide - 0.5)), ivec2(0)), last = min(ivec2(floor(at + half_wide - 0.5)), ivec2(side - 1));
     for (int y = first.y; y <= last.y; y++)
         for (int x = first.x; x <= last.x; x++) {
-            vxs_area_surface s = vxs_area_surface(depth, vec2(0.0), reach);
+            vxs_area_surface s = vxs_area_surface(depth, vec2(0.0), reach, is_flat);
             if (is_flat) {
                 vec2 middle = vxs_area_middle(ivec2(x, y), side);
                 s = vxs_area_plane(lamp, turned, way, middle);

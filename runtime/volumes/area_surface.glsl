@@ -70,12 +70,15 @@ float vxs_area_lit(vxs_area_pixel p, uint n)
         texel = depth * vxs_area_texel(way, side, at);
     }
     vec2  from = floor(at - 0.5), part = at - 0.5 - from;
-    float slack = vxs_area_slack * depth + vxs_area_texel_slack * texel;
+    float slack = vxs_area_slack * depth;
     for (int k = 0; k < 4; k++) {
         ivec2 step = ivec2(k & 1, k >> 1), there = clamp(ivec2(from) + step, ivec2(0), ivec2(side - 1));
         vec2  near = abs(1.0 - vec2(step) - part);
-        float plane = vxs_area_plane(n, normal, way, vxs_area_middle(there, side)).depth, ends = plane > 0.0 ? min(plane, depth) : depth;
-        if (!(vxs_area_surface_of(n, vxs_area.words[vxs_area_map_word(vxs_frame.map.w, n, side, there)]).depth < ends - slack)) lit += near.x * near.y;
+        vxs_area_surface plane = vxs_area_plane(n, normal, way, vxs_area_middle(there, side));
+        vxs_area_surface first = vxs_area_surface_of(n, vxs_area.words[vxs_area_map_word(vxs_frame.map.w, n, side, there)]);
+        float ends = (plane.depth > 0.0 ? min(plane.depth, depth) : depth) - slack;
+        ends -= texel * exp2(float(first.reach)) * (first.is_plane ? vxs_area_texel_slack : 0.25 + 0.75 * min(length(plane.slope), 4.0));
+        if (!(first.depth < ends)) lit += near.x * near.y;
     }
     return lit;
 }

@@ -312,7 +312,7 @@ static void test_closed_forms(void **state)
         cast_room(&r, r.has_plate, SOME_POINTS);
         for (int k = 0; k < VIEWS; k++) {
             volumes_camera c        = camera_of(k);
-            int            asks_air = k % (int)repeats(4, 1) == 0;
+            int            asks_air = k % (int)repeats(8, 1) == 0;
             surfaces_of(&r, &c, &(vxs_area_look){.normal_texture = normals}, &surface);
             print_message("floor of %g m%s, %u lamps, eye %g %g %g: surfaces %.3f, a pixel %.3f at most, RMS %.3f",
                           2 * r.half_metres, r.has_plate ? ", half hidden" : "", count, c.eye[0], c.eye[1], c.eye[2], surface.mean,
@@ -336,7 +336,7 @@ static void test_ways_to_gather(void **state)
     const room               r = {20, 0};
     set_lamps(0, 64);
     cast_room(&r, 0, SOME_POINTS);
-    for (int k = 0; k < VIEWS; k += 5)
+    for (int k = 0; k < VIEWS; k += (int)repeats(10, 2))
         for (int which = 0; which <= VXS_AREA_QUARTER; which++) {
             volumes_camera c = camera_of(k);
             surfaces_of(&r, &c, &(vxs_area_look){.gather = (vxs_area_gather)which, .normal_texture = normals}, &surface);
@@ -377,14 +377,113 @@ static void test_more_is_no_worse(void **state)
     uint32_t   seeds = repeats(3, SEEDS_MOST);
     for (int by_points = 0; by_points < 2; by_points++) {
         double before = INFINITY, found[SEEDS_MOST];
-        for (uint32_t step = 0; step < 4; step++) {
-            uint32_t lamp_count = by_points ? 16 : 1U << 2 * step, point_count = by_points ? 1U << (12 + 2 * step) : SOME_POINTS;
+        for (uint32_t step = 0; step < repeats(3, 4); step++) {
+            uint32_t lamp_count = by_points ? 4 : 1U << 2 * step, point_count = by_points ? 1U << (12 + 2 * step) : SOME_POINTS;
             for (uint32_t seed = 0; seed < seeds; seed++) found[seed] = error_of(&r, seed, lamp_count, point_count);
             qsort(found, seeds, sizeof *found, by_size);
             print_message("%u lamps, %u points: RMS %.4f\n", lamp_count, point_count, found[seeds / 2]);
             assert_true(found[seeds / 2] < 1.05 * before);
             before = found[seeds / 2];
         }
+    }
+}
+
+/* a ball on a floor --------------------------------------------------------------------------------------------------------------- */
+
+enum { AROUND = 64, DOWN = 32, BALL_CORNERS = 4 + (AROUND + 1) * (DOWN + 1), BALL_TRIANGLES = 2 + 2 * AROUND * DOWN };
+static const double ball_at[3] = {0, 0.5, 0}, ball_radius = 0.5;
+
+/* Metres to the ball along a ray; INFINITY: it is not met. */
+static double to_ball(const double from[3], const double direction[3])
+{
+    double off[3] = {from[0] - ball_at[0], from[1] - ball_at[1], from[2] - ball_at[2]}, along = dot(off, direction),
+           square = along * along - dot(off, off) + ball_radius * ball_radius;
+    return square > 0 && -along - sqrt(square) > 0 ? -along - sqrt(square) : INFINITY;
+}
+
+/* Points by area of a ball in triangles, on a floor.   Returns their buffer */
+static GLuint scatter_ball(double half_metres, uint32_t point_count)
+{
+    static float    positions[3 * BALL_CORNERS];
+    static uint32_t corners[3 * BALL_TRIANGLES];
+    const room      r         = {half_metres, 0};
+    vxs_area_point *scattered = malloc(point_count * sizeof *scattered);
+    float           floor_and_panel[36];
+    uint32_t        floor_corners[18];
+    GLuint          buffer;
+    assert_non_null(scattered);
+    triangles(&r, floor_and_panel, floor_corners);
+    memcpy(positions, floor_and_panel, 12 * sizeof *positions);
+    memcpy(corners, floor_corners, 6 * sizeof *corners);
+    for (uint32_t n = 0; n < BALL_CORNERS - 4; n++) {
+        double polar = M_PI * (n / (AROUND + 1)) / DOWN, turn = 2 * M_PI * (n % (AROUND + 1)) / AROUND;
+        double way[3] = {sin(polar) * cos(turn), cos(polar), sin(polar) * sin(turn)};
+        for (uint32_t i = 0; i < 3; i++) positions[12 + 3 * n + i] = (float)(ball_at[i] + ball_radius * way[i]);
+    }
+    for (uint32_t n = 0; n < AROUND * DOWN; n++) {
+        uint32_t a = 4 + n / AROUND * (AROUND + 1) + n % AROUND, b = a + AROUND + 1, some[6] = {a, a + 1, b + 1, a, b + 1, b};
+        memcpy(corners + 6 + 6 * n, some, sizeof some);
+    }
+    assert_true(vxs_area_scatter(positions, corners, BALL_TRIANGLES, scattered, point_count) > 0);
+    scene.gl->GenBuffers(1, &buffer);
+    scene.gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+    scene.gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(point_count * sizeof *scattered), scattered, GL_STATIC_DRAW);
+    free(scattered);
+    return buffer;
+}
+
+/* What is round does not shade itself, from points that are .2 m apart, and that are in rows of triangles, as from many: surfaces against rays to each lamp. */
+static void test_ball(void **state)
+{
+    (void)state;
+    enum { COUNT = 16 };
+    static const uint32_t counts[] = {1 << 12, 1 << 18, 1 << 18};
+    static const double   floors[] = {6, 20, 6}, least[] = {0.95, 0.94, 0.985};
+    static float          depths[PIXELS], normal[4 * PIXELS], pixels[4 * PIXELS];
+    static double         wanted[2][PIXELS];
+    volumes_camera        c     = camera_at((double[3]){2, 1.6, 2}, (double[3]){0, 0.3, 0}, 0.5);
+    vxs_volumes_frame     frame = scene_frame(&scene, &c, &clear_air, VXS_AIR_EVERYWHERE, far_metres, NULL);
+    vxs_area_lamp         lamps[COUNT];
+    assert_int_equal(vxs_area_sample(&panel, VXS_AREA_IMPORTANCE, 0, lamps, COUNT), VXS_OK);
+    for (uint32_t n = 0; n < PIXELS; n++) {
+        double direction[3], place[3], up[3] = {0, 1, 0};
+        camera_ray(&scene, &c, n % WIDE, n / WIDE, direction);
+        double metres  = fmin(to_ball(c.eye, direction), -c.eye[1] / direction[1]);
+        int    is_ball = metres < -c.eye[1] / direction[1];
+        for (uint32_t i = 0; i < 3; i++) {
+            place[i] = c.eye[i] + metres * direction[i];
+            if (is_ball) up[i] = (place[i] - ball_at[i]) / ball_radius;
+            normal[4 * n + i] = (float)up[i];
+        }
+        depths[n]    = (float)(NEAR_METRES / (metres * dot(direction, c.forward)));
+        wanted[0][n] = wanted[1][n] = 0;
+        for (int k = 0; k < COUNT; k++) {
+            double way[3], square;
+            for (int i = 0; i < 3; i++) way[i] = (double)lamps[k].place[i] - place[i];
+            square      = dot(way, way);
+            double here = dot(way, up), lit = (double)lamps[k].colour[0] * here * way[1] / (square * square);
+            make_unit(way);
+            if (here > 0 && (is_ball || to_ball(place, way) == INFINITY)) wanted[is_ball][n] += lit;
+        }
+    }
+    scene.gl->TextureSubImage2D(scene.depths, 0, 0, 0, WIDE, HIGH, GL_RED, GL_FLOAT, depths);
+    scene.gl->TextureSubImage2D(normals, 0, 0, 0, WIDE, HIGH, GL_RGBA, GL_FLOAT, normal);
+    assert_int_equal(vxs_area_light_set(light, lamps, COUNT), VXS_OK);
+    for (int n = 0; n < 3; n++) {
+        GLuint buffer  = scatter_ball(floors[n], counts[n]);
+        double sums[4] = {0};
+        assert_int_equal(vxs_area_light_cast(light, &(vxs_area_casters){buffer, counts[n], 0}), VXS_OK);
+        scene.gl->DeleteBuffers(1, &buffer);
+        draw(&frame, &(vxs_area_look){.normal_texture = normals}, pixels);
+        scene.gl->GetTextureImage(vxs_area_light_irradiance(light), 0, GL_RGBA, GL_FLOAT, sizeof pixels, pixels);
+        for (uint32_t k = 0; k < PIXELS; k++) {
+            int is_ball = wanted[1][k] > 0;
+            sums[2 * is_ball] += (double)pixels[4 * k];
+            sums[2 * is_ball + 1] += wanted[is_ball][k];
+        }
+        print_message("a ball on a floor of %g m, %u points: the ball has %.3f of its light, the floor %.3f\n", 2 * floors[n],
+                      counts[n], sums[2] / sums[3], sums[0] / sums[1]);
+        for (int k = 0; k < 4; k += 2) assert_true(sums[k] / sums[k + 1] > least[n] && sums[k] / sums[k + 1] < 1.01);
     }
 }
 
@@ -403,6 +502,7 @@ int main(void)
         cmocka_unit_test(test_closed_forms),
         cmocka_unit_test(test_ways_to_gather),
         cmocka_unit_test(test_more_is_no_worse),
+        cmocka_unit_test(test_ball),
     };
     return cmocka_run_group_tests(tests, set_up, area_tear_down);
 }

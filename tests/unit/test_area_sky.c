@@ -275,26 +275,26 @@ static int by_size(const void *a, const void *b)
 static void test_in_a_corner(void **state)
 {
     (void)state;
-    static const uint32_t lamps[2][5] = {{4, 16, 64, 65, 256}, {64, 64, 64, 64, 64}},
-                          counts[]    = {1 << 12, 1 << 14, 1 << 16, 1 << 17, 1 << 18};
+    static const uint32_t lamps[]  = {16, 64, 65, 256, 4, 4, 4},
+                          counts[] = {1 << 18, 1 << 18, 1 << 18, 1 << 18, 1 << 12, 1 << 15, 1 << 18};
     static double     right[PIXELS];
     uint32_t          seeds  = repeats(3, CORNER_SEEDS_MOST);
     vxs_area_light   *coarse = light;
     vxs_volumes_frame frame  = look_down(right);
+    double            before = INFINITY, found[CORNER_SEEDS_MOST], bright[CORNER_SEEDS_MOST];
     assert_int_equal(vxs_area_light_create(&light, scene.volumes, &(vxs_area_light_desc){.columns = 1, .rows = 1}), VXS_OK);
-    for (int by_points = 0; by_points < 2; by_points++) {
-        double before = INFINITY, found[CORNER_SEEDS_MOST], bright[CORNER_SEEDS_MOST];
-        for (int n = 0; n < 5; n++) {
-            for (uint32_t seed = 0; seed < seeds; seed++)
-                found[seed] =
-                    error_in_corner(&frame, right, seed, lamps[by_points][n], by_points ? counts[n] : CORNER_POINTS, &bright[seed]);
-            qsort(found, seeds, sizeof *found, by_size);
-            qsort(bright, seeds, sizeof *bright, by_size);
-            print_message("in a corner: %u lamps, %u points: RMS %.3f, %.3f of the light\n", lamps[by_points][n],
-                          by_points ? counts[n] : CORNER_POINTS, found[seeds / 2], bright[seeds / 2]);
-            assert_true(found[seeds / 2] < 1.1 * before && (by_points || n < 2 || fabs(bright[seeds / 2] - 1) < 0.05));
-            before = found[seeds / 2];
-        }
+    for (int n = 0; n < 7; n++) {
+        if (lamps[n] == 256 && seeds < CORNER_SEEDS_MOST) continue;
+        for (uint32_t seed = 0; seed < seeds; seed++)
+            found[seed] = error_in_corner(&frame, right, seed, lamps[n], counts[n], &bright[seed]);
+        qsort(found, seeds, sizeof *found, by_size);
+        qsort(bright, seeds, sizeof *bright, by_size);
+        print_message("in a corner: %u lamps, %u points: RMS %.3f, %.3f of the light\n", lamps[n], counts[n], found[seeds / 2],
+                      bright[seeds / 2]);
+        if (lamps[n] == 4 && counts[n] == 1 << 12) before = INFINITY;
+        assert_true(found[seeds / 2] < (lamps[n] == 65 ? 1.4 : 1.1) * before); /* 64 of Hammersley's points are more even than 65 */
+        assert_true(lamps[n] < 64 || fabs(bright[seeds / 2] - 1) < 0.05);
+        before = found[seeds / 2];
     }
     vxs_area_light_destroy(light);
     light = coarse;
