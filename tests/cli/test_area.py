@@ -100,6 +100,42 @@ def test_light_of_a_quad(lit, tmp_path):
                 assert here / (both - here) == pytest.approx(RADIANCE[n] * wanted / math.sqrt(0.5), rel=0.05), (x, y, n)
 
 
+def floor_of(eye, target, x, y, fov=60):
+    """Where a pixel shows the floor; None: it shows none."""
+    def unit(v):
+        length = math.sqrt(sum(c * c for c in v))
+        return [c / length for c in v]
+    ahead = unit([t - e for t, e in zip(target, eye)])
+    right = unit([-ahead[2], 0, ahead[0]])
+    up = [right[1] * ahead[2] - right[2] * ahead[1], right[2] * ahead[0] - right[0] * ahead[2], right[0] * ahead[1] - right[1] * ahead[0]]
+    half = math.tan(math.radians(fov / 2))
+    across, down = half * (2 * x + 1 - SIZE[0]) / SIZE[1], half * (SIZE[1] - 2 * y - 1) / SIZE[1]
+    way = [a + across * r + down * u for a, r, u in zip(ahead, right, up)]
+    return [e - eye[1] / way[1] * w for e, w in zip(eye, way)] if way[1] < 0 else None
+
+
+@pytest.mark.parametrize("eye, target, points", [((3, 1.6, 7), (0, 0.3, 0), "scene"), ((5, 0.5, 4), (0, 0.2, 1), "scene"), ((3, 1.6, 7), (0, 0.3, 0), "asset")])
+def test_from_each_eye(vxs, lit, tmp_path, eye, target, points):
+    """A floor of 40 m has as much light, seen from wherever, by points of the scene as by those of a file."""
+    ground, place = [((-20, -1, -20), (20, 0, 20))], ["--eye", ",".join(map(str, eye)), "--target", ",".join(map(str, target)), "--fov", 60]
+    asked = *place, "--area", 64, "--area-gather", "each", "--exposure", -1, "--passes", tmp_path
+    _, found, folder = lit(*asked, boxes=ground)
+    if points == "asset":
+        vxs("bake", folder / "level.gltf", "-o", tmp_path / "points.vxs", "--resolution", 256, "--baseline", "off", "--points", 1 << 18)
+        vxs("render", folder / "level.gltf", tmp_path / "points.vxs", "-o", tmp_path / "out.png", "--width", SIZE[0], "--height", SIZE[1], "--samples", 1, "--force", *asked)
+    area, light = (read_png((tmp_path / name).read_bytes())[2] for name in ("area.png", "light.png"))
+    ratios, sums = [], [0, 0]
+    for x, y in ((x, y) for y in range(1, SIZE[1], 2) for x in range(1, SIZE[0], 3)):
+        at = floor_of(eye, target, x, y)
+        here, sun = linear(area[y][3 * x]), linear(light[y][3 * x]) - linear(area[y][3 * x])
+        if at is None or max(abs(at[0]), abs(at[2])) > 6 or sun < 0.9 * linear(light[-1][0]) - linear(area[-1][0]):  # in the shadow of a quad
+            continue
+        wanted = irradiance(at, 12) / math.sqrt(0.5)
+        ratios.append(here / sun / wanted)
+        sums = [sums[0] + here / sun, sums[1] + wanted]
+    assert len(ratios) > 100 and 0.9 < min(ratios) and max(ratios) < 1.1 and sums[0] == pytest.approx(sums[1], rel=0.02), (len(ratios), min(ratios), max(ratios), sums)
+
+
 def test_it_is_seen(lit):
     """From its front it is bright, from behind as dark as without light."""
     def middle(eye, *options):
