@@ -108,13 +108,22 @@ static vxs_result add_patterns(text_list *list, const json_t *patterns, message 
     return VXS_OK;
 }
 
+/* What was baked with an option was meant so. */
+static void take_word(const json_t *options, const char *key, const char *choices, int *value, int *given)
+{
+    const char *word  = json_string_value(json_object_get(options, key));
+    int         index = word ? choice_index(choices, word) : -1;
+    if (index < 0) return;
+    *value = index;
+    *given = 1;
+}
+
 vxs_result asset_scene_choice(const json_t *made, scene_choice *choice, message *m)
 {
-    if (choice->exclude.count || choice->include.count || choice->skinned_given) return VXS_OK;
     const json_t *options = json_object_get(made, "options");
-    const char   *skinned = json_string_value(json_object_get(options, "skinned"));
-    int           index   = skinned ? choice_index(SKINNED_CHOICES, skinned) : -1;
-    if (index >= 0) choice->skinned = index;
+    if (choice->exclude.count || choice->include.count || choice->skinned_given || choice->blend_given) return VXS_OK;
+    take_word(options, "skinned", SKINNED_CHOICES, &choice->skinned, &choice->skinned_given);
+    take_word(options, "blend", BLEND_CHOICES, &choice->blend, &choice->blend_given);
     vxs_result r = add_patterns(&choice->exclude, json_object_get(options, "exclude"), m);
     return r == VXS_OK ? add_patterns(&choice->include, json_object_get(options, "include"), m) : r;
 }

@@ -4,8 +4,6 @@
 import base64
 import gzip
 import json
-import os
-import pathlib
 import struct
 import subprocess
 import time
@@ -324,14 +322,6 @@ def test_files_out_of_the_scenes_folder(vxs, tmp_path):
 
 
 # --- what was found in public files ---------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def cases():
-    path = pathlib.Path(os.environ.get("VXS_CASES", ROOT.parent / "shared" / "cases"))
-    if not path.is_dir():
-        pytest.skip(f"no shared cases at {path}: set VXS_CASES")
-    return path
 
 
 CRATES = "0 .2 0\n1.5 .2 0\n"

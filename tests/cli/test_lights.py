@@ -234,6 +234,7 @@ def test_truth_of_a_filter_is_what_a_query_should_say(vxs, folder, assets, kind,
 
     lookups, rays = ask("query", assets[0], kind, k), ask("truth", folder / "small.gltf", "--like", assets[0], kind, k)
     from_points = ask("truth", folder / "small.gltf")
+    differ, differ_from_points = 0, 0
     for light in range(3):
         pairs = [(a[light], b[light]) for a, b in zip(lookups, rays, strict=True)]
         assert all((a == "out") == (b == "out") for a, b in pairs) and sum(a != "out" for a, _ in pairs) > 250
@@ -241,7 +242,9 @@ def test_truth_of_a_filter_is_what_a_query_should_say(vxs, folder, assets, kind,
         assert sum(e > 1e-6 for e in errors) < len(errors) / 200 and sum(errors) / len(errors) < 1e-3
         between = sum(0 < float(a) < 1 for a, _ in pairs if a != "out")
         assert between > 5 if k > 1 else between == 0
-        assert sum(e > 0 for e in errors) < sum(a[light] != b[light] for a, b in zip(lookups, from_points)), "single rays know no texel"
+        differ += sum(e > 0 for e in errors)
+        differ_from_points += sum(a[light] != b[light] for a, b in zip(lookups, from_points))
+    assert differ < differ_from_points, "single rays know no texel"
 
 
 def test_truth_like_a_file(vxs, folder, assets):

@@ -212,10 +212,8 @@ def test_vertices_that_move(vxs, tmp_path):
     assert not (tmp_path / "out.glb").exists()
 
 
-def test_a_georeferenced_scene(vxs, mend, scenes, tmp_path):
-    path = scenes.parent / "cases" / "files" / "mend_far_from_origin" / "georeferenced.gltf"
-    if not path.is_file():
-        pytest.skip(f"no {path}")
+def test_a_georeferenced_scene(vxs, mend, cases, tmp_path):
+    path = cases / "files" / "mend_far_from_origin" / "georeferenced.gltf"
     mend(path)
     boxes = [json.loads(vxs("plan", scene, "--sun", "0.3,-1,0.2", "--json", "-").stdout)["casters"] for scene in (path, tmp_path / "mended.glb")]
     for corner in ("min_m", "max_m"):

@@ -259,10 +259,8 @@ def test_stones_turned_inside_out(plan, tmp_path):
     assert planned["savings"][0]["file_bytes"] == solid["estimate"]["file_bytes"]
 
 
-def test_a_town_of_blender(plan, scenes):
-    folder = scenes.parent / "cases" / "files" / "double_sided_three_times"
-    if not folder.is_dir():
-        pytest.skip(f"no {folder}")
+def test_a_town_of_blender(plan, cases):
+    folder = cases / "files" / "double_sided_three_times"
     planned = plan(folder / "blender_default.gltf")
     assert planned["savings"][0]["option"] == "--closed on" and planned["savings"][0]["triangles"] == 3600
     assert 0.25 < planned["savings"][0]["file_bytes"] / planned["estimate"]["file_bytes"] < 0.5

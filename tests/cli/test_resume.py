@@ -257,7 +257,7 @@ def test_squares_that_are_far_too_large(vxs_path, city, tmp_path):
     name = min(os.listdir(kept))
     data = (kept / name).read_bytes()
     head = data[:32] + (3 * 2**30 - 48).to_bytes(8, "little")
-    for first, says in ((data[:40], "is not what was kept"), (b"", "is not what was kept"), (head, "has 3072.0 MiB, for which there is no memory")):
+    for first, says in ((data[:40], "is not what was kept"), (b"", "is not what was kept"), (head, "has 3.00 GiB, for which there is no memory")):
         (kept / name).write_bytes(first)
         os.truncate(kept / name, 3 * 2**30)
         done = subprocess.run(line + ["--memory", "100M"], stderr=subprocess.PIPE, text=True,

@@ -203,9 +203,10 @@ CASES = {
 }
 LIGHTS = [(case, light) for case, of in CASES.items() for light in of["lights"]]
 
+FAULTY = {case: "mesh 1 'broken' primitive 0 (node 1 'broken'): accessor 2: position 2 is not finite: 1 triangles left out"
+          for case in ("nan-vertices", "infinite-vertices")}  # what the warning says
+
 REFUSED = {  # exit status, and what the line says
-    "nan-vertices": (3, ["accessor 2", "position 2", "not finite"]),
-    "infinite-vertices": (3, ["accessor 2", "position 2", "not finite"]),
     "empty-scene": (5, ["no triangles"]),
     "no-light": (5, ["light"]),
 }
@@ -264,7 +265,7 @@ def answers(text):
 
 def test_every_case_has_its_test(vxs):
     listed = [line.split()[0] for line in vxs("scene", "stress", "--case", "list").stdout.splitlines()]
-    assert sorted(listed) == sorted({*CASES, *REFUSED})
+    assert sorted(listed) == sorted({*CASES, *FAULTY, *REFUSED})
 
 
 def test_every_case_is_documented(vxs):
@@ -274,7 +275,7 @@ def test_every_case_is_documented(vxs):
         assert f"| `{name}` | " in text and len(purpose) > 10
 
 
-@pytest.mark.parametrize("case", sorted({*CASES, *REFUSED}))
+@pytest.mark.parametrize("case", sorted({*CASES, *FAULTY, *REFUSED}))
 def test_same_bytes_again(vxs, scene, tmp_path, case):
     vxs("scene", "stress", "--case", case, "-o", tmp_path / "again.glb")
     assert (tmp_path / "again.glb").read_bytes() == scene(case).read_bytes()
@@ -286,6 +287,14 @@ def test_refused_with_one_line(vxs, scene, tmp_path, case):
     done = vxs("bake", scene(case), "-o", tmp_path / "a.vxs", status=status)
     assert done.stderr.startswith("vxs: error: ") and done.stderr.count("\n") == 1 and all(w in done.stderr for w in words)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("case", FAULTY)
+def test_a_fault_costs_its_part(vxs, scene, tmp_path, case):
+    for command in (("plan",), ("bake", "-o", tmp_path / "a.vxs", "--resolution", 256)):
+        done = vxs(command[0], scene(case), *command[1:])
+        assert done.stderr.startswith("vxs: warning: ") and done.stderr.count("\n") == 1 and FAULTY[case] in done.stderr
+        assert FAULTY[case] in vxs(command[0], scene(case), *command[1:], "--strict", status=1).stderr
 
 
 @pytest.mark.parametrize("case, light", LIGHTS)

@@ -90,7 +90,7 @@ def test_a_comparison_says_the_essential(vxs, folder, tmp_path, monkeypatch):
     assert text.endswith("\nresult       FAILED: more is wrong than --max-error 0; --verbose says where\n")
     other = small_scene.write(tmp_path / "other.gltf", boxes=(small_scene.GROUND, ((-5, 2, -5), (5, 3, 5))))
     text = vxs("compare", other, folder / "a.vxs", "--points", 2000, "--max-error", 0.001, "--other-scene", status=1).stdout
-    assert re.search(r"\nresult +FAILED: \d+ wrong answers that nothing explains, and more is wrong than --max-error 0.001; ", text)
+    assert re.search(r"\nresult +FAILED: \d+ wrong answers that nothing explains, and \d+ points in light deep behind casters, and more is wrong than --max-error 0.001; ", text)
 
 
 def test_several_assets_have_a_table(vxs, folder):
