@@ -134,11 +134,11 @@ static inline void bias_place_light(bias_stage *s, const bias_setup *o, rng *r)
         for (int n = 0; n < 3; n++) away[n] = -s->to_light_ws[n];
         for (int n = 0; n < 3; n++) at[n] = o->other_caster_m * away[n];
         bias_add_triangle(s, at, away, 1);
-    } else { /* a point light's above it; a spot's in its cone, 100 degrees from the way to the plane */
-        bias_direction(s, o->kind == VXS_BAKE_POINT ? 0 : 80 / 180.0 * BIAS_PI, turn + BIAS_PI, away);
+    } else { /* a point light's above it; a spot's in its cone, 104 degrees from the way to the plane, and so narrow that no filter reaches it */
+        bias_direction(s, o->kind == VXS_BAKE_POINT ? 0 : 76 / 180.0 * BIAS_PI, turn + BIAS_PI, away);
         bias_from_foot(s, 0, 0, BIAS_LAMP_METRES, at);
         vec3_mad(at, o->other_caster_m, away, at);
-        bias_add_triangle(s, at, away, 0.1 * o->other_caster_m);
+        bias_add_triangle(s, at, away, 0.005 * o->other_caster_m);
     }
 }
 
