@@ -91,6 +91,26 @@ def test_shader_asks_for_smoke(glslang, shader):
     glslang(text if shader.suffix == ".hlsl" else with_headers(text, (*HEADERS, "vxs_smoke.h")), shader.name, *options_of(shader.name))
 
 
+def test_light_in_the_air_in_hlsl(glslang):
+    """The law of light and airlight (docs/volumes.md) say that they are HLSL, too; GLSL is run by unit tests."""
+    text = (ROOT / "tests" / "shaders" / "lit.hlsl").read_text().partition("cbuffer")[0] + """#include "vxs_air_light.h"
+#include "vxs_air.h"
+#include "vxs_air_path.h"
+float3 main(float3 at : POSITION_WS, float3 eye : EYE, float3 direction : DIRECTION) : SV_Target
+{
+    vxs_medium    medium = {float3(0.1, 0.1, 0.1), float3(0.2, 0.2, 0.2), 0.3};
+    vxs_air_light lamp   = {2u, float3(0, 6, 0), float3(0, -1, 0), 0.8, 0.7, 0.01, 7.0};
+    float3        to_light, reaches, air;
+    vxs_air_reaches(medium, lamp, at, 1e30, to_light, reaches);
+    float2        in_fog;
+    vxs_air_path  path = vxs_air_path_of(lamp, eye, direction, 20.0, 1e30, in_fog);
+    vxs_air_lit(medium, path, path.begin, vxs_air_seen_to(medium, path, 12.0), air);
+    return reaches + air;
+}
+"""
+    glslang(text, "air.hlsl", *options_of("air.hlsl"), f"-I{ROOT / 'runtime' / 'volumes'}")
+
+
 def test_blocks_headers_alone(glslang):
     """For a shader that knows its voxels."""
     glslang(WORDS + COMPUTE + WORD + header("vxs_lookup.h") + header("vxs_lookup_blocks.h") +
