@@ -3,12 +3,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import math
+import os
+import re
 import subprocess
 import sys
 
 import pytest
 
 import small_scene
+from conftest import ROOT
 from exr import read_exr, white
 
 WIDTH, HEIGHT, FOV = 32, 24, 60
@@ -173,3 +176,13 @@ def test_case_of_ranges(vxs, cases, tmp_path):
             assert math.pi * scale * lit[y][middle] == pytest.approx(50 * 3 / r ** 3 * window(r, end) * math.exp(-0.02 * r), rel=1e-3, abs=1e-4)
             asked += 1
         assert asked > 10
+
+
+def test_case_of_a_ray_along_a_cone(cases, tmp_path):
+    """Exactly parallel to the side, and turned by a little: the same airlight, by a quadrature of the case's numbers (light/par.cpp)."""
+    subprocess.run([os.environ.get("CXX", "g++"), f"-I{ROOT}", f"-I{ROOT / 'formats'}", f"-I{ROOT / 'runtime'}", cases / "light" / "par.cpp", "-o", tmp_path / "par"],
+                   check=True)
+    said = re.findall(r"cone (\d+) deg, ray turned by \S+: airlight (\S+)", subprocess.run([tmp_path / "par"], capture_output=True, text=True, check=True).stdout)
+    assert len(said) == 9
+    for half, air in said:
+        assert float(air) == pytest.approx({"45": 4.05439e-4, "60": 4.42625e-4, "30": 3.81286e-4}[half], rel=1e-4)

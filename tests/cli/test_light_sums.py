@@ -3,6 +3,8 @@
 import base64
 import json
 import struct
+import subprocess
+import sys
 
 import pytest
 
@@ -78,3 +80,37 @@ def test_faint_lights_together(drawn):
     assert max(difference) < 1 / 6600, many[1]
     clear = radiance(drawn(1, 9, *camera[:-1], 0)[0])
     assert max(a - b for a, b in zip(radiance(one[0]), clear)) / white > 5 / 6600  # what there is to lose
+
+
+def drawn_case(vxs, folder, name, *options):
+    """Light on surfaces, or airlight where there is fog, of a case's scene, in cd/m2."""
+    scene, asset, part = folder / f"{name}.gltf", folder / f"{name}.vxs", "airlight" if "--fog" in options else "light"
+    if not asset.exists():
+        vxs("bake", scene, "-o", asset, "--resolution", 64, "--baseline", "off")
+    vxs("render", scene, asset, "-o", folder / "a.png", "--linear", folder / "a.exr", "--force", *SMALL, *options, "--passes", folder / "passes")
+    picture = read_exr((folder / "a.exr").read_bytes())
+    return radiance((*picture[:2], read_exr((folder / "passes" / f"{part}.exr").read_bytes())[2], picture[3])), struct.unpack("<f", picture[3]["whiteLuminance"][1])[0]
+
+
+@pytest.mark.long
+def test_case_of_many_lights(vxs, cases, tmp_path):
+    """1 lamp, and 1000 within 30 cm of it, of the same sum (light/many.py)."""
+    subprocess.run([sys.executable, cases / "light" / "many.py"], cwd=tmp_path, check=True)
+    camera = "--eye", "0,6,9", "--target", "0,0,0", "--fov", 40
+    one, many = (drawn_case(vxs, tmp_path, f"many{count}", *camera)[0] for count in (1, 1000))
+    assert sum(many) == pytest.approx(sum(one), rel=1e-3)
+    assert many == pytest.approx(one, rel=0.03, abs=0.03 * max(one))
+
+
+@pytest.mark.long
+def test_case_of_faint_lights(vxs, cases, tmp_path):
+    """1 lamp and 1000 of the same sum, far behind the eye: none of which alone can be seen in the fog (light/faint.py)."""
+    camera = "--eye", "0,2,14", "--target", "0,1,40", "--fov", 60, "--fog", 3e-3, "--fog-albedo", 1, "--fog-anisotropy", 0
+    lamps = []
+    for count in 1, 1000:
+        subprocess.run([sys.executable, cases / "light" / "faint.py", str(count), "9"], cwd=tmp_path, check=True)
+        both, white = drawn_case(vxs, tmp_path, f"faint{count}", *camera)
+        sun, _ = drawn_case(vxs, tmp_path, f"faint{count}", *camera, "--light", "sun")
+        lamps.append([a - b for a, b in zip(both, sun)])
+    assert max(lamps[0]) > 1 / 6600 * white
+    assert sum(lamps[1]) == pytest.approx(sum(lamps[0]), rel=0.03)
