@@ -350,7 +350,9 @@ static void test_ways_to_gather(void **state)
             air_of(&r, &c, &(vxs_area_look){.gather = (vxs_area_gather)which}, 8, &air);
             print_message("%s, eye %g %g %g: surfaces %.3f, RMS %.3f; air %.3f, RMS %.3f\n", names[which], c.eye[0], c.eye[1],
                           c.eye[2], surface.mean, surface.rms, air.mean, air.rms);
-            assert_true(fabs(surface.mean - 1) < 0.03 && fabs(air.mean - 1) < (which == VXS_AREA_NINTHS ? 0.08 : 0.05));
+            /* what is mixed of a quarter of 32 x 24 pixels is coarse where the light is a few of them wide */
+            assert_true(fabs(surface.mean - 1) < (which == VXS_AREA_QUARTER ? 0.06 : 0.03));
+            assert_true(fabs(air.mean - 1) < (which == VXS_AREA_NINTHS ? 0.08 : 0.05));
         }
 }
 
