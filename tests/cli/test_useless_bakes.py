@@ -344,7 +344,7 @@ def test_cases(vxs, cases, tmp_path, name, text):
         assert text in vxs(*command, "--strict", status=1).stderr
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_real_scenes(vxs_path, scenes):
     """All of them, from three suns: what is said is right. A town in the middle of a wide plane; a cave, and a closed room; files of one sheet."""
     said = {"truck_town.glb": "node 'OuterGroundMesh', make texels", "camp_and_cave_two_scenes.glb": "shadow of node 'mesh96187052'",
