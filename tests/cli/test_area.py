@@ -222,6 +222,7 @@ def test_points_of_strangers(vxs, cases, tmp_path):
         assert time.monotonic() - started < 60
 
 
+@pytest.mark.long
 def test_what_moves_casts(lit, tmp_path):
     """A block before the light darkens the floor as if it stood there, in each frame where it is then."""
     block, beyond = (((x - 0.4, 0.9, -0.4), (x + 0.4, 1.5, 0.4)) for x in (-0.7, 0.7))

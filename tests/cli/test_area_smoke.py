@@ -89,6 +89,7 @@ def test_plan(drawn):
     assert areas[1] == areas[2]
 
 
+@pytest.mark.long
 def test_baked_smoke_is_left_out(vxs, drawn, tmp_path):
     """What is baked of a grid is of the file's own lights: the plan says so."""
     small_scene.write(tmp_path / "clear.gltf", boxes=[small_scene.GROUND], lights=SUN)
@@ -107,6 +108,7 @@ def test_air(drawn):
     assert 0.5 * clear < dimmed < 0.9 * clear, (dimmed, clear)
 
 
+@pytest.mark.long
 def test_smoke_hides_the_air_behind_it(drawn):
     """That of area lights as that of all lights: a dense ball before the eye, on which they do not shine, has the air before it alone."""
     middle = SIZE[0] * SIZE[1] // 2 + SIZE[0] // 2

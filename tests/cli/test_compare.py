@@ -16,6 +16,7 @@ POINTS = int(os.environ.get("VXS_COMPARE_POINTS", 50000))  # of each kind, on th
 REAL = ("sponza dream_apartment kaykit_city voxel_district truck_town chess_board room_with_spheres_closed "
         "stanford_bunny_closed low_poly_terrain mountains_heightfield pandora_indoor dutch_ship_mask japanese_bridge_garden "
         "camp_and_cave_two_scenes sunlit_primitives skylight_hall_directional").split()
+LARGE = ("voxel_district", "chess_board", "stanford_bunny_closed", "kaykit_city")
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +98,7 @@ def test_errors_are_explained_and_fall_with_resolution(compare):
     assert 0 < time["lookup_ns"] and 0 < time["ray_ns"] and fine["lights"][0]["filters"] == []
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long) if name in LARGE else name for name in REAL])
 def test_real_scene(vxs, compare, scenes, tmp_path, name):
     """No fault at either size, and eight times the texels leave at most a third of the wrong random points."""
     wrong = {}

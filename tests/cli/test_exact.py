@@ -210,7 +210,7 @@ def test_every_voxel_of_fine_lamps(exact, scene, name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", GENERATED[:1] + SOME_SHARED)
+@pytest.mark.parametrize("name", GENERATED[:1] + (SOME_SHARED if EVERY else []))
 def test_every_voxel_of_lamps_after_every_stage_with_each_rule(exact, scene, name):
     assert_complete(exact(scene(name), *LAMPS, "--resolution", 256, stop=STOPS, rule=RULES), 256)
     assert_complete(exact(scene(name), *LAMPS, "--resolution", 256, closed=["on", "off"], exit=["peel", "back"]), 256)

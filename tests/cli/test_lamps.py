@@ -10,6 +10,7 @@ import lamps
 SCENES = ["camp_and_cave_two_scenes", "chess_board", "dream_apartment", "dutch_ship_mask", "japanese_bridge_garden", "kaykit_city",
           "kaykit_city_gpu_instancing", "low_poly_terrain", "mountains_heightfield", "pandora_indoor", "room_with_spheres_closed",
           "skylight_hall_directional", "sponza", "stanford_bunny_closed", "sunlit_primitives", "truck_town", "voxel_district"]
+LARGE = ["dream_apartment", "dutch_ship_mask", "kaykit_city_gpu_instancing", "mountains_heightfield", "stanford_bunny_closed", "voxel_district"]
 
 
 def bounds(vxs, scene, folder):
@@ -32,7 +33,7 @@ def hung(scene, box, folder):
                                            lamps.point("bulb", at(0.41, 0.62, 0.57))])
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long) if name in LARGE else name for name in SCENES])
 def test_lamps_against_rays(vxs, scenes, tmp_path, name):
     source = scenes / "real" / f"{name}.glb"
     if not source.is_file():

@@ -36,6 +36,7 @@ def rows(text, *begin):
     return [row for row in cells if row[:len(begin)] == list(begin)]
 
 
+@pytest.mark.long
 def test_ablation(measure, tmp_path):
     printed = measure("ablation.py", "--json", tmp_path / "ablation", ABLATION_RESOLUTIONS="32 64", ABLATION_RUNS="1")
     results = {path.stem: json.loads(path.read_text()) for path in (tmp_path / "ablation").glob("*.json")}
