@@ -15,7 +15,7 @@ static size_t count_components(const casters *c)
     return count;
 }
 
-/* Boxes and counts of the objects that list->of tells. */
+/* Boxes and counts of the objects in list->of. */
 static void fill(object_list *list, const casters *c, size_t components)
 {
     for (size_t n = 0; n < list->count; n++) list->items[n] = (scene_object){.around = box_empty(), .component = UINT32_MAX};

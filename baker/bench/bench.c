@@ -188,7 +188,7 @@ static vxs_result run_rounds(bench_work *w, message *m)
 
 /* Scenes from pipes ------------------------------------------------------------------------------------------------------------ */
 
-/* A GLB, or text that may be glTF; of what is neither, its first bytes are enough for the bake that says so. */
+/* A GLB, or text that may be glTF, is read whole. Of anything else the first bytes are enough: the bake refuses it. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
     size_t at = size_bytes >= 3 && !memcmp(first, "\xef\xbb\xbf", 3) ? 3 : 0;

@@ -53,7 +53,7 @@ vxs_result children_begin(children *c, message *m)
         return fail(m, VXS_E_WRITE, "cannot make a folder for temporary files in %s: %s", parent, strerror(failed));
     }
     c->folder = folder;
-    c->names  = folder ? opendir(folder) : NULL; /* now, as it takes memory, which there may be none of in the end */
+    c->names  = folder ? opendir(folder) : NULL; /* now: it takes memory, and later there may be none */
     c->asset  = folder ? path_in(folder, "asset.vxs") : NULL;
     c->report = folder ? path_in(folder, "report.json") : NULL;
     c->errors = folder ? path_in(folder, "errors.txt") : NULL;

@@ -283,7 +283,7 @@ static vxs_result make_truth(truth **t, casters *casting, const subject *s, uint
 typedef struct pixels {
     uint8_t *rgb;    /* [3 * width * height] as renderer_draw has them */
     float   *linear; /* likewise, as renderer_read_linear has them; NULL: they are not asked for */
-    double   white;  /* as renderer_white has it; 0: nobody knows */
+    double   white;  /* as renderer_white has it; 0: unknown */
 } pixels;
 
 static vxs_result draw_by_rays(const render_command *c, const subject *s, const pixels *to, message *m)

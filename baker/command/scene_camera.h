@@ -12,7 +12,7 @@
  * Returns VXS_OK; VXS_E_ARGUMENT: none, several, or one whose numbers are unsound. */
 vxs_result scene_camera_find(const scene_view **view, const scene *s, const char *name, const char *path, message *m);
 
-/* The size of its picture: what is given stays, and what is not follows from the camera's shape; 1280 x 720 is the default of both. */
+/* The size of its picture: a side that is not given follows from the camera's shape; the defaults are 1280 x 720. */
 void scene_camera_size(const scene_view *view, int width_given, int height_given, uint32_t side_max, uint32_t *width, uint32_t *height);
 
 /* An orthographic camera is put so far away, and its angle is so small, that lines along its axis are parallel to a thousandth.

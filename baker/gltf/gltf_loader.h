@@ -598,7 +598,7 @@ void select_casters(loader &l, const std::vector<int> &parent);
 /* The rule by which a node's primitive casts no shadow, a number of l.exclusions, or CASTS. */
 size_t exclusion_of(const loader &l, size_t node, const tinygltf::Primitive &p);
 
-/* Warn of what is excluded, and nobody asked for. */
+/* Warn of what is excluded without an option that asks for it. */
 void warn_about_skinned(loader &l);
 
 /* What was excluded, into the scene, once all that is left out is known. */

@@ -149,7 +149,7 @@ void check_references(loader &l)
     }
 }
 
-/* The scene that is meant where none is asked for. */
+/* The scene to take where no option names one. */
 static int default_scene(loader &l)
 {
     const auto &scenes = l.model.scenes;

@@ -148,7 +148,7 @@ static vxs_result add_named(const scene *s, const light_choice *all, const char 
                 meant_light(all, name, meant));
 }
 
-/* ---- what is not baked though nobody chose ---- */
+/* ---- what is left out without an option ---- */
 
 enum { SHOWN = 3 };
 
