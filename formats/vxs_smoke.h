@@ -107,6 +107,8 @@ VXS_FN vxs_real vxs_smoke_left(VXS_WORDS smoke, VXS_LIGHT light, const vxs_real3
     vxs_i32   map  = vxs_smoke_place(light, point_ws, VXS_REAL(side), place);
     vxs_real  left = VXS_REAL(0.0), depth = (place[2] - vxs_real_of(vxs_word(smoke, 1u))) / vxs_real_of(vxs_word(smoke, 2u));
     if (map < 0) return VXS_REAL(1.0);
+    for (vxs_i32 k = 0; k < 2; k++) /* infinite for a point beside a spot whose cone is a half space */
+        place[k] = !(place[k] > 0.0) ? VXS_REAL(0.0) : place[k] < VXS_REAL(side) ? place[k] : VXS_REAL(side);
     vxs_i32  x = vxs_clamped(floor(place[0] - 0.5)), y = vxs_clamped(floor(place[1] - 0.5));
     vxs_real across = place[0] - 0.5 - VXS_REAL(x), down = place[1] - 0.5 - VXS_REAL(y);
     for (vxs_i32 n = 0; n < 4; n++) {
