@@ -570,6 +570,7 @@ int cmd_render(int argc, char **argv)
                                                 .sky_light    = 1,
                                                 .threads      = parallel_default_threads()},
                               .filter.box_px = 5,
+                              .frames        = 60,
                               .fog           = FOG_DEFAULTS};
     render_options *o      = &c.options;
     camera_pose    *camera = &c.camera.camera;

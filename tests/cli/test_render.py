@@ -69,6 +69,10 @@ def test_path_is_smooth(level, render):
     assert eyes[9][0] > 4 and 3 < eyes[9][2] < 4 and all(eye[1] == pytest.approx(9) for eye in eyes)
 
 
+def test_an_orbit_has_60_frames(level, render):
+    assert len(report(level, render, "sun", "--orbit")["frames"]) == 60
+
+
 def test_orbit(level, render):
     found = report(level, render, "all", "--orbit", "--frames", 8, "--eye", "12,9,0", "--target", "0,1,0")
     for frame in found["frames"]:
