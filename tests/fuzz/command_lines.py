@@ -42,6 +42,8 @@ CHEAP = {"--resolution": "16", "--points": "20", "--runs": "1", "--width": "16",
 SANITIZERS = {"ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
 # accepted, so that a command line of bake is one of plan, and not written
 NOT_WRITTEN = {("plan", "-o"), ("plan", "--report")}
+# values of options that name a folder into which files are written
+FOLDERS = ("FOLDER", "DIR")
 # what belongs to a scene
 BELONGS = {"level.gltf": ("level data.bin", "wall.png", "unread.bin"), "here/level.gltf": ("level data.bin", "wall.png", "unread.bin")}
 
@@ -148,7 +150,7 @@ def value_of(chance, command, option, names):
         return chance.choice(["", "-1", "0", "nan", "1e999", "x" * 5000, "%s%n", "1,2", "\N{SNOWMAN}", "--json", "-"])
     if "|" in value:
         return chance.choice(value.split("|"))
-    if is_output or re.search(r"FILE|OUT|\.\w+$", value):
+    if is_output or value in FOLDERS or re.search(r"FILE|OUT|\.\w+$", value):
         return any_path(chance, names)
     if value.startswith("[NAME=]") and chance.random() < 0.3:
         return chance.choice(["sun=", "lamp=", "nobody=", "="]) + chance.choice(["16", "0,-1,0", "1,-1"])
@@ -181,7 +183,7 @@ class Line:
 
     def __init__(self, chance, commands, names):
         command = self.command = chance.choices(commands, [1 if c.name in ("bench", "compare") else 6 for c in commands])[0]
-        self.inputs, self.scenes, self.outputs, options = [], [], [], []
+        self.inputs, self.scenes, self.outputs, self.folders, options = [], [], [], [], []
         chosen = [o for o in command.options if chance.random() < 2 / len(command.options) or o in ("--json", "--report", "--force")
                   and chance.random() < 0.3]
         chosen += [o for o in command.required if chance.random() < 0.97 and o not in chosen]
@@ -206,6 +208,8 @@ class Line:
             options.append([f"{option}={text}"] if option.startswith("--") and chance.random() < 0.3 else [option, text])
             if is_output:
                 self.outputs.append((option, text))
+            elif value in FOLDERS:
+                self.folders.append(text)
             elif re.search(r"FILE|\.\w+$", value):
                 self.inputs.append(text)
         if chance.random() < 0.03:
@@ -272,13 +276,14 @@ def faults(line, folder, before, status, errors):
         yield f"exit status {status}, and {len(said)} lines of errors"
 
     allowed = set(outputs)  # real paths
+    folders = tuple((real_path(folder, path) + "/").removeprefix("./") for path in line.folders if path)
     appended = files.get(real_path(folder, line.stdout)) if line.stdout else None
     for path in sorted(files.keys() | now.keys()):
         old, new = files.get(path), now.get(path)
         if old == new or (old and stat.S_ISDIR(old[1]) and new and old[1:] == new[1:]):
             continue
         is_appended = old and appended and old[0] == appended[0]
-        if path not in allowed and not is_appended:
+        if path not in allowed and not path.startswith(folders) and path + "/" not in folders and not is_appended:
             yield f"{path} is no output, and was {'changed' if old and new else 'removed' if old else 'made'}"
         elif old and old[0] in inputs and not line.asks_for_help:
             yield f"{path} is an input, and was changed"
