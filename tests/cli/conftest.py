@@ -87,21 +87,24 @@ def browser():
     started.close()
 
 
+def shared(name):
+    """A folder of the shared ones: VXS_SCENES or VXS_CASES, or ../shared/NAME beside the checkout."""
+    variable = f"VXS_{name.upper()}"
+    path = pathlib.Path(os.environ.get(variable, ROOT.parent / "shared" / name))
+    if not path.is_dir():
+        pytest.skip(f"no shared {name} at {path}: set {variable}")
+    return path
+
+
 @pytest.fixture(scope="session")
 def scenes():
-    path = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "scenes"))
-    if not path.is_dir():
-        pytest.skip(f"no shared scenes at {path}: set VXS_SCENES")
-    return path
+    return shared("scenes")
 
 
 @pytest.fixture(scope="session")
 def cases():
-    """Inputs on which vxs was wrong: VXS_CASES, or ../shared/cases beside the checkout."""
-    path = pathlib.Path(os.environ.get("VXS_CASES", ROOT.parent / "shared" / "cases"))
-    if not path.is_dir():
-        pytest.skip(f"no shared cases at {path}: set VXS_CASES")
-    return path
+    """Inputs on which vxs was wrong."""
+    return shared("cases")
 
 
 def open_terminal():
