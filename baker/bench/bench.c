@@ -15,6 +15,7 @@
 #include "baker/base/version.h"
 #include "baker/bench/bench_cell.h"
 #include "baker/bench/bench_text.h"
+#include "baker/files/foreign_file.h"
 #include "baker/files/input_file.h"
 #include "baker/files/json_file.h"
 #include "baker/measure/clock.h"
@@ -191,10 +192,8 @@ static vxs_result run_rounds(bench_work *w, message *m)
 /* A GLB, or text that may be glTF, is read whole. Of anything else the first bytes are enough: the bake refuses it. */
 static uint64_t wanted_bytes(void *user, const uint8_t *first, size_t size_bytes)
 {
-    size_t at = size_bytes >= 3 && !memcmp(first, "\xef\xbb\xbf", 3) ? 3 : 0;
     (void)user;
-    while (at < size_bytes && strchr(" \t\r\n", first[at]) && first[at]) at++;
-    return (at < size_bytes && first[at] == '{') || (size_bytes >= 4 && !memcmp(first, "glTF", 4)) ? UINT64_MAX : 0;
+    return may_be_gltf(first, size_bytes) ? UINT64_MAX : 0;
 }
 
 /* Each run reads its scene again, which a pipe gives once: a copy in memory.

@@ -163,3 +163,11 @@ const char *foreign_file_text(char text[FOREIGN_BYTES], const void *bytes, size_
     snprintf(text, FOREIGN_BYTES, "%s", found);
     return text;
 }
+
+int may_be_gltf(const uint8_t *bytes, size_t size)
+{
+    size_t at = size >= 3 && !memcmp(bytes, "\xef\xbb\xbf", 3) ? 3 : 0;
+    if (size >= 12 && !memcmp(bytes, "glTF", 4)) return 1;
+    while (at < size && bytes[at] && strchr(" \t\r\n", bytes[at])) at++;
+    return at < size && bytes[at] == '{' && !(at + 1 < size && !bytes[at + 1]);
+}

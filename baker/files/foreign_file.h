@@ -19,6 +19,9 @@ enum { FOREIGN_BYTES = 160, FOREIGN_LOOKED_AT = 4096 };
  * Returns text, or NULL where it is none of the kinds that are known here. */
 const char *foreign_file_text(char text[FOREIGN_BYTES], const void *bytes, size_t size, uint64_t total_bytes);
 
+/* Whether a file that begins so may be glTF: a GLB, or JSON in an encoding of one byte a letter. */
+int may_be_gltf(const uint8_t *bytes, size_t size);
+
 #ifdef __cplusplus
 }
 #endif

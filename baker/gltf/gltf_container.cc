@@ -66,15 +66,11 @@ file_bytes read_bytes(loader &l, const char *path, size_t limit, bool regular_on
  * Returns how many bytes are to be read at most. */
 static size_t look_at_scene(loader &l, const unsigned char *bytes, size_t size, uint64_t total_bytes)
 {
-    char   text[FOREIGN_BYTES];
-    size_t blank = 0, letter = size >= 3 && !memcmp(bytes, "\xef\xbb\xbf", 3) ? 3 : 0;
-    bool   is_glb = size >= 12 && !memcmp(bytes, "glTF", 4);
-    while (letter + blank < size && strchr(" \t\r\n", bytes[letter + blank]) && bytes[letter + blank]) blank++;
-    bool is_json =
-        letter + blank < size && bytes[letter + blank] == '{' && !(letter + blank + 1 < size && !bytes[letter + blank + 1]);
-    if (!is_glb && !is_json && foreign_file_text(text, bytes, size, total_bytes)) l.refused("", "is %s, expected glTF", text);
+    char text[FOREIGN_BYTES];
+    bool is_glb = size >= 12 && !memcmp(bytes, "glTF", 4), is_gltf = may_be_gltf(bytes, size);
+    if (!is_gltf && foreign_file_text(text, bytes, size, total_bytes)) l.refused("", "is %s, expected glTF", text);
     if (total_bytes >= FILE_BYTES_MAX) l.refused("", "is 4 GiB or larger, and a glTF file is less");
-    if (!is_glb && !is_json) return size;
+    if (!is_gltf) return size;
     uint32_t length = 0;
     if (is_glb) memcpy(&length, bytes + 8, sizeof length);
     return is_glb && !total_bytes && le32toh(length) >= 20 ? le32toh(length) : FILE_BYTES_MAX;
