@@ -99,6 +99,8 @@ static inline int32_t clear_state(const vxs_baked_light *baked, const vxs_ray *r
     }
     far = l->kind == VXS_LIGHT_KIND_DIRECTIONAL ? 0.05 : precision.wide * away;
     if (l->kind != VXS_LIGHT_KIND_DIRECTIONAL && fmin(l->texel_metres, l->voxel_metres) < precision.wide) return -1;
+    /* In texels so wide, `far` is less than the rounding of a coordinate. */
+    if (l->kind != VXS_LIGHT_KIND_DIRECTIONAL && precision.wide < precision.sum * (1u << l->levels) * l->texel_metres) return -1;
     if (!(far > precision.sum * most) || far > 1e100 || !((end - begin) * speed > far)) return -1;
     int32_t state = state_at(baked, point);
     for (int corner = 0; corner < 8; corner++) {
